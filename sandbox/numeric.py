@@ -9,6 +9,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 """Quantities, 8 bytes each."""
+Matrix = Array
+"""The same, with two axes where a compiled function takes it."""
+Stack = Array
+"""The same, with three axes."""
 Integers = NDArray[np.int64]
 """Places in other arrays, and counts."""
 Flags = NDArray[np.bool_]

@@ -53,6 +53,12 @@ class Progress:
         left = f"{clock_time(elapsed * (1 - fraction) / fraction)} left" if fraction > 0 else ""
         return f"{self._label:<9} [{bar}] {fraction:4.0%}  {left:<14}"
 
+    def clear(self) -> None:
+        """Remove the bar from the screen."""
+        if self._on_screen:
+            click.echo(f"\r{' ' * self._on_screen}\r", err=True, nl=False)
+            self._on_screen = 0
+
     def __enter__(self) -> Self:
         return self
 
@@ -60,8 +66,7 @@ class Progress:
         self, kind: type[BaseException] | None, error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if self._on_screen:
-            click.echo(f"\r{' ' * self._on_screen}\r", err=True, nl=False)
+        self.clear()
 
 
 class NowAndThen:

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from sandbox.engine import memory as at
-from sandbox.engine.fingerprint import KERNELS
+from sandbox.engine.entry_points import CalledFromPython
 from sandbox.engine.fluid_report import contained
 from sandbox.engine.fluids import swell
 from sandbox.engine.forces import act, begin, let_go, pull, stretch
-from sandbox.engine.kernel import inlined, kept_on_disk, kernel
+from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import press
 from sandbox.engine.native import call_each, call_step
-from sandbox.engine.snapshot import list_contacts, room_to_keep, take
+from sandbox.engine.snapshot import room_to_keep, take
 from sandbox.engine.solve import SETTLED, solve
 from sandbox.engine.ties import let_go_or_take_up, run_surfaces
 from sandbox.engine.touching import list_touches, short
 from sandbox.engine.work import add_work
-from sandbox.numeric import Array, Integers, Records
+from sandbox.numeric import Array, Matrix, Stack
 
 FAR = 1e6
 """Motion is sound while nothing is further out or faster than this [m, rad, m/s, rad/s]."""
@@ -54,7 +52,7 @@ def _moving(speeds: Array) -> bool:
 
 
 @kernel
-def _again(table: Integers, drive: Array, speeds: Array) -> bool:
+def _again(table: int, drive: Array, speeds: Array) -> bool:
     """Whether all is at rest, and this step, with these inputs, the last one over again."""
     standing, last = at.standing(table), at.last_drive(table)
     if standing[1] and (_changed(last, drive) or _moving(speeds)):
@@ -64,8 +62,8 @@ def _again(table: Integers, drive: Array, speeds: Array) -> bool:
     return bool(standing[1] > SETTLED + 1)
 
 
-@inlined
-def _move(table: Integers, h: float) -> bool:
+@kernel
+def _move(table: int, h: float) -> bool:
     """Move the bodies, unless a step is half made; whether there is room for what is near then."""
     touching = at.touching(table)
     if not touching[1]:
@@ -76,8 +74,8 @@ def _move(table: Integers, h: float) -> bool:
     return not touching[1]
 
 
-@inlined
-def _push(table: Integers, h: float, drive: Array, speeds: Array) -> bool:
+@kernel
+def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
     """Find the velocities after the step and hand them on; whether the motion is sound."""
     body, velocity = at.body(table), at.velocity(table)
     let_go_or_take_up(table, drive)
@@ -100,42 +98,29 @@ def _push(table: Integers, h: float, drive: Array, speeds: Array) -> bool:
     return bool(sound(h, body)) and bool(contained(table))
 
 
-def _compiled(sources: int) -> Any:
-    @kept_on_disk
-    def advance(
-        table: Integers, h: float, drive: Array, speeds: Array, due: int, every: int,
-    ) -> int:
-        """Make one step for each row of ``drive`` [n, nd]; how many were made and left it sound.
+@CalledFromPython
+def advance(
+    table: int, h: float, drive: Matrix, speeds: Stack, due: int, every: int,
+) -> int:
+    """Make one step for each row of ``drive`` [n, nd]; how many were made and left it sound.
 
-        Step ``due`` of these, counted from 1, is kept as a sample, and then each ``every``-th.
-        Fewer are made where the motion is no longer sound; where there is no room to keep the
-        next sample; and where there is none for what touches. That step is then left half made:
-        bodies moved, ``touching[1]`` set.
+    Step ``due`` of these, counted from 1, is kept as a sample, and then each ``every``-th.
+    Fewer are made where the motion is no longer sound; where there is no room to keep the
+    next sample; and where there is none for what touches. That step is then left half made:
+    bodies moved, ``touching[1]`` set.
 
-        ``speeds`` [n, ns, 3] are the velocities of scheduled bodies after each step, ``table``
-        is that of :class:`sandbox.engine.memory.Memory`.
-        """
-        assert sources != 0  # see sandbox.engine.fingerprint
-        for i in range(len(drive)):
-            due -= 1
-            if due == 0 and not room_to_keep(table):
-                return i
-            at.made(table)[1] = i
-            if not _again(table, drive[i], speeds[i]) and not (
-                    _move(table, h) and _push(table, h, drive[i], speeds[i])):
-                return i
-            if due == 0:
-                take(table, h, drive[i])
-                due = every
-        return len(drive)
-
-    @kept_on_disk
-    def list_now(touches: Records, count: int, body: Array, out: Records) -> int:
-        """Note those of the last step's contacts that carry something; how many."""
-        assert sources != 0
-        return int(list_contacts(touches, count, body, out, 0))
-
-    return advance, list_now
-
-
-advance, list_now = _compiled(KERNELS)
+    ``speeds`` [n, ns, 3] are the velocities of scheduled bodies after each step, ``table``
+    is that of :class:`sandbox.engine.memory.Memory`.
+    """
+    for i in range(len(drive)):
+        due -= 1
+        if due == 0 and not room_to_keep(table):
+            return i
+        at.made(table)[1] = i
+        if not _again(table, drive[i], speeds[i]) and not (
+                _move(table, h) and _push(table, h, drive[i], speeds[i])):
+            return i
+        if due == 0:
+            take(table, h, drive[i])
+            due = every
+    return len(drive)

@@ -26,7 +26,8 @@ from __future__ import annotations
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.kernel import ZERO, kernel
+from sandbox.engine.entry_points import entry_point
+from sandbox.engine.kernel import kernel
 from sandbox.engine.state import DRIVEN, LIMITED, NORMAL, PRESSED, PULLED, RUBBING, SLIPPING
 from sandbox.numeric import Array, Integers, Records
 
@@ -52,11 +53,14 @@ SHARE, ALONE = 0.3, 3
 """Later those change that are wrong by this share of the worst; every so many rounds it alone."""
 
 
-@kernel
-def columns(
-    table: Integers, rows: Records, first: int, count: int, Y: Array, reached: Integers,
-) -> None:
-    """Y = L^-1 R W C^T of the rows from ``first`` on, along their own branches; 0 elsewhere."""
+@entry_point()
+def columns(table: int, begin: int, first: int, count: int) -> None:
+    """Y = L^-1 R W C^T of the rows from ``first`` on, along their own branches; 0 elsewhere.
+
+    Rows are counted from ``begin``.
+    """
+    rows, Y, reached = (
+        at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
     hubs, entry_row, WJ = at.hubs(table), at.entry_row(table), at.entries(table)[1]
     body_starts, body_entries = at.body_starts(table), at.body_entries(table)
     branch_starts, branches = at.branch_starts(table), at.branches(table)
@@ -106,14 +110,14 @@ def wipe(rows: Records, count: int, Y: Array, reached: Integers) -> None:
         rows[k]["branch"] = 0
 
 
-@kernel
-def couple(
-    table: Integers, rows: Records, first: int, count: int, Y: Array, reached: Integers,
-) -> None:
-    """G, and y without bounded impulses, for the rows from ``first`` on.
+@entry_point()
+def couple(table: int, begin: int, first: int, count: int) -> None:
+    """G, and y without bounded impulses, for the rows from ``first`` on, counted from ``begin``.
 
     To a row that joints hold less is left than what holds its impulse: it is left out.
     """
+    rows, Y, reached = (
+        at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
     hubs, inverse_mass, free = at.hubs(table), at.inverse_mass(table), at.free(table)
     values, solved, G = at.values(table), at.unknowns(table)[2], at.delassus(table)
     diagonal = len(values) - len(solved)
@@ -235,7 +239,7 @@ def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sla
 @kernel
 def _choose(rows: Records, n: int, chosen: Integers) -> int:
     """The rows with y = 0."""
-    m = ZERO
+    m = 0
     for k in range(n):
         t = rows[k]["normal"]
         if rows[k]["mode"] == 0 and (t < 0 or rows[t]["mode"] == 0):

@@ -18,12 +18,12 @@ import math
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import push
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.report import add_limit, joint_force
 from sandbox.engine.state import DRIVEN, GRIPPED, LIMITED, RUBBING
 from sandbox.engine.tie_state import CORDED, JOINED, STRAIGHT
 from sandbox.engine.ties import empty_joint, empty_row, holds
-from sandbox.numeric import Integers
 
 TOGETHER = 1e-6
 """Share of a step within which two loads are come to at once."""
@@ -31,8 +31,8 @@ NEVER = 2.0
 """As the share of the step at which a load was come to: it was not."""
 
 
-@kernel
-def breaks(table: Integers, h: float, n: int) -> bool:
+@entry_point("ties")
+def breaks(table: int, h: float, n: int) -> bool:
     """Let go of what came to its load first in this step, of n bounded rows; whether any did.
 
     What comes to it at the same instant, as two alike do, goes with it: alone the other would seem
@@ -62,7 +62,7 @@ def breaks(table: Integers, h: float, n: int) -> bool:
 
 
 @kernel
-def _note(table: Integers, tie: int, when: float) -> None:
+def _note(table: int, tie: int, when: float) -> None:
     """Write down when something broke, while there is room."""
     made, broken = at.made(table), at.broken(table)
     if made[2] < len(broken):
@@ -85,7 +85,7 @@ def _when(load: float, most: float, last: float) -> float:
 
 
 @kernel
-def _load(table: Integers, h: float, n: int, tie: int) -> float:
+def _load(table: int, h: float, n: int, tie: int) -> float:
     """The size of what something carries [N, N m]."""
     what, i, unknown = at.ties(table)[tie]["what"], at.ties(table)[tie]["index"], (
         at.unknowns(table)[3])
@@ -116,7 +116,7 @@ def _load(table: Integers, h: float, n: int, tie: int) -> float:
 
 
 @kernel
-def _tension(table: Integers, h: float, i: int) -> float:
+def _tension(table: int, h: float, i: int) -> float:
     row = at.cords(table)[i]["row"]
     if row < 0:
         return float(at.cord_results(table)[i]["tension"])
@@ -124,7 +124,7 @@ def _tension(table: Integers, h: float, i: int) -> float:
 
 
 @kernel
-def _give(table: Integers, entry: int, count: int, p: float) -> None:
+def _give(table: int, entry: int, count: int, p: float) -> None:
     """Add what an impulse of a row does to the free velocities."""
     free, WJ, entry_body = at.free(table), at.entries(table)[1], at.entry_body(table)
     for e in range(entry, entry + count):
@@ -136,7 +136,7 @@ def _give(table: Integers, entry: int, count: int, p: float) -> None:
 
 
 @kernel
-def _kick(table: Integers, b: int, x: float, y: float, t: float) -> None:
+def _kick(table: int, b: int, x: float, y: float, t: float) -> None:
     """Add what an impulse on a body does to its free velocity."""
     free, w = at.free(table), at.inverse_mass(table)
     free[b, 0] += w[b, 0] * x
@@ -145,7 +145,7 @@ def _kick(table: Integers, b: int, x: float, y: float, t: float) -> None:
 
 
 @kernel
-def _cut(table: Integers, h: float, n: int, tie: int, share: float) -> None:
+def _cut(table: int, h: float, n: int, tie: int, share: float) -> None:
     """Give ``share`` of what it would in this step, and nothing more; note it as its force."""
     what, i = at.ties(table)[tie]["what"], at.ties(table)[tie]["index"]
     if what == JOINED:
@@ -168,7 +168,7 @@ def _cut(table: Integers, h: float, n: int, tie: int, share: float) -> None:
 
 
 @kernel
-def _cut_row(table: Integers, h: float, row: int, entry: int, share: float) -> float:
+def _cut_row(table: int, h: float, row: int, entry: int, share: float) -> float:
     """Let a row between two bodies give ``share`` of what it would; that as a force or torque."""
     p = share * at.unknowns(table)[3][row]
     _give(table, entry, 2, p)
@@ -177,7 +177,7 @@ def _cut_row(table: Integers, h: float, row: int, entry: int, share: float) -> f
 
 
 @kernel
-def _cut_joint(table: Integers, h: float, n: int, j: int, share: float) -> None:
+def _cut_joint(table: int, h: float, n: int, j: int, share: float) -> None:
     joint, out, unknown = (
         at.joints(table)[j], at.joint_results(table)[j], at.unknowns(table)[3])
     out["fx"] *= share
@@ -201,7 +201,7 @@ def _cut_joint(table: Integers, h: float, n: int, j: int, share: float) -> None:
 
 
 @kernel
-def _cut_bounded(table: Integers, n: int, j: int, share: float) -> None:
+def _cut_bounded(table: int, n: int, j: int, share: float) -> None:
     """The same of a joint's limits and dry friction, and of motors and servos about it."""
     rows, limits, ends = at.rows(table), at.limits(table), at.limit_states(table)
     rubs, motors, tie = at.rub_states(table), at.motor_states(table), at.joints(table)[j]["tie"]
@@ -222,7 +222,7 @@ def _cut_bounded(table: Integers, n: int, j: int, share: float) -> None:
 
 
 @kernel
-def _cut_action(table: Integers, h: float, k: int, share: float) -> None:
+def _cut_action(table: int, h: float, k: int, share: float) -> None:
     """The same of what acts about a hinge, or between an actuator's points.
 
     A torque or a push is what its drive is set to, or nothing: of these nothing is given.
@@ -245,7 +245,7 @@ def _cut_action(table: Integers, h: float, k: int, share: float) -> None:
 
 
 @kernel
-def _cut_cord(table: Integers, h: float, i: int, share: float) -> None:
+def _cut_cord(table: int, h: float, i: int, share: float) -> None:
     cord, out = at.cords(table)[i], at.cord_results(table)[i]
     if cord["kind"] == GRIPPED:
         at.cord_states(table)[i]["active"] = 0

@@ -6,8 +6,9 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import FADE, MOVING, rate
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.joint_state import FLANK, PACED, STOP
-from sandbox.engine.kernel import ZERO, kernel
+from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import beyond
 from sandbox.engine.rubs import rub_rows
 from sandbox.engine.servos import servo_row
@@ -15,7 +16,7 @@ from sandbox.engine.slips import slip_rows
 from sandbox.engine.state import DRIVEN, LIMITED, NORMAL, TANGENT
 from sandbox.engine.teeth import flank
 from sandbox.engine.ties import holds, joint_holds
-from sandbox.numeric import Array, Integers, Records
+from sandbox.numeric import Array, Records
 
 RETURN, RETURN_TURNING = 0.1, 1.0
 """The fastest that an overlap is undone [m/s], an overrun stop [rad/s]: nothing is thrown."""
@@ -62,7 +63,7 @@ def rub_row(h: float, body: Array, touches: Records, i: int, normal: int, out: A
 
 
 @kernel
-def _limit_row(table: Integers, h: float, i: int, out: Any) -> None:
+def _limit_row(table: int, h: float, i: int, out: Any) -> None:
     limit = at.limits(table)[i]
     joint, way = at.joints(table)[limit["joint"]], at.joint_results(table)[limit["joint"]]
     side, a, b = limit["side"], joint["a"], joint["b"]
@@ -87,8 +88,10 @@ def _limit_row(table: Integers, h: float, i: int, out: Any) -> None:
     out["want"] = returning(h, side * (way["way"] - limit["bound"]), RETURN)
 
 
-@kernel
-def _motor_row(table: Integers, h: float, drive: Array, i: int, out: Any) -> None:
+@entry_point("motors")
+def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
+    """Row ``n``, that of a motor or brake."""
+    out = at.rows(table)[n]
     motor, states = at.motors(table)[i], at.motor_states(table)
     value = drive[motor["drive"]]
     brake = motor["most"] != motor["most"]
@@ -108,27 +111,27 @@ def _motor_row(table: Integers, h: float, drive: Array, i: int, out: Any) -> Non
     out["last"], out["mode"] = states[i]["impulse"], states[i]["mode"]
 
 
-@kernel
-def kept_rows(table: Integers, h: float, drive: Array) -> int:
+@entry_point()
+def kept_rows(table: int, h: float, drive: Array) -> int:
     """Begin with the motors and with what carried something in the last step; how many rows.
 
     There is room for all (:func:`sandbox.engine.touching.short`). What a row carried fades where
     it moves.
     """
     rows, touches, limits = at.rows(table), at.touches(table), at.limit_states(table)
-    n = ZERO
+    n = 0
     motors = at.motors(table)
     for i in range(len(motors)):
         if holds(table, motors[i]["tie"]):
-            _motor_row(table, h, drive, i, rows[n])
+            motor_row(table, h, drive, i, n)
             if motors[i]["law"] != PACED or motors[i]["line"] >= 0:
-                servo_row(table, h, drive[motors[i]["drive"]], i, rows[n])
+                servo_row(table, h, drive[motors[i]["drive"]], i, n)
             n += 1
     for i in range(len(at.rubs(table))):
         if joint_holds(table, at.rubs(table)[i]["joint"]):
-            n = rub_rows(table, h, i, rows, n)
+            n = rub_rows(table, h, i, n)
     for i in range(len(at.slips(table))):
-        n = slip_rows(table, h, i, rows, n)
+        n = slip_rows(table, h, i, n)
     for i in range(len(limits)):
         if limits[i]["impulse"] > 0.0 and joint_holds(table, at.limits(table)[i]["joint"]):
             _limit_row(table, h, i, rows[n])
@@ -158,8 +161,8 @@ def _with_touch(
     return n + 1
 
 
-@kernel
-def broken_rows(table: Integers, h: float, n: int, slack: float) -> int:
+@entry_point()
+def broken_rows(table: int, h: float, n: int, slack: float) -> int:
     """Add the limits and contacts that the velocities break; how many rows there are then."""
     rows, touches, velocity, first = at.rows(table), at.touches(table), at.velocity(table), n
     limits = at.limits(table)

@@ -1,20 +1,29 @@
-"""A word to whoever waits, when the inner loop is really compiled: it takes long, and happens once.
+"""Notices about the compilation of the engine, which takes seconds in the first run.
 
-Numba announces a compilation, and announces none when it finds in its cache what it compiled
-before. Its events are documented but not promised to stay: without them nothing is said. What
-worker processes compile they tell whoever started them, and this passes it on.
+Numba announces a compilation, and announces none when it finds the code in its cache. Its events
+are documented but may change; without them nothing is reported. Worker processes report what they
+compile to the process that started them, which passes it on.
 """
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import NamedTuple
 
-LONG = 10.0
-"""What takes longer [s] is the inner loop: all else that is compiled is small."""
-_waiting: list[tuple[Callable[[], None], Callable[[float], None]]] = []
-"""Who wants to know what other processes compile."""
+
+class _Elsewhere(NamedTuple):
+    began: Callable[[], None]
+    ended: Callable[[float], None]
+
+
+class _Here(NamedTuple):
+    progress: Callable[[float], None]
+    ended: Callable[[float], None]
+
+
+_elsewhere: list[_Elsewhere] = []
+_here: list[_Here] = []
 
 
 @contextmanager
@@ -27,31 +36,42 @@ def on_compiling_elsewhere(
         began: called before anything is compiled.
         ended: called with the seconds that it took.
     """
-    _waiting.append((began, ended))
+    _elsewhere.append(_Elsewhere(began, ended))
     try:
         yield
     finally:
-        _waiting.pop()
+        _elsewhere.pop()
 
 
 def compiling_elsewhere(seconds: float | None = None) -> None:
-    """Pass on what a worker process says: that it compiles, or in how many seconds it did."""
-    for began, ended in _waiting:
+    """Pass on that a worker process compiles, or in how many seconds it did."""
+    for began, ended in _elsewhere:
         began() if seconds is None else ended(seconds)
+
+
+def report_progress(fraction: float) -> None:
+    """Report the share of the entry points that are ready, 0 to 1."""
+    for listener in _here:
+        listener.progress(fraction)
+
+
+def report_compiled(seconds: float) -> None:
+    """Report that the entry points are ready, compiled or loaded, and how long that took."""
+    for listener in _here:
+        listener.ended(seconds)
 
 
 @contextmanager
 def on_compiling(
-    began: Callable[[], None], ended: Callable[[float], None], *,
-    clock: Callable[[], float] = time.perf_counter,
+    began: Callable[[], None], ended: Callable[[float], None],
+    progress: Callable[[float], None] = lambda fraction: None,
 ) -> Iterator[None]:
-    """While the context lasts, tell when the first function starts to be compiled, and the end.
+    """While the context lasts, tell when the engine starts to be compiled, and the end.
 
     Args:
         began: called once, before anything is compiled.
-        ended: called once with the seconds since then that went into compiling: when the inner
-            loop is compiled, or else at the end of the context.
-        clock: what the time is [s].
+        ended: called once with the seconds that it took.
+        progress: called in between with the fraction done, 0 to 1.
     """
     try:
         from numba.core.event import Listener, install_listener
@@ -59,35 +79,30 @@ def on_compiling(
         yield
         return
 
-    class Once(Listener):
-        depth = 0
-        """Functions compile those that they call."""
-        since = spent = 0.0
-        told = over = False
+    class Compilation(Listener):
+        began = over = False
 
         def on_start(self, event: object) -> None:
-            if not self.told:
-                self.told = True
+            if not self.began:
+                self.began = True
                 began()
-            if not self.depth:
-                self.since = clock()
-            self.depth += 1
 
         def on_end(self, event: object) -> None:
-            self.depth -= 1
-            if self.depth:
-                return
-            took = clock() - self.since
-            self.spent += took
-            if took > LONG:
-                self.close()
+            pass
 
-        def close(self) -> None:
-            if self.told and not self.over:
+        def advance(self, fraction: float) -> None:
+            if self.began and not self.over:
+                progress(fraction)
+
+        def finish(self, seconds: float) -> None:
+            if self.began and not self.over:
                 self.over = True
-                ended(self.spent)
+                ended(seconds)
 
-    once = Once()
-    with install_listener("numba:compile", once):
-        yield
-    once.close()
+    listener = Compilation()
+    _here.append(_Here(listener.advance, listener.finish))
+    try:
+        with install_listener("numba:compile", listener):
+            yield
+    finally:
+        _here.pop()

@@ -101,7 +101,7 @@ def _guides(places: PlacedBodies, path: Integers) -> Records:
 
 def _measured(places: PlacedBodies, found: CordTables, e: int) -> float:
     """The length of a cord at t = 0 [m], from which its turns are counted."""
-    length = measure.py_func(found.constants[e], found.guides, found.guide_state,
+    length = measure(found.constants[e], found.guides, found.guide_state,
                              found.guide_result, places.pose, True)
     found.result[e]["length"] = length
     return float(length)

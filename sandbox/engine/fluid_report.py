@@ -6,10 +6,11 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.fluids import SMALLEST, growing, growth, pressures, through
 from sandbox.engine.kernel import kernel
 from sandbox.kinds.elements import ATMOSPHERE
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array, Matrix
 
 FULL = 1e15
 """Pressures and contents are sound below this [Pa, m^3]."""
@@ -17,8 +18,8 @@ STILL = 1e-11
 """Flow per volume [1/s] that counts as none."""
 
 
-@kernel
-def report_lines(table: Integers, h: float, drive: Array) -> None:
+@entry_point("fluids")
+def report_lines(table: int, h: float, drive: Array) -> None:
     """Pressures and flows of the step, and what is in the lines after it."""
     fluids, states, results = at.fluids(table), at.fluid_states(table), at.fluid_results(table)
     if len(fluids) == 0:
@@ -40,7 +41,7 @@ def report_lines(table: Integers, h: float, drive: Array) -> None:
 
 
 @kernel
-def _gather(table: Integers, drive: Array) -> None:
+def _gather(table: int, drive: Array) -> None:
     """Flows of valves and pumps, and their sums in the lines."""
     fluids, results = at.fluids(table), at.fluid_results(table)
     valves, flows = at.valves(table), at.valve_states(table)
@@ -63,7 +64,7 @@ def _gather(table: Integers, drive: Array) -> None:
 
 
 @kernel
-def _give(table: Integers, line: int, flow: float) -> None:
+def _give(table: int, line: int, flow: float) -> None:
     """Let a line's source without resistance give so much more."""
     pumps, given = at.pumps(table), at.pump_results(table)
     for i in range(len(pumps)):
@@ -81,8 +82,8 @@ def _holds(fluid: Any, result: Any, growing: float) -> float:
     return float(volume * (result["pressure"] / ATMOSPHERE + 1.0) ** (1.0 / fluid["gas"]))
 
 
-@kernel
-def contained(table: Integers) -> bool:
+@entry_point("fluids", default=1)
+def contained(table: int) -> bool:
     """Whether all pressures and contents are finite and below :data:`FULL`."""
     results, states = at.fluid_results(table), at.fluid_states(table)
     for i in range(len(results)):  # written so that NaN is not sound
@@ -91,8 +92,8 @@ def contained(table: Integers) -> bool:
     return True
 
 
-@kernel
-def flowing(table: Integers) -> bool:
+@entry_point("fluids")
+def flowing(table: int) -> bool:
     """Whether anything flows: what stands still for that is not at rest."""
     results, fluids, pumps = at.fluid_results(table), at.fluids(table), at.pumps(table)
     for i in range(len(fluids)):
@@ -126,8 +127,8 @@ def _head(fluid: Any, pressure: float) -> float:
     return float(ATMOSPHERE * n / (n - 1.0) * (ratio ** ((n - 1.0) / n) - 1.0))
 
 
-@kernel
-def add_fluid_work(table: Integers, h: float, v: Array) -> None:
+@entry_point("fluids")
+def add_fluid_work(table: int, h: float, v: Matrix) -> None:
     """Work of lines on bodies, of pumps on fluid, and what valves take, of the step just made.
 
     ``v`` [nb, 3] are the means of the velocities before and after it.
@@ -153,8 +154,8 @@ def add_fluid_work(table: Integers, h: float, v: Array) -> None:
         works[i]["work"] += given[i]["step_work"]
 
 
-@kernel
-def take_lines(table: Integers, n: int) -> None:
+@entry_point("fluids")
+def take_lines(table: int, n: int) -> None:
     """Copy the step just made into row ``n`` that samples are kept in."""
     states, results, kept = (
         at.fluid_states(table), at.fluid_results(table), at.kept_fluids(table))

@@ -24,10 +24,11 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.ends import ends
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.state import STIFF
 from sandbox.kinds.elements import ATMOSPHERE
-from sandbox.numeric import Array, Integers, Records
+from sandbox.numeric import Array, Records
 
 GIVEN = 1e12
 """How many times as much as it does a line yields whose pressure is given."""
@@ -43,8 +44,8 @@ ALL = 3
 """Attempts in which all lines and valves change that are wrong; after that the worst one does."""
 
 
-@kernel
-def swell(table: Integers, drive: Array) -> None:
+@entry_point("fluids")
+def swell(table: int, drive: Array) -> None:
     """How lines stand at the poses of the step: volumes, forces of 1 Pa, pressures if all stays."""
     fluids, states, results = at.fluids(table), at.fluid_states(table), at.fluid_results(table)
     chambers, pushes, body, turn = (
@@ -111,7 +112,7 @@ def _weight(fluid: Any) -> float:
 
 
 @kernel
-def _straighten(table: Integers, drive: Array) -> None:
+def _straighten(table: int, drive: Array) -> None:
     """What valves and pumps add to the flows of lines, straight in the pressures."""
     results, fluids = at.fluid_results(table), at.fluids(table)
     valves, states, ahead = at.valves(table), at.valve_states(table), at.valve_results(table)
@@ -157,8 +158,8 @@ def _swells(results: Records, valve: Any) -> float:
     return math.sqrt(results[a]["swells"] * results[b]["swells"])
 
 
-@kernel
-def fluid_rows(table: Integers, h: float, drive: Array) -> None:
+@entry_point("fluids")
+def fluid_rows(table: int, h: float, drive: Array) -> None:
     """The rows of all lines."""
     fluids, states, results = at.fluids(table), at.fluid_states(table), at.fluid_results(table)
     if len(fluids) == 0:
@@ -198,8 +199,8 @@ def _given(fluid: Any, state: Any, drive: Array) -> float:
     return float(fluid["least"] if state["mode"] < 0 else fluid["most"])
 
 
-@kernel
-def join_lines(table: Integers, h: float) -> None:
+@entry_point("fluids")
+def join_lines(table: int, h: float) -> None:
     """Put into the matrix where two lines meet at a valve."""
     valves, ahead, values = at.valves(table), at.valve_results(table), at.values(table)
     fluids, results = at.fluids(table), at.fluid_results(table)
@@ -211,7 +212,7 @@ def join_lines(table: Integers, h: float) -> None:
 
 
 @kernel
-def growth(table: Integers, line: int, velocity: Array) -> float:
+def growth(table: int, line: int, velocity: Array) -> float:
     """The rate at which a line grows as bodies move with ``velocity`` [nb, 3] [m^3/s]."""
     fluid, chambers, pushes = at.fluids(table)[line], at.chambers(table), at.chamber_results(table)
     rate = 0.0
@@ -224,7 +225,7 @@ def growth(table: Integers, line: int, velocity: Array) -> float:
 
 
 @kernel
-def growing(table: Integers, h: float, line: int) -> float:
+def growing(table: int, h: float, line: int) -> float:
     """The volume beyond that of the pose that a line's law takes [m^3]."""
     rate = growth(table, line, at.velocity(table))
     if at.fluids(table)[line]["kind"] == STIFF:
@@ -233,7 +234,7 @@ def growing(table: Integers, h: float, line: int) -> float:
 
 
 @kernel
-def pressures(table: Integers, h: float, drive: Array) -> None:
+def pressures(table: int, h: float, drive: Array) -> None:
     """Pressures of lines and flows of valves as the solution has them."""
     fluids, results, unknown = at.fluids(table), at.fluid_results(table), at.unknowns(table)[3]
     states = at.fluid_states(table)
@@ -244,7 +245,7 @@ def pressures(table: Integers, h: float, drive: Array) -> None:
 
 
 @kernel
-def _across(table: Integers, valve: int) -> float:
+def _across(table: int, valve: int) -> float:
     """Pressure at a valve's ``a`` above that at its ``b`` [Pa]."""
     v, results = at.valves(table)[valve], at.fluid_results(table)
     high = results[v["a"]]["pressure"] if v["a"] >= 0 else 0.0
@@ -253,14 +254,14 @@ def _across(table: Integers, valve: int) -> float:
 
 
 @kernel
-def through(table: Integers, valve: int) -> float:
+def through(table: int, valve: int) -> float:
     """A valve's flow [m^3/s]."""
     ahead = at.valve_results(table)[valve]
     return float(ahead["gets"] + ahead["lets"] * _across(table, valve))
 
 
-@kernel
-def change_lines(table: Integers, h: float, drive: Array, attempt: int) -> bool:
+@entry_point("fluids")
+def change_lines(table: int, h: float, drive: Array, attempt: int) -> bool:
     """Change lines and valves that break their bounds, flows that are not yet found; any of them.
 
     All at once at first, later the line or valve that is furthest off.
@@ -295,7 +296,7 @@ def change_lines(table: Integers, h: float, drive: Array, attempt: int) -> bool:
 
 
 @kernel
-def _turn(table: Integers, valve: int) -> None:
+def _turn(table: int, valve: int) -> None:
     """Open or shut a check valve; an orifice opens to the flow that the pressure now has."""
     v, state = at.valves(table)[valve], at.valve_states(table)[valve]
     state["shut"] = 1 - state["shut"]
@@ -305,7 +306,7 @@ def _turn(table: Integers, valve: int) -> None:
 
 
 @kernel
-def _flows(table: Integers) -> bool:
+def _flows(table: int) -> bool:
     """Take the laws of valves straight about the flows that were found; whether these are new."""
     valves, ahead, results = at.valves(table), at.valve_results(table), at.fluid_results(table)
     changed = False
@@ -324,7 +325,7 @@ def _flows(table: Integers) -> bool:
 
 
 @kernel
-def _wrong(table: Integers, h: float, line: int) -> tuple[float, int]:
+def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
     """By what pressure a line breaks its mode, and the mode that it should have."""
     fluid, out, mode = at.fluids(table)[line], at.fluid_results(table)[line], (
         at.fluid_states(table)[line]["mode"])
@@ -345,7 +346,7 @@ def _wrong(table: Integers, h: float, line: int) -> tuple[float, int]:
 
 
 @kernel
-def _swelled(table: Integers, line: int) -> float:
+def _swelled(table: int, line: int) -> float:
     """What flows into a line, as volume in it [m^3/s], as the rows had it."""
     out, valves, results = at.fluid_results(table)[line], at.valves(table), at.fluid_results(table)
     flow = out["gets"] - out["lets"] * out["pressure"]
@@ -359,7 +360,7 @@ def _swelled(table: Integers, line: int) -> float:
 
 
 @kernel
-def _turned(table: Integers, valve: int) -> float:
+def _turned(table: int, valve: int) -> float:
     """By what pressure a check valve is open or shut where it should not be."""
     across, shut = _across(table, valve), at.valve_states(table)[valve]["shut"]
     v, results = at.valves(table)[valve], at.fluid_results(table)

@@ -11,16 +11,17 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.ends import ends
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.laws import law_at
+from sandbox.engine.laws import action_law, spring_law
 from sandbox.engine.network import measure, wound_up
 from sandbox.engine.state import GRIPPED, PULL
 from sandbox.engine.ties import action_holds, holds
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array
 
 
-@kernel
-def act(table: Integers, drive: Array) -> None:
+@entry_point("actions")
+def act(table: int, drive: Array) -> None:
     """Forces and torques of drives [nd], torques of rotary springs that have no row."""
     actions, results = at.actions(table), at.action_results(table)
     body, out = at.body(table), at.force(table)
@@ -44,7 +45,7 @@ def act(table: Integers, drive: Array) -> None:
                 result["torque"] = -value * (angle - action["rest"])
             if action["code"] >= 0:  # between two still bodies
                 twist = action["sense"] * (body[action["b"], 2] - body[a, 2] - action["rest"])
-                result["torque"] = -action["sense"] * law_at(table, action, twist, 0.0, drive)[0]
+                result["torque"] = -action["sense"] * action_law(table, i, twist, drive)
             out[action["b"], 2] += result["torque"]
             out[a, 2] -= result["torque"]
             continue
@@ -61,7 +62,7 @@ def act(table: Integers, drive: Array) -> None:
 
 
 @kernel
-def _push(table: Integers, action: Any, force: float) -> None:
+def _push(table: int, action: Any, force: float) -> None:
     """The force of a drive between the two points of an actuator; none where they meet."""
     out, joint, a, b = at.force(table), at.joints(table)[action["line"]], action["a"], action["b"]
     ax, ay, bx, by, dx, dy = ends(joint, at.body(table), at.turn(table))
@@ -76,8 +77,8 @@ def _push(table: Integers, action: Any, force: float) -> None:
         out[b, 2] += bx * fy - by * fx
 
 
-@kernel
-def stretch(table: Integers, drive: Array) -> None:
+@entry_point("springs")
+def stretch(table: int, drive: Array) -> None:
     """Where straight springs are, and the forces of those that have no row."""
     springs, results = at.springs(table), at.spring_results(table)
     body, turn, out = at.body(table), at.turn(table), at.force(table)
@@ -99,7 +100,7 @@ def stretch(table: Integers, drive: Array) -> None:
         k, extent = s["k"] if s["drive"] < 0 else drive[s["drive"]], length - states[i]["rest"]
         force = k * extent
         if s["code"] >= 0:  # between two still bodies
-            force = law_at(table, s, extent, 0.0, drive)[0]
+            force = spring_law(table, i, extent, drive)
         result["force"] = force
         out[a, 0] += ux * force
         out[a, 1] += uy * force
@@ -109,8 +110,8 @@ def stretch(table: Integers, drive: Array) -> None:
         out[b, 2] -= tb * force
 
 
-@kernel
-def pull(table: Integers, drive: Array) -> None:
+@entry_point("cords")
+def pull(table: int, drive: Array) -> None:
     """Lengths of all cords, and the tensions of those that have no row."""
     cords, results, body = at.cords(table), at.cord_results(table), at.body(table)
     states = at.cord_states(table)
@@ -140,7 +141,7 @@ def pull(table: Integers, drive: Array) -> None:
 
 
 @kernel
-def begin(table: Integers) -> None:
+def begin(table: int) -> None:
     """Note how the bodies stand and move where pymunk has moved them."""
     body, before, turn, force, kick = (
         at.body(table), at.before(table), at.turn(table), at.force(table), at.kick(table))
@@ -153,7 +154,7 @@ def begin(table: Integers) -> None:
 
 
 @kernel
-def let_go(table: Integers, h: float, speeds: Array) -> None:
+def let_go(table: int, h: float, speeds: Array) -> None:
     """Velocities after the step if nothing were joined.
 
     Those of scheduled bodies are given: ``speeds`` [ns, 3].

@@ -59,11 +59,11 @@ from sandbox.model.programs import (
     TAN,
     TANH,
 )
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array
 
 
 @kernel
-def formula(table: Integers, first: int, last: int, read: Array) -> Any:
+def formula(table: int, first: int, last: int, read: Array) -> Any:
     """The value of the program from step ``first`` to ``last`` and its slopes, [1 + slopes].
 
     Args:
@@ -229,7 +229,7 @@ def _one(stack: Array, k: int, op: int) -> None:
 
 
 @kernel
-def look_up(table: Integers, which: int, x: float) -> tuple[float, float]:
+def look_up(table: int, which: int, x: float) -> tuple[float, float]:
     """A table's value at ``x``, and its slope there."""
     curve, knots = at.curves(table)[which], at.knots(table)
     first, last = curve["first"], curve["last"]

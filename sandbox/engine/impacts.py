@@ -10,11 +10,12 @@ from __future__ import annotations
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import columns, couple, push, rate, relax, solve_modes, wipe
 from sandbox.engine.candidates import rub_row, touch_row
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.factor import forward
-from sandbox.engine.kernel import ZERO, kernel
+from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import right_side
 from sandbox.engine.state import NORMAL
-from sandbox.numeric import Array, Integers, Records
+from sandbox.numeric import Array, Records
 
 REBOUND = 0.01
 """A slower approach [m/s] gives nothing back."""
@@ -25,7 +26,7 @@ FAINT = 1e-6
 
 
 @kernel
-def _approaching(table: Integers, h: float, rows: Records) -> int:
+def _approaching(table: int, h: float, rows: Records) -> int:
     """Rows of the contacts that give back speed and are near enough; 0 if none is hit."""
     touches, before = at.touches(table), at.before(table)
     n, hit = 0, False
@@ -47,8 +48,8 @@ def _approaching(table: Integers, h: float, rows: Records) -> int:
     return n if hit else 0
 
 
-@kernel
-def late_hits(table: Integers, n: int) -> bool:
+@entry_point("bounces")
+def late_hits(table: int, n: int) -> bool:
     """Mark contacts that forces of this very step bring to hit; whether there are any."""
     rows, touches, before, found = at.rows(table), at.touches(table), at.before(table), False
     for k in range(n):
@@ -62,7 +63,7 @@ def late_hits(table: Integers, n: int) -> bool:
 
 
 @kernel
-def _reflect(table: Integers, rows: Records, n: int) -> None:
+def _reflect(table: int, rows: Records, n: int) -> None:
     """Reflect all contacts that approach, together, as long as any does.
 
     Rates stand in ``want``, what contacts take in their ``bounce`` and ``rub``.
@@ -108,8 +109,8 @@ def _struck(rows: Records, n: int, touches: Records, end: float) -> float:
     return fastest
 
 
-@kernel
-def impacts(table: Integers, h: float) -> None:
+@entry_point("bounces")
+def impacts(table: int, h: float) -> None:
     """Reflect approaches; the contacts' impulses go to the free velocities.
 
     What joints, cords and dampers make of them is found with all else that they carry.
@@ -124,8 +125,8 @@ def impacts(table: Integers, h: float) -> None:
     _add(free, kick, -1.0)  # of a try without late hits
     right_side(table)
     forward(at.starts(table), at.below(table), at.values(table), at.unknowns(table)[2])
-    columns(table, rows, ZERO, n, Y, reached)
-    couple(table, rows, ZERO, n, Y, reached)
+    columns(table, begin, 0, n)
+    couple(table, begin, 0, n)
     _halfway(table, rows, n)
     _reflect(table, rows, n)
     for b in range(len(kick)):
@@ -147,7 +148,7 @@ def _add(velocity: Array, change: Array, times: float) -> None:
 
 
 @kernel
-def _halfway(table: Integers, rows: Records, n: int) -> None:
+def _halfway(table: int, rows: Records, n: int) -> None:
     """The rates that are reflected, into ``want``; what the contacts take begins with 0.
 
     Of contacts that approach these are halfway through what the forces of this step do. So a ball

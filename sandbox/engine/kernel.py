@@ -1,63 +1,63 @@
-"""How functions of the compiled step are compiled.
+"""Kernels: functions that are compiled with Numba as part of their callers.
 
-They are not kept on disk one by one: each is linked into the two that Python calls
-(:mod:`sandbox.engine.advance`), and these are kept, under the fingerprint of all sources. Numba
-would take a kept function out again though what it uses from another file had changed.
+Everything that a kernel calls is compiled into one of the entry points
+(:mod:`sandbox.engine.entry_points`); a kernel has no machine code of its own.
+Called from Python, a kernel runs as the Python function that it is.
 """
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from functools import cached_property, update_wrapper
+from typing import Any, TypeVar, cast
 
-import numpy as np
-from numba import njit
-from numba.extending import register_jitable
-
-if TYPE_CHECKING:
-    from numba.core.dispatcher import Dispatcher
-
-ZERO = cast("int", np.int64(0))
-"""Where counts begin that are handed on: a literal 0 is a type of its own, for which what takes it
-would be compiled once more."""
+from numba import njit, types
+from numba.extending import models, register_model, typeof_impl
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-def kernel(function: Function) -> Dispatcher[Function]:
-    """Compile a function where it is first used; a division by 0 gives inf or nan."""
-    return njit(error_model="numpy")(function)
+class Kernel:
+    """A function that Numba compiles into its callers; a division by zero gives inf or nan."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.py_func = function
+        self.__qualname__ = function.__qualname__
+        update_wrapper(self, function)
+
+    def __call__(self, *args: Any) -> Any:
+        """Run the Python function."""
+        return self.py_func(*args)
+
+    @cached_property
+    def dispatcher(self) -> Any:
+        """Numba's dispatcher of the function, made when a caller is compiled."""
+        from sandbox.engine.numba_linking import kernel_options
+
+        return njit(error_model="numpy", **kernel_options())(self.py_func)
 
 
-def either(function: Function) -> Function:
-    """A function that kernels compile in, and that stays one of Python where Python calls it."""
-    return register_jitable(error_model="numpy")(function)
+def kernel(function: Function) -> Function:
+    """Compile a function into the kernels and entry points that call it."""
+    return cast("Function", Kernel(function))
 
 
-def kept_on_disk(function: Function) -> Dispatcher[Function]:
-    """A function that Python calls, compiled and kept on disk wherever that can be.
-
-    Numba keeps it beside the sources, else in the user's cache; an installation that cannot be
-    written to, of a user without a home, has neither. It is then compiled for each process, and
-    :func:`can_keep` says so.
-    """
-    compiled = njit(error_model="numpy")(function)
-    # numba knows only whether it can when it does
-    with contextlib.suppress(RuntimeError):
-        compiled.enable_caching()
-    return compiled
+_unliteral: Any = types.unliteral
 
 
-def can_keep(compiled: Dispatcher[Function]) -> bool:
-    """Whether what is compiled of a function is found again by the next process."""
-    return compiled.stats.cache_path is not None
+class KernelType(types.Dispatcher):
+    """The Numba type of a kernel. Literal arguments do not give a specialisation of their own."""
+
+    def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
+        """The signature of a call; a literal 0 counts as any integer."""
+        return super().get_call_type(
+            context, tuple(_unliteral(one) for one in args),
+            {name: _unliteral(value) for name, value in kws.items()})
 
 
-def inlined(function: Function) -> Dispatcher[Function]:
-    """A kernel that is called in one place, and there written out.
+register_model(KernelType)(models.OpaqueModel)
 
-    A kernel is linked with all that it calls, and machine code made of the whole: a level less
-    is that much less to compile.
-    """
-    return njit(error_model="numpy", inline="always")(function)
+
+@typeof_impl.register(Kernel)
+def _type_of_kernel(value: Kernel, context: object) -> KernelType:
+    return KernelType(value.dispatcher)

@@ -21,19 +21,20 @@ from __future__ import annotations
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.formulas import formula
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import LEAST, NOTHING, spring_rate
 from sandbox.engine.state import SOFT
 from sandbox.engine.ties import action_holds, holds
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array
 
 SAME = 1e-10
 """Two forces that differ by this share are one."""
 
 
 @kernel
-def law_at(table: Integers, s: Any, stretch: float, rate: float, drive: Array) -> Any:
+def law_at(table: int, s: Any, stretch: float, rate: float, drive: Array) -> Any:
     """Force of an element's law with its slopes by stretch and rate, [1 + slopes]."""
     read = at.read_names(table)
     for i in range(3):
@@ -45,9 +46,21 @@ def law_at(table: Integers, s: Any, stretch: float, rate: float, drive: Array) -
     return formula(table, s["code"], s["code_end"], read)
 
 
+@entry_point("laws")
+def spring_law(table: int, i: int, stretch: float, drive: Array) -> float:
+    """Force of a straight spring's law."""
+    return float(law_at(table, at.springs(table)[i], stretch, 0.0, drive)[0])
+
+
+@entry_point("laws")
+def action_law(table: int, i: int, twist: float, drive: Array) -> float:
+    """Torque of a rotary spring's law."""
+    return float(law_at(table, at.actions(table)[i], twist, 0.0, drive)[0])
+
+
 @kernel
 def _at_pose(
-    table: Integers, s: Any, out: Any, stretch: float, rate: float, h: float, drive: Array,
+    table: int, s: Any, out: Any, stretch: float, rate: float, h: float, drive: Array,
 ) -> tuple[float, float]:
     """The law's force for the rate before the step, and its slope l; how it is to be taken."""
     law = law_at(table, s, stretch, rate, drive)
@@ -63,7 +76,7 @@ def _at_pose(
 
 @kernel
 def _tangent(
-    table: Integers, s: Any, out: Any, stretch: float, before: float, rate: float, h: float,
+    table: int, s: Any, out: Any, stretch: float, before: float, rate: float, h: float,
     given: float, drive: Array,
 ) -> tuple[bool, float, float]:
     """Whether ``given`` is not the law's force for the rate at the step's end; that, its slope."""
@@ -84,7 +97,7 @@ def _tangent(
 
 @kernel
 def _ask(
-    table: Integers, s: Any, sense: float, force: float, lead: float, rate: float, h: float,
+    table: int, s: Any, sense: float, force: float, lead: float, rate: float, h: float,
 ) -> None:
     """Let the row ask for a force that is ``force`` at a rate, and ``lead`` more for each more."""
     rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
@@ -93,8 +106,8 @@ def _ask(
     compliance[s["row"]] = 1.0 / (h * lead)
 
 
-@kernel
-def law_rows(table: Integers, h: float, drive: Array) -> None:
+@entry_point("laws")
+def law_rows(table: int, h: float, drive: Array) -> None:
     """Those of all springs with laws, at the rates before the step."""
     before, body, J = at.before(table), at.body(table), at.entries(table)[0]
     springs, results = at.springs(table), at.spring_results(table)
@@ -123,8 +136,8 @@ def law_rows(table: Integers, h: float, drive: Array) -> None:
         _ask(table, s, -s["sense"], force, lead, rate, h)
 
 
-@kernel
-def change_laws(table: Integers, h: float, drive: Array) -> bool:
+@entry_point("laws")
+def change_laws(table: int, h: float, drive: Array) -> bool:
     """Take the tangents of laws where the step has led; whether any force was another."""
     before, body, velocity = at.before(table), at.body(table), at.velocity(table)
     given, changed = at.unknowns(table)[3], False

@@ -16,7 +16,7 @@ import math
 from typing import Any
 
 from sandbox.engine.bounded import held
-from sandbox.engine.kernel import ZERO, kernel
+from sandbox.engine.kernel import kernel
 from sandbox.numeric import Array, Integers, Records
 
 MOST = 100
@@ -159,7 +159,7 @@ def _path(T: Array, m: int, basis: Integers, out: Integers, r: int) -> bool:
         if left == 2 * m:
             return True
         enters = left + m if left < m else left - m
-        c = ZERO
+        c = 0
         while out[c] != enters:
             c += 1
         r, least = -1, math.inf

@@ -28,13 +28,14 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.buoyancy import below
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.formulas import formula
 from sandbox.engine.kernel import kernel
 from sandbox.engine.laws import SAME
 from sandbox.engine.load_state import AXES, GIVEN, SCRATCH, SLOPES, SUM, YIELDS
 from sandbox.engine.rows import NOTHING
 from sandbox.engine.state import SOFT
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array, Matrix
 
 (X, Y, ANGLE, VX, VY, OMEGA, SPEED, AX, AY, ALPHA, TIME, MASS, INERTIA) = range(13)
 """What programs of loads read, as :data:`sandbox.scene.elements.loads.MOTION` has it."""
@@ -54,7 +55,7 @@ def _set(read: Array, k: int, value: float, by_x: float, by_y: float, by_turn: f
 
 @kernel
 def _motion(
-    table: Integers, load: Any, h: float, after: Array, end: bool, lag: float,
+    table: int, load: Any, h: float, after: Array, end: bool, lag: float,
 ) -> tuple[float, float, float, float]:
     """Put what a law reads, with slopes by the velocities after the step.
 
@@ -116,7 +117,7 @@ def _turn(pairs: Array, k: int, c: float, s: float, ahead: float) -> None:
 
 
 @kernel
-def _part(table: Integers, into: Array, k: int, code: int, code_end: int, scale: float) -> None:
+def _part(table: int, into: Array, k: int, code: int, code_end: int, scale: float) -> None:
     """Put one number of a law into row ``k``, 0 without a program."""
     for j in range(4):
         into[k, j] = 0.0
@@ -128,7 +129,7 @@ def _part(table: Integers, into: Array, k: int, code: int, code_end: int, scale:
 
 @kernel
 def _feel(
-    table: Integers, i: int, h: float, after: Array, end: bool, lag: float, into: Array,
+    table: int, i: int, h: float, after: Array, end: bool, lag: float, into: Array,
 ) -> None:
     """Force, torque about the centre of mass, and slopes of a load, into three rows [3, 4]."""
     load, body = at.loads(table)[i], at.body(table)
@@ -155,7 +156,7 @@ def _feel(
 
 
 @kernel
-def _sum(table: Integers, k: int, h: float, after: Array, end: bool, lag: float) -> None:
+def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> None:
     """The sum of a body's loads and its slopes; each load's own is kept."""
     loaded, numbers, results = at.loaded(table)[k], at.pressing(table)[k], at.load_results(table)
     into = at.felt(table)
@@ -218,7 +219,7 @@ def _rotate(A: Array, Q: Array, i: int, j: int) -> None:
 
 
 @kernel
-def _weigh(table: Integers, k: int, h: float, after: Array) -> None:
+def _weigh(table: int, k: int, h: float, after: Array) -> None:
     """Find the sum of a body's loads for the velocities after a step, and how it is to be taken."""
     loaded, out, numbers = at.loaded(table)[k], at.loaded_results(table)[k], at.pressing(table)[k]
     w = at.inverse_mass(table)[loaded["body"]]
@@ -234,8 +235,8 @@ def _weigh(table: Integers, k: int, h: float, after: Array) -> None:
         _sum(table, k, h, after, False, 0.0)
 
 
-@kernel
-def press(table: Integers, h: float) -> None:
+@entry_point("loads")
+def press(table: int, h: float) -> None:
     """Forces of all loads for the velocities before the step."""
     loaded, out, force = at.loaded(table), at.loaded_results(table), at.force(table)
     before, numbers = at.before(table), at.pressing(table)
@@ -248,7 +249,7 @@ def press(table: Integers, h: float) -> None:
 
 
 @kernel
-def _ask(table: Integers, k: int, h: float, after: Array) -> None:
+def _ask(table: int, k: int, h: float, after: Array) -> None:
     """Let a body's rows ask for what its loads are beside those at the velocities ``after``."""
     rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
     loaded, numbers, J = at.loaded(table)[k], at.pressing(table)[k], at.entries(table)[0]
@@ -265,8 +266,8 @@ def _ask(table: Integers, k: int, h: float, after: Array) -> None:
                 rhs[r] += J[e, j] * after[b, j]
 
 
-@kernel
-def load_rows(table: Integers, h: float) -> None:
+@entry_point("loads")
+def load_rows(table: int, h: float) -> None:
     """Those of all bodies with loads that hang on their motion."""
     loaded = at.loaded(table)
     for k in range(len(loaded)):
@@ -274,8 +275,8 @@ def load_rows(table: Integers, h: float) -> None:
             _ask(table, k, h, at.before(table))
 
 
-@kernel
-def change_loads(table: Integers, h: float) -> bool:
+@entry_point("loads")
+def change_loads(table: int, h: float) -> bool:
     """Take the tangents of loads where the step has led; whether any force was another."""
     loaded, pressing, J = at.loaded(table), at.pressing(table), at.entries(table)[0]
     given, free, inverse = at.unknowns(table)[3], at.free(table), at.inverse_mass(table)
@@ -315,8 +316,8 @@ def _same(numbers: Array, acted: Array, w: float, wt: float) -> bool:
     return bool(math.sqrt(off) <= SAME * math.sqrt(size) + NOTHING * (1.0 + slope) / math.sqrt(w))
 
 
-@kernel
-def timed(table: Integers) -> bool:
+@entry_point("loads")
+def timed(table: int) -> bool:
     """Whether any load hangs on the time: what stands still for that may move on."""
     loads, found = at.loads(table), False
     for i in range(len(loads)):
@@ -324,8 +325,8 @@ def timed(table: Integers) -> bool:
     return bool(found)
 
 
-@kernel
-def add_load_work(table: Integers, h: float, v: Array) -> None:
+@entry_point("loads")
+def add_load_work(table: int, h: float, v: Matrix) -> None:
     """Work of the step just made; ``v`` [nb, 3] are the mean velocities of before and after it."""
     loads, states, results = at.loads(table), at.load_states(table), at.load_results(table)
     for i in range(len(loads)):
@@ -335,8 +336,8 @@ def add_load_work(table: Integers, h: float, v: Array) -> None:
         states[i]["work"] += out["step_work"]
 
 
-@kernel
-def take_loads(table: Integers, n: int) -> None:
+@entry_point("loads")
+def take_loads(table: int, n: int) -> None:
     """Copy the step just made into row ``n`` that samples are kept in."""
     loads, states, results = at.loads(table), at.load_states(table), at.load_results(table)
     kept = at.kept_loads(table)

@@ -81,21 +81,24 @@ _arrays: Any = arrayobj
 WIDTH = 4
 """Numbers of the table for each array: its address and three lengths."""
 _PARTS: tuple[Any, ...] = (Native, Constants, State, Result, Snapshot)
+TABLE_WORDS = WIDTH * sum(len(part._fields) for part in _PARTS)
+"""Length of the table without the addresses of entry points, which follow."""
 
 
 class Memory(NamedTuple):
-    """What compiled code is handed, and what must live as long as it is used."""
+    """What compiled code gets, and what must live as long as it is used."""
 
-    table: Integers
-    """Address and lengths of every array; a plain number stands first, [4 k]."""
+    address: int
+    """Of the table: address and lengths of every array, then addresses of entry points."""
     h: float
     """The step [s]."""
     kept: tuple[Any, ...]
-    """The arrays themselves."""
+    """The table and the arrays themselves."""
 
 
 def make_memory(
     native: Native, constants: Constants, state: State, result: Result, snapshot: Snapshot,
+    entry_points: Integers,
 ) -> Memory:
     """The table of a run.
 
@@ -112,7 +115,8 @@ def make_memory(
             row[1:1 + value.ndim] = value.shape
         elif isinstance(value, int):
             row[0] = value
-    return Memory(table.ravel(), constants.h, values)
+    whole = np.concatenate([table.ravel(), entry_points])
+    return Memory(whole.ctypes.data, constants.h, (whole, *values))
 
 
 def _row(part: Any, name: str) -> int:
@@ -130,11 +134,10 @@ def _view(part: Any, name: str, dtype: Any, axes: int = 1) -> Any:
 
     def view(context: Any, table: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            source = _arrays.make_array(signature.args[0])(context, builder, args[0])
+            source = builder.inttoptr(args[0], word.as_pointer())
 
             def at(offset: int) -> Any:
-                return builder.load(
-                    builder.gep(source.data, [ir.Constant(word, place + offset)]))
+                return builder.load(builder.gep(source, [ir.Constant(word, place + offset)]))
 
             array = _arrays.make_array(made)(context, builder)
             size = ir.Constant(word, context.get_abi_sizeof(context.get_data_type(item)))
@@ -149,7 +152,9 @@ def _view(part: Any, name: str, dtype: Any, axes: int = 1) -> Any:
 
         return made(table), generate
 
-    return intrinsic(view)
+    result: Any = intrinsic(view)
+    result.view_of_table = f"{name} {place} {made} {np.dtype(dtype)!r}"
+    return result
 
 
 def _number(part: Any, name: str) -> Any:
@@ -158,13 +163,15 @@ def _number(part: Any, name: str) -> Any:
 
     def number(context: Any, table: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            source = _arrays.make_array(signature.args[0])(context, builder, args[0])
-            return builder.load(
-                builder.gep(source.data, [ir.Constant(ir.IntType(64), place)]))
+            word = ir.IntType(64)
+            source = builder.inttoptr(args[0], word.as_pointer())
+            return builder.load(builder.gep(source, [ir.Constant(word, place)]))
 
         return types.int64(table), generate
 
-    return intrinsic(number)
+    result: Any = intrinsic(number)
+    result.view_of_table = f"{name} {place}"
+    return result
 
 
 # what to call, and with what

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sandbox.engine.kernel import either, kernel
+from sandbox.engine.kernel import kernel
 from sandbox.kinds.elements import GRAZE
 from sandbox.numeric import Array, Records
 
@@ -21,7 +21,7 @@ ASIDE = -math.pi / 2
 """Where the angle of a cord that begins off its wheel is counted from [rad]: it is above - pi."""
 
 
-@either
+@kernel
 def _near(angle: float, last: float) -> float:
     """``angle`` plus the whole turns that bring it closest to ``last``."""
     return angle + 2 * math.pi * math.floor((last - angle) / (2 * math.pi) + 0.5)
@@ -46,7 +46,7 @@ def measure(
     return length
 
 
-@either
+@kernel
 def _along(
     cord: Any, guides: Records, memory: Records, results: Records, pose: Array, start: bool,
 ) -> float:
@@ -88,7 +88,7 @@ def _along(
     return length
 
 
-@either
+@kernel
 def _stretch(
     a: Any, b: Any, pose: Array,
 ) -> tuple[float, float, float, float, float, float, float]:
@@ -137,7 +137,7 @@ def _lay(cord: Any, guides: Records, memory: Records, pose: Array) -> bool:
     return which >= 0
 
 
-@either
+@kernel
 def _wrapped(guide: Any, turn: float, memory: Any, start: bool) -> float:
     """The angle by which a cord lies on a wheel [rad] over which its direction turns by so much."""
     wrap = turn if guide["radius"] > 0 else -turn
@@ -148,7 +148,7 @@ def _wrapped(guide: Any, turn: float, memory: Any, start: bool) -> float:
     return wrap
 
 
-@either
+@kernel
 def _unwound(angle: float, memory: Any, start: bool) -> float:
     """How far the point where a wound cord leaves its wheel has gone since t = 0 [rad]."""
     psi = angle if start else _near(angle, memory["wrap"])

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.joint_state import FLANK, GROOVE, LINE, POINT, ROLL
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import LEAST
@@ -14,11 +15,11 @@ from sandbox.engine.slips import slipped
 from sandbox.engine.state import LIMITED, NORMAL, PRESSED, PULLED, RUBBING, SLIPPING, TANGENT
 from sandbox.engine.teeth import toothed
 from sandbox.engine.ties import acts, holds, tied
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array
 
 
-@kernel
-def report(table: Integers, h: float, n: int) -> None:
+@entry_point()
+def report(table: int, h: float, n: int) -> None:
     """Impulses into the tables of their elements."""
     unknown = at.unknowns(table)[3]
     dampers, damper_states = at.dampers(table), at.damper_states(table)
@@ -58,7 +59,7 @@ def _whole(force: float) -> float:
 
 
 @kernel
-def _report_bounded(table: Integers, h: float, n: int) -> None:
+def _report_bounded(table: int, h: float, n: int) -> None:
     rows, touches, motors = at.rows(table), at.touches(table), at.motor_states(table)
     states, rubs = at.limit_states(table), at.rub_states(table)
     slips, motor_table, joints = at.slip_states(table), at.motors(table), at.joints(table)
@@ -106,7 +107,7 @@ def _report_bounded(table: Integers, h: float, n: int) -> None:
 
 
 @kernel
-def add_limit(table: Integers, h: float, k: int) -> None:
+def add_limit(table: int, h: float, k: int) -> None:
     """Add what bounded row ``k``, a limit's, carries to its joint's force."""
     row = at.rows(table)[k]
     limit, p = at.limits(table)[row["index"]], max(row["p"], 0.0)

@@ -28,12 +28,13 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.ends import ends
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.joint_state import GROOVE, POINT, RANGE, ROLL
 from sandbox.engine.kernel import kernel
 from sandbox.engine.state import DAMPED, EVEN, STIFF
 from sandbox.engine.teeth import flank, rolled, toothed
 from sandbox.engine.ties import joint_holds, left_over
-from sandbox.numeric import Array, Integers, Records
+from sandbox.numeric import Array, Records
 
 LEAST = 1e-100
 """Stiffness of a spring that a drive lets go, so that its row stays one."""
@@ -64,8 +65,8 @@ def closed(h: float) -> float:
     return max(CLOSED * h * h, 2 * NOTHING)
 
 
-@kernel
-def joint_rows(table: Integers, h: float) -> None:
+@entry_point()
+def joint_rows(table: int, h: float) -> None:
     """Coefficients and right sides of all joints; ``results`` get the way along their line."""
     joints, results, body, turn, before = (
         at.joints(table), at.joint_results(table), at.body(table), at.turn(table),
@@ -82,7 +83,7 @@ def joint_rows(table: Integers, h: float) -> None:
             vx = before[b, 0] - wb * by - before[a, 0] + wa * ay
             vy = before[b, 1] + wb * bx - before[a, 1] - wa * ax
         if toothed(joint):
-            _teeth_row(table, h, k)
+            teeth_row(table, h, k)
             continue
         if joint["keeps"] == POINT:
             if joint["row"] >= 0:
@@ -118,7 +119,7 @@ def joint_rows(table: Integers, h: float) -> None:
                 rhs[joint["row"]] = beyond(joint["reach"] - way) / h - h / 2 * bend
                 e += 2
             if joint["keeps"] == ROLL:
-                _rolling_row(table, h, k, ax * ux + ay * uy, bx * ux + by * uy)
+                rolling_row(table, h, k, ax * ux + ay * uy, bx * ux + by * uy)
         if joint["row_turn"] >= 0:
             J[e, 0], J[e, 1], J[e, 2] = 0.0, 0.0, -1.0
             J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 0.0, 0.0, 1.0
@@ -126,7 +127,7 @@ def joint_rows(table: Integers, h: float) -> None:
 
 
 @kernel
-def way_rate(table: Integers, joint: int, velocity: Array) -> float:
+def way_rate(table: int, joint: int, velocity: Array) -> float:
     """At which a joint's way grows, along a groove or between its points [m/s].
 
     Bodies move with ``velocity`` [nb, 3].
@@ -165,8 +166,8 @@ def _ahead(gap: float, then: float, J: Array, joint: Any, before: Array, h: floa
     return float(-beyond(gap) / h - (then - gap - h * seen) / h)
 
 
-@kernel
-def _teeth_row(table: Integers, h: float, k: int) -> None:
+@entry_point("teeth")
+def teeth_row(table: int, h: float, k: int) -> None:
     """The row of teeth without play; those with play are limits."""
     joint, out, before = at.joints(table)[k], at.joint_results(table)[k], at.before(table)
     J, e, r = at.entries(table)[0], joint["entry"], joint["row"]
@@ -182,8 +183,8 @@ def _teeth_row(table: Integers, h: float, k: int) -> None:
     at.unknowns(table)[1][r] = 1.0 / (h * h * joint["k"])
 
 
-@kernel
-def _rolling_row(table: Integers, h: float, k: int, on_a: float, on_b: float) -> None:
+@entry_point("teeth")
+def rolling_row(table: int, h: float, k: int, on_a: float, on_b: float) -> None:
     """The row that keeps circles from slipping, after that of their distance.
 
     Args:
@@ -207,6 +208,19 @@ def _rolling_row(table: Integers, h: float, k: int, on_a: float, on_b: float) ->
         before, h)
 
 
+@entry_point("teeth")
+def flank_gap(table: int, h: float, k: int) -> float:
+    """The gap [m] between the teeth of joint ``k`` one step on."""
+    side = at.joint_states(table)[k]["flank"]
+    return float(flank(at.joints(table)[k], side, h, at.body(table), at.velocity(table))[0])
+
+
+@entry_point("teeth")
+def rolled_gap(table: int, h: float, k: int) -> float:
+    """How far [m] the circles of joint ``k`` have slipped one step on."""
+    return float(rolled(at.joints(table)[k], h, at.body(table), at.velocity(table)))
+
+
 @kernel
 def _bends(joints: Records, h: float, velocity: Array) -> bool:
     """Whether any joint's points leave their tangents by more than nothing in a step."""
@@ -223,8 +237,8 @@ def _bends(joints: Records, h: float, velocity: Array) -> bool:
     return False
 
 
-@kernel
-def joint_gaps(table: Integers, h: float) -> float:
+@entry_point()
+def joint_gaps(table: int, h: float) -> float:
     """What joints still have to ask for, so as to be closed where ``velocity`` leads; largest gap.
 
     Gaps [m] are those at the poses one step on. The joints' rows of the scratch are set.
@@ -246,7 +260,7 @@ def joint_gaps(table: Integers, h: float) -> float:
         a, b = joint["a"], joint["b"]
         left_x, left_y, _ = left_over(table, joint["tie"], h)
         if toothed(joint):
-            gap = flank(joint, at.joint_states(table)[k]["flank"], h, body, velocity)[0]
+            gap = flank_gap(table, h, k)
             gap += at.unknowns(table)[3][joint["row"]] / (h * joint["k"])
             asked[joint["row"]] = -gap / h
             worst = max(worst, abs(gap))
@@ -270,14 +284,14 @@ def joint_gaps(table: Integers, h: float) -> float:
         asked[joint["row"]] = -gap / h
         worst = max(worst, abs(gap))
         if joint["keeps"] == ROLL:
-            gap = rolled(joint, h, body, velocity)
+            gap = rolled_gap(table, h, k)
             asked[joint["row_y"]] = -gap / h
             worst = max(worst, abs(gap))
     return worst
 
 
-@kernel
-def damper_rows(table: Integers, h: float) -> None:
+@entry_point("dampers")
+def damper_rows(table: int, h: float) -> None:
     """Those of damped hinges."""
     dampers, before, J = at.dampers(table), at.before(table), at.entries(table)[0]
     rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
@@ -290,8 +304,8 @@ def damper_rows(table: Integers, h: float) -> None:
         compliance[r] = 2.0 / (h * d["c"])
 
 
-@kernel
-def spring_rows(table: Integers, h: float, drive: Array) -> None:
+@entry_point("springs")
+def spring_rows(table: int, h: float, drive: Array) -> None:
     """Those of straight springs that have a damper or are too stiff for the step."""
     springs, results, before = at.springs(table), at.spring_results(table), at.before(table)
     states = at.spring_states(table)
@@ -317,8 +331,8 @@ def spring_rows(table: Integers, h: float, drive: Array) -> None:
             rhs[r] = stiffness * stretch / lead
 
 
-@kernel
-def turning_rows(table: Integers, h: float, drive: Array) -> None:
+@entry_point("actions")
+def turning_rows(table: int, h: float, drive: Array) -> None:
     """Those of rotary springs that are too stiff for the step."""
     actions, body, J = at.actions(table), at.body(table), at.entries(table)[0]
     rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
@@ -334,8 +348,8 @@ def turning_rows(table: Integers, h: float, drive: Array) -> None:
         compliance[r] = 1.0 / (h * h * max(stiffness, LEAST))
 
 
-@kernel
-def cord_rows(table: Integers, h: float) -> None:
+@entry_point("cords")
+def cord_rows(table: int, h: float) -> None:
     """Those of stiff and damped cords, and of spans; that of a slack one has no coefficients."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
     guides, pulls, before = at.guides(table), at.guide_results(table), at.before(table)
@@ -401,7 +415,7 @@ def shortening(cord: Any, guides: Records, pulls: Records, velocity: Array) -> f
 
 
 @kernel
-def weigh(table: Integers) -> None:
+def weigh(table: int) -> None:
     """W J of all entries."""
     entry_body, inverse_mass = at.entry_body(table), at.inverse_mass(table)
     J, WJ = at.entries(table)[0], at.entries(table)[1]
@@ -413,7 +427,7 @@ def weigh(table: Integers) -> None:
 
 
 @kernel
-def right_side(table: Integers) -> None:
+def right_side(table: int) -> None:
     """What rows ask for, less what the free velocities [nb, 3] already give."""
     entry_row, entry_body, hubs = at.entry_row(table), at.entry_body(table), at.hubs(table)
     inverse_mass, free, J = at.inverse_mass(table), at.free(table), at.entries(table)[0]
@@ -432,7 +446,7 @@ def right_side(table: Integers) -> None:
 
 
 @kernel
-def spread(table: Integers, impulses: Array, velocity: Array) -> None:
+def spread(table: int, impulses: Array, velocity: Array) -> None:
     """Add W B^T p to the velocities of free bodies."""
     entry_row, entry_body, WJ = (
         at.entry_row(table), at.entry_body(table), at.entries(table)[1])

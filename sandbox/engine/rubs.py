@@ -19,11 +19,12 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.joint_state import GROOVE
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import beyond, way_rate
 from sandbox.engine.state import PRESSED, RUBBING, STILL, STILL_TURNING
-from sandbox.numeric import Array, Integers, Records
+from sandbox.numeric import Array, Matrix
 
 SAME = 1e-10
 """By what share of what a joint carries its friction may be measured wrongly."""
@@ -32,7 +33,7 @@ NOTHING = 1e-13
 
 
 @kernel
-def _along(table: Integers, h: float, joint: Any, k: int, state: Any, out: Any) -> None:
+def _along(table: int, h: float, joint: Any, k: int, state: Any, out: Any) -> None:
     """The coefficients of a joint's free rate: of turning, or along its groove.
 
     Where a groove turns, or bodies turn against it, the way bends: the step asks for that in
@@ -66,10 +67,10 @@ def _along(table: Integers, h: float, joint: Any, k: int, state: Any, out: Any) 
         out["want"] += beyond(way["way"] - state["place"]) / h
 
 
-@kernel
-def rub_rows(table: Integers, h: float, i: int, rows: Records, n: int) -> int:
+@entry_point("rubs")
+def rub_rows(table: int, h: float, i: int, n: int) -> int:
     """Add the rows of joint ``i`` of those that rub: what it carries, and friction; how many."""
-    rub, state = at.rubs(table)[i], at.rub_states(table)[i]
+    rub, state, rows = at.rubs(table)[i], at.rub_states(table)[i], at.rows(table)
     k = rub["joint"]
     joint, more = at.joints(table)[k], rub["static"] if state["mode"] == 0 else 1.0
     hangs = rub["share"] > 0.0
@@ -91,8 +92,8 @@ def rub_rows(table: Integers, h: float, i: int, rows: Records, n: int) -> int:
     return m + 1
 
 
-@kernel
-def change_rubs(table: Integers, n: int) -> bool:
+@entry_point("rubs")
+def change_rubs(table: int, n: int) -> bool:
     """Measure along what joints carry now; whether any friction was measured along another way."""
     rows, rubs, states = at.rows(table), at.rubs(table), at.rub_states(table)
     unknown, changed = at.unknowns(table)[3], False
@@ -114,8 +115,8 @@ def change_rubs(table: Integers, n: int) -> bool:
     return changed
 
 
-@kernel
-def report_rub(table: Integers, h: float, i: int, p: float, mode: int) -> None:
+@entry_point("rubs")
+def report_rub(table: int, h: float, i: int, p: float, mode: int) -> None:
     """Note what friction was in the step: its impulse on ``b``, and the row's mode."""
     state, out, k = at.rub_states(table)[i], at.rub_results(table)[i], at.rubs(table)[i]["joint"]
     joint = at.joints(table)[k]
@@ -127,8 +128,8 @@ def report_rub(table: Integers, h: float, i: int, p: float, mode: int) -> None:
     out["sticks"] = 1.0 if mode == 0 or rate < still else 0.0
 
 
-@kernel
-def forget_rub(table: Integers, h: float, i: int, p: float) -> None:
+@entry_point("rubs")
+def forget_rub(table: int, h: float, i: int, p: float) -> None:
     """Let friction of a joint that is let go be none; taken up again it starts as the joint moves.
 
     Where it once held it is not drawn back to. ``p`` is what it still gave as the joint broke.
@@ -142,7 +143,7 @@ def forget_rub(table: Integers, h: float, i: int, p: float) -> None:
 
 
 @kernel
-def _rubbed_rate(table: Integers, k: int, v: Array) -> float:
+def _rubbed_rate(table: int, k: int, v: Array) -> float:
     """At which a joint turns counter-clockwise or goes along its groove, bodies moving with v."""
     joint = at.joints(table)[k]
     if joint["keeps"] == GROOVE:
@@ -150,8 +151,8 @@ def _rubbed_rate(table: Integers, k: int, v: Array) -> float:
     return float(v[joint["b"], 2] - v[joint["a"], 2])
 
 
-@kernel
-def add_rubbed_work(table: Integers, h: float, v: Array) -> None:
+@entry_point("rubs")
+def add_rubbed_work(table: int, h: float, v: Matrix) -> None:
     """Work of the step just made, with ``v`` [nb, 3] the means of before and after it."""
     rubs, states, results = at.rubs(table), at.rub_states(table), at.rub_results(table)
     for i in range(len(rubs)):

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.engine.advance import list_now
-from sandbox.engine.memory import make_memory
+from sandbox.engine.advance import advance
+from sandbox.engine.entry_points import prepare
+from sandbox.engine.memory import Memory, make_memory
 from sandbox.engine.snapshot import make_snapshot
 from sandbox.engine.state import (
     ANGLE,
@@ -22,6 +23,7 @@ from sandbox.engine.state import (
     STOPPING,
 )
 from sandbox.engine.tables import Tables
+from sandbox.engine.touch_state import CONTACT
 from sandbox.engine.world import World
 from sandbox.kinds.arrays import Arrays
 from sandbox.model.ties import held_one
@@ -42,14 +44,18 @@ class Sampler:
         self.model = world.model
         self.kept = make_snapshot(CHUNK, tables.constants, len(self.model.drives.name),
                                   _contacts_kept(world.room.contacts))
-        self.memory = make_memory(world.native, *tables[:3], self.kept)
+        self._entry_points = prepare(tables.constants, advance)
+        self.memory = self._memory()
         """What the compiled loop works on."""
+
+    def _memory(self) -> Memory:
+        return make_memory(self.world.native, *self.tables[:3], self.kept, self._entry_points)
 
     def restart(self, tables: Tables, builder: RecordingBuilder) -> None:
         """Gather for another recording, with tables of no more room than those so far."""
         self.tables, self.builder = tables, builder
         self.kept.taken[:] = 0
-        self.memory = make_memory(self.world.native, *tables[:3], self.kept)
+        self.memory = self._memory()
 
     def enlarge(self, tables: Tables) -> None:
         """Go on with tables that have more room, that of the world."""
@@ -57,7 +63,7 @@ class Sampler:
         contacts = np.zeros(_contacts_kept(self.world.room.contacts), self.kept.contacts.dtype)
         contacts[:len(self.kept.contacts)] = self.kept.contacts
         self.kept = self.kept._replace(contacts=contacts)
-        self.memory = make_memory(self.world.native, *tables[:3], self.kept)
+        self.memory = self._memory()
 
     @property
     def done(self) -> int:
@@ -179,10 +185,17 @@ class Sampler:
 
     def contacts_now(self) -> Contacts:
         """The contacts of the last step, as one sample."""
-        now = make_snapshot(1, self.tables.constants, 0, self.world.room.contacts)
         state = self.tables.state
-        count = list_now(state.touches, int(state.touching[0]), state.body, now.contacts)
-        rows = self._contact_rows(np.zeros(count, dtype=np.int64), now.contacts[:count])
+        touches = state.touches[:state.touching[0]]
+        touches = touches[touches["normal"] + touches["bounce"] > 0.0]
+        contacts = np.zeros(len(touches), CONTACT)
+        for name in ("a", "b", "gap", "nx", "ny"):
+            contacts[name] = touches[name]
+        contacts["x"] = state.body[touches["a"], 0] + touches["ax"]
+        contacts["y"] = state.body[touches["a"], 1] + touches["ay"]
+        contacts["normal"] = touches["normal"] + touches["bounce"]
+        contacts["tangent"] = touches["tangent"] + touches["rub"]
+        rows = self._contact_rows(np.zeros(len(contacts), dtype=np.int64), contacts)
         return Contacts({f"contact_{key}": column for key, column in rows.items()},
                         samples=1, bodies=len(self.world.bodies))
 

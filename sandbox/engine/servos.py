@@ -20,14 +20,13 @@ much less.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import HOLD, eliminate, rate
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.joint_state import PACED, PLACED, SPRUNG
-from sandbox.engine.kernel import ZERO, kernel
+from sandbox.engine.kernel import kernel
 from sandbox.engine.state import DRIVEN
-from sandbox.numeric import Integers
 
 CAUTION = 0.999
 """Share of the deceleration that a drive could brake with that it counts on."""
@@ -36,7 +35,7 @@ LEAST = 0.01
 
 
 @kernel
-def _ahead(table: Integers, joint: int, h: float) -> float:
+def _ahead(table: int, joint: int, h: float) -> float:
     """Length of an actuator [m] where the velocities before lead in a step."""
     line, body, v = at.joints(table)[joint], at.body(table), at.before(table)
     a, b = line["a"], line["b"]
@@ -48,8 +47,8 @@ def _ahead(table: Integers, joint: int, h: float) -> float:
     return math.hypot(dx, dy)
 
 
-@kernel
-def servo_row(table: Integers, h: float, value: float, i: int, out: Any) -> None:
+@entry_point("motors")
+def servo_row(table: int, h: float, value: float, i: int, n: int) -> None:
     """The row of a motor that goes to a place or acts on an actuator.
 
     Args:
@@ -57,8 +56,9 @@ def servo_row(table: Integers, h: float, value: float, i: int, out: Any) -> None
         h: the step [s].
         value: of its drive.
         i: the motor's number.
-        out: its BOUND, in which bounds and what it remembers stand already.
+        n: its row, in which bounds and what it remembers stand already.
     """
+    out = at.rows(table)[n]
     motor, state, before = at.motors(table)[i], at.motor_states(table)[i], at.before(table)
     body, line = at.body(table), motor["line"]
     place = body[motor["b"], 2] - body[motor["a"], 2]
@@ -91,8 +91,8 @@ def servo_row(table: Integers, h: float, value: float, i: int, out: Any) -> None
     out["want"] = state["bend"] - state["along"] - state["short"] / h
 
 
-@kernel
-def brake_in_time(table: Integers, h: float, n: int) -> None:
+@entry_point("motors")
+def brake_in_time(table: int, h: float, n: int) -> None:
     """Let rigid drives ask for no more than they can still brake, and than their fastest rate.
 
     What they can follows from the rows' G and free rates: with I the inertia that they feel, all
@@ -100,7 +100,7 @@ def brake_in_time(table: Integers, h: float, n: int) -> None:
     brake it does not count: they may have gone by then.
     """
     rows, motors, states = at.rows(table), at.motors(table), at.motor_states(table)
-    chosen, m = at.chosen(table), ZERO
+    chosen, m = at.chosen(table), 0
     for k in range(n):
         driven = rows[k]["source"] == DRIVEN and not rows[k]["out"]
         if driven and motors[rows[k]["index"]]["law"] == PLACED:
@@ -127,7 +127,7 @@ def brake_in_time(table: Integers, h: float, n: int) -> None:
 
 
 @kernel
-def _held(table: Integers, h: float, m: int, q: int, loads: bool) -> float:
+def _held(table: int, h: float, m: int, q: int, loads: bool) -> float:
     """Of the q-th of m chosen rows the inertia with the others held, or what loads push it with."""
     rows, G, A = at.rows(table), at.delassus(table), at.system(table)
     chosen, states = at.chosen(table), at.motor_states(table)

@@ -263,9 +263,9 @@ class Simulation:
                 self._enlarge()
             made = 0
             while True:
-                table, h, _ = sampler.memory
+                address, h, _ = sampler.memory
                 due = every - (done + made) % every
-                new = advance(table, h, drive[made:], speeds[made:], due, every)
+                new = advance(address, h, drive[made:], speeds[made:], due, every)
                 self._broke += taken_breaks(
                     self._tables, self._model.ties.name, done + made, clock.step)
                 made += new

@@ -22,14 +22,14 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import asked_by_cord, cord_lead, shortening
 from sandbox.engine.state import PULL, PULLED, SLIPPING, STIFF
-from sandbox.numeric import Integers, Records
 
 
 @kernel
-def _bend(table: Integers, slip: Any) -> float:
+def _bend(table: int, slip: Any) -> float:
     """The angle that a cord bends by at a guide [rad]; 0 where it does not touch its wheel."""
     g = slip["guide"]
     if at.guides(table)[g]["radius"] != 0.0:
@@ -43,8 +43,8 @@ def _bend(table: Integers, slip: Any) -> float:
     return 2.0 * math.asin(min(1.0, 0.5 * math.hypot(x, y)))
 
 
-@kernel
-def ask_slips(table: Integers, h: float) -> None:
+@entry_point("slips")
+def ask_slips(table: int, h: float) -> None:
     """What a drive pulls with goes to the last guide that holds its cord."""
     slips, asked = at.slips(table), at.unknowns(table)[0]
     for i in range(len(slips)):
@@ -53,10 +53,10 @@ def ask_slips(table: Integers, h: float) -> None:
             asked[slips[i]["row"]] = -h * at.cord_results(table)[end]["tension"]
 
 
-@kernel
-def slip_rows(table: Integers, h: float, i: int, rows: Records, n: int) -> int:
+@entry_point("slips")
+def slip_rows(table: int, h: float, i: int, n: int) -> int:
     """Add the rows of guide ``i``: the sum of the tensions, and friction; how many there are."""
-    slip, state = at.slips(table)[i], at.slip_states(table)[i]
+    slip, state, rows = at.slips(table)[i], at.slip_states(table)[i], at.rows(table)
     bound = math.tanh(0.5 * slip["friction"] * _bend(table, slip))
     if bound <= 0.0:
         return n
@@ -78,8 +78,8 @@ def slip_rows(table: Integers, h: float, i: int, rows: Records, n: int) -> int:
     return n + 2
 
 
-@kernel
-def slipped(table: Integers, h: float) -> None:
+@entry_point("slips")
+def slipped(table: int, h: float) -> None:
     """Move cord from span to span as it slipped, and note the tension behind the last guide."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
     slips, slip_states, rates = at.slips(table), at.slip_states(table), at.slip_results(table)
@@ -105,7 +105,7 @@ def slipped(table: Integers, h: float) -> None:
 
 
 @kernel
-def _even_out(table: Integers, i: int) -> None:
+def _even_out(table: int, i: int) -> None:
     """Spread what is in a slack cord over its spans as they are long."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
     length = inside = 0.0
@@ -118,7 +118,7 @@ def _even_out(table: Integers, i: int) -> None:
 
 
 @kernel
-def _stretch(table: Integers, i: int) -> float:
+def _stretch(table: int, i: int) -> float:
     """By how much a whole cord is longer than what is in its spans [m]."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
     stretch = 0.0
@@ -129,7 +129,7 @@ def _stretch(table: Integers, i: int) -> float:
 
 
 @kernel
-def _set(table: Integers, i: int, active: int) -> None:
+def _set(table: int, i: int, active: int) -> None:
     states = at.cord_states(table)
     states[i]["active"] = active
     for k in range(at.cords(table)[i]["spans"], at.cords(table)[i]["spans_end"]):
@@ -137,15 +137,15 @@ def _set(table: Integers, i: int, active: int) -> None:
 
 
 @kernel
-def _drawn(table: Integers, i: int) -> bool:
+def _drawn(table: int, i: int) -> bool:
     """Whether a drive pulls a whole cord at this moment."""
     last = at.cords(table)[i]["spans_end"] - 1
     return bool(at.cords(table)[last]["kind"] == PULL
                 and at.cord_results(table)[last]["tension"] > 0.0)
 
 
-@kernel
-def slacken_whole(table: Integers, i: int) -> None:
+@entry_point("slips")
+def slacken_whole(table: int, i: int) -> None:
     """Let go of a whole cord that is not stretched; take up one that a drive pulls."""
     if _drawn(table, i):
         _set(table, i, 1)
@@ -153,8 +153,8 @@ def slacken_whole(table: Integers, i: int) -> None:
         _set(table, i, 0)
 
 
-@kernel
-def change_whole(table: Integers, h: float, i: int) -> bool:
+@entry_point("slips")
+def change_whole(table: int, h: float, i: int) -> bool:
     """Let go of a whole cord all of which would push, take up one that would pull; whether so."""
     if _drawn(table, i):
         return False

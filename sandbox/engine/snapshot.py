@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from sandbox.engine import memory as at
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.fluid_report import take_lines
 from sandbox.engine.joint_state import STOP
 from sandbox.engine.kernel import kernel
@@ -24,7 +25,7 @@ from sandbox.engine.state import (
     Snapshot,
 )
 from sandbox.engine.touch_state import CONTACT
-from sandbox.numeric import Array, Integers, Records
+from sandbox.numeric import Array, Records
 
 
 def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int) -> Snapshot:
@@ -44,7 +45,7 @@ def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int
 
 
 @kernel
-def room_to_keep(table: Integers) -> bool:
+def room_to_keep(table: int) -> bool:
     """Whether one more sample can be kept, however many contacts it has; noted if not."""
     fill, taken = at.kept_fill(table), at.kept_taken(table)
     n = taken[0] - taken[1]
@@ -54,8 +55,8 @@ def room_to_keep(table: Integers) -> bool:
     return bool(taken[2] == 0)
 
 
-@kernel
-def take(table: Integers, h: float, drive: Array) -> None:
+@entry_point()
+def take(table: int, h: float, drive: Array) -> None:
     """Copy the step just made, with its drives [nd], into the next row that samples are kept in."""
     taken = at.kept_taken(table)
     n = taken[0] - taken[1]
@@ -85,7 +86,7 @@ def take(table: Integers, h: float, drive: Array) -> None:
     for i in range(len(actions)):
         kept[n, i, 0] = action_results[i]["torque"]
         kept[n, i, 1] = actions[i]["work"] - action_results[i]["step_work"] / 2
-    _take_joints(table, h, at.kept_joints(table)[n])
+    take_joints(table, h, n)
     take_lines(table, n)
     take_loads(table, n)
     ties, kept_ties = at.tie_states(table), at.kept_ties(table)
@@ -102,7 +103,7 @@ def take(table: Integers, h: float, drive: Array) -> None:
 
 
 @kernel
-def _take_bodies(table: Integers, h: float, n: int) -> None:
+def _take_bodies(table: int, h: float, n: int) -> None:
     body, before, turn, bodies = (
         at.body(table), at.before(table), at.turn(table), at.bodies(table))
     pose, velocity, acceleration = (
@@ -133,8 +134,10 @@ def list_contacts(touches: Records, count: int, body: Array, out: Records, m: in
     return m
 
 
-@kernel
-def _take_joints(table: Integers, h: float, kept: Array) -> None:
+@entry_point()
+def take_joints(table: int, h: float, n: int) -> None:
+    """Copy the values of joints into row ``n`` of the samples."""
+    kept = at.kept_joints(table)[n]
     joints, results, body, before = (
         at.joints(table), at.joint_results(table), at.body(table), at.before(table))
     for i in range(len(joints)):

@@ -22,11 +22,12 @@ from sandbox.engine import memory as at
 from sandbox.engine.bounded import columns, couple, measures, push, relax, solve_modes, wipe, y_of
 from sandbox.engine.breaks import breaks
 from sandbox.engine.candidates import broken_rows, kept_rows
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.factor import assemble, backward, factor, forward
 from sandbox.engine.fluid_report import flowing, report_lines
 from sandbox.engine.fluids import change_lines, fluid_rows, join_lines
 from sandbox.engine.impacts import impacts, late_hits
-from sandbox.engine.kernel import ZERO, inlined, kernel
+from sandbox.engine.kernel import kernel
 from sandbox.engine.laws import change_laws, law_rows
 from sandbox.engine.lemke import MOST, lemke_modes
 from sandbox.engine.loads import change_loads, load_rows, timed
@@ -51,7 +52,7 @@ from sandbox.engine.servos import brake_in_time
 from sandbox.engine.slips import ask_slips, change_whole, slacken_whole
 from sandbox.engine.state import GRIPPED, STIFF, STILL, STILL_TURNING
 from sandbox.engine.ties import holds, slacken_tied, tie_rows
-from sandbox.numeric import Array, Integers, Records
+from sandbox.numeric import Array, Records
 
 HARD = 1e-12
 """Compliance of rigid rows, as a share of what the masses give: redundant ones share by it."""
@@ -76,8 +77,8 @@ EXACT = 1e-10
 """Rates that count as none, as a share of the largest that the rows see."""
 
 
-@inlined
-def solve(table: Integers, h: float, drive: Array) -> None:
+@kernel
+def solve(table: int, h: float, drive: Array) -> None:
     """Find the velocities after a step, from the free ones.
 
     ``drive`` [nd] holds the values of the drives at the step's instant, ``table`` is that of
@@ -94,27 +95,27 @@ def solve(table: Integers, h: float, drive: Array) -> None:
     law_rows(table, h, drive)
     load_rows(table, h)
     tie_rows(table, h)
-    _slacken(table)
+    slacken(table)
     n = kept_rows(table, h, drive)
     hit = True
     for attempt in range(PRESSED):
-        _factored(table, h, drive)
+        factor_matrix(table, h, drive)
         if hit:
             impacts(table, h)
         right_side(table)
         forward(starts, below, values, solved)
-        done, closings, taken = ZERO, 0, math.inf
+        done, closings, taken = 0, 0, math.inf
         while True:  # rows only grow in number, and joints are closed so often at most
-            columns(table, rows, done, n, Y, reached)
-            couple(table, rows, done, n, Y, reached)
+            columns(table, 0, done, n)
+            couple(table, 0, done, n)
             if done == 0:
                 brake_in_time(table, h, n)
             done = n
-            slack = _bound(table, n)
-            _velocities(table, n)
+            slack = solve_bounded(table, n)
+            find_velocities(table, n)
             n = broken_rows(table, h, n, slack)
             if n == done:
-                taken = _close(table, h, n, GROWN * taken) if closings < CLOSINGS else 0.0
+                taken = close_joints(table, h, n, GROWN * taken) if closings < CLOSINGS else 0.0
                 if taken == 0.0:
                     break
                 closings += 1
@@ -122,7 +123,7 @@ def solve(table: Integers, h: float, drive: Array) -> None:
         hit = late_hits(table, n)
         changed, pressed = change_laws(table, h, drive), change_loads(table, h)
         changed |= change_rubs(table, n)
-        changed |= hit or _change_cords(table, h, attempt) or change_lines(table, h, drive, attempt)
+        changed |= hit or change_cords(table, h, attempt) or change_lines(table, h, drive, attempt)
         if not (pressed or (changed and attempt < ROUNDS - 1)):
             if attempt + 1 == PRESSED or not breaks(table, h, n):
                 break
@@ -132,8 +133,8 @@ def solve(table: Integers, h: float, drive: Array) -> None:
     _rest(table)
 
 
-@kernel
-def _factored(table: Integers, h: float, drive: Array) -> None:
+@entry_point()
+def factor_matrix(table: int, h: float, drive: Array) -> None:
     """Put together the matrix of the bilateral rows, and factor it."""
     unknowns, values = at.unknowns(table), at.values(table)
     J, WJ = at.entries(table)[0], at.entries(table)[1]
@@ -154,8 +155,8 @@ def _factored(table: Integers, h: float, drive: Array) -> None:
     factor(at.starts(table), at.below(table), at.updates(table), values, unknowns[4])
 
 
-@kernel
-def _close(table: Integers, h: float, n: int, most: float) -> float:
+@entry_point()
+def close_joints(table: int, h: float, n: int, most: float) -> float:
     """Ask for what leaves joints open where the velocities lead.
 
     Twice the kinetic energy [J] of the change, 0 if it is not worth a solve or above ``most``.
@@ -183,8 +184,8 @@ def _close(table: Integers, h: float, n: int, most: float) -> float:
     return taken
 
 
-@kernel
-def _bound(table: Integers, n: int) -> float:
+@entry_point()
+def solve_bounded(table: int, n: int) -> float:
     """Impulses of the bounded rows; a rate that counts as none."""
     rows = at.rows(table)
     most = 0.0
@@ -201,7 +202,7 @@ def _bound(table: Integers, n: int) -> float:
 
 
 @kernel
-def _impulses(table: Integers, n: int, slack: float) -> None:
+def _impulses(table: int, n: int, slack: float) -> None:
     rows, G, A, chosen = at.rows(table), at.delassus(table), at.system(table), at.chosen(table)
     given_up = at.standing(table)
     if given_up[2] >= ATTEMPTS:
@@ -209,11 +210,18 @@ def _impulses(table: Integers, n: int, slack: float) -> None:
     elif solve_modes(rows, n, G, A, chosen, slack) < 0:
         relax(rows, n, G)
         if solve_modes(rows, n, G, A, chosen, slack) < 0 and not (
-                n <= MOST and lemke_modes(rows, n, G, at.tableau(table), at.basis(table))
+                n <= MOST and lemke(table, n)
                 and solve_modes(rows, n, G, A, chosen, slack) > 0):
             relax(rows, n, G)
             given_up[0] += 1 if given_up[2] == 0 else 0
             given_up[2] += 1
+
+
+@entry_point("bounded", late=True)
+def lemke(table: int, n: int) -> bool:
+    """Look for the modes of the bounded rows with Lemke's method; whether it found any."""
+    return bool(lemke_modes(
+        at.rows(table), n, at.delassus(table), at.tableau(table), at.basis(table)))
 
 
 @kernel
@@ -248,7 +256,7 @@ def _as_before(rows: Records, n: int, G: Array) -> bool:
 
 
 @kernel
-def _rest(table: Integers) -> None:
+def _rest(table: int) -> None:
     """Let bodies stand that move by no more than rounding, all of them or none.
 
     A step that begins and ends so is the same as the next, if nothing is changed from outside.
@@ -266,7 +274,7 @@ def _rest(table: Integers) -> None:
 
 
 @kernel
-def _running(table: Integers) -> bool:
+def _running(table: int) -> bool:
     """Whether any surface runs: what rubs on it does work though nothing moves."""
     belts, running = at.belts(table), False
     for b in range(len(belts)):
@@ -274,8 +282,8 @@ def _running(table: Integers) -> bool:
     return running
 
 
-@kernel
-def _velocities(table: Integers, n: int) -> None:
+@entry_point()
+def find_velocities(table: int, n: int) -> None:
     """The unknowns and the velocities that the impulses of the rows lead to."""
     unknowns, rows, Y, reached = (
         at.unknowns(table), at.rows(table), at.columns(table), at.reached(table))
@@ -297,8 +305,8 @@ def _velocities(table: Integers, n: int) -> None:
         push(inverse_mass, rows[k], rows[k]["p"], velocity)
 
 
-@kernel
-def _slacken(table: Integers) -> None:
+@entry_point("cords")
+def slacken(table: int) -> None:
     """Let go of all cords that are not stretched: their dampers do not pull before they do."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
     for i in range(len(cords)):
@@ -310,8 +318,8 @@ def _slacken(table: Integers) -> None:
             states[i]["active"] = 0
 
 
-@kernel
-def _change_cords(table: Integers, h: float, attempt: int) -> bool:
+@entry_point("cords")
+def change_cords(table: int, h: float, attempt: int) -> bool:
     """Let go of cords that would push, take up those that would pull; whether there were any.
 
     A slack one is taken up only where it is stretched: a stiff one in this step, a soft one now.

@@ -45,7 +45,7 @@ def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Ar
     shift = np.zeros((len(first), 3))
     asked = drive[:1].copy()
     for trial in range(TIMES):
-        advance(memory.table, memory.h, asked, speeds, UNKEPT, UNKEPT)
+        advance(memory.address, memory.h, asked, speeds, UNKEPT, UNKEPT)
         if trial == 0:
             asked[0] -= _jumps(tables, first, drive)
         enough = not tables.state.touching[1]

@@ -113,9 +113,9 @@ class Still(Simulation):
             self._sampler.kept.taken[:] = 0
         made = 0
         while True:
-            table, h, _ = self._sampler.memory
+            address, h, _ = self._sampler.memory
             due = count - made if kept else UNKEPT
-            made += advance(table, h, rows[made:], after[made:], due, count)
+            made += advance(address, h, rows[made:], after[made:], due, count)
             if made == count:
                 return
             if not self._tables.state.touching[1]:

@@ -19,44 +19,45 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.ends import ends
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.joint_state import GROOVE, POINT, RANGE
 from sandbox.engine.kernel import kernel
 from sandbox.engine.teeth import toothed
 from sandbox.engine.tie_state import CORDED, JOINED, NONE, SETTLED, STRAIGHT, TAKEN
 from sandbox.kinds.elements import HELD_ABOVE
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array
 
 CLOSED_AFTER = 40.0
 """So many times that time after it was taken up a joint is closed: e^-40 of its gap is left."""
 
 
 @kernel
-def holds(table: Integers, tie: int) -> bool:
+def holds(table: int, tie: int) -> bool:
     """Whether what has this number, or none, holds."""
     return bool(tie < 0 or at.tie_states(table)[tie]["held"] == 1)
 
 
 @kernel
-def joint_holds(table: Integers, joint: int) -> bool:
+def joint_holds(table: int, joint: int) -> bool:
     """Whether a joint holds."""
     return holds(table, at.joints(table)[joint]["tie"])
 
 
 @kernel
-def action_holds(table: Integers, action: Any) -> bool:
+def action_holds(table: int, action: Any) -> bool:
     """Whether a drive or rotary spring holds, and the joint that it acts on."""
     return holds(table, action["tie"]) and holds(table, action["hinge_tie"])
 
 
 @kernel
-def acts(table: Integers, tie: int) -> bool:
+def acts(table: int, tie: int) -> bool:
     """Whether it holds and has, or broke in this very step with a force that is noted already."""
     return bool(tie < 0 or (at.tie_states(table)[tie]["held"] == 1
                             or at.tie_results(table)[tie]["broke"] == 0))
 
 
-@kernel
-def let_go_or_take_up(table: Integers, drive: Array) -> None:
+@entry_point("ties")
+def let_go_or_take_up(table: int, drive: Array) -> None:
     """Do what events wish, and what drives want that want something else than before.
 
     Args:
@@ -77,7 +78,7 @@ def let_go_or_take_up(table: Integers, drive: Array) -> None:
 
 
 @kernel
-def _take_up(table: Integers, i: int) -> None:
+def _take_up(table: int, i: int) -> None:
     """Begin to close the gap of a joint; note the length of what is taken up as it is."""
     tie, index = at.ties(table)[i], at.ties(table)[i]["index"]
     if tie["what"] == JOINED:
@@ -91,7 +92,7 @@ def _take_up(table: Integers, i: int) -> None:
 
 
 @kernel
-def empty_row(table: Integers, row: int, entry: int, count: int) -> None:
+def empty_row(table: int, row: int, entry: int, count: int) -> None:
     """Let a row act on nothing and carry nothing."""
     J = at.entries(table)[0]
     for e in range(entry, entry + count):
@@ -99,8 +100,8 @@ def empty_row(table: Integers, row: int, entry: int, count: int) -> None:
     at.unknowns(table)[0][row], at.unknowns(table)[1][row] = 0.0, 1.0
 
 
-@kernel
-def tie_rows(table: Integers, h: float) -> None:
+@entry_point("ties")
+def tie_rows(table: int, h: float) -> None:
     """Empty the rows of what is let go; ask joints that were taken up for less."""
     if len(at.ties(table)) == 0:
         return
@@ -126,7 +127,7 @@ def tie_rows(table: Integers, h: float) -> None:
 
 
 @kernel
-def empty_joint(table: Integers, k: int) -> None:
+def empty_joint(table: int, k: int) -> None:
     """Let all rows of a joint act on nothing."""
     joint = at.joints(table)[k]
     e = joint["entry"]
@@ -137,7 +138,7 @@ def empty_joint(table: Integers, k: int) -> None:
 
 
 @kernel
-def left_over(table: Integers, tie: int, ahead: float) -> tuple[float, float, float]:
+def left_over(table: int, tie: int, ahead: float) -> tuple[float, float, float]:
     """The gaps [m, m, rad] that a joint may have so much later than now [s]."""
     if tie < 0:
         return 0.0, 0.0, 0.0
@@ -152,7 +153,7 @@ def left_over(table: Integers, tie: int, ahead: float) -> tuple[float, float, fl
 
 
 @kernel
-def _ask_gently(table: Integers, h: float, k: int) -> None:
+def _ask_gently(table: int, h: float, k: int) -> None:
     joint = at.joints(table)[k]
     state, rhs = at.tie_states(table)[joint["tie"]], at.unknowns(table)[0]
     teeth = toothed(joint)
@@ -173,7 +174,7 @@ def _ask_gently(table: Integers, h: float, k: int) -> None:
 
 
 @kernel
-def _look(table: Integers, k: int) -> None:
+def _look(table: int, k: int) -> None:
     """Note the gaps of a joint that is taken up, and how they change."""
     joint, body, before, turn = (
         at.joints(table)[k], at.body(table), at.before(table), at.turn(table))
@@ -202,8 +203,8 @@ def _look(table: Integers, k: int) -> None:
     state["age"] = 0.0
 
 
-@kernel
-def slacken_tied(table: Integers, i: int) -> bool:
+@entry_point("ties")
+def slacken_tied(table: int, i: int) -> bool:
     """Let a cord that is let go hang; whether it is."""
     if holds(table, at.cords(table)[i]["tie"]):
         return False
@@ -214,8 +215,8 @@ def slacken_tied(table: Integers, i: int) -> bool:
     return True
 
 
-@kernel
-def tied(table: Integers, h: float) -> None:
+@entry_point("ties")
+def tied(table: int, h: float) -> None:
     """What the next step has to know of this one."""
     ties, states, results = at.ties(table), at.tie_states(table), at.tie_results(table)
     for i in range(len(ties)):
@@ -227,7 +228,7 @@ def tied(table: Integers, h: float) -> None:
 
 
 @kernel
-def run_surfaces(table: Integers, drive: Array) -> None:
+def run_surfaces(table: int, drive: Array) -> None:
     """Note how fast surfaces run in this step, by the values of the drives [nd]."""
     actions, belts = at.actions(table), at.belts(table)
     for i in range(len(actions)):

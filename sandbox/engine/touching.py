@@ -14,21 +14,22 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.kernel import either, kernel
-from sandbox.numeric import Array, Integers, Records
+from sandbox.engine.entry_points import entry_point
+from sandbox.engine.kernel import kernel
+from sandbox.numeric import Array, Records
 
 ASKEW = 1e-6
 """By how much a normal may miss those of a surface, an angle: pymunk finds it to 1e-9 or so."""
 
 
-@either
+@kernel
 def rows_for(limits: int, motors: int, slips: int, rubs: int, contacts: int) -> int:
     """How many bounded rows there may be of so many elements and points that are near."""
     return limits + motors + 2 * (slips + rubs + contacts)
 
 
 @kernel
-def short(table: Integers) -> bool:
+def short(table: int) -> bool:
     """Whether there is no room for all that was found near one another in this step.
 
     Contacts that are hit work in the second half.
@@ -39,8 +40,8 @@ def short(table: Integers) -> bool:
     return bool(count > len(at.raw(table)) or 2 * rows + 4 > len(at.rows(table)))
 
 
-@kernel
-def list_touches(table: Integers) -> None:
+@entry_point("shapes")
+def list_touches(table: int) -> None:
     """Note the points of bodies that may touch, in an order of their own.
 
     pymunk finds them in one that hangs on addresses in memory.
@@ -78,7 +79,7 @@ def list_touches(table: Integers) -> None:
 
 
 @kernel
-def _on_surfaces(table: Integers, i: int) -> bool:
+def _on_surfaces(table: int, i: int) -> bool:
     """Whether what pymunk found is where both shapes are the surfaces of their outlines."""
     shapes, found, body, faces = at.shapes(table), at.raw(table)[i], at.body(table), at.faces(table)
     one, two = shapes[found["shape_a"]], shapes[found["shape_b"]]

@@ -9,17 +9,18 @@ step.
 from __future__ import annotations
 
 from sandbox.engine import memory as at
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.fluid_report import add_fluid_work
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import add_load_work
 from sandbox.engine.rows import shortening, spring_rate, way_rate
 from sandbox.engine.rubs import add_rubbed_work
 from sandbox.engine.state import GRIPPED, PULL
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array
 
 
-@kernel
-def add_work(table: Integers, h: float) -> None:
+@entry_point()
+def add_work(table: int, h: float) -> None:
     """Add the work [J] of the step just made to ``work``, and give it alone as ``step_work``.
 
     The free velocities are overwritten by the means of before and after the step.
@@ -58,7 +59,7 @@ def add_work(table: Integers, h: float) -> None:
 
 
 @kernel
-def _rubbed(table: Integers, body: int) -> float:
+def _rubbed(table: int, body: int) -> float:
     """Impulse on what touches a body along the body's surface, counter-clockwise [N s]."""
     touches, p = at.touches(table), 0.0
     for i in range(at.touching(table)[0]):
@@ -68,7 +69,7 @@ def _rubbed(table: Integers, body: int) -> float:
 
 
 @kernel
-def _springs(table: Integers, h: float, v: Array) -> None:
+def _springs(table: int, h: float, v: Array) -> None:
     springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
     for i in range(len(springs)):
         result = results[i]
@@ -77,7 +78,7 @@ def _springs(table: Integers, h: float, v: Array) -> None:
 
 
 @kernel
-def _dampers(table: Integers, h: float, v: Array) -> None:
+def _dampers(table: int, h: float, v: Array) -> None:
     dampers, states, results = at.dampers(table), at.damper_states(table), at.damper_results(table)
     for i in range(len(dampers)):
         d = dampers[i]
@@ -87,7 +88,7 @@ def _dampers(table: Integers, h: float, v: Array) -> None:
 
 
 @kernel
-def _cords(table: Integers, h: float, v: Array) -> None:
+def _cords(table: int, h: float, v: Array) -> None:
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
     guides, pulls = at.guides(table), at.guide_results(table)
     for i in range(len(cords)):

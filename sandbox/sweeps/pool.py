@@ -1,7 +1,7 @@
 """Worker processes on this machine: started once, each with one run at a time.
 
 Workers are copies of one process that has loaded the engine, where the system can copy processes.
-The first of them loads the inner loop, or compiles it, before the others begin, so that it is
+The first of them compiles what the scene needs before the others begin, so that it is
 compiled once. A worker that dies is replaced, and its run begun again; a run that two workers died
 of is given back as one that did. The standard library's pools cannot tell which run took a worker
 with it, and are broken by it as a whole.
@@ -170,17 +170,16 @@ class Pool:
 
 def _serve(line: Connection, job: SweepJob) -> None:
     """What a worker does: runs what it is sent, until nobody listens any more."""
-    from sandbox.sweeps.runner import ready, warm  # the engine, which whoever asks does not need
+    from sandbox.sweeps.runner import ready  # the engine, which whoever asks does not need
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for who started it
-    with suppress(EOFError, OSError):
+    with suppress(EOFError, OSError), ready(job) as run:
         with on_compiling(lambda: line.send(COMPILING), line.send):
-            warm()
-        with ready(job) as run:
-            line.send(READY)
-            while True:
-                id, values = line.recv()
-                line.send(run(id, values))
+            run.prepare()
+        line.send(READY)
+        while True:
+            id, values = line.recv()
+            line.send(run(id, values))
 
 
 def _how(code: int | None) -> str:

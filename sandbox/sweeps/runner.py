@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import numpy as np
 from sandbox.audit.audit import audit
 from sandbox.engine.inspect_control import Checked, control_problems
 from sandbox.engine.simulate import simulate
+from sandbox.engine.simulation import Simulation
 from sandbox.errors import SandboxError, SceneError
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
@@ -25,15 +26,6 @@ from sandbox.sweeps.points import Override
 
 MOST_REASON = 500
 """Characters of a reason that a row keeps."""
-WARM: dict[str, Any] = {
-    "name": "warm", "run": {"duration": 1e-3}, "gravity": [0, 0],
-    "bodies": [{"name": "puck", "mass": 1, "inertia": 1}]}
-"""A scene that loads the inner loop, or compiles it."""
-
-
-def warm() -> None:
-    """Load the inner loop, or compile it."""
-    simulate(WARM)
 
 
 class Runner:
@@ -41,6 +33,12 @@ class Runner:
 
     def __init__(self, job: SweepJob, scene: Path | Mapping[str, Any]) -> None:
         self._job, self._scene = job, scene
+
+    def prepare(self) -> None:
+        """Compile what the scene needs, so that other workers find it in the cache."""
+        with suppress(SandboxError):  # each run reports what is wrong with the scene
+            loaded = read_scene(self._scene, overrides=self._job.set, limits=self._job.limits)
+            Simulation(_checked(loaded))
 
     def __call__(self, id: str, values: Mapping[str, Override]) -> SweepRow:
         """Run one point; whatever becomes of it is in its row."""

@@ -17,7 +17,8 @@ from sandbox.cli.compiling import COMPILING, NOT_KEPT, told_if_compiling
 from sandbox.cli.console import Console
 from sandbox.cli.entry import invoke
 from sandbox.cli.output import default_directory
-from sandbox.engine.compiling import on_compiling
+from sandbox.engine.compiling import report_compiled
+from sandbox.engine.entry_points import CalledFromPython
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 
@@ -382,30 +383,10 @@ def test_the_first_compilation_is_told_and_no_other(monkeypatch, scene, capfd, t
     assert capfd.readouterr().err == ""  # nobody listens any more
 
 
-def test_a_compilation_that_cannot_be_kept_is_told_once(monkeypatch, capfd):
-    monkeypatch.setattr("sandbox.engine.kernel.can_keep", lambda compiled: False)
+def test_a_compilation_that_cannot_be_cached_is_announced_once(monkeypatch, capfd):
+    monkeypatch.setattr(CalledFromPython, "cached", False)
     with told_if_compiling(Console()):
         for _ in range(2):
             numba.njit(lambda x: x + 3)(1)
-    begins, ends = capfd.readouterr().err.splitlines()
-    assert begins == NOT_KEPT
-    assert ends.startswith("compiled in ")
-
-
-@pytest.mark.parametrize(("took", "told"), [((60, 3), [60]), ((3, 60), [63]), ((3, 4), [7])])
-def test_the_end_is_told_when_the_inner_loop_is_compiled_and_else_at_last(took, told):
-    """Seconds of two functions one after the other, the first with another one inside of it."""
-    from numba.core import event
-
-    now, said, at = [0.0], [], []
-    with on_compiling(lambda: said.append("began"), said.append, clock=lambda: now[0]):
-        for seconds in took:
-            event.start_event("numba:compile")
-            event.start_event("numba:compile")
-            now[0] += seconds
-            event.end_event("numba:compile")
-            event.end_event("numba:compile")
-            now[0] += 1000.0  # it runs
-            at.append(len(said))
-    assert said == ["began", *told]
-    assert at[-1] == (2 if max(took) > 10 else 1)
+            report_compiled(12.4)
+    assert capfd.readouterr().err.splitlines() == [NOT_KEPT, "compiled in 12 s"]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from sandbox.engine.advance import UNKEPT, advance
+from sandbox.engine.entry_points import prepare
 from sandbox.engine.memory import make_memory
 from sandbox.engine.snapshot import make_snapshot
 from sandbox.engine.tables import Tables, make_tables
@@ -61,7 +62,8 @@ class Bench:
         self.constants, self.state, self.result, _ = self.tables
         drives = len(self.world.model.drives.name)
         self.kept = make_snapshot(1, self.constants, drives, 2 * self.world.room.contacts)
-        self.memory = make_memory(self.world.native, *self.tables[:3], self.kept)
+        self.memory = make_memory(self.world.native, *self.tables[:3], self.kept,
+                                  prepare(self.constants, advance))
 
     def step(
         self, *drive: float, speeds: Any = None, steps: int = 1, due: int = UNKEPT,
@@ -71,7 +73,7 @@ class Bench:
         Step ``due`` is kept as a sample.
         """
         moved = np.zeros((len(self.constants.scheduled), 3)) if speeds is None else speeds
-        made = advance(self.memory.table, self.world.h, np.tile(np.array(drive), (steps, 1)),
+        made = advance(self.memory.address, self.world.h, np.tile(np.array(drive), (steps, 1)),
                        np.tile(np.array(moved, dtype=float), (steps, 1, 1)), due, due)
         assert made == steps
         return self

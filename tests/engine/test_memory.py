@@ -54,6 +54,7 @@ def arrays(bench):
     return found
 
 
+@pytest.mark.nightly
 def test_every_view_is_its_array() -> None:
     """Address, lengths and the size of an item, as compiled code sees them."""
     bench = Bench(busy())
@@ -70,7 +71,7 @@ def test_every_view_is_its_array() -> None:
     scope = {"at": at}
     exec("\n".join(lines), scope)
     out = np.zeros((len(named), 5), dtype=np.int64)
-    njit(scope["look"])(bench.memory.table, out)
+    njit(scope["look"])(bench.memory.address, out)
     for (name, array), row in zip(named.items(), out.tolist(), strict=True):
         lengths = [*array.shape, *[0] * (3 - array.ndim)]
         assert row == [array.ctypes.data, array.itemsize, *lengths], name
@@ -83,7 +84,7 @@ def test_plain_numbers_are_those_of_the_calls() -> None:
              *(f"    out[{k}] = at.{name}(table)" for k, name in enumerate(NUMBERS))]
     scope = {"at": at}
     exec("\n".join(lines), scope)
-    njit(scope["look"])(bench.memory.table, out)
+    njit(scope["look"])(bench.memory.address, out)
     assert out.tolist() == [getattr(bench.world.native, name) for name in NUMBERS]
     assert len(set(out.tolist())) == len(NUMBERS)
 
@@ -92,4 +93,5 @@ def test_what_is_not_in_one_piece_is_refused() -> None:
     bench = Bench(busy())
     torn = bench.state._replace(body=np.zeros((2 * len(bench.state.body), 6))[::2])
     with pytest.raises(ValueError, match="in one piece"):
-        make_memory(bench.world.native, bench.constants, torn, bench.result, bench.kept)
+        make_memory(bench.world.native, bench.constants, torn, bench.result, bench.kept,
+                    np.zeros(0, dtype=np.int64))

@@ -1,0 +1,113 @@
+"""A hash of everything that a compiled function is made of.
+
+Numba finds a cached function again as long as the file of that one function is unchanged. It does
+not look at the functions, constants and record types that the function takes from elsewhere. The
+hash covers these, so that a changed source never meets old machine code.
+"""
+
+from __future__ import annotations
+
+import builtins
+import dis
+import hashlib
+import platform
+import types
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import numba
+import numpy as np
+from llvmlite import binding
+
+from sandbox.engine.kernel import Kernel
+
+Source = Callable[..., Any]
+_MACHINERY = "kernel.py", "numba_linking.py", "source_hash.py", "entry_points.py", "native.py"
+_OPTIONS = "CPU_NAME", "CPU_FEATURES", "OPT", "BOUNDSCHECK"
+
+
+def source_hash(function: Source) -> str:
+    """Sixteen digits that change with the code, constants and types that a function reaches.
+
+    Line numbers, comments and docstrings do not count.
+
+    Raises:
+        TypeError: the function uses a global value of a type that is not known here.
+    """
+    reached: dict[int, str] = {}
+    waiting = [function]
+    while waiting:
+        text, calls = _describe(one := waiting.pop())
+        reached[id(one)] = text
+        waiting += [call for call in calls if id(call) not in reached]
+    first, *others = reached.values()
+    return hashlib.sha256(repr((_base(), first, sorted(others))).encode()).hexdigest()[:16]
+
+
+@cache
+def _base() -> tuple[object, ...]:
+    """What all compiled code depends on: versions, processor, options, the machinery itself."""
+    files = b"".join(Path(__file__).with_name(name).read_bytes() for name in _MACHINERY)
+    return (platform.python_version(), numba.__version__, llvmlite.__version__, np.__version__,
+            binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten(),
+            *(getattr(numba.config, name) for name in _OPTIONS), hashlib.sha256(files).hexdigest())
+
+
+@cache
+def _describe(function: Source) -> tuple[str, list[Source]]:
+    """The code of one function with the values that it takes from outside, and what it calls."""
+    calls: list[Source] = []
+    parts = [function.__module__, function.__qualname__, repr(function.__defaults__)]
+    closed = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+    parts += [f"{name}={_value(cell.cell_contents, calls)}" for name, cell in closed]
+    codes = [function.__code__]
+    while codes:
+        code = codes.pop()
+        parts += [code.co_code.hex(), repr(code.co_names), repr(code.co_varnames)]
+        for value in code.co_consts:
+            if isinstance(value, types.CodeType):
+                codes.append(value)
+            elif value is not None and value != function.__doc__:
+                parts.append(f"{type(value).__name__} {value!r}")
+        steps = list(dis.get_instructions(code))
+        for step, following in zip(steps, [*steps[1:], None], strict=True):
+            if step.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
+                parts.append(f"{step.argval}={_global(function, step.argval, following, calls)}")
+    return "\n".join(parts), calls
+
+
+def _global(
+    function: Source, name: str, following: dis.Instruction | None, calls: list[Source],
+) -> str:
+    scope = function.__globals__
+    if name not in scope:
+        return f"builtin {getattr(builtins, name).__name__}"
+    value = scope[name]
+    if isinstance(value, types.ModuleType) and following is not None:
+        value = getattr(value, following.argval)
+    return _value(value, calls)
+
+
+def _value(value: Any, calls: list[Source]) -> str:
+    if entry_point := getattr(value, "entry_point", None):
+        return str(entry_point.source_key)
+    if view := getattr(value, "view_of_table", None):
+        return str(view)
+    if isinstance(value, Kernel):
+        calls.append(value.py_func)
+        return f"{value.__module__}.{value.__qualname__}"
+    if isinstance(value, types.FunctionType):
+        calls.append(value)
+        return f"{value.__module__}.{value.__qualname__}"
+    if isinstance(value, int | float | str | np.generic | tuple | type(None)):
+        return f"{type(value).__name__} {value!r}"
+    if isinstance(value, np.dtype):
+        return repr(value)
+    if isinstance(value, types.BuiltinFunctionType | np.ufunc | type):
+        return f"{getattr(value, '__module__', '')}.{value.__name__}"
+    if type(value).__name__ == "_Intrinsic":  # of native.py, which is part of the base
+        return f"{value._defn.__module__}.{value._name}"
+    raise TypeError(f"no hash for {value!r}, which a compiled function uses")

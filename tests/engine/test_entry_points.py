@@ -1,0 +1,216 @@
+"""Compilation on demand: cached code is never out of date, and is found again when it is not."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from numba.core import caching
+
+from sandbox.engine import entry_points, numba_linking
+from sandbox.engine.advance import advance
+from sandbox.engine.entry_points import CalledFromPython
+from sandbox.engine.kernel import kernel
+from sandbox.engine.source_hash import source_hash
+
+STEP = 1
+SHAPE = np.dtype([("x", float)])
+
+
+@kernel
+def inner(x: int) -> int:
+    return x + STEP
+
+
+def outer(x: int) -> int:
+    return inner(x) + inner(2)
+
+
+PROGRAM = """from __future__ import annotations
+import os, sys
+from numba.core import caching
+from sandbox.engine.entry_points import CalledFromPython
+import outside
+
+def f(x: int) -> int:
+    return outside.inner(x)
+
+if "kill" in sys.argv:
+    caching.IndexDataCacheFile._save_data = lambda *a: os._exit(9)
+one = CalledFromPython(f)
+print(one(1), outside.inner(1), len(one.compiled.stats.cache_hits))
+"""
+KERNEL = """
+from sandbox.engine.kernel import kernel
+
+@kernel
+def inner(x: int) -> int:
+    return x + {}
+"""
+
+
+class Program:
+    """A compiled function in a folder of its own, run by new processes."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        (folder / "program.py").write_text(PROGRAM)
+
+    def edit(self, number: int) -> None:
+        (self.folder / "outside.py").write_text(KERNEL.format(number))
+
+    def start(self, *words: str) -> subprocess.Popen[str]:
+        environment = {**os.environ, "NUMBA_CACHE_DIR": str(self.folder / "cache"),
+                       "PYTHONDONTWRITEBYTECODE": "1",
+                       "PYTHONPATH": os.pathsep.join(filter(None, [
+                           str(self.folder), str(Path(entry_points.__file__).parents[2])]))}
+        return subprocess.Popen([sys.executable, str(self.folder / "program.py"), *words],
+                                env=environment, stdout=subprocess.PIPE, text=True)
+
+    def run(self, *words: str) -> tuple[int, ...]:
+        """What compiled code and Python compute, and whether the code was in the cache."""
+        with self.start(*words) as process:
+            return tuple(map(int, process.communicate()[0].split()))
+
+
+def test_cached_code_is_never_out_of_date(tmp_path: Path):
+    """Numba alone gives 2 after the second edit: the index is written before the data."""
+    program = Program(tmp_path)
+    program.edit(1)
+    assert program.run() == (2, 2, 0)
+    program.edit(100)
+    assert program.run("kill") == ()
+    assert program.run()[:2] == (101, 101)
+    program.edit(1)
+    assert program.run() == (2, 2, 1), "the code of the first version is found again"
+
+
+def test_two_processes_with_different_sources_share_a_cache(tmp_path: Path):
+    """With Numba alone both may save under the same number, and one loads the other's code."""
+    programs = []
+    for number in (1, 2):
+        (tmp_path / str(number)).mkdir()
+        program = Program(tmp_path / str(number))
+        program.edit(number)
+        (program.folder / "cache").symlink_to(tmp_path / "cache")
+        programs.append(program)
+    (tmp_path / "cache").mkdir()
+    started = [program.start() for program in programs]
+    for process in started:
+        process.communicate()
+    assert [program.run() for program in programs] == [(2, 2, 1), (3, 3, 1)]
+
+
+def other_version(**changes: object) -> str:
+    """The hash of ``outer`` after changes of what ``inner`` is made of."""
+    source_hash.__globals__["_describe"].cache_clear()
+    code, scope = inner.py_func.__code__, dict(globals(), **changes)
+    if "code" in changes:
+        scratch: dict[str, object] = {}
+        exec(str(changes["code"]), scope, scratch)
+        code = scratch["inner"].__code__
+    copy = kernel(type(outer)(code, scope, "inner"))
+    copy.py_func.__qualname__ = "inner"
+    scope["inner"] = copy
+    return source_hash(type(outer)(outer.__code__, scope, "outer"))
+
+
+def test_the_hash_covers_what_is_called_and_its_constants():
+    same = other_version()
+    assert other_version(code="def inner(x):\n\n    # a comment\n    return x + STEP") == same
+    assert other_version(code="def inner(x):\n    'Add.'\n    return x + STEP") == same
+    different = [other_version(STEP=2), other_version(STEP=1.0),
+                 other_version(code="def inner(x):\n    return x - STEP"),
+                 other_version(code="def inner(x, y=1):\n    return x + STEP")]
+    assert len({same, *different}) == 5
+    with pytest.raises(TypeError, match="no hash"):
+        other_version(STEP=object())
+
+
+def test_code_is_compiled_where_nothing_can_be_cached(monkeypatch: pytest.MonkeyPatch):
+    """A read-only installation of a user without a home."""
+    assert CalledFromPython(outer).cached
+    monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
+    compiled = CalledFromPython(outer)
+    assert compiled(1) == 5
+    assert not compiled.cached
+
+
+def test_documented_interfaces_of_numba_suffice(monkeypatch: pytest.MonkeyPatch):
+    def changed() -> None:
+        raise ImportError
+
+    numba_linking._tested_options.cache_clear()
+    monkeypatch.setattr(numba_linking, "_linking_options", changed)
+    monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
+    with numba_linking.fast_compilation():
+        assert numba_linking.kernel_options() == {}
+        assert CalledFromPython(outer)(1) == 5
+    numba_linking._tested_options.cache_clear()
+
+
+def test_private_interfaces_of_numba_are_used_where_they_work():
+    """A version of Numba for which they do not compiles twice as long: adapt numba_linking.py."""
+    assert numba_linking.kernel_options()
+
+
+def test_old_code_of_other_versions_is_removed(tmp_path: Path):
+    made = SimpleNamespace(_cache=SimpleNamespace(cache_path=str(tmp_path)))
+    names = {name: f"entry_points.{name}-1.py311.nbi" for name in (
+        "act_0000000000000000", "act_1111111111111111", "act_late_1111111111111111",
+        "act_2222222222222222")}
+    for name in names.values():
+        (tmp_path / name).touch()
+        os.utime(tmp_path / name, (0, time.time() - 30 * 86400))
+    os.utime(tmp_path / names["act_2222222222222222"])  # another checkout is at work
+    entry_points._remove_obsolete(made, "act_0000000000000000")
+    assert {path.name for path in tmp_path.iterdir()} == {
+        names[kept] for kept in ("act_0000000000000000", "act_late_1111111111111111",
+                                 "act_2222222222222222")}
+
+
+def test_an_interrupted_late_compilation_ends_the_call(monkeypatch: pytest.MonkeyPatch):
+    """Compiled code cannot raise: the exception waits until it has returned."""
+    late = next(one for one in entry_points._entry_points.values() if one.late)
+    table = np.zeros(late.place + 1, dtype=np.int64)
+
+    class Interrupted:
+        @property
+        def address(self) -> int:
+            raise KeyboardInterrupt
+
+    monkeypatch.setitem(late.__dict__, "compiled", Interrupted())
+    assert late._first_call(table.ctypes.data, 0) == late.default
+    assert not table.any()
+    monkeypatch.setitem(advance.__dict__, "compiled", lambda: 0)
+    with pytest.raises(KeyboardInterrupt):
+        advance()
+    assert advance() == 0
+
+
+def test_a_late_entry_point_puts_its_address_into_the_table():
+    late = next(one for one in entry_points._entry_points.values() if one.late)
+    table = np.zeros(late.place + 1, dtype=np.int64)
+    kind = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_int64, ctypes.c_int64)
+
+    def called(table: int, n: int) -> bool:
+        return n == 7
+
+    callback = kind(called)
+    late_compiled = late.__dict__.get("compiled")
+    try:
+        late.__dict__["compiled"] = type(
+            "Made", (), {"address": ctypes.cast(callback, ctypes.c_void_p).value})
+        assert late._first_call(table.ctypes.data, 7)
+        assert table[late.place] == late.compiled.address
+    finally:
+        late.__dict__.pop("compiled")
+        if late_compiled is not None:
+            late.__dict__["compiled"] = late_compiled
