@@ -16,7 +16,8 @@ import contextlib
 import ctypes
 import inspect
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from types import FunctionType
@@ -49,6 +50,7 @@ _WORD = ir.IntType(64)
 _OBSOLETE = 7 * 86400
 """Cached code of other versions of an entry point is deleted after this time [s]."""
 _entry_points: dict[str, EntryPoint] = {}
+_everything = False
 _errors: list[BaseException] = []
 """Exceptions raised while a late entry point was compiled: none can leave compiled code."""
 
@@ -202,18 +204,29 @@ def entry_point(
     return decorated
 
 
-def prepare(
-    constants: Constants, main: CalledFromPython, *, everything: bool = False,
-) -> Integers:
+@contextmanager
+def all_entry_points() -> Iterator[None]:
+    """Compile all entry points for runs that begin in this context, whatever their scenes have.
+
+    Results are the same; tests compare them.
+    """
+    global _everything
+    _everything = True
+    try:
+        yield
+    finally:
+        _everything = False
+
+
+def prepare(constants: Constants, main: CalledFromPython) -> Integers:
     """Compile or load the entry points for a run; their addresses, for the end of its table.
 
     Args:
         constants: of the run.
         main: the function that Python calls.
-        everything: also those whose features the scene does not have. Results are the same.
     """
     wanted = [one for one in _entry_points.values()
-              if everything or not one.feature or FEATURES[one.feature](constants)]
+              if _everything or not one.feature or FEATURES[one.feature](constants)]
     addresses = np.zeros(len(_entry_points), dtype=np.int64)
     first = TABLE_WORDS
     began = time.perf_counter()
