@@ -165,7 +165,7 @@ def _answer(one: Compared, name: str) -> Answer:
     run = one.run
     goals = {name: one.targets[name]} if name in one.targets else {}
     return Answer(one.label, name, run.unit(name), responses(run, goals).get(name),
-                  float(run[name][ending(run.time)].mean()))
+                  float(run.within(name, ending(run.time)).mean()))
 
 
 def _cost(one: Compared, drive: str) -> Cost:

@@ -59,7 +59,7 @@ class AtRest:
         Raises:
             UnknownQuantityError: not in the catalogue; with a near miss.
         """
-        return float(self.recording[quantity][-1])
+        return float(self.recording.within(quantity, slice(-1, None))[0])
 
     @cached_property
     def left(self) -> float:

@@ -134,7 +134,7 @@ def measured(run: Samples, quantity: str, kind: str, chosen: slice) -> tuple[flo
     looked = _looked_at(run, kind, chosen)
     if looked.stop <= looked.start:
         return math.nan, "no sample lies in the window"
-    values = run[quantity][looked]
+    values = run.within(quantity, looked)
     if np.isnan(values).any():
         source = run.catalogue.find(quantity)
         return math.nan, _no_value(run, source, looked, np.isnan(values))

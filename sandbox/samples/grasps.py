@@ -21,7 +21,7 @@ from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.samples.patches import flat_sides, pressed
 from sandbox.samples.stored import Stored
-from sandbox.samples.yielding import Yielding, same, without_stiffness
+from sandbox.samples.yielding import Yielding, without_stiffness
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.geometry import centre_of, reach_of
 
@@ -31,8 +31,8 @@ FLAT, IN_LINE = 1e-7, 1e-4
 """Sides that are off a plane by less [m], and by a smaller angle [rad], press all along."""
 STIFFNESS = ("stiffness_x", "stiffness_y", "stiffness_turn", "stiffness")
 """As :meth:`sandbox.samples.yielding.Yield.stiffness` gives them."""
-MOST_STIFF = 300
-"""Samples of a run, some, whose stiffness is worked out; those between are as the one before."""
+MAX_STIFFNESS_SAMPLES = 25
+"""Samples in which the stiffness is calculated, of those that one reading asks for."""
 
 
 class _Holding(NamedTuple):
@@ -81,6 +81,7 @@ class Grasp:
         """rho: greatest distance of the outline from the centre of mass [m]."""
         self.centre = _places(a["body_pose"][:, body], np.asarray(local))
         """Of mass, [n, 2]."""
+        self._stiffnesses: dict[int, Array] = {}
 
     def read(self, quantity: str) -> Array:
         """One of :data:`sandbox.kinds.quantities.GRASP` over time, [n]."""
@@ -167,29 +168,35 @@ class Grasp:
                 found[own] &= (np.abs(np.sin(off / 2)) < IN_LINE).any(axis=1)
         return found
 
-    def stiffness(self, name: str) -> Array:
-        """One of :data:`STIFFNESS` over time, [n]."""
-        return self._stiffness[:, STIFFNESS.index(name)]
+    def stiffness(self, name: str, chosen: slice = slice(None)) -> Array:
+        """One of :data:`STIFFNESS` in the chosen samples, [k]; nan where it has no value.
 
-    @cached_property
-    def _stiffness(self) -> Array:
-        """All of :data:`STIFFNESS`, [n, 4]; nan where it is not held, or nothing tells it."""
-        result = np.full((len(self.run), len(STIFFNESS)), np.nan)
+        It is calculated in at most :data:`MAX_STIFFNESS_SAMPLES` of those in which the object is
+        held, evenly spread, with the first and the last of them. Samples in between repeat the
+        value before.
+        """
+        asked = np.arange(len(self.run))[chosen]
+        result = np.full(len(asked), np.nan)
         if without_stiffness(self.run.model):
             return result
-        last = -1
-        held = np.flatnonzero(self.held)
-        apart = -(-len(held) // MOST_STIFF)
-        for sample in held.tolist():
-            if last >= 0 and (sample - last < apart or same(self.run, last, sample, self.size)):
-                result[sample] = result[last]
-                continue
-            last = sample
-            with contextlib.suppress(ArithmeticError):
-                result[sample] = Yielding(self.run, sample, self.size).of(self.body).stiffness()
+        held = np.flatnonzero(self.held[asked])
+        count = min(len(held), MAX_STIFFNESS_SAMPLES)
+        at = np.linspace(0, len(held) - 1, count).round().astype(np.int64)
+        values = np.array([self._stiffness_at(sample)[STIFFNESS.index(name)]
+                           for sample in asked[held[at]].tolist()])
+        result[held] = np.repeat(values, np.diff(at, append=len(held)))
         if len(self.run.model.tendons.grips):  # friction of cords at guides only adds to what holds
             result[np.isfinite(result)] = np.nan
         return result
+
+    def _stiffness_at(self, sample: int) -> Array:
+        """All of :data:`STIFFNESS` in a sample in which the object is held, [4]."""
+        if sample not in self._stiffnesses:
+            found = np.full(len(STIFFNESS), np.nan)
+            with contextlib.suppress(ArithmeticError):
+                found = Yielding(self.run, sample, self.size).of(self.body).stiffness()
+            self._stiffnesses[sample] = found
+        return self._stiffnesses[sample]
 
     @property
     def no_stiffness(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,30 +35,43 @@ class Rigid:
     across: bool = False
     """Whether it acts across that line, as friction does."""
 
-    def wrench(self, moved: Array) -> Array:
-        """Force and moment on both as these have moved by x, y, turn, [m, 6], each; [m, 6]."""
-        ends = [self.centres[k] + moved[:, 3 * k:3 * k + 2]
-                + _turned(self.arms[k], moved[:, 3 * k + 2]) for k in (0, 1)]
-        n = np.broadcast_to(self.along, (len(moved), 2))
-        if self.turns == 2:
-            way = ends[0] - ends[1]
-            n = way / np.hypot(way[:, :1], way[:, 1:])
-        elif self.turns < 2:
-            n = _turned(self.along, moved[:, 3 * self.turns + 2])
-        at = ends[0] - self.radii[0] * n if self.turns != 0 else ends[1] + self.radii[1] * n
-        f = np.stack([-n[:, 1], n[:, 0]], axis=1) if self.across else n
-        arms = [at - self.centres[k] - moved[:, 3 * k:3 * k + 2] for k in (0, 1)]
-        one, two = (arm[:, 0] * f[:, 1] - arm[:, 1] * f[:, 0] for arm in arms)
-        return np.concatenate([f, one[:, None], -f, -two[:, None]], axis=1)
 
-    def slopes(self, size: float) -> Array:
-        """How both wrenches change with the motions of both bodies, [6, 6]."""
-        steps = SMALL * np.array([size, size, 1.0] * 2)
-        found = self.wrench(np.concatenate([np.diag(steps), -np.diag(steps)]))
-        return np.asarray(((found[:6] - found[6:]) / (2 * steps[:, None])).T)
+def wrenches(rigids: Sequence[Rigid], size: float) -> tuple[Array, Array]:
+    """Force and moment of unit forces on both bodies, [k, 6], and their slopes, [k, 6, 6].
+
+    The slopes are derivatives by the motions of both bodies, central differences over
+    :data:`SMALL` times the ``size`` of the object.
+    """
+    steps = SMALL * np.array([size, size, 1.0] * 2)
+    moved = np.concatenate([np.zeros((1, 6)), np.diag(steps), -np.diag(steps)])
+    found = _moved(rigids, moved)
+    return found[:, 0], ((found[:, 1:7] - found[:, 7:]) / (2 * steps[:, None])).transpose(0, 2, 1)
 
 
-def _turned(vector: Array, angle: Array) -> Array:
-    """A vector turned by angles [m], [m, 2]."""
+def _moved(rigids: Sequence[Rigid], moved: Array) -> Array:
+    """Force and moment on both bodies, [k, m, 6], moved by x, y and angle each, [m, 6]."""
+    one_by_one = [(each.centres, each.arms, each.radii, each.along, each.turns, each.across)
+                  for each in rigids]
+    centres, arms, radii, along, turns, across = (
+        np.array(each) for each in zip(*one_by_one, strict=True))
+    at = [centres[:, None, k] + moved[:, 3 * k:3 * k + 2] for k in (0, 1)]
+    ends = [at[k] + _turned(arms[:, k], moved[:, 3 * k + 2]) for k in (0, 1)]
+    way = ends[0] - ends[1]
+    n = np.broadcast_to(along[:, None], way.shape).copy()
+    between = turns == 2
+    n[between] = way[between] / np.hypot(way[between, :, :1], way[between, :, 1:])
+    for k in (0, 1):
+        n[turns == k] = _turned(along[turns == k], moved[:, 3 * k + 2])
+    point = np.where(turns[:, None, None] == 0, ends[1] + radii[:, None, 1:] * n,
+                     ends[0] - radii[:, None, :1] * n)
+    f = np.where(across[:, None, None], np.stack([-n[..., 1], n[..., 0]], axis=-1), n)
+    moments = [(point - at[k])[..., 0] * f[..., 1] - (point - at[k])[..., 1] * f[..., 0]
+               for k in (0, 1)]
+    return np.concatenate([f, moments[0][..., None], -f, -moments[1][..., None]], axis=-1)
+
+
+def _turned(vectors: Array, angle: Array) -> Array:
+    """Vectors [k, 2] turned by angles [m], [k, m, 2]."""
     c, s = np.cos(angle), np.sin(angle)
-    return np.stack([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]], axis=1)
+    x, y = vectors[:, :1], vectors[:, 1:]
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)

@@ -28,7 +28,7 @@ from sandbox.samples.contacts import Contacts
 from sandbox.samples.cords import piece_tensions, stretches, wound_up
 from sandbox.samples.ends import ended
 from sandbox.samples.frames import Frames
-from sandbox.samples.grasps import Grasp
+from sandbox.samples.grasps import STIFFNESS, Grasp
 from sandbox.samples.links import link_tensions
 from sandbox.samples.outcome import Outcome
 from sandbox.samples.patterns import near_pattern, unit_of
@@ -101,6 +101,20 @@ class Samples(Stored):
                 self.unit(name)
                 return np.column_stack([self[each] for each in self.names(name)])
         return self._read(self.catalogue.find(name))
+
+    def within(self, name: str, chosen: slice) -> Array:
+        """The quantity ``name`` in the chosen samples only, shape [k].
+
+        Costly quantities are calculated in these samples, not in all: see :meth:`Grasp.stiffness`.
+
+        Raises:
+            UnknownQuantityError: not in the catalogue; with a near miss.
+        """
+        if name in self.catalogue:
+            source = self.catalogue.find(name)
+            if source.kind == "body" and source.quantity in STIFFNESS:
+                return self.grasp(source.index).stiffness(source.quantity, chosen)
+        return self[name][chosen]
 
     def unit(self, name: str) -> str:
         """The SI unit of a quantity, as scenes spell it (``N m``, ``rad/s``; ``1`` for counts).

@@ -27,7 +27,7 @@ from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.samples.loads import Batch, Loads
 from sandbox.samples.patches import Face, faces, pressed
-from sandbox.samples.rigid import SMALL, Form, Rigid
+from sandbox.samples.rigid import SMALL, Form, Rigid, wrenches
 from sandbox.samples.stored import Stored
 
 NOTHING = 1e-6
@@ -42,9 +42,6 @@ SLIDES = 1e-6
 """Slower [m/s] than this nothing slides."""
 SOFTLY = 1e-6
 """An object that has a smaller share in what gives way has none."""
-ALIKE = 3e-5
-"""Motions by this share of the object's size, and forces that change by ten times this share of
-the largest, leave a stiffness as it is: to some 3e-4 of it."""
 
 
 class Elastic(NamedTuple):
@@ -96,21 +93,14 @@ def without_stiffness(model: Model) -> str:
             if any(kind.teeth for kind in model.joints.kind) else "")
 
 
-def same(run: Stored, one: int, two: int, size: float) -> bool:
-    """Whether two samples are so much alike that stiffness need not be worked out twice."""
-    a = run.arrays
-    way = np.abs(a["body_pose"][one] - a["body_pose"][two])
-    if max(way[:, :2].max() / size, way[:, 2].max()) > ALIKE:
-        return False
-    rows = [np.flatnonzero(a["contact_sample"] == sample) for sample in (one, two)]
-    if len(rows[0]) != len(rows[1]) or any((a[key][rows[0]] != a[key][rows[1]]).any() for key in (
-            "contact_body", "contact_other")):
-        return False
-    forces = [np.concatenate([a["contact_force"][own].ravel(), a["tendon_tension"][sample],
-                              a["spring_force"][sample], a["drive_value"][sample]])
-              for own, sample in zip(rows, (one, two), strict=True)]
-    off = np.abs(forces[0] - forces[1]).max(initial=0.0)
-    return bool(off <= 10 * ALIKE * np.abs(forces[0]).max(initial=0.0))
+class _Held(NamedTuple):
+    """A row that is kept: given, or that of a rigid force by number."""
+
+    row: Array = np.empty(0)
+    number: int | None = None
+    across: int | None = None
+    """The number of the friction that goes with it by a ``share`` where it slides."""
+    share: float = 0.0
 
 
 class Yielding:
@@ -119,19 +109,29 @@ class Yielding:
     def __init__(self, run: Stored, sample: int, size: float) -> None:
         """``size`` is that of the object, by which turns are measured [m]."""
         self.run, self.model, self.sample, self.size = run, run.model, sample, size
-        self.loads = Loads(_repeated(run, sample, np.zeros((1, len(run.mechanism.bodies), 3))))
         free = np.flatnonzero(self.model.bodies.free)
         self.place = {int(body): 3 * k for k, body in enumerate(free)}
         self.count = 3 * len(free)
+        self.steps = SMALL * np.tile([size, size, 1.0], len(free))
+        self.loads = Loads(_repeated(run, sample, self._motions()))
+        """At rest, then with each freedom moved by a step forwards, then with each backwards."""
         frames = self.loads.frames
         self.centre = np.stack([frames.centre_x[:, 0], frames.centre_y[:, 0]], axis=1)
         self.stiffness = self._turning_loads() + self._elastic()
-        self.kept: list[Array] = []
-        self.pushes: list[Array] = []
         self.largest = 0.0
         for batch in self.loads.batches:
-            self.largest = max(self.largest, float(np.hypot(batch.x, batch.y).max(initial=0.0)))
+            self.largest = max(self.largest, float(
+                np.hypot(batch.x[:, 0], batch.y[:, 0]).max(initial=0.0)))
+        self._held: list[_Held] = []
+        self._rigids: list[Rigid] = []
         self._keep()
+        rows = self._turn()
+        self.kept = [each.row if each.number is None else rows[each.number]
+                     for each in self._held]
+        """Rows of what is kept, each [3 n]."""
+        self.pushes = [row if each.across is None else row + each.share * rows[each.across]
+                       for row, each in zip(self.kept, self._held, strict=True)]
+        """The forces that keep them; other than the rows where something slides."""
 
     # --- what pushes back
 
@@ -153,21 +153,24 @@ class Yielding:
                                                       pulls.moment[k, 0])
         return rows
 
-    def _turning_loads(self) -> Array:
-        """Of loads that are no more than they are as bodies move: their turning, [3 n, 3 n]."""
-        steps = SMALL * np.tile([self.size, self.size, 1.0], self.count // 3)
-        moved = np.zeros((2 * self.count, len(self.run.mechanism.bodies), 3))
+    def _motions(self) -> Array:
+        """Motions (x, y, angle) of all bodies, [6 n + 1, nb, 3]: none, then one per freedom."""
+        moved = np.zeros((2 * self.count + 1, len(self.run.mechanism.bodies), 3))
         for body, at in self.place.items():
             for k in range(3):
-                moved[at + k, body, k] = steps[at + k]
-                moved[self.count + at + k, body, k] = -steps[at + k]
+                moved[1 + at + k, body, k] = self.steps[at + k]
+                moved[1 + self.count + at + k, body, k] = -self.steps[at + k]
+        return moved
+
+    def _turning_loads(self) -> Array:
+        """Of loads that are no more than they are as bodies move: their turning, [3 n, 3 n]."""
         total = np.zeros((self.count, 2 * self.count))
-        for batch in Loads(_repeated(self.run, self.sample, moved)).batches:
+        for batch in self.loads.batches:
             for k, body in enumerate(batch.body.tolist()):
                 if body in self.place:
                     at = self.place[body]
-                    total[at:at + 3] += (batch.x[k], batch.y[k], batch.moment[k])
-        return np.asarray((total[:, self.count:] - total[:, :self.count]) / (2 * steps))
+                    total[at:at + 3] += (batch.x[k, 1:], batch.y[k, 1:], batch.moment[k, 1:])
+        return np.asarray((total[:, self.count:] - total[:, :self.count]) / (2 * self.steps))
 
     def _elastic(self) -> Array:
         """Of springs, cords, drives that go to a place as springs do: k u u^T, [3 n, 3 n]."""
@@ -244,29 +247,35 @@ class Yielding:
             if not joints.turns[j]:
                 one, two = joints.bodies[j].tolist()
                 self._hold(self._row((one, two), np.array([0.0, 0.0, -1.0, 0.0, 0.0, 1.0])))
-            for rigid in self._joint(j):
-                self._hold_by(rigid)
+            self._held += [_Held(number=self._add(rigid)) for rigid in self._joint(j)]
         for row in np.flatnonzero(a["contact_sample"] == s).tolist():
             self._touch(row)
 
-    def _hold(self, row: Array, push: Array | None = None) -> None:
-        self.kept.append(row)
-        self.pushes.append(row if push is None else push)
+    def _hold(self, row: Array) -> None:
+        self._held.append(_Held(row))
 
-    def _turn(self, rigid: Rigid) -> Array:
-        """The row of a force, whose turning is added to what pushes back."""
-        self.largest = max(self.largest, abs(rigid.force))
-        slopes = -rigid.force * rigid.slopes(self.size)
-        for i, one in enumerate(rigid.bodies):
-            for k, two in enumerate(rigid.bodies):
-                if one in self.place and two in self.place:
-                    at, to = self.place[one], self.place[two]
-                    self.stiffness[at:at + 3, to:to + 3] += slopes[
-                        3 * i:3 * i + 3, 3 * k:3 * k + 3]
-        return self._row(rigid.bodies, rigid.wrench(np.zeros((1, 6)))[0])
+    def _add(self, rigid: Rigid) -> int:
+        """The number of a force whose turning is added to what pushes back."""
+        self._rigids.append(rigid)
+        return len(self._rigids) - 1
 
-    def _hold_by(self, rigid: Rigid) -> None:
-        self._hold(self._turn(rigid))
+    def _turn(self) -> Array:
+        """The rows of all such forces, [k, 3 n]; adds their turning to what pushes back."""
+        found = np.zeros((len(self._rigids), self.count))
+        if not self._rigids:
+            return found
+        for i, (rigid, wrench, slopes) in enumerate(zip(
+                self._rigids, *wrenches(self._rigids, self.size), strict=True)):
+            self.largest = max(self.largest, abs(rigid.force))
+            found[i] = self._row(rigid.bodies, wrench)
+            slopes *= -rigid.force
+            for j, one in enumerate(rigid.bodies):
+                for k, two in enumerate(rigid.bodies):
+                    if one in self.place and two in self.place:
+                        at, to = self.place[one], self.place[two]
+                        self.stiffness[at:at + 3, to:to + 3] += slopes[
+                            3 * j:3 * j + 3, 3 * k:3 * k + 3]
+        return found
 
     def _joint(self, j: int) -> Iterator[Rigid]:
         """The forces on ``b`` that a joint may carry."""
@@ -312,16 +321,15 @@ class Yielding:
         rub = float(force @ np.array([-u[1], u[0]]))
         slides = abs(rub) >= mu * normal * (1 - AT_CONE) and self._slip(row) > SLIDES
         for k, (share, form) in enumerate(self._places(row)):
-            along, across = (self._turn(Rigid(pair, self.centre[list(pair)], *form, part, cross))
-                             for part, cross in ((share * normal, False), (share * rub, True)))
-            if mu == 0:
-                self._hold(along)
-            elif slides:
-                self._hold(along, along + np.copysign(mu, rub) * across)
-            else:
-                self._hold(along)
-                if k == 0:
-                    self._hold(across)
+            along, across = (
+                self._add(Rigid(pair, self.centre[list(pair)], *form, part, cross))
+                for part, cross in ((share * normal, False), (share * rub, True)))
+            if mu and slides:
+                self._held.append(_Held(number=along, across=across, share=np.copysign(mu, rub)))
+                continue
+            self._held.append(_Held(number=along))
+            if mu and k == 0:
+                self._held.append(_Held(number=across))
 
     def _slip(self, row: int) -> float:
         """How fast the bodies of a contact row slide along each other [m/s]."""

@@ -118,9 +118,9 @@ class _Comparison:
         chosen, unreached = window(run, expect)
         if unreached or not len(run):
             return np.empty(0)
-        values = run[verdict.quantity]
         if verdict.statistic in PEAKS:
-            return values[chosen]
+            return run.within(verdict.quantity, chosen)
+        values = run[verdict.quantity]
         wanted = among(self._instants, expect)
         if run.info.step == self._runs[0].info.step:
             return values[self._every - 1::self._every][wanted]

@@ -11,7 +11,7 @@ from sandbox.engine.simulate import simulate
 from sandbox.mechanics.grasp_stiffness import grasp_map, grasp_stiffness, tip_jacobian
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import verdicts
-from sandbox.samples.grasps import Grasp
+from sandbox.samples.grasps import MAX_STIFFNESS_SAMPLES, Grasp
 from sandbox.samples.yielding import Yielding
 from sandbox.scene.elements.settings import Expect
 from sandbox.scene.expand import expand
@@ -170,6 +170,28 @@ def test_two_light_fingers_are_those_of_the_closed_form() -> None:
     unit = np.sqrt(np.outer(np.diag(C), np.diag(C)))
     assert off < 1e-3
     np.testing.assert_allclose(found.compliance / unit, C / unit, atol=4 * off)
+
+
+def test_stiffness_is_calculated_only_in_the_samples_that_are_read(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    run = tips(0.0, 400.0, 1.0)
+    calculated = []
+    plain = Yielding.__init__
+    monkeypatch.setattr(Yielding, "__init__", lambda self, run, sample, size: (
+        calculated.append(sample), plain(self, run, sample, size))[0])
+    last = run.within("thing.stiffness", slice(-1, None))
+    assert calculated == [len(run) - 1]
+    whole = run["thing.stiffness"]
+    held = np.flatnonzero(run["thing.held"])
+    assert len(calculated) == min(len(held), MAX_STIFFNESS_SAMPLES)
+    assert {held[0], held[-1]} <= set(calculated)
+    assert whole[-1] == last
+    assert np.array_equal(np.isfinite(whole), run["thing.held"] == 1)
+    window = slice(held[3], held[3] + MAX_STIFFNESS_SAMPLES)
+    known = set(calculated)
+    run.within("thing.stiffness", window)
+    assert set(calculated) - known == set(range(*window.indices(len(run)))) - known
 
 
 def pushed(mechanism: Mechanism, name: str, force: tuple[float, float]) -> Mechanism:
