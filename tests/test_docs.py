@@ -3,10 +3,11 @@
 A ``console`` block holds commands (``$ sandbox ...``, with ``# exits 2`` where they do
 not exit 0) and below each of them pieces of what it prints; ``…`` stands for anything.
 The blocks of a page run in order in one directory. A ``json scene`` block is a whole
-scene; ``scene.json`` is the last one before a command; ``json broken`` is kept as
-``broken.json`` and not looked at, ``json study`` as ``study.json``. A ``json piece`` is
-found in the next whole scene of its page, white space aside. A ``sh`` block holds what is
-too slow or too particular to be run here.
+scene, which ``tests/golden`` simulates with its expectations; one that ``fails`` or
+``diverges`` on purpose says so in its mark. ``scene.json`` is the last one before a command;
+``json broken`` is kept as ``broken.json`` and not looked at, ``json study`` as ``study.json``.
+A ``json piece`` is found in the next whole scene of its page, white space aside. A ``sh``
+block holds what is too slow or too particular to be run here.
 """
 
 from __future__ import annotations
@@ -23,7 +24,6 @@ from typing import Any
 
 import pytest
 
-import sandbox
 from sandbox.cli.compiling import TAKES
 from sandbox.cli.entry import invoke
 from sandbox.cli.exits import Exit
@@ -33,13 +33,14 @@ from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.schema import scene_schema
 
+from .golden.scenes import WHOLE
 from .test_architecture import FLOORS
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted(page for page in (ROOT / "docs").rglob("*.md")
                                      if page.parent.name != "verification")]
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-KINDS = {"console", "json scene", "json piece", "json broken", "json study", "python", "sh"}
+KINDS = {"console", *WHOLE, "json piece", "json broken", "json study", "python", "sh"}
 RUN_ELSEWHERE = {
     "sandbox study guides": "tests/findings/test_guides.py, in parts",
     'python3 -m venv .venv && .venv/bin/pip install . && '
@@ -55,6 +56,7 @@ RUN_ELSEWHERE = {
     "sandbox study gripping-force": "tests/findings/test_hands.py, a few of its points",
     "sandbox study differential": "tests/findings/test_hands.py, a few of its points",
     ".venv/bin/ruff check . && .venv/bin/mypy": "developers",
+    "python -m tests.golden check": "tests/golden/test_golden.py, scene by scene",
     "python -m benchmarks": "tests/test_benchmarks.py, quickly",
     "python -m benchmarks --only work_precision --draw docs": "tests/test_benchmarks.py, quickly",
     "python -m tests.mutation": "tests/test_mutation.py, without running mutants",
@@ -120,11 +122,10 @@ def run_page(page: Path, capsys: Any) -> int:
     found = blocks(page)
     for index, (kind, text) in enumerate(found):
         if kind == "json piece":
-            whole = next((other for kind, other in found[index:] if kind == "json scene"), "")
+            whole = next((other for kind, other in found[index:] if kind in WHOLE), "")
             assert "".join(text.split()) in "".join(whole.split()), text
-        elif kind == "json scene":
+        elif kind in WHOLE:
             Path("scene.json").write_text(text, encoding="utf-8")
-            assert sandbox.load_scene("scene.json")
         elif kind == "json broken":
             Path("broken.json").write_text(text, encoding="utf-8")
         elif kind == "json study":

@@ -158,8 +158,11 @@ def test_the_drill(copy: Path) -> None:
         (copy / "scenes" / f"{name}.json").write_text(json.dumps(scene), encoding="utf-8")
     made = run(copy, "docs/make_reference.py")
     assert made.returncode == 0, made.stderr
+    accepted = run(copy, "-m", "tests.golden", "accept", "strut", "clutch")
+    assert accepted.returncode == 0, accepted.stderr
     done = run(copy, "-m", "pytest", "-q", "-p", "no:cacheprovider", *CHECKS,
-               "tests/scenes/test_shipped.py")
+               "tests/golden/test_golden.py::test_scene[strut]",
+               "tests/golden/test_golden.py::test_scene[clutch]")
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr
     for name in ("strut", "clutch"):
         shown = run(copy, "-m", "sandbox", "run", name, "--out", name)

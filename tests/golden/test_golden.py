@@ -1,0 +1,92 @@
+"""Every shipped scene and every whole scene of the docs, simulated once each."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sandbox.engine.inspect import inspect
+from sandbox.kinds.quantities import GRASP
+from sandbox.recording.recording import Recording
+from sandbox.samples.expectations import verdicts
+from sandbox.scene.expand import expand, to_json
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.load import load_scene
+
+from .digest import differences, digest, names_by_kind, read_values, tolerance_of
+from .scenes import SCENES, SHIPPED, recording_of
+
+KEPT = read_values()
+MAY_LACK = {name for name, row in GRASP.items() if row.nothing}
+"""Quantities without a value where nothing holds the object."""
+TWICE = ("single_finger", "four_bar", "escapement", "atwood", "gear_pair", "hydraulic_press",
+         "pulley_differential", "finger_lqr_control", "capstan", "newtons_cradle", "release",
+         "slider_crank")
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scene(name: str, tmp_path: Path) -> None:
+    mechanism = SCENES[name].mechanism()
+    run = recording_of(mechanism)
+    failed = [verdict for verdict in verdicts(run) if not verdict.ok]
+    assert run.complete == (SCENES[name].outcome != "diverges")
+    if run.complete:
+        assert bool(failed) == (SCENES[name].outcome == "fails"), failed
+    if name in SHIPPED:
+        _check_shipped(mechanism, run, tmp_path)
+    assert name in KEPT, f"a new scene: python -m tests.golden accept '{name}'"
+    moved = differences(KEPT[name], digest(run), names_by_kind(run),
+                        tolerance=tolerance_of(KEPT, name))
+    assert not moved, "\n".join([*moved, "intended? python -m tests.golden accept"])
+
+
+def _check_shipped(mechanism: Mechanism, run: Recording, folder: Path) -> None:
+    """A shipped scene explains itself, needs no advice and survives being written and read."""
+    assert mechanism.title
+    assert mechanism.about
+    assert mechanism.expect
+    assert all(expectation.because for expectation in mechanism.expect)
+    assert not inspect(mechanism)
+    again = expand(load_scene(json.loads(to_json(mechanism))))
+    assert again.model_copy(update={"name": mechanism.name}) == mechanism
+    for quantity in run.names():
+        if quantity.rpartition(".")[2] not in MAY_LACK:
+            assert np.isfinite(run[quantity]).all(), quantity
+    run.save(folder)
+    loaded = Recording.load(folder)
+    assert loaded.mechanism == run.mechanism
+    for key, array in run.arrays.items():
+        assert np.array_equal(loaded.arrays[key], array, equal_nan=True), key
+
+
+def test_another_process_gives_the_same_bytes() -> None:
+    """Also in another order, and with one scene after the other."""
+    script = ("import json, sys; from tests.golden.digest import digest; "
+              "from tests.golden.scenes import SCENES, recording_of; "
+              "print(json.dumps({name: digest(recording_of(SCENES[name].mechanism())) "
+              "for name in sys.argv[1:]}))")
+    told = subprocess.run([sys.executable, "-c", script, *reversed(TWICE)], check=True,
+                          capture_output=True, text=True, cwd=Path(__file__).parents[2])
+    assert json.loads(told.stdout) == {
+        name: json.loads(json.dumps(digest(recording_of(SCENES[name].mechanism()))))
+        for name in TWICE}
+
+
+@pytest.mark.parametrize(("key", "element", "share", "told"), [
+    ("spring_force", 1, 0.5, "finger.pip_spring.force: mean "),
+    ("tendon_tension", 0, -2.0, "finger.tendon.tension: mean "),
+    ("joint_reaction", 0, 1e-12, "finger.mcp.reaction: other bytes")])
+def test_one_number_that_moves_is_named(key: str, element: int, share: float, told: str) -> None:
+    run = recording_of(SCENES["single_finger"].mechanism())
+    array = np.array(run.arrays[key])
+    array[len(array) // 2, element] *= 1 + share
+    other = Recording(run.mechanism, {**run.arrays, key: array}, run.info)
+    plain, new, names = digest(run), digest(other), names_by_kind(run)
+    assert told in "\n".join(differences(plain, new, names))
+    if abs(share) < 1e-9:
+        assert not differences(plain, new, names, tolerance=1e-6)
