@@ -12,6 +12,7 @@ import pytest
 HOME = Path(__file__).parents[1]
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not copied there")
 def test_what_a_kill_leaves_is_whole_or_marked() -> None:
     """Kinds whose kills fall where runs are put into their directory; any seed must do."""

@@ -30,7 +30,7 @@ def said(work: Any, *args: Any, **keys: Any) -> str:
     return str(found.value)
 
 
-@pytest.mark.parametrize("given", [None, 3, [], b"single_finger"])
+@pytest.mark.parametrize("given", [None, b"single_finger"])
 @pytest.mark.parametrize("work", [sandbox.simulate, sandbox.Simulation, sandbox.expand])
 def test_what_is_no_scene(work: Any, given: Any) -> None:
     told = said(work, given)
@@ -60,24 +60,24 @@ def test_what_is_wrong_is_placed_in_the_file(tmp_path: Path) -> None:
     assert "$.events[0].when: unknown quantity 'a.xx'. Did you mean 'a.x'?" in told
 
 
-@pytest.mark.parametrize("given", [None, 3, b"x", [], 1.5])
+@pytest.mark.parametrize("given", [None, b"x"])
 def test_what_is_no_source_of_a_scene(given: Any) -> None:
     assert "Allowed: a path, the name of a shipped scene, or a mapping" in said(
         sandbox.load_scene, given)
 
 
-@pytest.mark.parametrize("name", ["a" * 5000, "a/" * 3000, "a\0b", "", "/", "a" * 5000 + ".json"])
+@pytest.mark.parametrize("name", ["a/" * 3000, "a\0b", "", "a" * 5000 + ".json"])
 def test_names_that_no_file_can_have(name: str) -> None:
     assert len(said(sandbox.load_scene, name)) < 1000
 
 
-@pytest.mark.parametrize("given", [3, "run.step=1", {3: 4}, [("run.step", 1)]])
+@pytest.mark.parametrize("given", [3, "run.step=1", {3: 4}])
 def test_overrides_that_are_none(given: Any) -> None:
     told = said(sandbox.load_scene, DATA, overrides=given)
     assert "cannot set 3" in told or 'such as {"run.step": "1 ms"}' in told
 
 
-@pytest.mark.parametrize("path", ["", "  ", None, 3, b"x", "a\0b"])
+@pytest.mark.parametrize("path", ["", "  ", None, "a\0b"])
 def test_no_path_is_not_the_working_directory(
     run: sandbox.Recording, path: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -90,14 +90,13 @@ def test_no_path_is_not_the_working_directory(
     assert sorted(each.name for each in tmp_path.iterdir()) == sorted(kept)
 
 
-@pytest.mark.parametrize("ending", ["gif", "png", ""])
+@pytest.mark.parametrize("ending", ["gif", ""])
 @pytest.mark.parametrize(("keys", "wanted"), [
-    ({"fps": 0}, "20, 25 or 50"), ({"fps": 24}, "20, 25 or 50"), ({"fps": "x"}, "20, 25 or 50"),
-    ({"size": (0, 0)}, "64 to 8192"), ({"size": (64,)}, "64 to 8192"), ({"size": 5}, "64 to 8192"),
+    ({"fps": 24}, "20, 25 or 50"), ({"fps": "x"}, "20, 25 or 50"),
+    ({"size": (0, 0)}, "64 to 8192"), ({"size": 5}, "64 to 8192"),
     ({"size": (100.5, 100)}, "64 to 8192"), ({"size": (1e9, 64)}, "64 to 8192"),
-    *(({"width": width}, "metres of the world shown")
-      for width in (math.inf, math.nan, 0, -1, "wide", 1e300, 5e-324)),
-    *(({"speed": speed}, "speed") for speed in (0, -1, math.nan, math.inf, 1e300, "fast")),
+    *(({"width": width}, "metres of the world shown") for width in (math.nan, 0, "wide", 1e300)),
+    *(({"speed": speed}, "speed") for speed in (0, math.inf, "fast")),
     ({"centre": 3}, "(x, y)"), ({"centre": (math.inf, 0)}, "(x, y)"), ({"centre": (1, 2, 3)}, "(x"),
 ])
 def test_pictures_that_cannot_be(
@@ -169,13 +168,13 @@ def test_mechanisms_by_hand() -> None:
     assert len(sandbox.simulate(whole)) == 10
 
 
-@pytest.mark.parametrize("given", [3, "3", {"steps": 3}, [3]])
+@pytest.mark.parametrize("given", [3, {"steps": 3}])
 def test_limits_that_are_none(given: Any) -> None:
     assert "are no limits. Allowed: sandbox.scene.read.limits.Limits(" in said(
         sandbox.load_scene, DATA, limits=given)
 
 
-@pytest.mark.parametrize("given", [3, None, "a", [3], lambda t, readings: 0.0])
+@pytest.mark.parametrize("given", [3, "a", lambda t, readings: 0.0])
 @pytest.mark.parametrize("work", [sandbox.simulate, sandbox.Simulation])
 def test_controllers_that_are_none(work: Any, given: Any) -> None:
     assert "pass a list of sandbox.Custom" in said(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -132,14 +131,3 @@ def test_a_file_is_on_the_disk_before_it_is_moved(
     monkeypatch.setattr(whole_files, "flush", watched)
     write_whole(path, "x")
     assert seen == [(False, False), (True, True)]
-
-
-def test_nothing_else_writes_files() -> None:
-    """Besides what fills a part, what is gone with the process, and the log, which only grows."""
-    writing = re.compile(r"write_text\(|write_bytes\(|open\([^)]*[\"'][wax]b?\+?[\"']"
-                         r"|\.replace\([a-z_]*path\)|np\.save|to_csv")
-    assert {str(path.relative_to(PACKAGE)) for path in PACKAGE.rglob("*.py")
-            if writing.search(path.read_text(encoding="utf-8"))} == {
-        "whole_files.py", "recording/store.py", "draw/film/video.py", "notebook/media.py",
-        "recording/scratch.py", "sweeps/bundle.py", "sweeps/log.py",
-        "sweeps/table.py"}
