@@ -1,6 +1,5 @@
 """What a picture shows by layers: each is there when it is asked for and gone when it is not."""
 
-import re
 
 import numpy as np
 import pytest
@@ -11,12 +10,9 @@ from sandbox.draw.film.palette import (
     ACCELERATION,
     AXES,
     REACTION,
-    TENSION,
     VELOCITY,
-    tension_colour,
 )
-from sandbox.draw.film.tensions import SLACK_FRACTION, tensions_of
-from sandbox.kinds.layers import LAYERS, asked, shown
+from sandbox.kinds.layers import LAYERS
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import recording
@@ -101,13 +97,6 @@ def test_each_has_its_colour_of_the_bodies_that_are_named(layer, colour, usual):
     assert count(usual) < 8 < count(named) < count(every)
 
 
-def test_what_is_asked_for_when_drawing_is_added_to_the_scenes():
-    view = RUN.mechanism.view.model_copy(update={"show": asked(["axes", "-contacts"])})
-    found = view_of(view, {"show": "contacts,velocity"})
-    assert set(shown(found.show, traced=False)) == {
-        *(name for name, layer in LAYERS.items() if layer.default), "axes", "velocity"}
-
-
 def test_the_legend_says_whose_forces_and_whether_any_is_cut():
     def words(run):
         return [item.after for row in FrameRenderer(run)._legend for item in row]
@@ -127,16 +116,6 @@ def test_the_legend_says_whose_forces_and_whether_any_is_cut():
     assert "larger, cut short" not in told(pulled, show=["-drives"])
     assert [word for word in words(blow) if "contact" in word] == [
         word for word in found if "contact" in word]
-
-
-def test_without_tensions_cords_are_grey_and_those_that_hang_stay_dashed():
-    carried = tensions_of(RUN)
-    plain = carried.hidden()
-    assert {carried.level(float(each)) > 0.1 for each in carried.pieces.ravel()} == {True}
-    assert {tension_colour(each / plain.largest) for each in plain.pieces.ravel()} == {TENSION[0]}
-    assert (plain.pieces > SLACK_FRACTION * plain.largest).all()
-    slack = carried._replace(pieces=np.zeros((2, 1))).hidden()
-    assert (slack.pieces == 0).all()
 
 
 def test_what_rounding_leaves_has_no_scale():
@@ -160,45 +139,3 @@ def told(run, **view):
     """What a picture's legend says."""
     drawn = FrameRenderer(run, view=view_of(run.mechanism.view, view))
     return [f"{item.before} {item.after}".strip() for row in drawn._legend for item in row]
-
-
-def test_the_legend_has_a_scale_of_loads_and_says_what_drives():
-    assert any(re.fullmatch(r"[\d.]+ N load", word) for word in told(RUN))
-    assert not any("load" in word for word in told(RUN, show=["-loads"]))
-    assert any(re.fullmatch(r"[\d.]+ N driving force", word) for word in told(RUN))
-    assert not any("driving" in word for word in told(RUN, show=["-drives"]))
-    own = [word for word in told(RUN, show=["-contacts"]) if "driving" in word]
-    assert own == ["driving force"], "without contact forces there is no such scale"
-    idle = machine()
-    idle.arrays["drive_value"] = 0 * idle.arrays["drive_value"]
-    assert not any("driving" in word for word in told(idle))
-
-
-def test_the_legend_tells_of_contact_forces_only_if_a_picture_shows_one():
-    """A blow of one sample between two frames has an arrow in none of them."""
-    blow = machine()
-    of, time = blow.arrays["contact_sample"], blow.time
-    assert any("contact force" in word for word in told(blow))
-    seen = FrameRenderer(blow, moments=[float(time[3])])._drawn_samples()
-    assert seen == [3]
-    blow.arrays["contact_force"] = np.where(
-        (of == 3)[:, None], blow.arrays["contact_force"], 0.0)
-    for at, there in ((3, True), (6, False)):
-        content = FrameRenderer(blow, moments=[float(time[at])]).content
-        assert (content.contact > 0) is there
-
-
-def test_the_legend_says_on_which_body_hinge_forces_act():
-    (word,) = [word for word in told(RUN, show=["reactions"]) if "hinge force" in word]
-    assert re.fullmatch(r"[\d.]+ N hinge force on (the object|what moves more).*", word)
-
-
-def test_what_is_fixed_looks_in_the_legend_as_it_does_in_the_picture():
-    run = machine()
-    bodies = run.mechanism.bodies
-    fixed = [k for k, body in enumerate(bodies) if body.motion == "fixed" and body.shapes]
-    painted = [body.model_copy(update={"colour": "#ff8800"}) if k in fixed else body
-               for k, body in enumerate(bodies)]
-    mechanism = run.mechanism.model_copy(update={"bodies": painted})
-    assert FrameRenderer(recording(mechanism, run.time, run.arrays["body_pose"])
-                         ).content.fixed.fill == (255, 136, 0)

@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 
 from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.meters import HUES, MeterPanel, _apart, _pieces, _range, _written, dials
+from sandbox.draw.film.meters import HUES, _apart, _pieces, dials
 from sandbox.draw.film.options import check_view, view_of
 from sandbox.draw.film.shapes import DrawnLines, FilledCircle
 from sandbox.draw.film.sheet import Text
-from sandbox.draw.film.typesetter import Typesetter
 from sandbox.draw.film.video import render
 from sandbox.errors import OutputError
-from sandbox.model.catalogue import Catalogue
 from sandbox.model.shown_meters import check_shown
 from sandbox.scene.mechanism import Mechanism
 
@@ -71,30 +69,6 @@ def test_the_dot_is_where_the_value_and_the_time_are(t):
     assert f"{np.degrees(t):.0f}"[:2] in texts(sheet)[-2]
 
 
-@pytest.mark.parametrize("style", ["plot", "number"])
-def test_meters_are_drawn_the_same_in_films_and_stills(style, hand_run):
-    names = [f"finger1.{joint}.angle" for joint in ("mcp", "pip")]
-    view = view_of(hand_run.mechanism.view, {
-        "size": (640, 480), "meters": [{"of": name, "style": style} for name in names]})
-    renderer = FrameRenderer(hand_run, view=view)
-    for t in (0.0, 0.8, 0.8, 2.0, 0.3):
-        assert np.array_equal(renderer.draw(t), renderer.sheet(t).painted())
-    plain = FrameRenderer(hand_run, view=view_of(view, {"meters": []}))
-    assert plain.camera.scale >= renderer.camera.scale
-
-
-def test_the_cursor_moves_while_the_mechanism_rests():
-    run = turning(meters=["other.x"], rate=0.0)
-    renderer = FrameRenderer(run)
-    one = np.array(renderer.draw(0.5))
-    two = np.array(renderer.draw(1.5))
-    changed = np.argwhere((one != two).any(axis=2))
-    panel, stamp = renderer._panel.rect, renderer._head
-    inside = [panel.collidepoint(x, y) or y < stamp for y, x in changed.tolist()]
-    assert len(inside) > 100
-    assert all(inside)
-
-
 @pytest.mark.parametrize(("spread", "aside"), [((0.0, 0.5), True), ((0.5, 0.0), False)])
 def test_meters_stand_where_they_leave_the_motion_larger(spread, aside):
     """What is high leaves room at its side, what is wide below it."""
@@ -105,50 +79,6 @@ def test_meters_stand_where_they_leave_the_motion_larger(spread, aside):
     assert not renderer._stage.colliderect(renderer._panel.rect)
     for cell in renderer._panel._cells:
         assert renderer._panel.rect.contains(cell)
-
-
-def test_there_is_always_room_for_the_motion():
-    run = turning(meters=["wheel.angle"] * 12)
-    for size in ((64, 64), (320, 240), (800, 600), (100, 1200), (1200, 100)):
-        renderer = FrameRenderer(run, size=size)
-        assert renderer.draw(1.0).shape == (*size[::-1], 3)
-        assert renderer._stage.height >= 0.1 * size[1] or size[1] < 200
-        assert np.array_equal(renderer.sheet(1.0).painted(), renderer.draw(1.0))
-
-
-def test_a_meter_without_a_value_shows_none_and_no_curve():
-    run = turning(meters=["=wheel.angle / (t - t)"])
-    renderer = FrameRenderer(run)
-    assert "none" in texts(renderer.sheet(1.0))
-    renderer.draw(1.0)
-
-
-def test_curves_have_gaps_where_there_is_no_value_and_keep_their_peaks():
-    x = np.linspace(0, 100, 10001)
-    y = np.sin(x)
-    y[5000], y[2000:3000] = 7.0, np.nan
-    pieces = list(_pieces(x, y))
-    assert [(piece[0][0], piece[0][-1]) for piece in pieces] == [
-        (x[0], x[1999]), (x[3000], x[-1])]
-    assert max(piece[1].max() for piece in pieces) == 7.0
-    assert sum(len(piece[0]) for piece in pieces) < 300
-
-
-@pytest.mark.parametrize(("low", "high", "shown"), [
-    (0.0, 3.75, (0, 4)), (0.1, 38.3, (0, 40)), (-2.0, 1.75, (-2, 2)), (9.0, 9.6, (9, 9.6)),
-    (5.0, 5.0, (0, 5)), (0.0, 0.0, (0, 1)), (-3.0, -3.0, (-3, 0)), (-8.1, -0.2, (-10, 0)),
-    (1e-9, 3e-9, (0, 3e-9)), (float("nan"), float("nan"), (0, 1)),
-])
-def test_limits_are_round_and_hold_all_values(low, high, shown):
-    assert _range(np.array([[low, high]])) == pytest.approx(shown, rel=1e-9)
-
-
-@pytest.mark.parametrize(("value", "largest", "text"), [
-    (3.75, 3.75, "3.75"), (-0.0001, 38.3, "0.0"), (0.5, 12345.0, "0"), (2e-7, 3e-7, "2.00e-07"),
-    (-1.234, 2.0, "-1.23"), (0.0, 0.0, "0"), (1e9, 1e9, "1.00e+09"),
-])
-def test_numbers_have_the_digits_of_the_largest(value, largest, text):
-    assert _written(value, np.array([largest, np.nan])) == text
 
 
 def test_curves_are_named_by_what_differs():
@@ -175,13 +105,6 @@ def test_what_a_meter_cannot_show_is_told_with_its_place(meters, path, told):
         check_view(run, run.mechanism.view)
 
 
-def test_a_pair_divides_in_an_expression():
-    run = turning(meters=["=wheel/other.normal", "wheel/other.normal"])
-    told = check_shown(run.mechanism)
-    assert [problem.path for problem in told] == ["$.view.meters[0].of[0]"]
-    assert "'/' divides" in told[0].message
-
-
 def test_meters_of_a_picture_take_the_place_of_the_scenes(tmp_path):
     run = turning(meters=["wheel.x"])
     view = view_of(run.mechanism.view, {"meters": "twice"})
@@ -196,47 +119,24 @@ def test_meters_of_a_picture_take_the_place_of_the_scenes(tmp_path):
         render(run, tmp_path / "a.png", meters=[{"of": "wheel.angle", "range": [1, 1]}])
 
 
-def test_what_has_no_room_below_is_left_out_the_last_first():
-    run = turning(meters=[{"of": "wheel.angle", "title": f"n{k}"} for k in range(12)])
-    panel = MeterPanel(run, run.mechanism.view, Typesetter(16), 1.0, (800, 400))
-    assert 0 < len(panel._dials) < 12
-    assert [dial.title for dial in panel._dials] == [f"n{k}" for k in range(len(panel._dials))]
-    assert Catalogue(run.mechanism).find("twice").kind == "meter"
+@pytest.mark.parametrize("style", ["plot", "number"])
+def test_meters_are_drawn_the_same_in_films_and_stills(style, hand_run):
+    names = [f"finger1.{joint}.angle" for joint in ("mcp", "pip")]
+    view = view_of(hand_run.mechanism.view, {
+        "size": (640, 480), "meters": [{"of": name, "style": style} for name in names]})
+    renderer = FrameRenderer(hand_run, view=view)
+    for t in (0.0, 0.8, 0.8, 2.0, 0.3):
+        assert np.array_equal(renderer.draw(t), renderer.sheet(t).painted())
+    plain = FrameRenderer(hand_run, view=view_of(view, {"meters": []}))
+    assert plain.camera.scale >= renderer.camera.scale
 
 
-@pytest.mark.parametrize(("size", "width"), [((800, 600), 0.4), ((600, 800), 0.1),
-                                             ((1200, 400), 0.3)])
-def test_a_window_is_kept_whole_where_there_are_meters(size, width):
-    """Each corner of what the view asks for is on the stage, which meters make smaller."""
-    run = turning()
-    view = {"size": size, "centre": (0.02, 0.03), "width": width}
-    plain = FrameRenderer(run, view=view_of(run.mechanism.view, view))
-    stage = plain._stage
-    corners = plain.camera.to_world(np.array([stage.topleft, stage.bottomright], dtype=float))
-    for count in (1, 2, 5):
-        asked = view_of(run.mechanism.view, {**view, "meters": ["wheel.angle"] * count})
-        renderer = FrameRenderer(run, view=asked)
-        seen = renderer.camera.to_pixels(corners)
-        stage = renderer._stage
-        assert (seen[0] >= np.array(stage.topleft) - 1.5).all(), count
-        assert (seen[1] <= np.array(stage.bottomright) + 1.5).all(), count
-        # and no smaller than that takes
-        spare = np.array(stage.size) - np.ptp(seen, axis=0)
-        assert spare.min() < 0.05 * max(size)
-
-
-def test_meters_below_take_what_the_motion_leaves_blank():
-    """What is wide leaves height, which curves take; it is drawn as large as with low ones."""
-    run = turning(meters=["wheel.angle"], other=(0.5, 0.0))
-    wide, high = (FrameRenderer(run, size=size)._panel for size in ((800, 600), (800, 300)))
-    assert wide._plot_points == 120
-    assert high._plot_points < 120
-    plain = FrameRenderer(run, view=view_of(run.mechanism.view, {"meters": []}))
-    assert FrameRenderer(run).camera.scale == pytest.approx(plain.camera.scale)
-
-
-def test_pressures_and_powers_are_written_as_in_the_drawing():
-    run = turning(meters=[{"of": "=987000 * t / 2", "unit": "Pa"},
-                          {"of": "=25000 * t", "unit": "Pa"}, {"of": "=t", "unit": "m/s^2"}])
-    assert [dial.texts(400)[0] for dial in dials(run, run.mechanism.view)] == [
-        "0.987 MPa", "50.0 kPa", "2.00 m/s²"]
+def test_curves_have_gaps_where_there_is_no_value_and_keep_their_peaks():
+    x = np.linspace(0, 100, 10001)
+    y = np.sin(x)
+    y[5000], y[2000:3000] = 7.0, np.nan
+    pieces = list(_pieces(x, y))
+    assert [(piece[0][0], piece[0][-1]) for piece in pieces] == [
+        (x[0], x[1999]), (x[3000], x[-1])]
+    assert max(piece[1].max() for piece in pieces) == 7.0
+    assert sum(len(piece[0]) for piece in pieces) < 300

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from sandbox.draw.figure import style
-from sandbox.draw.figure.panels import KEY, Curve, Panel, save_panels
+from sandbox.draw.figure.panels import Curve, Panel, save_panels
 
 X = np.linspace(0.1, 1, 20)
 PANEL = Panel("Title", "x [m]", "y [N]", [Curve("one", X, X**2), Curve("two", X, X, "points")])
@@ -27,50 +27,10 @@ def saved(folder: Path, *curves: Curve, **more: object) -> Path:
     return path
 
 
-def test_panels_stand_below_each_other_and_type_does_not_shrink(tmp_path: Path) -> None:
-    """However many: the width is that of a figure, 8 pt are 9.4 pixels where it is 400 wide."""
-    sizes = []
-    for count in (1, 2, 4):
-        save_panels(tmp_path / "plot.png", [PANEL] * count)
-        with Image.open(tmp_path / "plot.png") as picture:
-            sizes.append(picture.size)
-    assert {width for width, _ in sizes} == {int(style.WIDTH * style.MM * style.DPI)}
-    row = KEY * style.MM * style.DPI  # the names stand above the first panel only
-    assert [high - row for _, high in sizes[1:]] == pytest.approx(
-        [2 * (sizes[0][1] - row), 4 * (sizes[0][1] - row)], abs=3)
-    assert style.SMALL * style.MM_PER_POINT * 400 / style.WIDTH > 9
-
-
 def test_the_same_panel_gives_the_same_bytes(tmp_path: Path) -> None:
     for name in ("a.png", "b.png"):
         save_panels(tmp_path / name, [PANEL])
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
-
-
-@pytest.mark.parametrize("top", [None, 0.5])
-def test_last_markers_are_whole_and_curves_end_where_the_axes_do(
-        monkeypatch: pytest.MonkeyPatch, top: float | None) -> None:
-    figures = []
-    monkeypatch.setattr(style, "save_figure", lambda figure, path: figures.append(figure))
-    save_panels(Path("plot.png"), [Panel("", "x", "y", [
-        Curve("high", X, X, "joined"), Curve("low", X, X / 4, "joined")], top=top)])
-    lines = figures[0].axes[0].get_lines()
-    assert all(line.get_clip_on() for line in lines[:2])
-    whole = [line for line in lines[2:] if not line.get_clip_on()]
-    assert all(line.get_linestyle() == "None" for line in whole)
-    assert sorted(y for line in whole for y in line.get_ydata()) == (
-        [0.25, 1.0] if top is None else [0.25])
-
-
-@pytest.mark.parametrize("panel", [
-    Panel("", "h", "e", [Curve("e", X, X**2, "joined"), Curve("2", X, X, "dashed")], scale="log"),
-    Panel("", "p", "", [Curve("", X[:3], np.arange(3.0), "ticks")], rows=["a", "b", "c"]),
-    Panel("", "t", "f", [Curve(str(i), X, i * X) for i in range(6)], top=2.0),
-    Panel("", "t", "f", []),
-], ids=["log", "rows", "many", "none"])
-def test_other_kinds(tmp_path: Path, panel: Panel) -> None:
-    save_panels(tmp_path / "plot.svg", [panel])
-    assert "<svg" in (tmp_path / "plot.svg").read_text()
 
 
 def test_what_is_before_the_comma_and_behind_it_is_said_once(tmp_path: Path) -> None:
@@ -79,16 +39,6 @@ def test_what_is_before_the_comma_and_behind_it_is_said_once(tmp_path: Path) -> 
     told = words(saved(tmp_path, *curves))
     assert [word for word in told if word.startswith(("joint", "(31)", "engine"))] == [
         *(f"joint {i}" for i in (0, 1, 2, 3)), "(31)", "engine"]
-
-
-def test_two_lines_of_one_colour_differ_in_their_dashes(tmp_path: Path) -> None:
-    """One planet in two steps of time: what is behind the comma is the dash."""
-    text = saved(tmp_path, *(Curve(f"one, h = {h}", X, h * X) for h in (1, 2)),
-                 *(Curve(f"two, h = {h}", X, 3 * h * X) for h in (1, 2))).read_text()
-    for hue in style.COLOURS[:2]:
-        strokes = re.findall(rf'style="fill: none;( stroke-dasharray: [^;]*;)?[^"]*stroke: {hue}',
-                             text)
-        assert len({stroke.partition(";")[0] for stroke in strokes}) == 2, hue
 
 
 def test_lines_that_coincide_show_all_their_colours(tmp_path: Path) -> None:
@@ -105,26 +55,3 @@ def test_lines_that_coincide_show_all_their_colours(tmp_path: Path) -> None:
 
 def rgb(hue: str) -> list[int]:
     return [int(hue[k:k + 2], 16) for k in (1, 3, 5)]
-
-
-def test_many_points_are_drawn_a_few_millimetres_apart(tmp_path: Path) -> None:
-    some = np.linspace(0, 1, 2000)
-    few = saved(tmp_path, Curve("a", some, some, "points"), Curve("b", some, 0 * some))
-    assert few.read_text().count("<use") < 150
-
-
-def test_names_stand_at_ends_only_where_all_lines_end_at_the_right(tmp_path: Path) -> None:
-    """Beside the axes they are texts at the last value; else they stand above, with a sample."""
-    def legend(path: Path) -> bool:
-        return 'id="legend_1"' in path.read_text()
-
-    assert not legend(saved(tmp_path, Curve("a", X, X), Curve("b", X, X**2)))
-    early = saved(tmp_path, Curve("a", X, X), Curve("b", X, X**3),
-                  Curve("c", X[:10], X[:10] ** 2)).read_text()
-    assert re.findall(r"<!-- ([abc]) -->", early.partition('id="legend_1"')[2]) == ["a", "b", "c"]
-    assert legend(saved(tmp_path, Curve("a", X, X), Curve("b", X, X**2, "points")))
-
-
-def test_nothing_to_draw(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="at least one"):
-        save_panels(tmp_path / "plot.png", [])

@@ -14,9 +14,7 @@ from sandbox.draw.film.shapes import DrawnLines, FilledCircle, FilledPolygon
 from sandbox.draw.film.sheet import Text
 from sandbox.draw.film.video import save_picture
 from sandbox.scene.elements.settings import ShownMeter
-from sandbox.scene.mechanism import Mechanism
 
-from .conftest import recording
 from .reading import AT, Drawn, Seen, check_arrows, check_straight, check_words, everything
 
 COLOURS = {getattr(palette, name): name for name in (
@@ -186,21 +184,6 @@ def test_the_stamp_is_the_time_and_what_drives_give_is_told(still, run):
     assert f"motor {run.arrays['drive_torque'][AT, 2]:.3f} N m" in texts
     assert f"twist {run.arrays['drive_value'][AT, 1]:.3g} N m" in texts
     assert "-5.00 N" in texts  # the rod pushes
-
-
-def test_a_small_drive_that_changes_while_all_rests_is_written_anew():
-    """Two torques of less than 1e-6 N m: a picture may not keep the number of the one before."""
-    mechanism = Mechanism.model_validate({
-        "bodies": [{"name": "post", "motion": "fixed"},
-                   {"name": "arm", "mass": 1, "shapes": [
-                       {"type": "capsule", "end": [0.1, 0], "radius": 0.01}]}],
-        "joints": [{"type": "pin", "name": "pin", "a": "post", "b": "arm", "on_b": [0, 0]}],
-        "drives": [{"type": "torque", "name": "twist", "joint": "pin", "value": 1}]})
-    run = recording(mechanism, np.arange(2.0), np.zeros((2, 2, 3)),
-                    drive_value=np.array([[2e-7], [4e-7]]))
-    one, other = (FrameRenderer(run, size=(300, 200)) for _ in range(2))
-    one.draw(0.0)
-    assert np.array_equal(one.draw(1.0), other.draw(1.0))
 
 
 def test_a_pdf_has_every_arrow_where_the_sheet_has_it(run, tmp_path):

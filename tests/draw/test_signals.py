@@ -43,26 +43,6 @@ def test_a_window_holds_its_samples_and_no_others() -> None:
     assert high - low == pytest.approx(1.14 * np.ptp(shown))
 
 
-def test_of_lines_that_coincide_each_shows_its_colour_by_turns() -> None:
-    """The later one hid the other: over both, strokes and gaps of one line fill the other's."""
-    one, other = recording(), recording()
-    axes, = draw(plotted(one, other), [MCP]).axes
-    both, over = axes.lines[:2], axes.lines[-2:]
-    assert [line.get_color() for line in over] == [line.get_color() for line in both]
-    for line in over:
-        assert line.get_xydata() == pytest.approx(both[0].get_xydata())
-    assert all(line.is_dashed() for line in over)
-    apart, = draw(plotted(one, recording(reach=(0.5, 1, 1))), [MCP]).axes
-    assert not any(line.is_dashed() for line in apart.lines)
-
-
-def test_both_ends_of_a_window_are_in_it() -> None:
-    time = np.array([0.0, 1.0, 2.0, 3.0])
-    assert time[Window(1.0, 2.0).of(time)].tolist() == [1.0, 2.0]
-    assert time[Window(1.1, 2.9).of(time)].tolist() == [2.0]
-    assert time[Window().of(time)].tolist() == time.tolist()
-
-
 def test_one_against_another_is_sample_by_sample() -> None:
     run = recording(reach=(1, 1, 0.5))
     axes, = draw(plotted(run), [MCP], x=DIP, window=Window(end=1.0)).axes
@@ -115,11 +95,6 @@ def test_a_path_in_the_plane_has_one_scale(
     assert capsys.readouterr().err == ""  # of matplotlib, about limits that gave way
 
 
-def test_a_path_that_would_be_a_line_keeps_two_scales() -> None:
-    run, body = moved(0.4, 0.004)
-    assert drawn(draw(plotted(run), [f"{body}.y"], x=f"{body}.x"))[0] > 30
-
-
 def test_events_stand_where_they_were() -> None:
     run = happening(1.0, 2.0)
     figure = draw(plotted(run), [MCP, "k1.value"])
@@ -150,13 +125,6 @@ def test_targets_are_in_the_unit_of_their_curves_and_names_stand_where_these_end
     [first, second] = sorted((MCP, DIP), key=lambda name: run[name][-1])
     heights = {text.get_text(): text.xy[1] for text in axes.texts}
     assert heights[first] < heights[second]
-
-
-def test_events_of_several_runs_stand_where_they_were_in_the_colours_of_these() -> None:
-    figure = draw(plotted(happening(0.5), happening(1.0, 1.5)), [MCP])
-    marks = [(line.get_xdata()[0], line.get_color()) for line in figure.axes[0].lines
-             if len(line.get_xdata()) == 2]
-    assert marks == [(0.5, style.hue(0)), (1.0, style.hue(1)), (1.5, style.hue(1))]
 
 
 def test_events_out_of_the_window_are_left_out_and_too_many_are_told() -> None:
@@ -217,15 +185,3 @@ def test_a_figure_of_a_column_has_its_names_above_and_nothing_outside(count: int
         assert set(words) <= set(names)
     assert clashes(figure) == []
     assert min(text.get_fontsize() for text in written(figure)) >= 7
-
-
-def test_a_figure_has_its_title_unless_it_is_left_out() -> None:
-    for titled in (True, False):
-        figure = draw(plotted(recording()), [MCP], titled=titled)
-        assert (figure._suptitle is not None) == titled
-
-
-@pytest.mark.parametrize("width", [0.01, 85, -1.0, float("nan")])
-def test_a_figure_of_no_pages_width_is_refused(width: float) -> None:
-    with pytest.raises(OutputError, match="mm wide; allowed: 50 to 250 mm"):
-        draw(plotted(recording()), [MCP], width=width)

@@ -6,7 +6,7 @@ import pytest
 from sandbox.draw.film.bounds import body_box
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.options import view_of
-from sandbox.draw.film.staying import FLIGHT, ROOM, anchored, groups_of, with_it
+from sandbox.draw.film.staying import ROOM, anchored
 from sandbox.errors import OutputError
 from sandbox.scene.mechanism import Mechanism
 
@@ -60,30 +60,6 @@ def test_a_shelf_that_drops_away_does_not_shrink_the_rest(motion):
     assert all(box.y1 == pytest.approx(0.31) for box in boxes)
 
 
-def test_the_trace_of_what_drops_away_counts_no_longer_than_that():
-    """The picture is the one without the trace; of what stays near all of it counts."""
-    boxes = [body_box(world(shelf("dynamic"), ways={"shelf": falling()}, view={"traces": traces}))
-             for traces in ([], [{"body": "shelf"}])]
-    assert boxes[0] == boxes[1]
-    beside = body_box(world(shelf("dynamic"), view={"traces": [{"body": "shelf", "at": [0, 2]}]}))
-    assert beside.y1 == pytest.approx(2.3)
-
-
-@pytest.mark.parametrize("size", [10.0, 500.0])
-def test_a_floor_far_larger_than_what_is_on_it_does_not_shrink_that(size):
-    """Of a floor that is more than twice as wide as the rest, half of that beside it is shown."""
-    floor = {"name": "floor", "motion": "fixed", "at": [0, -0.05],
-             "shapes": [{"type": "box", "size": [size, 0.1]}]}
-    mechanism = Mechanism.model_validate({"bodies": [floor, body("a", [3, 0.05]),
-                                                     body("b", [4, 0.05])]})
-    pose = np.zeros((N, 3, 3))
-    pose[:, :, :2] = [each.at for each in mechanism.bodies]
-    box = body_box(recording(mechanism, TIME, pose))
-    # the two discs are 1.1 m apart from side to side
-    assert (box.x0, box.x1) == pytest.approx((2.95 - 0.55, 4.05 + 0.55))
-    assert (box.y0, box.y1) == pytest.approx((-0.1, 0.1))
-
-
 def test_what_comes_back_or_comes_later_is_shown_all_the_way():
     up = np.stack((0 * TIME, 3 * np.sin(np.pi * TIME)), axis=1)
     assert body_box(world(body("ball", [0, 0.1]), ways={"ball": up})).y1 == pytest.approx(
@@ -102,32 +78,6 @@ def test_what_is_tied_stays():
     assert anchored(tied).tolist() == [True, True]
     assert body_box(tied).x1 == pytest.approx(5.05)
     assert body_box(free).x1 < 0.5 + ROOM + 0.2
-
-
-def test_what_is_let_go_no_longer_stays():
-    mechanism = Mechanism.model_validate({
-        "bodies": [FLOOR, body("ball", [0, 0.1])],
-        "springs": [{"type": "linear", "name": "s", "a": "floor", "b": "ball", "stiffness": 1}],
-        "events": [{"name": "cut", "at": 0.5, "release": "s"}]})
-    for held, stays in ((1.0, True), (0.0, False)):
-        run = recording(mechanism, TIME, np.zeros((N, 2, 3)), held=np.full((N, 1), held))
-        assert anchored(run).tolist() == [True, stays]
-
-
-def test_what_is_tied_together_is_a_group_and_the_ground_ties_nothing():
-    pins = [{"type": "pin", "name": f"p{k}", "a": a, "b": b, "on_b": [0, 0]}
-            for k, (a, b) in enumerate([("floor", "a"), ("a", "b"), ("floor", "c")])]
-    run = world(*(body(name, [0, 0]) for name in "abcd"), joints=pins)
-    groups = groups_of(run)
-    assert groups[1] == groups[2]
-    assert len({groups[k] for k in (0, 1, 3, 4)}) == 4
-    assert anchored(run).tolist() == [True, True, True, True, False]
-
-
-def test_where_nothing_stays_all_is_shown():
-    boxes = np.zeros((3, 2, 4))
-    boxes[2] = 1e6
-    assert with_it(boxes, np.zeros(2, dtype=bool)).all()
 
 
 def test_the_view_says_which_bodies_matter():
@@ -167,13 +117,6 @@ def test_what_a_view_names_has_to_be_there():
         sandbox.render(run, "never.png", show="trace")
 
 
-def test_to_follow_at_drawing_time_leaves_the_scenes_centre():
-    view = world(body("ball", [0, 0]), view={"centre": [5, 5], "width": 2}).mechanism.view
-    found = view_of(view, {"follow": "ball"})
-    assert (found.centre, found.width) == (None, 2.0)
-    assert view_of(view, {"follow": "ball", "centre": (1, 1)}).centre == (1.0, 1.0)
-
-
 def test_a_picture_of_some_bodies_shows_these_and_not_their_cords_or_others_traces():
     """By name or by role; a window of the scene's and what is traced elsewhere do not count."""
     far = {"body": "floor", "at": [-30, 0]}
@@ -191,47 +134,6 @@ def test_a_picture_of_some_bodies_shows_these_and_not_their_cords_or_others_trac
     pose = np.zeros((N, 2, 3))
     pose[:, 1, :2] = 0, 0.1
     assert body_box(recording(mechanism, TIME, pose)).width == pytest.approx(0.1)
-
-
-def test_a_still_of_some_bodies_is_fitted_to_where_they_are_then():
-    ways = {"ball": np.stack((9 * TIME, 0 * TIME), axis=1)}
-    run = world(body("ball", [0, 0.1]), ways=ways, view={"bodies": ["ball"]})
-    box = body_box(run, moments=[0.5])
-    assert (box.x0, box.x1) == pytest.approx((4.45, 4.55))
-    assert body_box(run).width == pytest.approx(9.1)
-
-
-def test_where_nothing_stays_what_flies_off_is_no_speck():
-    """A board of 80 mm that drops by kilometres, alone."""
-    board = {"name": "board", "motion": "scheduled", "path": {"y": {"table": [[0, 0], [1, 0]]}},
-             "shapes": [{"type": "box", "size": [0.08, 0.004]}]}
-    pose = np.zeros((N, 1, 3))
-    pose[:, 0, :2] = falling(3000.0)
-    box = body_box(recording(Mechanism.model_validate({"bodies": [board]}), TIME, pose))
-    assert box.width == pytest.approx(0.08)
-    assert box.height <= (FLIGHT + 1) * 0.08
-
-
-def test_what_never_comes_near_and_flies_off_does_not_shrink_the_rest():
-    ways = {"ball": np.stack((5000 * TIME**2, 0 * TIME), axis=1)}
-    box = body_box(world(body("ball", [3, 0.1]), ways=ways))
-    assert box.x1 < 3.05 + ROOM * 3.55 + 0.1
-
-
-def test_roles_are_looked_for_too():
-    import sandbox
-
-    run = world(body("ball", [0, 0.1], role="object"))
-    with pytest.raises(OutputError, match=r"bodies: no body's role matches 'objekt'; did you mean "
-                                          r"'role:object'\? \(allowed: 'role:ground', "
-                                          r"'role:object'\)"):
-        sandbox.render(run, "never.png", bodies=["role:objekt"])
-    with pytest.raises(sandbox.SceneError) as told:
-        sandbox.load_scene({"bodies": [FLOOR], "view": {"bodies": ["role:grond"]}})
-    problem, = told.value.problems
-    assert problem.path == "$.view.bodies[0]"
-    assert problem.message == "no body has the role 'grond'"
-    assert "role:ground" in problem.hint
 
 
 SLIDER = {"type": "slot", "name": "ways", "a": "floor", "b": "slider", "start": [-0.5, 0.1],
@@ -258,6 +160,14 @@ def test_a_picture_that_follows_a_part_of_a_machine_holds_all_of_it():
     assert (along.x0, along.x1) == pytest.approx((alone.x0 - 0.1, alone.x1 + 0.1), abs=1e-3)
 
 
+def test_a_still_of_some_bodies_is_fitted_to_where_they_are_then():
+    ways = {"ball": np.stack((9 * TIME, 0 * TIME), axis=1)}
+    run = world(body("ball", [0, 0.1]), ways=ways, view={"bodies": ["ball"]})
+    box = body_box(run, moments=[0.5])
+    assert (box.x0, box.x1) == pytest.approx((4.45, 4.55))
+    assert body_box(run).width == pytest.approx(9.1)
+
+
 def test_a_body_that_goes_far_in_its_machine_is_shown_with_what_is_near():
     ways = {"slider": np.stack((40 * TIME, 0 * TIME), axis=1)}
     rail = {**SLIDER, "end": [40.0, 0.1]}
@@ -265,9 +175,3 @@ def test_a_body_that_goes_far_in_its_machine_is_shown_with_what_is_near():
     box = body_box(run)
     # half its size to either side, where rail and floor go on; nothing is above
     assert (box.x0, box.y0, box.x1, box.y1) == pytest.approx((-0.1, 0.0, 0.1, 0.15))
-
-
-def test_what_is_free_of_all_that_stays_is_followed_alone():
-    ways = {"ball": np.stack((9 * TIME, 0 * TIME), axis=1)}
-    box = body_box(world(body("ball", [0, 0.1]), ways=ways, view={"follow": "ball"}))
-    assert (box.x0, box.y0, box.x1, box.y1) == pytest.approx((-0.05, 0.05, 0.05, 0.15))

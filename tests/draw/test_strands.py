@@ -34,28 +34,3 @@ def test_of_many_each_has_its_turn_whatever_its_samples():
     assert [parts[0].rank for parts in found[:4]] == [0, 1, 2, 3]
     assert {part.turns for parts in found[:4] for part in parts} == {4}
     assert [part.turns for part in found[4]] == [1]
-
-
-@pytest.mark.parametrize("line", [
-    (X, np.where(X > 0.5, np.nan, X)), (X[:1], X[:1]),
-], ids=["broken", "point"])
-def test_what_has_gaps_is_left_alone(line):
-    found = strands([line, line])
-    assert all(part.turns == 1 for parts in found for part in parts)
-
-
-@pytest.mark.parametrize("x", [1 - X, np.cos(6 * X), np.minimum(X, 0.7)],
-                         ids=["backwards", "to and fro", "comes to rest"])
-def test_against_a_quantity_that_goes_back_two_of_one_run_are_taken_apart(x):
-    """Each time they have the same x; the second leaves the first for good at half the time."""
-    found = strands([(x, 0.3 * x), (x, 0.3 * x + np.maximum(0.0, X - 0.5))])
-    for rank, parts in enumerate(found):
-        assert (parts[0].turns, parts[0].rank) == (2, rank)
-        assert X[parts[0].last] == pytest.approx(0.5 + NEAR, abs=0.006)
-        assert [part.turns for part in parts[1:]] == [1]
-
-
-def test_what_goes_back_is_left_alone_by_lines_with_another_x():
-    loop = (np.cos(6 * X), np.sin(6 * X))
-    found = strands([loop, (loop[0][::2], loop[1][::2]), (X, X)])
-    assert all(part.turns == 1 for parts in found for part in parts)

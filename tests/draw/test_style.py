@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import sandbox
 from sandbox.draw.figure import style
 
 
@@ -23,25 +21,12 @@ def test_labels_move_apart(wanted: list[float], gap: float) -> None:
     assert places.mean() == pytest.approx(np.mean(wanted))
 
 
-def test_labels_that_have_room_stay() -> None:
-    wanted = np.array([0.9, 0.1, 0.5])
-    assert style.apart(wanted, 0.2) == pytest.approx(wanted)
-    assert style.apart(np.array([0.5, 0.5]), 0.2) == pytest.approx([0.4, 0.6])
-
-
 @pytest.mark.parametrize(("value", "text"), [
     (16474.3, "16470"), (2.97136, "2.971"), (5.0, "5"), (0.0, "0"), (-0.4701, "-0.4701"),
     (99.996, "100"), (float("inf"), "-"), (float("nan"), "-"), (1.2e-5, "0.000012"),
 ])
 def test_numbers(value: float, text: str) -> None:
     assert style.number(value) == text
-
-
-@pytest.mark.parametrize(("value", "text"), [
-    (1.8974, "1.90 s"), (0.4701, "0.470 s"), (0.0, "0 s"), (99.96, "100 s"), (1234.0, "1230 s"),
-])
-def test_times(value: float, text: str) -> None:
-    assert style.seconds(value) == text
 
 
 def test_units_that_people_read() -> None:
@@ -52,17 +37,6 @@ def test_units_that_people_read() -> None:
     assert style.shown_as("m", small, large) == style.Shown(1, "m", " m")
     assert style.shown_as("N m") == style.Shown(1, "N m", " N m")
     assert style.shown_as("1") == style.Shown(1, "", "")
-
-
-def test_no_figure_has_a_style_of_its_own() -> None:
-    """Colours, sizes of type, resolution and the writing of files stand in style.py only."""
-    package = Path(sandbox.__file__).parent
-    figures = [path for folder in ("draw/figure", "paper", "verification")
-               for path in (package / folder).rglob("*.py") if path.name != "style.py"]
-    own = re.compile(r'"#[0-9a-fA-F]{6}"|fontsize=\d|Figure\(|figsize|dpi=|savefig|DPI')
-    assert len(figures) > 20
-    assert [f"{path.name}: {found[0]}" for path in figures
-            if (found := own.search(path.read_text(encoding="utf-8")))] == []
 
 
 @pytest.mark.parametrize("suffix", style.SUFFIXES)

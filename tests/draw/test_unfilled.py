@@ -1,21 +1,17 @@
 """Bodies without a fill: what lies behind is seen, and the outline of all their shapes."""
 
-import itertools
 
 import numpy as np
 import pytest
 
 from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.scales import ForceScale
 from sandbox.draw.film.unions import bare_outlines
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.mechanism import Mechanism
-from sandbox.show.parts import parts_of
 
 from .conftest import recording
 
 BOX = {"type": "box", "size": [0.2, 0.1]}
-UPPER = {"type": "box", "size": [0.1, 0.2], "at": [-0.05, 0.05]}
 ELL = {"type": "polygon", "points": [
     [-0.1, -0.05], [0.1, -0.05], [0.1, 0.05], [0, 0.05], [0, 0.15], [-0.1, 0.15]]}
 
@@ -39,20 +35,6 @@ def test_the_outline_is_as_long_as_the_outline_of_all(shapes, around):
     assert length(shapes) == pytest.approx(around, rel=2e-3)
 
 
-def test_boxes_that_overlap_have_the_outline_of_the_whole():
-    """They share two lines on the same hand, which may be drawn twice but are there."""
-    body = Body.model_validate({"name": "b", "mass": 1, "shapes": [BOX, UPPER]})
-    lines = bare_outlines(body.shapes, 1e-6, turns=False)
-    ways = [a + share * (b - a) for line in lines for a, b in itertools.pairwise(line)
-            for share in np.linspace(0, 1, 201)]
-    corners = np.array(ELL["points"])
-    for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        for share in np.linspace(0.01, 0.99, 50):
-            assert np.hypot(*(np.array(ways) - (a + share * (b - a))).T).min() < 2e-3
-    inside = [(x, y) for x, y in ways if -0.099 < x < -0.001 and -0.049 < y < 0.149]
-    assert inside == []
-
-
 def run(fill):
     mechanism = Mechanism.model_validate({
         "bodies": [{"name": "behind", "motion": "fixed", "colour": "#ff0000", "plane": -1,
@@ -70,13 +52,3 @@ def test_what_lies_behind_is_seen(fill):
     near = picture[y[0] - 9:y[0] + 10, x[0] - 9:x[0] + 10]
     assert (near == (255, 0, 0)).all(axis=2).any() != fill
     assert picture[y[1], x[1] - 1:x[1] + 2].sum(axis=1).min() < 500
-
-
-def test_a_page_draws_the_same_lines():
-    def kinds(fill):
-        found = [part for part in parts_of(run(fill), ForceScale(0.0, 0.0), 0.4)
-                 if part.get("n") == "b" and part["l"] == "bodies"]
-        return [(part["k"], bool(part["r"]), "o" in part) for part in found]
-
-    assert kinds(True) == [("poly", True, False)]
-    assert kinds(False) == [("poly", False, True)]

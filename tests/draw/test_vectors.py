@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sandbox.draw.film.bars import bar_tensions, bars_of
-from sandbox.draw.film.marked import fingertip, marked, round_interval, traced
+from sandbox.draw.film.marked import fingertip, traced
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.scales import LONGEST
 from sandbox.draw.film.tensions import tensions_of
@@ -14,7 +14,6 @@ from sandbox.draw.film.vectors import (
     Vectors,
     moved_with,
     reactions,
-    velocities,
 )
 from sandbox.scene.mechanism import Mechanism
 
@@ -67,14 +66,6 @@ def test_an_arrow_has_the_length_of_its_value_and_large_ones_are_cut():
     assert drawer.tips(pool.world(np.zeros((1, 3))), 99)[1] == pytest.approx([0, LENGTH * LONGEST])
 
 
-def test_what_stands_still_but_for_rounding_has_no_arrows():
-    run, _, _ = on_a_circle()
-    run.arrays["body_velocity"] = np.full((1, 1, 3), 1e-12)
-    run.arrays["time"] = np.zeros(1)
-    pool = PointPool()
-    assert VectorDrawer(run, velocities(run, [(0, (0.0, 0.0))]), pool, 1e6).scale.metres == 0
-
-
 def hanging(roles=("ground", "link")):
     """A body on a pin that carries (3, 4) N, on its body b by its body a."""
     mechanism = Mechanism.model_validate({
@@ -108,15 +99,6 @@ def strut(angle, first, second):
     return recording(mechanism, np.zeros(1), pose, joint_force=force)
 
 
-def test_a_hinge_that_carries_what_rounding_leaves_has_no_arrow():
-    """Of 1 kg that takes 1e-6 m/s^2: less is nothing, however long an arrow of it could be made."""
-    run = hanging(("ground", "link"))
-    for size, shown in ((1e-13, False), (1e-3, True)):
-        force = np.full((2, 1, 2), size)
-        some = type(run)(run.mechanism, {**run.arrays, "joint_force": force}, run.info)
-        assert bool(reactions(some, [1]).values.any()) == shown
-
-
 @pytest.mark.parametrize("angle", [0.0, 1.1, -2.5])
 def test_a_bar_carries_what_its_pins_pull_it_apart_with(angle):
     """T along it at either end, whatever acts across; pushed it is negative."""
@@ -128,12 +110,6 @@ def test_a_bar_carries_what_its_pins_pull_it_apart_with(angle):
         assert bar_tensions(run, bars) == pytest.approx(np.array([[tension]]))
         assert tensions_of(run, bars).pushes == (tension < 0)
     assert bars_of(run, [0]) == []
-
-
-def test_a_bar_with_weight_shows_the_mean_of_its_two_ends():
-    """Hung up at one end, of weight 8 N: 8 N at the top, nothing at the foot."""
-    run = strut(np.pi / 2, np.array([0.0, 0.0]), np.array([0.0, 8.0]))
-    assert bar_tensions(run, bars_of(run, [1])) == pytest.approx(np.array([[4.0]]))
 
 
 def test_what_is_traced_unless_the_view_says_it():
@@ -148,20 +124,3 @@ def test_what_is_traced_unless_the_view_says_it():
     assert [body for body, _ in traced(run, run.mechanism.view, ("tree.rocker1",))] == [
         names.index("tree.rocker1")]
     assert traced(run, run.mechanism.view, ()) == []
-
-
-def test_velocities_are_of_traced_points_else_of_centres():
-    run = recording(Mechanism.model_validate({
-        "bodies": [ARM, {**ARM, "name": "two"}, {"name": "frame", "motion": "fixed"}],
-        "view": {"traces": [{"body": "two", "at": [0.2, 0]}]}}), np.zeros(1), np.zeros((1, 3, 3)),
-        body_centre=np.array([[0.1, 0.0]] * 3))
-    assert marked(run, run.mechanism.view, ("*",)) == [(1, (0.2, 0.0)), (0, (0.1, 0.0))]
-    assert marked(run, run.mechanism.view, ("arm",)) == [(0, (0.1, 0.0))]
-
-
-@pytest.mark.parametrize("duration", [0.013, 0.5, 1.0, 3.0, 7.0, 240.0])
-def test_marks_of_time_are_round_and_about_a_dozen_at_most(duration):
-    found = round_interval(duration)
-    assert 4 <= duration / found <= 12 * (1 + 1e-9)
-    assert found / 10.0 ** np.floor(np.log10(found)) == pytest.approx(
-        min((1, 2, 5), key=lambda step: abs(found / 10.0 ** np.floor(np.log10(found)) - step)))

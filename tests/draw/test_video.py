@@ -1,4 +1,3 @@
-import sys
 
 import numpy as np
 import pytest
@@ -6,9 +5,8 @@ from PIL import Image
 
 from sandbox.draw.film import video
 from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.gif import GifWriter, colours, shared_palette
-from sandbox.draw.film.pipeline import side_by_side
-from sandbox.draw.film.video import render, save_picture
+from sandbox.draw.film.gif import GifWriter, shared_palette
+from sandbox.draw.film.video import render
 from sandbox.errors import OutputError
 
 from .conftest import recording, zoo_mechanism
@@ -74,34 +72,6 @@ def test_gif_writes_only_what_changed(tmp_path):
         assert film.n_frames == 3
 
 
-def test_few_colours_are_exact_and_many_are_near():
-    few = np.arange(200, dtype=np.uint32)[None] * 257
-    assert set(map(tuple, shared_palette([few]).tolist())) == set(
-        map(tuple, colours(few[0]).tolist()))
-    rng = np.random.default_rng(1)
-    many = rng.integers(0, 1 << 24, (50, 50), dtype=np.uint32)
-    many[:25] = 0x123456
-    palette = shared_palette([many])
-    assert len(palette) <= 255
-    assert (0x56, 0x34, 0x12) in set(map(tuple, palette.tolist()))
-
-
-def test_png_is_the_end_drawn_finely(tmp_path, finger_run):
-    render(finger_run, tmp_path / "still.png", size=SMALL)
-    with Image.open(tmp_path / "still.png") as image:
-        assert image.size == SMALL
-        shown = np.asarray(image.convert("RGB"))
-    end = float(finger_run.time[-1])
-    fine = FrameRenderer(finger_run, size=SMALL, enlarge=4, moments=[end]).draw(end)
-    assert (shown == fine).all()
-
-
-def test_save_picture_at_a_time(tmp_path, finger_run):
-    save_picture(finger_run, tmp_path / "a.png", t=0.0, size=SMALL)
-    save_picture(finger_run, tmp_path / "b.png", t=1.0, size=SMALL)
-    assert (tmp_path / "a.png").read_bytes() != (tmp_path / "b.png").read_bytes()
-
-
 def test_frames_go_into_a_directory_and_replace_older_ones(tmp_path, zoo_run):
     folder = tmp_path / "frames"
     folder.mkdir()
@@ -127,23 +97,9 @@ def test_mp4_has_its_frames(tmp_path, zoo_run):
     assert np.abs(frames[-1].astype(int) - fresh).mean() < 6
 
 
-def test_mp4_without_av_says_what_to_do(tmp_path, zoo_run, monkeypatch):
-    monkeypatch.setitem(sys.modules, "av", None)
-    with pytest.raises(OutputError, match=r"pip install 'sandbox-mechanics\[mp4\]'"):
-        render(zoo_run, tmp_path / "film.mp4", size=SMALL)
-    assert not list(tmp_path.iterdir())
-
-
 def test_unknown_ending_names_the_allowed_ones(tmp_path, zoo_run):
     with pytest.raises(OutputError, match=r"\.gif, \.mp4, \.png"):
         render(zoo_run, tmp_path / "film.avi")
-
-
-@pytest.mark.parametrize(("options", "message"), [
-    ({"fps": 30}, "20, 25 or 50"), ({"speed": -1.0}, "greater than 0")])
-def test_impossible_rates(tmp_path, zoo_run, options, message):
-    with pytest.raises(OutputError, match=message):
-        render(zoo_run, tmp_path / "film.gif", **options)
 
 
 @pytest.mark.parametrize("name", ["film.gif", "still.png", "frames"])
@@ -167,36 +123,11 @@ def test_a_full_disk_leaves_the_old_film(tmp_path, zoo_run, monkeypatch):
     assert [p.name for p in tmp_path.iterdir()] == ["film.gif"]
 
 
-def test_interrupted_drawing_leaves_nothing(tmp_path, zoo_run):
-    def interrupt(share):
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        render(zoo_run, tmp_path / "film.gif", size=SMALL, progress=interrupt)
-    assert not list(tmp_path.iterdir())
-
-
 def test_an_empty_run_is_refused(tmp_path):
     mechanism = zoo_mechanism()
     run = recording(mechanism, np.zeros(0), np.zeros((0, len(mechanism.bodies), 3)))
     with pytest.raises(OutputError, match="no samples"):
         render(run, tmp_path / "x.gif")
-
-
-def test_side_by_side_keeps_the_order_and_passes_errors_on():
-    seen = []
-    side_by_side(range(100), seen.append)
-    assert seen == list(range(100))
-
-    def endless():
-        while True:
-            yield 1
-
-    def break_down(item):
-        raise RuntimeError("encoder")
-
-    with pytest.raises(RuntimeError, match="encoder"):
-        side_by_side(endless(), break_down)
 
 
 def test_a_film_has_no_more_frames_than_allowed(tmp_path, zoo_run):
