@@ -42,8 +42,6 @@ CASES = {
     "unknown body": (edited("joints", to=[PIN]), r"\$\.joints\[0\]\.b", "floor"),
     "duplicate name": (edited("bodies", 0, "name", to="floor"), r"\$\.bodies\[1\]", "floor"),
     "NaN": (edited("bodies", 0, "mass", to=float("nan")), r"mass", "finite|NaN"),
-    "infinity": (edited("run", "duration", to=float("inf")), r"duration", "finite|Infinity"),
-    "zero mass": (edited("bodies", 0, "mass", to=0), r"\$\.bodies\[0\]\.mass", "greater than 0"),
     "negative mass": (edited("bodies", 0, "mass", to=-1), r"\$\.bodies\[0\]\.mass",
                       "greater than 0"),
     "one guide": (edited("tendons", to=[CORD]), r"\$\.tendons\[0\]\.guides", "2"),
@@ -53,32 +51,29 @@ CASES = {
     "not an object": ("[]", r"\$", "object"),
     "truncated": (edited("run", "step", to=1e-3)[:-40], r":\d+:\d+", ""),
     "deep nesting": ("[" * 100_000, "", "nest"),
-    "deep nesting of objects": ('{"a":' * 50_000 + "1" + "}" * 50_000, "", "nest"),
     "division by zero": (edited("bodies", 0, "mass", to="=1 / 0"), r"mass", "zero"),
     "reaching Python": (edited("bodies", 0, "mass", to="=__import__('os').getpid()"), r"mass", ""),
-    "an attribute": (edited("bodies", 0, "mass", to="=(1).real"), r"mass", ""),
     "a huge power": (edited("bodies", 0, "mass", to="=9**9**9**9"), r"mass", ""),
     "dividing by zero in time": (
         edited("drives", to=[FORCE | {"value": "=1 / (t - t)"}]), r"drives\[0\]", "zero|finite"),
     "an unknown quantity": (
         edited("expect", 0, "mean", to="ball.contact.fz"), r"\$\.expect\[0\]", "contact.f"),
     "binary": (bytes(range(256)) * 20, "", ""),
-    "gzip": (b"\x1f\x8b\x08\x00" + b"\x00" * 64, "", ""),
     "UTF-16": ('{"title": "ü"}'.encode("utf-16"), "", ""),
 }
 
 
 @pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("command", ["run", "check"])
-def test_a_bad_scene_is_told_and_exits_2(sandbox, scene, tmp_path, command, case):
+def test_a_bad_scene_is_told_and_exits_2(sandbox, scene, tmp_path, case):
     content, place, words = CASES[case]
-    said = sandbox(command, scene(content))
+    said = sandbox("check", scene(content))
     assert said.code == 2
     lines = said.err.splitlines()
     assert 1 <= len(lines) <= 3, said.err
     assert all("ball.json" in line for line in lines)
     assert re.search(place, said.err), said.err
     assert re.search(words, said.err), said.err
+    assert sandbox("run", scene(content)).err == said.err
     assert not (tmp_path / "renders").exists()
 
 
@@ -95,15 +90,6 @@ def test_all_problems_are_told_at_once_each_with_its_line(sandbox, scene):
         number = int(re.search(r"ball\.json:(\d+):\d+: \$", line)[1])
         key = re.search(r"\$\.[\w.\[\]]*?(\w+):", line)[1]
         assert f'"{key}"' in text.splitlines()[number - 1]
-
-
-def test_too_many_bodies(sandbox, scene):
-    bodies = [{"name": f"b{i}", "motion": "fixed"} for i in range(30_000)]
-    said = sandbox("run", scene(bodies=bodies), "--max-file-bytes", 100_000_000)
-    assert said.code == 2
-    assert "bodies" in said.err
-    assert "2 000" in said.err
-    assert len(said.err.splitlines()) <= 2
 
 
 def test_a_limit_can_be_raised_by_its_option(sandbox, scene):
@@ -129,25 +115,7 @@ def test_a_file_that_is_no_scene(sandbox, word):
     assert len(said.err.splitlines()) == 1
 
 
-def test_an_unknown_command_offers_a_near_miss(sandbox):
-    said = sandbox("rnu")
-    assert said.code == 2
-    assert "'run'" in said.err
-
-
-def test_an_unknown_option_offers_a_near_miss(sandbox, scene):
-    said = sandbox("run", scene(), "--no-rendr")
-    assert said.code == 2
-    assert "--no-render" in said.err
-
-
-def test_a_missing_argument(sandbox):
-    said = sandbox("run")
-    assert said.code == 2
-    assert "SCENE" in said.err
-
-
-@pytest.mark.parametrize("text", ["{}", '{"parameters": "body"}', '{"gravity": [0, -9.81]}'])
+@pytest.mark.parametrize("text", ["{}", '{"gravity": [0, -9.81]}'])
 @pytest.mark.parametrize("command", ["run", "check"])
 def test_nothing_to_simulate(sandbox: Any, tmp_path: Any, text: str, command: str) -> None:
     (tmp_path / "x.json").write_text(text)
@@ -161,19 +129,6 @@ def on_two_floors(scene):
     ball, floor = BALL["bodies"]
     return scene(run={"duration": 3, "step": 1e-3, "sample_rate": 1000}, expect=[], bodies=[
         {**ball, "at": [0, 0.007]}, floor, {**floor, "name": "second"}])
-
-
-@pytest.mark.parametrize("stop", [KeyboardInterrupt, ZeroDivisionError])
-def test_what_goes_wrong_with_the_audit_of_a_run_that_ended_early_costs_none_of_it(
-    sandbox, scene, monkeypatch, tmp_path, stop,
-):
-    def stopped(*arguments, **options):
-        raise stop
-
-    monkeypatch.setattr("sandbox.audit.audit.audit", stopped)
-    said = sandbox("run", on_two_floors(scene), "--no-render", "--max-recorded-bytes", 950_000)
-    assert said.code == (2 if stop is KeyboardInterrupt else 70)
-    assert Recording.load(tmp_path / "renders/ball").info.status is Status.LIMITED
 
 
 def test_contacts_count_towards_what_may_be_recorded(sandbox, scene, tmp_path):
@@ -194,10 +149,7 @@ def test_contacts_count_towards_what_may_be_recorded(sandbox, scene, tmp_path):
     assert "recording would take" in sandbox("check", path, "--max-recorded-bytes", 900_000).err
 
 
-def test_a_long_film_of_a_saved_run_is_refused_and_can_be_allowed(sandbox, scene, tmp_path):
-    assert sandbox("run", scene(view={"size": [64, 64]}), "--no-render", "--no-audit").code == 0
-    said = sandbox("render", "renders/ball", "--speed", "1e-6")
+def test_an_unknown_command_offers_a_near_miss(sandbox):
+    said = sandbox("rnu")
     assert said.code == 2
-    assert re.search(r"would have .*e\+06 frames.* at most 20000 .*--max-frames", said.err)
-    assert sandbox("render", "renders/ball", "--speed", "1e-2", "--max-frames", 50).code == 2
-    assert sandbox("render", "renders/ball", "--speed", "1e-2", "--max-frames", 150).code == 0
+    assert "'run'" in said.err

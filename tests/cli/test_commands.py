@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 
 import click
@@ -9,9 +10,9 @@ import pytest
 
 import sandbox as package
 from sandbox.cli.entry import COMMANDS, commands
+from sandbox.cli.options import LIMITS
 from sandbox.scene.library import shipped_scenes
-
-from .conftest import BALL
+from sandbox.scene.read.limits import Limits
 
 
 def test_check_of_good_scenes(sandbox, scene):
@@ -31,28 +32,6 @@ def test_check_and_run_say_the_same_with_the_same_code(sandbox, scene):
     assert sandbox("check", path, "--strict").code == 2
 
 
-def test_what_no_step_can_be_made_of_is_refused_by_check_and_run(sandbox, scene):
-    joint = {"type": "rod", "name": "rod", "a": "floor", "b": "ball", "on_a": [0, 0.005]}
-    path = scene(joints=[joint])
-    looked, ran = sandbox("check", path), sandbox("run", path)
-    assert (looked.code, ran.code) == (2, 2)
-    assert looked.err == ran.err
-
-
-def test_warnings_fail_a_check_only_when_strict(sandbox, scene):
-    path = scene(run={"duration": 0.1, "step": 3e-4})
-    assert sandbox("check", path).code == 0
-    assert "does not divide" in sandbox("check", path).err
-    assert sandbox("check", path, "--strict").code == 2
-
-
-def test_check_goes_through_all_scenes(sandbox, scene):
-    said = sandbox("check", "nothere.json", scene())
-    assert said.code == 2
-    assert "nothere.json" in said.err
-    assert "ball.json: ok" in said.out
-
-
 def test_check_in_json(sandbox, scene):
     said = sandbox("check", scene(run={"duration": 0.1, "step": 3e-4}), "nothere.json", "--json")
     result = json.loads(said.out)
@@ -64,30 +43,6 @@ def test_check_in_json(sandbox, scene):
     assert found["file"].endswith("ball.json")
     assert bad["ok"] is False
     assert len(bad["errors"]) == 1
-
-
-def test_how_far_a_tree_can_go_is_no_warning(sandbox):
-    said = sandbox("check", "pulley_differential", "--strict")
-    assert (said.code, said.err) == (0, "")
-    first, takes, note = said.out.splitlines()
-    assert first == "pulley_differential: ok"
-    assert takes.startswith("pulley_differential: would take about")
-    assert note.startswith("pulley_differential: tree: its slots end after 60 mm")
-    (told,) = json.loads(sandbox("check", "pulley_differential", "--json").out)["scenes"]
-    assert [f"pulley_differential: {line}" for line in told["notes"]] == [note]
-
-
-def test_alike_findings_share_a_line(sandbox, scene):
-    discs = [{"name": f"disc{i}", "mass": 0.01, "at": [0.05 * i, 0.1],
-              "shapes": [{"type": "circle", "radius": 0.01}]} for i in range(1, 4)]
-    joints = [{"type": "rope", "name": f"rope{i}", "a": "floor", "b": f"disc{i}",
-               "on_a": [0.05 * i, 0], "longest": 0.09} for i in range(1, 4)]
-    said = sandbox("check", scene(bodies=[*BALL["bodies"], *discs], joints=joints))
-    assert len(said.err.splitlines()) == 1
-    assert "$.joints[0]: rope1: " in said.err
-    assert "and so for 2 more" in said.err
-    assert ": warning: $.run: the step" in sandbox("check", scene(run={
-        "duration": 0.1, "step": 3e-4})).err
 
 
 def test_expand_prints_a_scene_that_expands_to_itself(sandbox, tmp_path):
@@ -110,23 +65,6 @@ def test_schema_goes_to_stdout_or_a_file(sandbox, tmp_path):
     failed = sandbox("schema", "--out", tmp_path / "s.json" / "s.json")
     assert failed.code == 2
     assert "s.json" in failed.err
-
-
-def test_list_names_every_shipped_scene_with_its_title(sandbox):
-    said = sandbox("list")
-    assert said.code == 0
-    for name, path in shipped_scenes().items():
-        title = json.loads(path.read_text())["title"]
-        assert any(line.split(maxsplit=1) == [name, title] for line in said.out.splitlines())
-
-
-def test_list_shows_folders_after_the_scenes_that_lie_in_none(sandbox):
-    lines = sandbox("list").out.splitlines()
-    heads = [i for i, line in enumerate(lines) if line.endswith(":")]
-    assert [lines[i] for i in heads] == ["hands:", "mechanisms:"]
-    assert lines[heads[0] - 1] == ""
-    assert any(line.startswith("slider_crank ") for line in lines[heads[0]:])
-    assert any(line.startswith("adaptive_grasp ") for line in lines[:heads[0]])
 
 
 def test_list_in_json(sandbox):
@@ -165,30 +103,6 @@ def test_render_refuses(sandbox, words, told):
     assert told in said.err
 
 
-def test_what_is_shown_can_be_changed_when_drawing(sandbox, scene, tmp_path):
-    """With axes and without contacts the picture is another; all by what is asked for."""
-    assert sandbox("run", scene(view={"size": [200, 160]}), "--show", "axes").code == 0
-    run, pictures = tmp_path / "renders" / "ball", []
-    for k, words in enumerate(([], ["--show", "axes"], ["--follow", "ball"], ["--fit", "ball"],
-                               ["--fit", "b*"])):
-        said = sandbox("render", run, "--out", tmp_path / f"{k}.gif", *words)
-        assert said.code == 0, said.err
-        pictures.append((tmp_path / f"{k}.gif").read_bytes())
-    assert pictures[1] == (run / "animation.gif").read_bytes()
-    assert len(set(pictures[:3])) == 3
-    assert pictures[3] == pictures[4]
-    said = sandbox("render", run, "--follow", "bal")
-    assert said.code == 2
-    assert "did you mean 'ball'" in said.err
-
-
-@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_completion_scripts(sandbox, shell):
-    said = sandbox("completion", shell)
-    assert said.code == 0
-    assert "_SANDBOX_COMPLETE" in said.out
-
-
 def test_a_shell_completes_commands(sandbox, monkeypatch, capfd):
     monkeypatch.setenv("_SANDBOX_COMPLETE", "bash_complete")
     monkeypatch.setenv("COMP_WORDS", "sandbox re")
@@ -196,14 +110,6 @@ def test_a_shell_completes_commands(sandbox, monkeypatch, capfd):
     with pytest.raises(SystemExit):
         sandbox()
     assert capfd.readouterr().out.split() == ["plain,render", "plain,report", "plain,rest"]
-
-
-def test_scenes_complete_by_name():
-    from sandbox.cli.scenes import complete_scene
-
-    offered = [item.value for item in complete_scene(None, None, "single")]
-    assert "single_finger" in offered
-    assert "adaptive_grasp" not in offered
 
 
 def test_version(sandbox):
@@ -219,18 +125,16 @@ def test_every_command_helps(sandbox, command):
     assert command in sandbox("--help").out
 
 
+def test_every_limit_is_an_option():
+    assert list(LIMITS) == [field.name for field in dataclasses.fields(Limits)]
+
+
 def test_no_two_options_of_a_command_share_a_parameter():
     """``--max-frames 100`` once set ``--frames``, whose name click gave to both."""
     for name in COMMANDS:
         command = commands.get_command(click.Context(commands), name)
         found = [parameter.name for parameter in command.params]
         assert len(set(found)) == len(found), name
-
-
-def test_a_limit_of_frames_writes_none(sandbox, scene, tmp_path):
-    said = sandbox("run", scene(view={"size": [64, 64]}), "--max-frames", 100, "--no-audit")
-    assert said.code == 0, said.err
-    assert not (tmp_path / "renders" / "ball" / "frames").exists()
 
 
 def test_frames_can_be_asked_for_beside_their_limit(sandbox, scene, tmp_path):
@@ -280,14 +184,6 @@ def test_new_copies_a_scene_with_what_it_includes(sandbox, tmp_path, monkeypatch
     assert "exists already and is not overwritten" in again.err
 
 
-def test_new_copies_the_drawings_of_what_it_includes(sandbox, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert sandbox("new", "four_finger_thumb_fixed").code == 0
-    original = shipped_scenes()["four_finger_thumb_fixed"].with_name("irregular.svg")
-    assert (tmp_path / "irregular.svg").read_bytes() == original.read_bytes()
-    assert sandbox("check", "four_finger_thumb_fixed.json").code == 0
-
-
 def test_new_under_another_name_and_in_another_place(sandbox, tmp_path):
     shipped = shipped_scenes()
     assert sandbox("new", "gripper_mirrored", "--out", tmp_path / "a" / "mine.json").code == 0
@@ -298,17 +194,6 @@ def test_new_under_another_name_and_in_another_place(sandbox, tmp_path):
     assert sandbox("new", "gripper_mirrored", "--out", tmp_path / "a" / "third.json").code == 2
     assert not (tmp_path / "a" / "third.json").exists()
     assert (tmp_path / "a" / "jaw.json").read_text() == "{}"
-
-
-def test_new_of_a_folder_names_the_schema_beside_it(sandbox, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert sandbox("new", "slider_crank").code == 0
-    copy = json.loads((tmp_path / "slider_crank.json").read_text())
-    assert copy["$schema"] == "./scene.schema.json"
-    shipped = json.loads(shipped_scenes()["slider_crank"].read_text())
-    assert shipped["$schema"] == "../scene.schema.json"
-    assert copy | {"$schema": ""} == shipped | {"$schema": ""}
-    assert sandbox("check", "slider_crank.json").code == 0
 
 
 def test_new_offers_a_near_miss(sandbox, tmp_path, monkeypatch):

@@ -2,16 +2,7 @@
 
 from __future__ import annotations
 
-from sandbox.cli.console import Console, table
-
-
-def test_a_table_lines_up_its_columns():
-    assert table(["name", "N"], [["a", "1.5"], ["long", "10"]], right="<>") == [
-        "name    N", "a     1.5", "long   10"]
-
-
-def test_a_table_without_rows_is_its_head():
-    assert table(["scene", "title"], []) == ["scene  title"]
+from sandbox.cli.console import Console
 
 
 def test_quiet_keeps_results_and_errors(capsys):

@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from PIL import Image
 
 from sandbox.cli.runs import PICTURES
-from sandbox.draw.figure.style import DPI, MM, SUFFIXES, WIDTH
+from sandbox.draw.figure.style import SUFFIXES
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status
 from tests.cli.conftest import BALL
@@ -31,18 +30,6 @@ def runs(sandbox: Sandbox) -> None:
 
 
 @pytest.mark.usefixtures("runs")
-def test_the_figure_by_name(sandbox: Sandbox) -> None:
-    said = sandbox("plot", "controlled", "--figure", "finger-control")
-    assert said.code == 0
-    assert said.out.splitlines() == [
-        "finger.mcp.angle: settled at 0.990 s", "finger.pip.angle: settled at 0.990 s",
-        "finger.dip.angle: does not settle: 7.5° at the end, target 15°",
-        "renders/controlled/finger-control.png"]
-    with Image.open("renders/controlled/finger-control.png") as picture:
-        assert picture.width == int(WIDTH * MM * DPI)
-
-
-@pytest.mark.usefixtures("runs")
 def test_several_files(sandbox: Sandbox) -> None:
     said = sandbox("plot", "renders/controlled", "--figure", "finger-control", "--out", "a.svg",
                    "--out", "new/b.pdf", "--json")
@@ -53,16 +40,6 @@ def test_several_files(sandbox: Sandbox) -> None:
     assert told["responses"]["finger.mcp.angle"]["settling"] == pytest.approx(0.9905, abs=1e-4)
     assert told["responses"]["finger.dip.angle"]["settling"] is None
     assert PICTURES == SUFFIXES
-
-
-@pytest.mark.usefixtures("runs")
-def test_a_target_by_hand(sandbox: Sandbox) -> None:
-    said = sandbox("plot", "elsewhere/free", "--figure", "finger-control", "--json",
-                   "--target", "finger.tendon.shortening=2.971 mm", "--target",
-                   "finger.dip.angle=15deg")
-    told = json.loads(said.out)["responses"]
-    assert set(told) == {"finger.tendon.shortening", "finger.dip.angle"}
-    assert told["finger.tendon.shortening"]["target"] == 0.002971
 
 
 @pytest.mark.usefixtures("runs")
@@ -107,26 +84,6 @@ def test_wrong_words(sandbox: Sandbox, words: list[str], told: str) -> None:
     assert len([line for line in said.err.splitlines() if line.startswith("error:")]) == 1
 
 
-def test_the_directory_of_a_sweep_is_said_to_be_one(sandbox: Sandbox) -> None:
-    Path("many").mkdir()
-    Path("many/sweep.json").write_text("{}")
-    said = sandbox("plot", "many")
-    assert said.code == 2
-    assert "holds a sweep" in said.err
-    assert str(Path("many/table.csv")) in said.err
-
-
-@pytest.mark.usefixtures("runs")
-def test_a_figure_has_the_width_that_is_asked_for(sandbox: Sandbox) -> None:
-    said = sandbox("plot", "controlled", "k1.value", "--width", "85mm", "--no-title", "--out",
-                   "a.png")
-    assert said.code == 0
-    with Image.open("a.png") as picture:
-        assert picture.size[0] == pytest.approx(85 * MM * DPI, abs=1)
-    assert "wide; allowed: 50 to 250 mm" in sandbox("plot", "controlled", "k1.value", "--width",
-                                                    "5mm").err
-
-
 @pytest.mark.usefixtures("runs")
 def test_asked_for_nothing_it_says_what_there_is_and_its_commands_work(sandbox: Sandbox) -> None:
     said = sandbox("plot", "controlled")
@@ -147,19 +104,6 @@ def test_asked_for_nothing_it_says_what_there_is_and_its_commands_work(sandbox: 
     assert all(row["about"] for row in told)
 
 
-def test_a_run_lists_its_meters_and_the_pairs_that_touched(
-    sandbox: Sandbox, scene: Callable[..., Path],
-) -> None:
-    far = {"name": "far", "at": [5, 5], "shapes": [{"type": "circle", "radius": 0.01}]}
-    bodies = [*BALL["bodies"], far | {"motion": "fixed"}]
-    path = scene(bodies=bodies, meters=[{"name": "high", "value": "=2 * ball.y", "unit": "m"}])
-    assert sandbox("run", path, "--no-render", "--quiet").code == 0
-    said = sandbox("plot", "ball").out
-    assert "  high  m  =2 * ball.y" in said
-    assert "pairs of bodies that touched: ball/floor\n" in said
-    assert "sandbox plot ball ball/floor.normal" in said
-
-
 @pytest.mark.usefixtures("runs")
 def test_one_against_another_in_a_window_of_several_runs(sandbox: Sandbox) -> None:
     said = sandbox("plot", "controlled", "finger.mcp.angle", "k1.value", "--x", "finger.dip.angle",
@@ -169,33 +113,6 @@ def test_one_against_another_in_a_window_of_several_runs(sandbox: Sandbox) -> No
     text = Path("all.svg").read_text()
     for word in ("controlled", "other", "free", "finger.dip.angle [deg]", "finger.mcp.angle"):
         assert f"<!-- {word} -->" in text, word
-
-
-def test_what_patterns_find_and_is_0_in_all_runs_has_no_panel(
-    sandbox: Sandbox, scene: Callable[..., Path],
-) -> None:
-    for out in ("one", "two"):
-        assert sandbox("run", scene(), "--no-render", "--quiet", "--out", out).code == 0
-    said = sandbox("plot", "one", "ball.contact.f?", "--with", "two", "--out", "v.svg")
-    assert said.out == "left out, 0 in all runs: ball.contact.fx\nv.svg\n"
-    assert "<!-- ball.contact.fx -->" not in Path("v.svg").read_text()
-    said = sandbox("plot", "one", "ball.contact.fx", "--with", "two", "--out", "v.svg")
-    assert said.out == "v.svg\n"
-
-
-def test_no_figure_without_a_finger(sandbox: Sandbox, scene: Callable[..., Path]) -> None:
-    assert sandbox("run", scene(), "--no-render", "--quiet").code == 0
-    said = sandbox("plot", "ball", "--figure", "finger-control")
-    assert said.code == 2
-    assert said.err == ("error: the figure 'finger-control' needs a tendon that passes hinges; "
-                        "this recording has none\n")
-    assert sandbox("plot", "ball", "ball.y").code == 0
-
-
-def test_what_figures_there_are(sandbox: Sandbox) -> None:
-    assert "finger-control" in sandbox("plot", "no-run", "--figure", "?").out
-    told = json.loads(sandbox("plot", "no-run", "--figure", "?", "--json").out)
-    assert [figure["name"] for figure in told["figures"]] == ["finger-control"]
 
 
 def test_a_run_that_was_cut_short(sandbox: Sandbox) -> None:
@@ -240,6 +157,19 @@ def test_compare(sandbox: Sandbox) -> None:
     assert table["controlled", "k1", "rate"][1] == "N/m/s"
 
 
+def test_a_run_lists_its_meters_and_the_pairs_that_touched(
+    sandbox: Sandbox, scene: Callable[..., Path],
+) -> None:
+    far = {"name": "far", "at": [5, 5], "shapes": [{"type": "circle", "radius": 0.01}]}
+    bodies = [*BALL["bodies"], far | {"motion": "fixed"}]
+    path = scene(bodies=bodies, meters=[{"name": "high", "value": "=2 * ball.y", "unit": "m"}])
+    assert sandbox("run", path, "--no-render", "--quiet").code == 0
+    said = sandbox("plot", "ball").out
+    assert "  high  m  =2 * ball.y" in said
+    assert "pairs of bodies that touched: ball/floor\n" in said
+    assert "sandbox plot ball ball/floor.normal" in said
+
+
 @pytest.mark.usefixtures("runs")
 def test_compare_for_machines(sandbox: Sandbox) -> None:
     told = json.loads(sandbox("compare", "controlled", "elsewhere/free", "--json", "--quantity",
@@ -254,40 +184,3 @@ def test_compare_for_machines(sandbox: Sandbox) -> None:
         "finger.dip.angle"]["settling"] > 0
     assert [d["drive"] for d in one["drives"]] == ["k1", "k2", "k3"]
     assert other["drives"] == []
-
-
-@pytest.mark.usefixtures("runs")
-def test_runs_of_one_scene_are_told_apart(sandbox: Sandbox) -> None:
-    recording().save("again")
-    told = json.loads(sandbox("compare", "controlled", "again", "--json").out)
-    assert [run["run"] for run in told["runs"]] == ["controlled", "again"]
-    recording().save("deep/again")
-    told = json.loads(sandbox("compare", "again", "deep/again", "--json").out)
-    assert [run["run"] for run in told["runs"]] == ["again", "deep/again"]
-
-
-def test_a_new_run_removes_the_plots_of_an_earlier_one(tmp_path):
-    from sandbox.paper.figures import FIGURES
-    from sandbox.recording.new_run import PLOTS
-
-    assert set(PLOTS) == {"plot", *FIGURES}
-    old = [tmp_path / f"{name}.{ending}" for name in PLOTS for ending in ("png", "svg", "pdf")]
-    kept = tmp_path / "mine.png"
-    for path in (*old, kept):
-        path.touch()
-    recording().save(tmp_path)
-    assert [path for path in (*old, kept) if path.exists()] == [kept]
-
-
-def test_one_quantity_is_wanted_and_a_pattern_is_told_so(sandbox: Sandbox) -> None:
-    recording().save("controlled")
-    told = sandbox("plot", "controlled", "finger.mcp.angle", "--x", "finger.*.angle")
-    assert told.code == 2
-    assert "is a pattern, and one quantity is wanted: 'finger." in told.err
-
-
-def test_a_summary_that_was_changed_is_told(sandbox: Sandbox) -> None:
-    recording().save("changed")
-    Path("changed/run.json").write_text("{", encoding="utf-8")
-    told = sandbox("plot", "changed", "finger.mcp.angle")
-    assert "changed/run.json is not as it was written" in told.err

@@ -40,16 +40,6 @@ def slow_scene(scene) -> Path:
                  drives=[push])
 
 
-@pytest.mark.parametrize("debug", [{}, {"SANDBOX_DEBUG": "1"}])
-def test_warnings_of_libraries_are_no_lines_of_a_command(tmp_path, debug):
-    (tmp_path / "sitecustomize.py").write_text(
-        "import atexit, warnings\natexit.register(lambda: warnings.warn('old', stacklevel=1))\n")
-    path = os.pathsep.join((str(tmp_path), HOME))
-    done = subprocess.run([*COMMAND, "--version"], capture_output=True, text=True, timeout=60,
-                          env={**ENVIRONMENT, "PYTHONPATH": path, **debug})
-    assert ("UserWarning: old" in done.stderr) is bool(debug)
-
-
 def interrupted(words: list[str], directory: Path) -> tuple[int, str, str]:
     """Run with a terminal for stderr, send Ctrl-C once the bar shows; code, stdout, stderr."""
     terminal, end = pty.openpty()
@@ -133,31 +123,6 @@ def test_a_full_disk_leaves_the_file_that_was_there(tmp_path, words):
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
-def test_a_killed_film_leaves_nothing_for_good(scene, tmp_path):
-    assert run("run", scene(), "--no-render", "--out", "out", cwd=tmp_path).returncode == 0
-    kill = ("import os, signal\nfrom pathlib import Path\n"
-            "from sandbox.draw.film import gif\nfrom sandbox.cli.entry import invoke\n"
-            "gif.GifWriter.close = lambda self: os.kill(os.getpid(), signal.SIGKILL)\n"
-            "invoke(['render', 'out', '--out', 'out/{}.gif'])\n")
-    for name in ("animation", "film"):
-        subprocess.run([sys.executable, "-c", kill.format(name)], cwd=tmp_path, env=ENVIRONMENT,
-                       check=False)
-        parts = [path.name for path in (tmp_path / "out").iterdir() if ".part" in path.name]
-        assert len(parts) == 1
-        assert parts[0].startswith(f".{name}.")
-    assert run("plot", "out", "ball.y", cwd=tmp_path).returncode == 0
-    assert not [path for path in (tmp_path / "out").iterdir() if ".part" in path.name]
-
-
-def test_a_full_disk_behind_stdout_is_told():
-    with Path("/dev/full").open("w") as full:
-        done = subprocess.run([*COMMAND, "list"], stdout=full, stderr=subprocess.PIPE, text=True,
-                              timeout=60, env=ENVIRONMENT)
-    assert done.returncode == 2
-    assert "No space left" in done.stderr
-    assert "Traceback" not in done.stderr
-
-
 @pytest.mark.parametrize("within", [
     "import pressed",  # a module that turns what comes in it into an error of its own
     "exec('import os; os.kill(os.getpid(), 2)')",  # after it Python would end by the signal
@@ -166,7 +131,7 @@ def test_ctrl_c_exits_130_wherever_it_comes(tmp_path, within):
     (tmp_path / "pressed.py").write_text(
         "import os\ntry:\n    os.kill(os.getpid(), 2)\n"
         "except BaseException as error:\n    raise ImportError('broken') from None\n")
-    work = f"import os, time\n{within}\ntime.sleep(20)"
+    work = f"import os, time\n{within}\ntime.sleep(1)"
     command = ("import sandbox.cli, sandbox.cli.entry as entry; entry.commands.main = "
                f"lambda *a, **k: exec({work!r}, {{}}); sandbox.cli.main([])")
     done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True,
@@ -188,36 +153,9 @@ def test_a_full_disk_behind_stdout_is_told_on_stderr(words, tmp_path):
         "error: cannot write to stdout: No space left on device")
 
 
-def test_a_full_disk_behind_stderr_changes_no_exit_code(scene):
-    with Path("/dev/full").open("w") as full:
-        done = subprocess.run([*COMMAND, "check", str(scene(bodies=1))], stdout=subprocess.PIPE,
-                              stderr=full, text=True, timeout=60, env=ENVIRONMENT)
-    assert (done.returncode, done.stdout) == (2, "")
-
-
 def test_json_is_json_in_any_encoding(scene):
     done = subprocess.run([*COMMAND, "check", str(scene(**{"Grüße": 1})), "--json"],
                           capture_output=True, timeout=60,
                           env={**ENVIRONMENT, "PYTHONIOENCODING": "ascii"})
     assert done.returncode == 2
     assert "Grüße" in json.loads(done.stdout)["scenes"][0]["errors"][0]["message"]
-
-
-def test_a_reader_that_goes_away_does_no_harm():
-    done = subprocess.run(
-        ["bash", "-c", f"set -o pipefail; {sys.executable} -m sandbox schema | head -c 10"],
-        capture_output=True, text=True, timeout=60, env=ENVIRONMENT)
-    assert done.returncode == 0
-    assert done.stderr == ""
-    assert len(done.stdout) == 10
-
-
-def test_the_version_loads_no_command():
-    """How long it takes is measured in ``benchmarks``: 2.5 times the import of click at most."""
-    script = ("import sys\nfrom sandbox.cli.entry import COMMANDS, invoke\n"
-              "invoke(['--version'])\n"
-              "print(sorted({f'sandbox.cli.{name}' for name in COMMANDS.values()} & "
-              "set(sys.modules)))")
-    done = subprocess.run([sys.executable, "-c", script], check=True, capture_output=True,
-                          text=True, env=ENVIRONMENT)
-    assert done.stdout.splitlines() == [f"sandbox {sandbox.__version__}", "[]"]

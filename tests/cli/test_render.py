@@ -31,20 +31,6 @@ def test_stills_have_the_names_of_their_times(sandbox, saved, tmp_path):
         assert (tmp_path / saved / name).read_bytes().startswith(begin)
 
 
-def test_one_moment_may_be_written_in_several_formats(sandbox, saved, tmp_path):
-    said = sandbox("render", saved, "--at", "end", "--out", "a.svg", "--out", "b.png")
-    assert (said.code, said.out.split()) == (0, ["a.svg", "b.png"])
-    assert (tmp_path / "a.svg").read_bytes().startswith(b"<?xml")
-    assert (tmp_path / "b.png").read_bytes().startswith(PNG)
-
-
-def test_stills_go_when_the_run_goes(sandbox, scene, saved, tmp_path):
-    assert sandbox("render", saved, "--at", "end", "--strip").code == 0
-    assert (tmp_path / saved / "strip.png").is_file()
-    assert sandbox("run", scene(), "--no-render", "--quiet", "--out", saved).code == 0
-    assert not (tmp_path / saved / "strip.png").exists()
-
-
 def test_a_strip_may_have_no_number(sandbox, saved, tmp_path):
     for words in (["--strip"], ["--strip", "3"], ["--strip", "--at", "start", "--at", "end"]):
         said = sandbox("render", saved, *words, "--transparent", "--bare")
@@ -92,10 +78,3 @@ def test_an_unknown_meter_is_refused_before_anything_is_simulated(sandbox, scene
     said = sandbox("run", scene(), "--meter", "ball.contact.fyy", "--out", "new")
     assert re.search(r"Did you mean 'ball\.contact\.fy'", said.err)
     assert not (tmp_path / "new").exists()
-
-
-def test_a_film_with_meters_is_another(sandbox, scene, tmp_path):
-    for name, words in (("a", []), ("b", ["--meter", "ball.contact.fy", "--meter", "=ball.y"])):
-        assert sandbox("run", scene(), "--out", name, *words).code == 0
-    one, two = ((tmp_path / name / "animation.gif").read_bytes() for name in "ab")
-    assert one != two

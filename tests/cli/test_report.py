@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.kinds.layers import LAYERS
-from sandbox.recording.store import saved_audit, saved_parameters
+from sandbox.recording.store import saved_audit
 from sandbox.samples.outcome import INTERRUPTED, Status
 from tests.cli.conftest import BALL
 from tests.samples.controlled import recording, scene
@@ -43,13 +42,6 @@ def test_several_runs_go_into_one_page(sandbox):
 
 
 @pytest.mark.usefixtures("runs")
-def test_five_runs_are_too_many(sandbox):
-    said = sandbox("report", *["controlled"] * 5)
-    assert said.code == 2
-    assert "up to 4 runs, 5 were given" in said.err
-
-
-@pytest.mark.usefixtures("runs")
 def test_a_quantity_that_is_none_is_told_with_a_near_miss(sandbox):
     said = sandbox("report", "controlled", "--plot", "finger.mcp.angel")
     assert said.code == 2
@@ -68,17 +60,6 @@ def test_what_is_no_run_or_no_page_is_refused(sandbox):
     assert said.code == 2
     assert "does not end in .html" in said.err
     assert "no directory" in sandbox("report", "controlled", "--out", "no/where/page.html").err
-
-
-@pytest.mark.usefixtures("runs")
-def test_a_run_that_was_changed_is_refused_and_says_what_is_wrong(sandbox):
-    path = Path("renders/controlled/run.npz")
-    data = bytearray(path.read_bytes())
-    data[len(data) // 2] ^= 0xFF
-    path.write_bytes(data)
-    said = sandbox("report", "controlled")
-    assert said.code == 2
-    assert "damaged" in said.err
 
 
 def test_a_run_that_is_not_complete_is_shown_and_told(sandbox):
@@ -104,54 +85,3 @@ def test_run_writes_the_page_with_verdicts_and_audit(sandbox):
     assert [f["name"] for f in told["audit"]] == [f.name for f in saved_audit(Path("renders/ball"))]
     # the page of the saved run is that of the run, but for what a file's digits lose
     assert len(again) == pytest.approx(len(page), rel=0.01)
-
-
-@pytest.mark.parametrize("wrong", [
-    "[]", "{", '{"audit": 5}', '{"audit": [5]}', '{"audit": [{"name": "x"}]}',
-    '{"audit": [{"name": "x", "unit": "", "why": "", "source": "", "verdict": "fine", '
-    '"value": 1, "threshold": 1}]}'])
-def test_an_audit_that_cannot_be_read_is_left_out(tmp_path, wrong):
-    (tmp_path / "run.json").write_text(wrong)
-    assert saved_audit(tmp_path) == []
-    assert saved_parameters(tmp_path) == {}
-
-
-def test_parameters_that_cannot_be_read_are_left_out(tmp_path):
-    wrong = '"a": "x", "b": null, "c": 1e999, "d": NaN, "e": 1' + "0" * 400
-    (tmp_path / "run.json").write_text(f'{{"parameters": {{"k": 2, {wrong}}}}}')
-    assert saved_parameters(tmp_path) == {"k": 2.0}
-    (tmp_path / "run.json").write_text('{"parameters": {"a": 1, "b": 2}, "derived": ["b", [1]]}')
-    assert saved_parameters(tmp_path) == {"a": 1.0}
-    (tmp_path / "run.json").write_text('{"parameters": {"a": 1}, "derived": 5}')
-    assert saved_parameters(tmp_path) == {"a": 1.0}
-    (tmp_path / "run.json").write_text('{"parameters": [1]}')
-    assert saved_parameters(tmp_path) == {}
-
-
-def test_runs_of_one_scene_are_told_apart_by_the_parameters_that_differ(sandbox):
-    scene = {**BALL, "gravity": [0, "=-fall"],
-             "parameters": {"twice": "=2 * fall", "fall": "1 m/s^2", "more": 1}}
-    Path("ball.json").write_text(json.dumps(scene))
-    for fall in (1, 2):
-        sandbox("run", "ball.json", "--no-render", "--quiet", "--out", f"renders/fall{fall}",
-                "--set", f"parameters.fall={fall} m/s^2")
-    assert sandbox("report", "fall1", "fall2", "--out", "both.html").code == 0
-    page = Path("both.html").read_text()
-    assert [f'"apart":"fall = {fall}"' in page for fall in (1, 2, 3)] == [True, True, False]
-
-
-@pytest.mark.usefixtures("runs")
-def test_layers_of_the_page_are_those_of_films(sandbox):
-    sandbox("report", "controlled", "--quiet")
-    page = Path("renders/controlled/report.html").read_text()
-    assert all(f'"words":"{LAYERS[name].words}"' in page for name in ("bodies", "velocity"))
-
-
-@pytest.mark.usefixtures("runs")
-def test_a_run_that_is_given_twice_is_refused(sandbox):
-    said = sandbox("report", "controlled", "other", "controlled")
-    assert said.code == 2
-    assert "the run in 'renders/controlled' is given twice" in said.err
-    Path("renders/again").symlink_to("controlled")
-    assert "is given twice, as 'renders/again' too" in sandbox(
-        "report", "renders/again", "controlled").err

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import gc
 import json
 import re
@@ -22,17 +21,9 @@ from sandbox.engine.entry_points import CalledFromPython
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 
-from .conftest import BALL
-
 NUMBERS = {"run.json", "run.npz", "contacts.csv", "tendons.csv", "joints.csv", "bodies.csv",
            "drives.csv"}
 """The files of the contract."""
-
-
-def changed_body(**changes):
-    bodies = copy.deepcopy(BALL["bodies"])
-    bodies[0] |= changes
-    return bodies
 
 
 def test_run_writes_the_files_of_the_contract(sandbox, scene, tmp_path):
@@ -81,12 +72,6 @@ def test_set_needs_a_path_and_a_value(sandbox, scene, word):
     assert "path=value" in said.err
 
 
-def test_set_of_an_unknown_path_is_an_error(sandbox, scene):
-    said = sandbox("run", scene(), "--no-render", "--set", "run.stp=1e-3")
-    assert said.code == 2
-    assert "step" in said.err
-
-
 def test_json_is_one_object_on_a_clean_stdout(sandbox, scene):
     said = sandbox("run", scene(), "--no-render", "--json")
     result = json.loads(said.out)
@@ -99,14 +84,6 @@ def test_json_is_one_object_on_a_clean_stdout(sandbox, scene):
     assert result["wall_s"]["simulate"] > 0
 
 
-def test_json_of_a_failed_expectation(sandbox, scene):
-    said = sandbox("run", scene(expect=[{"max": "ball.y", "below": 0.001}]), "--no-render",
-                   "--json")
-    result = json.loads(said.out)
-    assert (said.code, result["exit_code"], result["status"]) == (1, 1, "failed")
-    assert result["expectations"][0]["low"] is None  # minus infinity is not JSON
-
-
 def test_json_errors_are_json_too(sandbox, scene):
     said = sandbox("run", scene(run={"stp": 1, "duration": -1}), "--json")
     result = json.loads(said.out)
@@ -115,12 +92,6 @@ def test_json_errors_are_json_too(sandbox, scene):
     assert {error["path"] for error in result["errors"]} == {"$.run.stp", "$.run.duration"}
     assert all(error["line"] == 1 and error["file"].endswith("ball.json")
                for error in result["errors"])
-
-
-def test_json_errors_of_options_too(sandbox, scene):
-    said = sandbox("run", scene(), "--jsn", "--json")
-    assert said.code == 2
-    assert "--json" in json.loads(said.out)["errors"][0]["message"]
 
 
 def test_quiet_says_nothing_when_all_is_well(sandbox, scene):
@@ -167,37 +138,6 @@ def test_a_scene_that_blows_up_exits_3_and_keeps_what_was_recorded(sandbox, scen
     assert json.loads((tmp_path / "out" / "run.incomplete.json").read_text())["complete"] is False
 
 
-def test_a_gentle_controller_does_not(sandbox, scene, tmp_path):
-    said = sandbox("run", runaway(scene, 1e-3 * GAIN, duration=0.02), "--no-render", "--out",
-                   tmp_path / "out")
-    assert "diverged" not in said.err
-    assert Recording.load(tmp_path / "out").complete
-
-
-def test_a_spring_too_stiff_for_the_step_is_damped_and_told(sandbox, scene, tmp_path):
-    """With h w = 30 a leapfrog would double its amplitude many times a step."""
-    spring = {"type": "linear", "name": "spring", "a": "floor", "b": "ball", "on_a": [0, 0.1],
-              "stiffness": 0.01 * (30 / 5e-4) ** 2, "rest_length": 0.09}
-    said = sandbox("run", scene(springs=[spring], expect=[]), "--no-render", "--out",
-                   tmp_path / "out")
-    assert said.code == 0
-    assert "spring: too stiff for the step: h w = 30" in said.err
-
-
-def test_a_diverged_run_in_json(sandbox, scene, tmp_path):
-    said = sandbox("run", runaway(scene), "--json", "--out", tmp_path / "out")
-    result = json.loads(said.out)
-    assert (said.code, result["status"], result["complete"]) == (3, "diverged", False)
-    assert result["samples"] == len(Recording.load(tmp_path / "out").time)
-
-
-def test_an_earlier_result_does_not_stay_beside_an_incomplete_one(sandbox, scene, tmp_path):
-    assert sandbox("run", scene(), "--no-render", "--out", tmp_path / "out").code == 0
-    assert (tmp_path / "out" / "run.json").exists()
-    assert sandbox("run", runaway(scene), "--out", tmp_path / "out").code == 3
-    assert not (tmp_path / "out" / "run.json").exists()
-
-
 @pytest.mark.parametrize(("place", "why"), [
     ("file", "it is a file"), ("file/below", "Not a directory"),
     ("/proc/nowhere", "No such file or directory"), ("link", "it is a link to what is not there"),
@@ -217,26 +157,6 @@ def test_a_directory_that_cannot_be_written_is_told_before_simulating(
     assert len(said.err.splitlines()) == 1
 
 
-def test_what_cannot_be_simulated_is_refused_before_anything_runs(sandbox, scene):
-    joint = {"type": "pin", "name": "j", "a": "floor", "b": "wall", "on_a": [0, 0]}
-    bodies = [*BALL["bodies"], {"name": "wall", "motion": "fixed"}]
-    said = sandbox("run", scene(bodies=bodies, joints=[joint]))
-    assert said.code == 2
-    assert "neither 'floor' nor 'wall' can move freely" in said.err
-
-
-def test_findings_that_do_not_block_are_shown_and_the_run_goes_on(sandbox, scene):
-    said = sandbox("run", scene(bodies=changed_body(at=[0, 0.004]), expect=[]), "--no-render")
-    assert said.code == 0
-    assert ": warning: $.bodies[0]: ball: overlaps 'floor' by 1 mm at t = 0" in said.err
-
-
-def test_a_shipped_scene_is_found_by_name_and_a_near_miss_offered(sandbox):
-    said = sandbox("run", "single_fingr", "--no-render")
-    assert said.code == 2
-    assert "single_finger" in said.err
-
-
 def test_a_fault_of_sandbox_is_one_line_and_exits_70(sandbox, scene, monkeypatch):
     def broken(*arguments, **options):
         raise ZeroDivisionError("in the engine\nwith more lines")
@@ -246,13 +166,6 @@ def test_a_fault_of_sandbox_is_one_line_and_exits_70(sandbox, scene, monkeypatch
     assert said.code == 70
     assert "ZeroDivisionError: in the engine" in said.err
     assert len(said.err.splitlines()) == 1
-
-
-def test_two_runs_are_equal_byte_for_byte(sandbox, scene, tmp_path):
-    for name in ("one", "two"):
-        assert sandbox("run", scene(), "--no-render", "--out", tmp_path / name).code == 0
-    for file in ("contacts.csv", "run.npz"):
-        assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes()
 
 
 @pytest.mark.parametrize("where", [
@@ -340,19 +253,6 @@ def test_ctrl_c_while_the_command_loads_exits_130(monkeypatch, collector):
     with pytest.raises(SystemExit) as stopped:
         cli.main(["list"])
     assert stopped.value.code == 130
-
-
-def test_the_collector_hardly_looks_while_a_command_runs_and_not_at_its_end(monkeypatch, collector):
-    from sandbox import cli
-
-    seen = []
-    monkeypatch.setattr("sandbox.cli.entry.invoke",
-                        lambda words: seen.append((gc.get_threshold(), gc.get_freeze_count())) or 0)
-    with pytest.raises(SystemExit) as stopped:
-        cli.main(["list"])
-    assert stopped.value.code == 0
-    assert seen == [(cli.SELDOM, 0)]
-    assert gc.get_freeze_count() > 1000
 
 
 def test_the_first_compilation_is_told_and_no_other(monkeypatch, scene, capfd, tmp_path):

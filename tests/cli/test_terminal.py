@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 import json
-import re
-from pathlib import Path
 
-import pytest
-
-from sandbox.cli.console import Console, table
+from sandbox.cli.console import Console
 from sandbox.cli.failures import report
 from sandbox.errors import Problem, SceneError
-from sandbox.wording import printable
 
 from .conftest import PAGES
 
-CLI = Path(__file__).parents[2] / "sandbox" / "cli"
 HOSTILE = "a\x1b[2K\r\u202egnp\n9 of 9 expectations hold\x9b1A\u2028\u200b\t\udcff"
 """Clears the line, turns the writing round, forges a line, moves up; nothing; half a character."""
 
@@ -27,15 +21,6 @@ def test_a_line_is_one_line_that_prints(capsys):
     out, err = capsys.readouterr()
     assert out == err == ("a\\x1b[2K\\r\\u202egnp\\n9 of 9 expectations hold\\x9b1A\\u2028\\u200b"
                           "\\t\\udcff\n")
-
-
-@pytest.mark.parametrize("text", ["", "plain", "Grüße, 漢字 → µm ½ °", "é"])
-def test_what_prints_stays(text):
-    assert printable(text) == text
-
-
-def test_a_column_is_as_wide_as_what_is_shown():
-    assert table(["a", "b"], [["\x1b", "1"]]) == ["a     b", "\\x1b  1"]
 
 
 def test_json_keeps_the_words_and_prints_none_of_them(capsys):
@@ -73,17 +58,3 @@ def test_a_files_name_is_shown_on_one_line(sandbox, scene, tmp_path):
     assert said.code == 2
     assert len(said.err.splitlines()) == 1
     assert said.err.strip().isprintable()
-
-
-def test_a_files_name_that_is_no_text_is_read(sandbox, scene, tmp_path):
-    path = scene().rename(tmp_path / "ball\udcff.json")
-    said = sandbox("run", path, "--no-render", "--json")
-    assert said.code == 0, said.err
-    assert json.loads(said.out)["scene"] == "ball\ufffd"
-
-
-def test_only_the_console_prints():
-    """And the bar of progress, whose words are our own."""
-    calls = re.compile(r"\bprint\(|\becho\(|sys\.std(out|err)\.write")
-    assert [path.name for path in sorted(CLI.glob("*.py"))
-            if calls.search(path.read_text()) and path.name != "console.py"] == ["progress.py"]
