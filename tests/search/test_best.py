@@ -5,7 +5,6 @@ import pytest
 
 import sandbox
 from sandbox.errors import SandboxError
-from sandbox.search.optimum import _front
 from tests.sweeps.scenes import PUCK
 
 SCENE = {**PUCK, "run": {"duration": "2 ms", "step": "1 ms"},
@@ -53,12 +52,6 @@ def test_several_goals_have_a_front():
     assert found.certified
 
 
-def test_a_list_is_chosen_from():
-    found = best(vary={"parameters.a": "[-1, 0.3, 2]", "parameters.b": "-2:2"}, least="bowl",
-                 runs=60)
-    assert found.best[0].values["parameters.a"] == 0.3
-
-
 def test_a_search_goes_on_from_what_it_did(tmp_path, monkeypatch):
     heard = []
     from sandbox.sweeps.log import Log
@@ -89,19 +82,12 @@ def test_what_has_no_best_is_told(more, said):
     assert said in str(error.value)
 
 
-def test_the_front_is_what_none_is_better_than():
-    costs = np.array([[1, 3], [2, 2], [3, 1], [3, 3], [2, 2]], dtype=float)
-    assert _front(costs).tolist() == [0, 1, 2, 4]
-
-
-def test_a_package_that_is_missing_is_named(monkeypatch):
-    import sys
-
-    monkeypatch.setitem(sys.modules, "optuna", None)
-    with pytest.raises(SandboxError, match="sandbox-mechanics\\[studies\\]"):
-        best(least="bowl")
-
-
 def test_a_front_has_a_figure(tmp_path):
     best(least=["bowl", "tilt"], runs=20, out=tmp_path)
     assert (tmp_path / "found.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_list_is_chosen_from():
+    found = best(vary={"parameters.a": "[-1, 0.3, 2]", "parameters.b": "-2:2"}, least="bowl",
+                 runs=60)
+    assert found.best[0].values["parameters.a"] == 0.3

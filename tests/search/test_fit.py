@@ -7,11 +7,8 @@ import pytest
 
 import sandbox
 from sandbox.errors import SandboxError
-from sandbox.search.asking import Where
-from sandbox.search.fitting import find_fits
-from sandbox.search.least_squares import estimate, following
-from sandbox.search.measured import Measurements, read_measured
-from sandbox.search.question import asked
+from sandbox.search.least_squares import estimate
+from sandbox.search.measured import read_measured
 from tests.sweeps.scenes import PUCK
 
 TIME = np.linspace(0.05, 1.0, 60)
@@ -67,27 +64,6 @@ def test_the_jacobian_is_that_of_the_closed_form():
     assert found.jacobian == pytest.approx(exact, abs=1e-4 * np.abs(exact).max())
 
 
-def test_columns_with_unlike_noise_are_weighed():
-    rng = np.random.default_rng(3)
-    data = np.concatenate([swing(TRUTH) + rng.normal(0, 1e-4, 60),
-                           swing(TRUTH) + rng.normal(0, 2e-2, 60)])
-    found = estimate(lambda shares: np.concatenate([model(shares)] * 2, axis=-1), data,
-                     np.repeat([0, 1], 60), np.array([0.4, 0.4]))
-    assert found.noise == pytest.approx([1e-4, 2e-2], rel=0.3)
-    assert LOW + found.shares * (HIGH - LOW) == pytest.approx(TRUTH, rel=0.01)
-
-
-def test_what_the_data_cannot_tell_is_a_direction():
-    time = np.linspace(0, 1, 20)
-    found = estimate(lambda shares: (shares[:, :1] + shares[:, 1:]) * time, 0.9 * time,
-                     np.zeros(20, dtype=np.int64), np.array([0.5, 0.5]), noise=np.array([0.01]))
-    (half, way), = found.blind
-    assert half == np.inf
-    assert np.abs(way) == pytest.approx(np.full(2, 0.5 ** 0.5))
-    assert way[0] * way[1] < 0
-    assert np.isinf(found.halves).all()
-
-
 def written(path, values, seed=0, noise=1e-3):
     noisy = values + np.random.default_rng(seed).normal(0, noise, len(values))
     path.write_text("time,x [mm]\n" + "".join(
@@ -125,13 +101,6 @@ def test_stiffness_and_mass_together_cannot_be_told(tmp_path):
     assert any("can't tell" in line for line in found.lines)
 
 
-def test_a_model_that_lacks_something_is_told(tmp_path):
-    found = sandbox.search.fit(
-        SCENE, written(tmp_path / "x.csv", swing([80.0, 2.0])), match={"x": "mass.x"},
-        set={"parameters.c": 0}, vary={"parameters.k": "20 N/m:200 N/m"})
-    assert "is no noise" in found.remarks[0]
-
-
 @pytest.mark.parametrize(("text", "said"), [
     ("time,x\n0,1\n0.05,two\n", "row 3: 'two' is no number"),
     ("x,y\n0,1\n", "no column of times"),
@@ -157,64 +126,3 @@ def test_numbers_of_other_units_are_read_as_si(tmp_path):
     assert found.time.tolist() == [0.1, 0.2]
     assert found.column("x").tolist() == [0.005, 0.007]
     assert np.isnan(found.column("v")[0])
-
-
-@pytest.mark.parametrize("size", [0.0, -1e-3, float("nan")])
-def test_noise_is_greater_than_none(tmp_path, size):
-    with pytest.raises(SandboxError, match="the noise of x is greater than 0"):
-        sandbox.search.fit(SCENE, written(tmp_path / "x.csv", swing(TRUTH)), noise={"x": size},
-                           match={"x": "mass.x"}, vary={"parameters.k": "20 N/m:200 N/m"})
-
-
-def test_scipy_that_is_missing_is_named(tmp_path, monkeypatch):
-    monkeypatch.setattr("sandbox.search.fitting.find_spec", lambda name: None)
-    with pytest.raises(SandboxError, match="sandbox-mechanics\\[studies\\]"):
-        sandbox.search.fit(PUCK, tmp_path / "x.csv", vary={"parameters.push": "1:5"})
-
-
-def test_an_interval_has_the_freedom_of_the_noise_that_it_hangs_on():
-    """Two columns of five numbers, each with a number of its own: t of 4, and not of 8."""
-    x = np.linspace(0.2, 1.0, 5)
-    columns = np.repeat([0, 1], 5)
-
-    def lines(shares):
-        return np.concatenate([shares[:, :1] * x, shares[:, 1:] * x], axis=1)
-
-    data = lines(np.array([[0.5, 0.5]]))[0] + 0.02 * np.random.default_rng(1).normal(size=10)
-    found = estimate(lines, data, columns, np.array([0.4, 0.6]))
-    left = (found.residuals.reshape(2, 5) ** 2).sum(axis=1)
-    # a straight line through 0: standard error s / sqrt(sum x^2), s^2 = what is left / 4
-    assert found.halves == pytest.approx(
-        2.776445 * np.sqrt(left / 4 / (x @ x)), rel=1e-6)
-    narrow, wide = found.halves_at(0.5), found.halves_at(0.99)
-    assert (narrow < found.halves).all()
-    assert (wide > found.halves).all()
-
-
-def test_noise_that_lasts_is_told_from_all_columns_together():
-    rng = np.random.default_rng(4)
-    columns = np.repeat([0, 1, 2], 30)
-    white = [following(rng.normal(size=90), columns) for _ in range(300)]
-    # 3 standard errors to one side, and ends of a column that tell little: about 1 in 700
-    assert sum(map(bool, white)) <= 4
-    lasting = rng.normal(size=(50, 90))
-    for row in range(1, 90):
-        lasting[:, row] = 0.6 * lasting[:, row - 1] + 0.8 * lasting[:, row]
-    assert sum(bool(following(each, columns)) for each in lasting) >= 45
-
-
-def test_several_measurements_are_fitted_with_the_same_runs(tmp_path):
-    measured = []
-    for seed in range(2):
-        data = swing(TRUTH) + np.random.default_rng(seed).normal(0, 1e-3, len(TIME))
-        measured.append(Measurements(f"seed {seed}", TIME, {"mass.x": data}))
-    question = asked(SCENE, vary={"parameters.k": "40:160", "parameters.c": "0.2:1.2"}, keep=[],
-                     set={"run.step": "2 ms"})
-    one, two = find_fits(question, measured, place=Where(tmp_path, workers=1))
-    assert two.runs < one.runs  # the points at which it begins are the same
-    for each in (one, two):
-        assert [abs(found.value - true) < 3 * (found.high - found.value)
-                for found, true in zip(each.parameters, TRUTH, strict=True)] == [True, True]
-    other = Measurements("other", TIME[1:], {"mass.x": measured[0].columns["mass.x"][1:]})
-    with pytest.raises(SandboxError, match="other has not the times and columns of seed 0"):
-        next(find_fits(question, [measured[0], other]))

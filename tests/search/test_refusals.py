@@ -1,18 +1,15 @@
 """What is asked wrongly of a search is told in one line, before anything runs where it can be."""
 
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import sandbox
-from sandbox.errors import SandboxError, SceneError
+from sandbox.errors import SandboxError
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.values.units import parse_quantity
 from sandbox.search.bisection import bisect
-from sandbox.search.criteria import conditions
 from sandbox.search.logistic import posterior
-from sandbox.search.optimum import _same
 from tests.sweeps.scenes import PUCK
 
 SCENE = {**PUCK, "run": {"duration": "2 ms", "step": "1 ms"}}
@@ -60,26 +57,12 @@ def test_what_is_refused(kind, words, said):
     assert said in str(caught.value)
 
 
-def test_a_limit_of_what_no_unit_is_written_of_may_have_any():
-    """Of an angular acceleration nobody writes a unit; it used to end in a KeyError."""
-    kept = {"a": "rad/s^2", "share": "1"}
-    found = conditions(["a < 5 rad", "share > 10 %"], kept)
-    assert [each.limit for each in found] == [5.0, 0.1]
-
-
 def test_runs_without_an_answer_say_why():
     keep = ["v=puck.vx", "none==sqrt(v - 1000)"]
     with pytest.raises(SandboxError, match="no run of 5 has an answer: none: '=sqrt"):
         sandbox.search.best(SCENE, vary=PUSH, keep=keep, least="none", runs=5)
     with pytest.raises(SandboxError, match="0 of 16 can be used: none: '=sqrt"):
         sandbox.search.sensitivity(SCENE, vary=TWO, keep=keep, count=4)
-
-
-def test_a_file_that_is_no_json_says_so(tmp_path: Path):
-    file = tmp_path / "study.json"
-    file.write_text('{"scene": "x", "vary": {"parameters.push": [1, NaN]}}')
-    with pytest.raises(SceneError, match="NaN is not a number"):
-        sandbox.search.threshold(file)
 
 
 def test_a_bracket_is_as_narrow_as_asked_for():
@@ -98,28 +81,3 @@ def test_where_more_of_the_starts_hold_is_further_on_the_side_that_holds():
     assert left.level(0.1)[1] == pytest.approx(1 - left.level(0.9)[1], abs=1e-3)
     falls = posterior(shares, ~held, rises=False)
     assert falls.level(0.9)[1] < 0.45
-
-
-@pytest.mark.parametrize(("after", "alike"), [
-    ([1.0, 2.0, 3.0], True),
-    ([1.98001, 1.98, 3.0], False),    # one that was far behind is as good there
-    ([2.0, 1.0, 3.0], False),         # another one is best
-    ([1.1, 2.1, 3.1], False),         # in the same order, and all of them elsewhere
-    ([1.0, 2.0, np.nan], False),
-])
-def test_the_best_is_the_same_if_it_stays_best_and_where_it_was(after, alike):
-    """Of a spread of 1, a thousandth is no difference and a twentieth is one."""
-    before, found = np.array([[1.0], [2.0], [3.0]]), np.array(after)[:, None]
-    excess = np.where(np.isnan(found[:, 0]), np.inf, 0.0)
-    same, told = _same((before, found), excess, np.ones(1), single=True)
-    assert same is alike
-    assert "spread" in told or "no answer" in told
-    # rounding about zero is none, however large a share of the number
-    assert _same((1e-14 * before, 1e-14 * found), excess, np.ones(1), single=True)[0] \
-        is not np.isnan(after[-1])
-
-
-def test_who_is_behind_by_no_difference_is_as_good():
-    before = np.array([[1.0], [1.00001]])
-    assert _same((before, before[::-1]), np.zeros(2), np.ones(1), single=True)[0]
-    assert not _same((before, before[::-1]), np.zeros(2), np.full(1, 1e-4), single=True)[0]

@@ -85,16 +85,6 @@ def test_one_range_has_a_bracket_and_a_list_a_map_for_each():
     assert "changes between 0.2" in found.lines[1]
 
 
-def test_a_range_that_falls_is_the_same_map():
-    words = {"keep": ["v=puck.vx"], "holds": "v > 0.25", "coarse": 2, "within": 1 / 8, "probes": 2}
-    found, turned = (sandbox.search.robustness(
-        PUCK, over={"parameters.push": push, "parameters.m": m}, **words)
-        for push, m in (("1 N:6 N", "1:2"), ("6 N:1 N", "2:1")))
-    assert found.lines == turned.lines
-    for one, other in zip(found.sheets[0].boundary, turned.sheets[0].boundary, strict=True):
-        assert np.array_equal(one, other)
-
-
 def test_expectations_are_the_condition_and_everything_or_nothing_is_no_error(tmp_path):
     words = {"coarse": 2, "within": 1 / 8, "probes": 3, "out": tmp_path}
     found = sandbox.search.robustness(
@@ -106,42 +96,6 @@ def test_expectations_are_the_condition_and_everything_or_nothing_is_no_error(tm
     none = sandbox.search.robustness(PUCK, over={"parameters.push": "1 N:2 N"}, **words)
     assert none.share == 0
     assert "holds nowhere in the map" in none.lines[0]
-
-
-def test_random_points_tell_that_a_band_was_missed():
-    # v = push t / m, 0.30 to 0.36 m/s between the points of a grid of two cells
-    found = sandbox.search.robustness(
-        PUCK, over={"parameters.push": "1 N:6 N"}, keep=["v=puck.vx"],
-        holds=["v > 0.30", "v < 0.34"], coarse=2, within=1 / 4, probes=60)
-    assert found.share == 0
-    assert "random points in decided cells answer otherwise, as at parameters.push = 3." \
-        in found.remarks[0]
-    # all: 60 of 60 as expected leave up to z^2 / (60 + z^2) = 6 %
-    found = sandbox.search.robustness(
-        PUCK, over={"parameters.push": "1 N:6 N"}, keep=["v=puck.vx"], holds="v > 0.3", probes=60)
-    assert "less than 6 % of them is missed (95 %)" in found.remarks[0]
-
-
-def test_a_boundary_that_hangs_on_the_step_is_told():
-    # the last sample is half a step before the end: 0.25 m/s is reached at 2.5126 and 2.5063 N
-    words = {"over": {"parameters.push": "2.4 N:2.6 N"}, "coarse": 2, "probes": 0}
-    assert not sandbox.search.robustness(PUCK, **words, within=1 / 1024).certified
-    found = sandbox.search.robustness(PUCK, **words, within=1 / 16)
-    assert found.certified
-
-
-def test_runs_without_an_answer_are_told():
-    found = sandbox.search.robustness(
-        PUCK, over={"parameters.push": "1 N:6 N"}, keep=["v=puck.vx", "w==sqrt(v - 0.3)"],
-        holds="w < 0.3", coarse=4, within=1 / 16, probes=0)
-    sheet, = found.sheets
-    assert sheet.silent == pytest.approx(0.4, abs=1 / 16)
-    assert found.silent > 0
-    assert "runs tell nothing, the first: w:" in found.remarks[-1]
-    with pytest.raises(SandboxError, match=r"no run tells whether w < 0\.3; the first: w: "):
-        sandbox.search.robustness(
-            PUCK, over={"parameters.push": "1 N:2 N"}, keep=["v=puck.vx", "w==sqrt(v - 0.3)"],
-            holds="w < 0.3")
 
 
 @pytest.mark.parametrize(("more", "said"), [
@@ -164,13 +118,6 @@ def test_what_cannot_be_mapped_is_told(more, said):
     with pytest.raises(SandboxError) as error:
         sandbox.search.robustness(PUCK, **words)
     assert said in str(error.value)
-
-
-def test_every_problem_has_a_line():
-    with pytest.raises(SandboxError) as error:
-        sandbox.search.robustness({**PUCK, "expect": []}, over={"parameters.push": "1:2"},
-                                  boundary="m - nothing", coarse=2000)
-    assert len(str(error.value).splitlines()) == 3
 
 
 # -- the command ---------------------------------------------------------------------
@@ -197,30 +144,3 @@ def test_the_command_beside_the_shipped_studies(puck, capsys, tmp_path):
     told = json.loads(capsys.readouterr().out)
     assert told["new"] == 0
     assert told["found"]["paths"] == ["parameters.push", "parameters.m"]
-
-
-@pytest.mark.parametrize(("words", "said"), [
-    (["robustnes", "puck.json"], "Did you mean 'robustness'?"),
-    (["robustness"], "Missing argument 'SCENE'"),
-    (["robustness", "puck.json"], "as in --over"),
-    (["robustness", "puck.json", "--over", "parameters.push"], "not of the form path=values"),
-    (["robustness", "puck.json", "--over", "parameters.push=1:2", "--holds", "v < 1"],
-     "no run keeps 'v'"),
-])
-def test_what_is_wrong_is_told_in_a_line(puck, capsys, words, said):
-    assert invoke(["study", *words]) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert "Traceback" not in error
-
-
-def test_help_names_both(capsys):
-    assert invoke(["study", "--help"]) == 0
-    assert "sandbox study robustness SCENE" in capsys.readouterr().out
-    assert invoke(["study", "robustness", "--help"]) == 0
-    assert "Usage: sandbox study robustness [OPTIONS] SCENE" in capsys.readouterr().out
-
-
-def test_a_list_of_studies_has_it(capsys):
-    assert invoke(["study"]) == 0
-    assert "robustness SCENE" in capsys.readouterr().out

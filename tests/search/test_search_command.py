@@ -51,16 +51,6 @@ def test_what_was_asked_is_a_study_that_asks_it_again(words, puck, capsys, tmp_p
     assert again["found"] == left["found"]
 
 
-def test_a_study_file_says_what_is_varied_and_kept(puck, capsys, tmp_path):
-    (tmp_path / "study.json").write_text(json.dumps({
-        "scene": "puck.json", "vary": {"parameters.push": {"from": "1 N", "to": "6 N"}},
-        "keep": {"v": "puck.vx"}}))
-    assert invoke(["search", "threshold", "study.json", "--where", "v < 0.3 m/s", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["found"]["path"] == "parameters.push"
-    assert invoke(["search", "threshold", "study.json", "--vary", "parameters.m=1:2"]) == 2
-    assert "change it there" in capsys.readouterr().err
-
-
 def test_each_question_has_a_directory_of_its_own(puck, capsys, tmp_path):
     """More of the same goes on in the same one, as after Ctrl-C, before anything was found."""
     def where(*words, kind="threshold", path="push=1 N:6 N"):

@@ -10,7 +10,6 @@ import sandbox
 from sandbox.errors import SandboxError
 from sandbox.search.bisection import NoBracketError, bisect
 from sandbox.search.logistic import posterior, wilson
-from sandbox.sweeps.job import SweepRow
 from tests.sweeps.scenes import PUCK
 
 LAST = 0.1 - 0.5e-3
@@ -43,45 +42,6 @@ def test_a_push_moves_a_block_from_its_friction_on(tmp_path):
     assert len(rows) == found.runs
     assert [row["met"] for row in rows] == [
         "true" if float(row["v"]) < 1e-3 else "false" for row in rows]
-
-
-@pytest.mark.parametrize(("vary", "words"), [
-    ({}, "Dashed: v < 0.3 m/s holds below 3.0"),
-    ({"parameters.m": "normal(1 kg, 0.05 kg)"}, "Dashed: v < 0.3 m/s holds for 50 % of random"),
-])
-def test_the_figure_has_what_was_found(vary, words, tmp_path, monkeypatch):
-    drawings = []
-    monkeypatch.setattr("sandbox.sweeps.drawing.draw_sweep",
-                        lambda path, drawing: drawings.append(drawing))
-    found = sandbox.search.threshold(
-        PUCK, vary={"parameters.push": "1 N:6 N", **vary}, keep=["v=puck.vx"],
-        where="v < 0.3 m/s", out=tmp_path, runs=40)
-    drawing, = drawings
-    assert (drawing.found.low, drawing.found.at, drawing.found.high) == (
-        found.low, found.middle, found.high)
-    assert drawing.found.words.startswith(words)
-    assert drawing.condition == "v < 0.3 m/s"
-    v, = drawing.kept
-    assert (drawing.held == (v.values < 0.3)).all()
-
-
-def test_the_least_brake_that_holds_an_arm_is_its_moment():
-    arm = {
-        "name": "arm", "gravity": [0, -9.81], "parameters": {"hold": "1 N*m"},
-        "run": {"duration": "0.1 s", "step": "1 ms"},
-        "bodies": [
-            {"name": "wall", "motion": "fixed", "shapes": [{"type": "circle", "radius": "5 mm"}]},
-            {"name": "arm", "mass": 1, "at": [0.1, 0], "shapes": [
-                {"type": "box", "size": [0.2, 0.02]}]}],
-        "joints": [{"type": "pin", "name": "axle", "a": "wall", "b": "arm", "on_b": [-0.1, 0]}],
-        "drives": [{"type": "brake", "name": "brake", "joint": "axle", "value": "=hold"}]}
-    found = sandbox.search.threshold(
-        arm, vary={"parameters.hold": "0.5 N*m:1.5 N*m"}, keep=["turned=max axle.rate",
-                                                                "back=min axle.rate"],
-        where=["turned < 0.001", "back > -0.001"])
-    assert not found.holds_below
-    assert found.low - 1e-3 <= 9.81 * 0.1 <= found.high + 1e-3
-    assert found.certified
 
 
 def test_the_scenes_own_expectations_are_the_condition():
@@ -159,10 +119,6 @@ def test_bisection_keeps_the_threshold_in_its_bracket():
     assert len(asked) == 5 + 3 * 4
 
 
-def test_several_thresholds_are_told():
-    assert bisect(lambda s: [x < 0.3 or 0.6 < x < 0.9 for x in s], 0.01).turns == 3
-
-
 # -- random starts -------------------------------------------------------------------
 
 
@@ -174,25 +130,6 @@ def test_random_starts_blur_a_threshold_to_where_half_of_them_hold():
     assert found.high - found.low < 0.5
     assert sum(each[3] for each in found.shares) == found.runs
     assert found.certified
-
-
-def test_the_seed_says_where_next_starts_are(monkeypatch):
-    """And not that of the study, which words have none of."""
-    asked = []
-
-    def rows(self, shares, *, halved=False):
-        asked.append(np.asarray(shares)[:, 0])
-        return [SweepRow("", "done", kept={"v": share}) for share in asked[-1]]
-
-    monkeypatch.setattr("sandbox.search.asking.Asking.rows", rows)
-    places = []
-    for seed in (0, 1):
-        asked.clear()
-        sandbox.search.threshold(
-            PUCK, vary={"parameters.push": "1 N:6 N", "parameters.m": "normal(1 kg, 0.1 kg)"},
-            keep=["v=puck.vx"], where="v < 0.5", seed=seed, runs=40, within=1e-3)
-        places.append(asked[1])  # beyond those at the ends and evenly between
-    assert not np.array_equal(*places)
 
 
 def test_the_interval_covers_the_truth_as_often_as_it_says():
@@ -209,12 +146,6 @@ def test_the_interval_covers_the_truth_as_often_as_it_says():
         low, _, high = posterior(shares, held, rises=False).level(0.5)
         covered += low <= middle <= high
     assert 0.90 * studies <= covered <= 0.99 * studies
-
-
-def test_a_sharp_step_has_an_interval_between_the_answers():
-    shares = np.linspace(0, 1, 21)
-    low, middle, high = posterior(shares, shares > 0.52, rises=True).level(0.5)
-    assert 0.4 < low < 0.5 < middle < 0.55 < high < 0.65
 
 
 def test_wilsons_interval():

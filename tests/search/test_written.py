@@ -8,12 +8,9 @@ import pytest
 
 import sandbox
 from sandbox.cli.entry import invoke
-from sandbox.cli.search import search as searches
-from sandbox.errors import SandboxError, SceneError
+from sandbox.errors import SceneError
 from sandbox.scene.read.paths import parse_path
-from sandbox.search.written import FINDERS
 from sandbox.sweeps.schema import study_schema
-from sandbox.sweeps.searching import SEARCHES
 from tests.sweeps.scenes import PUCK
 
 SPAN = {"from": "1 N", "to": "6 N"}
@@ -34,12 +31,6 @@ def written(tmp_path, monkeypatch):
         return "study.json"
 
     return write
-
-
-def test_every_search_has_its_words_and_its_function():
-    assert tuple(FINDERS) == SEARCHES
-    assert {*SEARCHES, "study"} == {*sandbox.search.__all__}
-    assert {*SEARCHES} == {*searches.commands}
 
 
 @pytest.mark.parametrize(("search", "same"), [
@@ -69,19 +60,6 @@ def test_a_fit_reads_data_beside_its_file(written, tmp_path):
     assert found.noise["x"] == pytest.approx(1e-5)
 
 
-def test_the_seed_of_the_study_is_that_of_its_search(written):
-    search = {"sensitivity": {"method": "morris", "count": 4}}
-    vary = {"parameters.push": SPAN, "parameters.m": {"from": "0.5 kg", "to": "2 kg"}}
-
-    def influences(own, **more):
-        found = sandbox.search.study(written({"sensitivity": {**search["sensitivity"], **own}},
-                                             vary=vary, **more))
-        return {(each.path, each.values["mu_star"]) for each in found.influences["v"]}
-
-    assert influences({}, seed=3) == influences({"seed": 3}) == influences({"seed": 3}, seed=5)
-    assert influences({}, seed=3) != influences({})
-
-
 def test_the_command_needs_no_word_for_it(written, capsys, tmp_path):
     written({"threshold": {"where": "v < 0.3 m/s"}})
     assert invoke(["search", "study.json", "--within", "0.1 N", "--json"]) == 0
@@ -92,19 +70,6 @@ def test_the_command_needs_no_word_for_it(written, capsys, tmp_path):
     assert (tmp_path / "searches" / "threshold" / "study" / "search.json").is_file()
     assert invoke(["search", "threshold", "study.json", "--within", "0.1 N", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["new"] == 0
-
-
-def test_a_map_is_drawn_by_either_command(written, capsys, tmp_path):
-    written({"robustness": {"holds": "v < 0.3 m/s", "coarse": 4, "within": 0.25}})
-    assert invoke(["search", "study.json", "--probes", "1", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["search"] == "robustness"
-    assert told["found"]["sheets"][0]["boundary"] == [[[2.25], [3.5]]]
-    assert (tmp_path / "searches" / "robustness" / "study" / "search.png").is_file()
-    assert invoke(["study", "robustness", "study.json", "--probes", "1", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["new"] == 0
-    assert invoke(["search", "study.json", "--holds", "v < 1"]) == 2
-    assert "--holds: study.json says this itself" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("words", "said"), [
@@ -123,13 +88,6 @@ def test_what_does_not_agree_with_the_file_is_refused(written, capsys, tmp_path,
     assert invoke(words) == 2
     assert said in capsys.readouterr().err
     assert not (tmp_path / "searches").exists()
-
-
-def test_a_search_whose_ranges_have_counts_can_be_swept(written, capsys):
-    written({"best": {"least": "v"}}, vary={"parameters.push": {**SPAN, "count": 3}})
-    assert invoke(["sweep", "study.json", "--no-audit"]) == 2  # that is the file's to say
-    capsys.readouterr()
-    assert len(sandbox.sweep("study.json", workers=1)) == 3
 
 
 @pytest.mark.parametrize(("search", "more", "said"), [
@@ -173,13 +131,6 @@ def test_all_that_is_wrong_is_told_at_once(written):
         sandbox.search.study(written({"best": {"least": ["a", "v"], "where": ["b > 1"]}}))
     assert {each.path for each in caught.value.problems} == {
         "$.search.best.least[0]", "$.search.best.where[0]"}
-
-
-def test_a_file_that_says_its_search_is_no_other(written):
-    with pytest.raises(SandboxError, match="says itself"):
-        sandbox.search.best(written({"best": {"least": "v"}}), most="v")
-    with pytest.raises(SandboxError, match="does not say which search"):
-        sandbox.search.study({**STUDY})
 
 
 def test_the_schema_knows_the_words():

@@ -10,7 +10,6 @@ import pytest
 
 import sandbox
 from sandbox.cli.entry import invoke
-from sandbox.errors import OutputError, SandboxError
 from sandbox.sweeps.compared import compared, halved, read_kept
 
 SCENE: dict[str, Any] = {
@@ -43,13 +42,6 @@ def between(folder: Path, one: str, other: str, **how: Any) -> Any:
     return compared(read_kept(folder / one), read_kept(folder / other), **how)
 
 
-def test_a_sweep_is_the_same_as_itself(folder: Path) -> None:
-    found = between(folder, "one", "one")
-    assert found.same
-    assert (found.matched, found.alone) == (3, (0, 0))
-    assert [each.name for each in found.results] == ["way", "speed", "twice"]
-
-
 def test_what_moved_is_told_with_how_much_and_where(folder: Path) -> None:
     found = between(folder, "one", "heavier")
     assert not found.same
@@ -59,29 +51,6 @@ def test_what_moved_is_told_with_how_much_and_where(folder: Path) -> None:
     assert speed.largest == pytest.approx(speed.first * (1 / 1.1 - 1), rel=1e-9)
     assert twice.largest == pytest.approx(2 * speed.largest)
     assert way.where == {"parameters.push": "3.0"}
-
-
-def test_a_share_says_what_counts_as_moved(folder: Path) -> None:
-    assert between(folder, "one", "hardly").same
-    assert not between(folder, "one", "hardly", share=1e-9).same
-    assert between(folder, "one", "heavier", share=0.2).same
-    assert not between(folder, "one", "hardly", tolerances={"speed": 1e-12}).same
-
-
-def test_rows_are_matched_by_their_values(folder: Path) -> None:
-    found = between(folder, "one", "others")
-    assert (found.matched, found.alone) == (2, (1, 2))
-    assert not any(each.moved for each in found.results)
-    assert not found.same
-
-
-def test_runs_that_ended_otherwise_are_told(folder: Path, tmp_path: Path) -> None:
-    swept(tmp_path / "lost", **{"bodies[puck].mass": 1e-12, "drives[hand].value": 1e12})
-    found = between(folder, "one", "one")
-    lost = compared(read_kept(folder / "one"), read_kept(tmp_path / "lost"))
-    assert found.ended == ()
-    assert [(before, after) for _, before, after in lost.ended] == [("done", "diverged")] * 3
-    assert not lost.same
 
 
 def test_halving_the_step_gives_a_tolerance(folder: Path) -> None:
@@ -95,23 +64,6 @@ def test_halving_the_step_gives_a_tolerance(folder: Path) -> None:
     assert halved(read_kept(folder / "others"), 4)["way"] == pytest.approx(5 / 3 * most["way"])
     assert between(folder, "one", "half", tolerances=most).same
     assert not between(folder, "one", "heavier", tolerances=most).same
-
-
-def test_what_cannot_be_compared_is_refused(folder: Path, tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match="no sweep that can be read"):
-        read_kept(tmp_path)
-    sandbox.sweep(SCENE, vary={"parameters.mass": [1, 2]}, keep=["x=puck.x"], out=tmp_path / "m",
-                  audit=False, workers=1)
-    with pytest.raises(SandboxError, match="no path is varied in both"):
-        compared(read_kept(folder / "one"), read_kept(tmp_path / "m"))
-    sandbox.sweep(SCENE, vary={"run.step": [1e-3, 5e-4]}, keep=["x=puck.x"], out=tmp_path / "h",
-                  audit=False, workers=1)
-    with pytest.raises(SandboxError, match=r"varies run\.step itself"):
-        halved(read_kept(tmp_path / "h"), 1)
-    sandbox.sweep(SCENE, vary={"parameters.push": [1, 2], "parameters.mass": [1, 2]}, keep=KEEP,
-                  out=tmp_path / "grid", audit=False, workers=1)
-    with pytest.raises(SandboxError, match="several rows with the same values"):
-        compared(read_kept(folder / "one"), read_kept(tmp_path / "grid"))
 
 
 def test_the_command(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
@@ -134,18 +86,3 @@ def test_the_command(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any)
     data = json.loads(capsys.readouterr().out)
     assert "tolerance" not in data
     assert all(each["tolerance"] > 0 for each in data["results"])
-
-
-@pytest.mark.parametrize(("words", "said"), [
-    (["one"], "a sweep is compared with one other sweep"),
-    (["one", "nowhere"], "a sweep is compared with one other sweep"),
-    (["one", "one", "--quantity", "puck.x"], "are for runs, not for sweeps"),
-    (["one", "one", "--tolerance", "1", "--step-check"], "give one of them"),
-    (["nowhere", "--step-check"], "are for the directories of two sweeps"),
-])
-def test_wrong_words(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any, words: list[str], said: str,
-) -> None:
-    monkeypatch.chdir(folder)
-    assert invoke(["compare", *words]) == 2
-    assert said in " ".join(capsys.readouterr().err.split())

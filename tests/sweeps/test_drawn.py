@@ -41,35 +41,6 @@ def test_what_differs_by_rounding_only_is_one_value(drawn):
     assert panel.figure.get_supxlabel() == "too = 35 N in all runs."
 
 
-def test_what_some_runs_lack_is_not_the_same_in_all(drawn):
-    """Of those that came to their end; the note tells of every quantity, however many."""
-    pull, k = np.repeat([2.0, 4.0, 7.0, 8.0], 4), np.tile([1.0, 2.0, 3.0, 4.0], 4)
-    varied = [SweepColumn("pull", "N", pull), SweepColumn("k", "N/m", k)]
-    close = SweepColumn("close", "N", pull)
-    some = SweepColumn("slipped_at", "s", np.where(pull > 5, 0.5, np.nan))
-    assert len(drawn(varied, close, some)) == 4  # a map of each, with its bar
-    axes = drawn(varied, close, some, failed=pull < 5)
-    assert len(axes) == 2
-    assert axes[0].figure.get_supxlabel().replace("\n", " ") == (
-        "slipped_at = 0.5 s in all runs that came to their end. "
-        "8 of 16 runs did not come to their end: red.")
-    never = SweepColumn("never", "s", np.full(16, np.nan))
-    assert drawn(varied, close, never)[0].figure.get_supxlabel() == (
-        "never without a value in all runs.")
-    many = [SweepColumn(f"quantity_{n}_of_long_name", "N", 0.0 * pull + n) for n in range(11)]
-    told = drawn(varied, close, *many)[0].figure.get_supxlabel().replace("\n", " ")
-    for n in range(11):
-        assert f"quantity_{n}_of_long_name = {n} N" in told
-
-
-def test_few_values_of_an_axis_are_its_ticks(drawn):
-    panel, = drawn([SweepColumn("pull", "N", PULL)], SweepColumn("force", "N", PULL))
-    assert list(panel.get_xticks()) == [2, 4, 7, 8]
-    panel, = drawn([SweepColumn("pull", "N", np.array([2, 2.001, 4, 5, 6, 7, 8, 9.0]))],
-                   SweepColumn("force", "N", PULL))
-    assert 2.001 not in panel.get_xticks()  # they would be written over each other
-
-
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_path_of_few_values_makes_a_curve_of_each(drawn, turned):
     """Two stiffnesses of four pulls are two curves over the pull, whichever was written first."""
@@ -82,14 +53,6 @@ def test_a_path_of_few_values_makes_a_curve_of_each(drawn, turned):
         "k = 200 N/m", "k = 400 N/m"]
 
 
-def test_texts_are_curves_rather_than_an_axis(drawn):
-    kinds = SweepColumn("object", "", np.tile([0.0, 1.0], 4), ("disc", "square"))
-    pulls = SweepColumn("pull", "N", np.repeat([2.0, 4.0, 4.0, 2.0], 2))
-    panel, = drawn([kinds, pulls], SweepColumn("force", "N", PULL))
-    assert [text.get_text() for text in panel.get_legend().get_texts()] == [
-        "object = disc", "object = square"]
-
-
 def test_points_that_fail_have_another_colour(drawn):
     varied = [SweepColumn(name, "", column) for name, column in
               (("a", PULL), ("b", STIFFNESS), ("c", PULL + STIFFNESS))]
@@ -99,12 +62,6 @@ def test_points_that_fail_have_another_colour(drawn):
         orange, = (line for line in panel.lines if line.get_color() == style.ORANGE)
         assert len(orange.get_xdata()) == 2
     assert panels[0].figure.get_supxlabel() == "2 of 8 runs fail force > 1 N: orange."
-
-
-def test_what_stands_behind_names_is_told(drawn):
-    panel, = drawn([SweepColumn("pull", "N", PULL)], SweepColumn("share", "", PULL),
-                   meanings={"share": "tip / pull", "tip": "max tip.x"})
-    assert panel.figure.get_supxlabel() == "share = tip / pull"
 
 
 def test_what_a_search_found_is_a_line(drawn):

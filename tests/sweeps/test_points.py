@@ -1,16 +1,13 @@
 """Which values the runs of a sweep have."""
 
-import math
-from typing import get_args
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
 from scipy import stats
 
-from sandbox.cli.sweep import DESIGNS
 from sandbox.sweeps.points import Points, number_of
-from sandbox.sweeps.spec import EVEN, Design, SweepSpec
+from sandbox.sweeps.spec import SweepSpec
 
 
 def points(vary, **more):
@@ -20,13 +17,6 @@ def points(vary, **more):
 
 def numbers(found, path):
     return np.array([number_of(found[run][path]) for run in range(len(found))])
-
-
-def test_every_design_has_its_points_and_its_word_for_the_command():
-    assert get_args(Design) == DESIGNS
-    for design in DESIGNS:
-        more = {} if design in EVEN else {"design": design, "count": 2}
-        assert len(points({"a": [1, 2]}, **{"design": design, **more})) == 2
 
 
 def test_a_grid_is_all_with_all_and_the_last_changes_fastest():
@@ -71,13 +61,6 @@ def test_designs_fill_the_space_evenly(design):
         assert abs(values.mean() - 0.5) < 1 / 64 + 0.01
 
 
-def test_a_latin_hypercube_has_one_point_in_each_stratum_of_each_path():
-    found = points({"a": {"from": 0, "to": 1}, "b": {"from": 0, "to": 1}},
-                   design="latin_hypercube", count=25)
-    for path in "ab":
-        assert np.histogram(numbers(found, path), 25, (0, 1))[0].tolist() == [1] * 25
-
-
 @pytest.mark.parametrize(("written", "theirs"), [
     ({"distribution": "uniform", "from": "2 N", "to": "4 N"}, stats.uniform(2, 2)),
     ({"distribution": "normal", "mean": 3, "std": 0.2}, stats.norm(3, 0.2)),
@@ -95,30 +78,6 @@ def test_random_numbers_have_their_distribution(written, theirs):
     values = numbers(points({"a": written}, count=2000), "a")
     # Kolmogorov and Smirnov: 2000 numbers of another distribution would be refused at 1e-3
     assert stats.kstest(values, theirs.cdf).pvalue > 1e-3
-
-
-def test_the_same_seed_gives_the_same_points_and_another_gives_others():
-    def made(seed):
-        return Points(SweepSpec.model_validate({
-            "scene": "x", "seed": seed,
-            "vary": [{"over": {"a": {"distribution": "normal", "mean": 0, "std": 1}},
-                      "count": 5}]}))[0]["a"]
-
-    assert made(7) == made(7) != made(8)
-
-
-def test_groups_are_drawn_independently():
-    group = {"over": {"a": {"distribution": "uniform", "from": 0, "to": 1}}, "count": 20}
-    found = points([group, {**group, "over": {"b": group["over"]["a"]}}])
-    first = [number_of(v) for v in found.axes[0].written]
-    other = [number_of(v) for v in found.axes[1].written]
-    assert not set(first) & set(other)
-
-
-def test_random_entries_of_lists_come_equally_often():
-    found = points({"a": ["x", "y", "z"]}, design="latin_hypercube", count=300)
-    values = [found[run]["a"] for run in range(300)]
-    assert [values.count(each) for each in "xyz"] == [100, 100, 100]
 
 
 @pytest.mark.parametrize(("vary", "more", "said"), [
@@ -145,10 +104,3 @@ def test_what_makes_no_points_is_refused_in_words(vary, more, said):
         points(vary, **more)
     told = " ".join(each["msg"] for each in error.value.errors())
     assert said in told, told
-
-
-def test_shares_at_the_ends_have_finite_quantiles():
-    from sandbox.sweeps.varied import Distributed
-
-    normal = Distributed.model_validate({"distribution": "normal", "mean": 0, "std": 1})
-    assert all(math.isfinite(value) for value in normal.at(np.array([0.0, 1.0])))

@@ -7,9 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections import deque
-from importlib import import_module
-from types import SimpleNamespace
 from typing import ClassVar
 
 import numpy as np
@@ -20,7 +17,7 @@ from sandbox.errors import OutputError, SceneError
 from sandbox.sweeps.job import SweepRow, row_data
 from sandbox.sweeps.log import Log, rows_in
 from sandbox.sweeps.plan import plan_of
-from sandbox.sweeps.pool import Pool, _Worker
+from sandbox.sweeps.pool import Pool
 from sandbox.sweeps.sweep import run_plan, study_data
 from tests.sweeps.scenes import PUCK
 
@@ -51,13 +48,6 @@ def test_a_row_is_what_a_run_alone_gives():
     table = run(study("2.5"))
     alone = sandbox.simulate(sandbox.load_scene(PUCK, overrides={"parameters.push": 2.5}))
     assert table["v"][0] == alone["puck.vx"][-1]
-
-
-def test_the_table_does_not_hang_on_who_ran_it(tmp_path):
-    for workers in (1, 2):
-        run(study(), tmp_path / str(workers), workers=workers)
-    one, two = ((tmp_path / str(k) / "table.csv").read_bytes() for k in (1, 2))
-    assert one == two
 
 
 def test_what_is_done_is_not_done_again(tmp_path):
@@ -98,36 +88,10 @@ def test_runs_that_do_not_end_well_are_rows_with_their_reason():
     assert table["holds"] == [True, None]
 
 
-def test_what_has_no_value_says_why():
-    data = study_data(PUCK, vary={"run.duration": "0.1 s, 0.2 s"}, audit=False,
-                      keep=["late=mean puck.x over 0.1 : 0.2", "v=puck.vx", "r==v / (v - v)"])
-    table = run(data)
-    assert np.isnan(table["late"]).tolist() == [True, False]
-    assert "late: the window ends at 0.2 s, the run at 0.1 s" in table["reason"][0]
-    assert "r: " in table["reason"][0]
-
-
-def test_by_default_what_is_expected_is_kept_and_runs_are_audited():
-    table = run(study_data(PUCK, vary={"parameters.push": "1, 2"}))
-    assert list(table.kept) == ["final puck.vx"]
-    assert table["looks"] == ["", ""]
-
-
 def test_a_pattern_keeps_each_that_it_fits():
     table = run(study_data(PUCK, vary={"parameters.push": "1"}, audit=False,
                            keep=["max puck.v?", "at=puck.[xy]"]))
     assert list(table.kept) == ["max puck.vx", "max puck.vy", "at puck.x", "at puck.y"]
-
-
-def test_the_time_at_which_a_run_ended_can_be_kept():
-    """At 0.1 m/s with a = F / m it ends: the last sample is within a step of that."""
-    scene = {**PUCK, "events": [{"name": "fast", "when": "=puck.vx > 0.1", "stop": "pass"}]}
-    table = run(study_data(scene, vary={"parameters.push": "2, 4"}, audit=False,
-                           keep=["time", "last=final time", "max time over 0 : 0.01"]))
-    assert table["time"] == pytest.approx(0.1 / np.array([2, 4]), abs=2e-3)
-    assert (table["last"] == table["time"]).all()
-    assert table["max time over 0 : 0.01"].max() < 0.01
-    assert table.plan.units["time"] == "s"
 
 
 # -- nothing lost --------------------------------------------------------------------
@@ -156,30 +120,6 @@ def test_a_worker_that_is_killed_loses_nothing(tmp_path):
     assert table["v"] == pytest.approx(np.arange(1, 13) * LAST, rel=1e-12)
 
 
-@pytest.mark.skipif("forkserver" not in multiprocessing.get_all_start_methods(),
-                    reason="processes cannot be copied here")
-def test_where_workers_are_copied_from_may_be_killed(tmp_path):
-    server = import_module("multiprocessing.forkserver")._forkserver
-
-    def kill(at):
-        if at.done == 1:
-            os.kill(server._forkserver_pid, signal.SIGKILL)
-
-    table = run(study("1:12:12"), tmp_path, progress=kill)
-    assert table["status"] == ["done"] * 12
-
-
-def test_a_run_given_ahead_is_not_blamed_for_what_the_one_before_it_did():
-    plan = plan_of(study("1:4:4"))
-    pool = Pool(plan.job, 1)
-    worker = _Worker(SimpleNamespace(), SimpleNamespace(), deque(
-        [(plan.ids[k], plan.points[k]) for k in (0, 1)]), ready=True)
-    assert list(pool._lost_with(worker, "somehow")) == []
-    (row,) = pool._lost_with(worker, "somehow")
-    assert (row.id, row.status) == (plan.ids[0], "died")
-    assert [id for id, _ in pool._again] == [plan.ids[1], plan.ids[0], plan.ids[1]]
-
-
 class _Deadly(Pool):
     """Kills the worker that is given one run."""
 
@@ -192,17 +132,6 @@ class _Deadly(Pool):
             if worker.tasks and worker.tasks[0][0] == self.bad:
                 self.killed.add(worker.process.pid)
                 worker.process.kill()
-
-
-def test_a_script_that_asks_for_workers_while_it_is_loaded_is_told_so(tmp_path):
-    script = tmp_path / "script.py"
-    script.write_text("import json, sandbox\n"
-                      f"sandbox.sweep(json.loads({json.dumps(json.dumps(PUCK))}), workers=1,\n"
-                      "              vary={'parameters.push': [1, 2]}, keep=['puck.x'])\n")
-    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
-    assert done.returncode == 1
-    assert done.stderr.rstrip().endswith('under if __name__ == "__main__":')
-    assert done.stderr.count("Traceback") == 1
 
 
 def test_a_run_that_kills_two_workers_is_given_up_and_the_others_go_on(monkeypatch):
@@ -261,16 +190,6 @@ def test_a_line_that_was_cut_off_is_taken_away(tmp_path):
     assert list(rows_in(tmp_path / "rows")) == [row, other]
 
 
-def test_rows_are_spread_over_files(tmp_path, monkeypatch):
-    monkeypatch.setattr("sandbox.sweeps.log.LINES", 3)
-    for _ in range(2):
-        with Log(tmp_path) as log:
-            for k in range(4):
-                log.add(SweepRow(f"{k:016}", "done"))
-    counts = [path.read_text().count("\n") for path in sorted((tmp_path / "rows").glob("*.jsonl"))]
-    assert counts == [3, 3, 2]
-
-
 def test_two_processes_do_not_write_one_sweep(tmp_path):
     with Log(tmp_path), pytest.raises(OutputError, match="another process"), Log(tmp_path):
         pass
@@ -324,11 +243,6 @@ def check_recordings(table, tmp_path):
         assert kept["puck.vx"][-1] == table["v"][run_]
 
 
-def test_a_scene_with_all_its_files_goes_to_the_workers():
-    table = run(study_data("drawings", vary={"run.duration": "10 ms, 20 ms"}, audit=False))
-    assert table["status"] == ["done", "done"]
-
-
 # -- what is refused before anything runs -------------------------------------------
 
 
@@ -353,3 +267,13 @@ def test_too_many_runs_are_refused():
 
     with pytest.raises(SceneError, match=r"6 runs[^\n]*at most 5[^\n]*--max-runs"):
         plan_of(study(), Limits(runs=5))
+
+
+def test_rows_are_spread_over_files(tmp_path, monkeypatch):
+    monkeypatch.setattr("sandbox.sweeps.log.LINES", 3)
+    for _ in range(2):
+        with Log(tmp_path) as log:
+            for k in range(4):
+                log.add(SweepRow(f"{k:016}", "done"))
+    counts = [path.read_text().count("\n") for path in sorted((tmp_path / "rows").glob("*.jsonl"))]
+    assert counts == [3, 3, 2]

@@ -5,8 +5,7 @@ import pytest
 from sandbox.errors import SceneError
 from sandbox.search.question import asked_in
 from sandbox.sweeps.plan import plan_of
-from sandbox.sweeps.schema import study_schema
-from sandbox.sweeps.words import kept_from, looked_at, varied_from
+from sandbox.sweeps.words import looked_at, varied_from
 from sandbox.wording import WrongValueError
 from tests.sweeps.scenes import PUCK
 
@@ -29,19 +28,6 @@ def test_what_is_varied(text, meant):
     assert varied_from(text) == meant
 
 
-@pytest.mark.parametrize("search", [False, True])
-def test_a_study_file_may_say_it_in_the_same_words(search):
-    texts = {"parameters.push": "2 N:8 N", "parameters.m": "normal(0.5 kg, 0.05 kg)"}
-    groups = [[{"over": over, "design": "sobol", "count": 8}] for over in (
-        texts, {path: varied_from(text) for path, text in texts.items()})]
-    studies = [{"scene": PUCK, "vary": vary, "keep": {"v": "puck.vx"}} for vary in groups]
-    if search:
-        one, other = (asked_in(study).space.over for study in studies)
-    else:
-        one, other = (plan_of(study).points.axes for study in studies)
-    assert one == other
-
-
 @pytest.mark.parametrize("read", [plan_of, asked_in])
 def test_words_of_a_study_file_that_say_nothing_are_named(read):
     with pytest.raises(SceneError) as caught:
@@ -50,12 +36,6 @@ def test_words_of_a_study_file_that_say_nothing_are_named(read):
     assert "there is no distribution 'nrmal'" in problem.message
     assert problem.hint == "'normal'"
     assert problem.path.startswith("$.vary")
-
-
-def test_the_schema_has_words_too():
-    over = study_schema()["$defs"]["Varying"]["properties"]["over"]
-    assert {"string"} == {each["type"] for each in over["additionalProperties"]["anyOf"]
-                          if "type" in each}
 
 
 @pytest.mark.parametrize(("text", "said"), [
@@ -85,12 +65,3 @@ def test_what_is_no_statistic_is_refused(text, said):
     with pytest.raises(WrongValueError) as error:
         looked_at(text)
     assert said in str(error.value)
-
-
-def test_names_of_what_is_kept():
-    assert kept_from("tip = max tip.x") == ("tip", "max tip.x")
-    assert kept_from("ratio==a / b") == ("ratio", "=a / b")
-    assert kept_from("max tip.x") == ("max tip.x", "max tip.x")
-    for wrong in ("", "=a", "tip="):
-        with pytest.raises(WrongValueError):
-            kept_from(wrong)
