@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import inspect
 import json
 from pathlib import Path
@@ -14,18 +13,17 @@ import pytest
 import sandbox
 from sandbox import build
 from sandbox.build.builders import EntryBuilder, Family, word_of
-from sandbox.build.stub import stub, type_of
+from sandbox.build.stub import stub
 from sandbox.scene.library import shipped_scenes
-from sandbox.scene.schema import scene_schema
 
 EVERY: dict[str, EntryBuilder] = {
     (f"{name}.{each.__name__}" if isinstance(found, Family) else name): each
     for name, found in build.BUILDERS.items()
     for each in (found if isinstance(found, Family) else [found])}
 BY_MODEL = {each.model: each for each in EVERY.values()}
+STUB = Path(build.__file__).with_suffix(".pyi")
 WRITTEN_OUT = {"like", "repeat", "include"}
 """Words of entries that no model sees; Python has functions and loops."""
-STUB = Path(build.__file__).with_suffix(".pyi")
 
 
 def models_in(annotation: Any) -> list[Any]:
@@ -89,12 +87,6 @@ def test_a_scene_that_is_built_is_the_one_of_the_file() -> None:
     assert [verdict.ok for verdict in sandbox.simulate(made).verdicts] == [True]
 
 
-def test_every_model_of_a_scene_has_one_builder() -> None:
-    made = [each.model.__name__ for each in EVERY.values()]
-    assert len(made) == len(set(made))
-    assert set(made) == {*scene_schema()["$defs"], "Scene"} - {"Composed"}
-
-
 @pytest.mark.parametrize(("work", "words"), [
     (lambda: build.body("a", mas=1), r"build.body: there is no 'mas'. Did you mean 'mass'\?"),
     (lambda: build.joint.pin("a", b="x"), r"build.joint.pin: 'a' must be given"),
@@ -118,38 +110,9 @@ def test_a_builder_that_there_is_not() -> None:
     assert {"joint", "body"} <= set(dir(build))
 
 
-def test_what_an_editor_completes_is_what_there_is() -> None:
-    """The words, their order and which may be left out, in the file beside the module."""
-    tree = ast.parse(STUB.read_text(encoding="utf-8"))
-    found = {}
-    for node in tree.body:
-        for inner in node.body if isinstance(node, ast.ClassDef) else [node]:
-            if isinstance(inner, ast.FunctionDef):
-                family = f"{node.name[1:].lower()}." if isinstance(node, ast.ClassDef) else ""
-                args = inner.args
-                least = [*args.defaults, *(each for each in args.kw_defaults if each is not None)]
-                found[f"{family}{inner.name}"] = (
-                    [each.arg for each in (*args.args, *args.kwonlyargs)], len(least))
-    assert found == {
-        name: (list(signature.parameters), len(signature.parameters) - len(each.required))
-        for name, each in EVERY.items() for signature in [inspect.signature(each)]}
-
-
 def test_the_words_are_those_of_the_models() -> None:
     assert STUB.read_text(encoding="utf-8") == stub(), "run python docs/make_reference.py"
     said = inspect.getdoc(build.body)
     assert said is not None
     assert said.startswith("A rigid body:")
     assert "    mass: " in said
-
-
-@pytest.mark.parametrize(("schema", "kind"), [
-    ({"anyOf": [{"type": "number"}, {"type": "string"}]}, "Number"),
-    ({"type": "array", "prefixItems": [{"type": "integer"}, {"type": "integer"}]}, "Sequence[int]"),
-    ({"anyOf": [{"type": "null"}, {"$ref": "#/$defs/Path"}]}, "Entry | None"),
-    ({"enum": ["left", "right"]}, "Literal['left', 'right']"),
-    ({"type": "object", "additionalProperties": {"type": "boolean"}}, "Mapping[str, bool]"),
-    ({}, "Any"),
-])
-def test_a_type_is_that_of_the_schema(schema: dict[str, Any], kind: str) -> None:
-    assert type_of(schema) == kind

@@ -1,14 +1,12 @@
 """Which grasp survives: its studies, its closed forms, and what is told of maps."""
 
 import json
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import sandbox
-from sandbox.findings.registry import STUDIES
-from sandbox.findings.survival import KEPT, MAPS, STAYS, conclusions, survival_table
+from sandbox.findings.survival import KEPT, MAPS, STAYS
 from sandbox.mechanics.grasp_state import GraspState, TwoPhalanges, grasp_states
 from sandbox.scene.library import shipped_studies
 from sandbox.scene.values.expressions import parse_expression
@@ -40,11 +38,6 @@ def test_what_is_asked_can_be_asked(each):
     assert len(conditions(each.holds, question.kept)) == len(each.holds)
     if each.closed:
         assert closed_form(each.closed, question).names.keys() >= {"k2", "second", "mu"}
-
-
-def test_the_study_is_known():
-    assert STUDIES["survival"].many
-    assert STUDIES["survival"].load() is not None
 
 
 def test_without_friction_the_closed_form_is_the_grasp_state_plane():
@@ -83,18 +76,3 @@ def test_a_finger_ejects_beyond_the_curve_only(k2, kept):
     assert (reach < FINGER["l2"]) == kept
     assert (last.time[-1] > 1.1) == kept
     assert (value(KEPT, k2=1e-3 * k2, second=15 * DEG, mu=0.0) > 0) == kept
-
-
-def test_maps_are_told():
-    agreement = SimpleNamespace(differs=0.012, passed=3, crossed=4)
-    sheets = [SimpleNamespace(at="0.2", share=0.5, low=0.45, high=0.55, agreement=agreement),
-              SimpleNamespace(at="0.4", share=0.75, low=0.7, high=0.8, agreement=None)]
-    found = {"stays": SimpleNamespace(listed="parameters.mu", sheets=sheets, runs=100,
-                                      certified=True)}
-    header, first, second = survival_table(found).splitlines()
-    assert header.startswith("map,of,at,share,low,high,differs")
-    assert first == "stays,friction,0.2,0.5,0.45,0.55,0.012,3,4,100,1"
-    assert second == "stays,friction,0.4,0.75,0.7,0.8,,,,100,1"
-    line, = conclusions(found)
-    assert "50.0 % (friction 0.2), 75.0 % (friction 0.4) of the map" in line
-    assert "the closed form differs in 1.2 % at most; half the step: the same" in line

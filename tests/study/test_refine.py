@@ -31,16 +31,6 @@ def test_controllers_keep_their_rate() -> None:
         assert every(found.controllers[0].rate, found.run.step) == 2 * parts
 
 
-def test_a_cubic_is_read_exactly_ends_included() -> None:
-    time = 0.25 + np.arange(9.0)
-    wanted = np.array([0.25, 0.5, 3.75, 8.0, 8.25, 8.5])
-
-    def cubic(t: np.ndarray) -> np.ndarray:
-        return 1 + t - 0.3 * t**2 + 0.05 * t**3
-
-    np.testing.assert_allclose(at_instants(time, cubic(time), wanted), cubic(wanted), rtol=1e-12)
-
-
 def test_order_four() -> None:
     errors = []
     for n in (50, 100, 200):
@@ -50,15 +40,3 @@ def test_order_four() -> None:
                              - np.sin(9 * wanted)).max())
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert (orders > 3.5).all()
-
-
-def test_a_jump_stays_within_its_ends() -> None:
-    time = np.arange(10.0)
-    read = at_instants(time, (time > 4.5).astype(float), np.linspace(0, 9, 200))
-    assert read.min() > -1e-12
-    assert read.max() < 1 + 1e-12
-
-
-def test_too_few_samples() -> None:
-    with pytest.raises(ValueError, match="at least 4 samples, got 3"):
-        at_instants(np.arange(3.0), np.arange(3.0), np.array([1.0]))

@@ -26,18 +26,6 @@ def test_usual_size_is_a_mean_that_no_blow_sets() -> None:
     assert usual(np.array([])) == 0.0
 
 
-def test_the_largest_of_its_unit_in_the_scene() -> None:
-    sizes = SceneSizes([drifting()])
-    assert sizes.of_unit("m") == pytest.approx(0.9, rel=1e-2)  # 0.4 to 1.4 m
-    assert sizes.of_unit("m/s") == pytest.approx(0.5)
-
-
-def test_the_least_of_the_runs() -> None:
-    """One that explodes does not excuse itself."""
-    assert SceneSizes([drifting(), drifting(1e3)]).of_unit("m/s") == pytest.approx(0.5)
-    assert SceneSizes([drifting(1e3), drifting()]).of_unit("m/s") == pytest.approx(0.5)
-
-
 def test_where_all_is_nothing_mass_length_and_time_stand_in() -> None:
     sizes = SceneSizes([drifting()])
     length = sizes.of_unit("m")
@@ -46,7 +34,3 @@ def test_where_all_is_nothing_mass_length_and_time_stand_in() -> None:
     assert sizes.of_unit("rad") == 1.0
     assert sizes.of_unit("1") == 1.0
     assert sizes.of_unit("furlong") == 0.0
-
-
-def test_no_run_has_no_sizes() -> None:
-    assert SceneSizes([]).of_unit("N") == 0.0
