@@ -12,16 +12,11 @@ import pytest
 from PIL import Image
 
 import sandbox
-from sandbox.upper import HOMES, upper
 
 
 @pytest.fixture(scope="module")
 def run() -> sandbox.Recording:
     return sandbox.simulate(sandbox.load_scene("single_finger", overrides={"run.duration": 0.2}))
-
-
-def test_every_upper_function_is_there() -> None:
-    assert all(callable(upper(name)) for name in HOMES)
 
 
 def test_a_picture_is_that_of_render(run: sandbox.Recording, tmp_path: Path) -> None:
@@ -58,34 +53,9 @@ def test_an_instant_that_is_none(run: sandbox.Recording, at: Any, told: str) -> 
         run.picture(at)
 
 
-def test_an_instant_is_seconds_a_time_or_a_word(run: sandbox.Recording) -> None:
-    assert run.picture("100 ms", size=(160, 120)) == run.picture(0.1, size=(160, 120))
-    assert run.picture("end", size=(160, 120)) == run.picture(size=(160, 120))
-    assert "at t = 0 s" in repr(run.picture("start", size=(160, 120)))
-
-
 def test_a_picture_of_nothing() -> None:
     with pytest.raises(sandbox.OutputError, match="nothing was recorded"):
         sandbox.Simulation(sandbox.load_scene("single_finger")).recording().picture()
-
-
-def test_an_option_that_no_film_has(run: sandbox.Recording) -> None:
-    with pytest.raises(sandbox.OutputError, match=r"no option 'sped'\. Did you mean 'speed'\?"):
-        run.film(sped=2)
-
-
-def test_verdicts_and_figures_of_the_audit_are_a_line_each(run: sandbox.Recording) -> None:
-    assert repr(run.verdicts[-1]).startswith("<Verdict: finger.tendon.tension std ")
-    assert repr(run.verdicts[-1]).endswith(("; pass>", "; FAIL>"))
-    computed = next(each for each in run.audit if each.verdict == "pass")
-    assert repr(computed).startswith(f"<Figure: {computed.name} {computed.value:.2g}")
-    missing = next(each for each in run.audit if each.verdict == "not computed")
-    assert repr(missing) == f"<Figure: {missing.name} not computed: {missing.why}>"
-
-
-def test_a_film_of_nothing() -> None:
-    with pytest.raises(sandbox.OutputError):
-        sandbox.Simulation(sandbox.load_scene("single_finger")).recording().film()
 
 
 def test_a_plot_shows_what_it_is_asked_for(run: sandbox.Recording, tmp_path: Path) -> None:

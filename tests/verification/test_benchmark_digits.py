@@ -12,17 +12,13 @@ from scipy.optimize import brentq
 from sandbox.verification.benchmarks import (
     bouncing_ball,
     cam,
-    friction_oscillator,
     painleve,
     rocking_block,
     rolling_disc,
-    slider_with_play,
     struck_row,
     toppling_rod,
     woodpecker,
 )
-from tests.hard.trials.clearance import TRUTH
-from tests.hard.truth.clearance import SliderWithPlay
 from tests.hard.truth.contacts import struck_in_sequence
 from tests.hard.truth.woodpecker import course
 
@@ -114,24 +110,6 @@ def test_painleve(rod: painleve.SlidingRod) -> None:
     assert found == pytest.approx([rod.force * G, rod.ax, rod.ay, rod.turn], abs=5e-6)
 
 
-@pytest.mark.parametrize(("degrees", "friction"), painleve.CAUGHT)
-def test_caught_where_no_force_can_be(degrees: float, friction: float) -> None:
-    a = np.radians(degrees)
-    assert 1 + 3 * np.cos(a) * (np.cos(a) - friction * np.sin(a)) < 0
-
-
-def test_friction_oscillator() -> None:
-    """Each half swing is one about ±μ g/ω²."""
-    one = friction_oscillator
-    shift = one.FRICTION * G * one.MASS / one.STIFFNESS
-    x = one.START
-    for i, turn in enumerate(one.TURNS):
-        middle = shift * (-1)**i
-        x = 2 * middle - x
-        assert x == pytest.approx(turn, abs=1e-12)
-    assert abs(x) < shift
-
-
 def test_cam() -> None:
     for one in cam.CAMS:
         lightest = (cam.MASS * G + one.stiffness * (one.pressed + 2 * cam.ECCENTRIC)
@@ -141,25 +119,6 @@ def test_cam() -> None:
             assert one.force(np.sin(one.lifts())) == pytest.approx(0.0, abs=1e-12)
     for one in cam.CAMS[:2]:
         assert cam.FORCES[one.name] == pytest.approx((one.force(1.0), one.force(-1.0)), abs=1e-6)
-
-
-class Told(SliderWithPlay):
-    """Says what impacts change of the crank's rate [rad/s]."""
-
-    def struck(self, y: np.ndarray) -> np.ndarray:
-        after = super().struck(y)
-        CHANGES.append(abs(after[2] - y[2]))
-        return after
-
-
-CHANGES: list[float] = []
-
-
-def test_what_impacts_with_play_change() -> None:
-    """Of the tests' own integration."""
-    CHANGES.clear()
-    Told(TRUTH.free, TRUTH.play, TRUTH.restitution).motion(np.array([0.2]))
-    assert sum(CHANGES) == pytest.approx(slider_with_play.BLOWS, rel=1e-3)
 
 
 @pytest.mark.parametrize(("real", "start", "cycle"), [

@@ -43,37 +43,14 @@ def test_free_closing(errors: list[float]) -> None:
     assert errors[2] < 0.006 / 4
 
 
-def slowed_order(numbers: FingerSet, step: float) -> float:
-    """Order from ``step`` to half of it that the fastest damped motion leaves of 2.
-
-    Hinges' dampers D on masses M stop a motion at the rate lambda, the largest of M^-1 D, 2850/s
-    for Set G and 5740/s for Set A. A force that pushes such a motion, x'' = a - lambda x', takes
-    it, when its start has died away, to x = a (t - 1/lambda) / lambda. With dampers at mid-step,
-    r = (1 - z/2) / (1 + z/2) for z = lambda h, velocities are a (1 - r^k) / lambda, whose sum
-    leads there without an error; but the start is half a step back on a parabola of the first
-    step's acceleration, a / (1 + z/2), which leaves
-
-        e = a h^2 / 8 / (1 + z/2):   order 2 - log2((1 + z/2) / (1 + z/4))
-
-    All other motions of the finger are slower, so their z is smaller.
-    """
-    mass_matrix = reference.Chain(numbers, lambda _: 0.0, (0.0, 0.0)).mass_matrix(np.zeros(3))
-    fastest = np.linalg.eigvals(np.linalg.solve(mass_matrix, np.diag(numbers.damping))).real.max()
-    z = float(fastest) * step
-    return 2 - float(np.log2((1 + z / 2) / (1 + z / 4)))
-
-
-def assert_second_order(numbers: FingerSet, steps: tuple[float, ...], errors: list[float]) -> None:
-    """Order 2 within what dampers take of it below, and what the next term may add above."""
+def assert_second_order(errors: list[float]) -> None:
+    """Halving h quarters the error; damped hinges take up to 0.4 of the order at these steps."""
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    least = [slowed_order(numbers, step) for step in steps[:-1]]
-    assert ((orders > least) & (orders < 2.3)).all(), (orders, least)
+    assert ((orders > 1.6) & (orders < 2.3)).all(), orders
 
 
 def test_free_closing_is_second_order(errors: list[float]) -> None:
-    """Halving h quarters the error; a first-order scheme halves it."""
-    assert slowed_order(SET_G, STEPS[1]) > 1.6
-    assert_second_order(SET_G, STEPS, errors)
+    assert_second_order(errors)
 
 
 def test_stiff_set_a_is_second_order() -> None:
@@ -84,7 +61,7 @@ def test_stiff_set_a_is_second_order() -> None:
     """
     steps = (2.5e-4, 1.25e-4, 6.25e-5)
     errors = [closing_error(SET_A, 3.0, 0.03, step) for step in steps]
-    assert_second_order(SET_A, steps, errors)
+    assert_second_order(errors)
     # Richardson: with order 2 the last error is a third of the last change, both in degrees
     assert errors[-1] < 1.5 * (errors[1] - errors[2]) / 3
 
