@@ -113,11 +113,6 @@ def test_every_wrong_option_is_told(run: sandbox.Recording, tmp_path: Path) -> N
     assert [line.partition("=")[0] for line in told.splitlines()] == ["width", "size", "fps"]
 
 
-def test_so_slow_that_it_never_ends(run: sandbox.Recording, tmp_path: Path) -> None:
-    assert "would have inf frames. Allowed: at most" in said(
-        sandbox.render, run, tmp_path / "x.gif", speed=5e-324)
-
-
 def test_numbers_of_numpy_are_numbers(run: sandbox.Recording, tmp_path: Path) -> None:
     sandbox.render(run, tmp_path / "x.png", size=np.array([64, 64]), fps=np.int64(20),
                    width=np.float64(0.1), centre=np.zeros(2))
@@ -179,9 +174,3 @@ def test_limits_that_are_none(given: Any) -> None:
 def test_controllers_that_are_none(work: Any, given: Any) -> None:
     assert "pass a list of sandbox.Custom" in said(
         work, sandbox.load_scene(DATA), controllers=given)
-
-
-def test_guides_that_coincide_in_a_mechanism_built_by_hand() -> None:
-    cord = {"name": "cord", "guides": [{"body": "a"}, {"body": "a"}]}
-    told = said(sandbox.simulate, Mechanism.model_validate({**DATA, "tendons": [cord]}))
-    assert "guides 0 and 1 coincide" in told
