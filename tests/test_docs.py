@@ -50,6 +50,7 @@ RUN_ELSEWHERE = {
     "git clone REPOSITORY sandbox && cd sandbox": "whoever has the project has done it",
     ".venv/bin/pytest -n 2 tests/scene": ".ci/run",
     ".venv/bin/pytest -n 2": ".ci/run",
+    ".venv/bin/pytest -n 2 -m nightly": "every night",
     ".venv/bin/pytest -q tests/test_architecture.py tests/show/test_parts.py tests/export "
     "tests/scene/test_schema.py": "tests/test_drill.py",
     ".ci/release 0.2.0": "by hand",
@@ -64,7 +65,6 @@ RUN_ELSEWHERE = {
     "python -m tests.kills": "tests/test_kills.py, a dozen kills",
     "python -m tests.scenes.holding": "tests/scenes/test_hands.py, some of the starts",
     "python -m tests.fuzz --count 200": "tests/fuzz/test_fuzz.py, a share of the inputs",
-    "python -m tests.growth --only springs": "tests/growth/test_growth.py, counted and not timed",
     "python -m tests.fuzz --recordings --count 200": "tests/fuzz/test_fuzz.py, a share of them",
     "dask scheduler --port 8786 &": "tests/sweeps/test_cluster.py, with a scheduler of its own",
     "dask worker tcp://127.0.0.1:8786 --nworkers 4 --nthreads 1 &": "tests/sweeps/test_cluster.py",

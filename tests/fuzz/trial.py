@@ -7,6 +7,7 @@ more time or more memory than allowed is a fault.
 from __future__ import annotations
 
 import contextlib
+import resource
 import shutil
 import tempfile
 import time
@@ -34,6 +35,8 @@ STEPS, ENOUGH = 40, 1.0
 on can be watched and stopped, a step cannot."""
 SECONDS = 5.0
 """The most that one input may take."""
+MEGABYTES = 500
+"""By which one may raise the most memory that the process has had."""
 
 
 @dataclass(frozen=True)
@@ -47,16 +50,10 @@ class Outcome:
     """Of sandbox; empty where the input was refused or all went well."""
 
 
-def warm() -> None:
-    """Import and compile all that an input needs, which is no input's fault."""
-    with tempfile.TemporaryDirectory(prefix="fuzz-") as folder:
-        _through(shipped_scenes()["single_finger"], Path(folder), ["make"])
-        _look_at(Path(folder) / "run", ["make"])
-
-
 def attempt(seed: int, *, recording: bool = False) -> Outcome:
     """Make an input from its seed, a scene or a recording, and take it through every stage."""
     began, came, fault = time.perf_counter(), ["make"], ""
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with tempfile.TemporaryDirectory(prefix="fuzz-") as folder, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         path = Path(folder) / "scene.json"
@@ -78,6 +75,9 @@ def attempt(seed: int, *, recording: bool = False) -> Outcome:
     seconds = time.perf_counter() - began
     if not fault and seconds > SECONDS:
         fault = f"took {seconds:.1f} s"
+    grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
+    if not fault and grown > MEGABYTES:
+        fault = f"needed {grown:.0f} MB"
     return Outcome(seed, came[-1], seconds, fault)
 
 

@@ -155,10 +155,6 @@ def trials(bench: Bench) -> dict[str, Callable[[], Callable[[], tuple[str, str]]
         "two saves": lambda: trial_of_runs(bench, bench.save, ["new", "other"]),
         "render": lambda: trial_of_files(
             bench, "render", old, "--out", str(bench.target / "film.gif")),
-        "plot": lambda: trial_of_files(
-            bench, "plot", old, "finger.*.angle", "--out", str(bench.target / "plot.png")),
-        "study": lambda: trial_of_files(bench, "study", "redundancy", "--out", str(bench.target)),
-        "certify": lambda: trial_of_files(bench, "certify", SCENE),
     }
 
 
