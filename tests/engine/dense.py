@@ -1,31 +1,19 @@
-"""One step of a mechanism by dense algebra, written from the equations and not from the engine.
+"""One time step of a mechanism by dense algebra, written independently of the engine.
 
-Every element is a function of the bodies' poses q (centres of mass) and no more: gaps of joints
-and limits, lengths of springs and cords. Their rows are derivatives by the complex step, exact to
-rounding. The step's equations,
+Every element is a function of the bodies' poses q (centres of mass). Gaps of joints and limits and
+lengths of springs and tendons are differentiated by the complex step, exact to rounding.
 
     M (v+ - v) = h f + J^T p            with, row by row,
     joints                              gap(q + h v+) = 0
-    teeth without play                  gap(q + h v+) + p / (h k) = 0
     hinge dampers                       D v+ + D v + 2 p / (h c) = 0
-    damped springs and cords            D v+ + D v + 2 p / (h c) = 2 k (L - L0) / c
-    stiff springs and cords             D v+ + p / (h (c + h k)) = k (L - L0) / (c + h k)
-    stiff lines of fluid                D v+ + C p / h^2 = (M - V) / h
-    soft lines of fluid                 D v+ + 4 C p / h^2 = 4 (M - V) / h + D v
-    ... that are not full               p = h least, M < V + C p
+    damped springs and tendons          D v+ + D v + 2 p / (h c) = 2 k (L - L0) / c
+    stiff springs and tendons           D v+ + p / (h (c + h k)) = k (L - L0) / (c + h k)
     limits, contacts                    0 <= p,  y = max(gap / h, -fastest) + C v+ >= 0,  p y = 0
     friction                            |p_t| <= mu p_n, against the slip
-    spans of cords                      D v+ + s_in - s_out + p / (h e) = asked, each slip s either
-                                        0 or |p_2 - p_1| = tanh(mu phi / 2) (p_1 + p_2) along it
-    motors and brakes                   |p| <= h most, y = D v+ - wanted = 0 or driven against y
-    motors with a line                  D v+ + D v + 2 p / (h c) = 2 u, |p| <= h most
-    dry friction of joints              |p| <= h f or s |p_joint|, y = D v+ + h/2 D' v = 0 or
-                                        driven against y
+    motors, brakes, servos              |p| <= h most, y = D v+ - wanted = 0 or driven against y
 
-and loads, forces of known size for velocities that somebody else found (dense_loads.py),
-
-are solved for what velocities that somebody else found say of slack and taut, stick and slip;
-whether all of that holds is looked at here.
+The engine's velocities decide which rows are active; the equations are solved for that choice, and
+its inequalities are verified.
 """
 
 from __future__ import annotations
@@ -37,12 +25,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sandbox.engine.state import DAMPED, ELASTIC, EVEN, GRIPPED, PULL, STIFF
+from sandbox.engine.state import DAMPED, ELASTIC, PULL, STIFF
 from sandbox.model.model import Model
 
-from .dense_cords import Cord
 from .dense_servos import servo
-from .dense_wheels import rolling, teeth
 
 FASTEST, FASTEST_TURN = 0.1, 1.0
 """How fast overlaps are undone [m/s, rad/s]."""
@@ -66,19 +52,14 @@ class Row(NamedTuple):
     J: np.ndarray
     asked: float
     compliance: float = 0.0
-    others: tuple[tuple[tuple[str, int], float], ...] = ()
-    """Unknowns of other rows that it has besides, and how much of them."""
 
 
 class Answer(NamedTuple):
-    """Velocities after the step [nb, 3]; impulses by the names of their elements.
-
-    ``sway`` are the same for a rate of 1 that all joints are off by, at the worst.
-    """
+    """Velocities after the step [nb, 3]."""
 
     velocity: np.ndarray
-    impulse: dict[tuple[str, int], float]
-    sway: tuple[float, dict[tuple[str, int], float]]
+    sway: float
+    """Largest change of a velocity if every joint's rate is wrong by 1."""
 
 
 def place(model: Model, q: np.ndarray, body: int, at: Any) -> np.ndarray:
@@ -103,33 +84,8 @@ def derivative(of: Gap, q: np.ndarray) -> np.ndarray:
     return found
 
 
-def apart(model: Model, j: int) -> tuple[Gap, float]:
-    """The way from the point on ``a`` to that on ``b``, [2], and about where that leads [rad]."""
-    a, b = model.joints.bodies[j].tolist()
-    on_a, on_b = model.joints.anchor[j]
-
-    def way(q: np.ndarray) -> np.ndarray:
-        return place(model, q, b, on_b) - place(model, q, a, on_a)
-
-    return way, float(np.arctan2(*way(com(model))[::-1]))
-
-
-def since_start(model: Model, gap: Gap) -> Gap:
-    """A gap less what it is at t = 0."""
-    start = gap(com(model))
-    return lambda q: gap(q) - start
-
-
-def teeth_gaps(model: Model, flank: Any) -> list[tuple[tuple[str, int], Gap, float]]:
-    """Those of teeth without play, and how much they yield [m/N]; ``flank`` says which push."""
-    joints = model.joints
-    return [(("teeth", int(j)), since_start(model, teeth(model, j, flank[j], *apart(model, j))),
-             1 / joints.stiffness[j])
-            for j in joints.keeping("gear", "rack") if not joints.play[j] > 0]
-
-
 def joint_gaps(model: Model) -> list[tuple[tuple[str, int], Gap]]:
-    """What joints keep at zero, teeth left out."""
+    """Gaps that joints keep at zero."""
     joints, found = model.joints, []
     for j, kind in enumerate(joints.kind):
         a, b = joints.bodies[j].tolist()
@@ -145,12 +101,6 @@ def joint_gaps(model: Model) -> list[tuple[tuple[str, int], Gap]]:
         if kind.keeps == "distance":
             found.append((("joint", j), lambda q, a=a, b=b, on_a=on_a, on_b=on_b, j=j: distance(
                 place(model, q, a, on_a), place(model, q, b, on_b)) - joints.reach[j, 0]))
-        if kind.keeps == "roll":
-            ra, rb = joints.radii[j]
-            touching = abs(ra - rb) if joints.inside[j] else ra + rb
-            found.append((("joint", j), lambda q, a=a, b=b, on_a=on_a, on_b=on_b, touching=touching:
-                          distance(place(model, q, a, on_a), place(model, q, b, on_b)) - touching))
-            found.append((("roll", j), since_start(model, rolling(model, j, *apart(model, j)))))
         if not joints.turns[j]:
             found.append((("turn", j), lambda q, a=a, b=b, turn=turn: q[b, 2] - q[a, 2] - turn))
     return found
@@ -183,12 +133,6 @@ def limit_gaps(model: Model) -> list[tuple[tuple[Any, ...], Gap, float]]:
                                   bound=bound: sign * (distance(
                                       place(model, q, a, on_a), place(model, q, b, on_b)) - bound),
                                   FASTEST))
-        if joints.play[j] > 0:
-            play = joints.play[j] * math.cos(joints.pressure[j]) / 2
-            for side in (1.0, -1.0):
-                gap = since_start(model, teeth(model, j, side, *apart(model, j)))
-                found.append((("flank", j, side), lambda q, gap=gap, play=play: gap(q) + play,
-                              FASTEST))
         if kind.keeps == "groove":
             length = math.hypot(*(joints.groove[j, 1] - joints.groove[j, 0]))
             found.append((("line", j), lambda q, j=j: along_groove(model, q, j)[0], FASTEST))
@@ -205,21 +149,6 @@ def cord_length(model: Model, q: np.ndarray, t: int) -> Any:
     return sum(distance(a, b) for a, b in itertools.pairwise(points))
 
 
-def grown(model: Model, q: np.ndarray, line: int) -> Any:
-    """By what a line has grown since t = 0."""
-    lines, found = model.lines, 0.0
-    for n in range(lines.first[line], lines.first[line + 1]):
-        a, b = lines.bodies[n]
-        j = lines.joint[n]
-        if j >= 0:
-            way = model.joints.sense[j] * (q[b, 2] - q[a, 2]) - model.joints.zero[j]
-        else:
-            way = distance(place(model, q, a, lines.anchor[n, 0]),
-                           place(model, q, b, lines.anchor[n, 1]))
-        found = found + lines.gain[n] * (way - lines.start[n])
-    return found
-
-
 def spring_length(model: Model, q: np.ndarray, s: int) -> Any:
     a, b = model.springs.bodies[s]
     return distance(place(model, q, a, model.springs.anchor[s, 0]),
@@ -229,27 +158,18 @@ def spring_length(model: Model, q: np.ndarray, s: int) -> Any:
 class Step:
     """The equations of one step at poses q [nb, 3] and velocities v [nb, 3], in the model's order.
 
-    ``kinds`` says how cords and straight springs are to be taken; ``drive`` are the drives'
-    values, ``given`` the velocities after the step of bodies that do not move freely, ``flank``
-    which side of each joint's teeth may push, ``servos`` of each drive that goes to a place its
-    target in the step before and whether its stiffness is taken at the step's end, ``grips`` the
-    cords that guides hold with what is in their spans [m], ``slips`` what somebody else found them
-    to slide by [m/s], nan where all is slack, ``slid`` the joints with dry friction that slipped in
-    the step before, ``kept`` where along their grooves others have held [m].
+    ``kinds`` are the engine's choices for tendons and linear springs; ``drive`` the drives' values;
+    ``given`` the velocities of bodies that do not move freely; ``servos`` for each position drive
+    its previous target and whether its stiffness is implicit.
     """
 
     def __init__(
         self, model: Model, h: float, q: np.ndarray, v: np.ndarray, *, drive: Any = (),
         given: np.ndarray | None = None, kinds: dict[str, list[int]], discs: tuple[Disc, ...] = (),
-        flank: Any = (), servos: Any = None,
-        grips: tuple[tuple[Cord, list[float]], ...] = (), slips: Any = (),
-        slid: Any = (), kept: dict[int, float] | None = None,
+        servos: Any = None,
     ) -> None:
         self.model, self.h, self.q, self.v = model, h, q, v
-        self.grips, self.slips = {cord.number: (cord, rest) for cord, rest in grips}, list(slips)
         self.servos = servos or {}
-        self.spans = self.span = len(model.tendons.name)
-        self.slip = 0
         self.free = np.repeat(model.bodies.free, 3)
         self.given = np.zeros(q.size) if given is None else np.asarray(given, dtype=float).ravel()
         bodies = model.bodies
@@ -257,15 +177,11 @@ class Step:
         self.mass = np.where(self.free, weights, 0.0)
         self.force = self.mass * np.tile([*model.mechanism.gravity, 0.0], len(q))
         self.soft: dict[tuple[str, int], Row] = {}
-        rigid = [(name, gap, 0.0) for name, gap in joint_gaps(model)]
-        self.joints = [(name, gap, soft, derivative(gap, q))
-                       for name, gap, soft in rigid + teeth_gaps(model, flank)]
+        self.joints = [(name, gap, derivative(gap, q)) for name, gap in joint_gaps(model)]
         self.choices: list[tuple[tuple[str, int], Any]] = []
         self._springs(kinds["springs"], drive)
         self._cords(kinds["cords"], drive)
         self._hinges(drive)
-        self._lines(kinds.get("lines", []))
-        self._rubs(set(slid), kept or {})
         for name, gap, fastest in limit_gaps(model):
             self.choices.append((name, ("limit", derivative(gap, q),
                                         max(np.real(gap(q)) / h, -fastest))))
@@ -290,12 +206,6 @@ class Step:
     def _cords(self, kinds: list[int], drive: Any) -> None:
         tendons = self.model.tendons
         for t, kind in enumerate(kinds):
-            if t >= self.spans:
-                continue
-            if kind == GRIPPED:
-                self._gripped(*self.grips[t], kinds, drive)
-                continue
-
             def length(q: np.ndarray, t: int = t) -> Any:
                 return cord_length(self.model, q, t)
 
@@ -308,51 +218,6 @@ class Step:
             k = tendons.stiffness[t] if setter < 0 else drive[setter]
             self._elastic(("cord", t), length, k, tendons.damping[t],
                           rest + tendons.slack[t], kind, cord=True)
-
-    def _gripped(self, cord: Cord, rests: list[float], kinds: list[int], drive: Any) -> None:
-        """All spans of a cord, and what slides between them."""
-        first, begin, h = self.span, self.slip, self.h
-        self.span += len(cord.pieces)
-        self.slip += len(cord.held)
-        number = {k: begin + n for n, k in enumerate(sorted(cord.held))}
-        spans: dict[int | None, Any] = {}
-        rows: dict[tuple[str, int], Row] = {}
-        stretch = 0.0
-        for n, (piece, rest) in enumerate(zip(cord.pieces, rests, strict=True)):
-            name, kind = ("span", first + n), kinds[first + n]
-            D = -derivative(lambda q, piece=piece: cord.length(q, piece), self.q)
-            spans[piece.into] = name
-            if kind == PULL:
-                pull = float(drive[self.model.tendons.drive[cord.number]])
-                self.force += D * pull
-                spans["pull"] = h * pull
-                continue
-            inside = rest - float(np.real(cord.wound(self.q, piece)))
-            k, c = (x * cord.rest / inside for x in (cord.tendon.stiffness, cord.tendon.damping))
-            longer = float(np.real(cord.length(self.q, piece))) - rest
-            stretch += longer
-            # T = k longer - (c + h k) slips - at the end: (c + h k) D v+
-            #                      - evenly: c (D v+ + D v) / 2 + h k (D v+ - D v) / 4
-            slid = c + h * k
-            lead, past = slid, 0.0
-            if kind == EVEN:
-                lead, past = c / 2 + h * k / 4, c / 2 - h * k / 4
-            others = [(("slip", number[end]), sign * slid / lead)
-                      for end, sign in ((piece.into, 1.0), (piece.out_of, -1.0)) if end is not None]
-            rows[name] = Row(D, (k * longer - past * (D @ self.v.ravel())) / lead, 1 / (h * lead),
-                             tuple(others))
-        guides = []
-        for piece in cord.pieces:
-            if piece.out_of is not None:
-                before, after = name_of(cord, first, piece), spans[piece.out_of]
-                if "pull" in spans and after not in rows:
-                    after = spans["pull"]
-                guides.append((("slip", number[piece.out_of]), before, after, math.tanh(
-                    cord.tendon.guides[piece.out_of].friction * cord.bend(self.q, piece.out_of)
-                    / 2)))
-        drawn = spans.get("pull", 0.0) > 0
-        self.choices.append((("cords", cord.number), (
-            "grip", rows, guides, stretch, drawn, kinds[first] == STIFF)))
 
     def _elastic(
         self, name: tuple[str, int], length: Gap, k: float, c: float, rest: float, kind: int, *,
@@ -373,20 +238,6 @@ class Step:
             self.choices.append((name, ("cord", row)))
         else:
             self.soft[name] = row
-
-    def _lines(self, kinds: list[int]) -> None:
-        """Lines that nothing flows into: what is in them is C p of t = 0."""
-        lines = self.model.lines
-        for i, kind in enumerate(kinds):
-            def volume(q: np.ndarray, i: int = i) -> Any:
-                return grown(self.model, q, i)
-
-            D, c = derivative(volume, self.q), lines.compliance[i]
-            short = c * lines.pressure[i] - np.real(volume(self.q))
-            weight = 1 if kind == STIFF else 4
-            row = Row(D, weight * short / self.h + (D @ self.v.ravel() if weight == 4 else 0.0),
-                      weight * c / self.h**2)
-            self.choices.append((("fluid", i), ("fluid", row, self.h * lines.least[i])))
 
     def _hinge(self, j: int) -> tuple[np.ndarray, float]:
         """The row of a hinge's rate, and its angle, in its positive sense."""
@@ -419,12 +270,6 @@ class Step:
             if spec.type in ("motor", "brake"):
                 D, _ = self._hinge(model.drives.target[d])
                 motor = spec.type == "motor"
-                if motor and spec.stall is not None:
-                    most = np.inf if spec.torque is None else spec.torque
-                    self.choices.append((("drive", d), (
-                        "line", D, D @ self.v.ravel() - 2 * drive[d], h * most,
-                        2 * spec.no_load / (h * spec.stall))))
-                    continue
                 self.choices.append((("drive", d), (
                     "motor", D, -drive[d] if motor else 0.0,
                     h * (spec.torque if motor else drive[d]), 0.0)))
@@ -454,26 +299,6 @@ class Step:
             return self._line(j)
         D, _ = self._hinge(j)
         return D, lambda q: D @ q.ravel() - self.model.joints.zero[j]
-
-    def _rubs(self, slid: set[int], kept: dict[int, float]) -> None:
-        """Dry friction; what held may hold with more."""
-        joints, h = self.model.joints, self.h
-        for j in joints.rubbed.tolist():
-            def way(q: np.ndarray, j: int = j) -> Any:
-                a, b = joints.bodies[j]
-                if joints.kind[j].keeps == "groove":
-                    return along_groove(self.model, q, j)[0]
-                return joints.sense[j] * (q[b, 2] - q[a, 2])
-
-            there = [float(np.real(way(self.q + t * self.v))) for t in (-1e-3, 0.0, 1e-3)]
-            bend = (there[0] - 2 * there[1] + there[2]) / 1e-6
-            left = there[1] - kept[j] if j in kept else 0.0
-            of = [("joint", j)] if joints.kind[j].keeps == "groove" else [("jointx", j),
-                                                                          ("jointy", j)]
-            more = 1.0 if j in slid else joints.static[j]
-            self.choices.append((("rub", j), (
-                "rub", derivative(way, self.q), h / 2 * bend + left / h,
-                h * more * joints.friction[j], more * joints.rubbing[j], of, [1.0] * len(of))))
 
     def _contact(self, n: int, disc: Disc) -> None:
         """A disc over a floor: the force acts half way between the two surfaces' points."""
@@ -516,25 +341,14 @@ class Step:
         return (*what[:2], what[2] * min(1.0, share / LEVER), *what[3:])
 
     def _mode(self, what: Any, v: np.ndarray, still: float) -> Any:
-        if what[0] == "grip":
-            ways = [self.slips[name[1]] for name, *_ in what[2]]
-            if np.isnan(ways).any():
-                return "slack"
-            return [0 if abs(way) < still else int(np.sign(way)) for way in ways]
         if what[0] == "cord":
             return "taut" if what[1].asked > what[1].J @ v else "slack"
-        if what[0] == "fluid":
-            row = what[1]
-            return "full" if row.asked - row.J @ v > row.compliance * what[2] else "void"
         y = what[1] @ v + what[2]
         if what[0] == "limit":
             return "held" if y < still else "free"
-        if what[0] == "line":
-            p = -(y / what[4])
-            return "hold" if abs(p) <= what[3] else "low" if p < 0 else "high"
         if what[0] == "motor" and what[4]:  # what yields holds up to its bound
             return "hold" if abs(y) <= what[3] * what[4] else "low" if y > 0 else "high"
-        if what[0] in ("motor", "rub"):
+        if what[0] == "motor":
             return "hold" if abs(y) < still else "low" if y > 0 else "high"
         if y > still:
             return "open"
@@ -550,66 +364,34 @@ class Step:
                 names.append(label)
                 rows.append(row)
                 pushes.append(push)
-            if what[0] == "fluid" and mode == "void":
-                known += what[1].J * what[2]
-            if what[0] in ("motor", "line") and mode != "hold":
+            if what[0] == "motor" and mode != "hold":
                 known += what[1] * (what[3] if mode == "high" else -what[3])
-        asked = [-np.real(gap(self.q)) / self.h for _, gap, *_ in self.joints]
-        rubs = any(what[0] == "rub" and what[4] for _, what in choices)
+        asked = [-np.real(gap(self.q)) / self.h for _, gap, _ in self.joints]
         for closing in range(16):
-            every = [Row(J, x, soft / self.h**2)
-                     for (_, _, soft, J), x in zip(self.joints, asked, strict=True)] + rows
+            every = [Row(J, x) for (_, _, J), x in zip(self.joints, asked, strict=True)] + rows
             labels = [name for name, *_ in self.joints] + names
-            v, p, sway = self._linear(every, [J for *_, J in self.joints] + pushes, known, labels)
+            v, p, sway = self._linear(every, [J for *_, J in self.joints] + pushes, known)
             if v is None:
                 return None
             impulse = dict(zip(labels, p, strict=True))
-            turned = self._measure(choices, chosen, names, rows, impulse)
-            sought = rubs and closing < 3  # along which ways joints push is not known yet
-            ok = sought or all(
-                self._holds(name, what, mode, v, impulse, tol if closing else 1.0)
-                for (name, what), mode in zip(choices, chosen, strict=True))
-            if not ok:
+            if not all(self._holds(name, what, mode, v, impulse, tol if closing else 1.0)
+                       for (name, what), mode in zip(choices, chosen, strict=True)):
                 return None
             there = self.q + self.h * v.reshape(self.q.shape)
-            left = [(np.real(gap(there)) + soft * x / self.h) / self.h
-                    for (_, gap, soft, _), x in zip(self.joints, p, strict=False)]
-            if closing and not (sought or turned) and max(
-                    map(abs, left), default=0.0) * self.h < 1e-15:
+            left = [np.real(gap(there)) / self.h for _, gap, _ in self.joints]
+            if closing and max(map(abs, left), default=0.0) * self.h < 1e-15:
                 break
             asked = [x - y for x, y in zip(asked, left, strict=True)]
-        free = int(self.free.sum())
-        return Answer(v.reshape(self.q.shape), impulse, (
-            float(sway[:free].max()), dict(zip(labels, sway[free:], strict=True))))
+        return Answer(v.reshape(self.q.shape), float(sway.max()))
 
     def _rows(self, name: Any, what: Any, mode: str) -> list[tuple[Any, Row, np.ndarray]]:
         """The equations that a mode sets, and how their impulses push."""
-        if (what[0] == "cord" and mode == "taut") or (what[0] == "fluid" and mode == "full"):
+        if what[0] == "cord" and mode == "taut":
             return [(name, what[1], what[1].J)]
-        if what[0] == "grip" and mode != "slack":
-            found = [(label, row, row.J) for label, row in what[1].items()]
-            nothing = np.zeros(self.q.size)
-            for (label, before, after, bound), way in zip(what[2], mode, strict=True):
-                # of a slip that is none the unknown is 0; else the tensions have their ratio
-                row = Row(nothing, 0.0, 1.0)
-                if way:
-                    asked, others = 0.0, [(before, -(1 + way * bound))]
-                    if isinstance(after, tuple):
-                        others.append((after, 1 - way * bound))
-                    else:
-                        asked = -(1 - way * bound) * after
-                    row = Row(nothing, asked, 0.0, tuple(others))
-                found.append((label, row, nothing))
-            return found
-        if (what[0] == "limit" and mode == "held") or (what[0] == "rub" and mode == "hold"):
+        if what[0] == "limit" and mode == "held":
             return [(name, Row(what[1], -what[2]), what[1])]
-        if what[0] in ("motor", "line") and mode == "hold":
+        if what[0] == "motor" and mode == "hold":
             return [(name, Row(what[1], -what[2], what[4]), what[1])]
-        if what[0] == "rub":
-            _, D, _, most, share, of, along = what
-            sign = {"low": -1.0, "high": 1.0}[mode]
-            return [(name, Row(np.zeros(self.q.size), sign * most, 1.0, tuple(
-                (label, -sign * share * x) for label, x in zip(of, along, strict=True))), D)]
         if what[0] == "contact" and mode != "open":
             _, up, want, right, friction = what
             if mode == "stick":
@@ -618,25 +400,8 @@ class Step:
             return [((*name, "n"), Row(up, -want), up + sign * friction * right)]
         return []
 
-    def _measure(
-        self, choices: Any, chosen: list[Any], names: list[Any], rows: list[Row], impulse: Any,
-    ) -> bool:
-        """Turn what friction is measured along to where joints push; whether that was elsewhere."""
-        turned = False
-        for (name, what), mode in zip(choices, chosen, strict=True):
-            if what[0] != "rub" or not what[4]:
-                continue
-            *_, of, along = what
-            p = np.array([impulse[label] for label in of])
-            u = p / max(float(np.sqrt((p**2).sum())), 1e-300)
-            turned |= bool(np.abs(u - along).max() > 1e-9)
-            along[:] = u.tolist()
-            if mode != "hold":
-                (_, rows[names.index(name)], _), = self._rows(name, what, mode)
-        return turned
-
     def _linear(
-        self, rows: list[Row], pushes: list[np.ndarray], known: np.ndarray, labels: list[Any],
+        self, rows: list[Row], pushes: list[np.ndarray], known: np.ndarray,
     ) -> tuple[np.ndarray | None, np.ndarray, np.ndarray]:
         """Velocities and impulses of a set of equations, and how far joints can shift each."""
         n, m, free = int(self.free.sum()), len(rows), self.free
@@ -648,9 +413,6 @@ class Step:
         A[:n, n:] = -P[:, free].T
         A[n:, :n] = J[:, free]
         A[n:, n:] = np.diag([row.compliance for row in rows])
-        for r, row in enumerate(rows):
-            for label, share in row.others:
-                A[n + r, n + labels.index(label)] += share
         b = np.concatenate([
             (self.mass * self.v.ravel())[free] + self.h * self.force[free] + known[free],
             np.array([row.asked for row in rows]) - J @ v])
@@ -660,25 +422,16 @@ class Step:
             return None, np.zeros(0), np.zeros(0)
         x = np.linalg.solve(A, b)
         v[free] = x[:n]
-        return v, x[n:], np.abs(inverse[:, n:n + len(self.joints)]).sum(axis=1)
+        return v, x[n:], np.abs(inverse[:n, n:n + len(self.joints)]).sum(axis=1)
 
     def _holds(
         self, name: Any, what: Any, mode: str, v: np.ndarray, impulse: Any, tol: float,
     ) -> bool:
         """Whether the signs of a mode are right, impulses as the rates that they would make."""
         kind, small = what[0], tol * self.mass[self.free].min()
-        if kind == "grip":
-            if mode == "slack":
-                return _hangs_right(what, v, self.h, tol)
-            return _held_right(what, mode, impulse, small, tol)
         if kind == "cord":
             row = what[1]
             return bool(impulse[name] >= -small if mode == "taut" else row.asked - row.J @ v <= tol)
-        if kind == "fluid":
-            row, least = what[1:]
-            if mode == "full":
-                return bool(impulse[name] >= least * (1 + tol))
-            return bool(row.asked - row.J @ v <= row.compliance * least * (1 - tol))
         if kind == "limit":
             y = what[1] @ v + what[2]
             return bool(impulse[name] >= -small if mode == "held" else y >= -tol)
@@ -686,16 +439,6 @@ class Step:
             if mode == "hold":
                 return bool(abs(impulse[name]) <= what[3] + small)
             y = what[1] @ v + what[2] + what[4] * (what[3] if mode == "high" else -what[3])
-            return bool(y >= -tol if mode == "low" else y <= tol)
-        if kind == "line":
-            most = what[3] + small
-            own = -(what[1] @ v + what[2]) / what[4]
-            return bool(abs(own) <= most if mode == "hold" else abs(own) >= what[3] - small)
-        if kind == "rub":
-            if mode == "hold":
-                carried = math.hypot(*(impulse[label] for label in what[5]))
-                return bool(abs(impulse[name]) <= what[3] + what[4] * carried + small)
-            y = what[1] @ v + what[2]
             return bool(y >= -tol if mode == "low" else y <= tol)
         _, up, want, right, friction = what
         if mode == "open":
@@ -705,32 +448,6 @@ class Step:
             return bool(abs(impulse[(*name, "t")]) <= friction * normal + small)
         slip = right @ v
         return bool(normal >= -small and (slip >= -tol if mode == "left" else slip <= tol))
-
-
-def name_of(cord: Cord, first: int, piece: Any) -> tuple[str, int]:
-    """What the row of a span is called."""
-    return "span", first + cord.pieces.index(piece)
-
-
-def _hangs_right(what: Any, v: np.ndarray, h: float, tol: float) -> bool:
-    """Whether a cord that hangs is not stretched, a stiff one after the step, or would push."""
-    _, rows, _, stretch, drawn, stiff = what
-    shorter = sum(row.J @ v for row in rows.values())
-    ahead = h * shorter if stiff else 0.0
-    pulls = sum(row.asked for row in rows.values()) - shorter
-    return bool(not drawn and (stretch <= ahead + tol * h or pulls <= tol))
-
-
-def _held_right(what: Any, mode: Any, impulse: Any, small: float, tol: float) -> bool:
-    """Whether friction at each guide is within its bound, or against the slip."""
-    _, rows, guides, *_ = what
-    for (label, before, after, bound), way in zip(guides, mode, strict=True):
-        p, q = impulse[before], impulse[after] if isinstance(after, tuple) else after
-        if way == 0 and abs(q - p) > bound * (p + q) + small:
-            return False
-        if way != 0 and impulse[label] * way < -tol:
-            return False
-    return all(impulse[name] >= -small for name in rows)
 
 
 def com(model: Model) -> np.ndarray:

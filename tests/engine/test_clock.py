@@ -10,24 +10,10 @@ from hypothesis import strategies as st
 from sandbox.engine.clock import Clock, make_clock
 
 
-def test_labels() -> None:
-    """Step k's forces and poses belong to (k - 1/2) h: 0.25 ms, 0.75 ms, … at h = 0.5 ms."""
-    clock = Clock(step=5e-4, steps=10, every=2)
-    np.testing.assert_allclose(clock.force_time(np.arange(1, 4)), [0.25e-3, 0.75e-3, 1.25e-3])
-    assert clock.force_time(1) == pytest.approx(0.25e-3)
-
-
 def test_no_drift_after_a_million_steps() -> None:
     """Repeated addition of 0.1 ms is off by 1e-9 s there; a product only by its last bit."""
     clock = Clock(step=1e-4, steps=1_000_001, every=1)
     assert abs(float(clock.force_time(1_000_000)) - 99.99995) <= np.spacing(99.99995)
-
-
-def test_sample_steps() -> None:
-    """Every second step: 2, 4, …; five samples of eleven steps, the odd one out."""
-    clock = Clock(step=5e-4, steps=11, every=2)
-    assert clock.samples == 5
-    np.testing.assert_array_equal(clock.sample_step(np.arange(5)), [2, 4, 6, 8, 10])
 
 
 @pytest.mark.parametrize(("duration", "step", "rate", "steps", "every"), [

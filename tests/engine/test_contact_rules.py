@@ -1,4 +1,4 @@
-"""Filters say exactly what the rules say."""
+"""Which bodies may touch: contact rules, planes and joints, with few and many categories."""
 
 from __future__ import annotations
 
@@ -10,10 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sandbox.engine.contact_rules import CATEGORIES, Filters, make_filters
 from sandbox.engine.simulate import simulate
-from sandbox.engine.tables import pair_tables
-from sandbox.engine.world import World
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.pairs import allowed_pairs
 from sandbox.scene.mechanism import Mechanism
@@ -22,32 +19,6 @@ from .machines import G, disc, fixed, mechanism
 
 PATTERNS = ("*", "a*", "b*", "a1", "b2", "?1", "c*", "nobody")
 NAMES = tuple(f"{letter}{i}" for letter in "abc" for i in range(4))
-
-
-def accepts(filters: Filters, machine: Mechanism) -> np.ndarray:
-    """What pymunk will find near one another: its own rule for filters, then joints.
-
-    cpShapeFilterReject: same non-zero group, or a category outside the other's mask.
-    Pairs of bodies that do not move freely are never looked at.
-    """
-    group, category, mask = filters.group, filters.category, filters.mask
-    accepted = (category[:, None] & mask[None, :]) != 0
-    accepted &= accepted.T
-    accepted &= ~((group[:, None] == group[None, :]) & (group[:, None] != 0))
-    index = {body.name: i for i, body in enumerate(machine.bodies)}
-    for joint in machine.joints:
-        if not joint.collide:
-            i, j = index[joint.a], index[joint.b]
-            accepted[i, j] = accepted[j, i] = False
-    rests = np.array([body.motion != "dynamic" for body in machine.bodies])
-    accepted[np.ix_(rests, rests)] = False
-    np.fill_diagonal(accepted, False)
-    return accepted
-
-
-def kinds(filters: Filters) -> int:
-    """How many categories are in use."""
-    return len(np.unique(filters.category))
 
 
 def reference(machine: Mechanism) -> np.ndarray:
@@ -82,7 +53,7 @@ planes = st.dictionaries(
 @settings(deadline=None, max_examples=60)
 @given(st.lists(rule, max_size=6), st.lists(pair, max_size=5), st.sets(st.sampled_from(NAMES)),
        planes)
-def test_filters_are_exact(rules: Any, pairs: Any, resting: Any, planes: Any) -> None:
+def test_allowed_pairs(rules: Any, pairs: Any, resting: Any, planes: Any) -> None:
     machine = mechanism(
         bodies=[disc(n, 0.01, (0.0, 0.0), plane=planes.get(n, 0),
                      **({"motion": "fixed"} if n in resting else {}))
@@ -90,32 +61,8 @@ def test_filters_are_exact(rules: Any, pairs: Any, resting: Any, planes: Any) ->
         joints=[{"type": "rope", "name": f"j{i}", "a": a, "b": b, "longest": 1.0, "collide": c}
                 for i, (a, b, c) in enumerate(pairs)],
         contacts=rules)
-    filters = make_filters(compile_mechanism(machine))
-    expected = reference(machine)
-    np.testing.assert_array_equal(filters.allowed, expected)
-    np.testing.assert_array_equal(allowed_pairs(compile_mechanism(machine)), expected)
-    np.testing.assert_array_equal(accepts(filters, machine), expected)
-    order = np.random.default_rng(len(rules)).permutation(len(NAMES))
-    friction, _ = pair_tables(filters, order)
-    np.testing.assert_array_equal(friction >= 0, expected[np.ix_(order, order)])
-
-
-def hands(count: int) -> Mechanism:
-    """``count`` fingers of a fixed palm and three phalanges, none touching itself, one object."""
-    bodies = [fixed("ground"), disc("object", 0.01, (0.0, 0.0))]
-    for i in range(count):
-        bodies.append(fixed(f"f{i}.palm"))
-        bodies += [disc(f"f{i}.link{k}", 0.01, (i, k)) for k in range(3)]
-    rules = [{"between": (f"f{i}.*", f"f{i}.*"), "collide": False} for i in range(count)]
-    return mechanism(bodies=bodies, contacts=rules)
-
-
-def test_64_fingers_fit_the_filters() -> None:
-    """pymunk then finds nothing that may not touch."""
-    machine = hands(64)
-    filters = make_filters(compile_mechanism(machine))
-    assert filters.category.max() < 2**CATEGORIES
-    np.testing.assert_array_equal(accepts(filters, machine), reference(machine))
+    np.testing.assert_array_equal(
+        allowed_pairs(compile_mechanism(machine)), reference(machine))
 
 
 def crossing(count: int, duration: float = 0.1) -> Mechanism:
@@ -128,16 +75,14 @@ def crossing(count: int, duration: float = 0.1) -> Mechanism:
     return mechanism(duration=duration, gravity=(0.0, -G), bodies=bodies, contacts=rules)
 
 
-@pytest.mark.parametrize(("count", "filtered"), [(3, True), (40, False)])
-def test_refused_pairs_pass_through_each_other(count: int, filtered: bool) -> None:
+@pytest.mark.parametrize("count", [3, 40])
+def test_refused_pairs_pass_through_each_other(count: int) -> None:
     """Discs that overlap and may not touch both come to lie on the floor, others do not.
 
     With 40 such pairs there are 81 kinds of body, more than pymunk's 32 categories: all are then
     of one, and the table of pairs tells them apart. On the floor a disc's centre is 20 mm up.
     """
-    machine = crossing(count)
-    assert (kinds(make_filters(compile_mechanism(machine))) > 1) == filtered
-    run = simulate(machine)
+    run = simulate(crossing(count))
     heights = [run[f"{name}{i}.y"][-1] for i in range(count) for name in "ab"]
     np.testing.assert_allclose(heights, 0.02, atol=1e-9)
     others = np.unique(run.arrays["contact_other"])
@@ -156,20 +101,6 @@ def test_what_may_touch_does_so_beyond_32_kinds() -> None:
     assert run["b38.y"][-1] == pytest.approx(0.02, abs=1e-9)
 
 
-def test_later_rules_win_and_joints_have_the_last_word() -> None:
-    machine = mechanism(
-        bodies=[disc("a", 0.01, (0, 0)), disc("b", 0.01, (1, 0)), disc("c", 0.01, (2, 0))],
-        joints=[{"type": "rope", "name": "j", "a": "a", "b": "c", "longest": 3.0}],
-        contacts=[{"between": ("*", "*"), "collide": False}, {"between": ("a", "*")}])
-    np.testing.assert_array_equal(
-        allowed_pairs(compile_mechanism(machine)),
-        [[False, True, False], [True, False, False], [False] * 3])
-
-
-def test_no_bodies_no_filters() -> None:
-    assert make_filters(compile_mechanism(mechanism())).allowed.shape == (0, 0)
-
-
 def test_fixed_bodies_are_apart_for_joints() -> None:
     """A joint to one fixed body must not switch off the contact with another.
 
@@ -181,7 +112,4 @@ def test_fixed_bodies_are_apart_for_joints() -> None:
         bodies=[fixed("wall"), fixed("floor", shapes=[{"type": "box", "size": (1, 0.02)}]),
                 disc("ball", 0.01, (0.0, 0.025))],
         joints=[{"type": "rope", "name": "rope", "a": "wall", "b": "ball", "longest": 1.0}])
-    world = World(compile_mechanism(machine))
-    assert len({id(body) for body in world.bodies}) == 3
-    assert world.space.static_body not in world.bodies
     assert simulate(machine)["ball.y"][-1] == pytest.approx(0.02, abs=1e-9)

@@ -1,4 +1,4 @@
-"""Soft tendons: springs that only pull, second order in the step. What a jerk gives back."""
+"""Tendons and springs: second order in the step, slack tendons, damping, degenerate springs."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import pytest
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
+
+from .machines import disc, fixed, mass, mechanism
 
 MASS, STIFFNESS, GRAVITY = 0.1, 200.0, 9.81
 
@@ -85,3 +87,30 @@ def test_a_rope_gives_nothing_back_and_a_cord_what_the_step_leaves_it(h: float):
 def test_damping_of_some_times_its_critical_takes_the_rebound_away():
     run = snatch(5e-4, 5000.0)
     assert 1.6 < run["corded.vx"][-1] < 1.62
+
+
+@pytest.mark.parametrize("stiffness", [100.0, 1e9])
+@pytest.mark.parametrize("damping", [0.0, 1.0])
+def test_a_spring_of_no_length_exerts_no_force(stiffness: float, damping: float) -> None:
+    run = simulate(mechanism(
+        duration=0.01, bodies=[fixed("wall"), mass("b", 0.1, (0.0, 0.0))],
+        springs=[{"type": "linear", "name": "s", "a": "wall", "b": "b", "stiffness": stiffness,
+                  "damping": damping, "rest_length": 0.1}]))
+    np.testing.assert_array_equal(run.arrays["body_velocity"], 0.0)
+
+
+@pytest.mark.parametrize("free", [("one", "two"), ("one",), ("two",)])
+def test_motion_does_not_depend_on_which_end_of_a_spring_is_a(free):
+    """Two discs held off their centres by a damper as strong as the step bears: the same motion."""
+    bodies = [
+        {**disc(name, 0.02, at, velocity=speed, angular_velocity=turn)}
+        if name in free else fixed(name, at=at)
+        for name, at, speed, turn in (("one", (0.0, 0.0), (0.3, -0.2), 9.0),
+                                      ("two", (0.1, 0.03), (-0.1, 0.4), -15.0))]
+    ends = {"one": (0.004, 0.017), "two": (-0.013, 0.009)}
+    runs = [simulate(mechanism(duration=0.05, bodies=bodies, springs=[{
+        "type": "linear", "name": "band", "a": a, "b": b, "on_a": ends[a], "on_b": ends[b],
+        "stiffness": 300.0, "damping": 60.0}])) for a, b in (("one", "two"), ("two", "one"))]
+    for key in ("body_pose", "body_velocity", "spring_force", "spring_work"):
+        one, other = (run.arrays[key] for run in runs)
+        assert one == pytest.approx(other, rel=1e-9, abs=1e-12)

@@ -6,10 +6,9 @@ from typing import Any
 
 import pytest
 
-from sandbox.engine.estimate import ACT, Estimate
+from sandbox.engine.estimate import Estimate
 from sandbox.engine.inspect import look_over
 from sandbox.engine.simulate import simulate
-from sandbox.kinds.arrays import CONTACT, CONTACT_BYTES, sample_bytes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits
 
@@ -32,18 +31,6 @@ def test_steps_and_samples_are_those_of_the_run() -> None:
     assert (found.steps, found.samples) == (run.info.steps, len(run)) == (10, 5)
 
 
-def test_bytes_are_those_of_the_recording_where_contacts_are_as_assumed() -> None:
-    floor = {"name": "floor", "motion": "fixed", "shapes": [
-        {"type": "box", "size": [1, 0.1], "at": [0, -0.06]}]}
-    machine = Mechanism.model_validate({
-        "bodies": [*discs(1, 1.0).bodies, floor], "gravity": [0, -9.81], "run": {"duration": 0.1}})
-    run, found = simulate(machine), of(machine)
-    assert found.contacts == 1
-    rows = sum(run.arrays[key].nbytes for key in CONTACT)
-    assert rows == CONTACT_BYTES * len(run)
-    assert found.recorded_bytes == rows + sample_bytes(machine) * len(run)
-
-
 @pytest.mark.parametrize(("count", "apart", "contacts"), [
     (1, 1.0, 0),     # nothing to touch
     (2, 1.0, 1),     # one pair
@@ -52,11 +39,6 @@ def test_bytes_are_those_of_the_recording_where_contacts_are_as_assumed() -> Non
 ])
 def test_contacts_that_are_reckoned_with(count: int, apart: float, contacts: int) -> None:
     assert of(discs(count, apart)).contacts == contacts
-
-
-def test_pairs_that_a_rule_keeps_apart_do_not_count() -> None:
-    rule = {"between": ["*", "*"], "collide": False}
-    assert of(discs(5, 0.0, contacts=[rule])).contacts == 0
 
 
 def test_sixteen_touching_circles_at_every_microsecond() -> None:
@@ -68,24 +50,6 @@ def test_sixteen_touching_circles_at_every_microsecond() -> None:
     assert "10 548 000 000 bytes with 120 contacts in each sample" in problem.message
     assert "'recorded_bytes', raised by --max-recorded-bytes" in problem.allowed
     assert list(found.beyond(Limits(recorded_bytes=10**11))) == []
-
-
-def test_time_grows_with_steps_and_with_what_is_in_them() -> None:
-    few, many = of(discs(2, 1.0)), of(discs(200, 1.0))
-    assert many.seconds > 5 * few.seconds
-    longer = discs(2, 1.0, run={"duration": 0.1, "step": 1e-3, "sample_rate": 500})
-    assert of(longer).seconds == pytest.approx(10 * few.seconds)
-
-
-def test_controllers_and_conditions_cost_as_often_as_they_act() -> None:
-    drive = {"type": "force", "name": "f", "body": "d0", "direction": [1, 0], "value": 0}
-    law = {"type": "feedback", "name": "law", "writes": "f", "value": "=d0.x"}
-    event = {"name": "e", "when": "=d0.x > 1", "stop": "pass"}
-    plain = of(discs(2, 1.0, drives=[drive])).seconds
-    for rate, acts in ((1000, 10), (100, 1)):
-        more = of(discs(2, 1.0, drives=[drive], controllers=[{**law, "rate": rate}],
-                        events=[{**event, "rate": rate}])).seconds - plain
-        assert more == pytest.approx(2 * acts * ACT)
 
 
 @pytest.mark.parametrize(("seconds", "size", "told"), [

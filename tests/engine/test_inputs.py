@@ -78,15 +78,6 @@ def test_its_velocity_and_acceleration_belong_to_the_same_instant() -> None:
     np.testing.assert_allclose(run["b.ax"][-1], -4.9 * np.sin(7 * t[-1]), atol=5 * 34 * H)
 
 
-def test_a_path_keeps_what_it_does_not_name() -> None:
-    run = simulate(mechanism(duration=0.1, bodies=[
-        {"name": "b", "motion": "scheduled", "at": (0.3, -0.1), "angle": 0.4,
-         "path": {"y": {"from": -0.1, "to": 0.5, "over": 0.05}}}]))
-    np.testing.assert_allclose(run["b.x"], 0.3, rtol=1e-12)
-    np.testing.assert_allclose(run["b.angle"], 0.4, rtol=1e-12)
-    assert run["b.y"][-1] == pytest.approx(0.5, abs=1e-12)
-
-
 def test_scheduled_body_pushes() -> None:
     """A wall that advances at 0.2 m/s takes a disc along: same speed, no gap."""
     run = simulate(mechanism(duration=0.4, bodies=[

@@ -46,18 +46,6 @@ def measure(one: Path, pose: np.ndarray, start: bool) -> float:
     return measured(one.cords[0], one.guides, one.memory, one.told, pose, start)
 
 
-def polyline(points: list[tuple[float, float]]) -> float:
-    return sum(math.dist(p, q) for p, q in itertools.pairwise(points))
-
-
-def test_eyes_make_a_polyline() -> None:
-    """Rounding only. Body 1 is turned by 90 deg at (1, 2): its (0.1, 0.3) is at (0.7, 2.1)."""
-    one = path((0, 0.0, 0.0, 0.0), (1, 0.1, 0.3, 0.0), (0, 0.5, 0.0, 0.0))
-    pose = np.array([[0.0, 0.0, 0.0], [1.0, 2.0, math.pi / 2]])
-    expected = polyline([(0.0, 0.0), (0.7, 2.1), (0.5, 0.0)])
-    assert measure(one, pose, True) == pytest.approx(expected, rel=1e-14)
-
-
 @pytest.mark.parametrize(("side", "wrap"), [(1.0, math.pi / 2), (-1.0, 3 * math.pi / 2)],
                          ids=["right", "left"])
 def test_wheel_between_two_eyes(side: float, wrap: float) -> None:
@@ -97,28 +85,6 @@ def test_a_cord_that_grazes_its_wheel_does_not_go_round_it(side: float) -> None:
         centre = 0.05 * u + side * radius * np.array([u[1], -u[0]])
         one = path((0, 0, 0, 0), (0, *centre, side * radius), (0, *(0.1 * u), 0))
         assert measure(one, np.zeros((1, 3)), True) == pytest.approx(0.1, abs=1e-9)
-
-
-@pytest.mark.parametrize("side", [1.0, -1.0])
-@pytest.mark.parametrize("place", [0, 1])
-def test_wound_end_pays_out_for_many_turns(place: int, side: float) -> None:
-    """A wheel turned by phi takes up r phi of cord, for three turns, in steps of 0.1 rad.
-
-    Walking from the first guide, a wheel at the start on the right (s = +1) pays out when it turns
-    counter-clockwise; at the end the same turn takes up: dL = ± s r dphi. The other guide is far
-    off and does not move, so the tangent stays where it is.
-    """
-    radius = 0.02
-    guides = [(0, 0.0, 0.0, side * radius), (1, 0.0, 0.5, 0.0)]
-    one = path(*(guides if place == 0 else guides[::-1]))
-    pose = np.zeros((2, 3))
-    start = measure(one, pose, True)
-    assert start == pytest.approx(math.sqrt(0.25 - radius**2), rel=1e-14)
-    for phi in np.arange(0, 6 * math.pi, 0.1):
-        pose[0, 2] = phi
-        sign = side if place == 0 else -side
-        assert measure(one, pose, False) - start == pytest.approx(
-            sign * radius * phi, abs=1e-12)
 
 
 def test_wrap_is_continuous_for_more_than_a_turn() -> None:

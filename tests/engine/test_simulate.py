@@ -69,18 +69,19 @@ def test_twice_the_same_in_one_process() -> None:
 
 
 def test_the_same_in_other_processes() -> None:
-    """Whatever the order of sets, the language, the time zone and the home."""
-    script = ("from tests.engine.test_simulate import digest, pile, simulate\n"
+    """Hash seed, language, time zone, home and addresses in memory do not matter."""
+    script = ("import sys\nfrom tests.engine.test_simulate import digest, pile, simulate\n"
+              "waste = [bytearray(97 * (i + 1)) for i in range(int(sys.argv[1]))]\n"
               "print(digest(simulate(pile())))")
     root = Path(__file__).parents[2]
     paths = os.pathsep.join([str(Path(sandbox.__file__).parents[1]), str(root)])
     places = ({"PYTHONHASHSEED": "1", "LC_ALL": "C", "PYTHONUTF8": "0", "TZ": "Asia/Kathmandu"},
-              {"PYTHONHASHSEED": "2", "LANG": "tr_TR.UTF-8", "HOME": "/nowhere",
+              {"PYTHONHASHSEED": "1001", "LANG": "tr_TR.UTF-8", "HOME": "/nowhere",
                "TMPDIR": "/nowhere"})
     runs = [
         subprocess.Popen(
-            [sys.executable, "-P", "-c", script], stdout=subprocess.PIPE, text=True, cwd=root,
-            env={**os.environ, **place, "PYTHONPATH": paths})
+            [sys.executable, "-P", "-c", script, place["PYTHONHASHSEED"]], stdout=subprocess.PIPE,
+            text=True, cwd=root, env={**os.environ, **place, "PYTHONPATH": paths})
         for place in places]
     results = {run.communicate(timeout=600)[0].strip() for run in runs}
     assert results == {digest(simulate(pile()))}

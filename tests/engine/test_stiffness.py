@@ -1,4 +1,4 @@
-"""Springs that are too stiff for the step are taken at its end: stable, damped, exact at rest."""
+"""Rotary springs: too stiff for the step, soft, and their work."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 
 from sandbox.engine.simulate import simulate
-from sandbox.engine.stiffness import responses, too_stiff
-from sandbox.model.compile import compile_mechanism
 from sandbox.scene.mechanism import Mechanism
 
 from .machines import G, H, fixed, mechanism
@@ -31,26 +29,6 @@ def flap(k: float, *, duration: float = 0.05, **more: Any) -> Mechanism:
 
 ABOUT = INERTIA + M * D**2
 """Inertia about the hinge."""
-
-
-def test_a_rotary_spring_is_at_the_step_s_end_from_h_w_of_1_on():
-    for pace, stiff in ((0.99, False), (1.01, True)):
-        model = compile_mechanism(flap(ABOUT * (pace / H) ** 2))
-        assert too_stiff(model, H).tolist() == [stiff]
-    assert responses(model) == pytest.approx([1 / ABOUT])
-
-
-def test_between_two_bodies_that_move_both_count():
-    scene = {"bodies": [{"name": "a", "mass": 1, "inertia": 0.1}, {"name": "b", "mass": 2,
-                                                                   "inertia": 0.3, "at": (1, 0)}],
-             "joints": [{"type": "pin", "name": "hinge", "a": "a", "b": "b", "at": (0.5, 0)}],
-             "springs": [{"type": "rotary", "name": "r", "joint": "hinge", "stiffness": 1},
-                         {"type": "linear", "name": "l", "a": "a", "b": "b", "on_a": (0, 0.2),
-                          "on_b": (0.1, 0), "stiffness": 1}]}
-    del scene["joints"][0]["at"]
-    scene["joints"][0] |= {"on_a": (0.5, 0), "on_b": (-0.5, 0)}
-    found = responses(compile_mechanism(Mechanism.model_validate(scene)))
-    assert found == pytest.approx([1 / 0.1 + 1 / 0.3, 1 + 0.04 / 0.1 + 1 / 2 + 0.01 / 0.3])
 
 
 @pytest.mark.parametrize("pace", [3.0, 30.0, 3e3])
@@ -87,3 +65,32 @@ def test_one_that_a_drive_lets_go_carries_nothing():
     assert run["s.torque"][late] == pytest.approx(0.0, abs=1e-12)
     np.testing.assert_allclose(np.diff(run["hinge.rate"][late])[:5] / H,
                                -M * G * D / ABOUT, rtol=1e-2)
+
+
+def two_arms(springs: list[dict[str, Any]], damping: float = 1e-3) -> Mechanism:
+    """Two arms pinned to a wall, their hinges damped [N m s/rad]."""
+    bodies = [fixed("wall"), *({"name": name, "mass": 0.1, "inertia": 1e-4, "angle": angle}
+                               for name, angle in (("one", 0.3), ("two", -0.2)))]
+    joints = [{"type": "pin", "name": f"hinge_{name}", "a": "wall", "b": name, "on_a": (0, 0),
+               "damping": damping} for name in ("one", "two")]
+    return mechanism(bodies=bodies, joints=joints, springs=springs)
+
+
+def test_the_work_of_a_torsion_spring_counts_from_where_it_begins():
+    """k/2 (y0^2 - y^2), y the angle off its rest, with neither start nor rest at 0.
+
+    Forces act at y_n over (y_(n+1) - y_(n-1)) / 2, which telescopes; with the leapfrog's
+    y_(n+1) + y_(n-1) = (2 - h^2 k / I) y_n the y^2 of the pose counts as (1 - h^2 k / 2 I) y^2.
+    At the start y_0 = y_1, half a step on either side of rest.
+    """
+    k, rest = 0.2, 0.25
+    machine = two_arms([
+        {"type": "rotary", "name": "s", "joint": "hinge_one", "stiffness": k, "rest_angle": rest}],
+        damping=0.0)
+    run = simulate(machine)
+    y = run["hinge_one.angle"] - rest
+    share = 1 - H**2 * k / 1e-4 / 2
+    np.testing.assert_allclose(
+        run["s.work"], k * (y[0]**2 - share * y**2) / 2, rtol=1e-11, atol=1e-16)
+    assert abs(run["s.work"][0]) < 1e-3 * k * (0.3 - rest)**2
+    assert np.ptp(y) > 1e-3
