@@ -60,7 +60,6 @@ RUN_ELSEWHERE = {
     "python -m tests.golden check": "tests/golden/test_golden.py, scene by scene",
     "python -m benchmarks": "tests/test_benchmarks.py, quickly",
     "python -m benchmarks --only work_precision --draw docs": "tests/test_benchmarks.py, quickly",
-    "python -m tests.hard": "tests/hard/test_hard.py, target by target",
     "python -m tests.kills": "tests/test_kills.py, a dozen kills",
     "python -m tests.scenes.holding": "tests/scenes/test_hands.py, some of the starts",
     "python -m tests.fuzz --count 200": "tests/fuzz/test_fuzz.py, a share of the inputs",

@@ -44,38 +44,6 @@ def pull(name: str, value: str = f"={GROWS} * t", **more: Any) -> dict[str, Any]
             "value": value, **more}
 
 
-def test_a_contact_that_opens_with_the_break_is_of_first_order() -> None:
-    """A bar falls from under a ball: it is off by what that pressed after the break, d m g x / I.
-
-    The load comes to its limit d before a step begins, d < h / 2, and up to there the ball pressed.
-    What is left is of second order.
-    """
-    arm, x, g, inertia = 0.5, 0.9, 9.81, INERTIA + 0.01**2
-    for h in (1e-3, 0.5e-3, 0.25e-3):
-        d = 0.3 * h
-        ends = 100e-3 - d  # the load is come to then
-        grows = LOAD / ends
-        made = simulate(load_scene({
-            "run": {"duration": 0.12, "step": h, "sample_rate": 1 / h}, "gravity": [0, -g],
-            "bodies": [FRAME, {"name": "bar", "mass": 1.0, "inertia": INERTIA, "at": [0, 0],
-                               "shapes": [{"type": "box", "size": [2, 0.02], "at": [0, -0.01]}]},
-                       {"name": "ball", "at": [x, 0.03], "mass": 0.1,
-                        "shapes": [{"type": "circle", "radius": 0.03}]}],
-            "joints": [{"type": "pin", "name": "hinge", "a": "frame", "b": "bar", "on_b": [0, 0]},
-                       {"type": "rod", "name": "rod", "a": "frame", "b": "bar",
-                        "on_a": [arm, 1.0], "on_b": [arm, 0],
-                        "breaks_at": LOAD + 0.1 * g * x / arm}],
-            "drives": [{"type": "force", "name": "pull", "body": "bar", "at": [arm, 0],
-                        "direction": [0, -1], "value": f"={grows!r} * t"}]}))
-        broke = made.info.broke[0].time
-        assert broke == pytest.approx(ends, abs=1e-9)
-        after = made.time > broke + 2 * h
-        t = made.time[after][:4]
-        fallen = arm * grows * (t**2 - broke**2) / 2 / inertia
-        assert -made["bar.omega"][after][:4] - fallen == pytest.approx(
-            d * 0.1 * g * x / inertia, rel=30 * h), h
-
-
 # -- what acts about a hinge goes with it ----------------------------------------------
 
 

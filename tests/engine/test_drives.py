@@ -14,19 +14,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from sandbox.audit.audit import audit
-from sandbox.engine.clock import make_clock
-from sandbox.engine.inputs import CHUNK, Inputs
 from sandbox.engine.inspect import inspect
 from sandbox.engine.simulate import simulate
-from sandbox.mechanics.springs import spring_set
-from sandbox.mechanics.tendon import route
 from sandbox.recording.recording import Recording
-from sandbox.scene.mechanism import Mechanism
-from sandbox.study.plain_mechanisms import HINGES, finger
-from sandbox.study.reference_fingers import SET_G
 
-from .machines import G, H, disc, fixed, mass, mechanism, parts
+from .machines import G, H, fixed, mass, mechanism
 
 SENSES = pytest.mark.parametrize(("positive", "sense"), [("counterclockwise", 1),
                                                          ("clockwise", -1)])
@@ -139,13 +131,6 @@ def test_work_is_the_gain_of_kinetic_energy(kind: str) -> None:
     assert kinetic.max() > 1e-5
 
 
-def test_the_audit_works_out_the_law_of_a_spring_whose_stiffness_changes() -> None:
-    run = turned(setting("=0.02 + 0.015 * sin(40 * t)"))
-    found = {figure.name: figure for figure in audit(run)}
-    for name in ("momentum.moment", "energy.created", "spring.torque", "drive.signal", "work"):
-        assert found[name].verdict == "pass", found[name]
-
-
 # -- brakes ------------------------------------------------------------------------
 
 
@@ -233,34 +218,6 @@ def test_a_brake_lets_go_and_takes_hold_when_told() -> None:
     assert np.ptp(run["p.angle"][t > 0.3]) > 0.1
 
 
-def test_a_finger_held_under_a_tendons_pull() -> None:
-    """All hinges locked near 0.3, 0.4, 0.2 rad: torque = k dl hm - T h about each, (12) and (24).
-
-    Three locks in a chain are loaded at once and found at once: nothing moves.
-    """
-    start = np.array([0.3, 0.4, 0.2])
-    plain = finger(SET_G, pull=3.0, duration=0.5, step=H, stops=False)
-    data = plain.model_dump(mode="json", by_alias=True)
-    near = np.zeros(2)
-    for i, body in enumerate(data["bodies"][1:4]):
-        angle = -start[:i + 1].sum()
-        body["at"], body["angle"] = near.tolist(), angle
-        near = near + SET_G.lengths[i] * np.array([math.cos(angle), math.sin(angle)])
-    for before, after, spring in zip(SET_G.before, SET_G.after, data["springs"], strict=True):
-        spring["rest_length"] = math.dist(before, after)
-    data["drives"] += [{"type": "brake", "name": f"lock{i}", "joint": hinge, "value": 1.0}
-                       for i, hinge in enumerate(HINGES)]
-    run = simulate(Mechanism.model_validate(data))
-    angles = np.array([run[f"{hinge}.angle"] for hinge in HINGES])
-    np.testing.assert_allclose(angles, start[:, None] + 0 * angles, atol=1e-11)
-    springs = spring_set(SET_G.before, SET_G.after)
-    torque = (np.array(SET_G.stiffness) * springs.elongations(angles[:, -1])
-              * springs.arms(angles[:, -1])
-              - 3.0 * route(SET_G.guides, SET_G.lengths).arms(angles[:, -1]))
-    found = np.array([run[f"lock{i}.torque"][-1] for i in range(3)])
-    np.testing.assert_allclose(found, torque, rtol=1e-8)
-
-
 # -- motors ------------------------------------------------------------------------
 
 
@@ -312,15 +269,6 @@ def test_power_is_torque_times_the_rate_of_the_two_bodies(
     sense = 1.0 if positive == "counterclockwise" else -1.0
     np.testing.assert_allclose(run["d.power"], 0.3 * sense * (run["two.omega"] - run["one.omega"]),
                                rtol=1e-12, atol=1e-12)
-
-
-def test_a_motor_follows_a_speed_that_varies() -> None:
-    """With torque to spare the rate is the signal's at each step's end; no lag."""
-    run = hinged({"type": "motor", "value": "=5 * sin(20 * t)", "torque": 1.0})
-    # recorded is the mean of the rates at the beginning and the end of a step
-    speed = [5 * np.sin(20 * (run.time + late)) for late in (-H / 2, H / 2)]
-    np.testing.assert_allclose(run["p.rate"][1:], sum(speed)[1:] / 2, rtol=0, atol=1e-11)
-    np.testing.assert_allclose(run["d.value"], speed[1], rtol=0, atol=1e-12)
 
 
 @SENSES
@@ -385,52 +333,7 @@ def test_a_start_at_speed_leaves_no_jerk_in_the_second_step(at: float) -> None:
     assert bend[0] < 3 * np.median(bend[1:5])
 
 
-def test_the_audit_counts_motors_and_brakes() -> None:
-    """Moments balance to rounding between both bodies of the hinge, and so does energy."""
-    run = simulate(mechanism(
-        duration=0.3, gravity=(0.0, -G),
-        bodies=[fixed("wall"), wheel(centre=(0.05, 0.0)),
-                {"name": "v", "mass": 0.05, "inertia": 2e-5, "at": (0.1, 0.0),
-                 "centre": (0.03, 0.01)}],
-        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0)},
-                {"type": "pin", "name": "q", "a": "w", "b": "v", "on_b": (0, 0),
-                 "positive": "clockwise"}],
-        drives=[{"type": "motor", "name": "m", "joint": "p", "value": 4.0, "torque": 0.2},
-                {"type": "brake", "name": "b", "joint": "q", "value": 0.005}]))
-    assert np.ptp(run["q.angle"]) > 0.1
-    found = {figure.name: figure for figure in audit(run)}
-    for name in ("momentum.moment", "momentum.force", "reaction.size", "energy.created",
-                 "energy.lost"):
-        assert found[name].verdict == "pass", found[name]
-    assert found["momentum.moment"].value < 1e-12
-
-
 # -- the machinery -----------------------------------------------------------------
-
-
-def ahead(kind: str, value: Any, **more: Any) -> int:
-    """How many steps a machine with a drive of ``value`` may make at once."""
-    on = {"brake": {"joint": "p"}, "radius": {"body": "ball"}}[kind]
-    machine = mechanism(
-        bodies=[fixed("wall"), wheel(), disc("ball", 0.01, (1.0, 0.0))],
-        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0)}],
-        drives=[{"type": kind, "name": "d", "value": value, **on}], **more)
-    return Inputs(parts(machine)[0], make_clock(0.1, H, 1 / H)).at_once
-
-
-def test_only_what_pymunk_latches_and_varies_by_itself_cuts_the_steps() -> None:
-    """A constant needs no cutting, nor does what a controller writes: it is cut where that acts.
-
-    Only radii are latched; the torque of a brake is read at every step.
-    """
-    ramp = {"to": 1.0, "over": 0.1}
-    assert ahead("brake", ramp) == CHUNK
-    assert ahead("radius", 1.0) == CHUNK
-    assert ahead("radius", ramp) == 1
-    assert ahead("radius", ramp, controllers=[
-        {"type": "schedule", "name": "c", "writes": "d", "value": 1.0}]) == CHUNK
-    assert ahead("radius", ramp, controllers=[
-        {"type": "schedule", "name": "c", "writes": "d", "value": 1.0, "active": False}]) == 1
 
 
 @pytest.mark.parametrize(("value", "more"), [

@@ -118,12 +118,6 @@ def test_a_box_that_falls_flat_leaves_flat(e: float) -> None:
     assert run["b.vy"][hit + 1] == pytest.approx(e * arrived, abs=4 * G * H)
 
 
-def test_without_restitution_nothing_bounces() -> None:
-    run = dropped([{"type": "circle", "radius": R}], 0.0)
-    assert run["b.vy"].max() < 1e-9
-    assert run["b.y"][-1] == pytest.approx(0.02, abs=1e-10)
-
-
 def test_slow_approaches_end() -> None:
     """A ball with e = 0.5 comes to rest: bounces below 10 mm/s give nothing back."""
     run = simulate(mechanism(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import cmath
-import dataclasses
 import itertools
 import math
 from collections.abc import Sequence
@@ -11,7 +10,6 @@ from typing import Any
 
 import pytest
 
-from sandbox.engine import inspect_hands
 from sandbox.engine.inspect import inspect
 from sandbox.engine.inspect_travel import ways
 from sandbox.engine.inspect_trees import reaches
@@ -65,74 +63,6 @@ def test_fingers_that_lack_the_same_object_share_a_line() -> None:
     assert message.endswith(
         "'disc', is 210 mm from it (and so for 2 more, which lack less or as much: 'f0', 'f1')")
     assert advice.startswith("move either by 110.5 mm or more")
-
-
-def test_bent_at_the_start_it_is_as_long() -> None:
-    (line,) = told(hand(disc(0.12, -0.04), start="60 deg"))
-    assert "reaches 99.5 mm" in line[1]
-
-
-@pytest.mark.parametrize("turn", [0.0, 40.0, 130.0])
-def test_wherever_hand_and_object_stand(turn: float) -> None:
-    """The disc of 116.5 mm off again, hand and disc turned about the origin and moved."""
-    c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
-    at = [0.3 + 0.12 * c + 0.04 * s, -0.2 + 0.12 * s - 0.04 * c]
-    (line,) = told(hand(disc(*at), at=[0.3, -0.2], angle=f"{turn} deg"))
-    assert "'object0', is 116.5 mm from it" in line[1]
-
-
-def test_of_what_is_turned_its_own_sides_count() -> None:
-    """A box of 200 by 40 mm on end: 20 mm, not 100 mm, to either side of its middle at 125 mm."""
-    box = {"at": [0.125, 0], "shapes": [{"type": "box", "size": [0.2, 0.04]}]}
-    assert not told(hand(box))
-    assert "is 105 mm from it" in told(hand({**box, "angle": "90 deg"}))[0][1]
-
-
-@pytest.mark.parametrize(("tip", "reach"), [
-    ({"type": "circle", "radius": 0.006, "at": (0.018, 0.0)}, 45 + 26 + 18 + 6),
-    ({"type": "box", "size": (0.02, 0.016), "at": (0.011, 0.0)}, 45 + 26 + math.hypot(21, 8))])
-def test_the_farthest_point_of_any_tip_counts(tip: dict[str, Any], reach: float) -> None:
-    whole = hand(disc(0.2, 0))
-    with_tip = Mechanism.model_validate({"bodies": [
-        {"name": "distal", "mass": 1, "shapes": [tip]}]}).bodies[0].shapes
-    bodies = [body.model_copy(update={"shapes": with_tip}) if body.name == "finger.distal" else body
-              for body in whole.bodies]
-    (line,) = told(whole.model_copy(update={"bodies": tuple(bodies)}))
-    assert line[1].startswith(f"reaches {reach:.4g} mm ")
-
-
-def test_an_object_that_any_phalanx_may_touch_counts() -> None:
-    """The tip may not touch it, the other phalanges may."""
-    whole = hand(disc(0.12, -0.04))
-    rule = Mechanism.model_validate({"contacts": [
-        {"between": ["finger.distal", "object0"], "collide": False}]}).contacts
-    assert told(whole.model_copy(update={"contacts": rule}))
-
-
-def test_of_many_objects_those_whose_circles_are_nearest_are_looked_at(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """The one whose outline is nearest, though another one's middle is, or one is farther off.
-
-    A circle says no more than that: of a bar on end it comes near the finger, the bar does not.
-    """
-    bar = {"at": [0.2, 0], "shapes": [{"type": "box", "size": [0.002, 0.3]}]}
-    assert "is 149 mm from it" in told(hand(bar, disc(-0.15, 0, 0.001)))[0][1]
-    monkeypatch.setattr(inspect_hands, "MOST_LOOKED", 1)
-    small, large = disc(0.2, 0, 0.001), disc(0, 0.25, 0.1)
-    for objects in ((small, large), (large, small)):
-        assert "is 150 mm from it" in told(hand(*objects))[0][1]
-    far = disc(0, 0.5, 0.1)
-    for objects in ((small, far), (far, small)):
-        assert "is 199 mm from it" in told(hand(*objects))[0][1]
-
-
-def test_what_was_not_looked_at_may_be_within_reach() -> None:
-    """Of 101 bars on end the circles come nearer than a disc, which the finger can touch."""
-    bars = [{"at": [0.2 + 1e-4 * i, 0], "shapes": [{"type": "box", "size": [0.002, 0.3]}]}
-            for i in range(inspect_hands.MOST_LOOKED + 1)]
-    assert told(hand(*bars[:-2]))
-    assert not told(hand(*bars, disc(0.09, 0, 0.001)))
 
 
 def test_of_an_outline_the_nearest_side_counts() -> None:
@@ -220,17 +150,6 @@ def drawn_in(turned: Sequence[float], scale: float = 1.0) -> float:
 STOPS = tuple(math.radians(angle) for angle in (85, 80, 75))
 
 
-@pytest.mark.parametrize("tree", ["pulley_tree", "rocker_tree"])
-@pytest.mark.parametrize("shares", [[1, 1], [1, 2], [3, 1]])
-def test_a_pivot_goes_as_virtual_work_says(tree: str, shares: list[float]) -> None:
-    """F x = T1 x1 + T2 x2, and the tensions are in proportion to the shares."""
-    whole = pair("80 mm", tree=tree, shares=shares)
-    name = "tree.pulley1" if tree == "pulley_tree" else "tree.rocker1"
-    x = [drawn_in(STOPS), drawn_in(STOPS, 0.8)]
-    assert ways(compile_mechanism(whole), (name,))[name] == pytest.approx(
-        (shares[0] * x[0] + shares[1] * x[1]) / sum(shares), rel=1e-12)
-
-
 def test_from_a_bent_start_it_goes_less_far() -> None:
     """Only by what is left to its stops, on either side of the hand."""
     bent = math.radians(30)
@@ -238,14 +157,6 @@ def test_from_a_bent_start_it_goes_less_far() -> None:
         way = ways(compile_mechanism(pair("80 mm", start=bent, palm=palm)), ("tree.pulley1",))
         x = drawn_in(STOPS) - drawn_in([bent] * 3)
         assert way["tree.pulley1"] == pytest.approx((x + 0.8 * x) / 2, rel=1e-12)
-
-
-def test_a_cord_over_the_back_draws_until_the_lower_stops() -> None:
-    """Mirrored guides and stops: as far as the finger that closes the other way."""
-    guides = [[x, -y] for x, y in FINGER["guides"]]
-    limits = [["-85 deg", 0], ["-80 deg", 0], ["-75 deg", 0]]
-    way = ways(compile_mechanism(pair("80 mm", guides=guides, limits=limits)), ("tree.pulley1",))
-    assert way["tree.pulley1"] == pytest.approx(0.9 * drawn_in(STOPS), rel=1e-12)
 
 
 @pytest.mark.parametrize("tree", [
@@ -263,17 +174,6 @@ def test_levels_of_a_tree_go_by_the_means_of_means(tree: dict[str, str]) -> None
     x = drawn_in(STOPS)
     assert list(ways(compile_mechanism(whole), names).values()) == pytest.approx(
         [one * x, two * x, (3 * one + 4 * two) / 7 * x], rel=1e-12)
-
-
-def test_of_cords_on_wheels_of_a_finger_nothing_is_told() -> None:
-    """What they wind up is not reckoned."""
-    whole = pair("30 mm")
-    model = compile_mechanism(whole)
-    radii = model.tendons.guide_radius.copy()
-    radii[model.tendons.guide_body == model.names.body["long.middle"]] = 2e-3
-    changed = dataclasses.replace(model, tendons=dataclasses.replace(
-        model.tendons, guide_radius=radii))
-    assert math.isnan(ways(changed, ("tree.pulley1",))["tree.pulley1"])
 
 
 @pytest.mark.parametrize("tree", ["pulley_tree", "rocker_tree"])

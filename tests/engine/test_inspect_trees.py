@@ -79,12 +79,3 @@ def test_a_slot_ends_where_it_is_told() -> None:
     run = simulate(mechanism)
     start = mechanism.bodies[[b.name for b in mechanism.bodies].index("tree.rocker1")].at[0]
     assert run["tree.rocker1.x"][-1] == pytest.approx(start - 0.05, abs=1e-6)
-
-
-def test_wheels_do_not_turn_over() -> None:
-    (line,) = told(pulled(type="pulley_tree"))
-    assert line == "tree: its slots end after 60 mm along the pull and 30 mm against it"
-
-
-def test_without_a_tree_nothing_is_told() -> None:
-    assert told(Mechanism()) == []

@@ -15,11 +15,8 @@ from scipy.integrate import solve_ivp
 
 import sandbox
 from sandbox.audit.audit import audit
-from sandbox.engine import loads as kernels
 from sandbox.errors import SceneError, SimulationDiverged
-from sandbox.model.loads import below
 from sandbox.recording.recording import Recording
-from sandbox.scene.elements.loads import MOTION
 
 G = 9.81
 
@@ -48,11 +45,6 @@ def _orders(error: Callable[[float], float], *, first: float = 2e-3) -> list[flo
     assert errors[0] / errors[1] == pytest.approx(4, rel=0.1)
     assert errors[1] / errors[2] == pytest.approx(4, rel=0.1)
     return errors
-
-
-def test_a_program_numbers_names_as_the_laws_do() -> None:
-    numbers = [getattr(kernels, name.upper() if name != "t" else "TIME") for name in MOTION]
-    assert numbers == list(range(len(MOTION)))
 
 
 def test_linear_drag_slows_exponentially() -> None:
@@ -134,12 +126,6 @@ def test_added_mass(share: float) -> None:
     """F = s m a: the body falls as if it had the mass (1 - s) m, also where that is heavy."""
     run = _run(_scene(_law(force=[0, f"={share} * mass * ay"]), g=G))
     assert run["b.ay"] == pytest.approx(-G / (1 - share), rel=1e-8)
-
-
-def test_what_drives_grows_exponentially() -> None:
-    """F = c v: v = e^(c t), as exactly as what brakes."""
-    run = _run(_scene(_law(force=["=4 * vx", 0]), velocity=[0.01, 0]))
-    assert run["b.vx"] == pytest.approx(0.01 * np.exp(4 * run.time), rel=(1e-3 * 4) ** 2)
 
 
 def _integrated(run: Recording, pushed: Callable[..., list[float]], start: list[float]) -> Any:
@@ -249,47 +235,7 @@ def test_one_law_for_many_bodies_is_each_ones_own() -> None:
     assert "law.b.fx" not in run
 
 
-def test_a_loaded_link_is_a_link() -> None:
-    """A pendulum against a linear drag at its bob: I a = -m g l sin - c l^2 w."""
-    c, length = 0.7, 0.5
-    frame = {"name": "frame", "motion": "fixed"}
-
-    def error(h: float) -> float:
-        scene = _scene({"type": "drag", "name": "d", "linear": c}, h=h, g=G, more=[frame],
-                       at=[length, 0], inertia=1e-9)
-        scene["joints"] = [{"type": "pin", "name": "q", "a": "frame", "b": "b", "on_a": [0, 0]}]
-        run = _run(scene)
-        truth = solve_ivp(lambda t, y: [y[1], -G / length * math.cos(y[0]) - c * y[1]],
-                          (0, 1), [0, 0], rtol=1e-11, atol=1e-12, t_eval=run.time).y
-        return float(np.abs(run["q.angle"] - truth[0]).max())
-
-    _orders(error)
-
-
 # --- liquids
-
-
-def _box(sides: Any, x: float, y: float, angle: float, level: float) -> tuple[float, float]:
-    """Area below a level and its moment, by cutting a fine grid."""
-    (w, h), n = sides, 1200
-    u, v = np.meshgrid((np.arange(n) + 0.5) / n * w - w / 2, (np.arange(n) + 0.5) / n * h - h / 2)
-    px = x + math.cos(angle) * u - math.sin(angle) * v
-    wet = y + math.sin(angle) * u + math.cos(angle) * v < level
-    cell = w * h / n**2
-    return float(wet.sum() * cell), float((px * wet).sum() * cell)
-
-
-@pytest.mark.parametrize("angle", [0.0, 0.3, 2.0, -4.0])
-def test_a_box_is_cut_by_the_level(angle: float) -> None:
-    """Against a grid, whose own error is of the order of a cell's row."""
-    run = sandbox.load_scene({"gravity": [0, -G], "bodies": [{
-        "name": "b", "mass": 1, "shapes": [{"type": "box", "size": [0.4, 0.2]}]}],
-        "loads": [{"type": "buoyancy", "name": "w"}]})
-    from sandbox.model.compile import compile_mechanism
-
-    sides = compile_mechanism(sandbox.expand(run)).loads.outline(0)
-    area, moment = below(sides, np.array([0.3]), np.array([0.05]), np.array([angle]), 0.02)
-    assert (area[0], moment[0]) == pytest.approx(_box((0.4, 0.2), 0.3, 0.05, angle, 0.02), abs=2e-4)
 
 
 def _floating(shape: dict[str, Any], *, at: list[float], density: float = 500.0, level: float = 0.0,
@@ -449,11 +395,3 @@ def test_a_law_that_runs_out_of_numbers_is_named() -> None:
     with pytest.raises(SimulationDiverged, match=r"the load 'f' has no finite value there"):
         sandbox.simulate(sandbox.load_scene({**BASE, "loads": [
             {"type": "law", "name": "f", "force": ["=1 / max(0, y + 1)", 0]}]}))
-
-
-def test_a_controller_can_read_a_load() -> None:
-    scene = sandbox.load_scene(_scene({"type": "drag", "name": "d", "linear": 2.0},
-                                      velocity=[1, 0]))
-    live = sandbox.Simulation(scene)
-    live.step(10)
-    assert live["d.b.fx"] == pytest.approx(-2 * live["b.vx"], rel=1e-9)

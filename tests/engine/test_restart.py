@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from sandbox.engine.inspect_control import Checked
-from sandbox.engine.live import Live
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import SimulationDiverged
@@ -87,16 +86,6 @@ def test_one_that_needed_more_room_begins_with_the_first(
     assert same(simulation.recording(), whole)
 
 
-def test_a_copy_is_one_of_what_was_done_since() -> None:
-    simulation = Simulation(short("single_finger"))
-    simulation.set("actuator", 5.0)
-    simulation.run(30)
-    simulation.restart()
-    simulation.run(40)
-    assert simulation["actuator.value"] < 1.0
-    assert same(simulation.copy().recording(), simulation.recording())
-
-
 def test_a_recording_that_was_given_away_stays() -> None:
     simulation = Simulation(short("single_finger"))
     simulation.run()
@@ -107,16 +96,3 @@ def test_a_recording_that_was_given_away_stays() -> None:
     simulation.run()
     assert (run["finger.mcp.angle"] == before).all()
     assert (simulation.recording()["finger.mcp.angle"] != before).any()
-
-
-def test_a_live_run_forgets_what_was_done_to_it() -> None:
-    live = Live(expand(load_scene("single_finger")))
-    live.push("finger.distal", force=(0.2, 0.0))
-    live.run(50)
-    pushed = live["finger.distal.x"]
-    live.restart()
-    assert live.inputs == []
-    live.run(50)
-    fresh = Live(live.scene)
-    fresh.run(50)
-    assert live["finger.distal.x"] == fresh["finger.distal.x"] != pushed

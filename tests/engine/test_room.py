@@ -59,31 +59,6 @@ def test_it_goes_on_to_the_last_bit_as_with_room_from_the_start(
         np.testing.assert_array_equal(again.arrays[name], array, err_msg=name)
 
 
-def test_what_is_short_in_the_middle_of_a_run_is_made_then(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Discs that fall side by side touch the floor, and one another's neighbours, later on."""
-    bodies = [fixed("floor", shapes=[{"type": "box", "size": (4, 0.1), "at": (0, -0.05)}]),
-              *(disc(f"d{i}", R, (3 * R * i, 1.5 * R + R * i / 10)) for i in range(12))]
-    machine = mechanism(duration=0.1, gravity=(0.0, -G), bodies=bodies)
-    whole = simulate(machine)
-    made = cramped(monkeypatch)
-    again = simulate(machine)
-    assert len(made) > 2
-    for name, array in whole.arrays.items():
-        np.testing.assert_array_equal(again.arrays[name], array, err_msg=name)
-    floor = whole["floor.contact.fy"]
-    assert floor[-1] == pytest.approx(-12 * 0.1 * G, rel=1e-6)
-
-
-def test_two_hundred_discs_are_no_divergence() -> None:
-    """More than there is room for at the start, and the tray carries them."""
-    simulation = Simulation(heap(10, 20, duration=0.01))
-    before = simulation._world.room
-    simulation.run()
-    assert simulation._world.room.contacts > before.contacts or (
-        simulation._world.room.rows > before.rows)
-    assert simulation.finished
-
-
 def test_too_many_are_told_with_their_number(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MOST_CONTACTS", 5)
     cramped(monkeypatch)

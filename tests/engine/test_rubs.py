@@ -17,12 +17,11 @@ from scipy.optimize import brentq
 
 from sandbox.audit.audit import audit
 from sandbox.engine.simulate import simulate
-from sandbox.engine.state import RUBBING
 from sandbox.errors import SceneError
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
-from .machines import Bench, G, fixed, mechanism
+from .machines import G, fixed, mechanism
 
 H = 1e-3
 M, L, I0 = 1.0, 0.1, 1e-3
@@ -165,13 +164,6 @@ def test_a_block_stops_where_its_energy_is_spent(
         way * (1 - slows * run.time[before]), abs=ROUNDING)
 
 
-def test_its_energy_becomes_heat() -> None:
-    run = block(speed=1.0, friction=12.0)
-    assert run["s.friction_work"][-1] == pytest.approx(-1.0, rel=1e-12)  # 2 kg at 1 m/s
-    assert run["s.sticks"][-1] == 1.0
-    assert run["m.vx"][-1] == 0.0
-
-
 def test_a_journal_slows_its_wheel_down() -> None:
     """Alpha = mu R N / I, in either sense; then it stands still and carries on."""
     run = arm(math.pi / 2, friction_coefficient=0.1, pin_radius=0.01, duration=0.01)
@@ -269,44 +261,6 @@ def test_a_bead_is_held_on_a_turning_rod() -> None:
         0.1 * (40 * run.time[held][10:]) ** 2 * r, rel=1e-2)
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_a_step_foresees_how_the_way_along_a_groove_bends(seed: int) -> None:
-    """What the row of friction asks for is h/2 s'', s the way along it as both bodies fly on.
-
-    s'' is taken by a difference over 1e-4 s: off by (1e-4)^2 / 12 of its own second rate, and
-    by rounding.
-    """
-    rng = np.random.default_rng(seed)
-    rates = rng.uniform(-1.0, 1.0, (2, 3)) * [0.5, 0.5, 12.0]
-    start, end = rng.uniform(-0.3, 0.0, 2), rng.uniform(0.2, 0.5, 2)
-    on_b = rng.uniform(-0.2, 0.2, 2)
-    bodies = [{"name": n, "mass": 1.0, "inertia": 0.01, "at": at, "angle": angle}
-              for n, at, angle in (("a", (0.0, 0.0), 0.4), ("b", (0.3, 0.1), -0.7))]
-    bench = Bench(mechanism(gravity=(0.0, 0.0), step=H, bodies=bodies, joints=[
-        {"type": "slot", "name": "s", "a": "a", "b": "b", "start": tuple(start), "end": tuple(end),
-         "on_b": tuple(on_b), "turns": True, "friction": 1e-9}]))
-    bench.state.rubs["mode"] = 1  # it slips
-    order = [bench.number("a"), bench.number("b")]
-    thrown = np.zeros((len(bench.state.body), 3))
-    thrown[order] = rates
-    bench.throw(thrown).step()
-    pose = bench.state.body[order, :3]
-
-    def way(t: float) -> float:
-        (ax, ay, p), (bx, by, q) = pose + t * rates
-        c, s, cb, sb = math.cos(p), math.sin(p), math.cos(q), math.sin(q)
-        x = bx + cb * on_b[0] - sb * on_b[1] - ax - c * start[0] + s * start[1]
-        y = by + sb * on_b[0] + cb * on_b[1] - ay - s * start[0] - c * start[1]
-        gx, gy = (end - start) / np.hypot(*(end - start))
-        return float((c * gx - s * gy) * x + (s * gx + c * gy) * y)
-
-    bends = (way(1e-4) - 2 * way(0.0) + way(-1e-4)) / 1e-8
-    row, = bench.result.rows[bench.result.rows["source"] == RUBBING]
-    turns = np.abs(rates[:, 2]).max()  # (2 w)^4 (a metre) is beyond its fourth rate
-    assert row["want"] == pytest.approx(
-        H / 2 * bends, abs=H / 2 * (1e-8 / 12 * (2 * turns) ** 4 + 1e-15 / 1e-8))
-
-
 def test_two_bodies_lose_to_a_groove_what_its_work_says() -> None:
     """Both turn, nothing else acts: their kinetic energy goes into friction, to second order."""
     lost = []
@@ -396,14 +350,6 @@ def test_what_makes_no_sense_is_said(fields: dict[str, Any], says: str) -> None:
     assert says in f"{problem.message} {problem.allowed}"
 
 
-def test_friction_is_recorded_only_where_there_is_some() -> None:
-    run = arm(friction=2.0, duration=0.01)
-    assert run.unit("p.friction") == "N m"
-    assert {"p.friction", "p.friction_work", "p.sticks"} <= set(run.names())
-    assert block(friction=2.0, duration=0.01).unit("s.friction") == "N"
-    assert "p.friction" not in arm(duration=0.01).names()
-
-
 LET_GO = {"type": "slot", "name": "s", "a": "wall", "b": "m", "start": (0, 0), "end": (3, 0),
           "turns": False, "friction": 3.0, "static": 1.5, "takes_up_in": "10 ms"}
 
@@ -416,18 +362,6 @@ def let_go(pushes: list[Any], *, speed: float = 0.0, events: list[Any]) -> Recor
         joints=[LET_GO],
         drives=[{"type": "force", "name": "push", "body": "m", "direction": (1, 0),
                  "value": {"table": pushes}}], events=events)))
-
-
-def test_friction_of_a_joint_that_is_let_go_does_nothing() -> None:
-    """It slides on with what it has left, and so does the work that friction has done."""
-    run = let_go([[0, 0], [1, 0]], speed=2.0, events=[{"name": "go", "at": 0.1, "release": ["s"]}])
-    gone = run["s.held"] == 0
-    left = 2.0 - 3.0 * 0.1
-    assert np.flatnonzero(gone)[0] == pytest.approx(0.1 / H, abs=1)
-    assert not run["s.friction"][gone].any()
-    assert not run["s.sticks"][gone].any()
-    assert run["m.vx"][gone][1:] == pytest.approx(left, abs=ROUNDING)
-    assert run["s.friction_work"][gone][1:] == pytest.approx((left**2 - 2.0**2) / 2, abs=ROUNDING)
 
 
 def test_friction_does_not_draw_back_to_where_it_held_before() -> None:

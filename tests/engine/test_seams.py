@@ -7,9 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from sandbox.engine import world
 from sandbox.engine.simulate import simulate
-from sandbox.scene.geometry import solids
 from sandbox.scene.read.load import load_scene
 
 BOX, DISC, BAR = (
@@ -43,17 +41,6 @@ def test_a_flat_chain_is_as_smooth_as_one_plane(body, height, radius, turned):
     along = c * found["b.vx"] + s * found["b.vy"]
     assert along == pytest.approx(1 + 9.81 * math.sin(turned) * found.time, abs=1e-9)
     assert np.abs(-s * found["b.x"] + c * found["b.y"] - high).max() < 1e-9
-
-
-def test_without_what_it_knows_of_seams_it_would_be_caught(monkeypatch):
-    """The same chain, all of whose ends count as surface."""
-    def bare(shape):
-        return tuple((solid, None) for solid, _ in solids(shape))
-
-    monkeypatch.setattr(world, "solids", bare)
-    body, height = BOX
-    found = run([{"type": "polyline", "points": LINE}], body, [-0.8, height], velocity=(1.0, 0.0))
-    assert found["b.vx"].min() < 0.1
 
 
 def test_the_ends_of_a_chain_can_be_hit():

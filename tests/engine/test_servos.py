@@ -261,18 +261,6 @@ def test_a_push_acts_on_both_ends() -> None:
     judged(run, "momentum.force", "energy.lost", "work")
 
 
-def test_a_set_speed_is_kept_as_far_as_its_force_goes() -> None:
-    """v = F t / m up to the speed, which it then keeps without force."""
-    run = slide({"type": "extend", "value": 0.2, "force": 2.0})
-    speed = np.minimum(2.0 * run.time, 0.2)
-    clear = np.abs(run.time - 0.1) > 2e-3
-    np.testing.assert_allclose(run["c.speed"][clear], speed[clear], rtol=1e-9)
-    np.testing.assert_allclose(run["d.force"][run.time < 0.098], 2.0, rtol=ROUNDING)
-    np.testing.assert_allclose(run["d.force"][run.time > 0.102], 0.0, atol=1e-9)
-    assert run.unit("d.value") == "m/s"
-    judged(run, "drive.motor", "work")
-
-
 @pytest.mark.parametrize("kind", ["extend", "length"])
 def test_a_length_grows_as_it_is_told_while_the_actuator_swings(kind: str) -> None:
     """L = 0.1 + 0.025 (1 - cos 8 t) with 0.5 m/s across it at t = 0: second order.
@@ -326,22 +314,6 @@ def test_ends_of_stroke_are_hard() -> None:
     run = slide({"type": "extend", "value": -0.1, "force": 3.0}, shortest=0.08)
     assert run["c.length"].min() > 0.08 - 1e-9
     assert run["d.force"][-1] == pytest.approx(-3.0, rel=1e-12)
-
-
-def test_controllers_read_an_actuator() -> None:
-    """A law of one's own, k (u - L) - c v through `push`, is what `length` with both does."""
-    law = {"type": "feedback", "name": "law", "value": "=200 * (0.2 - c.length) - 20 * c.speed",
-           "writes": "d", "rate": 1000.0}
-    by_hand = simulate(mechanism(
-        duration=0.5, step=1e-3, gravity=(0.0, 0.0),
-        bodies=[fixed("wall"), mass("m", 1.0, (0.1, 0.0))],
-        joints=[{"type": "actuator", "name": "c", "a": "wall", "b": "m"}],
-        drives=[{"type": "push", "name": "d", "joint": "c", "value": 0.0}], controllers=[law]))
-    built_in = slide({"type": "length", "value": 0.2, "force": 1e3, "stiffness": 200.0,
-                      "damping": 20.0})
-    # the law acts a step late
-    np.testing.assert_allclose(by_hand["c.length"], built_in["c.length"], rtol=0,
-                               atol=2e-3 * 20.0 * 0.1)
 
 
 def test_a_rigid_servo_goes_on_after_its_target_while_something_else_breaks() -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import sandbox
 from sandbox import (
     ControllerFailed,
     Custom,
@@ -104,20 +103,6 @@ def test_time_and_steps() -> None:
     assert simulation.step() == 0
 
 
-def test_readings_are_those_of_a_sample() -> None:
-    """Every quantity that can be read, after a step that is sampled."""
-    simulation = Simulation(loaded("finger_dual_control"))
-    simulation.step(100)
-    run = simulation.recording()
-    names = ["finger.tendon.tension", "finger.tendon.shortening", "finger.pip.angle",
-             "finger.pip.rate", "finger.distal.x", "finger.distal.vy", "finger.distal.omega"]
-    for name in names:
-        assert simulation[name] == pytest.approx(run[name][-1], rel=1e-12, abs=1e-15), name
-    assert simulation["=finger.pip.angle - finger.dip.angle"] == pytest.approx(
-        run["finger.pip.angle"][-1] - run["finger.dip.angle"][-1], rel=1e-12)
-    assert simulation["=t"] == simulation.time
-
-
 @pytest.mark.parametrize("name", [*SCENES, "finger_antagonist", "rope_differential", "four_bar",
                                   "drums", "belt_drive", "finger_friction", "wheel_in_cord",
                                   "servo_arm", "actuators", "hydraulic_lift", "pneumatic_hand"])
@@ -132,10 +117,6 @@ def test_every_live_quantity_reads_what_a_sample_records(name: str) -> None:
             assert simulation[full] == pytest.approx(run[full][-1], rel=1e-9, abs=1e-12), full
             read += 1
     assert read > 20
-
-
-def test_forces_are_none_before_the_first_step() -> None:
-    assert Simulation(weight())["rope.tension"] == 0.0
 
 
 def test_set_holds_until_it_is_let_go() -> None:
@@ -153,16 +134,6 @@ def test_set_holds_until_it_is_let_go() -> None:
     simulation.step(20)
     assert simulation["winch.value"] == G
     assert simulation["load.vy"] == pytest.approx(G * 20 * H, rel=1e-9)
-
-
-def test_what_is_set_below_the_floor_is_the_floor() -> None:
-    simulation = Simulation(weight())
-    simulation.set("winch", -3.0)
-    simulation.step(2)
-    run = simulation.recording()
-    assert simulation["winch.value"] == 0.0
-    assert run["winch.value"].tolist() == [0.0, 0.0]
-    assert run["rope.tension"].tolist() == [0.0, 0.0]
 
 
 @pytest.mark.parametrize("kind", ["pull", "brake", "stiffness"])
@@ -260,13 +231,6 @@ def test_what_is_no_scene_is_refused(scene: object) -> None:
         Simulation(scene)
 
 
-def test_control_is_checked_of_a_mechanism_that_no_file_was_read_for() -> None:
-    machine = weight(controllers=[{"type": "schedule", "name": "law", "writes": "nothing",
-                                   "value": 1.0}])
-    with pytest.raises(SceneError, match="nothing"):
-        Simulation(machine)
-
-
 @pytest.mark.parametrize("count", [1.5, "3", None, float("nan"), -2])
 def test_what_is_no_number_of_steps_is_refused(count: object) -> None:
     simulation = Simulation(weight())
@@ -337,16 +301,6 @@ def test_nobody_goes_on_after_a_law_has_failed() -> None:
         np.testing.assert_array_equal(kept["load.y"], whole["load.y"][:len(kept)])
 
 
-def test_a_failed_run_is_saved_as_what_it_is(tmp_path) -> None:
-    law = Custom("law", [], [], lambda t, x: 1 / (0.01 - t))
-    with pytest.raises(ControllerFailed) as failed:
-        simulate(weight(), controllers=[law])
-    failed.value.recording.save(tmp_path)
-    again = Recording.load(tmp_path)
-    assert (again.info.status, again.info.reason) == (
-        Status.FAILED, failed.value.recording.info.reason)
-
-
 def test_a_law_ends_it() -> None:
     """At the first sample that is past a height; then no step is made."""
     def enough(t: float, reads: list[float]) -> None:
@@ -363,18 +317,6 @@ def test_a_law_ends_it() -> None:
     assert len(stopped) == first + 1
     judged = stopped.verdicts[-1]
     assert (judged.quantity, judged.ok, judged.reason) == ("watch", False, "low enough")
-
-
-def test_a_law_that_ends_it_at_once_leaves_a_sample() -> None:
-    calls = []
-
-    def at_once(t: float, reads: list[float]) -> None:
-        calls.append(t)
-        raise StopRun
-
-    machine = weight(run={"sample_rate": 200})
-    run = simulate(machine, controllers=[Custom("watch", [], [], at_once)])
-    assert (len(run), run.complete, calls) == (1, True, [0.0])
 
 
 def test_one_that_watches_changes_nothing() -> None:
@@ -415,10 +357,6 @@ def test_an_input_without_a_value_ends_it() -> None:
     for _ in range(2):
         with pytest.raises(SandboxError, match="drive f"):
             simulation.run()
-
-
-def test_it_is_public() -> None:
-    assert sandbox.Simulation is Simulation
 
 
 def test_a_run_that_records_more_than_it_may_stops_with_what_it_has() -> None:

@@ -7,8 +7,6 @@ a controller does to it can be worked out by hand, step by step.
 
 from __future__ import annotations
 
-import math
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,11 +14,8 @@ import pytest
 
 import sandbox
 from sandbox.control.custom import Custom
-from sandbox.engine.control_loop import ControlLoop, Setpoint
-from sandbox.kinds.quantities import is_live
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import Happened, Status, Stop
-from sandbox.scene.values.signals import Constant
+from sandbox.samples.outcome import Happened, Status
 
 H, INERTIA = 5e-4, 2e-4
 
@@ -81,61 +76,6 @@ def test_when_samples_are_taken_changes_nothing():
     coarse = rotor(controllers=[law])
     coarse["run"]["sample_rate"] = 125
     assert np.array_equal(run(coarse)["axle.angle"], fine["axle.angle"][15::16])
-
-
-def readable(scene: sandbox.Recording) -> list[str]:
-    names = []
-    for head, element in scene.catalogue.elements.items():
-        names += [f"{head}.{q}" if q else head for q in element.quantities
-                  if is_live(element.kind, q)]
-    return names
-
-
-def test_what_is_read_is_what_is_recorded():
-    """Every quantity that can be read, in a grasp with contacts, against the recording."""
-    scene = sandbox.load_scene("single_finger", overrides={
-        "run.duration": 0.35, "drives": [
-            {"type": "pull", "name": "actuator", "tendon": "finger",
-             "value": {"ramp": {"to": "3.75 N", "over": "0.1 s"}}},
-            {"type": "torque", "name": "extra", "joint": "finger.mcp", "value": 0}]})
-    names = [*readable(sandbox.simulate(scene)), "finger.distal/disc.normal",
-             "=2 * finger.tendon.tension + t"]
-    rows: list[list[float]] = []
-    watch = Custom("watch", names, ["extra"], lambda t, x: rows.append(list(x)) or 0.0)
-    got = sandbox.simulate(scene, controllers=[watch])
-    read = np.array(rows[1:])  # the first act is before the first step
-    recorded = np.column_stack([got[name] for name in names[:-1]])[:len(read)]
-    assert np.abs(got["finger.distal.contact.normal"]).max() > 0.1
-    np.testing.assert_allclose(read[:, :-1], recorded, rtol=1e-9, atol=1e-12)
-    instants = 1e-3 * np.arange(1, len(rows))
-    np.testing.assert_allclose(
-        read[:, -1], 2 * got["finger.tendon.tension"][:len(read)] + instants, rtol=1e-9)
-
-
-def test_a_stiffness_or_a_brake_below_nothing_reads_as_it_counts():
-    rows: list[list[float]] = []
-    watch = Custom("watch", ["k.value", "grip.value"], ["motor"],
-                   lambda t, x: rows.append(list(x)) or 0.0, rate=1 / H)
-    scene = rotor(springs=[{"type": "rotary", "name": "coil", "joint": "axle", "stiffness": 1}])
-    scene["drives"] += [{"type": "stiffness", "name": "k", "spring": "coil", "value": "=t - 0.05"},
-                        {"type": "brake", "name": "grip", "joint": "axle", "value": "=0.05 - t"}]
-    got = run(scene, watch)
-    recorded = np.column_stack([got["k.value"], got["grip.value"]])[:-1]
-    assert np.array_equal(rows[1:], recorded)
-    assert recorded.min() == 0
-
-
-def test_a_scene_may_read_a_pair():
-    scene = sandbox.load_scene("single_finger", overrides={
-        "run.duration": 0.3, "drives": [
-            {"type": "pull", "name": "actuator", "tendon": "finger", "value": "3.75 N"},
-            {"type": "torque", "name": "mark", "joint": "finger.mcp", "value": 0}],
-        "controllers": [{"type": "feedback", "name": "copy", "writes": "mark", "rate": 1000,
-                         "value": "finger.distal/disc.normal"}]})
-    got = sandbox.simulate(scene)
-    force = got["finger.distal/disc.normal"]
-    assert force.max() > 0.1
-    np.testing.assert_allclose(got["mark.value"][1:], force[:-1], rtol=1e-9, atol=1e-12)
 
 
 def test_the_friction_of_a_pair_is_read_with_its_sign():
@@ -294,19 +234,6 @@ def test_targets_and_switches_overlap_as_drives_do():
     assert run(rotor(controllers=[program], events=goals))["motor.value"][-1] == 9
 
 
-def test_a_target_is_not_asked_for_beyond_the_run():
-    law = {"type": "pid", "name": "loop", "reads": "axle.angle", "writes": "motor", "kp": 0.1,
-           "target": "=sqrt(0.1 - t)"}
-    assert run(rotor(controllers=[law])).complete
-
-
-def test_the_stop_is_told_with_its_own_time():
-    scene = rotor(events=[{"name": "now", "at": 0, "stop": "pass"},
-                          {"name": "then", "at": "5 ms", "set": {"motor": 0}}])
-    scene["run"]["sample_rate"] = 50
-    assert run(scene).info.stopped == Stop("now", "pass", 0.0)
-
-
 def test_a_motor_that_is_left_to_its_signal_at_once_follows_it():
     """How often samples are taken decides how many steps are made in one go, and nothing else."""
     scene = rotor(controllers=[{"type": "schedule", "name": "law", "writes": "turn", "value": 1}],
@@ -396,57 +323,6 @@ def test_of_several_loops_the_one_that_ran_away_is_named(order):
     with pytest.raises(sandbox.SimulationDiverged, match="wrong_way") as caught:
         run(scene)
     assert caught.value.time < 0.064
-
-
-def furthest(*laws: dict[str, Any], **more: Any) -> str:
-    """The loop that would be named after 20 steps, of laws with a drive each that do nothing."""
-    written = [{**law, "writes": f"drive{i}"} for i, law in enumerate(laws)]
-    drives = [{"type": "force", "name": law["writes"], "body": "rotor", "direction": [1, 0],
-               "value": 0} for law in written]
-    simulation = sandbox.Simulation(
-        sandbox.load_scene(rotor(drives=drives, controllers=written, **more)))
-    simulation.run(20)
-    return simulation._steering.furthest()
-
-
-def idle(name: str, reads: str, target: Any = 0) -> dict[str, Any]:
-    return {"type": "pid", "name": name, "reads": reads, "target": target, "kp": 0}
-
-
-FAR = idle("far", "=1 + 20 * t")
-"""From 1 to 1.2 in 20 steps, 10 ms: a fifth further."""
-
-
-@pytest.mark.parametrize(("other", "named"), [
-    (idle("other", "=2 + 30 * t"), "far"),  # further off, but no more than 15 % since it began
-    (idle("other", "=0.9 + 50 * t", "=1 + 50 * t"), "far"),
-    (idle("other", "=1", "=-50 * t"), "other"),
-    ({"type": "feedback", "name": "other", "value": "=0"}, "far"),
-])
-def test_the_loop_that_has_gone_furthest_is_that_whose_distance_grew_most(other, named):
-    assert furthest(other, FAR).startswith(f"controller {named} ")
-
-
-def test_a_loop_without_a_target_is_not_named_while_another_has_one():
-    law = {"type": "feedback", "name": "open", "value": "=0"}
-    assert furthest(law, idle("comes_near", "=1 - 20 * t")).startswith("controller comes_near ")
-
-
-def test_a_loop_that_is_switched_off_leads_nowhere():
-    events = [{"name": "off", "at": "5 ms", "set": {"far.active": 0}}]
-    steady = idle("steady", "=1")
-    assert furthest(steady, FAR).startswith("controller far ")
-    assert furthest(steady, FAR, events=events).startswith("controller steady ")
-    assert furthest(FAR, events=events) == ""
-
-
-@pytest.mark.parametrize("readings", [(math.nan, 1.0), (1.0, math.nan), (math.inf, 1.0)])
-def test_a_reading_that_is_no_number_is_as_far_from_its_target_as_can_be(readings):
-    loop = ControlLoop(
-        "loop", ["a", "b"], [lambda value=value: value for value in readings],
-        [Setpoint(Constant(constant=0.0), 1.0, 0)] * 2, SimpleNamespace(act=None), [], [], 1,
-        SimpleNamespace(values=[], row=[]))
-    assert loop.away(0) == math.inf
 
 
 def test_a_reading_that_is_no_number_is_named():

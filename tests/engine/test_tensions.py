@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-import sandbox
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.load import load_scene
 
 from .machines import G, H, cord, disc, fixed, mass, mechanism
-
-SCENES = next((folder for folder in (Path(sandbox.__file__).parent / "_scenes",
-                                     Path(sandbox.__file__).parents[1] / "scenes")
-               if folder.is_dir()), Path("scenes"))
 
 
 def solved(run: Recording) -> list[int]:
@@ -42,22 +33,6 @@ def at_rest(run: Recording, *, share: float, rtol: float) -> None:
     stiffness = np.array([run.mechanism.tendons[i].stiffness for i in own])
     stretch = run.arrays["tendon_length"][-1, own] - run.arrays["tendon_rest"][own]
     np.testing.assert_allclose(stretch, tension[-1] / stiffness, rtol=1e-9)
-
-
-@pytest.mark.parametrize("step", [1e-3, 5e-4])
-def test_four_finger_hand(step: float) -> None:
-    """15 N on the adaptive grasp: F / 4 = 3.75 N in each finger.
-
-    Rockers tilt and links lean by some degrees, cos(1 deg) = 1 - 1.5e-4: F / 4 to 1e-3.
-    """
-    path = SCENES / "adaptive_grasp.json"
-    if not path.exists():
-        pytest.skip("the scene is not installed")
-    machine = expand(load_scene(path))
-    run = machine.run.model_copy(update={"step": step, "duration": max(3.0, machine.run.duration)})
-    recording = simulate(machine.model_copy(update={"run": run}))
-    pull = recording.arrays["drive_value"][-1].max()
-    at_rest(recording, share=pull / 4, rtol=1e-3)
 
 
 def tree(leaves: int, step: float, duration: float) -> Mechanism:

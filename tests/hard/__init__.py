@@ -1,6 +1,5 @@
-"""Hard mechanisms: those that a user brings, each with a truth that owes nothing to the engine.
+"""Difficult mechanisms: long chains, extreme mass ratios, stiff tendons, closed loops, stacks.
 
-Long chains, heavy loads on light links, stiff cords that carry them, closed and redundant loops,
-light boxes under heavy ones, balls that touch. ``trials`` has the mechanisms and what is wanted
-of each, ``truth`` the closed forms and integrations; ``python -m tests.hard`` measures them all.
+``trials`` holds the mechanisms and their targets; ``truth`` the closed forms and independent
+integrations that they are compared with.
 """

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -12,9 +11,7 @@ from typing import Any
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SimulationDiverged
 from sandbox.recording.recording import Recording
-from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.load import load_scene
 
 
 @dataclass(frozen=True)
@@ -37,15 +34,11 @@ class AtMost:
 
     @property
     def name(self) -> str:
-        return f"{self.measure} at {milliseconds(self.step)}"
+        return f"{self.measure} at {1e3 * self.step:g} ms"
 
     @property
     def steps(self) -> tuple[float, ...]:
         return (self.step,)
-
-    @property
-    def wanted(self) -> str:
-        return f"at most {self.most:g}"
 
     def value(self, found: Sequence[float]) -> float:
         return found[0]
@@ -65,11 +58,7 @@ class Order:
 
     @property
     def name(self) -> str:
-        return f"order of {self.measure} down to {milliseconds(self.steps[1])}"
-
-    @property
-    def wanted(self) -> str:
-        return f"at least {self.least:g}"
+        return f"order of {self.measure} down to {1e3 * self.steps[1]:g} ms"
 
     def value(self, found: Sequence[float]) -> float:
         """log of the errors' ratio over log of the steps'; nan if a run diverged."""
@@ -95,55 +84,20 @@ class Trial:
     measures: tuple[Measure, ...]
     targets: tuple[Target, ...]
 
-    def measure(self, name: str) -> Measure:
-        return next(one for one in self.measures if one.name == name)
-
-
-@dataclass(frozen=True)
-class Run:
-    """What a run of a trial came to."""
-
-    values: dict[str, float]
-    """Of every measure; infinite where the run diverged."""
-    seconds: float
-    """Wall time of the run itself."""
-    note: str = ""
-    """How it ended, if not as planned."""
-
 
 @cache
-def carry_out(trial: Trial, step: float) -> Run:
-    """The trial at a step [s], once in a process."""
-    machine = trial.machine(step)
-    began = time.perf_counter()
+def measure(trial: Trial, step: float) -> dict[str, float]:
+    """Every measure of the trial at a step [s]; infinite if the simulation diverges."""
     try:
-        run = simulate(machine)
-    except SimulationDiverged as error:
-        return Run(dict.fromkeys((one.name for one in trial.measures), math.inf),
-                   time.perf_counter() - began, str(error))
-    seconds = time.perf_counter() - began
-    return Run({one.name: one.of(run) for one in trial.measures}, seconds)
-
-
-def reached(trial: Trial, target: Target) -> float:
-    """What a target's measure comes to."""
-    return target.value([carry_out(trial, step).values[target.measure] for step in target.steps])
+        run = simulate(trial.machine(step))
+    except SimulationDiverged:
+        return dict.fromkeys((one.name for one in trial.measures), math.inf)
+    return {one.name: one.of(run) for one in trial.measures}
 
 
 def full_name(trial: Trial, target: Target) -> str:
     """Such as ``chain_20: tip error at 0.5 ms``."""
     return f"{trial.name}: {target.name}"
-
-
-def milliseconds(step: float) -> str:
-    """0.0005 as ``0.5 ms``."""
-    return f"{1e3 * step:g} ms"
-
-
-def built(scene: dict[str, Any], *, sample_rate: float | None = None) -> Mechanism:
-    """A benchmark's scene as a mechanism, with its own or another rate of samples [Hz]."""
-    overrides = {"run.sample_rate": sample_rate} if sample_rate else None
-    return expand(load_scene(scene, overrides=overrides))
 
 
 def spell(duration: float, step: float, *, sample_rate: float | None = None,

@@ -93,7 +93,7 @@ def pushed(step: float) -> Mechanism:
 def trials() -> list[Trial]:
     foot, leg = 0.1 * 0.03, 0.03 * 0.07
     return [
-        *(_stack(exponent) for exponent in (3, 4, 6)),
+        *(_stack(exponent) for exponent in (3, 6)),
         _pressure("angle_piece", "an L of two boxes at rest", "piece",
                   centre_of_pressure((foot, leg), (0.05, 0.015)), angle_piece),
         _pressure("pushed_cube", "1 kg pushed at its top by 3 N, at rest", "cube",

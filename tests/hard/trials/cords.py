@@ -14,7 +14,7 @@ from tests.hard.trial import AtMost, Measure, Target, Trial, spell
 
 G = 9.81
 STIFF = 1e5
-STEPS = (1e-3, 5e-4, 1e-4)
+STEPS = (1e-3, 1e-4)
 
 
 def hook(heavy: float, light: float, step: float) -> Mechanism:
@@ -107,4 +107,4 @@ def _lever(ratio: int) -> Trial:
 
 
 def trials() -> list[Trial]:
-    return [_hook(50), _hook(1000), _lever(20), _lever(1000)]
+    return [_hook(1000), _lever(1000)]

@@ -9,13 +9,10 @@ import numpy as np
 
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
-from sandbox.verification.benchmarks import slider_crank, squeezer
 from sandbox.verification.benchmarks.pieces import GROUND, G, body, pin, point
-from sandbox.verification.benchmarks.slider_crank import CRANK, ROD
 from tests.hard.measures import GAP, closed, energy
-from tests.hard.trial import AtMost, Measure, Order, Trial, built, spell
+from tests.hard.trial import AtMost, Measure, Order, Trial, spell
 from tests.hard.trials.chains import SECOND_ORDER
-from tests.hard.truth import andrews
 from tests.hard.truth.linkages import Linkage, elbow
 from tests.hard.truth.truss import bar_forces
 
@@ -28,39 +25,6 @@ def angle_error(names: tuple[str, ...], linkage: Linkage) -> Measure:
         return float(np.abs(found - linkage.motion(run.time)[0]).max())
 
     return Measure("angle error", "rad", of)
-
-
-def _andrews() -> Trial:
-    def of(run: Recording) -> float:
-        found = np.stack([run[f"k{i}.angle"] for i in range(1, 8)], axis=1)
-        truth = andrews.course(tuple(run.time.tolist()))
-        return float(np.abs(andrews.published(found) - andrews.published(truth)).max())
-
-    coarse, fine = 1e-5, 1e-6
-    return Trial(
-        "andrews", "Andrews' squeezing mechanism, 30 ms, its seven angles",
-        lambda step: built(squeezer.scene(step), sample_rate=1e4),
-        (Measure("angle error", "rad", of),),
-        (AtMost("angle error", coarse, 3e-4, "asked"), AtMost("angle error", fine, 3e-6, "asked"),
-         Order("angle error", (coarse, fine), 1.8, SECOND_ORDER)))
-
-
-SLIDER_CRANK = Linkage(
-    masses=slider_crank.MASSES, inertias=slider_crank.INERTIAS[:2], gravity=G,
-    arms=((CRANK / 2, 0.0), (CRANK, ROD / 2), (CRANK, ROD)), loops=((CRANK, ROD),),
-    slides=(True,), start=(0.0, 0.0), rate=slider_crank.RATES)
-"""Of Flores, Leine and Glocker (2010), without clearance."""
-
-
-def _slider_crank() -> Trial:
-    return Trial(
-        "slider_crank", "ideal slider-crank of Flores, Leine and Glocker, 150 rad/s, 0.2 s",
-        lambda step: built(slider_crank.scene(step)),
-        (angle_error(("crank", "rod"), SLIDER_CRANK), GAP),
-        (closed(1e-4),
-         AtMost("angle error", 1e-4, 5e-3, "the energy that (w h)^2 is worth, over 20 rad; "
-                "joints closed to first order lose four times that"),
-         Order("angle error", (2e-4, 1e-4), 1.8, SECOND_ORDER)))
 
 
 BARS = (0.04, 0.12, 0.08)
@@ -187,4 +151,4 @@ def _truss() -> Trial:
 
 
 def trials() -> list[Trial]:
-    return [_andrews(), _slider_crank(), _free_loop(), _driven_loop(), _truss()]
+    return [_free_loop(), _driven_loop(), _truss()]

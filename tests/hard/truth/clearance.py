@@ -15,6 +15,9 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from sandbox.verification.benchmarks import slider_crank, slider_with_play
+from sandbox.verification.benchmarks.pieces import G
+from sandbox.verification.benchmarks.slider_crank import CRANK, ROD
 from tests.hard.truth.integrate import ATOL, RTOL
 from tests.hard.truth.linkages import Linkage
 
@@ -102,3 +105,11 @@ class SliderWithPlay:
             at, speed, _ = self.height(y)
             if abs(speed) < STILL and np.sign(at) * self.drawn(y) > 0:
                 side = int(np.sign(at))
+
+
+TRUTH = SliderWithPlay(
+    Linkage(masses=slider_crank.MASSES, inertias=slider_crank.INERTIAS[:2], gravity=G,
+            arms=((CRANK / 2, 0.0), (CRANK, ROD / 2), (CRANK, ROD)), loops=(),
+            start=(0.0, 0.0), rate=slider_crank.RATES),
+    slider_with_play.PLAY, slider_with_play.RESTITUTION)
+"""The mechanism of Flores, Leine and Glocker."""
