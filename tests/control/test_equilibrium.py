@@ -17,9 +17,6 @@ from sandbox.mechanics.tendon import route
 from sandbox.scene.crossings import Fingers
 from sandbox.scene.elements.controllers import (
     Controller,
-    EquilibriumController,
-    readings_of,
-    targets_of,
 )
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
@@ -152,21 +149,6 @@ def test_switched_on_in_the_middle_it_goes_on_from_what_there_is(rise):
                 [0.05, 0.3, 1.0, -1.0], [3000.0, 700.0])
     assert law.act(0.4, [0.05, 0.3, 1.0, -1.0], TARGETS, [3000.0, 700.0]) == pytest.approx(
         [3000.0, 700.0], rel=1e-12)
-
-
-def test_without_an_integral_it_begins_as_at_the_start_of_a_run():
-    angles, given = [0.05, 0.3, 0.0, 0.0], [3000.0, 700.0]
-    late, first = (begun(law_spec(pull=10.0, active=active, rise=0.1), angles, given)
-                   for active in (False, True))
-    assert late.act(0.4, angles, TARGETS, given) == first.act(0.4, angles, TARGETS, given)
-
-
-def test_what_it_reads_and_leads():
-    spec = TypeAdapter(Controller).validate_python(law_spec())
-    assert readings_of(spec) == ("finger.mcp.angle", "finger.pip.angle", "finger.mcp.rate",
-                                 "finger.pip.rate", "finger.tendon.tension")
-    assert [signal.constant for signal in targets_of(spec)] == TARGETS
-    assert isinstance(spec, EquilibriumController)
 
 
 @pytest.mark.parametrize("more", [

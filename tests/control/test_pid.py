@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import timeit
 
 import numpy as np
 import pytest
@@ -78,13 +77,6 @@ def test_the_derivative_is_that_of_straight_lines_through_a_low_pass():
     np.testing.assert_allclose(got, exact, rtol=0, atol=ROUNDING * np.abs(exact).max())
 
 
-def test_without_a_filter_the_derivative_is_the_plain_difference():
-    law = Pid(Gains(kd=2.0), 0.5, bias=0.0)
-    law.begin([1.0], [0.0], [0.0])
-    assert [law.act(k, [y], [0.0], [0.0])[0] for k, y in enumerate([1.0, 4.0, 2.0])] == [
-        0.0, -12.0, 8.0]
-
-
 def test_a_target_that_jumps_gives_no_kick():
     """The output jumps by kp and by half a period of ki, whatever kd is."""
     def jump(kd: float) -> float:
@@ -97,12 +89,6 @@ def test_a_target_that_jumps_gives_no_kick():
 
 
 # --- the beginning
-
-
-def test_the_bias_is_what_the_drive_has():
-    law = Pid(Gains(4.0), H)
-    law.begin([1.0], [1.5], [7.0])
-    assert law.act(0.0, [1.0], [1.5], [7.0]) == [9.0]
 
 
 @given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(-1e3, 1e3))
@@ -156,16 +142,6 @@ def test_clamp_leaves_the_limit_as_soon_as_the_error_changes_sign():
     assert left(Gains(0.3, 10.0)) == 0
 
 
-@pytest.mark.parametrize("ki", [9.3, 20.7])
-def test_clamp_of_an_integral_alone(ki):
-    """The mean of +1 and -1 moves nothing; the act after it takes ki h off, and what is above the
-    limit is a part of one ki h: out at the second act, or at the first if nothing is above.
-    """
-    above = -(-UP // (ki * H)) * ki * H - UP
-    assert 0 < above < ki * H
-    assert left(Gains(0.0, ki)) == 1
-
-
 @pytest.mark.parametrize(("kp", "ki"), [(0.303, 10.0), (0.0, 9.3), (0.503, 5.0)])
 def test_without_anti_windup_it_takes_as_long_as_the_integral_has_grown(kp, ki):
     """I = ki h (n-1) at its height and falls by ki h an act from the second on, until
@@ -213,15 +189,6 @@ def test_a_rate_limit_counts_as_a_cut():
 
 numbers = st.floats(-1e6, 1e6)
 gain = st.floats(-1e3, 1e3)
-modes = st.sampled_from(["clamp", "back_calculation", "none"])
-
-
-@given(gain, gain, gain, st.floats(0, 1), modes, st.lists(numbers, min_size=2, max_size=40),
-       st.floats(1e-3, 1e6))
-def test_the_output_is_finite(kp, ki, kd, filter_time, mode, errors, limit):
-    law = Pid(Gains(kp, ki, kd, filter=filter_time, anti_windup=mode), H)
-    wanted, _ = fed(law, errors, limits=(-limit, limit), most=limit / 3)
-    assert np.isfinite(wanted).all()
 
 
 @given(gain, gain, st.lists(numbers, min_size=2, max_size=60), st.floats(1e-3, 1e6),
@@ -248,16 +215,3 @@ def test_without_limits_every_mode_is_the_trapezoidal_sum(errors):
     for mode in ("clamp", "back_calculation", "none"):
         wanted, _ = fed(Pid(Gains(3.0, 7.0, anti_windup=mode), H), errors)
         assert wanted[-1] == pytest.approx(plain, abs=1e-11)
-
-
-def test_four_pids_cost_less_than_4_us():
-    """At 1 kHz; the quickest of many tries, so that a busy machine does not matter."""
-    laws = [Pid(Gains(2e5, 6e5, 1e2, filter=0.01), H) for _ in range(4)]
-    for law in laws:
-        law.begin([0.1], [0.2], [5.0])
-
-    def tick() -> None:
-        for law in laws:
-            law.act(0.0, [0.1], [0.2], [5.0])
-
-    assert min(timeit.repeat(tick, number=200, repeat=50)) / 200 < 4e-6

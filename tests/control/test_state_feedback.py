@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.linalg import solve_discrete_are
 
 from sandbox.control.pid import Gains, Pid
 from sandbox.control.state_feedback import StateFeedback
 from sandbox.scene.elements.controllers import StateFeedbackController
 
-from .loops import Plant, cut, fed
+from .loops import cut, fed
 
 H = 1e-3
 
@@ -41,24 +40,6 @@ def test_rows_are_those_of_the_matrices():
         got.append(applied)
     sums = np.vstack([np.zeros(3), H * np.cumsum((errors[1:] + errors[:-1]) / 2, axis=0)])
     np.testing.assert_allclose(got, bias + errors @ K.T + sums @ Ki.T, rtol=0, atol=1e-13)
-
-
-def test_a_linear_quadratic_design_moves_as_its_closed_loop():
-    """x -> (Ad - Bd K) x at every act, K of the discrete Riccati equation."""
-    plant = Plant([[0, 1], [30, 0]], [0, 4], [1, 0], H)
-    P = solve_discrete_are(plant.Ad, plant.Bd, np.diag([10.0, 0.1]), np.eye(1))
-    K = np.linalg.solve(np.eye(1) + plant.Bd.T @ P @ plant.Bd, plant.Bd.T @ P @ plant.Ad)
-    u = law(K.tolist(), bias=[0.0])
-    plant.x = np.array([[0.1], [-0.2]])
-    closed = plant.Ad - plant.Bd @ K
-    expected = np.linalg.matrix_power(closed, 500) @ plant.x
-    for k in range(500):
-        readings = plant.x.ravel().tolist()
-        if k == 0:
-            u.begin(readings, [0.0, 0.0], [0.0])
-        plant.step(u.act(k * H, readings, [0.0, 0.0], [0.0])[0])
-    np.testing.assert_allclose(plant.x, expected, rtol=1e-10, atol=1e-15)
-    assert np.abs(np.linalg.eigvals(closed)).max() < 1
 
 
 @given(st.floats(-50, 50), st.floats(-900, 900), st.floats(0.1, 10), st.floats(0.01, 10),
@@ -97,10 +78,3 @@ def test_switched_on_in_a_run_it_goes_on_from_what_the_drives_have(active):
         assert u.act(0.0, [0.0, 0.0], [1.0, 1.0], [0.0, 0.0]) == [103.0, 203.0]
     u.begin([0.0, 0.0], [1.0, 1.0], [-7.0, -8.0])
     assert u.act(0.0, [0.0, 0.0], [1.0, 1.0], [-7.0, -8.0]) == [-7.0, 203.0]
-
-
-def test_the_bias_is_what_the_drives_have():
-    u = law([[2.0]])
-    u.begin([0.0], [1.0], [5.0])
-    assert u.act(0.0, [0.0], [1.0], [5.0]) == [7.0]
-    assert u.report() == {}

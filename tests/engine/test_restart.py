@@ -32,8 +32,13 @@ def disturb(simulation: Simulation, steps: int) -> None:
     simulation.step(steps)
 
 
-@pytest.mark.parametrize("name", [name for name in shipped_scenes()
-                                  if not name.startswith("object")])
+DAILY = ("adaptive_grasp", "finger_dual_control", "conveyor", "pneumatic_hand", "release",
+         "belt_drive", "shape_change")
+
+
+@pytest.mark.parametrize("name", [
+    name if name in DAILY else pytest.param(name, marks=pytest.mark.nightly)
+    for name in shipped_scenes() if not name.startswith("object")])
 def test_every_scene_begins_anew(name: str) -> None:
     machine = short(name)
     simulation = Simulation(Checked(machine))

@@ -23,6 +23,7 @@ from sandbox.kinds.quantities import is_live
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status, Stop
+from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
@@ -375,3 +376,13 @@ def test_a_run_that_records_more_than_it_may_stops_with_what_it_has() -> None:
     whole = simulate(machine)
     assert len(whole) == simulation._clock.samples
     assert np.array_equal(whole.arrays["body_pose"][:len(run)], run.arrays["body_pose"])
+
+
+def test_a_run_tells_in_how_many_steps_forces_were_relaxed() -> None:
+    run = Simulation(Scene.model_validate({"run": {"duration": 0.01}, "bodies": [
+        {"name": "ground", "motion": "fixed"}]}))
+    run.run()
+    assert run.recording().notes == []
+    run._tables.state.standing[0] = 3
+    note, = run.recording().notes
+    assert "not exact, in 3 of 20 steps" in note

@@ -3,7 +3,7 @@
 import pytest
 
 from sandbox.engine.simulate import simulate
-from sandbox.kinds.arrays import ARRAYS, LATE, LAYOUT, METERS, PER_SAMPLE, sample_bytes
+from sandbox.kinds.arrays import ARRAYS, LAYOUT, METERS, PER_SAMPLE, sample_bytes
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 
@@ -25,19 +25,3 @@ def test_every_array_has_its_row():
     assert len({row.name for row in ARRAYS}) == len(ARRAYS)
     assert all(row.about and (row.unit or row.element is not float) for row in ARRAYS)
     assert next(iter(PER_SAMPLE)) == "time"
-
-
-FIRST = {
-    "time", "body_pose", "body_velocity", "body_acceleration", "joint_angle", "joint_rate",
-    "joint_reaction", "joint_stop", "joint_damping", "joint_damping_work", "spring_length",
-    "spring_force", "spring_work", "tendon_length", "tendon_tension", "tendon_work",
-    "drive_value", "drive_work", "body_centre", "body_mass", "body_inertia", "tendon_initial",
-    "tendon_rest", "contact_sample", "contact_body", "contact_other", "contact_point",
-    "contact_force", "contact_normal", "contact_gap",
-}
-
-
-def test_every_array_that_the_first_recordings_lack_is_late():
-    """Otherwise recordings that were made before it could not be read any more."""
-    assert set(LAYOUT) - FIRST == set(LATE)
-    assert set(LAYOUT) >= FIRST

@@ -40,12 +40,6 @@ def test_an_object_says_of_which_bodies():
     assert meant(EVERY, bodies) == [0, 1, 2]
 
 
-def test_what_was_read_is_read_again():
-    """A saved run holds what :func:`asked` gave."""
-    found = asked({"velocity": ["a", "b"], "contacts": False, "tensions": True})
-    assert asked(found) == found
-
-
 @pytest.mark.parametrize(("value", "message", "hint"), [
     (["velocty"], "no layer named 'velocty'", "'velocity'"),
     ("contact", "no layer named 'contact'", "'contacts'"),
@@ -61,9 +55,3 @@ def test_what_is_no_layer_is_said_with_what_is(value, message, hint):
     assert message in caught.value.message
     assert caught.value.hint == hint
     assert caught.value.allowed
-
-
-def test_every_layer_is_allowed_in_the_message():
-    with pytest.raises(WrongValueError) as caught:
-        asked("nothing like it")
-    assert all(f"'{name}'" in caught.value.allowed for name in [*LAYERS, "all"])

@@ -1,6 +1,4 @@
-"""The world as pymunk holds it: order, contacts and their orientation, friction, and the fast loop
-against the public interface.
-"""
+"""Contacts: orientation, forces at rest, friction, restitution."""
 
 from __future__ import annotations
 
@@ -13,11 +11,6 @@ from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 
 from .machines import G, disc, fixed, mechanism
-
-# -- the same loop twice -----------------------------------------------------------
-
-
-# -- contacts ------------------------------------------------------------------------
 
 BALL = disc("thing", 0.01, (0.0, 0.0205))
 CRATE = {"name": "thing", "mass": 0.1, "at": (0.0, 0.0205),
@@ -147,3 +140,20 @@ def test_pairs_at_rest_leave_no_rows() -> None:
         {"name": "n", "motion": "scheduled", "path": path, "shapes": shape}]))
     assert len(run.arrays["contact_body"]) == 0
     assert run["m.x"][-1] == pytest.approx(0.01 * run.time[-1], rel=1e-9)
+
+
+@pytest.mark.parametrize("count", [3, 5])
+def test_a_bar_on_feet_in_line_stays_put(count: int) -> None:
+    """Pushed aside by less than friction holds: it does not move at all, and carries its weight."""
+    x = np.linspace(-0.1, 0.1, count)
+    run = simulate(mechanism(
+        duration=0.5, gravity=(1.0, -G),
+        bodies=[fixed("floor", shapes=[{"type": "box", "size": (2.0, 0.02)}]),
+                {"name": "bar", "mass": 0.2, "inertia": 5e-4, "at": (0.0, 0.02), "shapes": [
+                    {"type": "circle", "radius": 0.01, "at": (float(at), 0.0)} for at in x]}],
+        contacts=[{"between": ("bar", "floor"), "friction": 0.5}]))
+    late = run.time > 0.05
+    for name in ("bar.x", "bar.y", "bar.angle"):
+        assert np.ptp(run[name][late]) == 0.0
+    np.testing.assert_allclose(run["bar/floor.normal"][late], 0.2 * G, rtol=1e-9)
+    np.testing.assert_allclose(np.abs(run["bar/floor.tangential"][late]), 0.2, rtol=1e-6)
