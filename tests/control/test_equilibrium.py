@@ -74,15 +74,6 @@ def test_it_sees_the_finger_as_the_closed_forms_do(finger):
             moment(theta), rel=1e-9, abs=1e-18)
 
 
-def test_a_given_geometry_is_believed():
-    given = {"lengths": LENGTHS, "guides": GUIDES, "from": BEFORE, "to": AFTER}
-    other = [[-0.009, 0.011], [-0.005, 0.008]]
-    made = mechanism(law_spec(geometry=given), springs={"stiffness": 1000, "from": other,
-                                                        "to": AFTER})
-    joints = joint_model(made.controllers[0], Fingers(made))
-    assert [j.spring_moment(0.4) for j in joints] == pytest.approx(moment([0.4, 0.4]), rel=1e-9)
-
-
 def begun(law: dict[str, Any], readings: list[float], inputs: list[float]) -> Any:
     made = mechanism(law)
     ready = build(made.controllers[0], made, H)

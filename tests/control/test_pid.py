@@ -112,12 +112,6 @@ def test_switched_on_again_a_loop_goes_on_from_what_the_drive_has(bias):
         -8.0 - 2.0 * H, abs=ROUNDING * 100)
 
 
-def test_switched_on_late_it_goes_on_from_what_the_drive_has_the_first_time_too():
-    law = Pid(Gains(4.0, 2.0), H, bias=100.0, resumes=True)
-    law.begin([2.0], [1.0], [-8.0])
-    assert law.act(1.0, [2.0], [1.0], [-8.0])[0] == pytest.approx(-8.0, abs=ROUNDING * 100)
-
-
 def test_without_an_integral_it_keeps_to_its_bias():
     """It could never get rid of the difference."""
     law = Pid(Gains(4.0), H, bias=100.0, resumes=True)
@@ -207,11 +201,3 @@ def test_clamp_never_leads_further_out(kp, ki, errors, limit, most):
         elif excess < 0:
             assert law.integral >= before
         applied = min(max(min(max(wanted, applied - most), applied + most), -limit), limit)
-
-
-@given(st.lists(st.floats(-10, 10), min_size=2, max_size=40))
-def test_without_limits_every_mode_is_the_trapezoidal_sum(errors):
-    plain = 3.0 * errors[-1] + 7.0 * H * float(np.trapezoid(errors))
-    for mode in ("clamp", "back_calculation", "none"):
-        wanted, _ = fed(Pid(Gains(3.0, 7.0, anti_windup=mode), H), errors)
-        assert wanted[-1] == pytest.approx(plain, abs=1e-11)

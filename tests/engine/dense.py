@@ -10,7 +10,7 @@ lengths of springs and tendons are differentiated by the complex step, exact to 
     stiff springs and tendons           D v+ + p / (h (c + h k)) = k (L - L0) / (c + h k)
     limits, contacts                    0 <= p,  y = max(gap / h, -fastest) + C v+ >= 0,  p y = 0
     friction                            |p_t| <= mu p_n, against the slip
-    motors, brakes, servos              |p| <= h most, y = D v+ - wanted = 0 or driven against y
+    motors, brakes                      |p| <= h most, y = D v+ - wanted = 0 or driven against y
 
 The engine's velocities decide which rows are active; the equations are solved for that choice, and
 its inequalities are verified.
@@ -27,8 +27,6 @@ import numpy as np
 
 from sandbox.engine.state import DAMPED, ELASTIC, PULL, STIFF
 from sandbox.model.model import Model
-
-from .dense_servos import servo
 
 FASTEST, FASTEST_TURN = 0.1, 1.0
 """How fast overlaps are undone [m/s, rad/s]."""
@@ -159,17 +157,14 @@ class Step:
     """The equations of one step at poses q [nb, 3] and velocities v [nb, 3], in the model's order.
 
     ``kinds`` are the engine's choices for tendons and linear springs; ``drive`` the drives' values;
-    ``given`` the velocities of bodies that do not move freely; ``servos`` for each position drive
-    its previous target and whether its stiffness is implicit.
+    ``given`` the velocities of bodies that do not move freely.
     """
 
     def __init__(
         self, model: Model, h: float, q: np.ndarray, v: np.ndarray, *, drive: Any = (),
         given: np.ndarray | None = None, kinds: dict[str, list[int]], discs: tuple[Disc, ...] = (),
-        servos: Any = None,
     ) -> None:
         self.model, self.h, self.q, self.v = model, h, q, v
-        self.servos = servos or {}
         self.free = np.repeat(model.bodies.free, 3)
         self.given = np.zeros(q.size) if given is None else np.asarray(given, dtype=float).ravel()
         bodies = model.bodies
@@ -272,33 +267,7 @@ class Step:
                 motor = spec.type == "motor"
                 self.choices.append((("drive", d), (
                     "motor", D, -drive[d] if motor else 0.0,
-                    h * (spec.torque if motor else drive[d]), 0.0)))
-            if spec.type == "push":
-                self.force += self._line(model.drives.target[d])[0] * drive[d]
-            if spec.type in ("servo", "extend", "length"):
-                j = model.drives.target[d]
-                target, stiff = self.servos.get(d, (math.nan, False))
-                self.choices.append((("drive", d), servo(
-                    model, h, d, drive[d], self._place(j), self.v.ravel(), self.q,
-                    target=target, stiff=stiff)))
-
-    def _line(self, j: int) -> tuple[np.ndarray, Gap]:
-        """The row of the rate of an actuator's length, and that length."""
-        joints = self.model.joints
-        a, b = joints.bodies[j].tolist()
-
-        def length(q: np.ndarray) -> Any:
-            return distance(place(self.model, q, a, joints.anchor[j, 0]),
-                            place(self.model, q, b, joints.anchor[j, 1]))
-
-        return derivative(length, self.q), length
-
-    def _place(self, j: int) -> tuple[np.ndarray, Gap]:
-        """The row of the rate of a hinge's angle or an actuator's length, and that itself."""
-        if not self.model.joints.angle[j]:
-            return self._line(j)
-        D, _ = self._hinge(j)
-        return D, lambda q: D @ q.ravel() - self.model.joints.zero[j]
+                    h * (spec.torque if motor else drive[d]))))
 
     def _contact(self, n: int, disc: Disc) -> None:
         """A disc over a floor: the force acts half way between the two surfaces' points."""
@@ -346,8 +315,6 @@ class Step:
         y = what[1] @ v + what[2]
         if what[0] == "limit":
             return "held" if y < still else "free"
-        if what[0] == "motor" and what[4]:  # what yields holds up to its bound
-            return "hold" if abs(y) <= what[3] * what[4] else "low" if y > 0 else "high"
         if what[0] == "motor":
             return "hold" if abs(y) < still else "low" if y > 0 else "high"
         if y > still:
@@ -391,7 +358,7 @@ class Step:
         if what[0] == "limit" and mode == "held":
             return [(name, Row(what[1], -what[2]), what[1])]
         if what[0] == "motor" and mode == "hold":
-            return [(name, Row(what[1], -what[2], what[4]), what[1])]
+            return [(name, Row(what[1], -what[2]), what[1])]
         if what[0] == "contact" and mode != "open":
             _, up, want, right, friction = what
             if mode == "stick":
@@ -438,7 +405,7 @@ class Step:
         if kind == "motor":
             if mode == "hold":
                 return bool(abs(impulse[name]) <= what[3] + small)
-            y = what[1] @ v + what[2] + what[4] * (what[3] if mode == "high" else -what[3])
+            y = what[1] @ v + what[2]
             return bool(y >= -tol if mode == "low" else y <= tol)
         _, up, want, right, friction = what
         if mode == "open":

@@ -56,21 +56,6 @@ def setting(value: Any = None) -> list[dict[str, Any]]:
     return [{"type": "stiffness", "name": "k", "spring": "s", **more}]
 
 
-def test_a_stiffness_of_its_own_changes_nothing() -> None:
-    """By default the drive has what the spring has; a rotary one is worked out elsewhere then.
-
-    The same torque at the same pose: rounding, some 800 steps of it.
-    """
-    np.testing.assert_array_equal(sprung(setting())["m.x"], sprung([])["m.x"])
-    free, driven = turned([]), turned(setting())
-    np.testing.assert_allclose(driven["p.angle"], free["p.angle"], rtol=0, atol=ROUNDING)
-    np.testing.assert_allclose(driven["s.torque"], free["s.torque"], rtol=0, atol=ROUNDING)
-    assert np.ptp(free["p.angle"]) > 0.3
-    assert (driven["k.value"] == 0.01).all()
-    assert driven.unit("k.value") == "N m/rad"
-    assert sprung(setting()).unit("k.value") == "N/m"
-
-
 def test_force_of_a_spring_whose_stiffness_changes() -> None:
     """F = k(t) (l - l0) at every sample, k as the signal says; below 0 it counts as 0."""
     run = sprung(setting({"from": 80.0, "to": -20.0, "over": 0.3}))
@@ -162,17 +147,6 @@ def test_a_brake_holds_a_load_below_its_torque(positive: str, sense: int, share:
     assert np.ptp(run["p.angle"]) < 1e-12
     np.testing.assert_allclose(run["d.torque"], sense * LOAD, rtol=1e-9)
     assert np.ptp(run["d.work"]) < ROUNDING * LOAD
-
-
-def test_a_brake_slips_under_a_larger_load() -> None:
-    """alpha = (tau_load - tau_brake) / I about the hinge, here half the load, over the first ms.
-
-    The load's arm is cos(angle), 1 - 1e-6 after two steps.
-    """
-    run = hinged({"type": "brake", "value": LOAD / 2}, gravity=G, duration=1e-3)
-    inertia = 4e-5 + 0.1 * 0.05**2
-    np.testing.assert_allclose(run["w.alpha"], -LOAD / 2 / inertia, rtol=1e-4)
-    np.testing.assert_allclose(run["d.torque"], LOAD / 2, rtol=ROUNDING)
 
 
 @SENSES

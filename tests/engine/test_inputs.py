@@ -124,21 +124,6 @@ def test_radius_drive_moves_the_surface(motion: str) -> None:
     assert run.time[first] == pytest.approx(0.18, abs=2 * H)
 
 
-def test_radius_that_shrinks_lets_go() -> None:
-    """And back: after the radius has shrunk nothing touches."""
-    run = simulate(mechanism(
-        duration=0.2, bodies=[disc("big", 0.02, (0.0, 0.0), motion="fixed"),
-                              disc("b", 0.01, (0.03, 0.0))],
-        gravity=(-1.0, 0.0),
-        drives=[{"type": "radius", "name": "r", "body": "big",
-                 "value": {"from": 0.02, "to": 0.01, "start": 0.1, "over": 0.0}}]))
-    last = run.time[run.arrays["contact_sample"]]
-    assert last.min() < 0.01
-    after = (run.time > 0.1 + H) & (run.time < 0.19)
-    assert run["b.x"][after][0] == pytest.approx(0.03, abs=2e-6)
-    assert not ((last > 0.1 + H) & (last < 0.19)).any()
-
-
 def test_an_input_that_cannot_be_computed() -> None:
     """A scene error that names the drive, whenever it happens."""
     with pytest.raises(SceneError, match="drive f"):

@@ -87,24 +87,6 @@ def test_a_rack_that_slides_across_its_pitch_line(
     assert problem.advice == f"make 'along' [{x:g}, {y:.6g}]"
 
 
-@pytest.mark.parametrize("scene", [
-    rack([1, 1e-5], y=-0.05),
-    rack([0, 1], y=-0.05, slot={"turns": True}, on_b=[0.05, 0]),
-    rack([0, 1], slot={"start": [0, -1], "end": [0, 1]}, on_b=[0.05, 0]),
-], ids=["as good as parallel", "a rack that may turn", "an upright rack"])
-def test_racks_whose_direction_is_no_mistake(scene: dict[str, Any]) -> None:
-    assert not [problem for problem in told(scene) if problem.path.endswith("along")]
-
-
-def test_a_rack_on_a_carriage_that_its_gear_does_not_ride_on() -> None:
-    """Where it slides on the carriage, the carriage goes along the pitch line."""
-    scene = rack([1, 0], y=-0.05, slot={"a": "carriage", "start": [0, -1], "end": [0, 1]})
-    scene["bodies"].append({"name": "carriage", "mass": 1, "inertia": 1e-3})
-    scene["joints"].append({"type": "slot", "name": "way", "a": "ground", "b": "carriage",
-                            "turns": False, "start": [-1, 0], "end": [1, 0]})
-    assert not [problem for problem in told(scene) if problem.path.endswith("along")]
-
-
 @pytest.mark.parametrize(("joint", "fault", "field", "right"), [
     ({"type": "rope", "longest": 0.4}, "it allows 0 mm to 400 mm", "longest", "500.02 mm"),
     ({"type": "rope", "longest": 0.9, "shortest": 0.6}, "it allows 600 mm to 900 mm", "shortest",

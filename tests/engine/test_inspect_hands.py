@@ -65,13 +65,6 @@ def test_fingers_that_lack_the_same_object_share_a_line() -> None:
     assert advice.startswith("move either by 110.5 mm or more")
 
 
-def test_of_an_outline_the_nearest_side_counts() -> None:
-    """A box that is 40 mm long ends 99 mm off; its middle, and the circle about it, lie further."""
-    box = {"at": [0.119, 0], "shapes": [{"type": "box", "size": [0.04, 0.2]}]}
-    assert not told(hand(box))
-    assert "is 101 mm from it" in told(hand({**box, "at": [0.121, 0]}))[0][1]
-
-
 @pytest.mark.parametrize("gravity", [(0, 0), (0, -9.81), (0.6, -1)])
 def test_a_free_object_beyond_all_fingers_is_told(gravity: tuple[float, float]) -> None:
     """It falls away, if at all: no finger ever touches it."""
@@ -81,12 +74,6 @@ def test_a_free_object_beyond_all_fingers_is_told(gravity: tuple[float, float]) 
         "'object0', is 116.5 mm from it and comes no nearer as it falls",
         "move either by 16.99 mm or more, or make it longer; what else may push it there is not "
         "looked at")]
-
-
-def test_one_that_falls_past_is_as_near_as_it_comes() -> None:
-    """Along x = 120 mm, with a circle of 10 sqrt(2) mm about all corners of its outline."""
-    (line,) = told(hand(disc(0.12, 0.5, motion="dynamic", mass=1), gravity=(0.0, -9.81)))
-    assert "is 105.9 mm from it" in line[1]
 
 
 @pytest.mark.parametrize("mechanism", [
@@ -148,15 +135,6 @@ def drawn_in(turned: Sequence[float], scale: float = 1.0) -> float:
 
 
 STOPS = tuple(math.radians(angle) for angle in (85, 80, 75))
-
-
-def test_from_a_bent_start_it_goes_less_far() -> None:
-    """Only by what is left to its stops, on either side of the hand."""
-    bent = math.radians(30)
-    for palm in ("below", "above"):
-        way = ways(compile_mechanism(pair("80 mm", start=bent, palm=palm)), ("tree.pulley1",))
-        x = drawn_in(STOPS) - drawn_in([bent] * 3)
-        assert way["tree.pulley1"] == pytest.approx((x + 0.8 * x) / 2, rel=1e-12)
 
 
 @pytest.mark.parametrize("tree", [

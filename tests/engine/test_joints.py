@@ -119,19 +119,6 @@ def test_rod(length: float | None) -> None:
     np.testing.assert_allclose(distance[2:], length or 0.2, atol=GAP)
 
 
-def test_rod_of_its_own_length_is_not_fooled_by_speed() -> None:
-    """Its length is that at t = 0; bodies in motion enter pymunk half a step before."""
-    run = simulate(mechanism(
-        duration=0.2, bodies=[fixed("wall"), mass("m", 0.1, (0.2, 0.0), velocity=(0.0, 3.0))],
-        joints=[{"type": "rod", "name": "r", "a": "wall", "b": "m"}]))
-    # it enters on its circle, to the third order of the half step: v^3 (h / 2)^3 / r^2
-    distance = np.hypot(run["m.x"], run["m.y"])
-    assert distance[0] == pytest.approx(0.2, abs=(3 * H / 2)**3 / 0.2**2)
-    np.testing.assert_allclose(distance[1:], 0.2, atol=GAP)
-    # m v^2 / r; a polygon's chords are shorter than the arc by (v h / r)^2 / 24
-    assert run["r.reaction"][-1] == pytest.approx(0.1 * 9 / 0.2, rel=(3 * H / 0.2)**2)
-
-
 def test_rope() -> None:
     """Free in between, no longer than its longest, no shorter than its shortest, and no throw."""
     def hung(speed: float) -> Recording:

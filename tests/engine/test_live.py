@@ -112,23 +112,6 @@ def test_pushes_are_drives_of_the_points_and_settings_events() -> None:
     assert made.expect == ()
 
 
-def test_a_copy_stands_where_the_run_does_with_what_was_done_since_its_last_step() -> None:
-    machine = mechanism(
-        bodies=[mass("a", 1.0, (0, 0)), mass("b", 2.0, (1, 0))],
-        drives=[{"type": "force", "name": "lift", "body": "a", "direction": (0, 1), "value": 1}])
-    live = Live(machine)
-    live.step(20)
-    live.push("b", (0.0, 0.0), (9.0, 0.0))
-    live.give("lift", 3.0)
-    live.push("b", (0.01, 0.0), (3.0, 4.0))
-    other = live.copy()
-    assert other.inputs == live.inputs
-    for run in (live, other):
-        run.step(10)
-    assert np.array_equal(other.latest()["body_pose"], live.latest()["body_pose"])
-    assert other["lift.value"] == 3.0
-
-
 def test_it_keeps_its_last_steps_only() -> None:
     live = Live(mechanism(bodies=[mass("block", 0.4, (0.0, 0.0))]))
     for _ in range(40):

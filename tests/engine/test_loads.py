@@ -47,20 +47,6 @@ def _orders(error: Callable[[float], float], *, first: float = 2e-3) -> list[flo
     return errors
 
 
-def test_linear_drag_slows_exponentially() -> None:
-    """x = v / k (1 - e^(-k t)); the midpoint rule has k (1 - (h k)^2 / 12)."""
-    k, v = 1.5, 3.0
-
-    def error(h: float) -> float:
-        run = _run(_scene({"type": "drag", "name": "d", "linear": k}, h=h, velocity=[v, 0]))
-        found = float(np.abs(run["b.x"] - v / k * (1 - np.exp(-k * run.time))).max())
-        assert found < v / k * (h * k) ** 2
-        assert run["d.b.fx"] == pytest.approx(-k * run["b.vx"], rel=1e-9)
-        return found
-
-    _orders(error)
-
-
 def test_a_fall_against_the_square_of_the_speed() -> None:
     """v = u tanh(g t / u), u^2 = 2 m g / (density coefficient area)."""
     area, coefficient, density = 0.5, 0.8, 1.3
@@ -106,19 +92,6 @@ def test_a_magnetic_field_turns_and_does_no_work() -> None:
         return float(np.abs(run["b.x"] - np.sin(w * run.time) / w).max())
 
     _orders(error)
-
-
-def test_an_orbit_keeps_its_areas_and_its_energy() -> None:
-    """a = -x / r^3: areas to rounding, energy to second order, back after 2 pi a^(3/2)."""
-    def error(h: float) -> float:
-        run = _run(_scene(_law(acceleration=["=-x / hypot(x, y) ** 3", "=-y / hypot(x, y) ** 3"]),
-                          h=h, duration=2 * math.pi, at=[1, 0], velocity=[0, 1.2]))
-        area = run["b.x"] * run["b.vy"] - run["b.y"] * run["b.vx"]
-        assert float(np.ptp(area)) < 1e-12
-        energy = (run["b.vx"]**2 + run["b.vy"]**2) / 2 - 1 / np.hypot(run["b.x"], run["b.y"])
-        return float(np.ptp(energy))
-
-    assert _orders(error, first=8e-3)[0] < 1e-5
 
 
 @pytest.mark.parametrize("share", [-30.0, -3.0, -0.3, 0.5, 0.85])
@@ -269,16 +242,6 @@ def test_what_is_under_water_weighs_less_by_all_of_its_area(shape: dict[str, Any
     assert np.abs(run["b.alpha"]).max() < 1e-9
 
 
-def test_what_is_open_floats_by_what_it_displaces() -> None:
-    """Three walls, and the box round them: lifted as that box, and turned about no wall."""
-    walls = [{"type": "box", "size": [0.4, 0.02], "at": [0, -0.09]},
-             *({"type": "box", "size": [0.02, 0.18], "at": [x, 0.01]} for x in (-0.19, 0.19))]
-    scene = _scene({"type": "buoyancy", "name": "w"}, g=G, h=1e-3, duration=1e-3)
-    scene["bodies"] = [{"name": "b", "mass": 4.0, "thickness": 0.1, "at": [0.3, 0], "shapes": walls,
-                        "displaces": [{"type": "box", "size": [0.4, 0.2]}]}]
-    assert _run(scene)["w.b.fy"][0] == pytest.approx(1000 * G * 0.1 * 0.4 * 0.1, rel=1e-12)
-
-
 def test_what_a_body_displaces_is_scaled_and_mirrored_with_it() -> None:
     """Half a box to the right of the origin, in a mirror to its left, and twice as large."""
     part = {"type": "assembly", "name": "p", "mirror": "left-right", "scale": 2, "bodies": [
@@ -321,16 +284,6 @@ def test_a_tilted_capsule_is_lifted_where_its_submerged_part_has_its_middle(leve
     assert run["w.b.fy"][0] == pytest.approx(weight * width.sum(), rel=1e-6)
     assert run["w.b.torque"][0] == pytest.approx(
         weight * (width * middle).sum(), abs=1e-6 * weight * width.sum() * 0.1)
-
-
-def test_a_box_heaves_by_its_waterline() -> None:
-    """w^2 = g / draught; the force is linear while the sides are in the water."""
-    def error(h: float) -> float:
-        run = _floating({"type": "box", "size": [0.4, 0.2]}, at=[0, 0.02], h=h, duration=2.0)
-        w = math.sqrt(G / 0.1)
-        return float(np.abs(run["b.y"] - 0.02 * np.cos(w * run.time)).max())
-
-    _orders(error, first=4e-3)
 
 
 def test_a_tilted_box_rights_itself_by_its_metacentre() -> None:

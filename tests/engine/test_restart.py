@@ -14,7 +14,6 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene, read_scene
 
 from .machines import disc, mechanism
-from .test_room import cramped, heap
 from .test_simulation import same
 
 
@@ -75,20 +74,6 @@ def test_one_that_diverged_begins_anew() -> None:
     simulation.restart()
     simulation.run()
     assert same(simulation.recording(), simulate(machine))
-
-
-def test_one_that_needed_more_room_begins_with_the_first(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    machine = heap(3, 4)
-    whole = simulate(machine)
-    made = cramped(monkeypatch)
-    simulation = Simulation(machine)
-    simulation.run()
-    assert len(made) > 1
-    simulation.restart()
-    simulation.run()
-    assert same(simulation.recording(), whole)
 
 
 def test_a_recording_that_was_given_away_stays() -> None:

@@ -11,11 +11,9 @@ import pytest
 from sandbox.engine import simulation as module
 from sandbox.engine import world
 from sandbox.engine.simulate import simulate
-from sandbox.engine.simulation import Simulation
 from sandbox.engine.tables import Room
 from sandbox.errors import SandboxError
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.load import load_scene
 
 from .machines import G, disc, fixed, mechanism
 
@@ -86,22 +84,3 @@ def test_a_pile_in_a_v_comes_to_rest_and_its_walls_carry_it() -> None:
     assert run["v.contact.fy"][-1] == pytest.approx(-weight, rel=1e-6)
     speed = np.hypot(run.arrays["body_velocity"][-1, :, 0], run.arrays["body_velocity"][-1, :, 1])
     assert speed.max() < 1e-6
-
-
-def test_a_step_that_needs_room_of_both_kinds_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where every step is kept, so is the one that asks for more contacts.
-
-    Dominoes that fall ask for more when what was gathered fills the old room nearly, and the
-    larger one is no longer enough for both.
-    """
-    enlarge, count = Simulation._enlarge, [0]
-
-    def counted(self: Simulation) -> None:
-        count[0] += 1
-        assert count[0] < 10, "the room grows without end"
-        enlarge(self)
-
-    monkeypatch.setattr(Simulation, "_enlarge", counted)
-    run = simulate(load_scene("dominoes", overrides={"run.duration": 0.7}))
-    assert len(run) == 2800
-    assert count[0] > 0

@@ -65,18 +65,6 @@ def test_pieces_make_the_whole(name: str) -> None:
     assert same(simulation.recording(), simulate(machine))
 
 
-def test_pieces_across_chunks_of_signals_and_samples(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With chunks of a few steps every boundary is crossed, by pieces that fit none of them."""
-    machine = loaded("approach", 0.06)
-    whole = simulate(machine)
-    monkeypatch.setattr("sandbox.engine.inputs.CHUNK", 7)
-    monkeypatch.setattr("sandbox.engine.sampler.CHUNK", 5)
-    simulation = Simulation(machine)
-    while simulation.step(11):
-        simulation.recording()
-    assert same(simulation.recording(), whole)
-
-
 def test_a_recording_in_between_is_the_beginning_of_the_whole() -> None:
     simulation = Simulation(loaded("adaptive_grasp"))
     simulation.step(60)
@@ -156,15 +144,6 @@ def test_a_signal_below_the_floor_is_recorded_as_what_is_in_force(kind: str) -> 
         np.testing.assert_array_equal(run["rope.tension"], run["d.value"])
 
 
-def test_limits_below_the_floor_give_the_floor() -> None:
-    """A law between -5 and -1 N pulls a cord with 0 N: it cannot push."""
-    run = simulate(weight(controllers=[{
-        "type": "pid", "name": "law", "reads": "load.y", "writes": "winch", "target": 9.0,
-        "kp": 100.0, "limits": [-5.0, -1.0]}]))
-    assert not run["winch.value"].any()
-    assert not run["rope.tension"].any()
-
-
 def test_a_copy_goes_its_own_way() -> None:
     first = Simulation(weight())
     first.step(10)
@@ -237,13 +216,6 @@ def test_what_is_no_number_of_steps_is_refused(count: object) -> None:
     simulation = Simulation(weight())
     with pytest.raises(SceneError, match="is no number of steps"):
         simulation.step(count)
-
-
-def test_nothing_is_set_after_the_end() -> None:
-    simulation = Simulation(weight(duration=0.01))
-    simulation.run()
-    with pytest.raises(SceneError, match="over"):
-        simulation.set("winch", 1.0)
 
 
 @pytest.mark.parametrize("late", [False, True])

@@ -173,35 +173,6 @@ def bounded(seed: int) -> Made:
     return made
 
 
-def driven(seed: int) -> Made:
-    """Servos soft, stiff and rigid, weak and strong; actuators that swing, pushed and told."""
-    made = Made(seed)
-    rng = made.rng
-    hinges = list(made.elements["joints"])
-    made.joint(str(rng.choice(["pin", "slot"])), "b1", "b2")
-    for hinge in hinges:
-        law = {"stiffness": float(10 ** rng.uniform(-3, 5)), "damping": made.maybe(1e-2)}
-        if rng.integers(2):
-            made.add("drives", type="servo", joint=hinge["name"], value=made.value(0.3),
-                     torque=float(10 ** rng.uniform(-3, 2)), **law)
-            continue
-        # so strong that it never has to brake in time, and near its target
-        turn = made.at[hinge["b"]][2] - made.at[hinge["a"]][2]
-        angle = turn if hinge["positive"] == "counterclockwise" else -turn
-        made.add("drives", type="servo", joint=hinge["name"], torque=1e9,
-                 value=float(angle - hinge.get("zero", 0.0) + rng.normal(0, 1e-5)))
-        made.drive.append(made.elements["drives"][-1]["value"])
-    rods = [made.joint("actuator", *ends) for ends in (("wall", "b2"), ("b1", "b3"), ("b2", "b3"))]
-    made.add("drives", type="push", joint=rods[0], value=made.value(3.0))
-    made.add("drives", type="extend", joint=rods[1], value=made.value(0.2),
-             force=float(10 ** rng.uniform(-2, 3)))
-    made.add("drives", type="length", joint=rods[2], value=abs(made.value(0.3)),
-             force=float(10 ** rng.uniform(-1, 3)), stiffness=float(10 ** rng.uniform(0, 5)),
-             damping=made.maybe(3.0))
-    made.drive[-1] = abs(made.drive[-1])
-    return made
-
-
 def compare(made: Made, steps: int, rtol: float) -> None:
     """Step the engine; at each step's pose and velocities its answer must be the truth's."""
     bench = Bench(made.machine())
@@ -213,15 +184,11 @@ def compare(made: Made, steps: int, rtol: float) -> None:
     speeds = np.array([[0.1, -0.2, 0.4]])
     given = np.zeros((len(number), 3))
     given[model.names.body["mover"]] = speeds
-    motors = bench.constants.motors
     for _ in range(steps):
-        targets = bench.state.motors["target"] / motors["sense"] - motors["zero"]
         bench.step(*made.drive, speeds=speeds)
         pose, before = bench.state.body[number, :3], bench.result.before[number]
         step = Step(model, H, pose, before, drive=made.drive, given=given,
-                    kinds={key: list(value) for key, value in kinds.items()}, discs=discs,
-                    servos=dict(zip(motors["drive"].tolist(), zip(
-                        targets.tolist(), motors["stiff"].tolist(), strict=True), strict=True)))
+                    kinds={key: list(value) for key, value in kinds.items()}, discs=discs)
         truth = step.answer(bench.result.velocity[number])
         assert truth
         off = np.abs(bench.result.velocity[number] - truth.velocity).max()
@@ -247,8 +214,3 @@ def test_bilateral_mechanisms(seed: int) -> None:
 def test_bounded_mechanisms(seed: int) -> None:
     """Tangential rows have a compliance of 1e-7 of the slip."""
     compare(bounded(seed), steps=6, rtol=1e-6)
-
-
-@seeds(15, 80)
-def test_servos_and_actuators(seed: int) -> None:
-    compare(driven(seed), steps=6, rtol=1e-6)

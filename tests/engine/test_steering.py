@@ -70,14 +70,6 @@ def test_by_default_a_controller_acts_a_thousand_times_a_second():
     np.testing.assert_allclose(seen, np.arange(100) * 1e-3, atol=1e-12)
 
 
-def test_when_samples_are_taken_changes_nothing():
-    law = {"type": "feedback", "name": "pd", "writes": "motor", "value": "=0.1 - axle.angle"}
-    fine = run(rotor(controllers=[law]))
-    coarse = rotor(controllers=[law])
-    coarse["run"]["sample_rate"] = 125
-    assert np.array_equal(run(coarse)["axle.angle"], fine["axle.angle"][15::16])
-
-
 def test_the_friction_of_a_pair_is_read_with_its_sign():
     """On what slides to the right mu m g to the left: the normal force, up, turned by +90 deg."""
     rows: list[list[float]] = []
@@ -220,20 +212,6 @@ def test_of_events_that_overlap_the_last_one_counts(first, second, expected):
     assert got["motor.value"][looked].tolist() == expected
 
 
-def test_targets_and_switches_overlap_as_drives_do():
-    law = {"type": "feedback", "name": "law", "writes": "motor", "value": "=t"}
-    program = {"type": "schedule", "name": "program", "writes": "motor", "value": 1}
-    off = [{"name": "one", "at": "10 ms", "set": {"law.active": 0}, "lasts": "40 ms"},
-           {"name": "two", "at": "30 ms", "set": {"law.active": 0}, "lasts": "40 ms"}]
-    value = run(rotor(controllers=[law], events=off))
-    resting = (value.time > 0.01) & (value.time < 0.07)
-    assert len(set(value["motor.value"][resting])) == 1
-    assert value["motor.value"][-1] == pytest.approx(0.099, abs=1e-9)
-    goals = [{"name": "one", "at": "10 ms", "set": {"program.target": 5}, "lasts": "40 ms"},
-             {"name": "two", "at": "30 ms", "set": {"program.target": 9}}]
-    assert run(rotor(controllers=[program], events=goals))["motor.value"][-1] == 9
-
-
 def test_a_motor_that_is_left_to_its_signal_at_once_follows_it():
     """How often samples are taken decides how many steps are made in one go, and nothing else."""
     scene = rotor(controllers=[{"type": "schedule", "name": "law", "writes": "turn", "value": 1}],
@@ -359,19 +337,3 @@ def test_a_torque_is_read_in_the_sense_of_its_hinge(kind: str, positive: str, se
     np.testing.assert_allclose(run["drive.torque"][:len(live)], live, rtol=0, atol=1e-12)
     assert sense * run["drive.torque"][10] == pytest.approx(0.01 * run["wheel.alpha"][10])
     assert live[10] == pytest.approx(0.3)
-
-
-def test_a_meter_of_the_time_is_read_as_it_is_recorded() -> None:
-    """A sample is of the middle of its step, and the time of what controllers read its end."""
-    simulation = sandbox.Simulation(sandbox.load_scene({
-        "run": {"duration": 0.01, "step": 5e-4, "sample_rate": 2000},
-        "bodies": [{"name": "wheel", "mass": 1.0, "inertia": 0.01, "angular_velocity": 2.0}],
-        "meters": [{"name": "off", "value": "=wheel.angle - 2 * t"},
-                   {"name": "when", "value": "=t"}]}))
-    live = []
-    while simulation.step(1):
-        live.append((simulation["off"], simulation["when"]))
-    run = simulation.recording()
-    off, when = np.transpose(live)
-    np.testing.assert_allclose(when, run["when"][:len(when)], rtol=0, atol=1e-15)
-    np.testing.assert_allclose(off, 0, atol=1e-15)

@@ -7,7 +7,6 @@ being at t = h / 2, 3 h / 2, ...; so rounding is all that is left (1e-12 of some
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -43,27 +42,6 @@ def hanging(
 
 def stretch(run: Recording) -> np.ndarray:
     return np.asarray(run["c.length"]) - 0.5 + SHORT
-
-
-def test_a_stiffness_of_its_own_changes_nothing() -> None:
-    """By default the drive has what the tendon has."""
-    for more in ({}, {"damping": 0.3}):
-        free, driven = (simulate(hanging(driven=one, **more)) for one in (False, True))
-        np.testing.assert_array_equal(driven["c.tension"], free["c.tension"])
-        assert (driven["k.value"] == OWN).all()
-        assert driven.unit("k.value") == "N/m"
-
-
-def test_a_weight_whose_cord_becomes_stiffer_swings() -> None:
-    """About m g / k2 from m g / k1; its tension is k x at every sample."""
-    run = simulate(hanging(JUMP))
-    after = run.time > AT
-    pace = 2 / H * math.asin(H / 2 * math.sqrt(MORE / M))
-    swing = (SHORT - M * G / MORE) / math.cos(pace * H / 2) * np.cos(pace * (run.time - AT))
-    x = np.where(after, M * G / MORE + swing, SHORT)
-    np.testing.assert_allclose(stretch(run), x, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(run["c.tension"], np.where(after, MORE, OWN) * x, rtol=0, atol=1e-10)
-    assert np.ptp(x) > 0.01
 
 
 def test_what_the_drive_puts_in_is_in_the_weight_s_motion() -> None:

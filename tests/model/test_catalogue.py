@@ -5,23 +5,10 @@ from sandbox.model.asked import check_quantities
 from sandbox.model.catalogue import (
     Catalogue,
     UnknownQuantityError,
-    catalogue,
     split,
 )
 from sandbox.scene.mechanism import Mechanism
 from tests.recording.sample import mechanism
-
-
-def test_catalogue_needs_a_mechanism_only():
-    units = catalogue(mechanism(meters=[{"name": "a.b", "value": "=1", "unit": "N"}]))
-    assert units["finger1.distal.x"] == "m"
-    assert units["finger1.contact.count"] == "1"
-    assert units["coil.torque"] == "N m"
-    assert units["a.b"] == "N"
-    assert "finger1.pip.stop" not in units  # a pin without limits
-    assert "leash.angle" not in units  # not a pin
-    assert "return.torque" not in units  # not rotary
-    assert not [name for name in units if "/" in name]
 
 
 @pytest.mark.parametrize("name", [
@@ -100,14 +87,6 @@ def test_what_an_element_would_have_to_be_given_is_told(name, needs):
 
 def meters(**values):
     return [{"name": name, "value": value} for name, value in values.items()]
-
-
-def test_a_sound_mechanism_has_no_problems():
-    mech = mechanism(
-        meters=meters(a="=disc.x + b * pi", b="=sin(t)"),
-        expect=[{"max": "a", "below": 1}, {"final": "finger*.contact.normal", "above": 0},
-                {"max": "disc/*.normal", "above": 0}])
-    assert check_quantities(mech) == []
 
 
 @pytest.mark.parametrize("text", ["=disc/finger.normal", "=2 * disc / finger.normal + disc.x / t"])

@@ -1,4 +1,4 @@
-"""Linkages with one loop and with three, driven and free, and a truss that cannot move."""
+"""Four-bar linkages, free and driven."""
 
 from __future__ import annotations
 
@@ -9,12 +9,11 @@ import numpy as np
 
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
-from sandbox.verification.benchmarks.pieces import GROUND, G, body, pin, point
+from sandbox.verification.benchmarks.pieces import GROUND, body, pin, point
 from tests.hard.measures import GAP, closed, energy
 from tests.hard.trial import AtMost, Measure, Order, Trial, spell
 from tests.hard.trials.chains import SECOND_ORDER
 from tests.hard.truth.linkages import Linkage, elbow
-from tests.hard.truth.truss import bar_forces
 
 
 def angle_error(names: tuple[str, ...], linkage: Linkage) -> Measure:
@@ -103,52 +102,5 @@ def _driven_loop() -> Trial:
          AtMost("rocker error", 1e-3, 1e-5, "a constant speed is met in each step; gaps of 1e-6"),))
 
 
-NODES = {"left": 0j, "right": 0.4 + 0j, "top": 0.15 + 0.25j}
-RODS = (("left", "right"), ("right", "top"), ("top", "left"))
-LOAD, NODE = 3.0 - 10.0j, 0.1
-
-
-def truss(step: float) -> Mechanism:
-    """Three nodes with weight and a load, three rods, a pin and a roller."""
-    nodes = [{"name": name, "mass": NODE, "inertia": 1e-5, "at": point(z)}
-             for name, z in NODES.items()]
-    rods = [{"type": "rod", "name": f"{a}_{b}", "a": a, "b": b} for a, b in RODS]
-    return spell(
-        0.2, step, gravity=(0.0, -G), bodies=[GROUND, *nodes],
-        joints=[pin("ground", "left"), *rods, {
-            "type": "slot", "name": "roller", "a": "ground", "b": "right",
-            "start": (0.2, 0.0), "end": (0.6, 0.0)}],
-        drives=[{"type": "force", "name": "load", "body": "top", "value": abs(LOAD),
-                 "direction": point(LOAD)}])
-
-
-def _truss() -> Trial:
-    weight = -1j * NODE * G
-    loads = {"left": weight, "right": weight, "top": LOAD + weight}
-    forces, pinned, rolled = bar_forces(NODES, RODS, loads, "left", "right")
-
-    def reaction(run: Recording, name: str) -> np.ndarray:
-        return np.asarray(run[f"{name}.reaction_x"] + 1j * run[f"{name}.reaction_y"])
-
-    def rods(run: Recording) -> float:
-        """A rod that pulls draws its body b towards a."""
-        off = []
-        for (a, b), truth in zip(RODS, forces, strict=True):
-            line = (NODES[a] - NODES[b]) / abs(NODES[a] - NODES[b])
-            off.append(np.abs(reaction(run, f"{a}_{b}") - truth * line).max())
-        return float(np.max(off))
-
-    def bearings(run: Recording) -> float:
-        return float(np.max([np.abs(reaction(run, "ground_left") - pinned).max(),
-                             np.abs(reaction(run, "roller") - 1j * rolled).max()]))
-
-    why = "determinate and rigid: the method of joints, from the first step on"
-    return Trial(
-        "truss", "three rods, a pin and a roller under a slanting load: signed forces", truss,
-        (Measure("rods' force error", "N", rods), Measure("bearings' force error", "N", bearings)),
-        (AtMost("rods' force error", 5e-4, 1e-6, why),
-         AtMost("bearings' force error", 5e-4, 1e-6, why)))
-
-
 def trials() -> list[Trial]:
-    return [_free_loop(), _driven_loop(), _truss()]
+    return [_free_loop(), _driven_loop()]
