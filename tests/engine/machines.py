@@ -1,4 +1,4 @@
-"""Short ways to spell out mechanisms, and the engine's parts laid bare."""
+"""Helpers that build mechanisms, and an engine stepped by hand."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from sandbox.engine.advance import UNKEPT, advance
 from sandbox.engine.entry_points import prepare
 from sandbox.engine.memory import make_memory
 from sandbox.engine.snapshot import make_snapshot
-from sandbox.engine.tables import Tables, make_tables
+from sandbox.engine.tables import make_tables
 from sandbox.engine.world import World
 from sandbox.model.compile import compile_mechanism
 from sandbox.scene.mechanism import Mechanism
@@ -47,59 +47,23 @@ def cord(name: str, *guides: tuple[Any, ...], **more: Any) -> dict[str, Any]:
     return {"name": name, "guides": [dict(zip(keys, g, strict=False)) for g in guides], **more}
 
 
-def parts(machine: Mechanism) -> tuple[World, Tables]:
-    """pymunk's world of a mechanism and the tables of its elements, as a run makes them."""
-    world = World(compile_mechanism(machine))
-    return world, make_tables(world.model, world.h, world.order, world.body, world.velocity,
-                              world.filters, world.shape_table, world.face_table, world.room)
-
-
 class Bench:
-    """A mechanism on the bench: the compiled loop makes a step at a time, its tables in view."""
+    """A mechanism stepped one step at a time, with the engine's tables."""
 
     def __init__(self, machine: Mechanism) -> None:
-        self.world, self.tables = parts(machine)
-        self.constants, self.state, self.result, _ = self.tables
+        self.world = world = World(compile_mechanism(machine))
+        self.tables = tables = make_tables(world.model, world.h, world.order, world.body, world.velocity,
+                             world.filters, world.shape_table, world.face_table, world.room)
+        self.constants, self.state, self.result, _ = tables
         drives = len(self.world.model.drives.name)
         self.kept = make_snapshot(1, self.constants, drives, 2 * self.world.room.contacts)
-        self.memory = make_memory(self.world.native, *self.tables[:3], self.kept,
+        self.memory = make_memory(self.world.native, *tables[:3], self.kept,
                                   prepare(self.constants, advance))
 
-    def step(
-        self, *drive: float, speeds: Any = None, steps: int = 1, due: int = UNKEPT,
-    ) -> Bench:
-        """Make steps with the drives' values; ``speeds`` [ns, 3] are those of scheduled bodies.
-
-        Step ``due`` is kept as a sample.
-        """
+    def step(self, *drive: float, speeds: Any = None) -> Bench:
+        """Make one step with the drives' values; ``speeds`` [ns, 3] are of scheduled bodies."""
         moved = np.zeros((len(self.constants.scheduled), 3)) if speeds is None else speeds
-        made = advance(self.memory.address, self.world.h, np.tile(np.array(drive), (steps, 1)),
-                       np.tile(np.array(moved, dtype=float), (steps, 1, 1)), due, due)
-        assert made == steps
+        made = advance(self.memory.address, self.world.h, np.array([drive]),
+                       np.array([moved], dtype=float), UNKEPT, UNKEPT)
+        assert made == 1
         return self
-
-    def number(self, body: str) -> int:
-        """The row of a body."""
-        return int(self.world.number[self.world.model.names.body[body]])
-
-    def throw(self, velocity: Any) -> Bench:
-        """Give all bodies velocities [nb, 3]."""
-        self.world.velocity[:] = velocity
-        self.world.write()
-        self.world.read()
-        return self
-
-
-def inverse_masses(tables: Tables) -> np.ndarray:
-    """Inverse masses of all coordinates (x, y, angle of each body in turn), shape [3 nb]."""
-    inverse = tables.constants.inverse_mass
-    return np.stack([inverse[:, 0], *inverse.T], axis=1).ravel()
-
-
-def rows_of(tables: Tables) -> np.ndarray:
-    """The bilateral rows of the last step, dense, [m, 3 nb], from its entries; no hubs."""
-    constants, J = tables.constants, tables.result.entries[0]
-    dense = np.zeros((tables.result.unknowns.shape[1], 3 * len(constants.inverse_mass)))
-    for row, body, values in zip(constants.entry_row, constants.entry_body, J, strict=True):
-        dense[row, 3 * body:3 * body + 3] += values
-    return dense

@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.engine.clock import Clock, make_clock
-
-
-def test_no_drift_after_a_million_steps() -> None:
-    """Repeated addition of 0.1 ms is off by 1e-9 s there; a product only by its last bit."""
-    clock = Clock(step=1e-4, steps=1_000_001, every=1)
-    assert abs(float(clock.force_time(1_000_000)) - 99.99995) <= np.spacing(99.99995)
+from sandbox.engine.clock import make_clock
 
 
 @pytest.mark.parametrize(("duration", "step", "rate", "steps", "every"), [

@@ -99,23 +99,6 @@ def test_motion_is_second_order(kind: str) -> None:
     assert ((orders > 1.7) & (orders < 2.3)).all(), (orders, errors)
 
 
-@pytest.mark.parametrize("kind", ["linear", "rotary"])
-def test_work_is_the_gain_of_kinetic_energy(kind: str) -> None:
-    """Alone on a body the spring's work is m v^2 / 2, whatever its stiffness did.
-
-    Work is added up to the middle of the step, the mean of the energies before and after it.
-    """
-    value = {"table": [(0.0, 30.0), (0.11, 90.0), (0.2, 5.0)], "between": "step"}
-    if kind == "linear":
-        run, weight, v, a = (r := sprung(setting(value))), 0.1, r["m.vx"], r["m.ax"]
-    else:
-        value["table"] = [(t, k * 2e-4) for t, k in value["table"]]
-        run, weight, v, a = (r := turned(setting(value))), 4e-5, r["w.omega"], r["w.alpha"]
-    kinetic = weight * (v**2 + (H / 2 * a) ** 2) / 2
-    np.testing.assert_allclose(run["s.work"], kinetic, rtol=0, atol=1e-12 * kinetic.max())
-    assert kinetic.max() > 1e-5
-
-
 # -- brakes ------------------------------------------------------------------------
 
 
@@ -219,30 +202,6 @@ def test_a_stalled_motor_gives_its_torque(positive: str, sense: int) -> None:
     np.testing.assert_allclose(run["d.torque"], -2e-3, rtol=1e-9)
     np.testing.assert_allclose(run["hold.torque"], 2e-3, rtol=1e-9)
     assert np.abs(run["p.angle"]).max() < 1e-9
-
-
-@pytest.mark.parametrize(("kind", "more"), [
-    ("motor", {"value": 1e3, "torque": 0.3}), ("torque", {"value": 0.3}),
-    ("servo", {"value": 1e3, "torque": 0.3})])
-@pytest.mark.parametrize("positive", ["counterclockwise", "clockwise"])
-def test_power_is_torque_times_the_rate_of_the_two_bodies(
-        kind: str, more: dict[str, Any], positive: str) -> None:
-    """Between two free discs T speeds the angle up by a = T (1 / I1 + 1 / I2): P = T a t.
-
-    A sample's rate is that of an instant of its step: P is off by T a h at most.
-    """
-    run = simulate(mechanism(
-        duration=0.1, bodies=[{"name": "one", "mass": 1.0, "inertia": 2e-3},
-                              {"name": "two", "mass": 1.0, "inertia": 3e-3}],
-        joints=[{"type": "pin", "name": "p", "a": "one", "b": "two", "on_a": (0, 0),
-                 "positive": positive}],
-        drives=[{"type": kind, "name": "d", "joint": "p", **more}]))
-    speeds_up = 0.3 * (1 / 2e-3 + 1 / 3e-3)
-    np.testing.assert_allclose(run["d.power"], 0.3 * speeds_up * run.time, rtol=0,
-                               atol=0.3 * speeds_up * H)
-    sense = 1.0 if positive == "counterclockwise" else -1.0
-    np.testing.assert_allclose(run["d.power"], 0.3 * sense * (run["two.omega"] - run["one.omega"]),
-                               rtol=1e-12, atol=1e-12)
 
 
 @SENSES

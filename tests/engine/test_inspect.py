@@ -273,18 +273,13 @@ def test_a_damper_that_settles_within_a_fraction_of_the_step():
 
 # --- the rest
 
-def test_a_quantity_that_does_not_exist_blocks():
-    expect = [{"mean": "bar.contcat.normal", "above": 0}]
-    finding, = inspect(Mechanism.model_validate(PINNED | {"expect": expect}))
+@pytest.mark.parametrize(("more", "hint"), [
+    ({"expect": [{"mean": "bar.contcat.normal", "above": 0}]}, "contact.normal"),
+    ({"meters": [{"name": "m", "value": "=hinge.angel * 2"}]}, "hinge.angle")])
+def test_unknown_quantities_block(more, hint):
+    finding, = inspect(Mechanism.model_validate(PINNED | more))
     assert finding.blocks
-    assert "contact.normal" in str(finding)
-
-
-def test_a_meter_of_something_unknown_blocks():
-    meters = [{"name": "m", "value": "=hinge.angel * 2"}]
-    finding, = inspect(Mechanism.model_validate(PINNED | {"meters": meters}))
-    assert finding.blocks
-    assert "hinge.angle" in str(finding)
+    assert hint in str(finding)
 
 
 def test_a_step_that_does_not_divide_the_sampling_interval():

@@ -59,15 +59,3 @@ def test_what_does_nothing_is_told(parts: dict[str, Any], path: str, words: str)
 ])
 def test_what_does_something_is_not(parts: dict[str, Any]) -> None:
     assert told(**parts) == []
-
-
-@pytest.mark.parametrize("kind", ["push", "extend", "length"])
-def test_drives_of_actuators_want_one(kind: str) -> None:
-    from sandbox.errors import SceneError
-    more = {} if kind == "push" else {"force": 1}
-    with pytest.raises(SceneError) as refused:
-        load_scene({**SCENE, "drives": [
-            {"type": kind, "name": "d", "joint": "axle", "value": 0.5, **more}]})
-    assert refused.value.problems[0].message == (
-        f"'axle' is a hinge, and '{kind}' acts on an actuator")
-    assert refused.value.problems[0].allowed == "'cylinder'"

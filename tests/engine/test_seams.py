@@ -57,17 +57,6 @@ def test_both_sides_of_a_chain_can_be_hit():
     assert highest < below["b.y"].max() < highest + 5e-3
 
 
-def test_a_wheel_of_many_pieces_rolls_as_far_as_its_rim():
-    """A cam without a lift is a disc of 200 corners, four pieces: it rolls by radius times turn."""
-    flat = [[f"{a} deg", 0.0] for a in range(0, 360, 30)]
-    found = run([{"type": "box", "size": [4, 0.1], "at": [0, -0.05]}],
-                {"type": "cam", "base": 0.05, "follower": "flat", "lift": flat, "tolerance": 6e-6},
-                [0, 0.05], velocity=(1.0, 0.0), angular_velocity=-20.0, friction=1.0)
-    assert found["b.x"][-1] == pytest.approx(-0.05 * found["b.angle"][-1], rel=1e-3)
-    # a polygon of n corners falls from corner to corner: it loses 2 (2 pi / n)^2 a turn or so
-    assert found["b.vx"].min() > 0.9
-
-
 NOTCH = [[-1, -1], [1, -1], [1, 1], [0.2, 1], [0, 0], [-0.2, 1], [-1, 1]]
 
 

@@ -11,7 +11,6 @@ import pytest
 from sandbox.audit.audit import audit
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from sandbox.scene.mechanism import Mechanism
 
 from .machines import G, fixed, mass, mechanism
 
@@ -49,18 +48,6 @@ def test_whole_turns_count() -> None:
         if slides:
             ratio = run["rope.tension_0"][-1] / run["rope.tension_1"][-1]
             assert ratio == pytest.approx(math.exp(mu * phi), rel=1e-9)
-
-
-def test_one_guide_alone_does_not_hold_a_loop() -> None:
-    """What goes round a single wheel with friction drags on nothing: it is as without."""
-    def loop(friction: float) -> Mechanism:
-        return mechanism(
-            duration=0.05, step=H, bodies=[fixed("ground"), mass("one", 1.0, (0.4, 0.0))],
-            tendons=[{"name": "loop", "closed": True, "stiffness": 1e4, "pretension": 10.0,
-                      "guides": [guide("ground", (0, 0), 0.05),
-                                 guide("one", (0, 0), 0.05, "left", friction)]}])
-    held, free = (simulate(loop(mu)) for mu in (0.5, 0.0))
-    assert np.array_equal(held["one.x"], free["one.x"])
 
 
 def test_friction_along_a_sheath_multiplies() -> None:

@@ -273,21 +273,6 @@ def test_an_expression_needs_its_sign():
         run(rotor(controllers=[law]))
 
 
-def test_a_loop_that_runs_away_is_named():
-    law = {"type": "pid", "name": "wrong_way", "reads": "axle.angle", "target": 0.1,
-           "writes": "motor", "kp": -200}
-    with pytest.raises(sandbox.SimulationDiverged) as caught:
-        run(rotor(duration=2.0, controllers=[law]))
-    text = str(caught.value)
-    assert "wrong_way" in text
-    assert "axle.angle = " in text
-    assert "motor = " in text
-    recording = caught.value.recording
-    assert recording is not None
-    assert not recording.complete
-    assert len(recording) > 10
-
-
 @pytest.mark.parametrize("order", [1, -1])
 def test_of_several_loops_the_one_that_ran_away_is_named(order):
     """One's reading ends as near its target as it began, the other's far off, a few acts later."""
@@ -301,6 +286,9 @@ def test_of_several_loops_the_one_that_ran_away_is_named(order):
     with pytest.raises(sandbox.SimulationDiverged, match="wrong_way") as caught:
         run(scene)
     assert caught.value.time < 0.064
+    assert "axle.angle = " in str(caught.value)
+    assert "motor = " in str(caught.value)
+    assert len(caught.value.recording) > 10
 
 
 def test_a_reading_that_is_no_number_is_named():

@@ -14,8 +14,6 @@ import pytest
 from pydantic import ValidationError
 
 from sandbox.engine.simulate import simulate
-from sandbox.engine.stiffness import stiff_cords
-from sandbox.model.compile import compile_mechanism
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
@@ -67,9 +65,7 @@ def test_one_that_is_let_go_falls(most: float) -> None:
     Taken up again at the depth that it has fallen to it pulls with what it is then stretched by.
     """
     values = [(0.0, OWN), (0.1, -5.0), (0.2, OWN), (0.35, most)]
-    made = hanging({"table": values, "between": "step"})
-    assert stiff_cords(compile_mechanism(made), H).tolist() == [most > MORE]
-    run = simulate(made)
+    run = simulate(hanging({"table": values, "between": "step"}))
     falls = (run.time > 0.1) & (run.time < 0.2)
     assert (run["k.value"][falls] == 0).all()
     assert (run["c.tension"][falls] == 0).all()

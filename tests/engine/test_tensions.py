@@ -55,23 +55,6 @@ def test_cords_in_parallel_share() -> None:
     np.testing.assert_allclose(run.arrays["tendon_tension"][-1], 0.1 * G / 5, rtol=1e-9)
 
 
-def test_a_chain_of_ropes() -> None:
-    """Forty beads of 1 g on forty cords: the i-th from below carries i beads.
-
-    Damped at 1 N s/m a cord the chain's own swing has died to 1e-3 within 1 s.
-    """
-    count = 40
-    names = [f"m{i}" for i in range(count)]
-    run = simulate(mechanism(
-        duration=1.0, gravity=(0.0, -G),
-        bodies=[fixed("wall"), *(mass(n, 1e-3, (0.0, -0.01 * (i + 1)))
-                                 for i, n in enumerate(names))],
-        tendons=[cord(f"c{i}", (a,), (b,), damping=1.0)
-                 for i, (a, b) in enumerate(zip(["wall", *names[:-1]], names, strict=True))]))
-    weights = 1e-3 * G * np.arange(count, 0, -1)
-    np.testing.assert_allclose(run.arrays["tendon_tension"][-1], weights, rtol=2e-3)
-
-
 def test_guides_that_pass_through_one_another_are_harmless() -> None:
     """No direction for an instant, no force, no NaN.
 
