@@ -52,16 +52,6 @@ def test_sixteen_touching_circles_at_every_microsecond() -> None:
     assert list(found.beyond(Limits(recorded_bytes=10**11))) == []
 
 
-@pytest.mark.parametrize(("seconds", "size", "told"), [
-    (3.2, 12e6, "3.2 s and 12 MB"), (0.0001, 10, "0.01 s and 1 kB"), (99, 1e9, "99 s and 1 GB"),
-    (600, 1.5e5, "10 min and 150 kB"), (11_880, 0, "3.3 h and 1 kB"),
-    (864_000, 8.6e9, "10 days and 8.6 GB"),
-])
-def test_what_it_says(seconds: float, size: int, told: str) -> None:
-    said = str(Estimate(24_000, 1, 0, seconds, int(size)))
-    assert said == f"would take about {told} (24 000 steps, 1 sample)"
-
-
 def test_a_run_of_hours_is_refused() -> None:
     found = Estimate(2_000_000, 1000, 0, 11_880.0, 0)
     (problem,) = found.beyond(Limits())

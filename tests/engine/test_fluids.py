@@ -84,6 +84,12 @@ def test_an_orifice_that_is_partly_open_lets_through_as_much_less(opening: float
         opening * 0.6e-6 * math.sqrt(2 * 6e5 / 850), rel=1e-9)
 
 
+def test_a_closed_vessel_keeps_its_pressure() -> None:
+    recording = run({"bodies": [fixed("ground"), {"name": "b", "mass": 1, "inertia": 1}],
+                     "lines": [line("air", volume=1e-3, gas=1.4, pressure=3e5)]}, 0.01)
+    assert recording["air.pressure"] == pytest.approx(3e5, rel=1e-12)
+
+
 def test_a_source_fills_a_vessel_with_what_a_gas_takes_in() -> None:
     """From 1 atm to p: V ((p / atm + 1)^(1/n) - 1) of free air, whatever the steps."""
     scene = {"bodies": [fixed("ground"), {"name": "b", "mass": 1, "inertia": 1}],
@@ -122,7 +128,7 @@ def test_a_throttled_vane_turns_down_exponentially() -> None:
     scene = {"bodies": [fixed("ground"), {"name": "wheel", "mass": 1, "inertia": inertia,
                                           "angular_velocity": 5.0}],
              "joints": [{"type": "pin", "name": "axle", "a": "ground", "b": "wheel",
-                         "on_a": (0, 0)}],
+                         "on_a": (0, 0), "zero": 0.3}],
              "lines": [line("oil", {"type": "vane", "joint": "axle", "displacement": displacement},
                             volume=1e-9, pressure=0.0)],
              "valves": [{"name": "throttle", "a": "oil", "resistance": resistance}]}

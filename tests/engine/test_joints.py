@@ -195,14 +195,3 @@ def test_a_stop_of_a_hinge_that_stands_beyond_it_comes_back_slowly() -> None:
     np.testing.assert_allclose(run["p.rate"][coming][1:], -1.0, atol=1e-9)
     # it arrives with that speed and goes on: a stop holds from one side only
     assert run["p.angle"][-1] <= 0.1 + ROUNDING
-
-
-@pytest.mark.parametrize(("positive", "angle"), [("counterclockwise", 0.3 - 0.1),
-                                                 ("clockwise", -0.3 - 0.1)])
-def test_zero_is_subtracted_from_the_angle_in_the_hinges_sense(positive: str, angle: float) -> None:
-    """No force, nothing moves: the frames stay 0.3 rad apart."""
-    run = simulate(mechanism(
-        duration=0.01, bodies=[fixed("wall"), bar("a", (0, 0), angle=0.3)],
-        joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "a", "on_b": (0, 0),
-                 "positive": positive, "zero": 0.1}]))
-    assert run["pin.angle"] == pytest.approx(angle, abs=ROUNDING)

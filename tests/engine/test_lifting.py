@@ -167,6 +167,13 @@ def test_whole_turns_wheels_that_grip_and_eyes_are_never_left(guide: dict[str, A
     assert not lifted_at_start(compile_mechanism(mechanism)).any()
 
 
+def test_a_loop_begins_on_its_wheels() -> None:
+    scene = _pegged()
+    scene["tendons"][0] |= {"closed": True, "pretension": 1.0}
+    assert not lifted_at_start(compile_mechanism(
+        sandbox.expand(sandbox.load_scene(scene)))).any()
+
+
 @pytest.mark.parametrize(("side", "off"), [("right", True), ("left", False)])
 def test_a_cord_begins_off_a_wheel_that_is_clear_of_it_on_its_side(side: str, off: bool) -> None:
     mechanism = sandbox.expand(sandbox.load_scene(_pegged(side=side)))

@@ -125,6 +125,14 @@ def test_set_holds_until_it_is_let_go() -> None:
     assert simulation["load.vy"] == pytest.approx(G * 20 * H, rel=1e-9)
 
 
+def test_a_value_set_below_the_minimum_is_the_minimum() -> None:
+    simulation = Simulation(weight())
+    simulation.set("winch", -3.0)
+    simulation.step(2)
+    run = simulation.recording()
+    assert run["winch.value"].tolist() == run["rope.tension"].tolist() == [0.0, 0.0]
+
+
 @pytest.mark.parametrize("kind", ["pull", "brake", "stiffness"])
 def test_a_signal_below_the_floor_is_recorded_as_what_is_in_force(kind: str) -> None:
     """From -3 to 3: 0 up to the middle, in the log as in the forces."""

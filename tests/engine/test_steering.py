@@ -267,12 +267,6 @@ def test_an_event_may_only_mark_an_instant():
         run(rotor(events=[{"name": "mark", "at": 0.05, "lasts": 0.01}]))
 
 
-def test_an_expression_needs_its_sign():
-    law = {"type": "feedback", "name": "law", "writes": "motor", "value": "2 * axle.rate"}
-    with pytest.raises(sandbox.SceneError, match=r"is an expression. Allowed: '=2 \* axle.rate'"):
-        run(rotor(controllers=[law]))
-
-
 @pytest.mark.parametrize("order", [1, -1])
 def test_of_several_loops_the_one_that_ran_away_is_named(order):
     """One's reading ends as near its target as it began, the other's far off, a few acts later."""

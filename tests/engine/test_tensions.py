@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -66,6 +68,17 @@ def test_guides_that_pass_through_one_another_are_harmless() -> None:
         tendons=[cord("cord", ("beam",), ("m",), slack=0.008, damping=30.0)]))
     assert np.isfinite(run.arrays["body_pose"]).all()
     assert -0.01 - 6e-4 < run["m.y"].min() < -0.01
+
+
+@pytest.mark.parametrize(("path", "response"), [
+    ([("beam",), ("m",)], 1), ([("beam",), ("m",), ("beam",)], 4)])
+def test_a_tendon_too_stiff_for_the_step_is_damped(path: list[Any], response: float) -> None:
+    """From h^2 k response / m = 1 on, where a tendon folded at the load counts four times."""
+    for share, rings in ((0.9, True), (1.1, False)):
+        run = simulate(mechanism(
+            duration=0.1, gravity=(0.0, -G), bodies=[fixed("beam"), mass("m", 0.01, (0.0, -0.1))],
+            tendons=[cord("cord", *path, stiffness=share * 0.01 / (H**2 * response))]))
+        assert (np.ptp(run["cord.tension"][-20:]) > 0.01) == rings
 
 
 def test_fixed_ends_only() -> None:
