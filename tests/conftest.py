@@ -7,6 +7,8 @@ import signal
 import tempfile
 from pathlib import Path
 
+from hypothesis import settings
+
 import sandbox
 
 if not os.access(Path(sandbox.__file__).parent, os.W_OK):
@@ -17,6 +19,11 @@ if not os.access(Path(sandbox.__file__).parent, os.W_OK):
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # a shell starts background jobs so, and processes would pass it on: Ctrl-C could not be tested
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+# fewer examples by day, and no time limit: a busy machine is slow; --hypothesis-profile overrides it
+settings.register_profile("day", max_examples=25, deadline=None)
+settings.load_profile("day")
 
 
 def pytest_report_header() -> str:
