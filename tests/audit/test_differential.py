@@ -7,8 +7,6 @@ import math
 import numpy as np
 import pytest
 
-from sandbox.samples.cords import lengths
-from sandbox.samples.loads import Loads
 from tests.audit.still import block, figures, machine, still, turns
 
 GAP = 1.51e-10
@@ -91,100 +89,6 @@ def test_a_rocker_that_tilts_is_allowed_its_strings_slant(ahead):
     assert figure.verdict == "pass"
 
 
-def test_a_rocker_on_a_frame_that_is_turned_goes_along_its_slot():
-    """All of it turned by 0.6 rad, a slot that points up, and a carriage for its frame."""
-    angle = 0.6
-    machine_ = machine(
-        block("carriage", at=(0.4, -0.1), angle=angle),
-        block("rocker", at=(np.array([0.4, -0.1]) + turned(angle, (0.2, 0.5))).tolist(),
-              angle=angle), block("three"),
-        joints=[{"type": "slot", "name": "slot", "a": "carriage", "b": "rocker",
-                 "start": (0.2, 0.1), "end": (0.2, 0.9)}],
-        tendons=[{"name": f"string{i}", "guides": [
-            {"body": "carriage", "at": (0.2 + arm, 0.2)}, {"body": "rocker", "at": (arm, 0.0)}]}
-            for i, arm in enumerate((0.03, -0.02))],
-        groups=[{"name": "tree", "kind": "rocker_tree", "bodies": ["rocker"]}])
-
-    def make(error):
-        def change(a):
-            a["body_pose"][:, 2, :2] += turned(angle, (0.0, 0.01))
-            a["tendon_length"][:] = 0.31
-            a["tendon_length"][:, 0] += error / 0.4
-        return still(machine_, change)
-    turns("differential", 2 * GAP, make, by=1e-2)
-
-
-ALONG, ASIDE = np.array([0.6, 0.8]), np.array([-0.8, 0.6])
-
-
-def slanted(radius, ends):
-    """A carriage turned by 0.6 rad with a slanted slot; strings come by way of two tips.
-
-    Each runs from the carriage over a wheel on its tip to an end on the rocker: a point so far to
-    the left and ahead of its middle, or, of a third number other than 0, a wheel about it. A
-    radius is positive where the wheel lies right of its cord; tips stand so that no cord leans.
-    """
-    def world(point):
-        return (np.array([0.4, -0.1]) + turned(0.6, point)).tolist()
-    middle = np.array([0.2, 0.1]) + 0.3 * ALONG
-    tips = [middle + (left + wheel - radius) * ASIDE + (ahead - back) * ALONG
-            for (left, ahead, wheel), back in zip(ends, (0.3, 0.21), strict=True)]
-    return machine(
-        block("carriage", at=world((0, 0)), angle=0.6),
-        block("rocker", at=world(middle), angle=0.6),
-        *(block(f"tip{i}", at=world(tip), angle=0.3) for i, tip in enumerate(tips)),
-        joints=[{"type": "slot", "name": "slot", "a": "carriage", "b": "rocker",
-                 "start": (middle - 0.3 * ALONG).tolist(), "end": (middle + 0.3 * ALONG).tolist()}],
-        tendons=[{"name": f"string{i}", "guides": [
-            {"body": "carriage", "at": (tip - 0.05 * ALONG + 0.2 * ASIDE).tolist()},
-            {"body": f"tip{i}", "radius": radius, "side": "right",
-             **({"begins": "on"} if radius else {})},
-            {"body": "rocker", "at": (left * ASIDE + ahead * ALONG).tolist(),
-             "radius": abs(wheel), "side": "right" if wheel > 0 else "left"}]}
-            for i, (tip, (left, ahead, wheel)) in enumerate(zip(tips, ends, strict=True))],
-        groups=[{"name": "tree", "kind": "rocker_tree", "bodies": ["rocker"]}])
-
-
-POINTS = [(0.02, 0.013, 0.0), (-0.01, 0.0, 0.0)]
-WHEELS = [(0.0, 0.0, 0.02), (0.0, 0.0, -0.01)]
-
-
-@pytest.mark.parametrize(("radius", "ends", "turn"), [
-    (0.0, POINTS, 0.0), (0.004, POINTS, 0.0), (0.0, [POINTS[0], WHEELS[1]], 0.0),
-    (0.004, WHEELS, 0.3), (0.0, WHEELS, -0.3)])
-def test_strings_over_wheels_that_move_give_what_the_path_before_gets_shorter(radius, ends, turn):
-    """The rocker goes 10 mm, one tip 4 mm along with it and the other 7 mm back; nothing leans.
-
-    What the record has more than the path is what the string gives; a third of it and two thirds
-    by arms of 10 and 20 mm, of the ends or of wheels, which may turn as well: their pivot does
-    not move by that, since what one string gives the other takes, in these shares.
-    """
-    machine_, along = slanted(radius, ends), turned(0.6, ALONG)
-
-    def moved(a):
-        for body, way in ((2, 0.010), (3, 0.004), (4, -0.007)):
-            a["body_pose"][:, body, :2] += way * along
-        a["body_pose"][:, 2, 2] += turn
-    loads = Loads(still(machine_, moved))
-    path = lengths(loads.frames, loads.cords)
-    if radius == 0.0 and ends == POINTS:  # how far the last stretch and the one before have changed
-        assert path[0, 0] - lengths(*_first(machine_))[0, 0] == pytest.approx(
-            0.006 + np.hypot(0.2, 0.05 + 0.004) - np.hypot(0.2, 0.05))
-    for number, weight in ((0, 1 / 3), (1, 2 / 3)):
-        def make(error, number=number, weight=weight):
-            def change(a):
-                moved(a)
-                a["tendon_length"][:] = path.T
-                a["tendon_length"][:, number] += error / weight
-            return still(machine_, change)
-        turns("differential", 2 * GAP, make, by=1e-2)
-
-
-def _first(machine_):
-    loads = Loads(still(machine_))
-    return loads.frames, loads.cords
-
-
 def test_wheels_of_a_pulley_tree_go_the_mean_of_their_two_sides():
     """A wheel of 20 mm hung in two strings that end on it, one on either side.
 
@@ -223,17 +127,3 @@ def test_what_of_a_tree_cannot_be_compared_says_why(change, words):
         content["tendons"] = content["tendons"][:1]
     run = still(type(machine_).model_validate(content))
     assert figures(run)["differential"].why == f"rocker: {words}"
-
-
-def test_the_first_two_of_what_cannot_be_compared_are_named():
-    machine_ = rocker()
-    content = machine_.model_dump(by_alias=True)
-    content["groups"] = [{"name": "tree", "kind": "rocker_tree",
-                          "bodies": ["rocker", "two", "three", "wall"]}]
-    mixed = figures(still(type(machine_).model_validate(content)))["differential"]
-    assert mixed.why.endswith("; left out: two: it does not slide on a slot; "
-                              "three: it does not slide on a slot")
-    content["joints"] = []
-    none = figures(still(type(machine_).model_validate(content)))["differential"]
-    assert none.why == ("rocker: it does not slide on a slot; two: it does not slide on a slot")
-    assert "left out" not in figures(still(machine_))["differential"].why

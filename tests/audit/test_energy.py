@@ -79,67 +79,10 @@ def test_work_of_every_kind_is_taken_off(key, column, turned_over):
     turns("energy.lost", ALLOWED, make, by=1e-3)
 
 
-def test_the_work_of_a_pull_is_that_of_its_cord_and_counts_once():
-    """As turned over it does count: 1 J of pull, 1 J in the body."""
-    def make(error):
-        def change(a):
-            a["tendon_work"][:, 0] = a["drive_work"][:, 1] = 1.0
-            a["body_velocity"][:, 1, 0] = np.sqrt(2 / M)
-            a["body_velocity"][2, 1, 0] = np.sqrt(2 / M * (1 - 2 * error))
-        return still(hinged(), change)
-    turns("energy.lost", ALLOWED, make, by=1e-3)
-
-
-def test_works_are_turned_over_with_their_size_whatever_their_sign():
-    """-1 J of a band and -0.5 J of a motor: 1.5 J, beside 1.5 J of a damper and no motion."""
-    def make(error):
-        def change(a):
-            a["spring_work"][:, 0], a["drive_work"][:, 0] = -1.0, -0.5
-            a["joint_damping_work"][:, 0] = 1.5 - 1.5 * error
-        return still(hinged(), change)
-    turns("energy.lost", ALLOWED, make, by=1e-3)
-
-
 def test_damping_that_is_not_recorded_of_some_joints_is_no_work():
     def change(a):
         a["joint_damping_work"][:] = np.nan
     assert figures(still(hinged(), change))["energy.lost"].value == 0.0
-
-
-def test_weight_works_along_the_way_of_the_centre_of_mass():
-    """Gravity (3, -4), at rest but moved: 0.2 kg by (0.5, -0.25) m makes 0.5 J.
-
-    The way is that of the poses, h^2 a / 4 on, which is where mean velocities lead.
-    """
-    c, s = np.cos(0.5), np.sin(0.5)
-    centre = np.array([c * 0.3 - s * 0.1, s * 0.3 + c * 0.1])
-    machine_ = machine(
-        block("one", at=(0.07, 0.05), angle=0.5, centre=(0.3, 0.1)), gravity=(3.0, -4.0),
-        joints=HINGED["joints"], springs=HINGED["springs"])
-    fall, pull = np.array([0.5, -0.25]), np.array([700.0, -900.0])
-    work = M * (3.0 * 0.5 + 4.0 * 0.25)
-
-    def make(error):
-        def change(a):
-            a["spring_work"][:, 0] = -work * (1 + 2 * error)  # held up by a spring
-            a["spring_work"][0, 0] = 0.0
-            turned = -1.1  # the frame lies elsewhere, the centre of mass counts
-            back = np.array([np.cos(turned) * 0.3 - np.sin(turned) * 0.1,
-                             np.sin(turned) * 0.3 + np.cos(turned) * 0.1])
-            way = fall - H**2 / 4 * pull
-            a["body_pose"][1:, 1] = [*(np.array([0.07, 0.05]) + centre + way - back), turned]
-            a["body_acceleration"][1:, 1, :2] = pull
-        return still(machine_, change, n=4, every=3)
-    run = make(0.0)
-    arrays = run.arrays
-    way = np.where(np.arange(4)[:, None] > 0, fall, 0.0)
-    kinetic = M * (H / 2) ** 2 * (arrays["body_acceleration"][:, 1, :2] ** 2).sum(axis=1) / 2
-    weight = M * way @ [3.0, -4.0]
-    held = arrays["spring_work"][:, 0]
-    scale = (np.abs(held) + np.abs(weight) + kinetic).max()
-    expected = np.abs(kinetic - weight - held).max() / scale
-    assert figures(run)["energy.lost"].value == pytest.approx(expected, rel=1e-9)
-    assert weight[-1] == pytest.approx(work)
 
 
 @pytest.mark.parametrize("down", [1.0, -1.0])
@@ -153,26 +96,6 @@ def test_weight_that_is_lifted_or_falls_counts_with_its_size(down):
                      every=2)
     rounding, start = M * 4.0 * 1e-12, H**2 / 8 * M * 4.0**2
     turns("energy.lost", ALLOWED + (rounding + start) / 0.4, make, by=1e-3)
-
-
-def test_the_first_step_leads_back_to_where_the_run_began():
-    """Its mean velocity, less what it gained, half a step long; 0.2 kg that fall from there."""
-    g, first = 8.0, np.array([1e-3, 2e-3])
-
-    def make(error):
-        def change(a):
-            v = -g * a["time"]
-            way = -g * a["time"]**2 / 2
-            a["body_velocity"][:, 1, 1], a["body_acceleration"][:, 1, 1] = v, -g
-            a["body_pose"][:, 1, :2] = first
-            a["body_pose"][:, 1, 1] += way
-            kinetic = M * (v[-1]**2 + (H / 2 * g)**2) / 2
-            work = M * g * ((way[0] - H / 2 * (v[0] + H / 2 * g)) - way[-1] + H**2 / 4 * g)
-            assert work == pytest.approx(kinetic, rel=1e-9)
-            a["tendon_work"][:, 0] = 2 * error * kinetic
-        return still(machine(block("one"), tendons=HINGED["tendons"], gravity=(0.0, -g)), change)
-    kinetic = M * ((3.5 * H * g)**2 + (H / 2 * g)**2) / 2
-    turns("energy.lost", ALLOWED + M * g * 1e-12 / (2 * kinetic), make, by=1e-3)
 
 
 def test_what_does_not_move_freely_has_no_energy_and_no_weight():
@@ -198,32 +121,6 @@ def test_energy_created_is_the_most_that_ever_came_back():
     turns("energy.created", ALLOWED, make, by=1e-3)
 
 
-def test_energy_above_that_of_the_start_is_created_at_once():
-    def make(error):
-        def change(a):
-            a["drive_work"][:, 0] = [0.0, 0.0, 0.0, 4.0]
-            a["joint_damping_work"][:, 0] = [-4.0 * error, 0.0, 0.0, -4.0]
-        return still(hinged(), change)
-    turns("energy.created", ALLOWED, make, by=1e-3)
-
-
-@pytest.mark.parametrize(("turn", "alpha", "share"), [
-    (40.0, 0.0, None), (30.0, 5e3, None), (4e4, 0.0, 0.01)])
-def test_joints_may_err_by_their_anchors_chords_up_to_a_hundredth(turn, alpha, share):
-    """A hinge with 5 N at 0.1 m from the centre of mass, for one step of four."""
-    machine_ = machine(block("one", centre=(0.06, 0.08)), joints=HINGED["joints"])
-
-    def change(a):
-        a["joint_force"][1, 0] = [3.0, 4.0]
-        a["body_velocity"][1, 1, 2], a["body_acceleration"][1, 1, 2] = turn, alpha
-    kinetic = INERTIA * (turn**2 + (H / 2 * alpha)**2) / 2
-    step = H**3 * 5.0 * 0.1 * (turn**3 / 6 + turn * alpha / 2) / kinetic
-    assert (step > 0.01) is (share is not None)
-    figure = figures(still(machine_, change))["energy.created"]
-    expected = ALLOWED + 5.0 * CLOSED / kinetic + (share or step)
-    assert figure.threshold == pytest.approx(expected, rel=1e-9)
-
-
 def test_energy_taken_by_joints_is_lost_and_not_created():
     def change(a):
         a["tendon_work"][:, 0] = [0.0, 0.1, 0.2, 0.3]
@@ -242,8 +139,7 @@ SLIDE = {"name": "one", "mass": M, "inertia": INERTIA, "centre": (0.02, -0.03),
 FLOOR = {"name": "floor", "motion": "fixed", "shapes": [{"type": "circle", "radius": 0.05}]}
 
 
-@pytest.mark.parametrize("sample", [1, 3])
-@pytest.mark.parametrize(("who", "sign"), [((1, 3), 1.0), ((3, 1), -1.0)])
+@pytest.mark.parametrize(("who", "sign", "sample"), [((1, 3), 1.0, 1), ((3, 1), -1.0, 3)])
 def test_the_work_of_contacts_is_force_times_way_and_moment_times_turn(who, sign, sample):
     """A force (2, 3) N at an arm of (60, 40) mm, on a body with (0.5, -0.7) m/s and 11 rad/s.
 
@@ -286,8 +182,7 @@ def test_the_work_of_a_stop_is_its_torque_times_the_rate():
     turns("energy.lost", ALLOWED, make, by=1e-3)
 
 
-@pytest.mark.parametrize("sample", [1, 3])
-@pytest.mark.parametrize("ends", [("wall", "one"), ("one", "wall")])
+@pytest.mark.parametrize(("ends", "sample"), [(("wall", "one"), 1), (("one", "wall"), 3)])
 def test_the_work_of_joints_is_reaction_times_the_gap_that_opens(ends, sample):
     """A body of 0.2 kg that hangs: R = (0.2, 0.4) N at a hinge whose two sides part.
 
@@ -322,35 +217,6 @@ def test_the_work_of_joints_is_reaction_times_the_gap_that_opens(ends, sample):
     turns("energy.lost", ALLOWED + of_gap / scale, make, by=1e-3)
 
 
-@pytest.mark.parametrize("ends", [("wall", "one"), ("one", "wall")])
-def test_the_couple_of_a_weld_works_with_the_turn_between_its_bodies(ends):
-    """A load 0.1 m beside the weld: a couple of M g 0.1, while one turns against the other."""
-    machine_ = machine(
-        block("one", at=(0.1, 0.0)), block("two"), gravity=(0.0, -2.0),
-        drives=[{"type": "torque", "name": "motor", "joint": "other", "value": 0}], joints=[
-            {"type": "weld", "name": "weld", "a": ends[0], "b": ends[1],
-             "on_a" if ends[0] == "wall" else "on_b": (0, 0)},
-            {"type": "pin", "name": "other", "a": "wall", "b": "two", "on_b": (0, 0)}])
-    w = 6.0
-    kinetic = INERTIA * w * w / 2
-    # the weld holds with M g up and M g 0.1 about its own point, which the body's turn moves down
-    power = M * 2.0 * (-0.1 * w) + M * 2.0 * 0.1 * w
-
-    def make(error):
-        def change(a):
-            a["body_velocity"][1, 1, 2] = w
-            a["joint_stop"][0, 1] = 1e-3
-            a["drive_work"][:, 0] = [0.0, kinetic, 0.0, 0.0]
-            a["joint_damping_work"][:, 0] = np.array([0, -0.5, -1, -1]) * power * H
-            a["joint_damping_work"][3, 0] += error * 2 * kinetic
-            side = 1.0 if ends[1] == "one" else -1.0
-            a["joint_force"][:, 0, 1] = side * M * 2.0
-            a["joint_couple"][:, 0] = side * M * 2.0 * 0.1
-        return still(machine_, change)
-    of_gap = M * 2.0 * CLOSED + 2 * M * 2.0 * 1e-12
-    turns("energy.lost", ALLOWED + of_gap / (2 * kinetic), make, by=1e-3)
-
-
 def test_joints_that_are_not_determined_or_have_no_stop_take_no_part():
     """A beam welded at both ends that turns, and a weld's stop, which is no number."""
     machine_ = machine(block("one"), block("two"), **{**HINGED, "joints": [
@@ -368,12 +234,6 @@ def test_joints_that_are_not_determined_or_have_no_stop_take_no_part():
         change(a)
         a["joint_stop"][0, 0] = 0.1
     assert figures(still(machine_, stopped))["energy.lost"].value == pytest.approx(1e-3)
-
-
-def test_energy_of_next_to_nothing_is_held_against_a_femtojoule():
-    """1e-15 J of scale: a work of 4e-18 J of a cord is the most that may go astray."""
-    turns("energy.lost", ALLOWED, lambda e: still(
-        hinged(), lambda a: a["tendon_work"].__setitem__((slice(None), 0), -1e-15 * e)))
 
 
 def test_work_of_contacts_that_cannot_be_known_is_said_to_be_so():

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
 from sandbox.audit import audit as audit_module
 from sandbox.audit import evidence as evidence_module
 from sandbox.audit.audit import audit
-from sandbox.audit.evidence import CLOSES, Evidence
-from sandbox.audit.figures import STILL
-from sandbox.engine import rows, solve
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.figures import Figure, Worst, figure_data, judged, missing
 from sandbox.engine.simulate import simulate
 from tests.audit.still import H, block, machine, still
 from tests.engine.machines import mechanism
@@ -18,12 +19,6 @@ from tests.engine.machines import mechanism
 
 def pair():
     return machine(block("one"), block("two"))
-
-
-def test_the_last_sample_is_known_to_be_alone():
-    last = Evidence(still(pair(), n=7)).last
-    assert (len(last.run), last.every_step) == (1, False)
-    assert last.run.time[0] == pytest.approx(6.5 * H)
 
 
 def test_long_runs_are_thinned_to_so_many_numbers(monkeypatch):
@@ -63,10 +58,6 @@ def test_the_figures_of_one_part_may_fail_and_the_others_are_there(monkeypatch):
     assert "momentum.force" in {figure.name for figure in found}
 
 
-def test_what_the_engine_leaves_alone_is_what_the_audit_allows():
-    assert (CLOSES, STILL) == (rows.CLOSED, (solve.STILL, solve.STILL_TURNING))
-
-
 def test_gaps_that_a_long_step_leaves_are_sound():
     """Two slow bars at 20 ms: joints are closed to 1e-6 h^2 = 4e-10 m each way, not to 1e-10."""
     h, on = 0.02, (-0.002, 0.5)
@@ -80,3 +71,56 @@ def test_gaps_that_a_long_step_leaves_are_sound():
     figures = {figure.name: figure for figure in audit(run)}
     assert figures["joint.drift"].value > 1.5e-10
     assert [figures[name].verdict for name in ("joint.drift", "poses")] == ["pass", "pass"]
+
+
+# -- figures
+
+
+def of(worst: Worst) -> Figure:
+    return worst.figure("name", "m", why="{count}: {where}", source="(1)", none="nothing")
+
+
+def test_the_worst_is_what_comes_closest_to_its_tolerance_and_not_the_largest():
+    worst = Worst()
+    worst.add("first", np.array([1.0, 3.0]), np.array([10.0, 40.0]))
+    worst.add("second", np.array([0.1, 0.3, 0.2]), 2.0)
+    assert of(worst) == Figure("name", 0.3, "m", 2.0, "pass", "2: second", "(1)")
+    worst.add("third", np.array([0.3]), 2.0)  # as near: the one before stays
+    worst.add("fourth", np.array([9.0, 4.5]), np.array([1.0, 30.0]), np.array([False, True]))
+    worst.add("fifth", np.array([9.0]), 1.0, np.array([False]))
+    worst.add("sixth", np.zeros(0), 1.0)
+    assert of(worst) == Figure("name", 0.3, "m", 2.0, "pass", "4: second", "(1)")
+    worst.add("seventh", np.array([0.0, 2.5]), 2.0)
+    assert of(worst).verdict == "look"
+    assert of(worst).why == "5: seventh"
+
+
+def test_no_error_at_all_is_a_pass_and_no_comparison_none():
+    worst = Worst()
+    assert of(worst) == missing("name", why="nothing", source="(1)") or math.isnan(of(worst).value)
+    assert (of(worst).verdict, of(worst).why) == ("not computed", "nothing")
+    worst.add("only", np.zeros(3), 1e-12)
+    assert of(worst) == Figure("name", 0.0, "m", 1e-12, "pass", "1: only", "(1)")
+
+
+def test_an_error_that_is_no_number_is_the_worst_of_all():
+    worst = Worst()
+    worst.add("large", np.array([50.0]), 1.0)
+    worst.add("odd", np.array([0.0, math.nan, 0.5]), np.array([1.0, 1.0, 2.0]))
+    worst.add("larger", np.array([70.0]), 1.0)
+    figure = of(worst)
+    assert math.isnan(figure.value)
+    assert (figure.verdict, figure.why) == ("look", "3: odd")
+
+
+@pytest.mark.parametrize(("value", "threshold", "verdict"), [
+    (1.0, 1.0, "pass"), (math.nextafter(1.0, 2.0), 1.0, "look"), (math.nan, 1.0, "look"),
+    (0.0, math.inf, "look"), (math.inf, math.inf, "look"), (-1.0, 0.0, "pass")])
+def test_a_figure_passes_up_to_its_threshold_if_both_are_numbers(value, threshold, verdict):
+    assert judged("name", value, "m", threshold, why="w", source="s").verdict == verdict
+
+
+def test_what_is_no_number_is_null_in_json():
+    figure = judged("name", math.inf, "m", 1.0, why="w", source="s")
+    assert figure_data(figure) == {"name": "name", "value": None, "unit": "m", "threshold": 1.0,
+                                   "verdict": "look", "why": "w", "source": "s"}

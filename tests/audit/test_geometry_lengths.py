@@ -78,7 +78,7 @@ def test_a_cord_by_its_hinge_angles_may_be_off_by_their_drift():
         corded(), changed("tendon_length", LENGTH + e)))
 
 
-@pytest.mark.parametrize("by", [(1e-4, 0.0), (0.0, 2e-4), (1e-4, 2e-4), (1e-4, -2e-4)])
+@pytest.mark.parametrize("by", [(0.0, 2e-4), (1e-4, -2e-4)])
 def test_a_cord_by_its_hinge_angles_follows_the_angles_and_not_the_poses(by):
     """Angles off by 0.1 and 0.2 mrad: either stretch changes by its arm times that, and they add.
 
@@ -97,41 +97,6 @@ def test_a_cord_by_its_hinge_angles_follows_the_angles_and_not_the_poses(by):
     assert value == pytest.approx(abs(changes + 1e-5), rel=1e-6)
 
 
-@pytest.mark.parametrize("far", [-0.02, 0.07])
-def test_a_cord_in_line_with_the_hinge_has_a_length_too(far):
-    """At 50 mm before the hinge and at 20 on the same side, or at 70 on the other."""
-    machine_ = machine(
-        block("one"), joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "one",
-                               "on_b": (0, 0)}],
-        tendons=[{"name": "cord", "guides": [{"body": "wall", "at": (-0.05, 0.0)},
-                                             {"body": "one", "at": (far, 0.0)}]}])
-    run = still(machine_, lambda a: a["tendon_length"].__iadd__(far + 0.05 + 3e-6))
-    assert figures(run)["tendon.shortening"].value == pytest.approx(3e-6, rel=1e-6)
-    turned_ = still(machine_, lambda a: (a["tendon_length"].__iadd__(far + 0.05),
-                                         a["joint_angle"].__iadd__(1e-13)))
-    assert figures(turned_)["tendon.shortening"].value == pytest.approx(0.0, abs=1e-12)
-
-
-def test_a_stretch_between_eyes_counts_though_the_guide_before_is_a_wheel():
-    guides = [{"body": "wall", "at": (-0.2, 0.1), "radius": 0.01},
-              *({"body": body, "at": at} for body, at in EYES[:2])]
-    over = still(chain(tendons=[{"name": "cord", "guides": guides}]))
-    assert figures(over)["tendon.shortening"].verdict == "look"  # a record of 0 m
-    ending = still(chain(tendons=[{"name": "cord", "guides": [
-        {"body": "two", "radius": 0.01}, *guides[1:]]}]))
-    assert figures(ending)["tendon.shortening"].verdict == "look"
-
-
-def test_cords_over_wheels_or_past_no_hinge_have_no_such_triangle():
-    past = figures(still(corded(EYES[2:])))["tendon.shortening"]
-    assert past.why == "no tendon crosses a hinge by plain eyes"
-    for wheel in (0, 1):
-        guides = [{"body": body, "at": at} for body, at in EYES[:2]]
-        guides[wheel]["radius"] = 0.005
-        over = chain(tendons=[{"name": "cord", "guides": guides}])
-        assert figures(still(over))["tendon.shortening"].verdict == "not computed"
-
-
 @pytest.mark.parametrize("ends", [(EYES[0], EYES[1]), (EYES[1], EYES[0])])
 def test_a_spring_over_a_hinge_may_be_off_by_its_drift(ends):
     """(28)-(30), and the gap of the hinge."""
@@ -145,12 +110,6 @@ def sprung(one, two):
                            "on_a": one[1], "on_b": two[1], "stiffness": 1.0}])
 
 
-def test_a_spring_over_no_hinge_is_as_long_as_its_ends_are_apart():
-    ends = EYES[0], EYES[2]
-    turns("spring.length", ROUNDING, lambda e: still(
-        sprung(*ends), changed("spring_length", apart(*ends) + e)), by=1e-2)
-
-
 def test_a_spring_over_a_hinge_follows_the_angle_and_not_the_pose():
     one, two = EYES[1], EYES[2]
     hinge, by = world(*HINGES[1]), 2e-4
@@ -162,15 +121,3 @@ def test_a_spring_over_a_hinge_follows_the_angle_and_not_the_pose():
         a["joint_angle"][:, 1] += by
     value = figures(still(sprung(one, two), change))["spring.length"].value
     assert value == pytest.approx(abs(expected), rel=1e-6)
-
-
-@pytest.mark.parametrize("far", [-0.02, 0.0, 0.07])
-def test_a_spring_in_line_with_the_hinge_or_ending_on_it_has_a_length_too(far):
-    """From 50 mm before the hinge."""
-    machine_ = machine(
-        block("one"), joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "one",
-                               "on_b": (0, 0)}],
-        springs=[{"type": "linear", "name": "band", "a": "wall", "b": "one", "on_a": (-0.05, 0.0),
-                  "on_b": (far, 0.0), "stiffness": 1.0}])
-    run = still(machine_, lambda a: a["spring_length"].__iadd__(far + 0.05 + 3e-6))
-    assert figures(run)["spring.length"].value == pytest.approx(3e-6, rel=1e-6)

@@ -16,7 +16,7 @@ WEIGHT = MASS * G
 RIGHT, UP, LEFT, DOWN = np.radians([0, 90, 180, 270])
 
 
-def standing(mu, width, height, *more, slope=0.0, presses=None):
+def standing(mu, width, height, *more, slope=0.0):
     """A box on a floor that is tilted about the origin, at rest."""
     c, s = np.cos(slope), np.sin(slope)
     return simulate(mechanism(
@@ -27,10 +27,7 @@ def standing(mu, width, height, *more, slope=0.0, presses=None):
             {"name": "box", "mass": MASS, "angle": slope, "material": "m",
              "at": (-s * height / 2, c * height / 2),
              "shapes": [{"type": "box", "size": (width, height)}]}, *more],
-        materials={"m": {"friction": mu}},
-        drives=[] if presses is None else [{
-            "type": "force", "name": "press", "body": "box", "direction": (0, -1),
-            "value": {"table": presses}}]))
+        materials={"m": {"friction": mu}}))
 
 
 def limits(run, *directions, body="box"):
@@ -100,37 +97,3 @@ def test_what_is_pressed_by_a_hand_that_gives_way():
     found = limits(run, RIGHT, LEFT, UP, DOWN, body="block")
     np.testing.assert_allclose(found[[0, 2, 3]], [P, 2 * mu * P, 2 * mu * P], rtol=1e-6)
     assert np.isinf(found[1])
-
-
-def test_any_sample_may_be_asked():
-    """A box on a floor that is pressed down by a growing force P: mu (W + P) in that sample."""
-    mu = 0.4
-    run = standing(mu, 0.2, 0.02, presses=[[0, 1.0], [0.02, 3.0]])
-    number = [each.name for each in run.mechanism.bodies].index("box")
-    presses = run["press.value"]
-    for sample in (3, len(run) // 2, -1):
-        found = push_limits(Evidence(run), number, [RIGHT, UP], sample)
-        P = float(presses[sample])
-        np.testing.assert_allclose(found, [mu * (WEIGHT + P), WEIGHT + P], rtol=1e-6)
-    assert presses[-1] > presses[3] + 1
-
-
-def test_jaws_that_give_way_alike_hold_nothing_sideways():
-    """Two jaws pushed with P each: the one gives way as the other follows, 0 and not rounding."""
-    jaw = {"mass": 0.05, "role": "phalanx", "material": "m",
-           "shapes": [{"type": "box", "size": (0.02, 0.04)}]}
-    run = simulate(mechanism(
-        duration=0.05, materials={"m": {"friction": 0.3}}, bodies=[
-            {"name": "frame", "motion": "fixed"},
-            {"name": "block", "mass": MASS, "role": "object", "material": "m",
-             "shapes": [{"type": "box", "size": (0.04, 0.04)}]},
-            {"name": "left", "at": (-0.03, 0.0), **jaw},
-            {"name": "right", "at": (0.03, 0.0), **jaw}],
-        joints=[{"type": "slot", "name": f"{side}_guide", "a": "frame", "b": side, "on_b": (0, 0),
-                 "start": (-0.2, 0.0), "end": (0.2, 0.0), "turns": False}
-                for side in ("left", "right")],
-        drives=[{"type": "force", "name": f"{side}_press", "body": side, "direction": (way, 0),
-                 "value": 3.0} for side, way in (("left", 1), ("right", -1))]))
-    found = limits(run, RIGHT, UP, LEFT, body="block")
-    assert found[[0, 2]].tolist() == [0.0, 0.0]
-    assert found[1] == pytest.approx(2 * 0.3 * 3.0, rel=1e-6)

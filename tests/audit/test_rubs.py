@@ -15,7 +15,6 @@ from sandbox.recording.recording import Recording
 from tests.engine.machines import G, fixed, mechanism
 
 HELD, SLIPS, GROOVE = 0, 1, 2
-EVERY = slice(None)
 
 
 @cache

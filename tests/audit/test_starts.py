@@ -14,19 +14,17 @@ import numpy as np
 import pytest
 
 from sandbox.audit.audit import audit
-from sandbox.audit.driven import FADED, HELD
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure
 from sandbox.audit.starts import starts
-from sandbox.engine.bounded import FADE, HOLD
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from tests.audit.test_planted import EVERY, array, more
 from tests.engine.machines import G, fixed, mechanism
 
 CRANK, ROD, SLIDER, U, H = 0.1, 0.3, 0.2, 20.0, 5e-4
-ANGLES = [0.0, 0.5, 1.0, math.pi / 2, 2.5]
-RATES = [2000.0, 1000.0, 100.0]
+ANGLES = [0.0, 1.0, 2.5]
+RATES = [2000.0, 100.0]
 
 
 def bar(name: str, m: float, one: tuple[float, float], two: tuple[float, float]) -> dict[str, Any]:
@@ -80,17 +78,16 @@ def looks(run: Recording) -> set[str]:
     return {name for name, figure in found(run).items() if figure.verdict == "look"}
 
 
-@pytest.mark.parametrize("gravity", [0.0, G])
 @pytest.mark.parametrize("rate", RATES)
 @pytest.mark.parametrize("angle", ANGLES)
-def test_a_motor_that_starts_at_speed_is_told_and_nothing_else(angle, rate, gravity):
-    run = crank(angle, rate, gravity=gravity)
+def test_a_motor_that_starts_at_speed_is_told_and_nothing_else(angle, rate):
+    run = crank(angle, rate, gravity=G)
     assert looks(run) == {"energy.start"}
     figure = found(run)["energy.start"]
     assert "motor brings its hinge from 0 to 20 rad/s" in figure.why
 
 
-@pytest.mark.parametrize("rate", RATES[:2])
+@pytest.mark.parametrize("rate", [2000.0, 1000.0])
 @pytest.mark.parametrize("angle", ANGLES)
 def test_it_costs_as_much_again_as_it_gives(angle, rate):
     """J u^2 / 2. Where the first step was not recorded half of the next one's work is in it."""
@@ -101,7 +98,7 @@ def test_it_costs_as_much_again_as_it_gives(angle, rate):
 
 
 @pytest.mark.parametrize("rate", RATES)
-@pytest.mark.parametrize("at", [0.3, 0.3005, 0.302])
+@pytest.mark.parametrize("at", [0.3, 0.302])
 @pytest.mark.parametrize("value", ["=20 * (t > {})", "=6 + 14 * (t > {})"])
 def test_a_motor_that_starts_later_is_told_as_one_at_the_beginning(value, at, rate):
     """In a step that was recorded or not; from rest, or out of a slower turn that started gently.
@@ -121,22 +118,8 @@ def test_a_motor_that_starts_later_is_told_as_one_at_the_beginning(value, at, ra
     assert starts(Evidence(run)).cost == pytest.approx(truth, rel=close)
 
 
-@pytest.mark.parametrize("rate", RATES[:2])
-@pytest.mark.parametrize("angle", ANGLES)
-def test_what_joints_make_of_it_follows_from_the_motion_after_it(angle, rate):
-    """Against their reactions times the rates of their gaps in the first step."""
-    evidence = Evidence(crank(angle, 2000.0))
-    joints, v = evidence.loads.joints, evidence.velocity[:, evidence.loads.joints.body, 0]
-    truth = H * float((joints.x[:, 0] * v[0] + joints.y[:, 0] * v[1]
-                       + joints.moment[:, 0] * v[2]).sum())
-    start = starts(Evidence(crank(angle, rate)))
-    assert start.made[-1] == pytest.approx(truth, abs=start.unsure)
-    if angle not in (0.0, math.pi):  # a dead centre, where it begins with nothing
-        assert start.unsure < 10 * H * U * abs(truth)
-
-
 @pytest.mark.parametrize("rate", RATES)
-@pytest.mark.parametrize("value", ["=20 * sin(30 * t)", "=20 * (1 - exp(-40 * t))", 0.0])
+@pytest.mark.parametrize("value", ["=20 * sin(30 * t)", 0.0])
 @pytest.mark.parametrize("angle", ANGLES[1:])
 def test_a_motor_that_begins_with_its_hinges_rate_costs_nothing(angle, value, rate):
     run = crank(angle, rate, value)
@@ -150,18 +133,16 @@ def test_a_motor_at_its_limit_does_not_start_at_speed():
         assert looks(crank(1.0, rate, torque=0.02)) == set()
 
 
-@pytest.mark.parametrize("rate", RATES[:2])
-def test_a_hinge_that_turns_the_other_way_before_is_told_with_both_rates(rate):
+def test_a_hinge_that_turns_the_other_way_before_is_told_with_both_rates():
     """The impulse J (20 + 5), 25 rad/s of which half are lost."""
-    run = crank(math.pi / 2, rate, moving=True)
+    run = crank(math.pi / 2, 1000.0, moving=True)
     assert looks(run) == {"energy.start"}
     assert "from -5 to 20 rad/s" in found(run)["energy.start"].why
     assert starts(Evidence(run)).cost == pytest.approx(
         inertia(math.pi / 2) * 25.0**2 / 2, rel=0.02)
 
 
-@pytest.mark.parametrize("rate", RATES[:2])
-@pytest.mark.parametrize("links", [1e-2, 1e-3, 1e-4])
+@pytest.mark.parametrize(("links", "rate"), [(1e-2, 2000.0), (1e-4, 1000.0)])
 def test_a_light_crank_that_leads_a_heavy_slider_is_held_by_what_its_own_row_feels(links, rate):
     for value in (U, "=20 * sin(30 * t)"):
         run = crank(1.0, rate, value, links=links)
@@ -170,11 +151,6 @@ def test_a_light_crank_that_leads_a_heavy_slider_is_held_by_what_its_own_row_fee
     assert links == 1e-2 or off.max() > 2e-9 * (1 + U)
 
 
-def test_the_hold_is_the_engines():
-    assert (HELD, FADED) == (HOLD, FADE)
-
-
-@pytest.mark.parametrize("rate", RATES[:2])
 @pytest.mark.parametrize(("plant", "size", "figures"), [
     (array("drive_work", EVERY, more), 0.01, {"energy.lost"}),
     (array("body_inertia", 3, more), 0.01, {"scene.numbers"}),
@@ -182,7 +158,5 @@ def test_the_hold_is_the_engines():
     (array("body_velocity", (slice(20, None), 3), more), 0.01, {"energy.lost"}),
     (array("drive_torque", EVERY, more), 0.01, {"momentum.moment"}),
 ], ids=["work", "inertia", "speed", "velocity", "torque"])
-def test_faults_are_noticed_beside_it(plant, size, figures, rate):
-    run = crank(1.0, rate)
-    for share in (1.0, 0.1):
-        assert figures <= looks(plant(run, share * size))
+def test_faults_are_noticed_beside_it(plant, size, figures):
+    assert figures <= looks(plant(crank(1.0, 1000.0), 0.1 * size))

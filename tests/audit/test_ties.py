@@ -82,22 +82,6 @@ def test_energy_of_closing_is_work_of_the_joint():
     assert "were taken up" in some["energy.lost"].why
 
 
-def test_the_work_of_a_surface_is_friction_times_speed():
-    """W = sum of h F v: a wrong one is found by the figure of works."""
-    run = simulate(mechanism(
-        duration=0.1, step=H, run={"sample_rate": 1 / H}, gravity=(0.0, -9.81),
-        materials={"rough": {"friction": 0.4}},
-        bodies=[fixed("belt", material="rough", shapes=[{"type": "box", "size": (4.0, 0.1)}]),
-                {"name": "box", "mass": 1.0, "at": (0.0, 0.1), "material": "rough",
-                 "shapes": [{"type": "box", "size": (0.2, 0.1)}]}],
-        drives=[{"type": "surface", "name": "run", "body": "belt", "value": -1.0}]))
-    found = figures(run)
-    assert {name for name, each in found.items() if each.verdict == "look"} == set()
-    assert found["energy.lost"].verdict == "pass"
-    run = spoilt(run, "drive_work", (slice(None), 0), 1.01 * run.arrays["drive_work"][:, 0])
-    assert figures(run)["work"].verdict == "look"
-
-
 ACTUATED = {"push": {"value": "=30 * t"}, "extend": {"value": 0.5, "force": 50.0},
             "rigid": {"type": "length", "value": 0.9, "force": 50.0},
             "sprung": {"type": "length", "value": 0.9, "force": 50.0, "stiffness": 200.0,
