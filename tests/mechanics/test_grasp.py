@@ -32,7 +32,7 @@ def test_set_g_table(row: DiscRow) -> None:
         statics.contact_forces(general, tau), row.forces, rtol=0, atol=5.1e-5)
 
 
-@pytest.mark.parametrize("radius", [0.014, 0.016, 0.018, 0.020])
+@pytest.mark.parametrize("radius", [0.014, 0.020])
 def test_every_phalanx_touches(radius: float) -> None:
     """The disc's centre is r + rho_i from every axis and r from every contact, its normal through
     the centre; all by complex numbers.

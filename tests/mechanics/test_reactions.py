@@ -84,24 +84,6 @@ def test_tree_hangs_on_its_trunk() -> None:
     assert found.moment[0] == pytest.approx(float(g * (m * centres[:, 0]).sum()))
 
 
-def test_a_far_origin_costs_no_digits() -> None:
-    """The same bodies 100 m away: moments within the rounding of the positions themselves."""
-    rng = np.random.default_rng(4)
-    joints, centres = rng.uniform(-0.05, 0.05, (2, 3, 2))
-    a, F = rng.normal(0, 20, (2, 3, 2))
-    rest = (a, rng.normal(0, 500, 3), [0.01, 0.02, 0.03], [1e-6] * 3, F, np.zeros(3))
-    near, far = (joint_reactions(joints + at, centres + at, *rest) for at in (0.0, 100.0))
-    np.testing.assert_allclose(
-        near.moment, far.moment, rtol=0, atol=4 * np.finfo(float).eps * 100 * 60)
-    np.testing.assert_array_equal(near.force, far.force)
-
-
-def test_order_of_bodies_does_not_matter() -> None:
-    """Children listed before their parents, and a forest of two chains."""
-    expected = np.array([[1, 0, 0, 0], [1, 1, 0, 1], [0, 0, 1, 0], [1, 0, 0, 1]])
-    np.testing.assert_array_equal(subtrees([3, -1, -1, 1], 4), expected)
-
-
 def test_loads_are_gathered_by_body_and_sample() -> None:
     centres = np.array([[[0.0, 0.0], [1.0, 0.0]], [[0.0, 1.0], [1.0, 1.0]]])
     force, moment = gather_loads(
@@ -123,14 +105,9 @@ def _with(index: int, value: object) -> tuple:
 
 @pytest.mark.parametrize(("call", "message"), [
     (lambda: joint_reactions(*_with(1, np.zeros((2, 2)))), "centres must have 1 points .* in m"),
-    (lambda: joint_reactions(*_with(2, [0.0, 1.0])), r"accelerations must have 1 vectors .* m/s"),
     (lambda: joint_reactions(*_with(4, [-1.0])), "masses must be 0 or more, got -1 kg"),
-    (lambda: joint_reactions(*_with(6, [[np.nan, 0.0]])), "forces must be finite, got nan N"),
     (lambda: joint_reactions(*ONE, parents=[1]), r"parents must name -1 .* got \[1\]"),
     (lambda: subtrees([1, 0], 2), r"parents must not run in a ring, got \[1, 0\]"),
-    (lambda: gather_loads([[0, 0]], [1], [[0, 0]], [[0, 0]]), r"body must name one of 0 to 0"),
-    (lambda: gather_loads([[0, 0]], [0, 0], [[0, 0]], [[0, 0]]), "at must have 2 points"),
-    (lambda: gather_loads([[[0, 0]]], [0], [[0, 0]], [[0, 0]]), "body and sample must go with"),
 ])
 def test_impossible_reactions_are_refused(call: object, message: str) -> None:
     with pytest.raises(ValueError, match=message):

@@ -58,15 +58,6 @@ def test_both_gears_turned_by_their_ratio_stay_in_mesh() -> None:
         assert flank(side, True, 0.03, 0.4, a=1.5, b=0.6).gap == pytest.approx(start, abs=1e-15)
 
 
-def test_a_larger_distance_has_a_larger_pressure_angle() -> None:
-    """cos a' = (r_a + r_b) cos a / distance, and play on both flanks."""
-    found = [flank(side, False, 0.072, 0.0) for side in (1, -1)]
-    lean = math.acos(0.07 * math.cos(PRESSURE) / 0.072)
-    for one, side in zip(found, (1, -1), strict=True):
-        assert (one.x, abs(one.y)) == pytest.approx((math.sin(lean), math.cos(lean)))
-        assert one.gap > flank(side, False, 0.07, 0.0).gap
-
-
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_rack_pushes_down_and_along(side: int) -> None:
     found = rack_flank(0.02, PRESSURE, side, along=(1.0, 0.0), dx=0.1, dy=-0.02, turned=0.0)
