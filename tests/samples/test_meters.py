@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from sandbox.samples.meters import order
-from tests.recording.sample import CONTACTS, H, N, mechanism, recording
+from tests.recording.sample import CONTACTS, N, mechanism, recording
 
 
 def meters(**values):
@@ -20,11 +20,6 @@ def test_a_meter_is_its_expression_sample_by_sample():
     assert run.notes == []
 
 
-def test_a_meter_may_read_contacts_and_the_time():
-    run = recording(contacts=CONTACTS, meters=meters(m="=finger1.contact.count * t"))
-    assert run["m"][:4].tolist() == [0, 1.5 * H, 2.5 * H, 0]
-
-
 def test_order_does_not_depend_on_where_a_meter_stands():
     run = recording(meters=meters(c="=b + 1", b="=a + 1", a="=disc.x"))
     assert np.array_equal(run["c"], run["disc.x"] + 1 + 1)
@@ -40,12 +35,6 @@ def test_a_division_by_zero_is_nan_there_and_noted():
     assert run.notes == [
         "meter 'share' has no finite value in 17 of 20 samples, first at t = 0.005 s",
         "meter 'after' has no finite value in 17 of 20 samples, first at t = 0.005 s"]
-
-
-def test_infinity_is_no_value_either():
-    run = recording(meters=meters(m="=1 / (t - 0.005)"))
-    assert np.isnan(run["m"][0])
-    assert np.isfinite(run["m"][1:]).all()
 
 
 @pytest.mark.parametrize(("value", "reason"), [

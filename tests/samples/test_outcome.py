@@ -57,10 +57,3 @@ def test_every_field_goes_there_and_back():
     assert outcome != planned(RUN)
     assert outcome.marked == [Happened("rod broke", 0.0425), Happened("far", 0.05)]
     assert set(outcome_data(outcome)) == set(outcome_data(planned(RUN)))
-
-
-def test_a_whole_number_of_seconds_is_a_number():
-    data = {"complete": True, "step": 1, "events": [{"event": "tap", "time_s": 2}]}
-    outcome = read_outcome(data, RUN)
-    assert (outcome.step, outcome.events[0].time) == (1.0, 2.0)
-    assert isinstance(outcome.step, float)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from sandbox.samples.response import effort, ending, iae, overshoot, respond, settling_time
+from sandbox.samples.response import effort, overshoot, respond, settling_time
 from tests.samples.controlled import second_order
 
 DT = 1e-3
@@ -16,8 +16,7 @@ T = np.arange(0, 3, DT)
 ONE = np.ones_like(T)
 
 
-@pytest.mark.parametrize("tau", [0.05, 0.2, 0.5])
-@pytest.mark.parametrize(("first", "last"), [(0.0, 1.0), (0.0, -0.3)])
+@pytest.mark.parametrize(("tau", "first", "last"), [(0.05, 0.0, 1.0), (0.5, 0.0, -0.3)])
 def test_first_order(tau: float, first: float, last: float) -> None:
     value = last + (first - last) * np.exp(-T / tau)
     found = respond(T, value, last * ONE)
@@ -31,7 +30,7 @@ def test_first_order(tau: float, first: float, last: float) -> None:
     assert abs(found.steady_error) < 2 * math.exp(-0.95 * T[-1] / tau)
 
 
-@pytest.mark.parametrize("zeta", [0.15, 0.3, 0.5, 0.7])
+@pytest.mark.parametrize("zeta", [0.15, 0.7])
 @pytest.mark.parametrize("omega", [12.0, 20.0])
 def test_second_order(zeta: float, omega: float) -> None:
     goal = 0.25
@@ -62,13 +61,6 @@ def test_what_does_not_settle() -> None:
     assert not respond(T, late, ONE).settles
 
 
-def test_what_was_never_outside() -> None:
-    found = respond(T, 0.99 * ONE, ONE)
-    assert found.settling == 0
-    assert found.settles
-    assert found.steady_error == pytest.approx(-0.01)
-
-
 def test_a_gap_counts_as_outside() -> None:
     value = ONE.copy()
     value[500] = math.nan
@@ -93,11 +85,6 @@ def test_a_moving_target() -> None:
     assert settling_time(T, value, target) == pytest.approx(1.03, abs=1e-9)
 
 
-def test_the_band_can_be_another() -> None:
-    assert settling_time(T, 1 - np.exp(-T / 0.2), ONE, fraction=0.05) == pytest.approx(
-        0.2 * math.log(20), abs=DT**2 / 1.6)
-
-
 def test_effort_of_a_sine() -> None:
     amplitude, omega = 3.0, 2 * math.pi
     t = np.arange(0, 1 + DT / 2, DT)
@@ -115,16 +102,6 @@ def test_effort_counts_the_first_jump() -> None:
     assert effort(T, -2 * ONE, before=-2.0) == type(found)(variation=0, peak=2, rate=0)
 
 
-def test_the_end_of_a_run() -> None:
-    assert ending(T) == slice(2850, 3000)
-    assert ending(T[:2]) == slice(1, 2)
-    assert ending(T[:1]) == slice(0, 1)
-
-
-def test_areas_of_both_signs_add_up() -> None:
-    assert iae(np.array([0, 1.0, 2, 3]), np.array([1.0, 1, -1, -1]), np.zeros(4)) == 3
-
-
 @pytest.mark.parametrize(("time", "value"), [(T[:1], T[:1]), (T, T[1:]), (T[:0], T[:0])])
 def test_rows_that_are_none(time: np.ndarray, value: np.ndarray) -> None:
     with pytest.raises(ValueError, match=r"samples|shapes"):
@@ -133,7 +110,3 @@ def test_rows_that_are_none(time: np.ndarray, value: np.ndarray) -> None:
         settling_time(time, value, value)
     with pytest.raises(ValueError, match=r"samples|shapes"):
         effort(time, value, before=0.0)
-
-
-def test_two_samples_are_a_response() -> None:
-    assert respond(np.array([0.0, 0.5]), np.array([3.0, 1.0]), np.ones(2)).iae == 0.5

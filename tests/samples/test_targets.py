@@ -27,13 +27,6 @@ def test_targets_of_controllers() -> None:
     assert controlled(run) == ["k1", "k2", "k3"]
 
 
-def test_a_target_that_moves() -> None:
-    ramp = {"ramp": {"to": 0.003, "over": 1.0}}
-    run = recording(scene(controllers=[loop(target=ramp)]))
-    assert targets(run)["finger.tendon.shortening"] == pytest.approx(
-        0.003 * np.clip(run.time, 0, 1))
-
-
 def test_meters_hold_targets_where_nothing_leads() -> None:
     meters = [{"name": "finger.mcp.angle.target", "value": "=0.3 * t", "unit": "rad"},
               {"name": "nothing.target", "value": "=1"}]
@@ -54,13 +47,6 @@ def test_expressions_have_no_target_but_lone_names_do() -> None:
         loop(reads="=finger.mcp.angle"),
         loop(name="b", writes="k1", reads="=finger.mcp.angle - finger.pip.angle")]))
     assert list(targets(run)) == ["finger.mcp.angle"]
-
-
-def test_state_feedback_has_several() -> None:
-    run = recording(scene(controllers=[{
-        "type": "state_feedback", "name": "all", "writes": ["k1"], "reads": ANGLES[:2],
-        "targets": [0.1, 0.2], "gains": [[1, 2]]}]))
-    assert [goal[0] for goal in targets(run).values()] == [0.1, 0.2]
 
 
 def test_who_acts_first_counts_first() -> None:
