@@ -8,9 +8,7 @@ import pytest
 
 from sandbox.errors import OutputError
 from sandbox.kinds.arrays import PER_SAMPLE, STATIC
-from sandbox.recording import archive
 from sandbox.recording.builder import RecordingBuilder
-from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status
 
 from .sample import CONTACTS, DISC, DISTAL, INFO, N, arrays, mechanism
@@ -65,17 +63,7 @@ def test_rows_come_out_in_order_of_sample_body_and_other():
     assert run.arrays["contact_force"].tolist() == [list(row[3]) for row in in_order(CONTACTS)]
 
 
-def test_what_is_in_memory_is_handed_on_and_copied_only_when_asked():
-    builder = build(mechanism())
-    one, two, apart = (builder.finish(times(), INFO, copied=copied)
-                       for copied in (False, False, True))
-    for key, array in one.arrays.items():
-        if array.size and key not in STATIC and key != "time":
-            assert np.shares_memory(array, two.arrays[key]), key
-            assert not np.shares_memory(array, apart.arrays[key]), key
-
-
-@pytest.mark.parametrize("memory", [1e9, 1000.0, 0.0])
+@pytest.mark.parametrize("memory", [1e9, 1000.0])
 def test_going_on_leaves_alone_what_was_taken_out(memory, tmp_path):
     """And puts other rows in place of the last ones."""
     builder = build(mechanism(), contacts=in_order(CONTACTS), memory=memory, directory=tmp_path)
@@ -103,10 +91,9 @@ def test_a_run_that_stops_early_keeps_what_it_has():
     assert run.arrays["contact_sample"].tolist() == [1, 1]
 
 
-@pytest.mark.parametrize("memory", [1e9, 0.0])
-def test_contact_rows_grow_as_needed(memory, tmp_path):
+def test_contact_rows_grow_as_needed(tmp_path):
     mech = mechanism()
-    builder = build(mech, contacts=(), memory=memory, directory=tmp_path)
+    builder = build(mech, contacts=(), memory=0.0, directory=tmp_path)
     rng = np.random.default_rng(3)
     force = rng.normal(size=(5000, 2))
     up = np.tile([0.0, 1.0], (5000, 1))
@@ -119,21 +106,6 @@ def test_contact_rows_grow_as_needed(memory, tmp_path):
     assert np.array_equal(run.arrays["contact_force"], force)
     assert np.array_equal(run.arrays["contact_gap"], force[:, 0])
     assert np.array_equal(run.arrays["contact_sample"], np.repeat(np.arange(N), 250))
-    # sums of 250 terms of size 3, each off by at most 4e-16 times the partial sum
-    expected = np.abs(force[:, 1]).reshape(N, 250).sum(axis=1)
-    assert np.allclose(run["finger1.distal/disc.normal"], force[:, 1].reshape(N, 250).sum(axis=1),
-                       rtol=0, atol=1e-11)
-    assert np.allclose(run["disc.contact.normal"], expected, rtol=0, atol=1e-11)
-
-
-def test_rows_of_many_samples_can_be_added_at_once():
-    builder = build(mechanism(), contacts=())
-    sample, body, palm = np.array([3, 3, 7]), np.array([DISTAL, DISC, DISC]), np.zeros(3, int)
-    pair = np.ones((3, 2))
-    builder.contacts.append(sample, body, palm, pair, pair, pair, np.zeros(3), np.ones(3))
-    run = builder.finish(times(), INFO)
-    assert run.arrays["contact_sample"].tolist() == [3, 3, 7]
-    assert run.arrays["contact_body"].tolist() == [DISTAL, DISC, DISC]
 
 
 def test_files_live_as_long_as_the_recording_and_no_longer(tmp_path):
@@ -151,14 +123,6 @@ def test_files_live_as_long_as_the_recording_and_no_longer(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_recording_in_files_is_saved_the_same(tmp_path):
-    mech = mechanism()
-    build(mech).finish(times(), INFO).save(tmp_path / "a")
-    build(mech, memory=0, directory=tmp_path).finish(times(), INFO).save(tmp_path / "b")
-    assert (tmp_path / "a/run.npz").read_bytes() == (tmp_path / "b/run.npz").read_bytes()
-    assert len(Recording.load(tmp_path / "b")) == N
-
-
 def test_no_room_is_told_before_anything_runs(tmp_path, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
@@ -168,24 +132,6 @@ def test_no_room_is_told_before_anything_runs(tmp_path, monkeypatch):
         build(mechanism(), memory=0, directory=tmp_path)
     with pytest.raises(OutputError, match="cannot make a temporary directory"):
         build(mechanism(), memory=0, directory=tmp_path / "missing")
-
-
-def test_a_long_run_is_not_held_twice(tmp_path, monkeypatch):
-    monkeypatch.setattr(archive, "CHUNK", 1 << 20)
-    mech, n = mechanism(), 20_000
-    source = arrays(mech, n=1)
-    builder = RecordingBuilder(mech, n, {key: source[key] for key in STATIC})
-    blank = builder.blank(n)
-    held = sum(array.nbytes for array in blank.values())
-    assert held > 8e6
-    builder.put(0, blank)
-    tracemalloc.start()
-    run = builder.finish(np.arange(n) / n, INFO)
-    with (tmp_path / "run.npz").open("wb") as file:
-        archive.write(run, file)
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert peak < held / 2
 
 
 def test_a_run_beyond_its_budget_goes_to_files_as_it_comes(tmp_path):

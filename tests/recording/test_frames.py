@@ -57,15 +57,6 @@ def test_a_pattern_that_fits_nothing_or_several_units(run: sandbox.Recording) ->
             ask("disc.*")
 
 
-def test_verdicts_and_audit_are_at_hand(run: sandbox.Recording) -> None:
-    from sandbox.audit.audit import audit
-    from sandbox.samples.expectations import verdicts
-
-    assert run.verdicts is run.verdicts
-    assert [str(one) for one in run.verdicts] == [str(one) for one in verdicts(run)]
-    assert [str(one) for one in run.audit] == [str(one) for one in audit(run)]
-
-
 @pytest.mark.parametrize("name", ["pandas", "xarray"])
 def test_what_is_not_installed_is_said(
     run: sandbox.Recording, name: str, monkeypatch: pytest.MonkeyPatch,
