@@ -66,9 +66,8 @@ def test_an_unstable_rest_has_a_stiffness_below_0():
     assert (x, least) == (np.inf, y)
 
 
-@pytest.mark.parametrize("damping", [0.0, 20.0])
-@pytest.mark.parametrize("stiffness", [50.0, 5e6])
-@pytest.mark.parametrize("kind", ["spring", "cord"])
+@pytest.mark.parametrize(("kind", "stiffness", "damping"), [
+    ("spring", 50.0, 20.0), ("spring", 5e6, 0.0), ("cord", 5e6, 20.0)])
 def test_what_is_left_of_forces_away_from_rest(kind: str, stiffness: float, damping: float):
     """k x - m g, whatever share of it the step from rest has eased already: up to all but 1e-5."""
     scene = hanging(stiffness, 0.3, damping=damping)
@@ -85,7 +84,7 @@ def test_what_is_left_of_forces_away_from_rest(kind: str, stiffness: float, damp
     assert left == pytest.approx([0, stiffness * 1e-3 - 0.3 * G, 0], rel=1e-9, abs=1e-12)
 
 
-@pytest.mark.parametrize("stiffness", [20.0, 5e3, 5e6])
+@pytest.mark.parametrize("stiffness", [20.0, 5e6])
 def test_a_spring_that_is_soft_or_too_stiff_for_the_step(stiffness: float):
     """Newton's method has to know what the step's end took off the force of a stiff spring."""
     found = only(hanging(stiffness, 0.3, damping=3.0))
@@ -110,15 +109,6 @@ def test_a_pendulum_that_a_spring_holds_up_has_three():
             (k - MASS * G * ARM * math.cos(angle)) / INERTIA, rel=1e-6)
 
 
-def test_it_falls_to_where_the_simulation_comes_to_rest():
-    scene = pendulum(0.05, rest_angle=0.01)
-    scene["joints"][0]["damping"] = 2e-3
-    scene["run"] = {"duration": 60.0, "step": 2e-3, "sample_rate": 10}
-    found = only(scene)
-    assert turned(found) == pytest.approx(
-        float(sandbox.simulate(scene)["hinge.angle"][-1]), abs=1e-8)
-
-
 def test_a_four_bar_linkage_under_gravity():
     """A ring: at rest its weight stands as low, or as high, as nearby nowhere."""
     low = only(four_bar())
@@ -127,12 +117,6 @@ def test_a_four_bar_linkage_under_gravity():
     assert low.stability == "stable"
     assert abs(slope) < 1e-8
     assert four_bar_height(crank + 0.01) > four_bar_height(crank) < four_bar_height(crank - 0.01)
-
-
-def test_a_ring_is_turned_to_where_it_shall_begin():
-    found = only(four_bar(), starts=[{"o.angle": math.radians(10)}])
-    assert found.stability == "stable"
-    assert found["o.angle"] == pytest.approx(only(four_bar())["o.angle"], abs=EXACT)
 
 
 def test_a_finger_closed_by_its_tendon():
@@ -149,7 +133,7 @@ def test_a_finger_closed_by_its_tendon():
     assert found.stability == "stable"
 
 
-@pytest.mark.parametrize("finger", [1, 2, 3])
+@pytest.mark.parametrize("finger", [1, 3])
 def test_what_holds_and_what_ejects(birglen: AtRest, finger: int):
     """On Birglen's equilibrium curve; the fourth runs off its tip, as the region says."""
     rho = {1: 0.055, 2: 0.060, 3: 0.065}[finger]
@@ -158,10 +142,6 @@ def test_what_holds_and_what_ejects(birglen: AtRest, finger: int):
     assert birglen[f"finger{finger}.pip.angle"] == pytest.approx(angle, abs=EXACT)
     assert birglen[f"finger{finger}.distal/finger{finger}.disc.normal"] == pytest.approx(
         10 * 0.006 / (l1 * math.cos(angle)), rel=1e-8)
-
-
-def test_what_is_ejected_ends_on_its_stop(birglen: AtRest):
-    assert birglen["finger4.pip.angle"] == pytest.approx(math.radians(100), abs=1e-9)
 
 
 @pytest.fixture(scope="module")
@@ -175,9 +155,10 @@ def birglen() -> AtRest:
 
 
 @pytest.mark.parametrize("name", [
-    "single_finger", "snap_through", "finger_antagonist", "pulley_differential",
-    "rope_differential", "small_wheels", "servo_arm", "jaw", "stiffness_uniform", "truss",
-    "toggle_press", "gripper_mirrored", "hydraulic_press", "pneumatic_hand", "elastic_tendons"])
+    "single_finger", "pulley_differential", "servo_arm", "jaw", "toggle_press", "pneumatic_hand",
+    *(pytest.param(name, marks=pytest.mark.nightly) for name in (
+        "snap_through", "finger_antagonist", "rope_differential", "small_wheels", "truss",
+        "stiffness_uniform", "gripper_mirrored", "hydraulic_press", "elastic_tendons"))])
 def test_where_a_shipped_scene_comes_to_rest(name: str):
     """Poses within 1e-6 m and rad, forces within 1e-4 of the largest: what is left of the run's
     own motion at its end is some tenth of that, of 'hydraulic_press' and 'jaw' most."""
@@ -206,6 +187,7 @@ def _forces(run: Recording) -> dict[object, float]:
     return found
 
 
+@pytest.mark.nightly
 def test_with_friction_a_slow_load_leads_to_the_same():
     """A finger on a rough disc: the slower the simulation's load, and the more stages, the same."""
     changes = {"materials.smooth.friction": 0.3}
@@ -249,19 +231,6 @@ def _centred(still: Still, run: Recording) -> np.ndarray:
     return pose + np.stack([c * x - s * y, s * x + c * y, 0 * x], axis=1)
 
 
-def test_a_pose_without_forces_stays(still_ball: Still):
-    still_ball.move(np.zeros(0))
-    assert (still_ball.speed == 0).all()
-
-
-@pytest.fixture
-def still_ball() -> Still:
-    return Still(read_scene({
-        "format": 1, "run": {"duration": 1.0}, "gravity": [0, 0],
-        "bodies": [{"name": "ball", "mass": 1.0, "velocity": [3.0, 0.0],
-                    "shapes": [{"type": "circle", "radius": 0.1}]}]}).mechanism)
-
-
 # --- friction: it holds, or it does not
 
 
@@ -282,38 +251,17 @@ def test_a_box_that_slides_for_ever():
 # --- what is refused, or said
 
 
-def test_controllers_are_refused_one_by_one():
-    with pytest.raises(SceneError, match="the controller 'mcp_loop' acts as the run goes on"):
-        rest("finger_stiffness_10N")
-
-
-def test_an_event_at_a_time_is_refused():
-    with pytest.raises(SceneError, match=r"the event 'catch' acts at t = 0\.1 s"):
-        rest("release")
-
-
-def test_a_drive_that_goes_on_for_ever():
-    with pytest.raises(SceneError, match="the drive 'motor' goes on for ever"):
-        rest("four_bar")
-
-
-def test_nothing_that_moves_freely():
-    scene = hanging(1.0, 1.0)
-    with pytest.raises(SceneError, match="nothing moves freely"):
-        rest({**scene, "bodies": [WALL_ONLY], "springs": []})
-
-
-WALL_ONLY = {"name": "wall", "motion": "fixed"}
-
-
-def test_a_start_that_names_nothing():
-    with pytest.raises(SceneError, match=r"Did you mean 'hinge\.angle'"):
-        rest(pendulum(1.0), starts=[{"hing.angle": 1.0}])
-
-
-def test_a_time_beyond_the_run():
-    with pytest.raises(SceneError, match="2 s is not within the run"):
-        rest(pendulum(1.0), at=2.0)
+@pytest.mark.parametrize(("scene", "options", "words"), [
+    ("finger_stiffness_10N", {}, "the controller 'mcp_loop' acts as the run goes on"),
+    ("release", {}, r"the event 'catch' acts at t = 0\.1 s"),
+    ("four_bar", {}, "the drive 'motor' goes on for ever"),
+    ({"bodies": [{"name": "wall", "motion": "fixed"}]}, {}, "nothing moves freely"),
+    (pendulum(1.0), {"starts": [{"hing.angle": 1.0}]}, r"Did you mean 'hinge\.angle'"),
+    (pendulum(1.0), {"at": 2.0}, "2 s is not within the run"),
+])
+def test_scenes_without_an_equilibrium_are_refused(scene, options, words):
+    with pytest.raises(SceneError, match=words):
+        rest(scene, **options)
 
 
 def test_a_drive_that_still_changes_is_told():
@@ -325,18 +273,6 @@ def test_a_drive_that_still_changes_is_told():
                              "at t = 1 s",)
     half = only(scene, at=0.5)
     assert half["weight.y"] == pytest.approx(-0.2 - (0.3 * G + 1.0) / 50, abs=3e-5)
-
-
-def test_stiffness_of_what_does_not_move_freely():
-    with pytest.raises(SceneError, match="'wall' is no body that moves freely"):
-        only(hanging(50.0, 0.3)).stiffness("wall")
-
-
-def test_of_two_starts_one_may_find_nothing():
-    scene = on_slope(0.5, math.atan(0.4))
-    found = rest(scene, starts=[{"box.y": 0.05}, {"box.x": 3.0}])
-    assert len(found.rests) == 1
-    assert next(reason for _, reason in found.failed).startswith("nothing holds 'box'")
 
 
 def _root(function: object, low: float, high: float) -> float:

@@ -16,12 +16,6 @@ def finger() -> Mechanism:
     return sandbox.expand(sandbox.load_scene("single_finger"))
 
 
-def test_nothing_named_leaves_everything(finger: Mechanism) -> None:
-    left, gone = leave_out(finger, [])
-    assert left == finger
-    assert gone == ()
-
-
 def test_all_that_hangs_on_a_body_goes_with_it(finger: Mechanism) -> None:
     """Its hinge, the spring to its neighbour, the tendon through it, the pull on that tendon."""
     left, gone = leave_out(finger, ["finger.distal"])

@@ -74,11 +74,6 @@ def test_grooves_come_before_welds_before_pins() -> None:
     assert [model.joints.name[joint] for joint in tree.loops] == ["axle", "joint"]
 
 
-def test_joints_between_fixed_bodies_are_nothing() -> None:
-    tree = grow(machine([FRAME, {"name": "wall", "motion": "fixed"}], [pin("p", "frame", "wall")]))
-    assert tree.loops == ()
-
-
 def test_a_gap_in_a_joint_is_closed() -> None:
     """A child stands where its anchor lies on its parent's, at the angle that the scene gives."""
     model = machine(
@@ -131,12 +126,3 @@ def test_the_angle_of_a_closing_pin_is_a_sum_of_others() -> None:
     assert dict(total.factors) == {"c": 1.0, "b": 1.0, "a": -1.0}
     angle = total.offset + sum(factor * start[name] for name, factor in total.factors)
     assert angle == pytest.approx(0.9 + 0.3 - 0.2, abs=1e-15)
-
-
-def test_coordinates_go_down_one_branch_after_the_other() -> None:
-    model = machine(
-        [FRAME, body("l1"), body("r1"), body("l2"), body("r2")],
-        [pin("a", "frame", "l1"), pin("b", "frame", "r1"), pin("c", "l1", "l2"),
-         pin("d", "r1", "r2")])
-    draft = Draft(model, grow(model))
-    assert [move.name for move in draft.coordinates()] == ["a", "c", "b", "d"]

@@ -39,16 +39,12 @@ def cord(
 
 
 @pytest.mark.parametrize(("scene", "names"), [
-    ({}, []),
     ({"bodies": [FRAME, {"name": "cam", "motion": "scheduled", "path": {"x": "=0.1 * t"}}]},
      ["cam"]),
     ({"drives": [{"type": "radius", "name": "swell", "body": "block", "value": 0.02}]},
      ["swell"]),
     ({"joints": [HINGE], "springs": [COIL],
       "drives": [{"type": "stiffness", "name": "k", "spring": "coil"}]}, ["k"]),
-    ({"tendons": [{"name": "cord", "stiffness": 50.0,
-                   "guides": [{"body": "frame"}, {"body": "block"}]}],
-      "drives": [{"type": "stiffness", "name": "k", "tendon": "cord"}]}, ["k"]),
     ({"joints": [HINGE], "drives": [
         {"type": "motor", "name": "m", "joint": "hinge", "value": 1.0, "torque": 1.0}]}, ["m"]),
     ({"joints": [HINGE], "drives": [
@@ -58,7 +54,6 @@ def cord(
         {"type": "brake", "name": "b", "joint": "hinge", "value": 1.0}]}, []),
     ({"joints": [{"name": "one", **GROOVE}, {"name": "two", **GROOVE}]}, ["two"]),
     ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01))}, ["cord"]),
-    ({"tendons": cord(("block", 0, 0, 0.01), ("frame", 0, 0, 0))}, ["cord"]),
     ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0))}, []),
     ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0.01),
                       ("frame", 0.2, 0, 0))}, ["cord"]),
@@ -68,19 +63,13 @@ def cord(
                       side="right", begins="on")}, ["cord"]),
     ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0),
                       side="right")}, []),
-    ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0),
-                      turns=1)}, ["cord"]),
     ({"materials": {"ball": {"restitution": 0.5}, "floor": {"restitution": 0.5}},
       "bodies": [{"name": "ground", "motion": "fixed", "material": "floor",
                   "shapes": [{"type": "circle", "radius": 0.1}]}, BLOCK | {"material": "ball"}]},
      ["materials.ball", "materials.floor"]),
     ({"materials": {"ball": {"restitution": 0.5}}, "bodies": [FRAME, BLOCK | {"material": "ball"}]},
      []),
-], ids=["nothing", "scheduled", "radius", "stiffness", "stiffness of a cord", "motor",
-        "brake that changes",
-        "brake", "second groove", "wound at the end",
-        "wound at the start", "wheel between eyes", "wheel to wheel", "eye in wheel",
-        "crosses itself", "straight past", "whole turns", "bouncing pair", "bouncing alone"])
+])
 def test_exactly_these_elements_are_named(scene: dict[str, Any], names: list[str]) -> None:
     assert named(**scene) == names
 
@@ -98,6 +87,7 @@ def test_every_problem_says_how_to_go_on() -> None:
     assert export.left_out == tuple(problem.path for problem in problems)
 
 
+@pytest.mark.nightly
 def test_the_shipped_scenes_that_can_be_written_are_these() -> None:
     refused = {}
     for name, path in shipped_scenes().items():
@@ -109,8 +99,3 @@ def test_the_shipped_scenes_that_can_be_written_are_these() -> None:
     assert {name for name in refused if "radius" in str(refused[name])} >= {"shape_change"}
     assert not {"single_finger", "rocker_differential", "rope_differential",
                 "adaptive_grasp"} & set(refused)
-
-
-def test_an_unknown_format_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"'mjfc'.*allowed: 'mjcf'.*did you mean 'mjcf'"):
-        export_mechanism(Mechanism(), format="mjfc")

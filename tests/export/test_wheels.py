@@ -28,15 +28,6 @@ def test_half_round_from_below() -> None:
     assert not wrap.crosses
 
 
-def test_the_other_side_is_the_other_way() -> None:
-    """From (-1, 1) under a wheel at the origin to (1, 1): a V with a rounded foot."""
-    wrap = wrap_round((-1.0, 1.0), (0.0, 0.0), (1.0, 1.0), -0.5)
-    assert wrap is not None
-    # the tangent from (-1, 1) meets the radius at asin(r / d) from the line to the centre
-    assert wrap.angle == pytest.approx(math.pi / 2 + 2 * math.asin(0.5 / math.sqrt(2)), abs=1e-12)
-    assert math.remainder(wrap.middle + math.pi / 2, 2 * math.pi) == pytest.approx(0, abs=1e-12)
-
-
 def test_a_touch_is_not_once_round() -> None:
     wrap = wrap_round((-1.0, 0.5), (0.0, 0.0), (1.0, 0.5), 0.5)
     assert wrap is not None

@@ -18,12 +18,6 @@ def test_numbers(value: float, text: str) -> None:
     assert number(value) == text
 
 
-def test_attributes_that_are_none_are_left_out() -> None:
-    root = ET.Element("a")
-    made = add(root, "b", x=(1.0, 2.5), y=None, name="n", on=True)
-    assert made.attrib == {"x": "1 2.5", "name": "n", "on": "true"}
-
-
 def test_any_title_can_stand_in_a_comment() -> None:
     root = ET.Element("a")
     root.append(comment("x -- y ----\x00\x07 <&> -"))

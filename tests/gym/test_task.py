@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from typing import Any
 
 import numpy as np
@@ -30,21 +28,14 @@ def spans(scene: Any, **more: Any) -> dict[str, tuple[float, float]]:
     ({"observe": ["pendulum.angel"]},
      r"observe[0]: unknown quantity 'pendulum.angel'. Did you mean 'pendulum.angle'?"),
     ({"observe": {"pendulum.rat": (0, 1)}}, "observe['pendulum.rat']: unknown quantity"),
-    ({"observe": ["pendulm.*"]}, "no quantity that can be read while it runs fits 'pendulm.*'"),
     ({"observe": ["motor.work"]}, "'motor.work' is worked out after a run"),
     ({"observe": ["=pendulum.angle +"]}, "observe[0]: "),
     ({"observe": []}, "nothing is observed"),
-    ({"observe": [3]}, "3 is no name"),
     ({"observe": {"pendulum.rate": (1, 1)}}, "(1, 1) is no range"),
     ({"act": ["moto"]}, "there is no drive named 'moto'. Did you mean 'motor'?"),
-    ({"act": {}}, "nothing acts"),
     ({"act": {"motor": "2 N m"}}, "is no range. Allowed: (lowest, highest), in SI"),
     ({"reward": "pendulum.angl"}, "reward: unknown quantity 'pendulum.angl'"),
-    ({"reward": 2.0}, "2.0 is no reward"),
     ({"every": "1.5 ms"}, "every: 0.0015 s is no whole number of steps of 0.001 s"),
-    ({"every": "20 mm"}, "every: "),
-    ({"lost": "much"}, "lost: "),
-    ({"set": {"parameters.mas": 1}}, "cannot set 'parameters.mas'"),
     ({"randomise": {"parameters.mas": [1, 2]}}, 'randomise["parameters.mas"]: cannot set'),
     ({"randomise": {"parameters.mass": "nomal(1 kg, 0.1 kg)"}}, "Did you mean 'normal'?"),
     ({"randomise": {"parameters.mass": ["1 kg", "-1 kg"]}}, "the scene is wrong"),
@@ -115,20 +106,6 @@ def test_without_gymnasium_one_line_says_what_to_install(monkeypatch: pytest.Mon
     monkeypatch.setattr(sandbox.gym, "find_spec", lambda name: None)
     with pytest.raises(SandboxError, match=r"pip install 'sandbox-mechanics\[gym\]'"):
         sandbox.gym.make(pendulum(), **words())
-
-
-def test_the_module_is_there_without_gymnasium() -> None:
-    script = ("import sys; sys.modules['gymnasium'] = None\n"
-              "import importlib.util as u; found = u.find_spec\n"
-              "u.find_spec = lambda name, *more: None if name == 'gymnasium' else "
-              "found(name, *more)\n"
-              "import sandbox\n"
-              "try:\n    sandbox.gym.make('single_finger')\n"
-              "except sandbox.SandboxError as error:\n    print(error)\n")
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True,
-                          check=True)
-    assert done.stdout.strip() == ("sandbox.gym needs Gymnasium: pip install "
-                                   "'sandbox-mechanics[gym]'")
 
 
 @pytest.mark.parametrize(("change", "said"), [

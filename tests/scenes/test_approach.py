@@ -35,8 +35,7 @@ def before_touch(pull: str, step: str) -> float:
     return float(run["largest"][:min(touched) - 1].max())
 
 
-@pytest.mark.parametrize("step", ["0.25 ms", "0.5 ms", "1 ms"])
-@pytest.mark.parametrize("pull", PULLS[:2])
+@pytest.mark.parametrize(("pull", "step"), [("7.5 N", "1 ms"), ("15 N", "0.25 ms")])
 def test_its_expectations_hold_at_any_step(pull: str, step: str) -> None:
     """Ranges are of the momentum, 1 to 2 mN s in a touch: a meter over 1 ms reads 1 to 2 N."""
     assert not [verdict for verdict in verdicts(run_of(pull, step)) if not verdict.ok]
@@ -44,7 +43,7 @@ def test_its_expectations_hold_at_any_step(pull: str, step: str) -> None:
 
 def test_momentum_of_a_touch_does_not_hang_on_the_step() -> None:
     """Within a quarter: a touch may share its momentum among two steps, or come a step later."""
-    found = [hardest("15 N", step) for step in ("0.25 ms", "0.5 ms", "1 ms")]
+    found = [hardest("15 N", step) for step in ("0.25 ms", "1 ms")]
     assert max(found) < 1.25 * min(found)
     forces = [run_of("15 N", step)["largest"].max() for step in ("0.25 ms", "1 ms")]
     assert forces[0] > 3 * forces[1]
