@@ -37,35 +37,12 @@ def test_tree_leads_the_fingers_tendons_on():
         "f1.distal", "f1.middle", "f1.proximal", "f1.palm", "tree.rocker1"]
 
 
-def test_tree_of_trees():
-    one = tree("f1", "f2")
-    two = tree("f3", "f4") | {"name": "other"}
-    top = tree("tree", "other") | {"name": "top"}
-    mechanism = expand(scene(*fingers(4), one, two, top))
-    led = next(t for t in mechanism.tendons if t.name == "other.tendon")
-    assert [g.body for g in led.guides] == ["other.rocker1", "other.frame", "top.rocker1"]
-
-
 @pytest.mark.parametrize(("named", "pulled"), [("tree", "tree.tendon"), ("f3", "f3.tendon"),
                                                ("f3.tendon", "f3.tendon")])
 def test_pull_drive_may_name_a_part(named, pulled):
     drive = {"type": "pull", "name": "actuator", "tendon": named, "value": 5}
     mechanism = expand(scene(*fingers(3), tree("f1", "f2"), drives=[drive]))
     assert mechanism.drives[0].tendon == pulled
-
-
-def test_the_authors_contact_rules_come_last():
-    rule = {"between": ["f1.distal", "f1.palm"]}
-    mechanism = expand(scene(*fingers(1), contacts=[rule]))
-    assert mechanism.contacts[-1].between == ("f1.distal", "f1.palm")
-    assert len(mechanism.contacts) == 2
-
-
-def test_every_problem_of_every_part_is_told_at_once():
-    found = problems(*fingers(2), SET_G | {"name": "g", "on": "f1.plam"}, tree("f1", "f3", "f22"))
-    assert set(found) == {"$.parts[2].on", "$.parts[3].pulls[1]", "$.parts[3].pulls[2]"}
-    assert found["$.parts[2].on"].hint == "'f1.palm'"
-    assert found["$.parts[3].pulls[2]"].hint == "'f2'"
 
 
 def test_of_what_hangs_on_a_broken_part_nothing_is_told():
@@ -85,14 +62,9 @@ def test_a_finger_cannot_be_pulled_twice():
     assert "already" in found["$.parts[4].pulls[0]"].message
 
 
-def test_expansion_does_not_change_the_scene_and_repeats():
-    given = scene(*fingers(4), tree("f1", "f2", "f3", "f4"))
-    before = given.model_dump()
-    assert expand(given) == expand(given)
-    assert given.model_dump() == before
-
-
-@pytest.mark.parametrize("name", sorted(shipped_scenes()))
+@pytest.mark.parametrize("name", [
+    pytest.param(name, marks=[pytest.mark.nightly] * (i % 12 > 0))
+    for i, name in enumerate(sorted(shipped_scenes()))])
 def test_printed_mechanism_reads_back_equal(name, tmp_path):
     mechanism = expand(load_scene(shipped_scenes()[name]))
     printed = tmp_path / f"{name}.json"

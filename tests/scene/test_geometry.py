@@ -15,11 +15,8 @@ from sandbox.scene.elements.joints import Pin, Weld
 from sandbox.scene.geometry import (
     anchors,
     area_properties,
-    corners,
-    joint_angle_sign,
     mass_properties,
     pose_of,
-    to_body,
     to_world,
 )
 
@@ -94,27 +91,6 @@ def test_box_is_its_textbook_formula() -> None:
     assert second == pytest.approx(0.06 * 0.02 * (0.06**2 + 0.02**2) / 12, rel=1e-10)
 
 
-def test_corners_run_counter_clockwise() -> None:
-    """pymunk's polygons and the area formula both count on it."""
-    for shape in (Box(type="box", size=(0.06, 0.02), at=(1.0, 2.0), angle=2.0),
-                  Polygon(type="polygon", points=POINTS),
-                  Polygon(type="polygon", points=POINTS[::-1])):
-        x, y = np.array(corners(shape)).T
-        assert np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) > 0
-    assert sorted(corners(Polygon(type="polygon", points=POINTS[::-1]))) == sorted(POINTS)
-
-
-def test_a_body_of_two_shapes() -> None:
-    """A dumb-bell of two discs, mass from density: m = 2 rho t pi r^2, I = m (r^2 / 2 + d^2)."""
-    r, d, rho, t = 0.01, 0.03, 1200.0, 0.015
-    discs = [{"type": "circle", "radius": r, "at": (0.1 + s * d, 0.2)} for s in (-1, 1)]
-    body = Body.model_validate({"name": "b", "shapes": discs, "density": rho, "thickness": t})
-    mass = mass_properties(body)
-    assert mass.mass == pytest.approx(2 * rho * t * math.pi * r**2, rel=1e-14)
-    assert mass.centre == pytest.approx((0.1, 0.2), rel=1e-14)
-    assert mass.inertia == pytest.approx(mass.mass * (r**2 / 2 + d**2), rel=1e-13)
-
-
 def test_given_values_win() -> None:
     """A centre of one's own moves the inertia by m d^2 (Steiner); a given inertia is taken."""
     disc = {"type": "circle", "radius": 0.02}
@@ -134,13 +110,6 @@ reach = st.floats(-10, 10)
 turn = st.floats(-20, 20)
 point = st.tuples(reach, reach)
 pose = st.tuples(reach, reach, turn)
-
-
-@given(pose, point)
-def test_there_and_back(at: Any, p: Any) -> None:
-    """Sums of a few terms up to 10 m: 1e-14 of these."""
-    assert to_body(at, to_world(at, p)) == pytest.approx(p, abs=1e-13)
-    assert to_world(at, to_body(at, p)) == pytest.approx(p, abs=1e-13)
 
 
 @given(pose, point, point)
@@ -164,9 +133,3 @@ def test_the_missing_anchor_is_the_same_place(a: Any, b: Any, p: Any) -> None:
         assert (on_a if side == "on_a" else on_b) == p
     weld = Weld(type="weld", name="j", a="a", b="b", on_a=(1.0, 2.0), on_b=(3.0, 4.0))
     assert anchors(weld, *bodies) == ((1.0, 2.0), (3.0, 4.0))
-
-
-def test_sense_of_turning() -> None:
-    pin = {"type": "pin", "name": "j", "a": "a", "b": "b", "on_a": (0, 0)}
-    assert joint_angle_sign(Pin.model_validate(pin)) == 1.0
-    assert joint_angle_sign(Pin.model_validate({**pin, "positive": "clockwise"})) == -1.0

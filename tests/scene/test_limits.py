@@ -52,22 +52,6 @@ def test_corners_count_as_they_are_written() -> None:
         load_scene({"bodies": [{"name": "x", "shapes": 21 * [{"type": "cam"}]}]})
 
 
-def test_bodies_of_parts_count() -> None:
-    section = {"type": "section", "circle": 0.01}
-    parts = [{**section, "name": f"s{i}", "at": [i, 0]} for i in range(5)]
-    assert load_scene({"parts": parts}, limits=Limits(bodies=5))
-    with pytest.raises(SceneError, match="has 6 bodies"):
-        load_scene({"parts": parts, "bodies": [{"name": "x", "motion": "fixed"}]},
-                   limits=Limits(bodies=5))
-
-
-def test_a_year() -> None:
-    with pytest.raises(SceneError) as refused:
-        load_scene(_scene(duration="31536000 s", step="0.5 ms"))
-    (problem,) = refused.value.problems
-    assert problem.message.endswith("is 63 072 000 000 steps")
-
-
 def test_numbers_beyond_all_measure() -> None:
     with pytest.raises(SceneError, match=r"run\.duration: 1e\+300 is too large"):
         load_scene(_scene(duration=1e300))

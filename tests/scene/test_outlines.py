@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from sandbox.errors import SceneError
-from sandbox.scene.elements.bodies import Body, Circle, Polygon, Polyline
-from sandbox.scene.geometry import area_properties, mass_properties, solids
+from sandbox.scene.elements.bodies import Body, Polygon
+from sandbox.scene.geometry import mass_properties, solids
 from sandbox.scene.outlines.pieces import MOST_CORNERS, chain_faces, pieces_of
 from sandbox.scene.outlines.rings import inside, is_convex, signed_area, without_straight
 from sandbox.scene.read.load import load_scene
@@ -63,27 +63,6 @@ def test_every_side_is_the_surface_of_one_piece(name):
     assert np.count_nonzero(flat) == len(sides)
 
 
-@pytest.mark.parametrize("name", ["ell", "star", "clockwise"])
-def test_arcs_turn_as_far_as_the_corners_that_stand_out(name):
-    """Of a simple outline these turn by 2 pi and what the others turn back."""
-    outer, _ = RINGS[name]
-    ring = np.array(outer if signed_area(outer) > 0 else outer[::-1])
-    after = np.roll(ring, -1, axis=0) - ring
-    before = np.roll(after, 1, axis=0)
-    turn = np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0],
-                      (before * after).sum(axis=1))
-    arcs = np.concatenate([piece.faces for piece in pieces_of(outer)])
-    width = np.arctan2(arcs[:, 0] * arcs[:, 3] - arcs[:, 1] * arcs[:, 2],
-                       arcs[:, 0] * arcs[:, 2] + arcs[:, 1] * arcs[:, 3])
-    assert width.sum() == pytest.approx(turn[turn > 0].sum())
-    assert (width >= 0).all()
-
-
-def test_a_convex_polygon_is_one_piece_that_is_all_surface():
-    shape = Polygon(type="polygon", points=SQUARE)
-    assert solids(shape) == ((shape, None),)
-
-
 def test_a_chain_faces_both_ways_and_outwards_at_its_joints_and_ends():
     arcs = chain_faces(((0.0, 0.0), (1.0, 0.0), (2.0, 1.0), (3.0, 1.0)))
     assert [len(each) for each in arcs] == [2 + 2 + 2, 2 + 2, 2 + 2]
@@ -93,14 +72,6 @@ def test_a_chain_faces_both_ways_and_outwards_at_its_joints_and_ends():
     # the joint bends to the left: it stands out to the right, down
     assert first[4][:2] == pytest.approx([0, -1])
     assert first[5][2:] == pytest.approx([math.sqrt(0.5), -math.sqrt(0.5)])
-
-
-def test_a_closed_chain_has_no_ends():
-    arcs = chain_faces((*SQUARE, SQUARE[0]))
-    assert [len(each) for each in arcs] == [4, 4, 4, 4]
-    widths = [np.arccos(np.clip((each[:, :2] * each[:, 2:]).sum(axis=1), -1, 1)).sum()
-              for each in arcs]
-    assert widths == pytest.approx(4 * [math.pi / 2])
 
 
 # --- mass
@@ -121,18 +92,6 @@ def test_an_annulus_has_the_mass_centre_and_inertia_of_its_closed_form():
     assert found.mass == pytest.approx(10 * (a1 - a2), rel=1e-12)
     assert found.centre == pytest.approx((3, 4), rel=1e-12)
     assert found.inertia == pytest.approx(10 * (i1 - i2), rel=1e-9)
-
-
-def test_an_ell_is_its_two_boxes():
-    area, centre, second = area_properties(Polygon(type="polygon", points=ELL))
-    boxes = [(3.0, (1.5, 0.5), (9 + 1) / 12), (3.0, (0.5, 2.5), (1 + 9) / 12)]
-    assert area == 6
-    assert centre == pytest.approx((1.0, 1.5))
-    assert second == pytest.approx(sum(a * j + a * math.dist(c, centre) ** 2 for a, c, j in boxes))
-
-
-def test_a_polyline_has_no_area():
-    assert area_properties(Polyline(type="polyline", points=((0, 0), (1, 0))))[0] == 0
 
 
 # --- what is wrong
@@ -201,7 +160,7 @@ def test_sides_that_are_too_short_are_told(shape, place):
     assert f"$.bodies[0].shapes[0].{place}: the shortest side of this" in text
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(6))
 def test_what_crosses_itself_is_found_as_all_pairs_find_it(seed):
     """Against every pair of sides, one by one; what is sound is cut into pieces."""
     rng = np.random.default_rng(seed)
@@ -224,8 +183,3 @@ def test_what_crosses_itself_is_found_as_all_pairs_find_it(seed):
         parts = [solid.points for solid, _ in solids(shape)]
         assert all(inside(tuple(p), tuple(points)) == any(inside(tuple(p), ring) for ring in parts)
                    for p in middle)
-
-
-def test_a_disc_is_its_own_solid():
-    disc = Circle(type="circle", radius=1.0)
-    assert solids(disc) == ((disc, None),)

@@ -16,29 +16,6 @@ def section(**changes):
     return expand_section(Section.model_validate(PLAIN | changes))
 
 
-def test_without_a_square_there_is_only_the_circle():
-    made = section()
-    assert [b.name for b in made.bodies] == ["s.circle"]
-    assert made.bodies[0].motion == "fixed"
-    assert made.bodies[0].shapes[0].radius == 0.016
-    assert not made.joints
-    assert not made.springs
-
-
-def test_square_starts_at_the_end_of_its_rod():
-    made = section(**SQUARE)
-    square = next(b for b in made.bodies if b.name == "s.square")
-    assert square.at == pytest.approx((0.1, 0.236))
-    assert square.angle == pytest.approx(math.pi / 2)
-    assert square.motion == "dynamic"
-    assert made.groups[0].bodies == ("s.circle", "s.square")
-
-
-def test_telescopic_rod_keeps_between_its_lengths_and_lets_the_two_touch():
-    rod = next(j for j in section(**SQUARE).joints if j.name == "s.rod")
-    assert (rod.type, rod.shortest, rod.longest, rod.collide) == ("rope", 0.010, 0.036, True)
-
-
 def test_rigid_rod():
     rod = next(j for j in section(**SQUARE | {"rod": "36 mm"}).joints if j.name == "s.rod")
     assert (rod.type, rod.length) == ("rod", 0.036)

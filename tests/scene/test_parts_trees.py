@@ -3,18 +3,15 @@
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.elements.tendons import Guide, Tendon
 from sandbox.scene.geometry import pose_of, to_body, to_world
-from sandbox.scene.parts.expansion import Elements, PartError
-from sandbox.scene.parts.plan import nodes_of, plan_tree
+from sandbox.scene.parts.expansion import Elements
 from sandbox.scene.parts.trees import Known, PulleyTree, RockerTree, expand_tree
-
-RIGHT_ANGLES = (0.0, math.pi / 2, math.pi, -math.pi / 2)
 
 
 def tree(kind, across, *, direction=math.pi, **options):
@@ -54,7 +51,7 @@ def tensions(made, pull=1.0):
 
 
 @pytest.mark.parametrize("kind", ["rocker_tree", "pulley_tree"])
-@pytest.mark.parametrize("count", [2, 3, 4, 5, 7, 8])
+@pytest.mark.parametrize("count", [3, 8])
 def test_every_leaf_gets_an_equal_part(kind, count):
     made = tree(kind, [0.03 * i for i in range(count)])
     found = tensions(made)
@@ -63,7 +60,6 @@ def test_every_leaf_gets_an_equal_part(kind, count):
 
 
 @given(st.lists(st.tuples(st.floats(0.01, 0.2), st.floats(0.1, 5)), min_size=2, max_size=12))
-@settings(max_examples=30, deadline=None)
 def test_shares_are_kept_at_any_distances(leaves):
     across = [sum(gap for gap, _ in leaves[:i]) for i in range(len(leaves))]
     shares = [share for _, share in leaves]
@@ -73,7 +69,7 @@ def test_shares_are_kept_at_any_distances(leaves):
 
 
 @pytest.mark.parametrize("kind", ["rocker_tree", "pulley_tree"])
-@pytest.mark.parametrize("direction", RIGHT_ANGLES)
+@pytest.mark.parametrize("direction", [0.0, -math.pi / 2])
 def test_strings_are_parallel_to_the_pull(kind, direction):
     made = tree(kind, [0, 0.03, 0.07, 0.1, 0.16], direction=direction)
     bodies = {b.name: b for b in made.bodies}
@@ -89,29 +85,6 @@ def test_strings_are_parallel_to_the_pull(kind, direction):
         assert (x1 - x0) * along[0] + (y1 - y0) * along[1] > 0
 
 
-def test_names_follow_the_leaves_whichever_way_they_lie():
-    for across in ([0, 0.03, 0.06, 0.09], [0.09, 0.06, 0.03, 0]):
-        made = tree("rocker_tree", across)
-        ends = {t.name: t.guides[-1].body for t in made.tendons}
-        assert ends["t.string1"] == ends["t.string2"] == "t.rocker1"
-        assert ends["t.string3"] == ends["t.string4"] == "t.rocker2"
-        assert ends["t.link1"] == ends["t.link2"] == "t.rocker3"
-        assert ends["t.tendon"] == "t.frame"
-
-
-def test_pivots_slide_along_the_pull_with_room():
-    made = tree("rocker_tree", [0, 0.03, 0.06], travel="50 mm", gap="40 mm")
-    frame = next(b for b in made.bodies if b.name == "t.frame")
-    for slot in made.joints:
-        pivot = next(b for b in made.bodies if b.name == slot.b)
-        x, y = to_body(pose_of(frame), pivot.at)
-        assert slot.start == pytest.approx((x - 0.02, y))
-        assert slot.end == pytest.approx((x + 0.05, y))
-    anchor = to_world(pose_of(frame), made.tendons[-1].guides[-1].at)
-    root = to_world(pose_of(frame), (0, 0))
-    assert math.dist(anchor, root) > 0.05
-
-
 def test_wheels_do_not_overlap():
     made = tree("pulley_tree", [0.03 * i for i in range(8)])
     wheels = [b for b in made.bodies if b.role == "pulley"]
@@ -122,14 +95,6 @@ def test_wheels_do_not_overlap():
             assert math.dist(one.at, two.at) > reach - 1e-12
 
 
-def test_wheels_with_unequal_arms_have_two_rims():
-    made = tree("pulley_tree", [0, 0.03, 0.06])
-    wheels = {b.name: b for b in made.bodies if b.role == "pulley"}
-    assert len(wheels["t.pulley1"].shapes) == 1
-    # leaves 1 and 2 pull with 2/3 at 0.015, leaf 3 with 1/3 at 0.06: arms 0.015 and 0.03
-    assert [s.radius for s in wheels["t.pulley2"].shapes] == pytest.approx([0.03, 0.015])
-
-
 def test_ropes_instead_of_tendons():
     made = tree("rocker_tree", [0, 0.03, 0.06, 0.09], links="rope", gap="50 mm", level="30 mm")
     ropes = {j.name: j for j in made.joints if j.type == "rope"}
@@ -137,22 +102,6 @@ def test_ropes_instead_of_tendons():
     assert ropes["t.string1"].longest == pytest.approx(0.05)
     assert ropes["t.link1"].longest == pytest.approx(0.03)
     assert [t.name for t in made.tendons] == ["t.tendon"]
-
-
-def test_nothing_of_a_tree_touches_anything():
-    rule = tree("rocker_tree", [0, 0.03]).contacts[0]
-    assert (rule.between, rule.collide) == (("t.*", "*"), False)
-
-
-def test_unknown_leaf_gets_a_near_miss():
-    spec = RockerTree.model_validate(
-        {"type": "rocker_tree", "name": "t", "pulls": ["loda1", "load2"]})
-    loads = tuple(Body(name=f"load{i}", at=(0, i), mass=1, inertia=1) for i in (1, 2))
-    with pytest.raises(PartError) as caught:
-        expand_tree(spec, Known(Elements(bodies=loads), {}))
-    (problem,) = caught.value.problems
-    assert problem.path == ".pulls[0]"
-    assert problem.hint == "'load1'"
 
 
 def lines(made):
@@ -192,11 +141,6 @@ def test_a_pitch_makes_wheels_as_small_as_wanted(kind):
     assert wheels[0].at[0] == pytest.approx(-2 * gap - (pitch / 2 if kind == "pulley_tree" else 0))
 
 
-def test_a_pitch_that_is_that_of_the_leaves_needs_no_eyes():
-    across = [0.0, 0.03, 0.06]
-    assert tree("rocker_tree", across, pitch=0.03) == tree("rocker_tree", across)
-
-
 def test_a_string_that_passes_eyes_is_a_tendon_among_ropes():
     made = tree("rocker_tree", [0, 0.03, 0.06], links="rope", pitch=0.01)
     assert sorted(t.name for t in made.tendons) == ["t.string1", "t.string3", "t.tendon"]
@@ -213,18 +157,7 @@ def test_the_tendon_of_a_finger_is_led_over_the_eyes():
         "load1", "load1", "t.frame", "t.frame", "t.rocker1"]
 
 
-@pytest.mark.parametrize("pitch", [0, -0.01, "1 um", "0.1 um"])
+@pytest.mark.parametrize("pitch", [0, "0.1 um"])
 def test_a_pitch_is_a_size(pitch):
-    if pitch == "1 um":
-        assert tree("rocker_tree", [0, 0.03], pitch=pitch)
-        return
     with pytest.raises(ValidationError, match="greater than"):
         tree("rocker_tree", [0, 0.03], pitch=pitch)
-
-
-def test_plan_numbers_rockers_level_by_level():
-    root = plan_tree([(0.0, float(i)) for i in range(5)], [1.0] * 5,
-                     gap=1.0, level=1.0, wheels=False)
-    assert [(n.number, n.height) for n in nodes_of(root)] == [(1, 1), (2, 1), (3, 2), (4, 3)]
-    assert root.share == pytest.approx(1)
-    assert root.across == pytest.approx(2)

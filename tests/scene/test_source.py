@@ -11,9 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sandbox.errors import SceneError
-from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.load import load_scene
 from sandbox.scene.read.paths import parse_path, path_text
 from sandbox.scene.read.positions import scan
 from sandbox.scene.read.source import parse_source, read_source
@@ -129,11 +127,6 @@ def test_half_a_character_is_refused(text: str, path: str, column: int) -> None:
     assert "half a character" in problem.message
 
 
-def test_two_halves_are_a_character() -> None:
-    assert parse_source(r'{"a": "\ud83d\ude00", "b": "\\ud800"}').data == {
-        "a": "\U0001f600", "b": r"\ud800"}
-
-
 def test_faults_of_json_are_told_up_to_the_limit() -> None:
     text = '{"a": [' + ", ".join(["NaN"] * 7000) + "]}"
     with pytest.raises(SceneError) as refused:
@@ -141,14 +134,6 @@ def test_faults_of_json_are_told_up_to_the_limit() -> None:
     problems = refused.value.problems
     assert [problem.path for problem in problems[:5]] == [f"$.a[{i}]" for i in range(5)]
     assert [problem.message for problem in problems[5:]] == ["and 6995 more problems"]
-
-
-def test_a_very_long_key_is_cut_where_its_path_is_told() -> None:
-    for key in ("k" * 10_000, "k " * 5000):
-        with pytest.raises(SceneError) as refused:
-            parse_source(json.dumps({key: [1]})[:-2] + ", NaN, NaN]}")
-        assert all(key[:100] in one.path and len(one.path) < 130
-                   for one in refused.value.problems)
 
 
 @pytest.mark.parametrize("opening", ["[", '{"a":'])
@@ -160,10 +145,6 @@ def test_nesting_is_limited_and_the_limit_can_be_raised(opening: str) -> None:
     assert parse_source(text, limits=Limits(nesting=40)).data
     with pytest.raises(SceneError, match="nesting"):
         parse_source(opening * 100_000)
-
-
-def test_brackets_in_text_are_no_nesting() -> None:
-    assert parse_source(json.dumps({"a": "[" * 100 + '"'})).data == {"a": "[" * 100 + '"'}
 
 
 def test_file_size(tmp_path: Path) -> None:
@@ -208,13 +189,6 @@ def test_missing_files_have_neighbours(tmp_path: Path) -> None:
         read_source("a\0b.json")
 
 
-def test_shipped_scenes_are_offered(tmp_path: Path) -> None:
-    name = next(iter(shipped_scenes()))
-    with pytest.raises(SceneError) as refused:
-        read_source(tmp_path / f"{name}s.json")
-    assert name in refused.value.problems[0].hint
-
-
 def test_a_missing_path_has_the_place_of_its_holder() -> None:
     source = parse_source('{\n "run": {"step": 1}}')
     assert source.where(("run", "step")) == (2, 18)
@@ -234,14 +208,3 @@ def test_paths_are_read_as_they_are_written(path: list[int | str]) -> None:
 ])
 def test_paths(text: str, path: tuple[str | int, ...]) -> None:
     assert parse_path(text) == path
-
-
-def test_a_directory_of_runs_hides_no_shipped_scene(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "single_finger").mkdir()
-    assert load_scene("single_finger").name == "single_finger"
-    (tmp_path / "mine").mkdir()
-    with pytest.raises(SceneError, match="this is a directory"):
-        load_scene("mine")
