@@ -99,20 +99,6 @@ def test_it_moves_as_one_that_is_not_placed(still: Any, placing: dict[str, Any])
         assert np.abs(run[f"m.{quantity}"] - still[quantity]).max() < 1e-6 * max(size, 1e-3)
 
 
-def test_scaled_lengths_speeds_and_inertias():
-    scene = {"parts": [{"type": "assembly", "name": "a", "scale": 2, "bodies": [
-        {"name": "b", "at": [1, 2], "mass": 3, "inertia": 4, "velocity": [1, 0], "thickness": 0.5,
-         "angular_velocity": 7, "shapes": [{"type": "circle", "radius": 0.1, "at": [0.2, 0]}]}],
-        "tendons": [{"name": "t", "slack": 0.1, "guides": [{"body": "b", "radius": 0.3},
-                                                           {"body": "b", "at": [1, 1]}]}]}]}
-    made = expand(load_scene(scene))
-    body, tendon = made.bodies[0], made.tendons[0]
-    assert (body.at, body.velocity, body.shapes[0].at) == ((2.0, 4.0), (2.0, 0.0), (0.4, 0.0))
-    assert (body.mass, body.inertia, body.thickness, body.angular_velocity) == (3, 16, 0.5, 7)
-    assert body.shapes[0].radius == 0.2
-    assert (tendon.slack, tendon.guides[0].radius, tendon.guides[1].at) == (0.2, 0.6, (2.0, 2.0))
-
-
 def test_names_follow_in_fields_patterns_and_expressions():
     made = expand(load_scene({"bodies": [GROUND], "parts": [{
         "type": "assembly", "name": "m", **MACHINE, "materials": {"skin": {"friction": 0.1}},
@@ -156,13 +142,10 @@ def test_a_path_that_cannot_be_turned():
     assert load_scene({"parts": [{**part, "angle": "90 deg"}]})
 
 
-def records(*roots: Any) -> set[type[Spec]]:
-    """Every record that an assembly's elements are made of; cams and drawings are polygons then.
-
-    Of other ``roots`` every record that these are made of.
-    """
+def records() -> set[type[Spec]]:
+    """Every record that an assembly's elements are made of; cams and drawings are polygons then."""
     found: set[type[Spec]] = set()
-    waiting: list[Any] = list(roots) or [Body, Tendon, Joint, Spring, Load, Drive]
+    waiting: list[Any] = [Body, Tendon, Joint, Spring, Load, Drive]
     while waiting:
         kind = waiting.pop()
         if isinstance(kind, type) and issubclass(kind, Spec):

@@ -97,16 +97,6 @@ def test_a_flat_follower_needs_a_base_above_what_bends_the_lift_most():
     assert len(cam(lift, follower="flat", base=wanted)) > 24
 
 
-def test_a_roller_that_is_too_large_is_told_with_those_that_would_do():
-    lift = 0.02 * np.exp(-((TURNS - math.pi) / 0.4) ** 2)
-    text = refused(lift, roller=0.03, base=0.02)
-    base = float(re.search(r"base radius of at least ([\d.]+) m", text)[1])
-    roller = float(re.search(r"a roller of at most ([\d.e-]+) m", text)[1])
-    assert len(cam(lift, roller=0.03, base=base)) > 24
-    assert len(cam(lift, roller=roller, base=0.02)) > 24
-    assert "undercut" in refused(lift, roller=1.02 * roller, base=0.02)
-
-
 @pytest.mark.parametrize(("lift", "keys", "words"), [
     (0 * TURNS, {}, "the two belong together"),
     (0 * TURNS, {"follower": "flat", "roller": 0.01}, "the two belong together"),

@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
-import pickle
-from collections.abc import Callable
-from copy import deepcopy
 from typing import Any
 
 import pytest
@@ -14,19 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import sandbox
-from sandbox.scene.elements.controllers import PidController
-from sandbox.scene.expand import expand
 from sandbox.scene.read.paths import parse_path
-from sandbox.scene.values.signals import Ramp
-from sandbox.scene.values.units import Measured
 
 FINGER = {"type": "finger", "name": "finger", "lengths": ["45 mm", "26 mm", "21 mm"],
           "radii": ["9 mm", "8 mm", "7.5 mm"], "masses": ["12 g", "6 g", "4 g"],
           "guides": [["-22 mm", "-14 mm"], ["24 mm", "-8 mm"], ["10 mm", "-3 mm"],
                      ["4 mm", "-1 mm"]],
           "springs": {"stiffness": "300 N/m", "from": ["-8 mm", "8 mm"], "to": ["8 mm", "8 mm"]}}
-SECTION = {"type": "section", "name": "bar", "circle": "16 mm", "square": "12 mm",
-           "rod": ["10 mm", "36 mm"]}
 SCENE: dict[str, Any] = {
     "run": {"duration": "1 s", "step": "0.5 ms"},
     "bodies": [{"name": "base", "motion": "fixed"},
@@ -153,15 +143,6 @@ def test_a_stiffness_is_that_of_its_spring(
         f"$.controllers[0].value{place}" for place in inside]
 
 
-@pytest.mark.parametrize(("spring", "right", "wrong"), [
-    ("bar.push", "5 N/m", "5 N m/rad"), ("bar.hold", "5 N m/rad", "5 N/m")])
-def test_a_section_has_springs_of_both_kinds(spring: str, right: str, wrong: str) -> None:
-    for value, paths in ((right, []), (wrong, ["$.drives[0].value"])):
-        drive = {"type": "stiffness", "name": "k", "spring": spring, "value": value}
-        scene = {**SCENE, "parts": [SECTION], "drives": [drive]}
-        assert [path for path, _ in problems(scene)] == paths
-
-
 @pytest.mark.parametrize(("controller", "key", "right", "wrong", "places"), [
     (PID, "limits", ["-1 N", "1 kN"], ["-1 mm", "1 mm"], ["[0]", "[1]"]),
     (PID, "bias", "1 N", "1 N m", [""]),
@@ -239,28 +220,6 @@ def test_what_the_models_refuse_is_told_once(value: Any) -> None:
     assert len(problems(law(SWITCH, value_below=value))) == 1
 
 
-def test_an_unknown_drive_is_told_once() -> None:
-    assert [path for path, _ in problems(setting("pish", "3 deg"))] == ["$.events[0].set.pish"]
-    assert [path for path, _ in problems(law(SCHEDULE, writes="pish", value="3 deg"))] == [
-        "$.controllers[0].writes"]
-
-
-@pytest.mark.parametrize(("kind", "first", "second", "name", "right"), [
-    ("springs", 1, 0, "k_band", "5 N/m"), ("drives", 0, 2, "push", "1 N"),
-    ("controllers", 1, 0, "other.target", "1 N")])
-def test_of_two_of_one_name_the_first_says_the_unit(
-    kind: str, first: int, second: int, name: str, right: str
-) -> None:
-    """That there are two is told; not that the unit is wrong, which one name of them has right."""
-    other = {**PID, "name": "other", "reads": "arm.contact.normal", "writes": "tug"}
-    scene = setting(name, right, PID, other)
-    two = [scene[kind][first], {**scene[kind][second], "name": scene[kind][first]["name"]}]
-    scene[kind] = [*two, *(each for each in scene[kind] if each["name"] != two[0]["name"])]
-    told = [message for _, message in problems(scene)]
-    assert not [message for message in told if " is a unit of " in message]
-    assert len([message for message in told if "already that of another" in message]) == 1
-
-
 def test_a_wrong_unit_has_its_line(tmp_path: Any) -> None:
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(setting("push", "30 deg"), indent=1), encoding="utf-8")
@@ -274,38 +233,6 @@ def test_the_pull_that_is_reckoned_with_is_positive() -> None:
     ((path, message),) = problems(law(EQUILIBRIUM, pull=0))
     assert path == "$.controllers[0].pull"
     assert message.startswith("must be greater than 0")
-
-
-def measured(value: Any) -> str:
-    """The unit that a number still knows, or nothing."""
-    return value.unit if isinstance(value, Measured) else ""
-
-
-def test_a_unit_survives_until_the_elements_are_there() -> None:
-    pid = {**PID, "limits": ["-2 N", 3], "bias": "500 mN", "slew": "1 kN", "kp": "3 N",
-           "target": {"ramp": {"from": "10 deg", "to": "20 deg", "over": "1 s"}}}
-    scene = sandbox.load_scene(setting("tug", "7 N", pid))
-    loop = scene.controllers[0]
-    assert isinstance(loop, PidController)
-    assert isinstance(loop.target, Ramp)
-    assert (*loop.limits, loop.bias, loop.slew, loop.kp) == (-2.0, 3.0, 0.5, 1000.0, 3.0)
-    assert [measured(value) for value in (*loop.limits, loop.bias, loop.slew, loop.kp)] == [
-        "N", "", "mN", "kN", "N"]
-    assert (loop.target.start_value, loop.target.to) == (math.radians(10), math.radians(20))
-    assert (measured(loop.target.start_value), measured(loop.target.over)) == ("deg", "")
-    assert measured(scene.events[0].set["tug"]) == "N"
-    assert measured(expand(scene).events[0].set["tug"]) == "N"
-    assert measured(scene.joints[0].on_a[0]) == ""  # its field says the dimension
-
-
-@pytest.mark.parametrize("copy", [
-    lambda number: pickle.loads(pickle.dumps(number)), deepcopy], ids=["pickle", "deepcopy"])
-def test_a_measured_number_is_a_float_that_travels(copy: Callable[[Measured], Measured]) -> None:
-    number = Measured(0.012, "mm")
-    again = copy(number)
-    assert (again, again.unit) == (0.012, "mm")
-    assert json.dumps(again) == repr(again) == "0.012"
-    assert type(again * 2) is float
 
 
 def test_a_mistake_elsewhere_hides_no_unit() -> None:

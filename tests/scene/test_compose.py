@@ -100,22 +100,11 @@ class TestRepeat:
         assert problem.path == f"$.bodies[0].repeat{path}"
         assert told in problem.message
 
-    def test_near_misses(self):
-        assert problems({"bodies": [{**POINT, "name": "b", "repaet": 3}]})[0].hint == "'repeat'"
-        assert problems({"bodies": [{**POINT, "name": "b{j}", "repeat": 3}]})[0].message == (
-            "unknown name 'j' in an expression (for i = 0)")
-
     def test_of_all_copies_the_first_wrong_one_is_told(self):
         found = problems({"bodies": [
             {**POINT, "name": "b{i}", "repeat": 9, "mass": "=1 - i", "at": [0, "3 kg"]}]})
         assert {(each.path, each.message[-11:]) for each in found} == {
             ("$.bodies[0].mass", "(for i = 1)"), ("$.bodies[0].at[1]", "(for i = 0)")}
-
-    def test_no_line_for_what_lies_nowhere(self):
-        joint = {"type": "pin", "name": "j{i}", "a": "b", "b": "c", "on_b": [0, 0],
-                 "repeat": {"count": 2, "line": [0, 1]}}
-        found = problems({"bodies": [{**POINT, "name": n} for n in "bc"], "joints": [joint]})
-        assert [each.path for each in found] == ["$.joints[0].repeat"]
 
 
 class TestLike:
@@ -154,12 +143,6 @@ class TestCost:
                           "parts": [{"like": "t0", "name": "p"}]})
         assert len(found) == 1
         assert "nesting" in found[0].message
-
-    def test_what_is_written_out_counts_as_bytes(self):
-        found = problems({"bodies": [{**POINT, "name": "b{i}", "repeat": 100, "shapes": [
-            {"type": "circle", "radius": 1}] * 100}]}, limits=Limits(file_bytes=100_000))
-        assert [e.path for e in found] == ["$.bodies[0]"]
-        assert "'file_bytes'" in found[0].message
 
 
 class TestInclude:

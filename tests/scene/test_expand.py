@@ -9,7 +9,7 @@ from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand, to_json
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.load import load_scene
-from tests.scene.test_parts_finger import SET_G
+from tests.scene.test_parts import SET_G
 
 
 def scene(*parts, **more):

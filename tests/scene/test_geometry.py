@@ -112,14 +112,6 @@ point = st.tuples(reach, reach)
 pose = st.tuples(reach, reach, turn)
 
 
-@given(pose, point, point)
-def test_to_world_is_a_rotation_and_a_shift(at: Any, p: Any, q: Any) -> None:
-    """Complex numbers say the same: z = x + i y, z' = z0 + z exp(i angle)."""
-    expected = complex(*at[:2]) + complex(*p) * np.exp(1j * at[2])
-    assert complex(*to_world(at, p)) == pytest.approx(expected, abs=1e-13)
-    assert math.dist(to_world(at, p), to_world(at, q)) == pytest.approx(math.dist(p, q), abs=1e-13)
-
-
 @given(pose, pose, point)
 def test_the_missing_anchor_is_the_same_place(a: Any, b: Any, p: Any) -> None:
     """Whichever is left out; both given are taken as they are."""

@@ -9,6 +9,8 @@ import pytest
 
 import sandbox
 from sandbox.errors import SceneError
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.limits import Limits, check_limits
 from sandbox.scene.read.load import load_scene
 from sandbox.scene.values.numbers import number_from
 from sandbox.scene.values.ranges import ANY, RANGES, in_range, size_fault
@@ -83,13 +85,6 @@ def test_a_drive(keys: dict[str, Any], what: str) -> None:
     assert refused(bodies=[DISC], drives=[{**FORCE, **keys}]).startswith(what)
 
 
-def test_a_rate_so_small_that_no_step_can_be_counted() -> None:
-    event = {"name": "e", "when": "=a.x > 0", "rate": 5e-324, "set": {"push": 1}}
-    told = refused(bodies=[DISC], drives=[FORCE], events=[event])
-    assert told == "$.events[0].rate: must be at least 1e-09 Hz, got 4.94066e-324"
-    assert refused(bodies=[DISC], run={"sample_rate": 5e-324}).startswith("$.run.sample_rate")
-
-
 @pytest.mark.parametrize("scene", [
     {"parameters": "=load", "bodies": [{**DISC, "mass": "=load"}],
      "expect": [{"final": "a.x", "above": "=load"}]},
@@ -97,14 +92,6 @@ def test_a_rate_so_small_that_no_step_can_be_counted() -> None:
 ])
 def test_nothing_is_left_out_in_silence(scene: dict[str, Any]) -> None:
     assert refused(**scene).startswith("$.parameters: expected an object {…}")
-
-
-def test_what_an_event_sets() -> None:
-    scene = {"bodies": [{"name": "a", "mass": 1}], "drives": [
-        {"type": "force", "name": "f", "body": "a", "direction": [1, 0], "value": 0}],
-        "events": [{"name": "push", "at": 0.1, "set": {"f": 1e17}}]}
-    with pytest.raises(sandbox.SceneError, match=r"set.f: 1e\+17 is too large.*at most 1e\+12 N"):
-        sandbox.load_scene(scene)
 
 
 def test_a_moment_that_was_not_tried_makes_the_run_diverge() -> None:
@@ -120,8 +107,56 @@ def test_a_moment_that_was_not_tried_makes_the_run_diverge() -> None:
     assert len(caught.value.recording) > 700
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-@pytest.mark.parametrize("dimension", [None, "length"])
-def test_what_is_no_number_is_in_no_range(value: float, dimension: str | None) -> None:
-    with pytest.raises(WrongValueError, match="too large"):
-        in_range(value, dimension)
+# --- limits
+
+
+def _scene(count: int = 1, **run: Any) -> dict[str, Any]:
+    bodies = [{"name": f"b{i}", "mass": 1, "inertia": 1} for i in range(count)]
+    return {"bodies": bodies, "run": {"duration": 1, "step": 0.25, "sample_rate": 8, **run},
+            "view": {"fps": 20, "size": [100, 100]}}
+
+
+@pytest.mark.parametrize(("name", "most"), [
+    ("bodies", 3), ("elements", 3), ("steps", 4), ("samples", 8), ("frames", 20),
+    ("pixels", 10_000), ("recorded_bytes", 8 * 8 * (1 + 9 * 3)),
+])
+def test_each_limit(name: str, most: int) -> None:
+    mechanism = Mechanism.model_validate(_scene(3))
+    assert check_limits(mechanism, Limits().raised(**{name: most})) == []
+    (problem,) = check_limits(mechanism, Limits().raised(**{name: most - 1}))
+    assert f"the limit '{name}', raised by --max-{name.replace('_', '-')}" in problem.allowed
+    with pytest.raises(SceneError, match=f"'{name}'"):
+        load_scene(_scene(3), limits=Limits().raised(**{name: most - 1}))
+
+
+def test_a_hundred_thousand_bodies() -> None:
+    with pytest.raises(SceneError) as refused:
+        load_scene({"bodies": [{}] * 100_000})
+    (problem,) = refused.value.problems
+    assert problem.message == "the scene has 100 000 bodies"
+    assert problem.path == "$.bodies"
+
+
+def test_corners_count_as_they_are_written() -> None:
+    ring = [[0, 0], [9, 0], [9, 9], [0, 9]]
+    hole = [[1, 1], [2, 1], [1, 2]]
+    bodies = [{"name": "x", "motion": "fixed", "shapes": [
+        {"type": "polygon", "points": ring, "holes": [hole]},
+        {"type": "polyline", "points": [[0, 0], [1, 0]]}, {"type": "circle", "radius": 1}]}]
+    assert load_scene({"bodies": bodies}, limits=Limits(corners=9))
+    with pytest.raises(SceneError, match=r"outlines have 9 corners.*'corners'"):
+        load_scene({"bodies": bodies}, limits=Limits(corners=8))
+    with pytest.raises(SceneError, match="outlines have 42 000 corners"):
+        load_scene({"bodies": [{"name": "x", "shapes": 21 * [{"type": "cam"}]}]})
+
+
+def test_numbers_beyond_all_measure() -> None:
+    with pytest.raises(SceneError, match=r"run\.duration: 1e\+300 is too large"):
+        load_scene(_scene(duration=1e300))
+    with pytest.raises(SceneError, match=r"steps of 1e-09 s is 1\.0e\+18 steps"):
+        load_scene(_scene(duration=1e9, step=1e-9))
+
+
+def test_unknown_limits() -> None:
+    with pytest.raises(ValueError, match="unknown limit 'bodys'"):
+        Limits().raised(bodys=1)

@@ -121,20 +121,6 @@ def test_what_could_not_be_read_is_not_said_not_to_be() -> None:
     assert unread.allowed == ""
 
 
-def test_the_first_instant_without_a_value_is_named() -> None:
-    drive = {"type": "pull", "name": "d", "tendon": "cord", "value": "=sqrt(0.5 - t)"}
-    ((_, message),) = _check(drives=[drive], run={"duration": 1})
-    assert 0.5 <= float(message.rpartition("t = ")[2].removesuffix(" s")) <= 0.5 + 1 / 256
-    assert _check(drives=[drive], run={"duration": 0.4}) == []
-
-
-def test_names_of_what_could_not_be_read_count_as_known() -> None:
-    mechanism = Mechanism.model_validate({"joints": [PIN]})
-    assert [problem.path for problem in check_references(mechanism, assumed={"wall"})] == [
-        "$.joints[0].b"]
-    assert check_references(mechanism, assumed={"*"}) == []
-
-
 def test_a_joint_needs_a_body_that_moves() -> None:
     """Two fixed bodies are joined already; pymunk would refuse them with an assertion."""
     found = check_references(Mechanism.model_validate({

@@ -9,13 +9,10 @@ from typing import Any
 
 import jsonschema
 import pytest
-from pydantic.types import Strict
 
-from sandbox.scene.document import Scene
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.schema import scene_schema
 from tests.scene.hand import hand
-from tests.scene.test_assembly import records
 
 VALIDATOR = jsonschema.Draft202012Validator(scene_schema())
 
@@ -26,15 +23,6 @@ def _complaints(data: Any) -> list[str]:
 
 def test_it_is_a_schema() -> None:
     jsonschema.Draft202012Validator.check_schema(scene_schema())
-
-
-def test_flags_are_true_or_false_alone() -> None:
-    """Every field of a scene that is a flag refuses texts and numbers."""
-    flags = {(kind.__name__, name): field for kind in records(Scene)
-             for name, field in kind.model_fields.items() if field.annotation is bool}
-    assert len(flags) > 10
-    assert [place for place, field in flags.items()
-            if not any(isinstance(each, Strict) and each.strict for each in field.metadata)] == []
 
 
 def test_the_good_scene_agrees_with_it() -> None:

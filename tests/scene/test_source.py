@@ -108,12 +108,6 @@ def test_complaints(text: str, line: int, column: int, path: str, words: str) ->
     assert words in problem.message
 
 
-def test_all_faults_of_content_at_once() -> None:
-    with pytest.raises(SceneError) as refused:
-        parse_source('{"a": NaN, "b": 1, "b": Infinity}')
-    assert [problem.path for problem in refused.value.problems] == ["$.a", "$.b", "$.b"]
-
-
 @pytest.mark.parametrize(("text", "path", "column"), [
     (r'{"a": "\ud800"}', "$.a", 7), (r'{"a": ["x\uDFFFy"]}', "$.a[0]", 8),
     (r'{"\udc00": 1}', "$", 2), (r'{"a": "\ude00\ud83d"}', "$.a", 7),
@@ -125,15 +119,6 @@ def test_half_a_character_is_refused(text: str, path: str, column: int) -> None:
     problem, = refused.value.problems
     assert (problem.path, problem.column) == (path, column)
     assert "half a character" in problem.message
-
-
-def test_faults_of_json_are_told_up_to_the_limit() -> None:
-    text = '{"a": [' + ", ".join(["NaN"] * 7000) + "]}"
-    with pytest.raises(SceneError) as refused:
-        parse_source(text, limits=Limits(problems=5))
-    problems = refused.value.problems
-    assert [problem.path for problem in problems[:5]] == [f"$.a[{i}]" for i in range(5)]
-    assert [problem.message for problem in problems[5:]] == ["and 6995 more problems"]
 
 
 @pytest.mark.parametrize("opening", ["[", '{"a":'])
@@ -187,13 +172,6 @@ def test_missing_files_have_neighbours(tmp_path: Path) -> None:
         read_source(tmp_path / "gripper.json" / "x.json")
     with pytest.raises(SceneError):
         read_source("a\0b.json")
-
-
-def test_a_missing_path_has_the_place_of_its_holder() -> None:
-    source = parse_source('{\n "run": {"step": 1}}')
-    assert source.where(("run", "step")) == (2, 18)
-    assert source.where(("run", "step"), key=True) == (2, 10)
-    assert source.where(("run", "stop", 3), key=True) == (2, 9)
 
 
 @given(st.lists(st.integers(0, 999) | st.text(min_size=1, max_size=20), max_size=6))

@@ -59,15 +59,6 @@ def test_one_that_repeats_is_the_spline_of_cams() -> None:
     assert table(tried) == pytest.approx(spline(tried)[0], abs=1e-14)
 
 
-@pytest.mark.parametrize("between", ["linear", "cubic"])
-@pytest.mark.parametrize("beyond", ["hold", "extend", "repeat"])
-def test_single_numbers_and_arrays_are_the_same(between: str, beyond: str) -> None:
-    table = _function(points=[[0, 1], [1, 3], [3, 2], [4, 1]], between=between, beyond=beyond)
-    for x in (-9.3, -1.0, 0.0, 0.4, 1.0, 2.9, 3.0, 5.5, 1e9):
-        assert table.at(x) == float(table(x))
-    assert math.isnan(table.at(math.nan))
-
-
 @pytest.mark.parametrize(("points", "more", "said"), [
     ([[0, 1], [0, 2]], {}, "rise from point to point: point 1 has 0, the one before it 0"),
     ([[0, 1], [1, 2], [1 + 1e-12, 3]], {}, "too close"),
@@ -85,13 +76,6 @@ def test_what_no_table_is(points: Any, more: dict[str, Any], said: str) -> None:
     problem, = refused.value.problems
     assert problem.path.startswith("$.tables.profile")
     assert said in f"{problem.message} {problem.allowed}"
-
-
-@pytest.mark.parametrize("name", ["sin", "t", "a.b", ""])
-def test_names_that_no_table_has(name: str) -> None:
-    with pytest.raises(SceneError) as refused:
-        sandbox.load_scene(_scene(tables={name: PROFILE}))
-    assert refused.value.problems[0].path.startswith("$.tables")
 
 
 def test_numbers_parameters_and_signals_call_tables() -> None:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.scene.values.units import UNITS, parse_quantity, unfit
+from sandbox.scene.values.units import UNITS, parse_quantity
 from sandbox.wording import WrongValueError
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -120,19 +120,12 @@ def test_any_text_is_a_finite_number_or_refused(text: str, dimension: str | None
 @pytest.mark.parametrize(("text", "dimension", "words", "hint"), [
     ("12 m/s", "length", "'m/s' is a unit of speed, but this is a length", ""),
     ("12 nm", "length", "unknown unit 'nm'", ""), ("12 GN m", "torque", "unknown unit 'GN m'", ""),
-    ("12 mpa", "pressure", "unknown unit 'mpa'", ""), ("12 km2", "area", "unknown unit 'km2'", ""),
-    ("12 GN/mm", "stiffness", "unknown unit 'GN/mm'", ""),
-    ("12 MM", "length", "unknown unit 'MM'", ""),
+    ("12 km2", "area", "unknown unit 'km2'", ""),
     ("12 KN", "force", "unknown unit 'KN'", "'kN'"),
-    ("12 MPA", "pressure", "unknown unit 'MPA'", "'MPa'"),
     ("12 mm2", "area", "unknown unit 'mm2'", "'mm^2'"),
     ("12 gmm^2", "inertia", "unknown unit 'gmm^2'", "'g mm^2'"),
-    ("12 kgm^2", "inertia", "unknown unit 'kgm^2'", "'kg m^2'"),
-    ("12 RPM", "angular speed", "unknown unit 'RPM'", "'rpm'"),
     ("12 lbs", "mass", "unknown unit 'lbs'", "'lb'"),
     ("12 lb", "force", "'lb' is a unit of mass, but this is a force", "'lbf'"),
-    ("12 PSI", "pressure", "unknown unit 'PSI'", "'psi'"),
-    ("12 bars", None, "unknown unit 'bars'", "'bar'"),
     ("12 rad", "angular speed", "'rad' is a unit of angle, but this is an angular speed",
      "'rad/s'"),
     ("12 rpm", "frequency", "'rpm' is a unit of angular speed, but this is a frequency", ""),
@@ -147,19 +140,3 @@ def test_refusals_say_why(text: str, dimension: str, words: str, hint: str) -> N
         parse_quantity(text, dimension)
     assert refused.value.message == words
     assert refused.value.hint == hint
-
-
-def test_what_is_no_quantity_gets_an_example_of_one() -> None:
-    """Of the dimension that is asked for; of the commonest where any will do."""
-    for dimension, example in (("force", '"12 N" (N, mN, kN, MN, lbf)'),
-                               (None, '"12 m" (m, N, rad, s, kg)')):
-        with pytest.raises(WrongValueError) as refused:
-            parse_quantity("many", dimension)
-        assert f"a number, a string with a unit such as {example}, or" in refused.value.allowed
-
-
-@pytest.mark.parametrize(("text", "unit", "wrong"), [
-    ("2 mm", "m", ""), ("2 mm", "N", "'mm' is a unit of length"), ("2", "N", ""),
-    ("50 %", "1", ""), ("0.5 N", "1", "'N' is a unit of force"), ("2 N", "rad/s^4", "")])
-def test_a_number_measures_what_a_unit_does_or_it_is_told(text: str, unit: str, wrong: str) -> None:
-    assert unfit(parse_quantity(text, None), unit) == wrong
