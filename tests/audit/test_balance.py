@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 from tests.audit.still import block, figures, machine, still, turns
@@ -117,10 +116,3 @@ def test_inertia_times_its_acceleration_is_the_moment_to_1e_9_of_the_largest():
     both = [{**LEVER, "name": "other", "at": (-0.06, -0.3)}, LEVER]
     turns("momentum.moment", most, lambda e: still(
         free(*both, gravity=(0, 0)), moving(0, 20.0, full * e, drive_value=2.0)), by=1e-3)
-
-
-def test_recordings_without_vectors_say_so():
-    run = still(hung(), lambda a: a["joint_force"].__imul__(np.nan))
-    for name in ("reaction.size", "momentum.force", "momentum.moment"):
-        assert figures(run)[name].verdict == "not computed"
-        assert "before joints' forces were kept" in figures(run)[name].why

@@ -11,7 +11,7 @@ from sandbox.audit import audit as audit_module
 from sandbox.audit import evidence as evidence_module
 from sandbox.audit.audit import audit
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import Figure, Worst, figure_data, judged, missing
+from sandbox.audit.figures import Figure, Worst, judged, missing
 from sandbox.engine.simulate import simulate
 from tests.audit.still import H, block, machine, still
 from tests.engine.machines import mechanism
@@ -36,16 +36,6 @@ def test_long_runs_are_thinned_to_so_many_numbers(monkeypatch):
     assert np.rint(half.run.time / H - 0.5).tolist() == list(range(1, 34, 2))
     assert not Evidence(still(machine(), n=100)).thinned  # a wall alone is one body
     assert Evidence(still(machine(), n=101)).thinned
-
-
-def test_every_step_is_there_where_samples_are_one_step_apart():
-    machine_ = machine(block("one"))
-    assert Evidence(still(machine_, n=2)).every_step
-    assert not Evidence(still(machine_, n=2, every=2)).every_step
-    assert not Evidence(still(machine_, n=1)).every_step
-    for off, same in ((1.01e-6, False), (-1.01e-6, False), (0.99e-6, True), (-0.99e-6, True)):
-        run = still(machine_, lambda a, off=off: a["time"].__imul__(1 + off), n=3)
-        assert Evidence(run).every_step is same
 
 
 def test_the_figures_of_one_part_may_fail_and_the_others_are_there(monkeypatch):
@@ -118,9 +108,3 @@ def test_an_error_that_is_no_number_is_the_worst_of_all():
     (0.0, math.inf, "look"), (math.inf, math.inf, "look"), (-1.0, 0.0, "pass")])
 def test_a_figure_passes_up_to_its_threshold_if_both_are_numbers(value, threshold, verdict):
     assert judged("name", value, "m", threshold, why="w", source="s").verdict == verdict
-
-
-def test_what_is_no_number_is_null_in_json():
-    figure = judged("name", math.inf, "m", 1.0, why="w", source="s")
-    assert figure_data(figure) == {"name": "name", "value": None, "unit": "m", "threshold": 1.0,
-                                   "verdict": "look", "why": "w", "source": "s"}

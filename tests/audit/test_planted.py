@@ -152,7 +152,6 @@ def further(values: np.ndarray, size: float) -> np.ndarray:
 
 FINGER: list[tuple[str, Plant, float, set[str]]] = [
     ("stiffness of a spring", grown("springs", 0, "stiffness"), 0.01, {"spring.law"}),
-    ("damping of a hinge", grown("joints", 0, "damping"), 1.0, {"damper.law"}),
     ("value of a drive", array("drive_value", EVERY, more), 0.01, {"drive.signal", "tendon.law"}),
     ("signal of a drive", scene(signal), 0.01, {"drive.signal"}),
     ("radius of a disc", scene(wider), 0.004, {"contact.place"}),
@@ -169,9 +168,7 @@ FINGER: list[tuple[str, Plant, float, set[str]]] = [
      {"reaction.size", "momentum.force"}),
     ("mass in the saved mechanism", grown("bodies", MIDDLE, "mass"), 0.01, {"scene.numbers"}),
     ("inertia", array("body_inertia", MIDDLE, more), 0.01, {"scene.numbers", "momentum.moment"}),
-    ("accelerations", array("body_acceleration", EVERY, more), 0.01, {"momentum.force"}),
     ("length of a tendon", array("tendon_length", EVERY, more), 0.01, {"tendon.path"}),
-    ("length of a spring", array("spring_length", (EVERY, 1), more), 0.01, {"spring.length"}),
     ("length of a tendon at the start", array("tendon_initial", EVERY, more), 0.01,
      {"scene.numbers"}),
 ]

@@ -54,18 +54,6 @@ def test_rest_is_below_1_mm_a_second_and_20_mrad_a_second_in_the_last_twentieth(
             f"{math.hypot(*speed):.2g} m/s and {abs(turn):.2g} rad/s")
 
 
-def test_the_body_that_moves_most_against_what_is_allowed_is_named():
-    def change(a):
-        a["body_velocity"][-1, 1:3] = [[4 * SPEED, 0, 0], [0, 0, 5 * TURN]]
-    run = still(arm(block("two")), change, n=200)
-    assert "two moves at up to 0 m/s and 0.1 rad/s" in figures(run)["rest.moments"].why
-    fast = still(arm(block("two")), lambda a: a["body_velocity"].__setitem__(
-        (-1, slice(1, 3)), [[6 * SPEED, 0, 0], [0, 0, 5 * TURN]]), n=200)
-    assert "one moves at up to 0.006 m/s" in figures(fast)["rest.moments"].why
-    nothing = still(machine(gravity=(0.0, -G)))
-    assert "nothing moves freely" in figures(nothing)["rest.moments"].why
-
-
 def test_moments_at_rest_may_leave_1e_4_of_the_largest():
     turns("rest.moments", MOMENT, lambda e: still(arm(), holding(WEIGHT / (1 - e)), n=200))
     turns("rest.moments", MOMENT, lambda e: still(arm(), holding(WEIGHT * (1 - e)), n=200))
@@ -146,13 +134,3 @@ def linked(*pairs, free=("one", "two", "three")):
 def test_what_only_one_joint_sticks(pairs, joint, beyond):
     model = still(linked(*pairs)).model
     assert beyond_joint(model, joint) == beyond
-
-
-def test_hinges_that_are_not_the_only_support_are_left_out_and_named():
-    ring = linked(("wall", "one"), ("one", "two"), ("wall", "two"))
-    figure = figures(still(ring, n=200))["rest.moments"]
-    assert figure.why == "left out: " + "; ".join(
-        f"j{i} is one of several supports" for i in range(3))
-    four = linked(*[("wall", "one")] * 4)
-    assert figures(still(four, n=200))["rest.moments"].why.endswith(
-        "j2 is one of several supports and 1 more")

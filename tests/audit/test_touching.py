@@ -91,13 +91,6 @@ def test_what_may_not_collide_does_not_touch(more):
     assert ("disc", "floor") not in found(simulate(mechanism(duration=0.01, **groove(0.0, **more))))
 
 
-def test_what_shares_no_plane_does_not_touch():
-    content = groove(0.0)
-    content["bodies"][0] |= {"plane": 1}
-    content["bodies"][3] |= {"plane": 2}
-    assert ("disc", "floor") not in found(simulate(mechanism(duration=0.01, **content)))
-
-
 @pytest.mark.parametrize(("speed", "counts"), [(0.009, True), (0.011, False)])
 def test_what_parts_or_comes_by_does_not_touch(speed, counts):
     """By 1e-5 m in a step, that is at 1 cm/s."""
@@ -154,14 +147,6 @@ def test_a_near_phalanx_that_touches_without_force_may_press():
     assert (figure.verdict, figure.value) == ("look", 1.0)
     assert "1 of 2 on finger" in figure.why
     assert figures(run)["contact.bounds"].verdict == "pass"
-
-
-def test_a_near_phalanx_a_millimetre_off_leaves_the_other_decided():
-    run, *_ = finger(1e-3)
-    assert list(found(run)) == [("two", "disc")]
-    figure = figures(run)["contact.shared"]
-    assert figure.value == 0.0
-    assert "none of 1 on finger" in figure.why
 
 
 # -- places
@@ -251,11 +236,6 @@ def test_ways_to_shapes(shape, place, out, distance, aside, turned):
     assert found.aside[0] == pytest.approx(aside, abs=1e-15)
     if turned is not None:
         assert found.turned[0] == pytest.approx(turned, abs=1e-12)
-
-
-def test_a_radius_that_is_set_counts_instead_of_the_scenes():
-    found = seen(CIRCLE, np.array([[0.1, 0.03]] * 2), np.array([UP] * 2), np.array([0.03, 0.01]))
-    assert found.distance == pytest.approx([0.0, 0.02])
 
 
 SEGMENTS = {

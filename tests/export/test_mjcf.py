@@ -134,14 +134,6 @@ def test_a_brake_is_the_friction_of_its_hinge() -> None:
     assert "frictionloss" not in one(root, "worldbody//joint")
 
 
-def test_controllers_and_events_are_told_as_lost() -> None:
-    _, export = write(
-        drives=[{"type": "force", "name": "f", "body": "load", "direction": (1, 0), "value": 1}],
-        controllers=[{"type": "schedule", "name": "c", "writes": "f", "value": 2}],
-        events=[{"name": "e", "at": 0.1, "set": {"c.active": 0}}])
-    assert [note.partition(":")[0] for note in export.notes] == ["c", "e"]
-
-
 def test_a_pin_that_closes_a_loop_acts_on_the_sum_of_other_hinges() -> None:
     """d's angle is -(b - a) = c - b here, 0.3 at the start; its numbers move by that offset."""
     def pin(name: str, a: str, b: str, **more: Any) -> dict[str, Any]:
@@ -184,16 +176,6 @@ def test_forces_in_the_world_and_in_the_body() -> None:
     assert "refsite" not in turn
     assert root.findall("worldbody/site[@name='frame_']")
     assert export.notes == ()  # constant drives keep their value
-
-
-def test_a_pull_below_0_starts_as_0_and_a_force_does_not() -> None:
-    root, export = write(tendons=[cord()], drives=[
-        {"type": "pull", "name": "pull", "tendon": "cord", "value": -3},
-        {"type": "force", "name": "push", "body": "load", "direction": (1, 0),
-         "value": {"to": -2, "over": 0.1}}])
-    assert one(root, "keyframe/key")["ctrl"] == "0 -2"
-    assert export.notes == ("push: MuJoCo keeps no signals over time; the keyframe holds its last "
-                            "value, -2",)
 
 
 def test_mujoco_s_own_name_of_the_world_is_left_to_it() -> None:

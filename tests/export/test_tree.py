@@ -56,12 +56,6 @@ def test_a_chain_hangs_on_what_is_fixed_however_its_joints_are_written() -> None
     assert tree.loops == ()
 
 
-def test_what_nothing_carries_is_free_and_carries_the_rest() -> None:
-    model = machine([body("x"), body("y"), FRAME], [pin("p", "y", "x")])
-    assert parents(model, grow(model)) == {"frame": "", "x": "", "y": "x"}
-    assert link_of(model, "x").joint == NONE
-
-
 def test_grooves_come_before_welds_before_pins() -> None:
     groove = {"type": "slot", "name": "groove", "a": "frame", "b": "block",
               "start": (0.0, 0.0), "end": (0.1, 0.0)}

@@ -17,17 +17,6 @@ from sandbox.model.compile import compile_mechanism
 from sandbox.scene.mechanism import Mechanism
 
 
-def test_half_round_from_below() -> None:
-    """Up on the left of the wheel, down on its right: half a turn, touching at (-r, 0), (r, 0)."""
-    wrap = wrap_round((-0.05, -0.3), (0.0, 0.0), (0.05, -0.2), 0.05)
-    assert wrap is not None
-    assert wrap.on == pytest.approx((-0.05, 0.0), abs=1e-15)
-    assert wrap.off == pytest.approx((0.05, 0.0), abs=1e-15)
-    assert wrap.angle == pytest.approx(math.pi, abs=1e-12)
-    assert math.remainder(wrap.middle - math.pi / 2, 2 * math.pi) == pytest.approx(0, abs=1e-12)
-    assert not wrap.crosses
-
-
 def test_a_touch_is_not_once_round() -> None:
     wrap = wrap_round((-1.0, 0.5), (0.0, 0.0), (1.0, 0.5), 0.5)
     assert wrap is not None
@@ -48,14 +37,6 @@ def test_a_cord_that_goes_straight_past_its_wheel_is_nearest_where_it_comes_on(
     assert wrap.on == wrap.off == pytest.approx((0.0, y), abs=1e-15)
     assert (wrap.angle, wrap.crosses) == (0.0, False)
     assert wrap.middle == pytest.approx(middle, rel=1e-15)
-
-
-def test_a_loop_crosses_itself() -> None:
-    """Up on the left of the wheel from its right below, over it, down to its left below."""
-    wrap = wrap_round((0.5, -1.0), (0.0, 0.0), (-0.5, -1.0), 0.3)
-    assert wrap is not None
-    assert wrap.angle > math.pi
-    assert wrap.crosses
 
 
 def draft_of(mechanism: Mechanism) -> Draft:

@@ -12,7 +12,6 @@ from gymnasium.utils.env_checker import check_env
 import sandbox
 from sandbox import SandboxError, SceneError
 from sandbox.draw.film.frames import FrameRenderer
-from sandbox.engine import simulation as engine
 from sandbox.gym import pictures
 from sandbox.gym.env import SceneEnv
 from sandbox.recording.recording import Recording
@@ -139,16 +138,6 @@ def test_what_diverges_terminates_with_its_own_reward() -> None:
     assert np.isfinite(play(env, [0.0])[1][0]).all()
 
 
-def test_it_is_not_built_anew_where_nothing_was_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    env = make()
-    first = play(env, [0.4] * 30)
-    built: list[object] = []
-    monkeypatch.setattr(engine, "compile_mechanism", lambda *_: built.append(1))
-    again = play(env, [0.4] * 30)
-    assert built == []
-    assert [told[0].tobytes() for told in first] == [told[0].tobytes() for told in again]
-
-
 def test_options_change_one_episode() -> None:
     env = make()
     plain = play(env, [0.4])
@@ -205,13 +194,6 @@ def test_pictures_are_those_of_one_camera(monkeypatch: pytest.MonkeyPatch) -> No
     assert make().render() is None
     with pytest.raises(SandboxError, match="no render_mode 'human'"):
         sandbox.gym.make(scene, render_mode="human", **words())
-
-
-def test_gymnasium_makes_it_by_its_id() -> None:
-    env = gymnasium.make("sandbox.gym:sandbox/Scene-v0", scene=pendulum(), **words())
-    assert isinstance(env.unwrapped, SceneEnv)
-    assert play(env.unwrapped, [0.3])[1][0].tobytes() == play(make(), [0.3])[1][0].tobytes()
-    env.close()
 
 
 @pytest.mark.parametrize("kind", ["sync", pytest.param("async", marks=pytest.mark.nightly)])

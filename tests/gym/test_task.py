@@ -93,15 +93,6 @@ def test_drives_have_the_range_that_their_kind_or_signal_says(
     assert found["pendulum.angle"] == (-1.0, 2.0)
 
 
-def test_observations_beyond_their_range_are_cut() -> None:
-    env = sandbox.gym.make(pendulum(), **words(observe={"pendulum.angle": (-0.01, 0.01)}))
-    env.reset()
-    for _ in range(8):
-        seen, *_ = env.step(np.array([0.5]))
-    assert seen[0] == 0.01
-    assert env.simulation["pendulum.angle"] > 0.1
-
-
 def test_without_gymnasium_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sandbox.gym, "find_spec", lambda name: None)
     with pytest.raises(SandboxError, match=r"pip install 'sandbox-mechanics\[gym\]'"):

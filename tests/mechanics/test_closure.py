@@ -55,16 +55,6 @@ def test_of_two_contacts_that_rub_unlike_the_smoother_one_counts(mus):
         pytest.approx(least / np.sqrt(2 + least**2), abs=1e-12))
 
 
-def test_a_square_without_friction():
-    """Form closure by four contacts off the middles; none where all moments have one sign."""
-    right, left, up, down = [-1, 0], [1, 0], [0, -1], [0, 1]
-    normals = [right, left, up, down]
-    closes = [[1, 0.5], [-1, -0.5], [0.5, 1], [-0.5, -1]]
-    turns = [[1, 0.5], [-1, -0.5], [-0.5, 1], [0.5, -1]]
-    assert epsilon(closes, normals, 0.0, np.sqrt(2)) == pytest.approx(1 / (2 * np.sqrt(3)))
-    assert epsilon(turns, normals, 0.0, np.sqrt(2)) == 0.0
-
-
 def hull_radius(points):
     """By the facets of a library's hull: outward normals n and offsets d, n x + d <= 0 inside."""
     hull = ConvexHull(points)
@@ -132,11 +122,6 @@ def test_isotropy():
     # two opposite ones: along their line 2, across it 2, turning 2 / rho^2
     assert float(grasp_isotropy(DISC, inward(DISC), 0.5, centre=(0, 0), length=4.0)) == (
         pytest.approx(0.25))
-
-
-def test_spread():
-    np.testing.assert_allclose(force_spread([[2, 2, 2], [1, 0, 0], [3, 1, 2]]),
-                               [0, np.sqrt(2), np.sqrt(2 / 3) / 2], atol=1e-15)
 
 
 @pytest.mark.parametrize(("call", "told"), [

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox.mechanics import statics, transmission
+from sandbox.mechanics import transmission
 from sandbox.mechanics.grasp_state import (
     GraspState,
     TwoPhalanges,
@@ -82,28 +82,6 @@ def test_every_slide_keeps_the_object_and_gives_energy(apart: float) -> None:
     assert seen >= {GraspState.EQUILIBRIUM, GraspState.EJECTS} if not apart else seen
 
 
-@pytest.mark.parametrize("apart", [0.0, 0.02])
-def test_ends_are_equilibria_of_the_unilateral_statics(apart: float) -> None:
-    """Where a slide ends on the curve or a stop, the one contact and the stop balance the torques
-    with nothing left over; at an ejection they cannot without going beyond the tip.
-    """
-    finger = driven(apart, lower=(0.25, 0.0), upper=(1.5, 1.1))
-    theta_2, k_2 = np.linspace(0.0, 1.1, 12)[:, None], np.linspace(1e-3, 0.03, 15)
-    found = grasp_states(finger, theta_1=0.5, theta_2=theta_2, k_1=0.02, k_2=k_2)
-    kinds = {GraspState(int(s)) for s in found.state.ravel()}
-    assert {GraspState.STABLE, GraspState.EQUILIBRIUM, GraspState.STOP} <= kinds
-    held = (found.state == GraspState.EQUILIBRIUM) | (found.state == GraspState.STOP)
-    for theta, k, state in zip(found.theta[held], found.k_2[held], found.state[held], strict=True):
-        J = statics.contact_jacobian(theta, L, [0.02, k])[1:]
-        tau = finger.torques(theta)
-        at_stop = np.abs(theta - [finger.lower[0], finger.upper[1]]) < 1e-12
-        rest = statics.unilateral_forces(
-            J, tau, lower=[at_stop[0], False], upper=[False, at_stop[1]])
-        np.testing.assert_allclose(rest.residual, 0, atol=1e-12 * np.abs(tau).max())
-        assert at_stop.any() == (state == GraspState.STOP)
-        assert (np.abs(rest.stops).max() > 0) == (state == GraspState.STOP)
-
-
 def test_equilibrium_without_springs_lies_on_curve_and_circle() -> None:
     """Torques 0.05 and 0.02 N m, a point object: the end is where the curve k_2 = e(theta_2) meets
     the circle of the object's distance from hinge 1, solved by halving here.
@@ -124,17 +102,6 @@ def test_equilibrium_without_springs_lies_on_curve_and_circle() -> None:
         low, high = (low, middle) if beyond(middle) else (middle, high)
     assert found.theta[1] == pytest.approx(high, abs=1e-12)
     assert found.k_2 == pytest.approx(0.4 * L[0] * np.cos(high) / 0.6, rel=1e-10)
-
-
-def test_distal_phalanx_that_does_not_press() -> None:
-    """tau_2 <= 0 from the start; and lost on the way, a spring overtaking the tendon."""
-    start = {"theta_1": 0.6, "theta_2": 0.3, "k_1": 0.02, "k_2": 0.01}
-    assert grasp_states(fixed(0.05, -0.001), **start).state == GraspState.DISTAL_LOST
-    weak = TwoPhalanges(L, lambda q: np.stack(
-        [np.full(q.shape[:-1], -0.01), 0.02 - 0.05 * q[..., 1]], axis=-1), **STOPS)
-    found = grasp_states(weak, **start)
-    assert found.state == GraspState.DISTAL_LOST
-    assert found.theta[1] == pytest.approx(0.4, abs=1e-12)
 
 
 @pytest.mark.parametrize(("call", "message"), [

@@ -50,24 +50,6 @@ def test_set_a_constant_stiffness() -> None:
     assert found[3] == pytest.approx(4.68, abs=0.005)
 
 
-@given(st.lists(st.floats(0.0, 1.4), min_size=3, max_size=3),
-       st.lists(st.floats(0.005, 0.02), min_size=3, max_size=3))
-def test_three_phalanges_as_published(theta: list[float], k: list[float]) -> None:
-    """J written out for three phalanges, and f by substitution from the tip to the palm."""
-    l1, l2, _ = SET_G.lengths
-    c2, c3, c23 = np.cos(theta[1]), np.cos(theta[2]), np.cos(theta[1] + theta[2])
-    expected = [[k[0], 0, 0], [k[1] + l1 * c2, k[1], 0],
-                [k[2] + l1 * c23 + l2 * c3, k[2] + l2 * c3, k[2]]]
-    J = statics.contact_jacobian(theta, SET_G.lengths, k)
-    np.testing.assert_allclose(J, expected, rtol=0, atol=1e-16)
-    tau = np.array([0.04, 0.02, 0.005])
-    f3 = tau[2] / k[2]
-    f2 = (tau[1] - (k[2] + l2 * c3) * f3) / k[1]
-    f1 = (tau[0] - (k[1] + l1 * c2) * f2 - (k[2] + l1 * c23 + l2 * c3) * f3) / k[0]
-    # forces of up to 4e3 N appear from k down to 5 mm; rounding is 1e-16 of the largest
-    np.testing.assert_allclose(statics.contact_forces(J, tau), [f1, f2, f3], rtol=1e-9, atol=1e-9)
-
-
 @pytest.mark.parametrize("n", [2, 3, 5])
 def test_closed_and_general_jacobian_agree_with_virtual_work(n: int) -> None:
     """J_cj = -n_c . d p_c / d theta_j by central differences (n pushes the phalanx, which closes
@@ -90,23 +72,6 @@ def test_closed_and_general_jacobian_agree_with_virtual_work(n: int) -> None:
     np.testing.assert_allclose(general, by_work, rtol=0, atol=2e-11)
     np.testing.assert_allclose(
         statics.contact_jacobian(theta, lengths, k), general, rtol=0, atol=1e-16)
-
-
-def test_weight_by_potential_energy() -> None:
-    """Gravity torques are minus the slope of the height energy; step as above: e^2/6 and 1e-16/e
-    of an energy of 0.01 J stay under 1e-11 N m.
-    """
-    masses, g = np.array([12e-3, 6e-3, 4e-3]), np.array([1.0, -9.81])
-    centres = np.array([[0.0225, 0.001], [0.013, 0.0], [0.0105, -0.002]])
-    theta, e = np.array([0.3, 0.6, 0.2]), 1e-5
-
-    def energy(angles: np.ndarray) -> float:
-        at = chain.to_world(chain.transforms(angles, SET_G.lengths), centres)
-        return float(-(masses * (at @ g)).sum())
-
-    slope = [(energy(theta + e * u) - energy(theta - e * u)) / (2 * e) for u in np.eye(3)]
-    found = statics.gravity_torques(chain.transforms(theta, SET_G.lengths), masses, centres, g)
-    np.testing.assert_allclose(found, -np.array(slope), rtol=0, atol=1e-11)
 
 
 @given(st.integers(0, 10_000))

@@ -83,16 +83,6 @@ def test_guide_forces_do_the_work_of_the_arms(finger: FingerSet) -> None:
     np.testing.assert_allclose(work, pull * arms, rtol=1e-12)
 
 
-def test_guide_forces_of_a_rough_tendon_over_time() -> None:
-    """A tension for each segment, shape [time, 2]: what the bent guide takes is their sum as
-    vectors.
-    """
-    path = np.array([[0.0, 0.03], [0.0, 0.0], [0.04, 0.0]])
-    found = tendon.guide_forces(path, [[5.0, 4.0], [2.0, 1.0]])
-    np.testing.assert_allclose(found[0], [[0, -5], [4, 5], [-4, 0]], rtol=0, atol=1e-15)
-    np.testing.assert_allclose(found[1], [[0, -2], [1, 2], [-1, 0]], rtol=0, atol=1e-15)
-
-
 @pytest.mark.parametrize("side", [-1, 1], ids=["palm", "back"])
 def test_guides_that_have_passed_each_other_over_the_hinge(side: int) -> None:
     """V_0 beyond the hinge, V_1 before it: pi - alpha_h - gamma_h is below 0, or above 2 pi.

@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -86,13 +85,3 @@ def test_two_contacts_on_one_phalanx_share() -> None:
     beside = np.array([[0.02, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.02, 0.0]])
     np.testing.assert_array_equal(statics.determined_forces(beside), [True, False, False])
     assert statics.determined_forces(np.zeros((0, 3))).shape == (0,)
-
-
-@pytest.mark.parametrize(("call", "message"), [
-    (lambda: statics.unilateral_forces(np.ones((1, 2)), [1, 1], lower=[True]),
-     r"lower must say true or false for each of 2 joints, got shape \(1,\)"),
-    (lambda: statics.unilateral_forces(np.ones(2), [1, 1]), "jacobian must have shape"),
-])
-def test_impossible_contacts_are_refused(call: object, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        call()

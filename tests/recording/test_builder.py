@@ -55,14 +55,6 @@ def test_what_is_built_is_what_was_written(memory, tmp_path):
     assert bool(list(tmp_path.iterdir())) == (memory < 1e9)
 
 
-def test_rows_come_out_in_order_of_sample_body_and_other():
-    run = build(mechanism(), contacts=CONTACTS).finish(times(), INFO)
-    keys = list(zip(*(run.arrays[f"contact_{k}"].tolist() for k in ("sample", "body", "other")),
-                    strict=True))
-    assert keys == sorted(row[:3] for row in CONTACTS)
-    assert run.arrays["contact_force"].tolist() == [list(row[3]) for row in in_order(CONTACTS)]
-
-
 @pytest.mark.parametrize("memory", [1e9, 1000.0])
 def test_going_on_leaves_alone_what_was_taken_out(memory, tmp_path):
     """And puts other rows in place of the last ones."""

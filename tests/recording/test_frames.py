@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import sys
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -23,13 +21,6 @@ def test_time_is_a_quantity(run: sandbox.Recording) -> None:
     assert run.unit("time") == "s"
     assert "time" in run
     assert "time" not in run.names()
-
-
-def test_something_named_time_is_what_its_scene_says() -> None:
-    scene = {"run": {"duration": 0.01}, "bodies": [{"name": "a", "mass": 1, "inertia": 1}],
-             "meters": [{"name": "time", "value": "=2 * t"}]}
-    run = sandbox.simulate(scene)
-    np.testing.assert_allclose(run["time"], 2 * run.time, rtol=1e-12)
 
 
 def test_a_pattern_gives_columns(run: sandbox.Recording) -> None:
@@ -64,32 +55,6 @@ def test_what_is_not_installed_is_said(
     monkeypatch.setitem(sys.modules, name, None)
     with pytest.raises(sandbox.SandboxError, match=f"'{name}', which is not installed: pip inst"):
         getattr(run, f"to_{name}")()
-
-
-def test_what_a_table_is_made_of(
-    run: sandbox.Recording, monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Without pandas and xarray: what they are given, by stand-ins that keep it."""
-    table: Any = SimpleNamespace(attrs={})
-
-    def frame(columns: Any, index: Any, **more: Any) -> Any:
-        table.columns, table.index = columns, index
-        return table
-
-    monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(
-        DataFrame=frame, Index=lambda values, name: (values, name)))
-    monkeypatch.setitem(sys.modules, "xarray", SimpleNamespace(
-        Dataset=lambda variables, coords, attrs: (variables, coords, attrs)))
-    run.to_pandas("finger.*p.angle", "time", "finger.mcp.angle")
-    assert list(table.columns) == [*run.names("finger.*p.angle"), "time"]
-    assert table.index == (run.time, "time")
-    assert table.attrs["units"]["finger.mcp.angle"] == "rad"
-    variables, coords, attrs = run.to_xarray("finger.tendon.tension")
-    dims, values, units = variables["finger.tendon.tension"]
-    assert (dims, units) == ("time", {"units": "N"})
-    np.testing.assert_array_equal(values, run["finger.tendon.tension"])
-    assert coords["time"][2] == {"units": "s"}
-    assert attrs["scene"] == "single_finger"
 
 
 def test_with_the_libraries_themselves(run: sandbox.Recording) -> None:

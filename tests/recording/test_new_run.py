@@ -204,14 +204,6 @@ def test_a_run_of_an_older_version_has_no_id_and_is_read(tmp_path):
     assert Recording.load(tmp_path).complete
 
 
-def test_without_its_summary_a_run_is_not_complete(tmp_path):
-    recording().save(tmp_path)
-    (tmp_path / "run.json").unlink()
-    info = Recording.load(tmp_path).info
-    assert info.status is Status.UNFINISHED
-    assert "run.json is missing" in info.notes[-1]
-
-
 def test_what_was_made_of_the_old_run_goes_with_it(tmp_path):
     recording().save(tmp_path)
     for name in ("end.png", "plot.svg", "contact_bounds.csv", "mine.png", ".made"):
@@ -296,33 +288,3 @@ def test_a_directory_in_place_of_a_file_of_ours_stays(tmp_path, name):
     recording(title="new").save(tmp_path)
     assert (tmp_path / name / "mine").is_dir()
     assert Recording.load(tmp_path).mechanism.title == "new"
-
-
-def test_pictures_elsewhere_stay(tmp_path):
-    """A link that stands where frames go leads to what is not ours, whatever it is called."""
-    elsewhere, folder = tmp_path / "elsewhere", tmp_path / "run"
-    elsewhere.mkdir()
-    (elsewhere / "frame_00000.png").touch()
-    recording().save(folder)
-    (folder / "frames").symlink_to(elsewhere)
-    recording().save(folder)
-    assert (elsewhere / "frame_00000.png").exists()
-    (folder / "frames").unlink()
-    (folder / "frames").mkdir()
-    (folder / "frames" / "holiday.png").touch()
-    (folder / "frames" / "frame_00001.png").touch()
-    recording().save(folder)
-    assert names(folder / "frames") == ["holiday.png"]
-
-
-def test_without_locks_nothing_of_others_is_tidied_away(tmp_path, monkeypatch):
-    from sandbox import whole_files
-
-    part = tmp_path / ".run.4711-0123abcd.part.npz"
-    part.touch()
-    monkeypatch.setattr(whole_files, "fcntl", None)
-    recording().save(tmp_path)
-    assert part.exists()
-    monkeypatch.undo()
-    recording().save(tmp_path)
-    assert not part.exists()

@@ -13,7 +13,6 @@ import pytest
 from sandbox.audit.audit import audit
 from sandbox.errors import OutputError
 from sandbox.kinds.arrays import LATE
-from sandbox.recording import store
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Happened, Status, Stop
 from sandbox.samples.samples import OLDER
@@ -158,16 +157,6 @@ CONTROLLED = {
     "controllers": {"tuner": {"tuned": True, "kp": 0.5}}, "steps": 20, "notes": ("a note",)}
 
 
-def test_what_a_plain_run_says_is_the_same_bytes_for_ever(tmp_path):
-    """Nothing of events or controllers where there are none; wall times never."""
-    recording(info={"steps": N}).save(tmp_path)
-    with zipfile.ZipFile(tmp_path / "run.npz") as content:
-        assert content.read("info.json").decode() == (
-            '{\n "complete": true,\n "format": 1,\n "notes": [],\n'
-            ' "reason": "",\n "sample_rate": 100.0,\n "seed": 0,\n "step": 0.01,\n'
-            ' "steps": 20,\n "versions": {\n  "sandbox": "0"\n }\n}')
-
-
 def test_what_events_and_laws_did_is_kept(tmp_path):
     run = recording(info=CONTROLLED)
     run.save(tmp_path)
@@ -183,16 +172,6 @@ def test_what_events_and_laws_did_is_kept(tmp_path):
         key: said[key] for key in ("events", "stopped", "controllers")}
 
 
-def test_an_archive_that_says_little_is_read(tmp_path):
-    """What it lacks is what the scene's settings say; that it is complete, it must say."""
-    sample().save(tmp_path)
-    damage(tmp_path / "run.npz", **{"info.json": b'{"format": 1}'})
-    info = Recording.load(tmp_path).info
-    assert (info.status, info.step, info.sample_rate) == (
-        Status.UNFINISHED, 0.01, 1000.0)
-    assert (info.events, info.stopped, info.controllers, info.notes) == ((), None, {}, ())
-
-
 def test_saving_again_removes_files_that_no_longer_belong(tmp_path):
     sample().save(tmp_path)
     (tmp_path / "notes.txt").write_text("mine")
@@ -202,22 +181,6 @@ def test_saving_again_removes_files_that_no_longer_belong(tmp_path):
 
 def contents(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
-
-
-def test_a_crash_in_the_middle_leaves_the_old_run_as_it_was(tmp_path, monkeypatch):
-    sample().save(tmp_path)
-    before = contents(tmp_path)
-
-    def crash(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(store.tables, "contact_rows", crash)
-    with pytest.raises(KeyboardInterrupt):
-        sample(title="Another").save(tmp_path)
-    assert contents(tmp_path) == before
-    with pytest.raises(KeyboardInterrupt):
-        sample().save(tmp_path / "new")
-    assert files(tmp_path / "new") == set()
 
 
 def test_a_directory_that_cannot_be_written(tmp_path):

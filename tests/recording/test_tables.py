@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sandbox.recording import tables
-from sandbox.recording.tables import column, column_unit, contact_rows, rows, written
+from sandbox.recording.tables import column, column_unit, contact_rows, rows
 
 from .sample import CONTACTS, N, S, arrays, mechanism, recording
 
@@ -69,11 +69,3 @@ def test_a_zero_has_no_sign_and_no_value_is_nan():
     run = type(recording())(mech, content, {})
     _, body = parsed(rows(run, "tendons"))
     assert [row[1:4] for row in body] == [["nan", "nan", "0"]] * N
-
-
-def test_a_mechanism_without_tendons_has_a_table_of_times():
-    run = recording(tendons=[], drives=[], springs=[])
-    assert parsed(rows(run, "tendons")) == (["time_s"], [[f"{t:.12g}"] for t in run.time])
-    assert written(run) == ["tendons", "joints", "bodies", "drives"]
-    assert "springs" in written(recording())
-    assert "meters" in written(recording(meters=[{"name": "m", "value": "=1"}]))

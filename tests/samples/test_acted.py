@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sandbox.samples.acted import contacts_on, on_the_other, said_of, ways
+from sandbox.samples.acted import contacts_on, on_the_other, ways
 from sandbox.scene.mechanism import Mechanism
 from tests.draw.conftest import recording
 
@@ -68,15 +68,3 @@ def test_the_order_of_the_file_does_not_count():
             contacts_on(each.model, each.arrays) for each in (one, two))
         assert on_one.tolist() == on_two.tolist()
         assert force_one.tolist() == force_two.tolist()
-
-
-@pytest.mark.parametrize(("roles", "pairs", "words"), [
-    (("object", "link", "link"), [(0, 1), (0, 2)], "on the object"),
-    (("object", "object", "link"), [(0, 2), (1, 2)], "on the objects"),
-    (("link", "link", "link"), [(0, 1)], "on what moves more"),
-    (("object", "link", "link"), [(0, 1), (1, 2)], "on the object, else on what moves more"),
-])
-def test_the_legend_says_whose(roles, pairs, words):
-    found = run(roles, along_x(0, 0, 0))
-    shown, other = np.array(pairs, dtype=int).reshape(-1, 2).T
-    assert said_of(found.model, shown, other) == words

@@ -46,35 +46,6 @@ def test_a_group_counts_outside_touches_only(run):
     assert over(run, "finger1.contact.normal") == pytest.approx([0, 3, 2 * S, 5e-7, 0], rel=1e-15)
 
 
-def test_a_member_that_touches_twice_counts_once():
-    rows = [(0, 1, 3, (1.0, 0.0), (1.0, 0.0)), (0, 1, 4, (-2.0, 0.0), (-1.0, 0.0)),
-            (0, 2, 3, (1.0, 0.0), (1.0, 0.0))]
-    run = recording(contacts=rows)
-    assert run["finger1.contact.count"][0] == 2
-    assert run["finger1.contact.normal"][0] == 4
-
-
-def test_sums_agree_with_a_loop_over_random_rows():
-    rng = np.random.default_rng(5)
-    rows = []
-    for sample in range(N):
-        for body, other in [(1, 2), (1, 3), (2, 3), (3, 0), (1, 4)]:
-            if rng.random() < 0.6:
-                angle = rng.uniform(0, 2 * np.pi)
-                rows.append((sample, body, other, tuple(rng.normal(size=2)),
-                             (np.cos(angle), np.sin(angle))))
-    run = recording(contacts=rows)
-    for index, body in enumerate(run.mechanism.bodies):
-        normal, fx = np.zeros(N), np.zeros(N)
-        for sample, first, second, f, u in rows:
-            if index in (first, second):
-                normal[sample] += abs(f[0] * u[0] + f[1] * u[1])
-                fx[sample] += f[0] if index == first else -f[0]
-        # at most four terms of size 3: a few roundings of 4e-16
-        assert np.allclose(run[f"{body.name}.contact.normal"], normal, rtol=0, atol=1e-14)
-        assert np.allclose(run[f"{body.name}.contact.fx"], fx, rtol=0, atol=1e-14)
-
-
 @pytest.mark.parametrize("rows", [1, 3])
 def test_many_rows_are_read_in_pieces_to_the_same_numbers(monkeypatch, rows):
     options = {"contacts": sorted(CONTACTS, key=lambda row: row[:3]), "meters": [

@@ -100,16 +100,6 @@ def test_a_wheel_at_an_end_pays_out_what_it_turns(side, end):
     assert found[0] == pytest.approx(straight, rel=1e-12)
 
 
-def test_a_cord_that_just_leaves_a_wheel_has_no_wrap_of_a_whole_turn():
-    """Straight along a wheel's rim, and lifted off it by rounding: 0, not 2 pi r."""
-    for off in (0.0, 1e-13, -1e-13):
-        cord = {"name": "cord", "guides": [
-            {"body": "wall", "at": (-0.1, 0.02 + off)},
-            {"body": "one", "radius": 0.02, "side": "right"},
-            {"body": "wall", "at": (0.1, 0.02)}]}
-        assert length_of(machine(block("one"), tendons=[cord])) == pytest.approx(0.2, rel=1e-9)
-
-
 # -- the pull on the guides --------------------------------------------------------------------
 
 

@@ -90,18 +90,6 @@ def test_torques_of_a_hinge_turn_its_b_one_way_and_its_a_the_other(kind, positiv
     assert (found[:, :, [0, 2]] == 0).all()
 
 
-def test_a_driven_rotary_spring_gives_what_was_recorded_less_its_damper():
-    """Recorded 5 N m against a positive angle, of which 0.5 * 6 N m damping: -2 N m on b."""
-    machine_ = pair(
-        joints=[hinge()], springs=[{"type": "rotary", "name": "coil", "joint": "pin",
-                                    "stiffness": 4.0, "damping": 0.5}],
-        drives=[{"type": "stiffness", "name": "k", "spring": "coil"}])
-
-    def change(a):
-        a["joint_angle"][1, 0], a["joint_rate"][1, 0], a["spring_force"][1, 0] = 0.9, 6.0, 5.0
-    assert totals(machine_, change)[2, :, 1].tolist() == [0.0, 2.0, -2.0]
-
-
 @pytest.mark.parametrize(("frame", "turn"), [("world", 0.0), ("body", TURN["two"])])
 def test_a_force_drive_pushes_along_its_direction_at_its_point(frame, turn):
     machine_ = pair(drives=[{"type": "force", "name": "push", "body": "two", "at": (0.05, -0.03),
@@ -165,27 +153,3 @@ def test_joints_act_on_b_and_the_other_way_on_a_where_each_holds_them():
 
 
 # -- the largest -----------------------------------------------------------------------------
-
-
-def largest(machine_, change=None, **more):
-    return Loads(still(machine_, change, n=3, **more)).largest
-
-
-def test_the_largest_load_is_that_of_any_sample_and_any_kind():
-    """5 N of a spring in one sample, then 13 N, and moments at an arm of 0.2 m; then a torque."""
-    machine_ = machine(
-        block("one", at=(0.3, 0.4)), gravity=(0.0, -9.0),
-        springs=[{"type": "linear", "name": "band", "a": "wall", "b": "one", "on_b": (0.16, -0.12),
-                  "stiffness": 1.0}],
-        joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "one", "on_b": (0, 0)}])
-
-    def change(force, torque):
-        def change(a):
-            a["spring_force"][:, 0] = [5.0, -force, 0.0]
-            a["joint_stop"][:, 0] = [0.0, 0.0, -torque]
-        return change
-    line = np.array([0.46, 0.28]) / math.hypot(0.46, 0.28)
-    lever = abs(0.16 * line[1] + 0.12 * line[0])
-    assert largest(machine_, change(13.0, 0.1))[:, 1] == pytest.approx([13.0, 13.0 * lever])
-    assert largest(machine_, change(1.0, 9.0))[:, 1] == pytest.approx([5.0, 9.0])
-    assert largest(machine_, change(0.0, 0.0))[:, 1] == pytest.approx([5.0, 5.0 * lever])

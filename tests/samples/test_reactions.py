@@ -37,15 +37,6 @@ def test_a_hanging_body_pulls_its_pin_up_with_its_weight():
     assert run.unit("pin.reaction_y") == "N"
 
 
-def test_a_chain_carries_all_that_hangs_below():
-    bodies = [mass(f"bob{i}", 0.1 * (i + 1), (0.0, -0.1 * (i + 1))) for i in range(3)]
-    joints = [{"type": "pin", "name": f"pin{i}", "a": "wall" if i == 0 else f"bob{i - 1}",
-               "b": f"bob{i}", "on_b": (0, 0.1)} for i in range(3)]
-    run = run_of(*bodies, joints=joints)
-    carried = np.array([0.6, 0.5, 0.3]) * G
-    assert run.reactions[-1, :, 1] == pytest.approx(carried)
-
-
 @pytest.mark.parametrize("joint", [
     {"type": "rope", "longest": 0.1}, {"type": "rod"},
     {"type": "weld", "on_a": (0, 0)},

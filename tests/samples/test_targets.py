@@ -42,19 +42,6 @@ def test_meters_hold_targets_where_nothing_leads() -> None:
     assert "no.such" not in targets(run, {"no.such": 1.0})
 
 
-def test_expressions_have_no_target_but_lone_names_do() -> None:
-    run = recording(scene(controllers=[
-        loop(reads="=finger.mcp.angle"),
-        loop(name="b", writes="k1", reads="=finger.mcp.angle - finger.pip.angle")]))
-    assert list(targets(run)) == ["finger.mcp.angle"]
-
-
-def test_who_acts_first_counts_first() -> None:
-    run = recording(scene(controllers=[
-        loop(active=False, target=0.1), loop(name="b", writes="k1", target=0.2)]))
-    assert targets(run)["finger.tendon.shortening"][0] == 0.2
-
-
 @pytest.mark.parametrize(("lasts", "after"), [(None, 0.001), (0.5, 0.003)])
 def test_events_change_targets(lasts: float | None, after: float) -> None:
     event = {"name": "less", "at": 1.0, "set": {"loop.target": 0.001},

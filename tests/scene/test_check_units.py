@@ -220,21 +220,6 @@ def test_what_the_models_refuse_is_told_once(value: Any) -> None:
     assert len(problems(law(SWITCH, value_below=value))) == 1
 
 
-def test_a_wrong_unit_has_its_line(tmp_path: Any) -> None:
-    path = tmp_path / "scene.json"
-    path.write_text(json.dumps(setting("push", "30 deg"), indent=1), encoding="utf-8")
-    line = next(i for i, text in enumerate(path.read_text().splitlines(), 1) if "30 deg" in text)
-    with pytest.raises(sandbox.SceneError) as caught:
-        sandbox.load_scene(path)
-    assert [problem.line for problem in caught.value.problems] == [line]
-
-
-def test_the_pull_that_is_reckoned_with_is_positive() -> None:
-    ((path, message),) = problems(law(EQUILIBRIUM, pull=0))
-    assert path == "$.controllers[0].pull"
-    assert message.startswith("must be greater than 0")
-
-
 def test_a_mistake_elsewhere_hides_no_unit() -> None:
     """Another controller, and the finger whose spring is driven, cannot be read."""
     scene = law(PID, bias="1 m")

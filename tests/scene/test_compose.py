@@ -12,7 +12,6 @@ import pytest
 
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.expand import expand
-from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import load_scene
 
 POINT = {"mass": 1, "inertia": 1}
@@ -184,12 +183,6 @@ class TestInclude:
         found = problems(self.including(folder, name))
         assert [e.path for e in found] == ["$.parts[0].include"]
 
-    def test_a_shipped_scene_is_said_how_to_copy(self, folder: Path):
-        (problem,) = problems(self.including(folder, "digit"))
-        assert problem.message.endswith("; 'sandbox new digit' copies the shipped one")
-        (problem,) = problems(self.including(folder, "armm"))
-        assert problem.message == "there is no scene 'armm' beside this one"
-
     def test_no_link_out_of_the_folder(self, folder: Path):
         (folder / "away").mkdir()
         away = self.write(folder / "away" / "secret.json", {"bodies": []})
@@ -229,11 +222,6 @@ class TestInclude:
         assert "a scene is an object" in problems(self.including(folder, "list"))[0].message
         self.write(folder / "odd.json", {"bodys": []})
         assert problems(self.including(folder, "odd"))[0].hint == "'bodies'"
-
-    def test_all_files_together_have_one_limit(self, folder: Path):
-        self.write(folder / "large.json", {"about": "x" * 1000})
-        found = problems(self.including(folder, "large"), limits=Limits(file_bytes=900))
-        assert "'file_bytes'" in found[0].message
 
     def test_data_without_a_file_has_no_folder(self):
         found = problems({"parts": [{"include": "arm", "name": "a"}]})

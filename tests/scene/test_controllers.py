@@ -122,12 +122,6 @@ def test_an_algebraic_loop_is_named():
     assert "'c' → 'c'" in told(arm({**a, "name": "c", "value": "=motor.value"}))
 
 
-def test_a_law_with_memory_may_read_what_it_leads_to():
-    pid = {**PID, "reads": "second.value", "kp": 0}
-    other = {"type": "feedback", "name": "b", "value": "=motor.value", "writes": "second"}
-    assert sandbox.load_scene(arm(pid, other)).controllers
-
-
 @pytest.mark.parametrize("target", ["120 deg", {"to": "-50 deg", "over": 1}])
 def test_a_target_beyond_a_stop_is_warned_of(target):
     from sandbox.engine.inspect import inspect

@@ -7,17 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
 from hypothesis import strategies as st
 
 from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Polygon
-from sandbox.scene.elements.joints import Pin, Weld
 from sandbox.scene.geometry import (
-    anchors,
     area_properties,
     mass_properties,
-    pose_of,
-    to_world,
 )
 
 SIDES = 4096
@@ -110,18 +105,3 @@ reach = st.floats(-10, 10)
 turn = st.floats(-20, 20)
 point = st.tuples(reach, reach)
 pose = st.tuples(reach, reach, turn)
-
-
-@given(pose, pose, point)
-def test_the_missing_anchor_is_the_same_place(a: Any, b: Any, p: Any) -> None:
-    """Whichever is left out; both given are taken as they are."""
-    bodies = [Body(name=n, motion="fixed", at=at[:2], angle=at[2])
-              for n, at in (("a", a), ("b", b))]
-    for side in ("on_a", "on_b"):
-        joint = Pin.model_validate({"type": "pin", "name": "j", "a": "a", "b": "b", side: p})
-        on_a, on_b = anchors(joint, *bodies)
-        assert to_world(pose_of(bodies[0]), on_a) == pytest.approx(
-            to_world(pose_of(bodies[1]), on_b), abs=1e-12)
-        assert (on_a if side == "on_a" else on_b) == p
-    weld = Weld(type="weld", name="j", a="a", b="b", on_a=(1.0, 2.0), on_b=(3.0, 4.0))
-    assert anchors(weld, *bodies) == ((1.0, 2.0), (3.0, 4.0))

@@ -9,7 +9,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -18,7 +17,7 @@ from sandbox.engine.inspect import inspect
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import Scene
 from sandbox.scene.elements.settings import Run
-from sandbox.scene.library import find_scene, shipped_scenes, shipped_studies, wholes
+from sandbox.scene.library import find_scene, shipped_scenes, wholes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene, read_scene
 from sandbox.scene.read.paths import path_text
@@ -60,17 +59,6 @@ def test_the_good_scene_loads() -> None:
     assert scene.parameters == {"pull": 15.0, "each": 7.5, "r": 0.009}
     assert [part.name for part in scene.parts] == ["finger1", "finger2", "section1", "tree"]
     assert scene.expect[0].value == 7.5
-
-
-def test_a_template_may_be_like_another() -> None:
-    data = hand()
-    data["templates"]["thumb"] = {"like": "digit", "radii": ["7 mm", "7 mm"]}
-    data["parts"][0]["like"] = "thumb"
-    finger = load_scene(data).parts[0]
-    assert finger.type == "finger"
-    assert finger.radii == (0.007, 0.007)
-    data["templates"]["digit"]["like"] = "thumb"
-    assert any("thumb → digit → thumb" in problem.message for problem in _problems(data))
 
 
 MISTAKES: list[tuple[Change, str, str, str]] = [
@@ -184,16 +172,6 @@ def test_a_scene_is_an_object(tmp_path: Path, content: str) -> None:
     path = tmp_path / "x.json"
     path.write_text(content)
     assert "a scene is an object" in _problems(path)[0].message
-
-
-def test_python_data_is_as_good_as_json() -> None:
-    data = hand()
-    data["bodies"][0]["at"] = (np.float32(0.5), np.int64(0))
-    assert load_scene(data).bodies[0].at == (0.5, 0.0)
-    assert "a key is text" in _problems({"parameters": {3: 1}})[0].message
-    looped: dict[str, Any] = {}
-    looped["run"] = looped
-    assert "nested deeper" in _problems(looped)[0].message
 
 
 def test_overrides() -> None:
@@ -369,14 +347,6 @@ def test_every_scene_says_what_it_is_and_what_it_expects():
         assert all(expect.get("because") for expect in scene["expect"])
 
 
-def test_no_two_folders_share_a_name():
-    folder = shipped_scenes()["adaptive_grasp"].parent
-    names = [path.stem for path in folder.rglob("*.json")]
-    assert len(set(names)) == len(names)
-    # the schema is no scene
-    assert len(shipped_scenes()) + len(shipped_studies()) == len(names) - 1
-
-
 def test_wholes_are_what_nothing_includes():
     hands = wholes("hands")
     assert {"four_finger_opposed", "prosthesis", "objects"} <= set(hands)
@@ -390,12 +360,6 @@ def test_unknown_scene_gets_a_near_miss():
     (problem,) = caught.value.problems
     assert problem.hint == "'adaptive_grasp'"
     assert "'approach'" in problem.allowed
-
-
-def test_a_directory_does_not_hide_a_shipped_scene(tmp_path, monkeypatch):
-    (tmp_path / "adaptive_grasp").mkdir()
-    monkeypatch.chdir(tmp_path)
-    assert find_scene("adaptive_grasp").is_file()
 
 
 @pytest.mark.parametrize("name", ["x" * 5000, "a\0b", "", "no/such/place.json"])

@@ -13,7 +13,7 @@ import pytest
 from sandbox.errors import SceneError
 from sandbox.scene.elements.bodies import Body, Polygon
 from sandbox.scene.geometry import area_properties, mass_properties, solids
-from sandbox.scene.outlines.pieces import MOST_CORNERS, chain_faces, pieces_of
+from sandbox.scene.outlines.pieces import MOST_CORNERS, pieces_of
 from sandbox.scene.outlines.rings import inside, is_convex, signed_area, without_straight
 from sandbox.scene.read.load import load_scene
 
@@ -64,17 +64,6 @@ def test_every_side_is_the_surface_of_one_piece(name):
     arcs = np.concatenate([piece.faces for piece in pieces_of(outer, holes)])
     flat = (arcs[:, :2] == arcs[:, 2:]).all(axis=1)
     assert np.count_nonzero(flat) == len(sides)
-
-
-def test_a_chain_faces_both_ways_and_outwards_at_its_joints_and_ends():
-    arcs = chain_faces(((0.0, 0.0), (1.0, 0.0), (2.0, 1.0), (3.0, 1.0)))
-    assert [len(each) for each in arcs] == [2 + 2 + 2, 2 + 2, 2 + 2]
-    first = arcs[0]
-    assert (first[:2] == [[0, -1, 0, -1], [0, 1, 0, 1]]).all()
-    assert first[2] == pytest.approx([0, 1, -1, 0])  # its end, to the left
-    # the joint bends to the left: it stands out to the right, down
-    assert first[4][:2] == pytest.approx([0, -1])
-    assert first[5][2:] == pytest.approx([math.sqrt(0.5), -math.sqrt(0.5)])
 
 
 # --- mass
@@ -136,14 +125,6 @@ def test_a_hole_that_is_none_is_told(holes, words):
     text = problems(type="polygon", points=SQUARE, holes=holes)
     assert "$.bodies[0].shapes[0].holes" in text
     assert words in text
-
-
-def test_a_polyline_belongs_to_what_does_not_move_freely():
-    with pytest.raises(SceneError, match="a polyline has no area"):
-        load_scene({"bodies": [{"name": "x", "mass": 1, "shapes": [
-            {"type": "polyline", "points": [[0, 0], [1, 0]]}]}]})
-    assert "points 1 and 2 are the same point" in problems(
-        type="polyline", points=[[0, 0], [1, 0], [1, 0]])
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -237,14 +218,6 @@ def test_once_read_it_needs_no_file(folder):
     again = load_scene({"bodies": [{"name": "x", "motion": "fixed",
                                     "shapes": [found.model_dump(mode="json")]}]})
     assert again.bodies[0].shapes[0] == found
-
-
-def test_a_layer_takes_what_is_on_it(folder):
-    assert drawn(folder, file="plate.dxf", layer="0").holes == ()
-    found = area_properties(drawn(folder, file="plate.dxf", layer="holes", tolerance="1 um"))
-    assert found[0] == pytest.approx(math.pi * 4e-6, rel=1e-3)
-    assert "Did you mean 'holes'?" in drawing_refused(folder, file="plate.dxf", layer="hole")
-    assert "it has no id 'plat'" in drawing_refused(folder, file="plate.svg", layer="plat")
 
 
 # --- where files may lie

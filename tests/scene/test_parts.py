@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.tendons import Guide, Tendon
 from sandbox.scene.geometry import anchors, pose_of, to_body, to_world
 from sandbox.scene.parts.expansion import Elements
 from sandbox.scene.parts.finger import Finger, expand_finger, hinge_names, phalanx_names
@@ -86,13 +85,6 @@ def test_on_a_body_is_the_same_finger_in_that_bodys_frame(side):
     assert ("f.*", "hand") in [rule.between for rule in made.contacts]
 
 
-def test_tendon_to_and_anchor():
-    led = expand_finger(finger(tendon_to=[{"body": "lever", "at": [0, 0.01]}])).tendons[0]
-    assert [g.body for g in led.guides[3:]] == ["f.palm", "lever"]
-    anchored = expand_finger(finger(anchor=["-50 mm", 0])).tendons[0]
-    assert anchored.guides[-1].at == (-0.05, 0)
-
-
 def test_limits_may_have_a_lowest_angle():
     made = expand_finger(finger(limits=["85 deg", ["-10 deg", "95 deg"], "75 deg"]))
     assert made.joints[0].limits == (0.0, pytest.approx(math.radians(85)))
@@ -124,11 +116,6 @@ SQUARE = {"square": "12 mm", "rod": ["10 mm", "36 mm"], "angle": "90 deg"}
 
 def section(**changes):
     return expand_section(Section.model_validate(PLAIN | changes))
-
-
-def test_rigid_rod():
-    rod = next(j for j in section(**SQUARE | {"rod": "36 mm"}).joints if j.name == "s.rod")
-    assert (rod.type, rod.length) == ("rod", 0.036)
 
 
 def test_the_square_is_held_equally_along_and_across_its_rod():
@@ -240,16 +227,6 @@ def test_strings_are_parallel_to_the_pull(kind, direction):
         assert (x1 - x0) * along[0] + (y1 - y0) * along[1] > 0
 
 
-def test_wheels_do_not_overlap():
-    made = tree("pulley_tree", [0.03 * i for i in range(8)])
-    wheels = [b for b in made.bodies if b.role == "pulley"]
-    assert len(wheels) == 7
-    for i, one in enumerate(wheels):
-        for two in wheels[:i]:
-            reach = one.shapes[0].radius + two.shapes[0].radius
-            assert math.dist(one.at, two.at) > reach - 1e-12
-
-
 def test_ropes_instead_of_tendons():
     made = tree("rocker_tree", [0, 0.03, 0.06, 0.09], links="rope", gap="50 mm", level="30 mm")
     ropes = {j.name: j for j in made.joints if j.type == "rope"}
@@ -294,19 +271,3 @@ def test_a_pitch_makes_wheels_as_small_as_wanted(kind):
     assert [to_body(pose_of(frame), b.at)[0] for b in wheels] == pytest.approx(
         [-0.04 - 1.5 * pitch] * 2 + [0] if kind == "pulley_tree" else [-0.04] * 2 + [0])
     assert wheels[0].at[0] == pytest.approx(-2 * gap - (pitch / 2 if kind == "pulley_tree" else 0))
-
-
-def test_the_tendon_of_a_finger_is_led_over_the_eyes():
-    rope = Tendon(name="cord", guides=(Guide(body="load1"), Guide(body="load1", at=(0.0, 0.01))))
-    loads = tuple(Body(name=f"load{i}", at=(0, 0), mass=1, inertia=1) for i in (1, 2))
-    spec = RockerTree.model_validate(
-        {"type": "rocker_tree", "name": "t", "pulls": ["cord", "load2"], "pitch": 0.02})
-    made = expand_tree(spec, Known(Elements(bodies=loads, tendons=(rope,)), {}))
-    assert [g.body for g in made.tendons[0].guides] == [
-        "load1", "load1", "t.frame", "t.frame", "t.rocker1"]
-
-
-@pytest.mark.parametrize("pitch", [0, "0.1 um"])
-def test_a_pitch_is_a_size(pitch):
-    with pytest.raises(ValidationError, match="greater than"):
-        tree("rocker_tree", [0, 0.03], pitch=pitch)

@@ -33,12 +33,6 @@ def test_what_may_be_written(written: Any, meant: Any) -> None:
     assert ('"plane"' in to_json(sandbox.expand(scene))) == (meant != (0,))
 
 
-def test_a_plane_is_computed_from_parameters() -> None:
-    scene = sandbox.load_scene({
-        "parameters": {"n": 2}, "bodies": [{**BALL, "plane": ["=n + 1", "=-n", 0]}]})
-    assert scene.bodies[0].plane == (3, -2, 0)
-
-
 @pytest.mark.parametrize(("written", "message"), [
     ("=n / 4", "'=n / 4' is 0.5, which is no plane"), ("=501 * n", "1002 is no plane"),
     ("=m", "unknown name 'm' in an expression")])

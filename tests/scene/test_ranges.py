@@ -13,8 +13,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits, check_limits
 from sandbox.scene.read.load import load_scene
 from sandbox.scene.values.numbers import number_from
-from sandbox.scene.values.ranges import ANY, RANGES, in_range, size_fault
-from sandbox.scene.values.units import Measured
+from sandbox.scene.values.ranges import RANGES, size_fault
 from sandbox.wording import WrongValueError
 
 
@@ -46,15 +45,6 @@ def test_a_number_at_the_end_of_its_range(dimension: str) -> None:
     assert size_fault(most * 1.000001, dimension)
     assert size_fault(least * 0.999999, dimension)
     assert size_fault(math.nan, dimension).startswith("no finite number")
-
-
-def test_a_number_of_any_dimension_has_the_range_of_its_unit() -> None:
-    assert in_range(1e7, None) == 1e7
-    with pytest.raises(WrongValueError) as found:
-        in_range(Measured(1e7, "mm"), None)
-    assert found.value.allowed == "a magnitude of at most 1e+06 m"
-    with pytest.raises(WrongValueError):
-        in_range(2 * ANY.most, None)
 
 
 @pytest.mark.parametrize(("keys", "path", "what"), [
@@ -155,8 +145,3 @@ def test_numbers_beyond_all_measure() -> None:
         load_scene(_scene(duration=1e300))
     with pytest.raises(SceneError, match=r"steps of 1e-09 s is 1\.0e\+18 steps"):
         load_scene(_scene(duration=1e9, step=1e-9))
-
-
-def test_unknown_limits() -> None:
-    with pytest.raises(ValueError, match="unknown limit 'bodys'"):
-        Limits().raised(bodys=1)

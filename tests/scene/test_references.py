@@ -111,16 +111,6 @@ def test_what_acts_on_a_hinge_and_not_on_an_actuator_is_told_its_twin(
     assert (f"'{twin}'" in problem.hint) if twin else not problem.hint
 
 
-def test_what_could_not_be_read_is_not_said_not_to_be() -> None:
-    """Elements with faults may be what is meant; without any, nothing can be let go."""
-    loose = {"joints": [], "springs": [], "tendons": [], "drives": [],
-             "events": [{"name": "e", "at": 0.1, "release": ["x"]}]}
-    (none,), (unread,) = (check_references(_built(**loose), assumed=assumed)
-                          for assumed in ((), ("hinge",)))
-    assert none.allowed == "none: nothing holds anything"
-    assert unread.allowed == ""
-
-
 def test_a_joint_needs_a_body_that_moves() -> None:
     """Two fixed bodies are joined already; pymunk would refuse them with an assertion."""
     found = check_references(Mechanism.model_validate({

@@ -44,19 +44,6 @@ def test_every_place_is_where_its_value_stands(value: object, indent: int | None
             assert json.JSONDecoder().raw_decode(text, place.key)[0] == path[-1]
 
 
-@given(json_values, st.data())
-def test_a_cut_text_is_refused_or_read_alike(value: object, data: st.DataObject) -> None:
-    text = json.dumps(value)
-    text = text[:data.draw(st.integers(0, len(text)))]
-    try:
-        expected = json.loads(text)
-    except ValueError:
-        with pytest.raises(SceneError):
-            parse_source(text)
-    else:
-        assert parse_source(text).data == expected
-
-
 @given(st.text())
 def test_any_text_is_data_or_problems(text: str) -> None:
     try:
@@ -130,14 +117,6 @@ def test_nesting_is_limited_and_the_limit_can_be_raised(opening: str) -> None:
     assert parse_source(text, limits=Limits(nesting=40)).data
     with pytest.raises(SceneError, match="nesting"):
         parse_source(opening * 100_000)
-
-
-def test_file_size(tmp_path: Path) -> None:
-    path = tmp_path / "large.json"
-    path.write_text('{"about": "' + "x" * 1000 + '"}')
-    with pytest.raises(SceneError, match="limit 'file_bytes' of 1000"):
-        read_source(path, limits=Limits(file_bytes=1000))
-    assert read_source(path, limits=Limits(file_bytes=2000)).data["about"]
 
 
 def test_a_byte_order_mark_is_no_fault(tmp_path: Path) -> None:

@@ -122,20 +122,6 @@ def test_calls_of_what_is_no_table(value: str) -> None:
         assert "profile" in problem.allowed
 
 
-def test_a_mechanism_keeps_its_tables_and_so_does_a_recording(tmp_path: Any) -> None:
-    scene = sandbox.load_scene(_scene(**_force("=profile(t)")))
-    mechanism = sandbox.expand(scene)
-    from sandbox.scene.expand import to_json
-    again = sandbox.expand(sandbox.load_scene(json.loads(to_json(mechanism))))
-    assert again == mechanism
-    run = sandbox.simulate(mechanism)
-    run.save(tmp_path / "run")
-    loaded = sandbox.Recording.load(tmp_path / "run")
-    assert loaded.mechanism.tables == mechanism.tables
-    with pytest.raises(SceneError, match="unknown function 'profile'"):
-        sandbox.simulate(mechanism.model_copy(update={"tables": {}}))
-
-
 def test_an_included_scene_has_its_own_tables(tmp_path: Any) -> None:
     part = _scene(parameters={"high": 3}, tables={"profile": {"points": [[0, 0], [1, "=high"]]}},
                   **_force("=profile(t)"))
@@ -156,11 +142,3 @@ def test_an_included_scene_has_its_own_tables(tmp_path: Any) -> None:
     (tmp_path / "part.json").write_text(json.dumps(part))
     with pytest.raises(SceneError, match="unknown function 'other'"):
         sandbox.load_scene(str(tmp_path / "main.json"))
-
-
-def test_assemblies_of_a_scene_call_its_tables_whatever_their_elements_are_called() -> None:
-    ball = {"name": "profile", "mass": 1, "shapes": [{"type": "circle", "radius": 0.1}]}
-    push = {"type": "force", "name": "push", "body": "profile", "direction": [1, 0],
-            "value": "=profile(t)"}
-    scene = _scene(parts=[{"type": "assembly", "name": "A", "bodies": [ball], "drives": [push]}])
-    assert sandbox.expand(sandbox.load_scene(scene)).drives[0].value.expression == "=profile(t)"

@@ -42,23 +42,6 @@ def bend(turn: float, alpha: float = 0.0) -> float:
     return H**3 * (turn**3 / 6 + turn * abs(alpha) / 2) + H**4 * alpha**2 / 8
 
 
-@pytest.mark.parametrize(("turn", "alpha"), [(-25.0, -6000.0)])
-def test_a_body_that_turns_leaves_the_third_order_of_its_arm(turn, alpha):
-    turns("joint.drift", 0.5 * bend(turn, alpha) + GAP, lambda e: still(hung(), moved(
-        1, e, body_velocity=[[0, 0, 0], [0, 0, turn]],
-        body_acceleration=[[0, 0, 0], [0, 0, alpha]])), by=2e-3)
-
-
-@pytest.mark.parametrize(("length", "gap"), [({"length": 0.503}, 2.8e-3),
-                                             ({}, 2e-4)])
-def test_a_rod_has_its_given_length_or_that_of_the_scene(length, gap):
-    """0.5 m in the scene, recorded as 0.5002 m."""
-    machine_ = machine(block("one", at=(0.3, 0.4)), joints=[
-        {"type": "rod", "name": "rod", "a": "wall", "b": "one", **length}])
-    run = still(machine_, lambda a: a["body_pose"][:, 1].__iadd__([1.2e-4, 1.6e-4, 0]))
-    assert figures(run)["joint.drift"].value == pytest.approx(gap, rel=1e-9)
-
-
 def test_a_slot_drifts_across_its_groove_however_it_lies():
     """A groove along (3, 4) / 5 of a carriage turned by 0.3; along it the pin is free."""
     along = np.array([0.6, 0.8])
@@ -135,14 +118,6 @@ def test_stops_may_be_overrun_by_1e_8():
         turns("stop.overrun", 1e-8, lambda e, sign=sign, limit=limit: still(
             hung(limits=(-0.5, 0.7)), lambda a: a["body_pose"].__setitem__(
                 (slice(None), 1, 2), limit + sign * e)), by=1e-5)
-
-
-def test_stops_that_were_touched_are_told_with_their_start_and_their_most():
-    def change(a):
-        a["joint_stop"][:, 0] = [0.0, 0.0, -0.25, 0.125]
-    machine_ = hung(limits=(-0.5, 0.7))
-    assert "joint from 0.0025 s, up to 0.25 N m" in figures(still(machine_, change))[
-        "stop.overrun"].why
 
 
 # -- wheels
