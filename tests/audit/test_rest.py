@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
-from sandbox.audit.rest import beyond_joint
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.rest import Rest, beyond_joint, grip_of
 from tests.audit.still import H, block, figures, machine, still, turns
 
 G = 9.81
@@ -134,3 +136,124 @@ def linked(*pairs, free=("one", "two", "three")):
 def test_what_only_one_joint_sticks(pairs, joint, beyond):
     model = still(linked(*pairs)).model
     assert beyond_joint(model, joint) == beyond
+
+
+# --- fingers
+
+
+TIP = {"type": "circle", "radius": 0.01}
+
+
+def gripping(*, friction=0.0, positions=((0.06, -0.02), (0.15, -0.02)), contacts=2, stop=None,
+             order=("one", "two"), turned=False, light=()):
+    """A finger of two phalanges along x, hinges at (0, 0) and (0.1, 0), that presses on discs.
+
+    Torques of 0.9 and 0.3 N m close it (clockwise, down); with f down on the discs at p, up on the
+    finger, the balance is f_1 x_1 + f_2 x_2 = 0.9 and f_2 (x_2 - 0.1) = 0.3.
+    """
+    discs = [{"name": f"disc{i}", "motion": "fixed", "at": at, "material": "m", "shapes": [TIP]}
+             for i, at in enumerate(positions)]
+    bodies = [{**block(name, at=at), "material": "m", "shapes": [TIP]}
+              for name, at in (("one", (0.0, 0.0)), ("two", (0.1, 0.0)))]
+    machine_ = machine(
+        *bodies, *discs, materials={"m": {"friction": friction}},
+        groups=[{"name": "finger", "kind": "finger", "bodies": order}],
+        joints=[{"type": "pin", "name": "near", "a": "wall", "b": "one", "on_b": (0, 0)},
+                {"type": "pin", "name": "far", "a": "one", "b": "two", "on_b": (0, 0)}],
+        drives=[{"type": "torque", "name": "t1", "joint": "near", "value": 0},
+                {"type": "torque", "name": "t2", "joint": "far", "value": 0}])
+    far = 0.3 / (positions[1][0] - 0.1)
+    near = (0.9 - far * positions[1][0]) / positions[0][0]
+
+    def make(errors=(0.0, 0.0)):
+        def change(a):
+            a["drive_value"][:] = [-0.9, -0.3]
+            if stop:
+                a["joint_stop"][:] = stop
+        sign = -1.0 if turned else 1.0  # the discs first, and the finger as what they touch
+        touches = [(199, *(body, disc)[::int(sign)], (0.0, sign * (force + error)), (0.0, sign),
+                    (x, y + 0.01), 0.0)
+                   for body, disc, force, error, (x, y) in zip(
+                       (1, 2), (3, 4), (near, far), errors, positions, strict=True)]
+        touches = touches[:contacts] + [
+            (199, 1, 4, (0.0, push), (0.0, 1.0), (0.09, -0.01), 0.0) for push in light]
+        return still(machine_, change, n=200, touches=touches)
+    return make, (near, far)
+
+
+def test_contact_forces_may_differ_by_1e_4_of_the_largest_moment_through_the_jacobian():
+    """J^T = ((x_1, x_2), (0, x_2 - 0.1)) about the two hinges; |J^-T| by its inverse, by hand.
+
+    Any error of the moments up to 1e-4 of the largest load, 0.9 N m, may be in them.
+    """
+    make, (near, far) = gripping()
+    assert (near, far) == (pytest.approx(0.0, abs=1e-12), pytest.approx(6.0))
+    make, (near, far) = gripping(positions=((0.05, -0.02), (0.16, -0.02)))
+    assert (near, far) == (pytest.approx(2.0), pytest.approx(5.0))
+    inverse = np.array([[1 / 0.05, -0.16 / 0.05 / 0.06], [0, 1 / 0.06]])
+    norm = np.abs(inverse).sum(axis=1).max()
+    largest = 0.9
+    turns("rest.contacts", MOMENT * norm * largest / far, lambda e: make((e * far, 0.0)))
+    # the other contact's force is what the largest is: e of f + e
+    turns("rest.contacts", MOMENT * norm * largest / far,
+          lambda e: make((-e * far, 0.0)))
+
+
+@pytest.mark.parametrize(("turned", "light"), [(False, (1e-6,)), (True, ())])
+def test_the_normal_counts_from_the_fingers_side_wherever_it_stands_in_the_row(turned, light):
+    """And a touch of a micronewton is none."""
+    make, _ = gripping(positions=((0.05, -0.02), (0.16, -0.02)), turned=turned, light=light)
+    assert figures(make())["rest.contacts"].verdict == "pass"
+    assert figures(make())["contact.shared"].value == 0
+    grip = grip_of(Rest(Evidence(make()).last), make().mechanism.groups[0])
+    assert grip.jacobian == pytest.approx(np.array([[0.05, 0.0], [0.16, 0.06]]))
+    assert grip.normal == pytest.approx([2.0, 5.0])
+    assert grip.hinges == [0, 1]
+    assert grip.phalanx.tolist() == [0, 1]
+
+
+@pytest.mark.parametrize(("more", "words"), [
+    ({"friction": 0.3}, "its contacts have friction"),
+    ({"contacts": 1}, "1 contact for 2 hinges"),
+    ({"positions": ((0.0, -0.02), (0.16, -0.02))}, "a contact has no arm"),
+    ({"order": ("two", "one")}, "not a chain of hinges"),
+])
+def test_fingers_without_a_closed_form_are_left_out_with_the_reason(more, words):
+    with np.errstate(all="ignore"):
+        positions = more.pop("positions", ((0.05, -0.02), (0.16, -0.02)))
+        if positions[0][0] == 0.0:
+            positions = ((1e-12, -0.02), (0.16, -0.02))
+        make, _ = gripping(positions=positions, **more)
+    figure = figures(make())["rest.contacts"]
+    assert figure.verdict == "not computed"
+    assert figure.why == f"finger: {words}"
+
+
+@pytest.mark.parametrize(("more", "shared", "words"), [
+    ({}, 0, "none of 2 on finger"),
+    ({"stop": [0.0, 0.1]}, 2, "2 of 2 on finger"),
+    ({"stop": [-0.1, 0.0]}, 1, "1 of 2 on finger"),
+    ({"contacts": 1, "turned": True}, 0, "none of 1 on finger"),
+    ({"contacts": 0}, 0, "finger touches nothing"),
+    ({"order": ("two", "one")}, 0, "finger is no chain of hinges"),
+])
+def test_forces_are_shared_where_there_is_more_to_hold_than_hinges(more, shared, words):
+    make, _ = gripping(positions=((0.05, -0.02), (0.16, -0.02)), **more)
+    figure = figures(make())["contact.shared"]
+    assert figure.value == shared
+    assert figure.threshold == 0.0
+    assert figure.verdict == ("look" if shared else "pass")
+    assert words in figure.why
+
+
+def test_a_finger_that_something_else_holds_is_left_out():
+    make, _ = gripping(positions=((0.05, -0.02), (0.16, -0.02)))
+    content = make().mechanism.model_dump(by_alias=True)
+    content["joints"] = [*content["joints"], {
+        "type": "rod", "name": "rod", "a": "wall", "b": "two", "on_a": [0.0, 0.5]}]
+    other = type(make().mechanism).model_validate(content)
+    found = figures(still(other, lambda a: a["drive_value"].__setitem__(
+        slice(None), [-0.9, -0.3]), n=200, touches=[
+        (199, 1, 3, (0.0, 2.0), (0.0, 1.0), (0.05, -0.01), 0.0),
+        (199, 2, 4, (0.0, 5.0), (0.0, 1.0), (0.16, -0.01), 0.0)]))
+    assert found["rest.contacts"].why == "finger: something else holds it, too"

@@ -98,27 +98,6 @@ def test_it_costs_as_much_again_as_it_gives(angle, rate):
 
 
 @pytest.mark.parametrize("rate", RATES)
-@pytest.mark.parametrize("at", [0.3, 0.302])
-@pytest.mark.parametrize("value", ["=20 * (t > {})", "=6 + 14 * (t > {})"])
-def test_a_motor_that_starts_later_is_told_as_one_at_the_beginning(value, at, rate):
-    """In a step that was recorded or not; from rest, or out of a slower turn that started gently.
-
-    What moves on between samples counts with the blow: 0.2 rad of the crank at 100 Hz.
-    """
-    run = crank(1.0, rate, value.format(at).replace("=6", "=6 * (1 - exp(-40 * t))"))
-    low = 6.0 if "6" in value else 0.0
-    assert looks(run) == {"energy.start"}
-    told = found(run)["energy.start"].why
-    assert f"from {low:.3g} to 20 rad/s after " in told
-    assert at - 1.5 / rate <= float(told.split("after ")[1].split()[0]) <= at
-    assert told.count("brings") == 1
-    turned = 1.0 + low * (at - 1 / 40)
-    truth = inertia(turned) * (U - low)**2 / 2
-    close = 0.04 if rate > 100 else 0.5
-    assert starts(Evidence(run)).cost == pytest.approx(truth, rel=close)
-
-
-@pytest.mark.parametrize("rate", RATES)
 @pytest.mark.parametrize("value", ["=20 * sin(30 * t)", 0.0])
 @pytest.mark.parametrize("angle", ANGLES[1:])
 def test_a_motor_that_begins_with_its_hinges_rate_costs_nothing(angle, value, rate):

@@ -175,26 +175,6 @@ def test_a_seam_between_pieces_is_no_surface():
     assert a["contact_point"] == pytest.approx(np.array([(0.0, 0.02)]))
 
 
-@pytest.mark.parametrize("first", [0, 1])
-def test_a_corner_just_beyond_a_seam_does_not_press_sideways(first):
-    """A box on the left half of a roof, 1 nm deep, its corner 0.1 nm into the right half.
-
-    Of that half the seam is nearer than the slope.
-    """
-    slope = np.arctan(0.1)
-    roof = {"name": "roof", "motion": "fixed", "shapes": [{"type": "polygon", "points": [
-        (-0.04, -0.004), (-0.04, -0.024), (0.0, -0.003), (0.04, -0.024), (0.04, -0.004),
-        (0.0, 0.0)]}]}
-    box = {**block("box", (0.0, 0.0)), "angle": slope, "shapes": [
-        {"type": "box", "size": (0.02, 0.02), "at": (-0.01 + 1e-10, 0.01 - 1e-9)}]}
-    pair = (box, roof) if first == 0 else (roof, box)
-    a = touched(Evidence(still(machine(*pair), n=1)).last).run.arrays
-    sign = 1 if first == 0 else -1
-    assert a["contact_normal"] == pytest.approx(
-        sign * np.array([(-np.sin(slope), np.cos(slope))]))
-    assert a["contact_gap"] == pytest.approx([-1e-9], rel=1e-3)
-
-
 @pytest.mark.parametrize(("x", "bound"), [(0.03, np.inf), (0.03 + 2 * OPEN, 0.5 * WEIGHT)])
 def test_a_wall_that_is_just_touched_holds_against_a_push(x, bound):
     floor = {"name": "floor", "motion": "fixed", "material": "m", "shapes": [

@@ -11,8 +11,13 @@ from typing import Any
 import pytest
 
 import sandbox
+from sandbox.engine.contact_rules import make_filters
 from sandbox.errors import SceneError
 from sandbox.export import Export, export_mechanism
+from sandbox.export.names import UniqueNames
+from sandbox.export.pairs import touching_pairs
+from sandbox.export.xmltext import add, comment, document, number
+from sandbox.model.compile import compile_mechanism
 from sandbox.scene.mechanism import Mechanism
 
 FRAME = {"name": "frame", "motion": "fixed"}
@@ -218,3 +223,64 @@ def test_a_one_sided_spring_has_lengths_at_which_it_gives_no_force(only: str, fr
 def test_others_have_no_counterpart(given: dict[str, Any], what: str) -> None:
     with pytest.raises(SceneError, match=what):
         spring_text(**given)
+
+
+# --- numbers, comments and names
+
+
+@pytest.mark.parametrize(("value", "text"), [
+    (0.0, "0"), (-0.0, "0"), (0.1, "0.1"), (1 / 3, "0.333333333333"), (1e-9, "1e-09"),
+    (-2.5, "-2.5"), (1e6, "1000000"),
+])
+def test_numbers(value: float, text: str) -> None:
+    assert number(value) == text
+
+
+def test_any_title_can_stand_in_a_comment() -> None:
+    root = ET.Element("a")
+    root.append(comment("x -- y ----\x00\x07 <&> -"))
+    add(root, "empty")
+    again = ET.fromstring(document(root))
+    assert len(again) == 0
+
+
+def test_names_give_way_to_the_scene_s() -> None:
+    names = UniqueNames(["load.x"])
+    assert names.made("joint", "load.x") == "load.x_"
+    assert names.made("joint", "load.x") == "load.x__"
+    assert names.made("joint", "load.y") == "load.y"
+    assert names.made("site", "load.y") == "load.y"
+
+
+# --- contact pairs
+
+
+DISC = {"mass": 0.1, "shapes": [{"type": "circle", "radius": 0.01}]}
+RULES = Mechanism.model_validate({
+    "materials": {"rough": {"friction": 0.9}, "smooth": {"friction": 0.1}},
+    "bodies": [{"name": f"hand.f{i}", "material": "rough", **DISC} for i in range(4)]
+    + [{"name": "cup", "material": "smooth", **DISC}, {"name": "bare", "mass": 1, "inertia": 1},
+       {"name": "wall", "motion": "fixed", "shapes": DISC["shapes"]},
+       {"name": "floor", "motion": "fixed", "shapes": DISC["shapes"]}],
+    "joints": [{"type": "pin", "name": "p", "a": "hand.f3", "b": "cup", "on_b": (0, 0)},
+               {"type": "pin", "name": "q", "a": "hand.f2", "b": "cup", "on_b": (0, 0),
+                "collide": True}],
+    "contacts": [{"between": ("hand.*", "hand.*"), "collide": False},
+                 {"between": ("hand.f1", "hand.f0"), "friction": 0.2},
+                 {"between": ("cup", "hand.*"), "friction": 0.3},
+                 {"between": ("cup", "wall"), "collide": False},
+                 {"between": ("*", "cup"), "collide": True}]})
+
+
+@pytest.mark.parametrize("name", ["RULES", "four_finger_opposed", "sliding_pulleys", "dominoes"])
+def test_they_are_those_of_the_engine(name: str) -> None:
+    mechanism = RULES if name == "RULES" else sandbox.expand(sandbox.load_scene(name))
+    filters = make_filters(compile_mechanism(mechanism))
+    number = {body.name: i for i, body in enumerate(mechanism.bodies)}
+    found = {}
+    for pair in touching_pairs(mechanism):
+        found[number[pair.a.name], number[pair.b.name]] = pair.friction
+    solid = [i for i, body in enumerate(mechanism.bodies) if body.shapes]
+    wanted = {(i, j) for i in solid for j in solid if i < j and filters.allowed[i, j]}
+    assert set(found) == wanted
+    assert found == {pair: pytest.approx(filters.friction[pair], rel=1e-15) for pair in wanted}

@@ -82,28 +82,6 @@ def test_every_slide_keeps_the_object_and_gives_energy(apart: float) -> None:
     assert seen >= {GraspState.EQUILIBRIUM, GraspState.EJECTS} if not apart else seen
 
 
-def test_equilibrium_without_springs_lies_on_curve_and_circle() -> None:
-    """Torques 0.05 and 0.02 N m, a point object: the end is where the curve k_2 = e(theta_2) meets
-    the circle of the object's distance from hinge 1, solved by halving here.
-    """
-    theta_1, theta_2, k_2 = 0.6, 0.9, 0.015
-    found = grasp_states(
-        fixed(0.05, 0.02), theta_1=theta_1, theta_2=theta_2, k_1=0.02, k_2=k_2)
-    assert found.state == GraspState.EQUILIBRIUM
-    apart = abs(_object(np.array([theta_1, theta_2]), np.array(k_2), 0.0))
-
-    def beyond(angle: float) -> bool:
-        edge = 0.4 * L[0] * np.cos(angle) / 0.6
-        return abs(L[0] + edge * np.exp(-1j * angle)) < apart
-
-    low, high = theta_2, 1.55
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (low, middle) if beyond(middle) else (middle, high)
-    assert found.theta[1] == pytest.approx(high, abs=1e-12)
-    assert found.k_2 == pytest.approx(0.4 * L[0] * np.cos(high) / 0.6, rel=1e-10)
-
-
 @pytest.mark.parametrize(("call", "message"), [
     (lambda: TwoPhalanges((0.045, 0.0), np.ones_like, **STOPS),
      "lengths must be greater than 0, got 0 m"),

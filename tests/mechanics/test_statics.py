@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -12,6 +14,8 @@ from sandbox.mechanics import chain, statics
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
 from sandbox.study.reference_fingers import SET_A, SET_G, FingerSet
+
+from .coordinates import frames
 
 TARGET = np.radians([5.0, 10.0, 15.0])
 
@@ -127,3 +131,137 @@ def test_stop_takes_what_contacts_cannot() -> None:
 def test_impossible_statics_are_refused(call: object, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         call()
+
+
+# --- contacts that let go
+
+
+def by_trial(J: np.ndarray, tau: np.ndarray, M: np.ndarray, stops: np.ndarray) -> tuple:
+    """All sets of active contacts and stops tried in turn: the one whose forces push and whose idle
+    partners part. Returns the pushes and the accelerations M^-1 (tau - G x).
+    """
+    G = np.concatenate([J, stops]).T
+    inverse = np.linalg.inv(M)
+    slack = 1e-9 * np.abs(inverse @ tau).max() * np.abs(G).max(initial=0.0)
+    for active in product((False, True), repeat=G.shape[1]):
+        on = np.array(active)
+        x = np.zeros(G.shape[1])
+        if on.any():
+            A = G[:, on].T @ inverse @ G[:, on]
+            if np.linalg.matrix_rank(A, tol=1e-9 * np.abs(A).max()) < on.sum():
+                continue
+            x[on] = np.linalg.solve(A, G[:, on].T @ inverse @ tau)
+        away = inverse @ (tau - G @ x)
+        if (x >= 0).all() and (-(G.T @ away) >= -slack).all():
+            return x, away
+    raise AssertionError("no set of active contacts fits")
+
+
+@given(st.integers(0, 100_000), st.integers(0, 3), st.integers(0, 7))
+def test_every_active_set_tried(seed: int, contacts: int, stopped: int) -> None:
+    """Up to three contacts and three stops of a finger that moves or rests as it may: the motion is
+    that of the one set of active contacts that fits, and so are the forces.
+    """
+    rng = np.random.default_rng(seed)
+    n = 3
+    frames = chain.transforms(rng.uniform(0, 1.2, n), SET_G.lengths)
+    phalanx = rng.integers(0, n, contacts)
+    local = np.stack([rng.uniform(.003, .02, contacts), np.full(contacts, -.008)], axis=-1)
+    J = statics.point_jacobian(
+        chain.to_world(frames[phalanx], local).reshape(-1, 2),
+        frames[phalanx][..., :2, 1].reshape(-1, 2), chain.hinges(frames), phalanx)
+    on = np.array([bool(stopped >> j & 1) for j in range(n)])
+    low = on & (rng.random(n) < 0.5)
+    tau, half = rng.normal(0, 0.02, n), rng.normal(0, 1e-3, (n, n))
+    M = half @ half.T + 1e-6 * np.eye(n)
+    stops = np.concatenate([-np.eye(n)[low], np.eye(n)[on & ~low]])
+    x, away = by_trial(J, tau, M, stops)
+    found = statics.unilateral_forces(J, tau, lower=low, upper=on & ~low, inertia=M)
+    G = np.concatenate([J, stops]).T
+    np.testing.assert_allclose(np.linalg.solve(M, found.residual), away,
+                               rtol=0, atol=1e-7 * np.abs(np.linalg.solve(M, tau)).max())
+    if np.linalg.matrix_rank(G, tol=1e-6) == G.shape[1]:
+        scale = np.abs(tau).max() / 1e-3
+        np.testing.assert_allclose(found.forces, x[:contacts], rtol=1e-5, atol=1e-8 * scale)
+        np.testing.assert_allclose(found.stops, -(stops.T @ x[contacts:]), rtol=1e-5, atol=1e-9)
+
+
+def test_a_contact_without_any_arm_carries_nothing() -> None:
+    """Its normal passes through every hinge before it: the others push as if it were not there."""
+    J, tau = np.array([[0.02, 0.0], [0.0, 0.0], [0.05, 0.01]]), np.array([0.3, 0.05])
+    found = statics.unilateral_forces(J, tau)
+    np.testing.assert_allclose(found.forces, [2.5, 0.0, 5.0], rtol=1e-12)
+    np.testing.assert_allclose(found.residual, 0, atol=1e-15)
+
+
+def test_two_contacts_on_one_phalanx_share() -> None:
+    """Two contacts on the distal phalanx and its stop: only the first phalanx's force is certain.
+    Without the second distal contact and the stop, all are.
+    """
+    theta = np.radians([20.0, 30.0])
+    frames = chain.transforms(theta, (0.045, 0.03))
+    at = chain.to_world(frames[[0, 1, 1]], np.array([[.02, -.009], [.01, -.008], [.02, -.008]]))
+    J = statics.point_jacobian(at, frames[[0, 1, 1], :2, 1], chain.hinges(frames), [0, 1, 1])
+    np.testing.assert_array_equal(statics.determined_forces(J[:2]), [True, True])
+    np.testing.assert_array_equal(statics.determined_forces(J), [False, False, False])
+    np.testing.assert_array_equal(
+        statics.determined_forces(J[:2], upper=[False, True]), [False, False])
+    beside = np.array([[0.02, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.02, 0.0]])
+    np.testing.assert_array_equal(statics.determined_forces(beside), [True, False, False])
+    assert statics.determined_forces(np.zeros((0, 3))).shape == (0,)
+
+
+# --- chains
+
+
+@pytest.mark.parametrize("n", [1, 3, 6])
+def test_positions_by_complex_numbers(n: int) -> None:
+    """Hinges, points of phalanges and tip, shape [time, n]; roundings of 0.2 m stay under 1e-15."""
+    lengths = tuple(np.linspace(0.05, 0.02, n).tolist())
+    theta = np.random.default_rng(n).uniform(-0.2, 1.4, (11, n))
+    origin, direction = frames(lengths, theta)
+    found = chain.transforms(theta, lengths)
+    assert found.shape == (11, n, 3, 3)
+    np.testing.assert_allclose(chain.hinges(found) @ [1, 1j], origin[:, 1:], rtol=0, atol=1e-15)
+    local = np.array([0.013, -0.007])
+    np.testing.assert_allclose(
+        chain.to_world(found, local) @ [1, 1j],
+        origin[:, 1:] + direction[:, 1:] * (local @ [1, 1j]), rtol=0, atol=1e-15)
+    np.testing.assert_allclose(
+        chain.tip(found, lengths[-1]) @ [1, 1j],
+        origin[:, -1] + direction[:, -1] * lengths[-1], rtol=0, atol=1e-15)
+
+
+def test_base_places_the_finger() -> None:
+    """A palm turned by a quarter: what lay along +x lies along +y."""
+    found = chain.transforms(np.zeros(3), SET_G.lengths, chain.pose(0.1, 0.2, np.pi / 2))
+    np.testing.assert_allclose(
+        chain.hinges(found), [[0.1, 0.2], [0.1, 0.245], [0.1, 0.271]], rtol=0, atol=1e-15)
+
+
+def test_links_come_back_from_frames_in_the_world() -> None:
+    """(31) undone over time, shape [7, 4], on a palm anywhere; and poses as the world counts."""
+    theta = np.random.default_rng(8).uniform(-1, 2, (7, 4))
+    lengths, palm = (0.04, 0.03, 0.02, 0.02), chain.pose([0.1] * 7, 0.2, np.linspace(0, 3, 7))
+    found = chain.transforms(theta, lengths, palm)
+    np.testing.assert_allclose(
+        chain.links_between(found, palm), chain.link_transforms(theta, lengths), rtol=0, atol=1e-15)
+    np.testing.assert_allclose(
+        chain.inverse(found) @ found, np.broadcast_to(np.eye(3), (7, 4, 3, 3)), rtol=0, atol=1e-15)
+    turned = np.linspace(0, 3, 7)[:, None] - np.cumsum(theta, axis=1)
+    at = chain.hinges(found)
+    np.testing.assert_allclose(
+        chain.pose(at[..., 0], at[..., 1], turned), found, rtol=0, atol=1e-14)
+
+
+def test_impossible_chains_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"x and y and angle must be of equal length"):
+        chain.pose([0.0, 1.0], [0.0, 1.0, 2.0])
+    with pytest.raises(ValueError, match=r"frames must have shape \[..., n, 3, 3\]"):
+        chain.links_between(np.eye(3))
+    with pytest.raises(ValueError, match=r"length_before must be 0 or more, got -0.1 m"):
+        chain.link_transform(0.1, -0.1)
+    with pytest.raises(ValueError, match=r"lengths must be greater than 0, got -0.02 m"):
+        chain.transforms(np.zeros(2), [0.03, -0.02])
+    with pytest.raises(ValueError, match=r"theta must have 3 values in rad"):
+        chain.transforms(np.zeros(2), SET_G.lengths)

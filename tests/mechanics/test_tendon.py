@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from sandbox.mechanics import tendon
+from sandbox.mechanics import springs, tendon
 from sandbox.study.reference_fingers import SET_A, SET_G, FingerSet
 
 from .coordinates import frames, straight_lines
@@ -45,25 +47,6 @@ def test_set_a_shortening() -> None:
     np.testing.assert_allclose(
         route.shortenings(theta) * 1e3, [0.470, 0.997, 1.504], rtol=0, atol=5e-4)
     assert route.shortening(theta) * 1e3 == pytest.approx(2.971, abs=5e-4)
-
-
-def test_each_equation_on_a_triangle_of_three_four_five() -> None:
-    """(8)-(15) one by one: guides (3, -4) and (5 - 12, -5) about a hinge at (5, 0), in cm, whose
-    sides are 5 and 13 by Pythagoras; the angles as arcs of those right triangles.
-    """
-    before, hinge, after = np.array([[-0.07, -0.05], [0.05, 0.0], [0.03, -0.04]])
-    dt, rt = tendon.guide_distance(before, hinge), tendon.guide_radius(after)
-    assert (dt, rt) == (pytest.approx(0.13), pytest.approx(0.05))
-    alpha_h, gamma_h = tendon.hinge_angle_before(before, hinge), tendon.hinge_angle_after(after)
-    assert alpha_h == pytest.approx(np.arcsin(5 / 13))
-    assert gamma_h == pytest.approx(np.arcsin(4 / 5))
-    beta_0 = tendon.angle_at_zero(alpha_h, gamma_h)
-    lt_0 = tendon.segment_length(dt, rt, beta_0)
-    assert lt_0 == pytest.approx(np.hypot(0.05 + 0.03 + 0.07, 0.04 - 0.05))
-    # at the guides: the segment climbs 1 in 15, seen against the sides' own slopes
-    slope = np.arctan2(1, 15)
-    assert tendon.guide_angle_before(lt_0, dt, rt) == pytest.approx(np.arctan2(5, 12) - slope)
-    assert tendon.guide_angle_after(lt_0, dt, rt) == pytest.approx(np.arctan2(4, 3) + slope)
 
 
 @SETS
@@ -116,5 +99,75 @@ def test_rough_guide() -> None:
     (lambda: tendon.guide_tension(1.0, -0.1, 1.0), "friction must be 0 or more, got -0.1"),
 ])
 def test_impossible_tendons_are_refused(call: object, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+# --- springs
+
+
+def _springs(finger: FingerSet) -> springs.SpringSet:
+    return springs.spring_set(finger.before, finger.after)
+
+
+@SETS
+def test_spring_lengths_over_time_are_distances(finger: FingerSet) -> None:
+    """(20)-(29), shape [time, 3], against the distance of the ends in the world."""
+    theta = np.linspace([0, 0, 0], finger.limits, 40)
+    by_hand = straight_lines(finger, theta, finger.before, finger.after, own_frame=False)
+    np.testing.assert_allclose(_springs(finger).lengths(theta), by_hand, rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize("before", [(-0.007, 0.008), (0.003, 0.008), (-0.007, -0.004)])
+def test_any_quadrant(before: tuple[float, float]) -> None:
+    """(22) with the sign of x: right wherever M'' lies, where the printed atan2(y/x) is not."""
+    finger = replace(SET_A, before=(before,), after=((0.007, 0.008),), lengths=(0.045,))
+    theta = np.linspace(0, 1.2, 9)[:, None]
+    by_hand = straight_lines(finger, theta, finger.before, finger.after, own_frame=False)
+    np.testing.assert_allclose(_springs(finger).lengths(theta), by_hand, rtol=0, atol=1e-15)
+
+
+@SETS
+def test_spring_arms_are_the_derivative(finger: FingerSet) -> None:
+    """hm = d(lm)/d(theta), on both sides of the over-centre angle. A central difference of
+    step e errs by e^2/6 |lm'''| + 1e-17/e; |lm'''| < 1 m and e = 1e-5 give < 2e-11 m.
+    """
+    theta, e = np.linspace([0, 0, 0], [2.2, 2.2, 2.2], 30), 1e-5
+    found = _springs(finger)
+    slope = (found.lengths(theta + e) - found.lengths(theta - e)) / (2 * e)
+    np.testing.assert_allclose(found.arms(theta), slope, rtol=0, atol=2e-11)
+    assert (found.arms(theta)[0] > 0).all()
+    assert (found.arms(theta)[-1] < 0).all()
+
+
+def test_over_centre_angles() -> None:
+    """Rho_0 + omega_0: 90 deg for ends at (-8, 8), (8, 8); 2 atan2(b, 7) for Set A. There the
+    hinge lies on the spring: lm = dm + rm and no arm.
+    """
+    np.testing.assert_allclose(
+        np.degrees(_springs(SET_G).over_centre), [90, 90, 90], rtol=0, atol=1e-12)
+    heights = np.array([8, 8, 10])
+    np.testing.assert_allclose(
+        _springs(SET_A).over_centre, 2 * np.arctan(heights / 7), rtol=0, atol=1e-14)
+    found = _springs(SET_A)
+    np.testing.assert_allclose(found.lengths(found.over_centre), found.dm + found.rm, rtol=1e-14)
+    np.testing.assert_allclose(found.arms(found.over_centre), 0, atol=1e-17)
+
+
+def test_end_forces_pull_together() -> None:
+    """Along the spring, equal and opposite, shape [time, 2]; a pushed one drives its ends apart."""
+    near, far = springs.end_forces([[0.0, 0.0], [0.0, 0.0]], [0.03, 0.04], [5.0, -10.0])
+    np.testing.assert_allclose(near, [[3, 4], [-6, -8]], rtol=1e-15)
+    np.testing.assert_array_equal(far, -near)
+
+
+@pytest.mark.parametrize(("call", "message"), [
+    (lambda: springs.attachment_radius((0.0, 0.0)), "after distance to its hinge .* got 0 m"),
+    (lambda: springs.spring_set(SET_G.before, SET_G.after[:2]), "after must have 3 points"),
+    (lambda: springs.spring_length(0.01, -0.02, 1.0), "rm must be greater than 0, got -0.02 m"),
+    (lambda: springs.spring_length([0.01] * 2, [0.02] * 3, 1.0),
+     "dm and rm and delta must be of equal length"),
+])
+def test_impossible_springs_are_refused(call: object, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         call()

@@ -8,9 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sandbox.mechanics import statics, transmission
-from sandbox.study.reference_fingers import SET_G, SET_G_TABLE, DiscRow
-
-MID = np.array(SET_G.lengths) / 2
+from sandbox.mechanics.four_bar import FourBar, crank_torques
+from sandbox.mechanics.grasp_state import GraspState, TwoPhalanges, grasp_states
+from sandbox.mechanics.transmission import equilibrium_distance, two_phalanx_forces
+from sandbox.study.reference_fingers import SET_G_TABLE, DiscRow
 
 
 @pytest.mark.parametrize("row", SET_G_TABLE)
@@ -80,20 +81,6 @@ def test_isotropic_arms_press_equally(theta: list[float]) -> None:
     assert transmission.force_isotropy(forces) == pytest.approx(1.0, rel=1e-8)
 
 
-def test_equal_forces_at_mid_phalanx_want_nine_to_four_to_one() -> None:
-    """45/26/21 mm pressed in the middle: 9 : 4.2 : 1 is right at theta_2, theta_3 = 52, 38 deg, in
-    the range of Set G's grasps. Straight it would be 15.4 : 4.7 : 1, by adding up levers:
-    22.5 + (45 + 13) + (71 + 10.5) = 162, 13 + 36.5 = 49.5 and 10.5 mm.
-    """
-    straight = transmission.isotropic_arms(np.zeros(3), SET_G.lengths, MID)
-    np.testing.assert_allclose(straight, [0.162, 0.0495, 0.0105], rtol=1e-14)
-    held = transmission.isotropic_arms(np.radians([35.0, 52.0, 38.0]), SET_G.lengths, MID)
-    np.testing.assert_allclose(held / held[2], [9.0, 4.2, 1.0], rtol=0, atol=0.05)
-    J = statics.contact_jacobian(np.radians([35.0, 52.0, 38.0]), SET_G.lengths, MID)
-    ruled = statics.contact_forces(J, np.array([9.0, 4.2, 1.0]) * 1e-3)
-    assert transmission.force_isotropy(ruled) > 0.95
-
-
 @pytest.mark.parametrize(("call", "message"), [
     (lambda: transmission.transmission_ratios([-0.01, 0.005]), "arms of joint 1 .* got -0.01 m"),
     (lambda: transmission.force_transfer_ratio([1.0], 0.0), "tension .* got 0 N"),
@@ -104,3 +91,140 @@ def test_equal_forces_at_mid_phalanx_want_nine_to_four_to_one() -> None:
 def test_impossible_transmissions_are_refused(call: object, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         call()
+
+
+# --- four-bar linkages
+
+
+DEG = np.radians(1)
+LAVAL = FourBar(frame=0.050, first=0.040, coupler=0.0477643698, second=0.012)
+"""A crank of 40 mm that stands at 75 deg to the proximal phalanx while the finger is straight."""
+HORN, TORQUE, K_1, K_2 = 90 * DEG, 0.5, 0.025, 0.050 / 3
+
+
+def e(angle: float) -> complex:
+    return complex(np.exp(1j * angle))
+
+
+class TestAngles:
+    def test_those_of_syngrasp(self):
+        """Its coupled finger: q_1 - z_a at z_p of 90 to 150 deg, angles inside of the frame.
+
+        Its ratios have 8 digits, the last of them rounded: 1e-8.
+        """
+        bar = FourBar(0.038, 0.020, 0.035, 0.015)
+        inside = np.array([90, 105, 120, 135, 150]) * DEG
+        assert np.allclose(bar.first_angle(np.pi - inside) / DEG, [
+            80.4444823, 69.1004108, 57.5968318, 46.2940821, 35.7079490], rtol=0, atol=5e-8)
+        assert np.allclose(-bar.ratio(np.pi - inside), [
+            -0.74350878, -0.76527001, -0.76468737, -0.73686400, -0.66503558], rtol=0, atol=1e-8)
+
+    @pytest.mark.parametrize("crossed", [False, True])
+    def test_the_coupler_keeps_its_length(self, crossed: bool):
+        bar = FourBar(0.050, 0.040, 0.048, 0.012, crossed)
+        second = np.linspace(-3, 3, 61)
+        ends = bar.frame + bar.second * np.exp(1j * second) - bar.first * np.exp(
+            1j * bar.first_angle(second))
+        assert np.allclose(np.abs(ends), bar.coupler, rtol=0, atol=1e-15)
+
+    @pytest.mark.parametrize("crossed", [False, True])
+    def test_crossed_says_on_which_side_of_o_1_b_the_end_a_lies(self, crossed: bool):
+        """On that to which angles count, or on the other one."""
+        bar = FourBar(0.050, 0.040, 0.048, 0.012, crossed)
+        second = np.linspace(-3, 3, 13)
+        far = bar.frame + bar.second * np.exp(1j * second)
+        beside = (np.exp(1j * bar.first_angle(second)) * far.conj()).imag
+        assert ((beside < 0) == crossed).all()
+
+    @pytest.mark.parametrize("crossed", [False, True])
+    def test_ratio_is_the_slope(self, crossed: bool):
+        """By differences of 1e-5 rad, whose error is some 1e-10."""
+        bar = FourBar(0.050, 0.040, 0.048, 0.012, crossed)
+        second = np.linspace(-2.5, 2.5, 41)
+        slope = (bar.first_angle(second + 1e-5) - bar.first_angle(second - 1e-5)) / 2e-5
+        assert np.allclose(bar.ratio(second), slope, rtol=0, atol=1e-8)
+
+    def test_cut_lies_on_the_couplers_line(self):
+        """Crank at 75 deg, horn across: the line falls 26.637 mm on 39.647 mm."""
+        rise, run = 40 * np.sin(75 * DEG) - 12, 50 - 40 * np.cos(75 * DEG)
+        assert LAVAL.cut(HORN) == pytest.approx(1e-3 * 12 * run / rise, rel=1e-8)
+        assert LAVAL.ratio(HORN) == pytest.approx(
+            LAVAL.cut(HORN) / (LAVAL.cut(HORN) + LAVAL.frame), rel=1e-12)
+
+    def test_a_parallelogram_has_ratio_one_and_no_cut(self):
+        bar = FourBar(0.050, 0.020, 0.050, 0.020)
+        assert bar.first_angle(1.0) == pytest.approx(1.0, abs=1e-12)
+        assert bar.ratio(1.0) == pytest.approx(1.0, abs=1e-12)
+        assert abs(bar.cut(1.0)) > 1e9  # infinite but for rounding
+
+    def test_what_is_refused(self):
+        with pytest.raises(ValueError, match=r"coupler must be greater than 0, got 0 m"):
+            FourBar(0.05, 0.04, 0.0, 0.01)
+        with pytest.raises(ValueError, match=r"must make a triangle, got 0.04 m, 0.062 m"):
+            FourBar(0.05, 0.04, 0.015, 0.012).first_angle(0.0)
+        with pytest.raises(ValueError, match=r"one line, got 0 rad"):
+            FourBar(0.05, 0.04, 0.022, 0.012).ratio(0.0)
+        with pytest.raises(ValueError, match=r"stiffness must be 0 or more, got -1 N m/rad"):
+            crank_torques(1.0, LAVAL, HORN, stiffness=-1)
+
+
+def crank(theta_1: float, theta_2: float) -> float:
+    """Closing angle of the crank [rad] at which the coupler closes, by bisection of the points.
+
+    The finger closes clockwise from +x; nothing of the formulas is used.
+    """
+    hinge = 0.050 * e(-theta_1)
+    horn = hinge + 0.012 * e(-theta_1 - theta_2 + HORN)
+    low, high = -np.angle(horn) - np.pi, -np.angle(horn)
+    assert abs(horn - 0.040 * e(-low)) > LAVAL.coupler > abs(horn - 0.040 * e(-high))
+    for _ in range(60):
+        middle = (low + high) / 2
+        longer = abs(horn - 0.040 * e(-middle)) > LAVAL.coupler
+        low, high = (middle, high) if longer else (low, middle)
+    return float(low)
+
+
+def contacts(theta_1: float, theta_2: float) -> np.ndarray:
+    """How far each contact has gone along its phalanx's push: material points, shape [2, 2]."""
+    first = K_1 * e(-theta_1)
+    second = 0.050 * e(-theta_1) + K_2 * e(-theta_1 - theta_2)
+    return np.array([[first.real, first.imag], [second.real, second.imag]])
+
+
+@pytest.mark.parametrize("degrees", [0, 30, 75, 90])
+def test_forces_are_those_of_virtual_work(degrees: float):
+    """Central differences of 1e-5 rad: 1e-9 of 20 N and bisection's rounding, 1e-16 / 1e-5."""
+    theta, step = np.array([0.6, degrees * DEG]), 1e-5
+    work, J = np.zeros(2), np.zeros((2, 2))
+    normals = np.array([[-np.sin(a), -np.cos(a)] for a in np.cumsum(theta)])
+    for j in range(2):
+        ahead, behind = theta.copy(), theta.copy()
+        ahead[j] += step
+        behind[j] -= step
+        work[j] = TORQUE * (crank(*ahead) - crank(*behind)) / (2 * step)
+        moved = (contacts(*ahead) - contacts(*behind)) / (2 * step)
+        J[:, j] = (moved * normals).sum(axis=1)
+    wanted = np.linalg.solve(J.T, work)
+    tau = crank_torques(TORQUE, LAVAL, HORN)(theta)
+    found = two_phalanx_forces(theta[1], K_1, K_2, LAVAL.frame, *tau)
+    assert np.allclose([found.proximal, found.distal], wanted, rtol=0, atol=1e-6)
+    h = LAVAL.cut(HORN - theta[1])
+    assert found.distal == pytest.approx(TORQUE * h / (K_2 * (h + 0.050)), rel=1e-12)
+    assert found.proximal == pytest.approx(
+        TORQUE * 0.050 * (K_2 - h * np.cos(theta[1])) / (K_1 * K_2 * (h + 0.050)), rel=1e-9)
+
+
+def test_a_spring_takes_its_share_and_the_grasp_states_follow():
+    """A preloaded spring lowers X, so that a contact that would let go holds."""
+    theta_2 = 60 * DEG
+    bare = crank_torques(TORQUE, LAVAL, HORN)
+    held = crank_torques(TORQUE, LAVAL, HORN, stiffness=0.03, rest=-30 * DEG)
+    at = np.array([0.6, theta_2])
+    assert bare(at)[1] - held(at)[1] == pytest.approx(0.03 * 90 * DEG, rel=1e-12)
+    edge = equilibrium_distance(theta_2, 0.050, bare(at)[1] / bare(at)[0])
+    assert edge == pytest.approx(LAVAL.cut(HORN - theta_2) * np.cos(theta_2), rel=1e-12)
+    k_2 = 0.9 * float(edge)
+    states = [grasp_states(TwoPhalanges((0.050, 0.040), torques, (0, 0), (1.5, 1.55)),
+                           theta_1=0.6, theta_2=theta_2, k_1=K_1, k_2=k_2).state
+              for torques in (bare, held)]
+    assert states == [GraspState.EQUILIBRIUM, GraspState.STABLE]

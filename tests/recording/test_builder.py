@@ -83,23 +83,6 @@ def test_a_run_that_stops_early_keeps_what_it_has():
     assert run.arrays["contact_sample"].tolist() == [1, 1]
 
 
-def test_contact_rows_grow_as_needed(tmp_path):
-    mech = mechanism()
-    builder = build(mech, contacts=(), memory=0.0, directory=tmp_path)
-    rng = np.random.default_rng(3)
-    force = rng.normal(size=(5000, 2))
-    up = np.tile([0.0, 1.0], (5000, 1))
-    for k in range(N):
-        part = slice(k * 250, (k + 1) * 250)
-        body = np.full(250, DISTAL)
-        builder.contacts.append(k, body, body + 1, force[part], force[part], up[part],
-                                force[part, 0], up[part, 1])
-    run = builder.finish(times(), INFO)
-    assert np.array_equal(run.arrays["contact_force"], force)
-    assert np.array_equal(run.arrays["contact_gap"], force[:, 0])
-    assert np.array_equal(run.arrays["contact_sample"], np.repeat(np.arange(N), 250))
-
-
 def test_files_live_as_long_as_the_recording_and_no_longer(tmp_path):
     mech = mechanism()
     run = build(mech, memory=0, directory=tmp_path).finish(times(), INFO)

@@ -1,42 +1,27 @@
+"""Recordings: names, patterns, parts and tables."""
+
+import csv
+import io
+import math
+import sys
+
 import numpy as np
 import pytest
 
+import sandbox
 from sandbox.errors import SandboxError
 from sandbox.model.catalogue import UnknownQuantityError
+from sandbox.recording import tables
 from sandbox.recording.recording import Recording
+from sandbox.recording.tables import column, column_unit, contact_rows, rows
+from sandbox.samples.patterns import MixedUnitsError
 
-from .sample import CONTACTS, DISTAL, INFO, N, arrays, mechanism, recording
+from .sample import CONTACTS, INFO, N, S, arrays, mechanism, recording
 
 
 @pytest.fixture(scope="module")
 def run():
     return recording(contacts=CONTACTS)
-
-
-@pytest.mark.parametrize(("name", "unit", "read"), [
-    ("finger1.distal.x", "m", lambda a: a["body_pose"][:, DISTAL, 0]),
-    ("finger1.distal.angle", "rad", lambda a: a["body_pose"][:, DISTAL, 2]),
-    ("finger1.distal.vx", "m/s", lambda a: a["body_velocity"][:, DISTAL, 0]),
-    ("finger1.distal.omega", "rad/s", lambda a: a["body_velocity"][:, DISTAL, 2]),
-    ("finger1.distal.alpha", "rad/s^2", lambda a: a["body_acceleration"][:, DISTAL, 2]),
-    ("finger1.pip.rate", "rad/s", lambda a: a["joint_rate"][:, 1]),
-    ("leash.reaction", "N", lambda a: a["joint_reaction"][:, 2]),
-    ("finger1.mcp.stop", "N m", lambda a: a["joint_stop"][:, 0]),
-    ("finger1.mcp.damping", "N m", lambda a: a["joint_damping"][:, 0]),
-    ("finger1.mcp.damping_work", "J", lambda a: a["joint_damping_work"][:, 0]),
-    ("actuator.work", "J", lambda a: a["drive_work"][:, 0]),
-    ("return.force", "N", lambda a: a["spring_force"][:, 0]),
-    ("coil.angle", "rad", lambda a: a["spring_length"][:, 1]),
-    ("coil.torque", "N m", lambda a: a["spring_force"][:, 1]),
-    ("finger1.tendon.length", "m", lambda a: a["tendon_length"][:, 0]),
-    ("finger1.tendon.shortening", "m", lambda a: a["tendon_initial"][0] - a["tendon_length"][:, 0]),
-    ("finger1.tendon.tension", "N", lambda a: a["tendon_tension"][:, 0]),
-    ("swell.value", "m", lambda a: a["drive_value"][:, 3]),
-])
-def test_each_quantity_is_its_column(run, name, unit, read):
-    assert np.array_equal(run[name], read(arrays(run.mechanism)))
-    assert run.unit(name) == unit
-    assert name in run.names()
 
 
 def test_every_name_can_be_read_and_is_a_plain_array(run):
@@ -80,8 +65,8 @@ def test_table_puts_a_kind_side_by_side(run):
     assert table.names == ["finger1.tendon.length", "finger1.tendon.shortening",
                            "finger1.tendon.tension", "finger1.tendon.work"]
     assert table.units == ["m", "m", "N", "J"]
-    for name, column in zip(table.names, table.values.T, strict=True):
-        assert np.array_equal(column, run[name])
+    for name, values in zip(table.names, table.values.T, strict=True):
+        assert np.array_equal(values, run[name])
     assert run.table("meters").values.shape == (N, 0)
 
 
@@ -104,3 +89,126 @@ def test_a_run_without_samples_or_elements_is_still_a_recording():
         key: () for key in ("bodies", "joints", "springs", "tendons", "drives", "groups")}))
     assert empty.names() == []
     assert empty.table("bodies").values.shape == (N, 0)
+
+
+# --- patterns and data frames
+
+
+@pytest.fixture(scope="module")
+def finger_run() -> sandbox.Recording:
+    return sandbox.simulate(sandbox.load_scene("single_finger", overrides={"run.duration": 0.05}))
+
+
+def test_time_is_a_quantity(finger_run: sandbox.Recording) -> None:
+    assert finger_run["time"] is finger_run.time
+    assert finger_run.unit("time") == "s"
+    assert "time" in finger_run
+    assert "time" not in finger_run.names()
+
+
+def test_a_pattern_gives_columns(finger_run: sandbox.Recording) -> None:
+    names = finger_run.names("finger.*p.angle")
+    assert names == ["finger.mcp.angle", "finger.pip.angle", "finger.dip.angle"]
+    assert finger_run["finger.*p.angle"].shape == (len(finger_run), 3)
+    for i, name in enumerate(names):
+        np.testing.assert_array_equal(finger_run["finger.*p.angle"][:, i], finger_run[name])
+    assert finger_run.unit("finger.*p.angle") == "rad"
+    assert "finger.*p.angle" in finger_run
+    assert finger_run["finger.*/disc.normal"].shape[0] == len(finger_run)
+
+
+def test_a_pattern_that_fits_nothing_or_several_units(finger_run: sandbox.Recording) -> None:
+    for ask in (finger_run.__getitem__, finger_run.names, finger_run.unit):
+        with pytest.raises(sandbox.SandboxError, match=r"no quantity fits 'finger\.\*\.angel'; did "
+                                                       r"you mean 'finger\.\*\.angle'\?"):
+            ask("finger.*.angel")
+    with pytest.raises(sandbox.SandboxError, match=r"did you mean 'finger\.\*\.angle'\?"):
+        finger_run.names("fingr.*.angle")
+    assert "finger.*.angel" not in finger_run
+    for ask in (finger_run.__getitem__, finger_run.unit):
+        with pytest.raises(MixedUnitsError, match=r"'disc\.\*' fits quantities of \d units \("
+                                                  r"disc\.x in m, "):
+            ask("disc.*")
+
+
+@pytest.mark.parametrize("name", ["pandas", "xarray"])
+def test_what_is_not_installed_is_said(
+    finger_run: sandbox.Recording, name: str, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(sandbox.SandboxError, match=f"'{name}', which is not installed: pip inst"):
+        getattr(finger_run, f"to_{name}")()
+
+
+def test_with_the_libraries_themselves(finger_run: sandbox.Recording) -> None:
+    pandas = pytest.importorskip("pandas", reason="pandas is not installed")
+    xarray = pytest.importorskip("xarray", reason="xarray is not installed")
+    table, data = finger_run.to_pandas(), finger_run.to_xarray("finger.mcp.angle")
+    assert isinstance(table, pandas.DataFrame)
+    assert isinstance(data, xarray.Dataset)
+    assert len(table) == len(finger_run)
+    assert "finger.tendon.tension" in table
+    np.testing.assert_array_equal(table["finger.mcp.angle"], data["finger.mcp.angle"])
+
+
+# --- tables in files
+
+
+def parsed(pieces):
+    head, *body = csv.reader(io.StringIO("".join(pieces)))
+    return head, body
+
+
+@pytest.mark.parametrize(("unit", "spelled"), [
+    ("m", "m"), ("N m", "N_m"), ("N·m", "N_m"),
+    ("m/s^2", "m_per_s2"), ("rad / s²", "rad_per_s2"), ("1", ""),
+    ("%", "percent"), ("1/s", "per_s"), ("N m s/rad", "N_m_s_per_rad"),
+])
+def test_units_are_spelled_for_columns(unit, spelled):
+    assert column_unit(unit) == spelled
+    assert column("a.b", unit) == ("a.b_" + spelled if spelled else "a.b")
+
+
+@pytest.mark.parametrize(("kind", "heads"), [
+    ("springs", "return.length_m return.force_N return.work_J coil.angle_rad coil.torque_N_m "
+                "coil.work_J"),
+    ("meters", "m_N plain"),
+])
+def test_headers(kind, heads):
+    run = recording(meters=[{"name": "m", "value": "=disc.x", "unit": "N"},
+                            {"name": "plain", "value": "=disc.x"}])
+    assert parsed(rows(run, kind))[0] == ["time_s", *heads.split()]
+
+
+def test_numbers_read_back_to_twelve_digits(monkeypatch):
+    monkeypatch.setattr(tables, "BLOCK", 50)  # several pieces
+    run = recording(contacts=CONTACTS)
+    _, body = parsed(rows(run, "bodies"))
+    values = np.array(body, dtype=float)
+    assert values.shape == (N, 1 + 5 * 13)
+    expected = np.column_stack([run.time, run.table("bodies").values])
+    # half a unit of the twelfth digit of a mantissa that is at least 1
+    assert np.all(np.abs(values - expected) <= 5e-12 * np.abs(expected))
+
+
+def test_contacts_are_one_row_per_pair_and_sample(monkeypatch):
+    monkeypatch.setattr(tables, "BLOCK", 64)  # one sample a piece
+    text = "".join(contact_rows(recording(contacts=CONTACTS)))
+    lines = text.splitlines()
+    assert lines[0] == "time_s,body,other,x_m,y_m,fx_N,fy_N,normal_N,tangential_N"
+    assert lines[1] == "0.015,finger1.distal,disc,0,0,-0.5,3,3,0.5"
+    assert lines[2] == "0.015,finger1.proximal,finger1.distal,0.001,-0.002,0,-1,1,0"
+    assert lines[3] == f"0.025,finger1.proximal,disc,0.002,-0.004,2,0,{2 * S:.12g},-{2 * S:.12g}"
+    assert lines[4] == "0.025,disc,palm,0.003,-0.006,0.25,4,4,-0.25"
+    assert len(lines) == 1 + len(CONTACTS)
+    assert text.endswith("\n")
+
+
+def test_a_zero_has_no_sign_and_no_value_is_nan():
+    mech = mechanism()
+    content = arrays(mech)
+    content["tendon_tension"][:] = -0.0
+    content["tendon_length"][:, 0] = math.nan
+    run = type(recording())(mech, content, {})
+    _, body = parsed(rows(run, "tendons"))
+    assert [row[1:4] for row in body] == [["nan", "nan", "0"]] * N

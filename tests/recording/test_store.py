@@ -179,10 +179,6 @@ def test_saving_again_removes_files_that_no_longer_belong(tmp_path):
     assert files(tmp_path) == ALL - {"springs.csv", "meters.csv"} | {"notes.txt"}
 
 
-def contents(folder):
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
-
-
 def test_a_directory_that_cannot_be_written(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match=r"cannot write .*file"):

@@ -1,10 +1,26 @@
-import math
+"""Expectations, meters and outcomes of runs."""
 
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from sandbox.samples.expectations import verdicts
-from sandbox.samples.outcome import Status, Stop
-from tests.recording.sample import CONTACTS, H, N, recording
+from sandbox.samples.meters import order
+from sandbox.samples.outcome import (
+    Happened,
+    Outcome,
+    Status,
+    Stop,
+    outcome_data,
+    planned,
+    read_outcome,
+    status_of,
+)
+from sandbox.scene.elements.settings import Run
+from tests.recording.sample import CONTACTS, H, N, mechanism, recording
 
 
 def judge(expect, *, contacts=CONTACTS, **options):
@@ -114,3 +130,105 @@ def test_the_range_of_a_count_is_that_count(given, allowed, ok):
     """Between 2.997 and 3.003 there is no other one."""
     verdict, = judge(given)
     assert (verdict.allowed, verdict.ok) == (allowed, ok)
+
+
+# --- meters
+
+
+def meters(**values):
+    return [{"name": name, "value": value, "unit": "rad"} for name, value in values.items()]
+
+
+def test_a_meter_is_its_expression_sample_by_sample():
+    run = recording(meters=meters(
+        closure="=finger1.mcp.angle + 2 * finger1.pip.angle", half="=closure / 2", one="=1"))
+    expected = run["finger1.mcp.angle"] + 2 * run["finger1.pip.angle"]
+    assert np.array_equal(run["closure"], expected)
+    assert np.array_equal(run["half"], expected / 2)
+    assert np.array_equal(run["one"], np.ones(N))
+    assert run.unit("closure") == "rad"
+    assert run.notes == []
+
+
+def test_order_does_not_depend_on_where_a_meter_stands():
+    run = recording(meters=meters(c="=b + 1", b="=a + 1", a="=disc.x"))
+    assert np.array_equal(run["c"], run["disc.x"] + 1 + 1)
+    assert order(run.mechanism) == ([2, 1, 0], [])
+
+
+def test_a_division_by_zero_is_nan_there_and_noted():
+    run = recording(contacts=CONTACTS, meters=meters(
+        share="=finger1.proximal.contact.normal / disc.contact.normal", after="=share * 2"))
+    # the disc is touched in samples 1, 2 and 3 of 20
+    assert np.flatnonzero(np.isfinite(run["share"])).tolist() == [1, 2, 3]
+    assert run["share"][1] == pytest.approx(1 / 3, rel=1e-15)
+    assert run.notes == [
+        "meter 'share' has no finite value in 17 of 20 samples, first at t = 0.005 s",
+        "meter 'after' has no finite value in 17 of 20 samples, first at t = 0.005 s"]
+
+
+@pytest.mark.parametrize(("value", "reason"), [
+    ("=nobody.x", "unknown quantity 'nobody.x'"),
+    ("=m", "it depends on itself"),
+    ("=2 ** (100 * t + 64)", "an exponent is at most 64"),
+])
+def test_a_meter_without_any_value_does_not_lose_the_run(value, reason):
+    run = recording(meters=meters(m=value, good="=disc.x"))
+    assert np.isnan(run["m"]).all()
+    assert np.array_equal(run["good"], run["disc.x"])
+    [note] = run.notes
+    assert note.startswith("meter 'm' has no value: ")
+    assert reason in note
+
+
+def test_every_circle_is_found_once():
+    mech = mechanism(meters=meters(a="=b", b="=a", c="=d", d="=h", h="=c", f="=a", g="=1"))
+    assert order(mech) == ([6], [[0, 1], [2, 3, 4]])
+    run = recording(mech=mech)
+    assert np.isnan(run["f"]).all()
+    assert len(run.notes) == 5
+
+
+# --- outcomes
+
+
+RUN = Run(duration=0.1, step=1e-3, sample_rate=500.0)
+STOP = Stop("far", "pass", 0.05)
+
+
+@pytest.mark.parametrize(("status", "reason", "stopped", "complete"), [
+    (Status.DONE, "", None, True),
+    (Status.STOPPED, "", STOP, True),
+    (Status.INTERRUPTED, "interrupted", None, False),
+    (Status.INTERRUPTED, "interrupted", STOP, False),
+    (Status.DIVERGED, "the simulation diverged at t = 1 s: wild", None, False),
+    (Status.UNFINISHED, "", None, False),
+])
+def test_a_status_is_what_the_files_say(status, reason, stopped, complete):
+    assert status.complete is complete
+    assert status_of(complete=complete, reason=reason, stopped=stopped) is status
+    outcome = replace(planned(RUN), status=status, reason=reason, stopped=stopped)
+    assert outcome.complete is complete
+    again = read_outcome(json.loads(json.dumps(outcome_data(outcome))), RUN)
+    assert again == outcome
+
+
+@pytest.mark.parametrize(("status", "reason", "stopped"), [
+    (Status.DONE, "", STOP), (Status.STOPPED, "", None), (Status.INTERRUPTED, "", None),
+    (Status.DIVERGED, "interrupted", None), (Status.UNFINISHED, "it broke", None),
+])
+def test_a_status_that_an_archive_would_not_give_back_is_refused(status, reason, stopped):
+    with pytest.raises(ValueError, match=status.name):
+        replace(planned(RUN), status=status, reason=reason, stopped=stopped)
+
+
+def test_every_field_goes_there_and_back():
+    outcome = Outcome(
+        status=Status.STOPPED, step=2e-3, steps=50, sample_rate=250.0, seed=3,
+        versions={"python": "3"}, wall={"build": 0.5}, events=(Happened("far", 0.05),),
+        broke=(Happened("rod", 0.0425),), stopped=Stop("far", "fail", 0.05, "too far"),
+        controllers={"c": {"tuned": False}}, notes=("one", "two"))
+    assert read_outcome(outcome_data(outcome), RUN) == outcome
+    assert outcome != planned(RUN)
+    assert outcome.marked == [Happened("rod broke", 0.0425), Happened("far", 0.05)]
+    assert set(outcome_data(outcome)) == set(outcome_data(planned(RUN)))

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from sandbox.samples.outcome import Happened
+from sandbox.samples.response import effort, overshoot, respond, settling_time
 from sandbox.samples.targets import controlled, initial, led, responses, start, targets, track
-from tests.samples.controlled import STIFFNESS, TARGETS, recording, scene
+from tests.samples.controlled import STIFFNESS, TARGETS, recording, scene, second_order
 
 ANGLES = [f"finger.{joint}.angle" for joint in ("mcp", "pip", "dip")]
 
@@ -85,3 +89,94 @@ def test_a_step_is_counted_from_its_beginning() -> None:
     assert found.start == pytest.approx(0)
     highest = run["finger.mcp.angle"].max() / TARGETS[0]
     assert found.overshoot == pytest.approx(100 * (highest - 1))
+
+
+# --- step responses
+
+
+DT = 1e-3
+T = np.arange(0, 3, DT)
+ONE = np.ones_like(T)
+
+
+@pytest.mark.parametrize(("tau", "first", "last"), [(0.05, 0.0, 1.0), (0.5, 0.0, -0.3)])
+def test_first_order(tau: float, first: float, last: float) -> None:
+    value = last + (first - last) * np.exp(-T / tau)
+    found = respond(T, value, last * ONE)
+    # e'' / e' = 1 / tau: linear interpolation is off by at most dt^2 / (8 tau)
+    assert found.settling == pytest.approx(tau * math.log(50), abs=DT**2 / (8 * tau) + 1e-12)
+    assert found.overshoot == 0
+    # trapezoids: dt^2 / 12 times the change of e'
+    area = abs(last - first) * tau * (1 - math.exp(-T[-1] / tau))
+    assert found.iae == pytest.approx(area, abs=abs(last - first) * DT**2 / (12 * tau) + 1e-12)
+    assert found.start == first
+    assert abs(found.steady_error) < 2 * math.exp(-0.95 * T[-1] / tau)
+
+
+@pytest.mark.parametrize("zeta", [0.15, 0.7])
+@pytest.mark.parametrize("omega", [12.0, 20.0])
+def test_second_order(zeta: float, omega: float) -> None:
+    goal = 0.25
+    value = goal * second_order(T, zeta, omega)
+    damped = omega * math.sqrt(1 - zeta**2)
+    peak = 100 * math.exp(-math.pi * zeta / math.sqrt(1 - zeta**2))
+    # the highest sample lies within dt / 2 of the peak, where |y''| <= omega^2
+    assert overshoot(value, goal * ONE) == pytest.approx(peak, abs=100 * (omega * DT)**2 / 8)
+
+    # the last extremum beyond 2 %, then the crossing before the next one
+    n = math.floor(-math.log(0.02) * damped / (zeta * omega * math.pi))
+    a, b = n * math.pi / damped, (n + 1) * math.pi / damped
+    exact = brentq(lambda t: abs(second_order(t, zeta, omega) - 1) - 0.02, a, b)
+    found = settling_time(T, value, goal * ONE)
+    assert found == pytest.approx(exact, abs=DT)
+    assert found <= -math.log(0.02 * math.sqrt(1 - zeta**2)) / (zeta * omega)
+
+
+def test_what_does_not_settle() -> None:
+    assert settling_time(T, 0.97 * ONE, ONE) == math.inf
+    late = np.where(np.arange(len(T)) >= 0.96 * len(T), 1.0, 0.9)
+    assert settling_time(T, late, ONE) == math.inf
+    leaves = np.where(T > 2.9, 1.03, 1.0)
+    assert settling_time(T, leaves, ONE) == math.inf
+    lost = ONE.copy()
+    lost[-1] = math.nan
+    assert settling_time(T, lost, ONE) == math.inf
+    assert not respond(T, late, ONE).settles
+
+
+def test_a_target_of_zero_has_a_band_of_the_step() -> None:
+    tau = 0.2
+    found = settling_time(T, 3 * np.exp(-T / tau), 0 * ONE)
+    assert found == pytest.approx(tau * math.log(50), abs=DT**2 / (8 * tau) + 1e-12)
+
+
+def test_no_step_has_no_overshoot() -> None:
+    assert math.isnan(respond(T, ONE, ONE).overshoot)
+
+
+def test_a_moving_target() -> None:
+    """The band goes with it: what lags behind a ramp by 0.05 / s is in it once the ramp ends."""
+    target = np.clip(T, 0, 1)
+    value = np.clip(T - 0.05, 0, 1)
+    # the lag of 0.05 shrinks to 0.02 at t = 1.03, exactly linearly
+    assert settling_time(T, value, target) == pytest.approx(1.03, abs=1e-9)
+
+
+def test_effort_of_a_sine() -> None:
+    amplitude, omega = 3.0, 2 * math.pi
+    t = np.arange(0, 1 + DT / 2, DT)
+    found = effort(t, 5 + amplitude * np.sin(omega * t), before=5.0)
+    # four quarters up and down; the extrema lie on samples
+    assert found.variation == pytest.approx(4 * amplitude, rel=1e-9)
+    assert found.peak == pytest.approx(8, rel=1e-9)
+    assert found.rate == pytest.approx(amplitude * omega, rel=(omega * DT)**2 / 6)
+
+
+@pytest.mark.parametrize(("time", "value"), [(T[:1], T[:1]), (T, T[1:]), (T[:0], T[:0])])
+def test_rows_that_are_none(time: np.ndarray, value: np.ndarray) -> None:
+    with pytest.raises(ValueError, match=r"samples|shapes"):
+        respond(time, value, value)
+    with pytest.raises(ValueError, match=r"samples|shapes"):
+        settling_time(time, value, value)
+    with pytest.raises(ValueError, match=r"samples|shapes"):
+        effort(time, value, before=0.0)

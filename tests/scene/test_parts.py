@@ -2,18 +2,22 @@
 
 import math
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from sandbox.errors import SceneError
+from sandbox.scene.document import Scene
 from sandbox.scene.elements.bodies import Body
-from sandbox.scene.geometry import anchors, pose_of, to_body, to_world
+from sandbox.scene.expand import expand, to_json
+from sandbox.scene.geometry import anchors, pose_of, to_world
+from sandbox.scene.library import shipped_scenes
 from sandbox.scene.parts.expansion import Elements
 from sandbox.scene.parts.finger import Finger, expand_finger, hinge_names, phalanx_names
 from sandbox.scene.parts.section import Section, expand_section
 from sandbox.scene.parts.trees import Known, PulleyTree, RockerTree, expand_tree
+from sandbox.scene.read.load import load_scene
 
 SET_G = {
     "type": "finger", "name": "f",
@@ -127,23 +131,6 @@ def test_the_square_is_held_equally_along_and_across_its_rod():
     assert pivot.damping == pytest.approx(1 * 0.036**2)
 
 
-def test_the_arm_weighs_and_turns_as_a_thin_rod_over_its_reach():
-    """A fifth of the square's mass spread evenly over the reach: x^2 summed about its middle.
-
-    Midpoints of n pieces miss the share 1 / n^2 of it.
-    """
-    for rod, reach in (("36 mm", 0.036), (["10 mm", "50 mm"], 0.05)):
-        arm = next(b for b in section(**SQUARE | {"rod": rod}, mass="15 g").bodies
-                   if b.name == "s.arm")
-        pieces = (np.arange(1000) + 0.5) / 1000 * reach
-        middle = pieces.mean()
-        assert (arm.at, arm.angle) == ((0.1, 0.2), pytest.approx(math.pi / 2))
-        assert arm.mass == pytest.approx(0.003, rel=1e-12)
-        assert arm.centre == pytest.approx((middle, 0.0), rel=1e-12)
-        assert arm.inertia == pytest.approx(
-            0.003 * np.mean((pieces - middle) ** 2), rel=1.1e-6)
-
-
 @pytest.mark.parametrize("changes", [
     {"square": "12 mm"}, {"rod": "30 mm"},
     {"square": "12 mm", "rod": ["30 mm", "20 mm"]}, {"circle": 0},
@@ -210,64 +197,51 @@ def test_shares_are_kept_at_any_distances(leaves):
         assert found[f"t.string{i + 1}"] == pytest.approx(share / sum(shares))
 
 
-@pytest.mark.parametrize("kind", ["rocker_tree", "pulley_tree"])
-@pytest.mark.parametrize("direction", [0.0, -math.pi / 2])
-def test_strings_are_parallel_to_the_pull(kind, direction):
-    made = tree(kind, [0, 0.03, 0.07, 0.1, 0.16], direction=direction)
-    bodies = {b.name: b for b in made.bodies}
-    along = (math.cos(direction), math.sin(direction))
-    for tendon in made.tendons:
-        (x0, y0), (x1, y1) = (
-            to_world(pose_of(bodies[g.body]), g.at) for g in (tendon.guides[0], tendon.guides[-1]))
-        end = tendon.guides[-1]
-        if end.radius:  # the string leaves the rim on the side opposite to the centre
-            off = end.radius if end.side == "right" else -end.radius
-            x1, y1 = x1 - off * along[1], y1 + off * along[0]
-        assert (x1 - x0) * along[1] - (y1 - y0) * along[0] == pytest.approx(0, abs=1e-12)
-        assert (x1 - x0) * along[0] + (y1 - y0) * along[1] > 0
+# --- expansion
 
 
-def test_ropes_instead_of_tendons():
-    made = tree("rocker_tree", [0, 0.03, 0.06, 0.09], links="rope", gap="50 mm", level="30 mm")
-    ropes = {j.name: j for j in made.joints if j.type == "rope"}
-    assert sorted(ropes) == ["t.link1", "t.link2", *(f"t.string{i}" for i in range(1, 5))]
-    assert ropes["t.string1"].longest == pytest.approx(0.05)
-    assert ropes["t.link1"].longest == pytest.approx(0.03)
-    assert [t.name for t in made.tendons] == ["t.tendon"]
+def scene_of(*parts, **more):
+    return Scene.model_validate({"parts": list(parts), **more})
 
 
-def lines(made):
-    """Where the strings of the leaves run at last, across the pull along -x: y of the end."""
-    bodies = {b.name: b for b in made.bodies}
-    found = []
-    for tendon in sorted((t for t in made.tendons if "string" in t.name), key=lambda t: t.name):
-        end = tendon.guides[-1]
-        y = to_world(pose_of(bodies[end.body]), end.at)[1]
-        # a wheel's rim; the pull is along -x, so left of it is down
-        found.append(y + (end.radius if end.side == "left" else -end.radius))
-    return found
+def fingers(count):
+    return [SET_G | {"name": f"f{i + 1}", "at": [0, 0.13 * i]} for i in range(count)]
 
 
-@pytest.mark.parametrize("kind", ["rocker_tree", "pulley_tree"])
-def test_leaves_in_one_line_are_spread_by_the_travel(kind):
-    """One after the other: arms of half the travel do not turn over before the slots end."""
-    made = tree(kind, [0.03, 0.03, 0.03], travel="50 mm")
-    assert sorted(lines(made)) == pytest.approx([-0.08, -0.03, 0.02])
-    assert [tensions(made)[f"t.string{i}"] for i in (1, 2, 3)] == pytest.approx([1 / 3] * 3)
+def tree_of(*pulls, **more):
+    return {"type": "rocker_tree", "name": "tree", "pulls": list(pulls), **more}
 
 
-@pytest.mark.parametrize("kind", ["rocker_tree", "pulley_tree"])
-def test_a_pitch_makes_wheels_as_small_as_wanted(kind):
-    """A string goes straight from its leaf to an eye, across to the next, and straight on."""
-    across, pitch, gap = [0.0, 0.06, 0.12, 0.18], 0.01, 0.03
-    made = tree(kind, across, pitch=pitch, gap=gap)
-    assert lines(made) == pytest.approx([-0.075, -0.085, -0.095, -0.105])
-    frame = next(b for b in made.bodies if b.name == "t.frame")
-    for leaf, string in enumerate(made.tendons[:4]):
-        eyes = [to_world(pose_of(frame), g.at) for g in string.guides if g.body == "t.frame"]
-        assert [x for x, _ in eyes] == pytest.approx([-gap, -gap])
-        assert [y for _, y in eyes] == pytest.approx([-across[leaf], lines(made)[leaf]])
-    wheels = [b for b in made.bodies if b.name.startswith("t.") and b is not frame]
-    assert [to_body(pose_of(frame), b.at)[0] for b in wheels] == pytest.approx(
-        [-0.04 - 1.5 * pitch] * 2 + [0] if kind == "pulley_tree" else [-0.04] * 2 + [0])
-    assert wheels[0].at[0] == pytest.approx(-2 * gap - (pitch / 2 if kind == "pulley_tree" else 0))
+def problems(*parts, **more):
+    with pytest.raises(SceneError) as caught:
+        expand(scene_of(*parts, **more))
+    return {problem.path: problem for problem in caught.value.problems}
+
+
+def test_of_what_hangs_on_a_broken_part_nothing_is_told():
+    """The cause alone: neither the tree that pulls the broken finger nor the tree that pulls it."""
+    broken = SET_G | {"name": "g", "on": "plam"}
+    trees = tree_of("f1", "g"), tree_of("tree", "f2") | {"name": "two"}
+    assert set(problems(*fingers(2), broken, *trees)) == {"$.parts[2].on"}
+    within = {"type": "assembly", "name": "hand", "parts": [broken]}
+    assert set(problems(*fingers(1), within, tree_of("f1", "hand.g"))) == {
+        "$.parts[1].parts[0].on"}
+    assert set(problems(*fingers(1), broken, tree_of("f1", "g.tendon", "gg"))) == {
+        "$.parts[1].on", "$.parts[2].pulls[2]"}
+
+
+def test_a_finger_cannot_be_pulled_twice():
+    two = tree_of("f2.tendon", "f3") | {"name": "two"}
+    found = problems(*fingers(3), tree_of("f1", "f2"), two)
+    assert list(found) == ["$.parts[4].pulls[0]"]
+    assert "already" in found["$.parts[4].pulls[0]"].message
+
+
+@pytest.mark.parametrize("name", [
+    pytest.param(name, marks=[pytest.mark.nightly] * (i % 12 > 0))
+    for i, name in enumerate(sorted(shipped_scenes()))])
+def test_printed_mechanism_reads_back_equal(name, tmp_path):
+    mechanism = expand(load_scene(shipped_scenes()[name]))
+    printed = tmp_path / f"{name}.json"
+    printed.write_text(to_json(mechanism), encoding="utf-8")
+    assert expand(load_scene(printed)) == mechanism

@@ -1,21 +1,160 @@
-"""Signals: what an author may write, the units of their fields, their values over time."""
+"""Named tables: what they are between and beyond their points, who may call them, what is wrong."""
 
 from __future__ import annotations
 
+import json
+import math
 from typing import Any
 
 import numpy as np
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
+import sandbox
+from sandbox.errors import SceneError
+from sandbox.scene.outlines.spline import PeriodicSpline
 from sandbox.scene.values.signals import AnySignal, ForceSignal, Path, Signal, values
+from sandbox.scene.values.tables import Function, NamedTable
+
+PROFILE = {"points": [[0, 1], [1, 3], [3, 2]]}
+
+
+def _function(**given: Any) -> Function:
+    return Function(NamedTable.model_validate(given))
+
+
+def _scene(**given: Any) -> dict[str, Any]:
+    ball = {"name": "ball", "mass": 1, "shapes": [{"type": "circle", "radius": 0.1}]}
+    return {"tables": {"profile": PROFILE}, "bodies": [ball], "run": {"duration": 0.1}} | given
+
+
+def _force(value: str) -> dict[str, Any]:
+    return {"drives": [{"type": "force", "name": "push", "body": "ball", "direction": [1, 0],
+                        "value": value}]}
+
+
+@pytest.mark.parametrize(("beyond", "before", "after"), [("hold", 1.0, 2.0), ("extend", -1.0, 1.5)])
+def test_a_linear_table_is_straight_between_its_points(
+    beyond: str, before: float, after: float,
+) -> None:
+    table = _function(**PROFILE, beyond=beyond)
+    assert table(np.array([0.0, 0.5, 1.0, 2.0, 3.0])) == pytest.approx([1, 2, 3, 2.5, 2])
+    assert table(np.array([-1.0, 4.0])) == pytest.approx([before, after])
+
+
+def test_a_cubic_of_many_points_comes_close_as_the_fourth_power() -> None:
+    errors = []
+    for n in (16, 32):
+        x = np.linspace(0, math.tau, n + 1)
+        table = _function(points=np.stack([x, np.sin(x)], axis=1).tolist(), between="cubic",
+                          beyond="repeat")
+        tried = np.linspace(-10, 10, 4001)
+        errors.append(float(np.abs(table(tried) - np.sin(tried)).max()))
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(4, abs=0.3)
+
+
+def test_one_that_repeats_is_the_spline_of_cams() -> None:
+    x, y = np.array([0.0, 1.0, 2.5, 4.0]), np.array([0.0, 2.0, 1.0, -1.0])
+    points = [*np.stack([x, y], axis=1).tolist(), [math.tau, 0.0]]
+    table, spline = _function(points=points, between="cubic", beyond="repeat"), PeriodicSpline(x, y)
+    tried = np.linspace(-7, 14, 500)
+    assert table(tried) == pytest.approx(spline(tried)[0], abs=1e-14)
+
+
+@pytest.mark.parametrize(("points", "more", "said"), [
+    ([[0, 1], [0, 2]], {}, "rise from point to point: point 1 has 0, the one before it 0"),
+    ([[0, 1], [1, 2], [1 + 1e-12, 3]], {}, "too close"),
+    ([[i, 1] for i in range(1001)], {}, "at most 1000"),
+    ([[0, 1], [1, 2]], {"beyond": "repeat"}, "ends as it begins: its last y is 2, its first 1"),
+    ([[0, 1], [1, 1]], {"beyond": "repeat", "between": "cubic"}, "4 points"),
+    ([["0 mm", 1], ["1 s", 2]], {}, "all x of a table are of one kind, and here are length and "),
+    ([[0, 0], [1e-12, 1e9]], {}, "too steep"),
+    ([[0, 1], [1, 2]], {"between": "step"}, "'linear', 'cubic'"),
+])
+def test_what_no_table_is(points: Any, more: dict[str, Any], said: str) -> None:
+    with pytest.raises(SceneError) as refused:
+        sandbox.load_scene(_scene(tables={"profile": {"points": points, **more}},
+                                  **_force("=profile(t)")))
+    problem, = refused.value.problems
+    assert problem.path.startswith("$.tables.profile")
+    assert said in f"{problem.message} {problem.allowed}"
+
+
+def test_numbers_parameters_and_signals_call_tables() -> None:
+    scene = sandbox.load_scene(_scene(parameters={"a": "=b + profile(0.5)", "b": 2}, **_force(
+        "=a * profile(10 * t)")) | {"gravity": ["=profile(2)", 0]})
+    assert scene.parameters["a"] == 4.0
+    assert scene.gravity[0] == 2.5
+    run = sandbox.simulate(scene)
+    assert run["push.value"] == pytest.approx(4 * np.interp(10 * run.time, [0, 1, 3], [1, 3, 2]))
+
+
+def test_tables_may_read_parameters_which_then_may_not_call_them() -> None:
+    table = {"points": [[0, 0], [1, "=b"]]}
+    scene = sandbox.load_scene(_scene(
+        tables={"profile": table}, parameters={"b": 2}, **_force("=profile(0.5)")))
+    assert scene.drives[0].value.constant == 1.0
+    with pytest.raises(SceneError, match="reads parameters itself"):
+        sandbox.load_scene(_scene(
+            tables={"profile": table}, parameters={"b": 2, "a": "=profile(1)"}))
+
+
+def test_meters_conditions_and_controllers_call_tables() -> None:
+    scene = _scene(
+        **_force("1 N"), meters=[{"name": "m", "value": "=profile(ball.x * 100)"}],
+        controllers=[{"type": "feedback", "name": "f", "writes": "push", "value":
+                      "=profile(ball.x * 100)"}],
+        events=[{"name": "e", "when": "=profile(t * 100) > 2.9", "stop": "pass"}])
+    run = sandbox.simulate(sandbox.load_scene(scene))
+    assert run["m"] == pytest.approx(np.interp(100 * run["ball.x"], [0, 1, 3], [1, 3, 2]))
+    assert run["push.value"][1:] == pytest.approx(run["m"][:-1], rel=0.01)
+    assert run.time[-1] == pytest.approx(0.0095, abs=1.5e-3)
+
+
+@pytest.mark.parametrize("value", ["=profil(t)", "=profile(t, 1)", "=profile + t"])
+def test_calls_of_what_is_no_table(value: str) -> None:
+    with pytest.raises(SceneError) as refused:
+        sandbox.load_scene(_scene(**_force(value)))
+    problem, = refused.value.problems
+    assert problem.path == "$.drives[0].value"
+    assert "unknown" in problem.message
+    if value == "=profil(t)":
+        assert problem.hint == "'profile'"
+        assert "sin" in problem.allowed
+        assert "profile" in problem.allowed
+
+
+def test_an_included_scene_has_its_own_tables(tmp_path: Any) -> None:
+    part = _scene(parameters={"high": 3}, tables={"profile": {"points": [[0, 0], [1, "=high"]]}},
+                  **_force("=profile(t)"))
+    (tmp_path / "part.json").write_text(json.dumps(part))
+    (tmp_path / "main.json").write_text(json.dumps({
+        "tables": {"profile": PROFILE, "other": PROFILE}, "run": {"duration": 0.1},
+        "parts": [{"include": "part", "name": "one"}, {"include": "part", "name": "two",
+                                                       "parameters": {"high": 5}},
+                  {"include": "part", "name": "three", "at": [1, 0]}]}))
+    mechanism = sandbox.expand(sandbox.load_scene(str(tmp_path / "main.json")))
+    assert set(mechanism.tables) == {"profile", "other", "one_profile", "two_profile"}
+    assert mechanism.tables["two_profile"].points == ((0.0, 0.0), (1.0, 5.0))
+    assert [drive.value.expression for drive in mechanism.drives] == [
+        "=one_profile(t)", "=two_profile(t)", "=one_profile(t)"]
+    run = sandbox.simulate(mechanism)
+    assert run["two.push.value"] == pytest.approx(5 * run.time)
+    part["drives"][0]["value"] = "=other(t)"
+    (tmp_path / "part.json").write_text(json.dumps(part))
+    with pytest.raises(SceneError, match="unknown function 'other'"):
+        sandbox.load_scene(str(tmp_path / "main.json"))
+
+
+# --- signals
+
 
 T = np.array([0.0, 0.5, 1.0, 1.5, 2.0])
 ADAPTER: TypeAdapter[AnySignal] = TypeAdapter(Signal)
 FORCE: TypeAdapter[AnySignal] = TypeAdapter(ForceSignal)
 
 
-def _values(written: Any, **parameters: float) -> list[float]:
+def signal_values(written: Any, **parameters: float) -> list[float]:
     signal = ADAPTER.validate_python(written, context={"parameters": parameters})
     return values(signal, T).tolist()
 
@@ -31,8 +170,8 @@ def _values(written: Any, **parameters: float) -> list[float]:
     ({"table": [[0.5, 1], [1.5, 3]], "between": "step"}, [1.0, 1.0, 1.0, 3.0, 3.0]),
     ("=pull * t", [0.0, 2.0, 4.0, 6.0, 8.0]), ({"expression": "t + 1"}, [1.0, 1.5, 2.0, 2.5, 3.0]),
 ])
-def test_values(written: Any, expected: list[float]) -> None:
-    assert _values(written, pull=4.0) == expected
+def test_signal_values(written: Any, expected: list[float]) -> None:
+    assert signal_values(written, pull=4.0) == expected
 
 
 def test_a_signal_read_again_is_the_same() -> None:
@@ -54,7 +193,7 @@ def test_a_signal_read_again_is_the_same() -> None:
     (None, (), "expected a number, a ramp"), ([1], (), "expected a number, a ramp"),
     ({"to": 1, "over": -1}, ("ramp", "over"), "0 or more"),
 ])
-def test_refusals(written: Any, place: tuple[str | int, ...], words: str) -> None:
+def test_signal_refusals(written: Any, place: tuple[str | int, ...], words: str) -> None:
     with pytest.raises(ValidationError) as refused:
         FORCE.validate_python(written)
     (error,) = refused.value.errors()

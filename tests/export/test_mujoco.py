@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
 
 import mujoco
@@ -48,3 +49,40 @@ def test_a_polyline_without_a_radius_has_no_counterpart():
         {"type": "polyline", "points": [[0, 0], [1, 0]]}]}]}))
     with pytest.raises(SceneError, match="ground: MuJoCo has no counterpart of a polyline without"):
         export_mechanism(machine)
+
+
+# --- servos and actuators at rest
+
+
+def at_rest(scene: str, without: str, duration: float) -> dict[str, float]:
+    """Readings of all sensors of one number after ``duration`` [s]."""
+    text = export_mechanism(expand(load_scene(scene)), without=[without]).text
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    while data.time < duration:
+        mujoco.mj_step(model, data)
+    return {model.sensor(i).name: float(data.sensordata[model.sensor(i).adr[0]])
+            for i in range(model.nsensor)}
+
+
+def test_a_servo_with_a_stiffness_sags_as_much() -> None:
+    """k (60 deg - q) = m g l cos q; e^(-t k / c) of the way is left after 3 s."""
+    found = at_rest("servo_arm", "stiff", 3.0)
+    q = found["left.angle"]
+    assert 40.0 * (math.pi / 3 - q) == pytest.approx(2.0 * 9.81 * 0.3 * math.cos(q), rel=1e-6)
+    assert found["pd.torque"] == pytest.approx(2.0 * 9.81 * 0.3 * math.cos(q), rel=1e-6)
+
+
+def test_actuators_are_pushed_and_told_a_length() -> None:
+    """One is at its end of stroke, one m g / k short of its target."""
+    found = at_rest("actuators", "extended", 1.2)
+    assert found["rod_1.length"] == pytest.approx(0.5, abs=1e-6)
+    assert found["rod_3.length"] == pytest.approx(0.5 - 4.0 * 9.81 / 2000.0, abs=1e-6)
+    assert found["told.force"] == pytest.approx(4.0 * 9.81, rel=1e-5)
+
+
+def test_what_goes_rigidly_to_a_place_has_no_counterpart() -> None:
+    with pytest.raises(SceneError, match="rigidly to a place") as caught:
+        export_mechanism(expand(load_scene("servo_arm")))
+    assert [problem.path for problem in caught.value.problems] == ["stiff"]

@@ -8,10 +8,12 @@ from typing import Any
 import pytest
 
 import sandbox
-from sandbox.scene.elements.loads import BuoyancyLoad, DragLoad, LawLoad
-from sandbox.scene.expand import expand
+from sandbox.model.compile import compile_mechanism
+from sandbox.model.pairs import allowed_pairs
+from sandbox.scene.expand import expand, to_json
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
+from sandbox.scene.values.planes import share
 
 BALLS: list[dict[str, Any]] = [
     {"name": name, "mass": 1, "at": [i, 0], "shapes": [{"type": "circle", "radius": 0.1}]}
@@ -30,29 +32,6 @@ def _mechanism(*loads: dict[str, Any], **more: Any) -> Mechanism:
 def test_patterns_find_what_moves_freely(bodies: Any, found: list[int]) -> None:
     load = {"type": "drag", "name": "d", "linear": 1} | ({"bodies": bodies} if bodies else {})
     assert [body for _, body in _mechanism(load).loaded] == found
-
-
-def test_an_assembly_takes_its_loads_along() -> None:
-    part = {"type": "assembly", "name": "a", "at": [1, 2], "angle": "90 deg", "scale": 2,
-            "mirror": "left-right", "bodies": BALLS, "loads": [
-                {"type": "law", "name": "f", "bodies": "*", "at": [0.1, 0.2],
-                 "force": ["=-x", "=y"]},
-                {"type": "drag", "name": "d", "bodies": ["ball1"], "linear": 1, "flow": [3, 0]},
-                {"type": "buoyancy", "name": "w", "bodies": "ball?", "level": 0.5}]}
-    other = {"name": "other", "mass": 1, "shapes": [{"type": "circle", "radius": 0.1}]}
-    made = expand(load_scene({"gravity": [0, -9.81], "bodies": [other], "parts": [part]}))
-    law, drag, water = made.loads
-    assert isinstance(law, LawLoad)
-    assert isinstance(drag, DragLoad)
-    assert isinstance(water, BuoyancyLoad)
-    assert [(load.name, load.bodies) for load in made.loads] == [
-        ("a.f", ("a.*",)), ("a.d", ("a.ball1",)), ("a.w", ("a.ball?",))]
-    assert law.at == (-0.2, 0.4)
-    assert law.force == ("=-x", "=y")
-    assert (drag.flow, water.level) == ((3.0, 0.0), 0.5)
-    on = [(made.loads[i].name, made.bodies[body].name) for i, body in made.loaded]
-    assert on == [("a.f", "a.ball1"), ("a.f", "a.ball2"), ("a.f", "a.box"), ("a.d", "a.ball1"),
-                  ("a.w", "a.ball1"), ("a.w", "a.ball2")]
 
 
 # --- fluids
@@ -120,3 +99,70 @@ def test_what_cannot_be(change: dict[str, Any], path: str, message: str, more: s
     assert problem.path.startswith(path)
     assert message in problem.message
     assert more in f"{problem.allowed} {problem.hint}"
+
+
+# --- planes
+
+
+BALL: dict[str, Any] = {
+    "name": "ball", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
+FINGER: dict[str, Any] = {
+    "type": "finger", "name": "f", "lengths": [0.03], "radii": [0.005], "masses": [0.01],
+    "guides": [[-0.02, -0.005], [0.02, -0.005]]}
+
+
+def loaded(plane: Any) -> sandbox.Scene:
+    return sandbox.load_scene({"bodies": [{**BALL, "plane": plane}]})
+
+
+@pytest.mark.parametrize(("written", "meant"), [
+    (0, (0,)), (-3, (-3,)), ([2], (2,)), ([0, 1], (0, 1)), ("all", "all"), (1000, (1000,))])
+def test_what_may_be_written(written: Any, meant: Any) -> None:
+    scene = loaded(written)
+    assert scene.bodies[0].plane == meant
+    again = sandbox.load_scene(sandbox.expand(scene).model_dump(mode="json", by_alias=True))
+    assert again.bodies == scene.bodies
+    assert ('"plane"' in to_json(sandbox.expand(scene))) == (meant != (0,))
+
+
+@pytest.mark.parametrize(("written", "message"), [
+    ("=n / 4", "'=n / 4' is 0.5, which is no plane"), ("=501 * n", "1002 is no plane"),
+    ("=m", "unknown name 'm' in an expression")])
+def test_what_computes_to_no_plane_is_refused(written: str, message: str) -> None:
+    with pytest.raises(sandbox.SceneError) as refused:
+        sandbox.load_scene({"parameters": {"n": 2}, "bodies": [{**BALL, "plane": written}]})
+    (problem,) = refused.value.problems
+    assert (problem.path, problem.message) == ("$.bodies[0].plane", message)
+
+
+@pytest.mark.parametrize(("written", "message", "hint"), [
+    ("al", "'al' is no plane", "'all'"),
+    (1.5, "the number 1.5 is no plane", ""), (True, "true is no plane", ""),
+    ([0, [1]], "a list […] is no plane", ""),
+    ([], "expected 1 to 64 planes, got 0", ""),
+    (1001, "1001 is no plane", ""), (10**400, "so large a number is no plane", "")])
+def test_what_is_no_plane_is_refused_once(written: Any, message: str, hint: str) -> None:
+    with pytest.raises(sandbox.SceneError) as refused:
+        loaded(written)
+    (problem,) = refused.value.problems
+    assert (problem.path, problem.message, problem.hint) == ("$.bodies[0].plane", message, hint)
+
+
+def test_the_table_of_all_pairs_is_that_of_each() -> None:
+    planes: list[Any] = [(0,), (0, 1), "all", (-3, 7), (7,), (1,), "all"]
+    scene = sandbox.load_scene({"bodies": [
+        {**BALL, "name": f"b{i}", "at": [i, 0], "plane": plane if plane == "all" else list(plane)}
+        for i, plane in enumerate(planes)]})
+    allowed = allowed_pairs(compile_mechanism(sandbox.expand(scene)))
+    for i, one in enumerate(planes):
+        for j, other in enumerate(planes):
+            assert allowed[i, j] == (i != j and share(one, other))
+
+
+def test_a_part_lies_in_its_plane() -> None:
+    made = sandbox.expand(sandbox.load_scene({"parts": [
+        {**FINGER, "plane": 2},
+        {"type": "section", "name": "s", "circle": 0.01, "square": 0.01, "rod": 0.03,
+         "plane": [0, 2]}]}))
+    planes = {body.name: body.plane for body in made.bodies if body.shapes}
+    assert planes == {"f.palm": (2,), "f.proximal": (2,), "s.circle": (0, 2), "s.square": (0, 2)}
