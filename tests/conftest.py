@@ -21,7 +21,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-# fewer examples by day, and no time limit: a busy machine is slow; --hypothesis-profile overrides it
+# fewer examples by day and no time limit; --hypothesis-profile=default overrides it
 settings.register_profile("day", max_examples=25, deadline=None)
 settings.load_profile("day")
 

@@ -94,16 +94,6 @@ def test_energy_created_is_the_most_that_ever_came_back():
     turns("energy.created", ALLOWED, make, by=1e-3)
 
 
-def test_energy_taken_by_joints_is_lost_and_not_created():
-    def change(a):
-        a["tendon_work"][:, 0] = [0.0, 0.1, 0.2, 0.3]
-        a["drive_work"][:, 0] = [0.0, 0.0, 0.0, 4.0]
-        a["joint_damping_work"][:, 0] = [0.0, 0.0, 0.0, -4.0]
-    found = figures(still(hinged(), change))
-    assert found["energy.created"].value == 0.0
-    assert found["energy.lost"].value == pytest.approx(0.3 / 4.0)
-
-
 POINT = (0.08, 0.01)
 SLIDE = {"name": "one", "mass": M, "inertia": INERTIA, "centre": (0.02, -0.03),
          "shapes": [{"type": "circle", "radius": 0.05}]}

@@ -11,7 +11,7 @@ from sandbox.audit import audit as audit_module
 from sandbox.audit import evidence as evidence_module
 from sandbox.audit.audit import audit
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import Figure, Worst, judged, missing
+from sandbox.audit.figures import judged
 from sandbox.engine.simulate import simulate
 from tests.audit.still import H, block, machine, still
 from tests.engine.machines import mechanism
@@ -64,43 +64,6 @@ def test_gaps_that_a_long_step_leaves_are_sound():
 
 
 # -- figures
-
-
-def of(worst: Worst) -> Figure:
-    return worst.figure("name", "m", why="{count}: {where}", source="(1)", none="nothing")
-
-
-def test_the_worst_is_what_comes_closest_to_its_tolerance_and_not_the_largest():
-    worst = Worst()
-    worst.add("first", np.array([1.0, 3.0]), np.array([10.0, 40.0]))
-    worst.add("second", np.array([0.1, 0.3, 0.2]), 2.0)
-    assert of(worst) == Figure("name", 0.3, "m", 2.0, "pass", "2: second", "(1)")
-    worst.add("third", np.array([0.3]), 2.0)  # as near: the one before stays
-    worst.add("fourth", np.array([9.0, 4.5]), np.array([1.0, 30.0]), np.array([False, True]))
-    worst.add("fifth", np.array([9.0]), 1.0, np.array([False]))
-    worst.add("sixth", np.zeros(0), 1.0)
-    assert of(worst) == Figure("name", 0.3, "m", 2.0, "pass", "4: second", "(1)")
-    worst.add("seventh", np.array([0.0, 2.5]), 2.0)
-    assert of(worst).verdict == "look"
-    assert of(worst).why == "5: seventh"
-
-
-def test_no_error_at_all_is_a_pass_and_no_comparison_none():
-    worst = Worst()
-    assert of(worst) == missing("name", why="nothing", source="(1)") or math.isnan(of(worst).value)
-    assert (of(worst).verdict, of(worst).why) == ("not computed", "nothing")
-    worst.add("only", np.zeros(3), 1e-12)
-    assert of(worst) == Figure("name", 0.0, "m", 1e-12, "pass", "1: only", "(1)")
-
-
-def test_an_error_that_is_no_number_is_the_worst_of_all():
-    worst = Worst()
-    worst.add("large", np.array([50.0]), 1.0)
-    worst.add("odd", np.array([0.0, math.nan, 0.5]), np.array([1.0, 1.0, 2.0]))
-    worst.add("larger", np.array([70.0]), 1.0)
-    figure = of(worst)
-    assert math.isnan(figure.value)
-    assert (figure.verdict, figure.why) == ("look", "3: odd")
 
 
 @pytest.mark.parametrize(("value", "threshold", "verdict"), [

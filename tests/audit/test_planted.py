@@ -227,10 +227,6 @@ def looks(run: Recording) -> set[str]:
     return {figure.name for figure in audit(run) if figure.verdict == "look"}
 
 
-def noticed(run: Recording, plant: Plant, size: float, figures: set[str]) -> None:
-    assert figures <= looks(plant(run, 0.01 * size))
-
-
 @pytest.mark.parametrize("run", [
     lambda: sound(2000.0), lambda: sound(1000.0), coiled, stiff, cornered],
     ids=["finger", "finger_rate", "coiled", "stiff", "cornered"])
@@ -238,34 +234,12 @@ def test_without_a_fault_nothing_is_noticed(run):
     assert not looks(run())
 
 
-@pytest.mark.parametrize(("plant", "size", "figures"), [row[1:] for row in FINGER],
-                         ids=[row[0] for row in FINGER])
-def test_a_fault_is_noticed(plant, size, figures):
-    noticed(sound(1000.0), plant, size, figures)
-
-
-@pytest.mark.parametrize(("plant", "size", "figures"), [row[1:] for row in EVERY_STEP],
-                         ids=[row[0] for row in EVERY_STEP])
-def test_a_fault_is_noticed_where_every_step_was_recorded(plant, size, figures):
-    noticed(sound(2000.0), plant, size, figures)
-
-
-@pytest.mark.parametrize(("plant", "size", "figures"), [row[1:] for row in COILED],
-                         ids=[row[0] for row in COILED])
-def test_a_fault_of_what_turns_or_is_led_is_noticed(plant, size, figures):
-    noticed(coiled(), plant, size, figures)
-
-
-@pytest.mark.parametrize(("plant", "size", "figures"), [row[1:] for row in STIFF],
-                         ids=[row[0] for row in STIFF])
-def test_a_fault_of_what_is_solved_at_the_end_of_a_step_is_noticed(plant, size, figures):
-    noticed(stiff(), plant, size, figures)
-
-
-@pytest.mark.parametrize(("plant", "size", "figures"), [row[1:] for row in CORNERED],
-                         ids=[row[0] for row in CORNERED])
-def test_a_fault_of_what_touches_several_shapes_is_noticed(plant, size, figures):
-    noticed(cornered(), plant, size, figures)
+@pytest.mark.parametrize(("run", "plant", "size", "figures"), [
+    pytest.param(run, *row[1:], id=row[0]) for run, table in (
+        (lambda: sound(1000.0), FINGER), (lambda: sound(2000.0), EVERY_STEP), (coiled, COILED),
+        (stiff, STIFF), (cornered, CORNERED)) for row in table])
+def test_a_fault_is_noticed_at_a_hundredth_of_its_size(run, plant, size, figures):
+    assert figures <= looks(plant(run(), 0.01 * size))
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.rest import Rest, beyond_joint, grip_of
+from sandbox.audit.rest import Rest, grip_of
 from tests.audit.still import H, block, figures, machine, still, turns
 
 G = 9.81
@@ -112,30 +112,6 @@ def test_contacts_hold_moments_about_the_hinge(who, sign, up):
 
 
 # -- what lies beyond a hinge ----------------------------------------------------------------
-
-
-def linked(*pairs, free=("one", "two", "three")):
-    bodies = [block(name) if name in free else {"name": name, "motion": "fixed"}
-              for name in ("one", "two", "three")]
-    return machine(*bodies, joints=[
-        {"type": "pin", "name": f"j{i}", "a": a, "b": b, "on_b": (0, 0)}
-        for i, (a, b) in enumerate(pairs)])
-
-
-@pytest.mark.parametrize(("pairs", "joint", "beyond"), [
-    ([("wall", "one"), ("one", "two"), ("two", "three")], 0, {1, 2, 3}),
-    ([("wall", "one"), ("one", "two"), ("two", "three")], 1, {2, 3}),
-    ([("wall", "one"), ("one", "two"), ("one", "three")], 1, {2}),
-    ([("one", "wall"), ("two", "one"), ("two", "three")], 1, {2, 3}),
-    ([("one", "wall"), ("two", "one")], 0, {1, 2}),
-    ([("one", "two"), ("two", "three")], 0, {2, 3}),
-    ([("wall", "one"), ("one", "two"), ("wall", "two")], 0, set()),
-    ([("wall", "one"), ("one", "two"), ("two", "three"), ("three", "one")], 1, set()),
-    ([("wall", "one"), ("one", "two"), ("two", "three"), ("three", "one")], 0, {1, 2, 3}),
-])
-def test_what_only_one_joint_sticks(pairs, joint, beyond):
-    model = still(linked(*pairs)).model
-    assert beyond_joint(model, joint) == beyond
 
 
 # --- fingers

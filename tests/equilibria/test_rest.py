@@ -10,7 +10,6 @@ import pytest
 import sandbox
 from sandbox.engine.still import Still
 from sandbox.equilibria.branches import Branch, rest_along
-from sandbox.equilibria.following import Along, OnBranch
 from sandbox.equilibria.polish import look
 from sandbox.equilibria.rest import AtRest, rest
 from sandbox.errors import SceneError
@@ -26,8 +25,6 @@ from tests.equilibria.scenes import (
     INERTIA,
     MASS,
     G,
-    four_bar,
-    four_bar_height,
     hanging,
     on_slope,
     pendulum,
@@ -59,24 +56,6 @@ def test_a_weight_on_a_spring():
     assert stiff[0] == pytest.approx(0.3 * G / (0.2 + 0.3 * G / 50), rel=1e-6)
 
 
-@pytest.mark.parametrize(("kind", "stiffness", "damping"), [
-    ("spring", 50.0, 20.0), ("spring", 5e6, 0.0), ("cord", 5e6, 20.0)])
-def test_what_is_left_of_forces_away_from_rest(kind: str, stiffness: float, damping: float):
-    """k x - m g, whatever share of it the step from rest has eased already: up to all but 1e-5."""
-    scene = hanging(stiffness, 0.3, damping=damping)
-    if kind == "cord":
-        del scene["springs"]
-        scene["tendons"] = [{"name": "cord", "stiffness": stiffness, "damping": damping,
-                             "rest_length": 0.2, "guides": [{"body": "wall"}, {"body": "weight"}]}]
-    mechanism = read_scene(scene).mechanism
-    still, weight = Still(mechanism), [body.name for body in mechanism.bodies].index("weight")
-    pose = still.pose.copy()
-    pose[weight, 1] -= 1e-3
-    still.put(pose)
-    left = look(still, np.zeros(0), 0.2).force
-    assert left == pytest.approx([0, stiffness * 1e-3 - 0.3 * G, 0], rel=1e-9, abs=1e-12)
-
-
 @pytest.mark.parametrize("stiffness", [20.0, 5e6])
 def test_a_spring_that_is_soft_or_too_stiff_for_the_step(stiffness: float):
     """Newton's method has to know what the step's end took off the force of a stiff spring."""
@@ -102,16 +81,6 @@ def test_a_pendulum_that_a_spring_holds_up_has_three():
             (k - MASS * G * ARM * math.cos(angle)) / INERTIA, rel=1e-6)
 
 
-def test_a_four_bar_linkage_under_gravity():
-    """A ring: at rest its weight stands as low, or as high, as nearby nowhere."""
-    low = only(four_bar())
-    crank = low["crank.angle"]
-    slope = _slope(four_bar_height, crank)
-    assert low.stability == "stable"
-    assert abs(slope) < 1e-8
-    assert four_bar_height(crank + 0.01) > four_bar_height(crank) < four_bar_height(crank - 0.01)
-
-
 def test_a_finger_closed_by_its_tendon():
     """T h_i = k_i dl_i hm_i at every hinge, without an object."""
     scene = sandbox.load_scene("single_finger", overrides={"bodies[0].at": [1.0, 1.0],
@@ -124,24 +93,6 @@ def test_a_finger_closed_by_its_tendon():
                          springs.arms(theta))
     assert np.abs(left).max() < 1e-8 * 0.1 * float(tendon.arms(theta).max())
     assert found.stability == "stable"
-
-
-@pytest.mark.parametrize("finger", [1, 3])
-def test_what_holds_and_what_ejects(birglen: AtRest, finger: int):
-    """On Birglen's equilibrium curve; the fourth runs off its tip, as the region says."""
-    rho = {1: 0.055, 2: 0.060, 3: 0.065}[finger]
-    l1, d = 0.05, 0.018
-    angle = math.asin((math.sqrt(d**2 + 3 * (4 * l1**2 + d**2 - rho**2)) - d) / (3 * l1))
-    assert birglen[f"finger{finger}.pip.angle"] == pytest.approx(angle, abs=EXACT)
-    assert birglen[f"finger{finger}.distal/finger{finger}.disc.normal"] == pytest.approx(
-        10 * 0.006 / (l1 * math.cos(angle)), rel=1e-8)
-
-
-@pytest.fixture(scope="module")
-def birglen() -> AtRest:
-    found = rest("birglen_regions")
-    assert found.remarks == ("the event 'gone' is left out: it acts on the way",)
-    return found.rests[0]
 
 
 # --- against simulations of shipped scenes that come to rest
@@ -178,20 +129,6 @@ def _forces(run: Recording) -> dict[object, float]:
         pair = int(a["contact_body"][row]), int(a["contact_other"][row])
         found[pair] = float(run.contacts.normal[row])
     return found
-
-
-@pytest.mark.nightly
-def test_with_friction_a_slow_load_leads_to_the_same():
-    """A finger on a rough disc: the slower the simulation's load, and the more stages, the same."""
-    changes = {"materials.smooth.friction": 0.3}
-    slow = sandbox.simulate(sandbox.load_scene("single_finger", overrides={
-        **changes, "run.duration": 62, "run.sample_rate": 10,
-        "drives[0].value.ramp.over": "60 s"}))
-    found = only(sandbox.load_scene("single_finger", overrides=changes), stages=400)
-    assert found.sticking
-    for name in ("mcp", "pip", "dip"):
-        assert found[f"finger.{name}.angle"] == pytest.approx(
-            float(slow[f"finger.{name}.angle"][-1]), abs=2e-3)
 
 
 # --- the engine as it is asked
@@ -276,10 +213,6 @@ def _root(function: object, low: float, high: float) -> float:
         else:
             low = middle
     return (low + high) / 2
-
-
-def _slope(function: object, at: float) -> float:
-    return (function(at + 1e-5) - function(at - 1e-5)) / 2e-5  # type: ignore[operator,no-any-return]
 
 
 @pytest.mark.parametrize("starts", [(), ({"weight.y": -0.3},)])
@@ -377,32 +310,3 @@ def test_what_is_no_range():
 def test_what_has_no_stiffness_told():
     with pytest.raises(SceneError, match="its stiffness is not told, for fluids"):
         rest_along(lambda _: read_scene("pneumatic_hand").mechanism, 0.0, 1.0, 3)
-
-
-def test_a_branch_leads_where_it_says():
-    """On a rail at x = p, hung by a spring from the origin, moved by p: the tangent is dy/dp."""
-    def make(p: float) -> Mechanism:
-        return read_scene({
-            "format": 1, "run": {"duration": 1.0}, "gravity": [0, -G],
-            "bodies": [{"name": "wall", "motion": "fixed"},
-                       {"name": "bead", "at": [p, -0.2], "mass": 0.3,
-                        "shapes": [{"type": "circle", "radius": 0.01}]}],
-            "joints": [{"type": "slot", "name": "rail", "a": "wall", "b": "bead",
-                        "start": [p, -1], "end": [p, 1], "turns": False}],
-            "springs": [{"type": "linear", "name": "spring", "a": "wall", "b": "bead",
-                         "on_a": [0, 0], "on_b": [0, 0], "stiffness": 30.0,
-                         "rest_length": 0.1}]}).mechanism
-
-    along = Along(make, None, 0.1)
-
-    def found(p: float) -> OnBranch:
-        search = along.at(p)
-        search.follow()
-        balance = search.settle()
-        assert balance is not None
-        return along.point(p, balance, None)
-
-    one, two = found(0.05), found(0.05 + 1e-5)
-    way = (two.pose - one.pose)[1, :2] / 1e-5
-    told = one.way[:2] / one.way[-1] * one.balance.size / along.span
-    np.testing.assert_allclose(told, way, rtol=1e-3, atol=1e-6)

@@ -11,7 +11,6 @@ from sandbox.errors import SceneError
 from sandbox.export import export_mechanism
 from sandbox.export.omission import leave_out, needs
 from sandbox.scene.elements.bodies import Material
-from sandbox.scene.library import shipped_scenes
 from sandbox.scene.mechanism import Mechanism
 
 FRAME = {"name": "frame", "motion": "fixed"}
@@ -87,20 +86,6 @@ def test_every_problem_says_how_to_go_on() -> None:
         assert f"--without {problem.path} " in problem.message
     export = export_mechanism(mechanism, without=[problem.path for problem in problems])
     assert export.left_out == tuple(problem.path for problem in problems)
-
-
-@pytest.mark.nightly
-def test_the_shipped_scenes_that_can_be_written_are_these() -> None:
-    refused = {}
-    for name, path in shipped_scenes().items():
-        try:
-            export_mechanism(sandbox.expand(sandbox.load_scene(path)))
-        except SceneError as error:
-            refused[name] = {problem.message.partition(",")[0] for problem in error.problems}
-    assert {name for name in refused if "wound" in str(refused[name])} >= {"pulley_differential"}
-    assert {name for name in refused if "radius" in str(refused[name])} >= {"shape_change"}
-    assert not {"single_finger", "rocker_differential", "rope_differential",
-                "adaptive_grasp"} & set(refused)
 
 
 # --- leaving elements out

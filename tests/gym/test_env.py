@@ -11,8 +11,6 @@ from gymnasium.utils.env_checker import check_env
 
 import sandbox
 from sandbox import SandboxError, SceneError
-from sandbox.draw.film.frames import FrameRenderer
-from sandbox.gym import pictures
 from sandbox.gym.env import SceneEnv
 from sandbox.recording.recording import Recording
 
@@ -169,33 +167,6 @@ def test_what_has_no_value_is_told() -> None:
         env.step(np.zeros(1))
 
 
-def test_pictures_are_those_of_one_camera(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Though what an episode needs of the world grows as it goes."""
-    used: list[FrameRenderer] = []
-
-    def renderer(*given: Any, **more: Any) -> FrameRenderer:
-        used.append(FrameRenderer(*given, **more))
-        return used[-1]
-
-    monkeypatch.setattr(pictures, "FrameRenderer", renderer)
-    scene = pendulum(view={"size": [240, 200]})
-    env = sandbox.gym.make(scene, render_mode="rgb_array", **words())
-    env.reset()
-    frames = [env.render()]
-    for _ in range(4):
-        env.step(np.array([-0.9]))
-        frames.append(env.render())
-    assert len({(one.camera.centre, one.camera.pixel) for one in used}) == 1
-    assert np.ptp([one.camera.scale for one in used]) <= 1e-9 * used[0].camera.scale
-    assert all(frame.shape == (200, 240, 3) for frame in frames)
-    assert (frames[0] != frames[-1]).any()
-    env.reset()
-    assert (env.render() == frames[0]).all()
-    assert make().render() is None
-    with pytest.raises(SandboxError, match="no render_mode 'human'"):
-        sandbox.gym.make(scene, render_mode="human", **words())
-
-
 @pytest.mark.parametrize("kind", ["sync", pytest.param("async", marks=pytest.mark.nightly)])
 def test_several_side_by_side_do_what_each_does_alone(kind: str) -> None:
     drawn = words(randomise={"parameters.mass": "uniform(0.1 kg, 0.4 kg)"})
@@ -243,6 +214,9 @@ def spans(scene: Any, **more: Any) -> dict[str, tuple[float, float]]:
     ({"randomise": {"parameters.mass": "nomal(1 kg, 0.1 kg)"}}, "Did you mean 'normal'?"),
     ({"randomise": {"parameters.mass": ["1 kg", "-1 kg"]}}, "the scene is wrong"),
     ({"randomise": "mass"}, "'mass' does not say what is drawn"),
+    ({"act": {"motor": (0, "1 mm")}}, "'mm' is a unit of length, and this is in N m"),
+    ({"observe": {"pendulum.angle": ("1 N", "2 N")}}, "'N' is a unit of force"),
+    ({"every": "9 s"}, "9 s is longer than the run"),
 ])
 def test_what_is_wrong_is_told_with_a_near_miss(wrong: dict[str, Any], said: str) -> None:
     assert said in told(**wrong)
@@ -300,18 +274,6 @@ def test_without_gymnasium_one_line_says_what_to_install(monkeypatch: pytest.Mon
     monkeypatch.setattr(sandbox.gym, "find_spec", lambda name: None)
     with pytest.raises(SandboxError, match=r"pip install 'sandbox-mechanics\[gym\]'"):
         sandbox.gym.make(pendulum(), **words())
-
-
-@pytest.mark.parametrize(("change", "said"), [
-    ({"act": {"motor": (0, "1 mm")}}, "'mm' is a unit of length, and this is in N m"),
-    ({"observe": {"pendulum.angle": ("1 N", "2 N")}}, "'N' is a unit of force"),
-    ({"every": "9 s"}, "9 s is longer than the run"),
-    ({"randomise": {"run.step": "uniform(1 ms, 2 ms)"}}, "the step is the same in all episodes"),
-])
-def test_units_and_times_that_do_not_fit_are_refused(change: dict[str, Any], said: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        sandbox.gym.make(pendulum(), **words(**change))
-    assert said in str(caught.value)
 
 
 def test_an_action_holds_for_as_long_in_every_episode() -> None:

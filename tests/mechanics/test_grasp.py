@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sandbox.mechanics import grasp, statics
-from sandbox.mechanics.embrace import ClosingFinger, Pull, close_on_discs, near_disc
+from sandbox.mechanics.embrace import ClosingFinger, Pull, close_on_discs
 from sandbox.mechanics.grasp import disc_centre
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
@@ -100,19 +100,3 @@ def test_a_free_finger_rests_where_torques_balance(finger: ClosingFinger) -> Non
     assert inside[0].any()
     assert (tau[found.theta >= LIMITS[:, 1] - 1e-6] > 0).all()
     np.testing.assert_array_equal(found.forces, 0.0)
-
-
-def test_gaps_close_as_the_jacobian_says(finger: ClosingFinger) -> None:
-    """By central differences, whose error is that of the gap's third derivative: 1e-9 m/rad."""
-    rng = np.random.default_rng(5)
-    theta = rng.uniform(0.0, 1.2, (20, 3))
-    centres, discs = rng.uniform([-0.01, -0.07], [0.09, -0.03], (20, 2)), np.full(20, 0.005)
-
-    def gaps(at: np.ndarray) -> np.ndarray:
-        return near_disc(at, finger.lengths, finger.radii, centres, discs).gaps
-
-    jacobian = near_disc(theta, finger.lengths, finger.radii, centres, discs).jacobian
-    for j in range(3):
-        turn = 1e-5 * np.eye(3)[j]
-        slope = (gaps(theta + turn) - gaps(theta - turn)) / 2e-5
-        np.testing.assert_allclose(jacobian[:, :, j], -slope, rtol=0, atol=1e-7)

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 
 from sandbox.mechanics import statics, transmission
 from sandbox.mechanics.four_bar import FourBar, crank_torques
-from sandbox.mechanics.grasp_state import GraspState, TwoPhalanges, grasp_states
-from sandbox.mechanics.transmission import equilibrium_distance, two_phalanx_forces
+from sandbox.mechanics.transmission import two_phalanx_forces
 from sandbox.study.reference_fingers import SET_G_TABLE, DiscRow
 
 
@@ -151,12 +150,6 @@ class TestAngles:
         assert LAVAL.ratio(HORN) == pytest.approx(
             LAVAL.cut(HORN) / (LAVAL.cut(HORN) + LAVAL.frame), rel=1e-12)
 
-    def test_a_parallelogram_has_ratio_one_and_no_cut(self):
-        bar = FourBar(0.050, 0.020, 0.050, 0.020)
-        assert bar.first_angle(1.0) == pytest.approx(1.0, abs=1e-12)
-        assert bar.ratio(1.0) == pytest.approx(1.0, abs=1e-12)
-        assert abs(bar.cut(1.0)) > 1e9  # infinite but for rounding
-
     def test_what_is_refused(self):
         with pytest.raises(ValueError, match=r"coupler must be greater than 0, got 0 m"):
             FourBar(0.05, 0.04, 0.0, 0.01)
@@ -212,19 +205,3 @@ def test_forces_are_those_of_virtual_work(degrees: float):
     assert found.distal == pytest.approx(TORQUE * h / (K_2 * (h + 0.050)), rel=1e-12)
     assert found.proximal == pytest.approx(
         TORQUE * 0.050 * (K_2 - h * np.cos(theta[1])) / (K_1 * K_2 * (h + 0.050)), rel=1e-9)
-
-
-def test_a_spring_takes_its_share_and_the_grasp_states_follow():
-    """A preloaded spring lowers X, so that a contact that would let go holds."""
-    theta_2 = 60 * DEG
-    bare = crank_torques(TORQUE, LAVAL, HORN)
-    held = crank_torques(TORQUE, LAVAL, HORN, stiffness=0.03, rest=-30 * DEG)
-    at = np.array([0.6, theta_2])
-    assert bare(at)[1] - held(at)[1] == pytest.approx(0.03 * 90 * DEG, rel=1e-12)
-    edge = equilibrium_distance(theta_2, 0.050, bare(at)[1] / bare(at)[0])
-    assert edge == pytest.approx(LAVAL.cut(HORN - theta_2) * np.cos(theta_2), rel=1e-12)
-    k_2 = 0.9 * float(edge)
-    states = [grasp_states(TwoPhalanges((0.050, 0.040), torques, (0, 0), (1.5, 1.55)),
-                           theta_1=0.6, theta_2=theta_2, k_1=K_1, k_2=k_2).state
-              for torques in (bare, held)]
-    assert states == [GraspState.EQUILIBRIUM, GraspState.STABLE]

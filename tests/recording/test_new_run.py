@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -63,36 +61,6 @@ def test_a_second_writer_is_told_and_the_first_is_not_disturbed(tmp_path):
     assert Recording.load(tmp_path).mechanism.title == "new"
     recording().save(tmp_path)
     assert Recording.load(tmp_path).mechanism.title == "A sample"
-
-
-@pytest.mark.nightly
-def test_two_writers_at_once_leave_one_run(tmp_path):
-    """Many times, from processes that wait for one another."""
-    body = ("while time.time() < float(os.environ['BEGIN']): pass\n"
-            "told = 0\n"
-            "for k in range(30):\n"
-            "    run = recording(title=f'{os.environ[\"WHO\"]}{k}', n=50 * (k % 5) + 5)\n"
-            "    try:\n        run.save(folder)\n"
-            "    except OutputError as error:\n"
-            "        assert 'another run is being written' in str(error), error\n"
-            "        told += 1\n"
-            "print(told)\n")
-    begin = str(time.time() + 4)
-    processes = []
-    for who in "ab":
-        os.environ.update(BEGIN=begin, WHO=who)
-        processes.append(worker(tmp_path, body))
-    try:
-        results = [finish(process) for process in processes]
-    finally:
-        del os.environ["BEGIN"], os.environ["WHO"]
-    assert [(code, err) for code, _, err in results] == [(0, ""), (0, "")]
-    again = Recording.load(tmp_path)
-    assert again.complete
-    said = json.loads((tmp_path / "run.json").read_text())
-    assert said["title"] == again.mechanism.title
-    assert said["samples"] == len(again)
-    assert not [name for name in names(tmp_path) if name.startswith(".")]
 
 
 MOVES = 24
@@ -241,24 +209,6 @@ def test_something_in_the_way_is_told_before_the_old_run_is_touched(tmp_path):
     assert Recording.load(left).complete
     shutil.rmtree(left)
     assert contents(tmp_path) == before
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="mounts a small disk")
-def test_a_full_disk_leaves_the_old_run(tmp_path):
-    """On a disk of its own, where one may be mounted."""
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=200k", "tmpfs", str(tmp_path)],
-                      capture_output=True, check=False).returncode:
-        pytest.skip("mounting is not allowed")
-    try:
-        folder = tmp_path / "run"
-        recording(title="old").save(folder)
-        before = contents(folder)
-        with pytest.raises(OutputError, match=r"cannot write .*run/[a-z]+\.[a-z]+: No space left"):
-            recording(title="new", n=400).save(folder)
-        assert contents(folder) == before
-        assert Recording.load(folder).complete
-    finally:
-        subprocess.run(["umount", str(tmp_path)], check=True)
 
 
 @pytest.mark.parametrize("error", [ZeroDivisionError("in a move"), OSError(5, "the disk is gone")])

@@ -130,31 +130,6 @@ def test_a_contact_acts_on_both_bodies_at_the_recorded_place():
     assert sides.at.tolist() == [pytest.approx(point)] * 2
 
 
-def test_joints_act_on_b_and_the_other_way_on_a_where_each_holds_them():
-    """A weld with a couple; a slot, whose groove is pressed where the pin is; gaps do no harm."""
-    machine_ = pair(joints=[
-        {"type": "weld", "name": "weld", "a": "one", "b": "two", "on_a": (0.1, 0.0),
-         "on_b": (0.0, 0.05)},
-        {"type": "slot", "name": "slot", "a": "one", "b": "two", "start": (0.0, 0.0),
-         "end": (0.3, 0.0), "on_b": (0.02, 0.01)}])
-    forces, couple = np.array([[3.0, -2.0], [0.5, 4.0]]), 0.7
-
-    def change(a):
-        a["joint_force"][1], a["joint_couple"][1, 0] = forces, couple
-    loads = Loads(still(machine_, change, n=3))
-    arms = [{ONE: turned(TURN["one"], np.array([0.1, 0.0]) - CENTRE["one"]),
-             TWO: turned(TURN["two"], np.array([0.0, 0.05]) - CENTRE["two"])}]
-    pin = AT["two"] + turned(TURN["two"], np.array([0.02, 0.01]))
-    arms.append({body: pin - AT[name] - turned(TURN[name], CENTRE[name])
-                 for body, name in ((ONE, "one"), (TWO, "two"))})
-    for body, sign in ((TWO, 1), (ONE, -1)):
-        assert loads.left[:2, body, 1] == pytest.approx(sign * forces.sum(axis=0))
-        assert loads.left[2, body, 1] == pytest.approx(sign * (couple + sum(
-            moment(arm[body], force) for arm, force in zip(arms, forces, strict=True))))
-    assert not loads.left[:, 0].any()
-    assert not loads.left[:, :, 0].any()
-
-
 # -- the largest -----------------------------------------------------------------------------
 
 
@@ -222,31 +197,6 @@ def test_a_cord_over_a_wheel_is_a_taut_string(side, place):
                       - sign * math.asin(radius / math.hypot(*away)))
     arc = (turned[1] + math.pi - turned[0]) % (2 * math.pi)
     assert found == pytest.approx(total + radius * arc, rel=1e-9)
-
-
-@pytest.mark.parametrize("side", ["left", "right"])
-@pytest.mark.parametrize("end", ["first", "last"])
-def test_a_wheel_at_an_end_pays_out_what_it_turns(side, end):
-    """r times the turn; the way of the cord at t = 0 counts as nothing wound.
-
-    A cord leaves to the right on the wheel's top, where it lies left of the path: a turn
-    counter-clockwise takes it in there, and pays it out on the other side.
-    """
-    guides = [{"body": "wheel", "radius": 0.02, "side": side}, {"body": "wall", "at": (0.3, 0.02)}]
-    if end == "last":
-        guides = guides[::-1]
-    machine_ = machine(block("wheel", angle=0.4), tendons=[{"name": "cord", "guides": guides}])
-    turn = np.array([0.0, 1.5, 4.0, 6.9, 9.0])  # more than once round, by less than half at a time
-
-    def change(a):
-        a["body_pose"][:, 1, 2] = 0.4 + turn
-    found = length_of(machine_, change, n=5)
-    # a wheel right of the path carries it on its left, so from above if the path goes right
-    above = (side == "right") == (end == "first")
-    assert found - found[0] == pytest.approx((1 if above else -1) * 0.02 * turn, abs=1e-15)
-    ends = np.array([0.3, 0.02])
-    straight = math.sqrt(ends @ ends - 0.02**2)
-    assert found[0] == pytest.approx(straight, rel=1e-12)
 
 
 # -- the pull on the guides --------------------------------------------------------------------

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from sandbox.samples.outcome import Happened
 from sandbox.samples.response import effort, overshoot, respond, settling_time
-from sandbox.samples.targets import controlled, initial, led, responses, start, targets, track
+from sandbox.samples.targets import controlled, initial, led, responses, start, targets
 from tests.samples.controlled import STIFFNESS, TARGETS, recording, scene, second_order
 
 ANGLES = [f"finger.{joint}.angle" for joint in ("mcp", "pip", "dip")]
@@ -70,15 +70,6 @@ def test_where_things_start() -> None:
     assert start(run, "finger.distal.x") == pytest.approx(0.071)
     assert start(run, "finger.tendon.tension") is None
     assert start(run, "finger.mcp.rate") is None
-
-
-def test_a_track_begins_at_zero_if_it_can() -> None:
-    run = recording()
-    time, value, target = track(run, "finger.dip.angle", targets(run)["finger.dip.angle"])
-    assert target is not None
-    assert len(time) == len(value) == len(target) == len(run) + 1
-    assert (time[0], value[0], target[0]) == (0, pytest.approx(0), pytest.approx(TARGETS[2]))
-    assert len(track(run, "finger.tendon.tension").time) == len(run)
 
 
 def test_a_step_is_counted_from_its_beginning() -> None:
@@ -148,10 +139,6 @@ def test_a_target_of_zero_has_a_band_of_the_step() -> None:
     tau = 0.2
     found = settling_time(T, 3 * np.exp(-T / tau), 0 * ONE)
     assert found == pytest.approx(tau * math.log(50), abs=DT**2 / (8 * tau) + 1e-12)
-
-
-def test_no_step_has_no_overshoot() -> None:
-    assert math.isnan(respond(T, ONE, ONE).overshoot)
 
 
 def test_a_moving_target() -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SceneError
-from sandbox.scene.elements.bodies import Body, Polygon, Polyline
+from sandbox.scene.elements.bodies import Body
 from sandbox.scene.elements.drives import Drive
 from sandbox.scene.elements.joints import Joint
 from sandbox.scene.elements.loads import Load
@@ -20,7 +20,6 @@ from sandbox.scene.elements.spec import Spec
 from sandbox.scene.elements.springs import Spring
 from sandbox.scene.elements.tendons import Tendon
 from sandbox.scene.expand import expand, to_json
-from sandbox.scene.geometry import area_properties, pose_of, to_world
 from sandbox.scene.parts.placement import HOLDERS, RULES, Placement
 from sandbox.scene.read.load import load_scene
 from sandbox.scene.values.numbers import Point, dimension_read
@@ -183,35 +182,6 @@ def test_every_point_on_a_named_body_is_known_by_its_holder():
             of_points = Point in (field.annotation, *get_args(field.annotation))
             if of_points and {"a", "body"} & set(kind.model_fields):
                 assert HOLDERS[name] in kind.model_fields, f"{kind.__name__}.{name}"
-
-
-def test_outlines_are_mirrored_and_scaled_with_their_holes():
-    """Twice as large, mirrored, and turned by a quarter: areas fourfold, corners where they go."""
-    ring = [[0, 0], [4, 0], [4, 4], [0, 4]]
-    hole = [[1, 1], [2, 1], [2, 3]]
-    line = [[0, 0], [1, 0], [2, 1]]
-    body = {"name": "b", "motion": "fixed", "at": [5, 6], "shapes": [
-        {"type": "polygon", "points": ring, "holes": [hole]},
-        {"type": "polyline", "points": line, "radius": 0.1}]}
-    (placed,) = expand(load_scene({"parts": [{
-        "type": "assembly", "name": "a", "at": [1, 2], "angle": "90 deg", "scale": 2,
-        "mirror": "left-right", "bodies": [body]}]})).bodies
-    plate, ground = placed.shapes
-    assert isinstance(plate, Polygon)
-    assert isinstance(ground, Polyline)
-
-    def seen(points):
-        return np.array([to_world(pose_of(placed), point) for point in points])
-
-    def meant(points):
-        x, y = np.add(points, [5, 6]).T
-        return np.stack([1 - 2 * y, 2 - 2 * x], axis=1)  # mirrored, then turned: (-y, -x)
-
-    assert seen(plate.points) == pytest.approx(meant(ring))
-    assert seen(plate.holes[0]) == pytest.approx(meant(hole))
-    assert seen(ground.points) == pytest.approx(meant(line))
-    assert ground.radius == pytest.approx(0.2)
-    assert area_properties(plate)[0] == pytest.approx(4 * (16 - 1))
 
 
 # --- gears, racks and rolling circles

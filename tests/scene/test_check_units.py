@@ -112,14 +112,6 @@ def test_every_drive_takes_its_own_unit_from_an_event_and_a_schedule(drive: str)
             assert all(message.endswith(f"but this is {KIND[drive]}") for _, message in found)
 
 
-def test_the_message_is_that_of_every_other_unit() -> None:
-    with pytest.raises(sandbox.SceneError) as caught:
-        sandbox.load_scene(setting("push", "30 deg"))
-    (problem,) = caught.value.problems
-    assert problem.message == "'deg' is a unit of angle, but this is a force"
-    assert problem.allowed == "N, mN, kN, MN, lbf"
-
-
 @pytest.mark.parametrize(("shape", "inside"), [
     ("{}", [""]),
     ({"constant": "{}"}, [".constant"]),

@@ -17,7 +17,7 @@ from sandbox.engine.inspect import inspect
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import Scene
 from sandbox.scene.elements.settings import Run
-from sandbox.scene.library import find_scene, shipped_scenes, wholes
+from sandbox.scene.library import find_scene, wholes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene, read_scene
 from sandbox.scene.read.paths import path_text
@@ -335,16 +335,6 @@ def test_retired_settings_do_nothing_and_are_told() -> None:
 
 
 # --- the library
-
-
-def test_every_scene_says_what_it_is_and_what_it_expects():
-    for path in shipped_scenes().values():
-        scene = json.loads(path.read_text(encoding="utf-8"))
-        assert (path.parent / scene["$schema"]).resolve().is_file()
-        assert scene["title"]
-        assert scene["about"]
-        assert scene["expect"]
-        assert all(expect.get("because") for expect in scene["expect"])
 
 
 def test_wholes_are_what_nothing_includes():

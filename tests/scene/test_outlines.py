@@ -14,7 +14,7 @@ from sandbox.errors import SceneError
 from sandbox.scene.elements.bodies import Body, Polygon
 from sandbox.scene.geometry import area_properties, mass_properties, solids
 from sandbox.scene.outlines.pieces import MOST_CORNERS, pieces_of
-from sandbox.scene.outlines.rings import inside, is_convex, signed_area, without_straight
+from sandbox.scene.outlines.rings import inside, is_convex, signed_area
 from sandbox.scene.read.load import load_scene
 
 ELL = ((0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (1.0, 1.0), (1.0, 4.0), (0.0, 4.0))
@@ -54,16 +54,6 @@ def test_the_pieces_are_convex_and_cover_the_outline_and_no_more(name):
     assert all(is_convex(piece.ring) and len(piece.ring) <= MOST_CORNERS for piece in pieces)
     corners = {corner for ring in (outer, *holes) for corner in ring}
     assert {corner for piece in pieces for corner in piece.ring} <= corners
-
-
-@pytest.mark.parametrize("name", RINGS)
-def test_every_side_is_the_surface_of_one_piece(name):
-    """As many arcs without a width as the outline has sides; their lengths are its own."""
-    outer, holes = RINGS[name]
-    sides = [p for ring in (outer, *holes) for p in without_straight(ring)]
-    arcs = np.concatenate([piece.faces for piece in pieces_of(outer, holes)])
-    flat = (arcs[:, :2] == arcs[:, 2:]).all(axis=1)
-    assert np.count_nonzero(flat) == len(sides)
 
 
 # --- mass
@@ -279,14 +269,6 @@ def test_a_drawing_without_a_unit_asks_for_one(folder):
     drawing.saveas(folder / "bare.dxf")
     assert "it does not say its unit" in drawing_refused(folder, file="bare.dxf")
     assert drawn(folder, file="bare.dxf", unit="1 cm")
-
-
-@pytest.mark.parametrize("name", ["plate.svg", "plate.dxf"])
-def test_a_tolerance_that_asks_for_too_much_is_told(folder, name):
-    text = drawing_refused(folder, file=name, unit="1 m", tolerance=1e-9,
-                   **({"layer": "plate"} if name == "plate.svg" else {}))
-    assert "corners" in text
-    assert "larger tolerance" in text
 
 
 @pytest.mark.parametrize(("name", "library"), [("plate.svg", "svgelements"),

@@ -111,19 +111,6 @@ def test_meters_conditions_and_controllers_call_tables() -> None:
     assert run.time[-1] == pytest.approx(0.0095, abs=1.5e-3)
 
 
-@pytest.mark.parametrize("value", ["=profil(t)", "=profile(t, 1)", "=profile + t"])
-def test_calls_of_what_is_no_table(value: str) -> None:
-    with pytest.raises(SceneError) as refused:
-        sandbox.load_scene(_scene(**_force(value)))
-    problem, = refused.value.problems
-    assert problem.path == "$.drives[0].value"
-    assert "unknown" in problem.message
-    if value == "=profil(t)":
-        assert problem.hint == "'profile'"
-        assert "sin" in problem.allowed
-        assert "profile" in problem.allowed
-
-
 def test_an_included_scene_has_its_own_tables(tmp_path: Any) -> None:
     part = _scene(parameters={"high": 3}, tables={"profile": {"points": [[0, 0], [1, "=high"]]}},
                   **_force("=profile(t)"))

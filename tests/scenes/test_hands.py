@@ -9,15 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize_scalar
 
 from sandbox.engine.inspect import inspect
 from sandbox.engine.simulate import simulate
-from sandbox.mechanics.four_bar import FourBar
-from sandbox.mechanics.grasp import disc_centre, disc_grasp
-from sandbox.mechanics.springs import spring_set
-from sandbox.mechanics.statics import contact_forces, contact_jacobian, joint_torques
-from sandbox.mechanics.tendon import route
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import verdicts
 from sandbox.scene.expand import expand
@@ -37,9 +31,6 @@ LOST = {"object.body.held", "object.body.contact.fy"}
 HELD = 1e-4
 """How far an object that is held may go when a shelf lets it go, or when it is pushed [m]."""
 
-LENGTHS, RADII = (0.045, 0.026, 0.021), (0.009, 0.008, 0.0075)
-GUIDES = np.array([(-22, -14), (24, -8), (10, -3), (4, -1)]) * 1e-3
-BACK: Any = np.full((3, 2), 8e-3)
 
 FAULTS: tuple[tuple[str, dict[str, Any], set[str]], ...] = (
     ("four_finger_opposed", {"shares": [1, 1, 1, 1.01]}, {"left1.finger.tendon.tension"}),
@@ -194,47 +185,3 @@ def test_the_verdict_does_not_depend_on_the_step(name: str, step: str) -> None:
 @pytest.mark.parametrize(("name", "overrides"), CHANGES, ids=called)
 def test_expectations_follow_the_parameters(name: str, overrides: dict[str, Any]) -> None:
     assert not unexpected(name, **overrides)
-
-
-def test_linkages_turn_as_the_four_bar_functions_say() -> None:
-    """Joints held to 1e-8 m of 8 mm leave 1e-6 rad."""
-    run = simulate(load_scene("linkage"))
-    for near, far, length, foot, horn in (("mcp", "pip", 0.032, 0.009, 0.009),
-                                          ("pip", "dip", 0.022, 0.007, 0.0085)):
-        # seen from the far hinge towards the near one, the finger closing counter-clockwise
-        bar = FourBar(length, horn, float(np.hypot(length, foot + horn)), foot)
-        turned = bar.first_angle(-np.pi / 2 - run[f"right.{near}.angle"]) - np.pi / 2
-        assert np.allclose(np.angle(np.exp(1j * (turned - run[f"right.{far}.angle"]))), 0,
-                           rtol=0, atol=1e-6)
-
-
-def test_what_the_palm_carries() -> None:
-    """Twice what three phalanges push along x, by f = J^-T tau: to the last digit that is printed.
-
-    The normals point to the phalanges, so that the disc is pushed the other way.
-    """
-    grasp = disc_grasp(disc_centre(np.radians(35), 0.031, 0.016, RADII[0]), 0.016, LENGTHS, RADII)
-    springs = spring_set(BACK * (-1, 1), BACK)
-    torques = joint_torques(4.0, route(GUIDES, LENGTHS).arms(grasp.theta), [300.0] * 3,
-                            springs.elongations(grasp.theta), springs.arms(grasp.theta))
-    pressed = contact_forces(contact_jacobian(grasp.theta, LENGTHS, grasp.distances), torques)
-    for name in ("four_motor", "six_motor"):
-        expected = [e.value for e in load_scene(name).expect if e.mean == "palm/disc.normal"]
-        assert expected[0] == pytest.approx(2 * float(pressed @ grasp.normals[:, 0]), abs=6e-5)
-
-
-@pytest.mark.parametrize(("sum_", "torque"), [(16e-3, 0.0), (16e-3, 0.015), (48e-3, 0.015)])
-def test_antagonists_rest_where_their_energy_is_least(sum_: float, torque: float) -> None:
-    """c s^3 / 3 of either spring and the torque's work; no equation of the scene's own."""
-    r, c, pose = 8e-3, 3e4, np.radians(30)
-    flex, extend = sum_ / 2 + r * pose, sum_ / 2 - r * pose
-
-    def energy(theta: float) -> float:
-        stretches = np.maximum([flex - r * theta, extend + r * theta], 0.0)
-        return float(c * (stretches**3).sum() / 3 - torque * theta)
-
-    least = minimize_scalar(energy, bounds=(0, 1.2), method="bounded", options={"xatol": 1e-10}).x
-    run = simulate(load_scene("antagonistic"))
-    at = {(16e-3, 0.0): 0.88, (16e-3, 0.015): 1.33, (48e-3, 0.015): 2.93}[sum_, torque]
-    found = float(run["mcp.angle"][int(np.searchsorted(run.time, at))])
-    assert found == pytest.approx(least, abs=2e-4)
