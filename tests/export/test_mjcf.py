@@ -139,6 +139,20 @@ def test_a_brake_is_the_friction_of_its_hinge() -> None:
     assert "frictionloss" not in one(root, "worldbody//joint")
 
 
+def test_speeds_at_the_start_are_kept() -> None:
+    root, _ = write(bodies=[FRAME, LOAD | {"velocity": (1, 2), "angular_velocity": 3,
+                                           "angle": 0.5}])
+    assert has(one(root, "keyframe/key"), qpos="0.1 0 0.5", qvel="1 2 3")
+
+
+def test_controllers_and_events_are_told_as_lost() -> None:
+    _, export = write(
+        drives=[{"type": "force", "name": "f", "body": "load", "direction": (1, 0), "value": 1}],
+        controllers=[{"type": "schedule", "name": "c", "writes": "f", "value": 2}],
+        events=[{"name": "e", "at": 0.1, "set": {"c.active": 0}}])
+    assert [note.partition(":")[0] for note in export.notes] == ["c", "e"]
+
+
 def test_a_pin_that_closes_a_loop_acts_on_the_sum_of_other_hinges() -> None:
     """d's angle is -(b - a) = c - b here, 0.3 at the start; its numbers move by that offset."""
     def pin(name: str, a: str, b: str, **more: Any) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import signal
 import subprocess
@@ -238,3 +239,27 @@ def test_a_directory_in_place_of_a_file_of_ours_stays(tmp_path, name):
     recording(title="new").save(tmp_path)
     assert (tmp_path / name / "mine").is_dir()
     assert Recording.load(tmp_path).mechanism.title == "new"
+
+
+def test_notes_that_are_a_pipe_are_not_waited_for(tmp_path):
+    recording().save(tmp_path)
+    os.mkfifo(tmp_path / ".made")
+    recording(title="new").save(tmp_path)
+    assert Recording.load(tmp_path).mechanism.title == "new"
+
+
+def test_pictures_elsewhere_stay(tmp_path):
+    """A link that stands where frames go leads to what is not ours, whatever it is called."""
+    elsewhere, folder = tmp_path / "elsewhere", tmp_path / "run"
+    elsewhere.mkdir()
+    (elsewhere / "frame_00000.png").touch()
+    recording().save(folder)
+    (folder / "frames").symlink_to(elsewhere)
+    recording().save(folder)
+    assert (elsewhere / "frame_00000.png").exists()
+    (folder / "frames").unlink()
+    (folder / "frames").mkdir()
+    (folder / "frames" / "holiday.png").touch()
+    (folder / "frames" / "frame_00001.png").touch()
+    recording().save(folder)
+    assert names(folder / "frames") == ["holiday.png"]

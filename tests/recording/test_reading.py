@@ -271,3 +271,28 @@ def test_loading_takes_no_memory_that_grows_with_the_recording(tmp_path, monkeyp
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 6e6
+
+
+def test_a_directory_that_claims_more_than_there_is(saved):
+    path = saved / "run.npz"
+    content = bytearray(path.read_bytes())
+    end = content.rindex(b"PK\x05\x06")
+    content[end + 12:end + 16] = (1 << 30).to_bytes(4, "little")
+    path.write_bytes(content)
+    with pytest.raises(OutputError, match="is not a recording, or damaged"):
+        Recording.load(saved)
+
+
+def test_a_flipped_byte_of_a_large_recording_is_found_too(saved, monkeypatch):
+    monkeypatch.setattr(reading, "IN_MEMORY", 1000)
+    whole = bytearray((saved / "run.npz").read_bytes())
+    place = whole.index(b"\x93NUMPY", whole.index(b"contact_normal.npy")) + 130
+    whole[place] ^= 1
+    (saved / "run.npz").write_bytes(whole)
+    with pytest.raises(OutputError, match="Bad CRC-32"):
+        Recording.load(saved)
+
+
+def test_what_moves_freely_has_a_weight(saved):
+    with pytest.raises(OutputError, match=r"'body_mass' has no weight for 'finger1\.proximal'"):
+        load_changed(saved, body_mass=put(1, np.inf))

@@ -123,6 +123,10 @@ def test_second_order(zeta: float, omega: float) -> None:
     assert found <= -math.log(0.02 * math.sqrt(1 - zeta**2)) / (zeta * omega)
 
 
+def test_overshoot_is_a_share_of_the_step() -> None:
+    assert overshoot(np.array([1.0, 3.5, 3.0]), np.full(3, 3.0)) == pytest.approx(25)
+
+
 def test_what_does_not_settle() -> None:
     assert settling_time(T, 0.97 * ONE, ONE) == math.inf
     late = np.where(np.arange(len(T)) >= 0.96 * len(T), 1.0, 0.9)

@@ -20,6 +20,7 @@ from sandbox.scene.elements.spec import Spec
 from sandbox.scene.elements.springs import Spring
 from sandbox.scene.elements.tendons import Tendon
 from sandbox.scene.expand import expand, to_json
+from sandbox.scene.geometry import pose_of, to_world
 from sandbox.scene.parts.placement import HOLDERS, RULES, Placement
 from sandbox.scene.read.load import load_scene
 from sandbox.scene.values.numbers import Point, dimension_read
@@ -39,7 +40,7 @@ MACHINE: dict[str, Any] = {
                   "angle": "=t"}}],
     "joints": [
         {"type": "pin", "name": "root", "a": "ground", "b": "arm", "on_b": [0, 0], "zero": 0.1,
-         "limits": [-0.4, 0.6], "damping": 1e-4},
+         "positive": "clockwise", "limits": [-0.4, 0.6], "damping": 1e-4},
         {"type": "pin", "name": "elbow", "a": "arm", "b": "tip", "on_b": [0, 0],
          "limits": ["-20 deg", "20 deg"]}],
     "springs": [
@@ -272,3 +273,22 @@ def test_a_train_runs_as_the_one_that_is_not_placed(train: Any, placing: dict[st
             there = run[f"m.{name}.{quantity}"]
             # a step ends closing gaps at 1e-6 m/s^2 of acceleration, of 0.2 kg
             assert np.abs(there - here).max() < 1e-6 * size, name
+
+
+def test_outlines_are_mirrored_and_scaled_with_their_holes():
+    """Mirrored, turned by a quarter and moved by (1, 2): (x, y) goes to (1 - 2 y, 2 - 2 x)."""
+    ring, hole = [[0, 0], [4, 0], [4, 4], [0, 4]], [[1, 1], [2, 1], [2, 3]]
+    body = {"name": "b", "motion": "fixed", "shapes": [
+        {"type": "polygon", "points": ring, "holes": [hole]},
+        {"type": "polyline", "points": hole, "radius": 0.1},
+        {"type": "box", "size": [1, 2], "angle": 0.3}]}
+    (placed,) = expand(load_scene({"parts": [{
+        "type": "assembly", "name": "a", "at": [1, 2], "angle": "90 deg", "scale": 2,
+        "mirror": "left-right", "bodies": [body]}]})).bodies
+    plate, line, box = placed.shapes
+    for points, meant in ((plate.points, ring), (plate.holes[0], hole), (line.points, hole)):
+        x, y = np.array(meant, dtype=float).T
+        assert np.array([to_world(pose_of(placed), point) for point in points]) == pytest.approx(
+            np.stack([1 - 2 * y, 2 - 2 * x], axis=1))
+    assert (line.radius, box.size, box.angle) == (
+        pytest.approx(0.2), pytest.approx((2, 4)), pytest.approx(-0.3))

@@ -12,6 +12,7 @@ import pytest
 
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.expand import expand
+from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import load_scene
 
 POINT = {"mass": 1, "inertia": 1}
@@ -135,6 +136,12 @@ class TestCost:
         assert "more than 20000 copies" in found[0].message
         assert "--max-elements" in found[0].allowed
 
+    def test_what_is_written_out_counts_as_bytes(self):
+        found = problems({"bodies": [{**POINT, "name": "b{i}", "repeat": 100, "shapes": [
+            {"type": "circle", "radius": 1}] * 100}]}, limits=Limits(file_bytes=100_000))
+        assert [e.path for e in found] == ["$.bodies[0]"]
+        assert "'file_bytes'" in found[0].message
+
     def test_templates_that_double_forty_times(self):
         templates = {f"t{k}": {"type": "assembly", "parts": [
             {"like": f"t{k + 1}", "name": name} for name in "ab"]} for k in range(40)}
@@ -226,6 +233,11 @@ class TestInclude:
     def test_data_without_a_file_has_no_folder(self):
         found = problems({"parts": [{"include": "arm", "name": "a"}]})
         assert "no folder" in found[0].message
+
+    def test_all_files_together_have_one_limit(self, folder: Path):
+        self.write(folder / "large.json", {"about": "x" * 1000})
+        found = problems(self.including(folder, "large"), limits=Limits(file_bytes=900))
+        assert "'file_bytes'" in found[0].message
 
     def test_repeated_with_a_parameter_of_its_own(self, folder: Path):
         scene = load_scene(self.write(folder / "main.json", {"parts": [

@@ -119,6 +119,12 @@ def test_a_value_must_be_finite(text: str) -> None:
     assert not math.isfinite(expression.evaluate({}, finite=False))
 
 
+def test_length_is_limited() -> None:
+    assert parse_expression("1" + " " * 10 + "+1").evaluate({}) == 2.0
+    with pytest.raises(WrongValueError, match="at most"):
+        parse_expression("1" * (10_000))
+
+
 def test_refusals_offer_a_near_miss() -> None:
     with pytest.raises(WrongValueError) as unknown:
         parse_expression("pul / 4").evaluate({"pull": 1.0, "pitch": 2.0})
@@ -181,7 +187,7 @@ def test_the_same_number(text, values):
 
 def test_every_function_computes_the_same():
     for name, (_, arity) in FUNCTIONS.items():
-        text = f"{name}({', '.join(['0.5'] * (arity or 2))})"
+        text = f"{name}({', '.join(['0.3', '0.2', '0.4'][:arity or 2])})"
         value = parse_expression(text).evaluate({})
         assert math.isfinite(value)
         assert closure(text, lambda name: lambda: math.nan)() == pytest.approx(value, rel=1e-12)

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -172,6 +173,16 @@ def test_a_scene_is_an_object(tmp_path: Path, content: str) -> None:
     path = tmp_path / "x.json"
     path.write_text(content)
     assert "a scene is an object" in _problems(path)[0].message
+
+
+def test_python_data_is_as_good_as_json() -> None:
+    data = hand()
+    data["bodies"][0]["at"] = (np.float32(0.5), np.int64(0))
+    assert load_scene(data).bodies[0].at == (0.5, 0.0)
+    assert "a key is text" in _problems({"parameters": {3: 1}})[0].message
+    looped: dict[str, Any] = {}
+    looped["run"] = looped
+    assert "nested deeper" in _problems(looped)[0].message
 
 
 def test_overrides() -> None:

@@ -285,3 +285,16 @@ def test_what_is_not_installed_is_told(folder, name, library, monkeypatch):
     text = drawing_refused(folder, file=name)
     assert f"needs {library}, which is not installed" in text
     assert "sandbox-mechanics[outlines]" in text
+
+
+def test_a_file_that_is_too_large_is_told(folder):
+    (folder / "plate.svg").write_text(PLATE + " " * 1_000_000)
+    assert "is too large for the drawing of an outline" in drawing_refused(folder, file="plate.svg")
+
+
+def test_blocks_are_not_followed(folder):
+    drawing = ezdxf.new(units=4)
+    drawing.blocks.new("bolt").add_circle((0, 0), 1)
+    drawing.modelspace().add_blockref("bolt", (0, 0))
+    drawing.saveas(folder / "block.dxf")
+    assert "it holds the block 'bolt'" in drawing_refused(folder, file="block.dxf")

@@ -95,6 +95,13 @@ def test_limits_may_have_a_lowest_angle():
     assert made.joints[1].limits == pytest.approx((math.radians(-10), math.radians(95)))
 
 
+def test_density_instead_of_masses():
+    made = expand_finger(finger(masses=None, density=1100, thickness="15 mm"))
+    assert made.bodies[1].density == 1100
+    assert made.bodies[1].thickness == 0.015
+    assert made.bodies[1].inertia is None
+
+
 @pytest.mark.parametrize(("changes", "field", "words"), [
     ({"radii": [0.009]}, "radii", "expected 3 entries, got 1"),
     ({"guides": [[0, 0]] * 3}, "guides", "expected 4 entries, got 3"),

@@ -145,3 +145,12 @@ def test_numbers_beyond_all_measure() -> None:
         load_scene(_scene(duration=1e300))
     with pytest.raises(SceneError, match=r"steps of 1e-09 s is 1\.0e\+18 steps"):
         load_scene(_scene(duration=1e9, step=1e-9))
+
+
+def test_bodies_of_parts_count() -> None:
+    section = {"type": "section", "circle": 0.01}
+    parts = [{**section, "name": f"s{i}", "at": [i, 0]} for i in range(5)]
+    assert load_scene({"parts": parts}, limits=Limits(bodies=5))
+    with pytest.raises(SceneError, match="has 6 bodies"):
+        load_scene({"parts": parts, "bodies": [{"name": "x", "motion": "fixed"}]},
+                   limits=Limits(bodies=5))

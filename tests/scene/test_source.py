@@ -165,3 +165,11 @@ def test_paths_are_read_as_they_are_written(path: list[int | str]) -> None:
 ])
 def test_paths(text: str, path: tuple[str | int, ...]) -> None:
     assert parse_path(text) == path
+
+
+def test_file_size(tmp_path: Path) -> None:
+    path = tmp_path / "large.json"
+    path.write_text('{"about": "' + "x" * 1000 + '"}')
+    with pytest.raises(SceneError, match="limit 'file_bytes' of 1000"):
+        read_source(path, limits=Limits(file_bytes=1000))
+    assert read_source(path, limits=Limits(file_bytes=2000)).data["about"]
