@@ -197,31 +197,6 @@ def test_a_rocker_goes_the_mean_of_its_strings_weighted_by_the_other_arm():
         turns("differential", 2 * OPEN, make, by=1e-3)
 
 
-def test_wheels_of_a_pulley_tree_go_the_mean_of_their_two_sides():
-    """A wheel of 20 mm hung in two strings that end on it, one on either side.
-
-    It rises by w and turns by w / r: one side gives 2 w, the other nothing.
-    """
-    machine_ = machine(
-        block("wheel", at=(0.2, 0.5)), block("two"), block("three"),
-        joints=[{"type": "slot", "name": "slot", "a": "wall", "b": "wheel", "start": (0.2, 0.1),
-                 "end": (0.2, 0.9)}],
-        tendons=[{"name": f"string{side}", "guides": [
-            {"body": "wall", "at": (0.2 + arm, 0.2)},
-            {"body": "wheel", "radius": 0.02, "side": side}]}
-            for side, arm in (("right", -0.02), ("left", 0.02))],
-        groups=[{"name": "tree", "kind": "pulley_tree", "bodies": ["wheel"]}])
-
-    def make(error):
-        def change(a):
-            a["body_pose"][:, 1, 1] += 0.004
-            a["body_pose"][:, 1, 2] += 0.2  # 4 mm on a radius of 20 mm: its left comes down again
-            a["tendon_length"][:] = [0.3 + 0.004 - 0.004, 0.3 + 0.004 + 0.004]
-            a["tendon_length"][:, 0] += 2 * error
-        return still(machine_, change)
-    turns("differential", 2 * OPEN, make, by=1e-2)
-
-
 @pytest.mark.parametrize(("change", "words"), [
     ("no slot", "it does not slide on a slot"),
     ("one string", "it has 1 strings that are tendons, not 2"),

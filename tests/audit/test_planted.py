@@ -18,7 +18,7 @@ from sandbox.audit.audit import audit
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.study.reference_fingers import SET_G, SET_G_TABLE
-from tests.engine.machines import G, disc, fixed, mechanism
+from tests.engine.machines import G, disc, fixed, mass, mechanism
 from tests.verification.machines import finger
 
 MIDDLE, DISC, EVERY = 2, 4, slice(None)
@@ -80,6 +80,48 @@ def cornered() -> Recording:
         duration=0.6, gravity=(3.0, -G), run={"sample_rate": 2000.0},
         materials={"m": {"friction": 0.3}},
         bodies=[corner, {**disc("one", 0.03, (0.0, 0.03)), "material": "m"}]))
+
+
+@cache
+def rubbing() -> Recording:
+    """An arm that is held, one that swings on its journal, a block on a groove of a turning rod.
+
+    The rod is turned by a motor with a line.
+    """
+    return simulate(mechanism(
+        duration=0.3, gravity=(0.0, -G), run={"sample_rate": 2000.0},
+        bodies=[fixed("wall"), {"name": "one", "mass": 1.0, "inertia": 1e-3, "at": (0.1, 0.0)},
+                {"name": "two", "mass": 1.0, "inertia": 1e-3, "at": (0.1, 0.5)},
+                {"name": "rod", "mass": 1.0, "inertia": 0.01, "at": (0.0, 1.0)},
+                {"name": "bead", "mass": 0.2, "inertia": 1e-4, "at": (0.1, 1.0)}],
+        joints=[{"type": "pin", "name": "held", "a": "wall", "b": "one", "on_a": (0, 0),
+                 "friction": 2.0},
+                {"type": "pin", "name": "slips", "a": "wall", "b": "two", "on_a": (0, 0.5),
+                 "friction_coefficient": 0.3, "pin_radius": 0.03},
+                {"type": "slot", "name": "groove", "a": "rod", "b": "bead", "start": (0, 0),
+                 "end": (3, 0), "friction_coefficient": 0.2},
+                {"type": "pin", "name": "axle", "a": "wall", "b": "rod", "on_b": (0, 0)}],
+        drives=[{"type": "motor", "name": "motor", "joint": "axle", "stall": 3.0,
+                 "no_load": 8.0}]))
+
+
+LOADS: list[dict[str, Any]] = [
+    {"type": "drag", "name": "air", "linear": 0.5, "turning": 0.01},
+    {"type": "law", "name": "keel", "bodies": ["one"], "frame": "body", "at": (0.1, 0.05),
+     "force": ["=-0.1 * vx", "=-3 * vy * speed"], "torque": "=0.1 * sin(9 * t)"},
+    {"type": "law", "name": "heavy", "bodies": ["two"], "acceleration": ["=-0.3 * ax", "=-x"]},
+    {"type": "buoyancy", "name": "water"}]
+
+
+@cache
+def loaded() -> Recording:
+    """Two bodies under drag, laws and buoyancy."""
+    return simulate(mechanism(
+        duration=0.2, step=1e-3, gravity=(0.0, -9.81), run={"sample_rate": 1000}, loads=LOADS,
+        bodies=[{**mass(name, 40.0, (x, 0.0)), "thickness": 1.0, "inertia": 0.5,
+                 "shapes": [{"type": "box", "size": (0.4, 0.2)}],
+                 "velocity": (1.0, 0.2), "angle": 0.2, "angular_velocity": 1.0}
+                for name, x in (("one", 0.0), ("two", 3.0))]))
 
 
 def array(key: str, index: Any, change: Callable[[np.ndarray, float], np.ndarray]) -> Plant:
@@ -204,6 +246,52 @@ STIFF = [
 ]
 
 
+HELD, SLIPS, GROOVE = 0, 1, 2
+"""Joints of :func:`rubbing`."""
+RUBBING = [
+    ("friction of a pin", array("joint_friction", (EVERY, SLIPS), more), 0.01,
+     {"joint.friction", "momentum.moment"}),
+    ("sense of friction", array("joint_friction", (EVERY, SLIPS), more), -200.0,
+     {"joint.friction", "momentum.moment"}),
+    ("friction that holds", array("joint_friction", (EVERY, HELD), more), 200.0,
+     {"joint.friction", "momentum.moment"}),
+    ("friction of a groove", array("joint_friction", (EVERY, GROOVE), more), 0.01,
+     {"joint.friction", "momentum.force"}),
+    ("a slip called sticking", array("joint_sticks", (EVERY, SLIPS), lambda x, _: x + 1), 1.0,
+     {"joint.friction"}),
+    ("sticking called a slip", array("joint_sticks", (EVERY, HELD), lambda x, _: x - 1), 1.0,
+     {"joint.friction"}),
+    ("work of friction", array("joint_friction_work", (EVERY, SLIPS), more), 0.01, {"work"}),
+    ("work of a groove", array("joint_friction_work", (EVERY, GROOVE), more), 0.01, {"work"}),
+    ("torque of a motor with a line", array("drive_torque", (EVERY, 0), more), 0.01,
+     {"drive.motor", "momentum.moment"}),
+    ("friction of a pin in the scene", grown("joints", SLIPS, "friction_coefficient"), 0.01,
+     {"joint.friction"}),
+    ("radius of a pin in the scene", grown("joints", SLIPS, "pin_radius"), 0.01,
+     {"joint.friction"}),
+    ("friction of a groove in the scene", grown("joints", GROOVE, "friction_coefficient"), 0.01,
+     {"joint.friction"}),
+    ("stall torque", grown("drives", 0, "stall"), 0.01, {"drive.motor"}),
+    ("speed without load", grown("drives", 0, "no_load"), 0.01, {"drive.signal"}),
+]
+
+
+def other_load(number: int, field: str, value: Any) -> Plant:
+    """A load of the scene that is not the one of the run."""
+    return scene(lambda content, _: content["loads"][number].__setitem__(field, value))
+
+
+LOADED = [
+    *((f"force {i}", array("load_force", (100, i), more), 0.01, {"load.law"}) for i in range(6)),
+    *((f"torque {i}", array("load_torque", (100, i), more), 0.01, {"load.law"})
+      for i in (0, 2, 4)),
+    *((field, other_load(i, field, value), 1.0, {"load.law"}) for i, field, value in (
+        (0, "linear", 0.5005), (0, "turning", 0.01001), (0, "flow", (1e-3, 0.0)),
+        (1, "at", (0.1001, 0.05)), (1, "frame", "world"), (1, "torque", "=0.1 * sin(9.01 * t)"),
+        (2, "acceleration", ("=-0.301 * ax", "=-x")), (3, "density", 1000.5),
+        (3, "level", 1e-4))),
+    ("work of loads", array("load_work", (EVERY, 0), more), 0.1, {"energy.lost"}),
+]
 CORNERED = [
     ("radius of a disc", scene(lambda content, size: content["bodies"][1]["shapes"][0].__setitem__(
         "radius", 0.03 + size)), 0.004, {"contact.place"}),
@@ -228,8 +316,9 @@ def looks(run: Recording) -> set[str]:
 
 
 @pytest.mark.parametrize("run", [
-    lambda: sound(2000.0), lambda: sound(1000.0), coiled, stiff, cornered],
-    ids=["finger", "finger_rate", "coiled", "stiff", "cornered"])
+    lambda: sound(2000.0), lambda: sound(1000.0), coiled, stiff, cornered,
+    rubbing, loaded], ids=["finger", "finger_rate", "coiled", "stiff", "cornered", "rubbing",
+                           "loaded"])
 def test_without_a_fault_nothing_is_noticed(run):
     assert not looks(run())
 
@@ -237,7 +326,8 @@ def test_without_a_fault_nothing_is_noticed(run):
 @pytest.mark.parametrize(("run", "plant", "size", "figures"), [
     pytest.param(run, *row[1:], id=row[0]) for run, table in (
         (lambda: sound(1000.0), FINGER), (lambda: sound(2000.0), EVERY_STEP), (coiled, COILED),
-        (stiff, STIFF), (cornered, CORNERED)) for row in table])
+        (stiff, STIFF), (cornered, CORNERED), (rubbing, RUBBING), (loaded, LOADED))
+    for row in table])
 def test_a_fault_is_noticed_at_a_hundredth_of_its_size(run, plant, size, figures):
     assert figures <= looks(plant(run(), 0.01 * size))
 

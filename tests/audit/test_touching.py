@@ -10,14 +10,9 @@ import pytest
 
 from sandbox.audit.bounds import contact_bounds
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.outlines import contact_geometry, seen
 from sandbox.audit.pushes import push_limits
 from sandbox.audit.touching import touched
-from sandbox.engine import world
 from sandbox.engine.simulate import simulate
-from sandbox.scene.elements.bodies import Box, Capsule, Circle, Polygon
-from sandbox.scene.geometry import solids
-from sandbox.scene.read.load import load_scene
 from tests.audit.still import H, block, figures, machine, still
 from tests.engine.machines import mechanism
 
@@ -188,56 +183,3 @@ def test_a_wall_that_is_just_touched_holds_against_a_push(x, bound):
     right, left = push_limits(Evidence(run), 1, (0.0, np.pi))
     assert left == pytest.approx(0.5 * WEIGHT)
     assert right == pytest.approx(bound)
-
-
-# -- outlines and seams
-
-
-CIRCLE = Circle(type="circle", radius=0.02, at=(0.1, 0.0))
-BAR = Capsule(type="capsule", start=(0.0, 0.0), end=(0.1, 0.0), radius=0.01)
-BOX = Box(type="box", size=(0.2, 0.1))
-WEDGE = Polygon(type="polygon", points=((0.0, 0.0), (0.3, 0.0), (0.0, 0.4)))
-UP, RIGHT, SLANT = (0.0, 1.0), (1.0, 0.0), (0.8, 0.6)
-
-
-@pytest.mark.parametrize(("shape", "place", "out", "distance", "aside", "turned"), [
-    (CIRCLE, (0.1, 0.03), UP, 0.01, 0.0, 0.0), (CIRCLE, (0.1, 0.015), UP, -0.005, 0.0, 0.0),
-    (CIRCLE, (0.1 + 0.04 * 0.6, 0.04 * 0.8), UP, 0.012, 0.008, np.hypot(0.6, 0.2)),
-    (BAR, (0.05, 0.013), UP, 0.003, 0.0, 0.0), (BAR, (0.1 + 0.016, 0.012), SLANT, 0.01, 0.0, 0.0),
-    (BAR, (0.13, 0.01), UP, 0.0, np.hypot(0.03, 0.01) - 0.01, None),
-    (BOX, (0.09, 0.052), UP, 0.002, 0.0, 0.0), (BOX, (0.099999, 0.049), UP, -0.001, 0.0, 0.0),
-    (BOX, (0.104, 0.053), SLANT, 0.005, 0.0, np.hypot(0.2, 0.6)),
-    (BOX, (0.13, 0.05), UP, 0.0, 0.03, 0.0), (BOX, (0.0, 0.05), RIGHT, -0.1, 0.0, 0.0),
-    (WEDGE, (0.15 + 0.008, 0.2 + 0.006), SLANT, 0.01, 0.0, 0.0),
-])
-def test_ways_to_shapes(shape, place, out, distance, aside, turned):
-    found = seen(shape, np.array([place]), np.array([out]))
-    assert found.distance[0] == pytest.approx(distance, abs=1e-15)
-    assert found.aside[0] == pytest.approx(aside, abs=1e-15)
-    if turned is not None:
-        assert found.turned[0] == pytest.approx(turned, abs=1e-12)
-
-
-SEGMENTS = {
-    "run": {"duration": 0.1, "step": 1e-3, "sample_rate": 1000}, "gravity": [0, -9.81],
-    "bodies": [
-        {"name": "ground", "motion": "fixed", "shapes": [
-            {"type": "polyline", "points": [[-1, 0], [0, 0], [1, 0]]}]},
-        {"name": "b", "mass": 1, "at": [-0.07, 0.02], "velocity": [1, 0],
-         "shapes": [{"type": "box", "size": [0.1, 0.04]}]}]}
-
-
-def test_contacts_beside_a_joint_are_where_the_outline_is():
-    assert contact_geometry(Evidence(simulate(load_scene(SEGMENTS)))).verdict == "pass"
-
-
-def test_a_contact_on_a_seam_is_told(monkeypatch):
-    """Where the engine takes the ends of all segments for surface, the box is caught at one."""
-    monkeypatch.setattr(world, "solids",
-                        lambda shape: tuple((solid, None) for solid, _ in solids(shape)))
-    floating = {**SEGMENTS, "gravity": [0, 0]}
-    floating["bodies"] = [SEGMENTS["bodies"][0], {**SEGMENTS["bodies"][1], "at": [-0.07, 0.0201]}]
-    run = simulate(load_scene(floating))
-    assert run["b.vx"].min() < 0.6
-    assert np.abs(run.arrays["contact_normal"][:, 0]).max() > 0.5
-    assert contact_geometry(Evidence(run)).verdict != "pass"

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 import sandbox
-from sandbox.engine.still import Still
 from sandbox.equilibria.branches import Branch, rest_along
-from sandbox.equilibria.polish import look
 from sandbox.equilibria.rest import AtRest, rest
 from sandbox.errors import SceneError
 from sandbox.mechanics.springs import spring_set
@@ -132,33 +130,6 @@ def _forces(run: Recording) -> dict[object, float]:
 
 
 # --- the engine as it is asked
-
-
-def test_stiffness_is_the_slope_of_what_the_engine_leaves_over():
-    """K against differences of the engine's own forces, along each free motion."""
-    mechanism = read_scene("stiffness_uniform").mechanism
-    still = Still(mechanism)
-    drive, _ = still.driven(mechanism.run.duration)
-    pose, size = only("stiffness_uniform").recording, 0.3
-    assert len(pose) == 1
-    still.put(_centred(still, pose))
-    here = look(still, drive, size)
-    by = 1e-6
-    for k in range(min(4, here.free.shape[1])):
-        sides = []
-        for sign in (1.0, -1.0):
-            still.put(here.pose_after(_centred(still, pose), sign * by * here.free[:, k]))
-            sides.append(here.free.T @ look(still, drive, size).force)
-        slope = (sides[1] - sides[0]) / (2 * by)
-        np.testing.assert_allclose(slope, here.stiffness[:, k],
-                                   atol=2e-4 * np.abs(here.stiffness).max())
-
-
-def _centred(still: Still, run: Recording) -> np.ndarray:
-    pose = np.array(run.arrays["body_pose"][0])
-    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-    x, y = still.model.bodies.centre.T
-    return pose + np.stack([c * x - s * y, s * x + c * y, 0 * x], axis=1)
 
 
 # --- friction: it holds, or it does not

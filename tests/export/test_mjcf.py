@@ -108,15 +108,6 @@ def test_shapes(shape: dict[str, Any], wanted: dict[str, str]) -> None:
             "0 0 -0.025 0.04 0 -0.025 0 0.03 -0.025 0 0 0.025 0.04 0 0.025 0 0.03 0.025")
 
 
-def test_friction_of_a_pair() -> None:
-    disc = {"shapes": [{"type": "circle", "radius": 0.01}]}
-    root, _ = write(
-        materials={"a": {"friction": 0.4}, "b": {"friction": 0.1}},
-        bodies=[FRAME | disc | {"material": "a"}, LOAD | disc | {"material": "b"}])
-    assert one(root, "contact/pair") == {
-        "geom1": "frame", "geom2": "load", "condim": "3", "friction": "0.2 0.2"}
-
-
 def test_a_hinge_gathers_its_springs_and_dampers() -> None:
     hinge = {"type": "pin", "name": "hinge", "a": "frame", "b": "load", "on_b": (0, 0),
              "damping": 0.1}

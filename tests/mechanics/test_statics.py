@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.optimize import nnls
 
 from sandbox.mechanics import chain, statics
 from sandbox.mechanics.springs import spring_set
@@ -60,29 +59,6 @@ def test_closed_and_general_jacobian_agree_with_virtual_work(n: int) -> None:
     np.testing.assert_allclose(general, by_work, rtol=0, atol=2e-11)
     np.testing.assert_allclose(
         statics.contact_jacobian(theta, lengths, k), general, rtol=0, atol=1e-16)
-
-
-@given(st.integers(0, 10_000))
-def test_unilateral_against_scipy(seed: int) -> None:
-    """The same problem solved by scipy's nnls, in the norm of M^-1; and its conditions: no pull,
-    no approach, nothing that both pushes and parts.
-    """
-    rng = np.random.default_rng(seed)
-    J = statics.contact_jacobian(rng.uniform(0, 1.2, 3), SET_G.lengths, rng.uniform(.005, .02, 3))
-    J = J[: rng.integers(1, 4)]
-    tau = rng.normal(0, 0.02, 3)
-    half = rng.normal(0, 1e-3, (3, 3))
-    M = half @ half.T + 1e-6 * np.eye(3)
-    found = statics.unilateral_forces(J, tau, inertia=M)
-    root_ = np.linalg.cholesky(M)
-    expected, _ = nnls(np.linalg.solve(root_, J.T), np.linalg.solve(root_, tau))
-    scale = np.abs(tau).max() / np.abs(J).max()
-    np.testing.assert_allclose(found.forces, expected, rtol=1e-6, atol=1e-6 * scale)
-    parting = -J @ np.linalg.solve(M, found.residual)
-    size = np.linalg.norm(J) * np.linalg.norm(np.linalg.solve(M, tau))
-    assert (found.forces >= 0).all()
-    assert (parting >= -1e-8 * size).all()
-    assert np.abs(found.forces * parting).max() <= 1e-8 * size * max(1.0, found.forces.max())
 
 
 def test_stop_takes_what_contacts_cannot() -> None:

@@ -25,14 +25,6 @@ def _check(**lists: Any) -> list[tuple[str, str]]:
     return [(problem.path, problem.message) for problem in check_references(_built(**lists))]
 
 
-def test_an_actuator_is_not_lengthened_twice() -> None:
-    cylinder = {"type": "actuator", "name": "ram", "a": "wall", "b": "disc"}
-    drives = [{"type": kind, "name": kind, "joint": "ram", "value": 1, "force": 1}
-              for kind in ("extend", "length")]
-    assert _check(joints=[PIN, cylinder], drives=drives) == [
-        ("$.drives[1].joint", "the length of 'ram' is set already, by 'extend'")]
-
-
 @pytest.mark.parametrize(("view", "path", "message"), [
     ({"follow": "disk"}, "$.view.follow", "there is no body named 'disk'"),
     ({"bodies": ["wall", "dist*"]}, "$.view.bodies[1]", "no body's name matches 'dist*'"),
