@@ -93,19 +93,6 @@ def test_what_has_no_inside_holds_no_ball(points):
     assert largest_ball(points) == 0.0
 
 
-def test_neither_place_turn_nor_size_matters():
-    random = np.random.default_rng(5)
-    angles = np.sort(random.uniform(0, 2 * np.pi, 5))
-    at = np.stack([np.cos(angles), 0.6 * np.sin(angles)], axis=-1)
-    n = inward(at)
-    first = epsilon(at, n, 0.4)
-    assert first > 0.05
-    c, s = np.cos(0.7), np.sin(0.7)
-    turn = np.array([[c, s], [-s, c]])
-    moved = 0.03 * at @ turn + [5.0, -2.0]
-    assert epsilon(moved, n @ turn, 0.4, 0.03, (5.0, -2.0)) == pytest.approx(first, rel=1e-9)
-
-
 def test_isotropy():
     """Of n contacts with friction evenly round a disc: G G^T = diag(n, n, n), all values alike.
 

@@ -140,20 +140,6 @@ def test_spring_arms_are_the_derivative(finger: FingerSet) -> None:
     assert (found.arms(theta)[-1] < 0).all()
 
 
-def test_over_centre_angles() -> None:
-    """Rho_0 + omega_0: 90 deg for ends at (-8, 8), (8, 8); 2 atan2(b, 7) for Set A. There the
-    hinge lies on the spring: lm = dm + rm and no arm.
-    """
-    np.testing.assert_allclose(
-        np.degrees(_springs(SET_G).over_centre), [90, 90, 90], rtol=0, atol=1e-12)
-    heights = np.array([8, 8, 10])
-    np.testing.assert_allclose(
-        _springs(SET_A).over_centre, 2 * np.arctan(heights / 7), rtol=0, atol=1e-14)
-    found = _springs(SET_A)
-    np.testing.assert_allclose(found.lengths(found.over_centre), found.dm + found.rm, rtol=1e-14)
-    np.testing.assert_allclose(found.arms(found.over_centre), 0, atol=1e-17)
-
-
 def test_end_forces_pull_together() -> None:
     """Along the spring, equal and opposite, shape [time, 2]; a pushed one drives its ends apart."""
     near, far = springs.end_forces([[0.0, 0.0], [0.0, 0.0]], [0.03, 0.04], [5.0, -10.0])

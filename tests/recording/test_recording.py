@@ -60,16 +60,6 @@ def test_arrays_that_do_not_fit_are_refused():
         Recording(mech, wild, INFO)
 
 
-def test_table_puts_a_kind_side_by_side(run):
-    table = run.table("tendons")
-    assert table.names == ["finger1.tendon.length", "finger1.tendon.shortening",
-                           "finger1.tendon.tension", "finger1.tendon.work"]
-    assert table.units == ["m", "m", "N", "J"]
-    for name, values in zip(table.names, table.values.T, strict=True):
-        assert np.array_equal(values, run[name])
-    assert run.table("meters").values.shape == (N, 0)
-
-
 @pytest.mark.parametrize("size", [1, 7, 1000])
 def test_pieces_put_together_are_the_whole(size):
     run = recording(contacts=CONTACTS, meters=[{"name": "sum", "value": "=disc.x + t"}])

@@ -93,16 +93,6 @@ def test_torques_of_a_hinge_turn_its_b_one_way_and_its_a_the_other(kind, positiv
     assert (found[:, :, [0, 2]] == 0).all()
 
 
-@pytest.mark.parametrize(("frame", "turn"), [("world", 0.0), ("body", TURN["two"])])
-def test_a_force_drive_pushes_along_its_direction_at_its_point(frame, turn):
-    machine_ = pair(drives=[{"type": "force", "name": "push", "body": "two", "at": (0.05, -0.03),
-                             "direction": (6, -8), "frame": frame, "value": 0}])
-    found = totals(machine_, set_("drive_value", 10.0))
-    force = 10.0 * turned(turn, (0.6, -0.8))
-    assert found[:, TWO, 1] == pytest.approx([*force, moment(arm("two", (0.05, -0.03)), force)])
-    assert (found[:, :TWO] == 0).all()
-
-
 # -- contacts --------------------------------------------------------------------------------
 
 
@@ -289,10 +279,3 @@ def test_gap_normal_and_place(one, two, gap, normal, at):
     for i, wanted in enumerate(at or ()):
         if wanted is not None:
             assert found.at[i] == pytest.approx(wanted, abs=2e-9)
-
-
-@pytest.mark.parametrize("inside", [
-    piece((0, 0), grown=1), piece((0, 0), (0.5, 0), grown=0.5), piece((0.5, 0), (5, 0), grown=0.5)])
-def test_what_lies_within_another_touches_no_side_from_within(inside):
-    assert apart(BOX, inside) is None
-    assert apart(inside, inside) is None or len(inside.corners) == 2

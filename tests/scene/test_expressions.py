@@ -42,19 +42,6 @@ def test_same_value_as_python(text: str) -> None:
         assert parse_expression(f"={text}").evaluate(NAMES) == expected
 
 
-@given(st.recursive(atoms, _grown, max_leaves=12))
-def test_binding_changes_no_value(text: str) -> None:
-    expression = parse_expression(text)
-    bound = expression.bind({"a": NAMES["a"], "b": NAMES["b"], "hand": 99.0})
-    assert bound.names <= {"hand.pull"}
-    try:
-        expected = expression.evaluate(NAMES)
-    except WrongValueError:
-        return
-    assert bound.evaluate(NAMES) == expected
-    assert parse_expression(bound.text).evaluate(NAMES) == expected
-
-
 @given(st.text(max_size=60))
 @example("(" * 100_000 + "1" + ")" * 100_000)
 @example("-" * 100_000 + "1")

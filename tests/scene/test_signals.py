@@ -188,12 +188,6 @@ def test_signal_refusals(written: Any, place: tuple[str | int, ...], words: str)
     assert error["loc"][:len(place)] == place
 
 
-def test_all_wrong_units_of_a_table_at_once() -> None:
-    with pytest.raises(ValidationError) as refused:
-        FORCE.validate_python({"table": [[0, "1 mm"], [1, "2 s"]]})
-    assert len(refused.value.errors()) == 2
-
-
 def test_a_path_says_something() -> None:
     with pytest.raises(ValidationError, match="at least one of x, y and angle"):
         Path.model_validate({})

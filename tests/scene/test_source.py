@@ -44,18 +44,6 @@ def test_every_place_is_where_its_value_stands(value: object, indent: int | None
             assert json.JSONDecoder().raw_decode(text, place.key)[0] == path[-1]
 
 
-@given(st.text())
-def test_any_text_is_data_or_problems(text: str) -> None:
-    try:
-        parse_source(text)
-    except SceneError as error:
-        problems = error.problems
-    else:
-        return
-    assert all(problem.message for problem in problems)
-    assert problems
-
-
 @given(st.binary(max_size=200))
 def test_any_bytes_are_data_or_problems(tmp_path_factory: pytest.TempPathFactory, content: bytes
                                         ) -> None:
