@@ -206,12 +206,6 @@ def test_motors_and_brakes_give_up_to_their_most_whatever_is_recorded(drive):
 # -- the figure
 
 
-def test_where_nothing_touches_there_is_nothing_to_say():
-    run = still(machine(block("block")), n=1)
-    assert between(run) == []
-    assert figures(run)["contact.bounds"].why == "nothing touches at the end"
-
-
 # --- pushes
 
 

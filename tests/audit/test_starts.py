@@ -106,12 +106,6 @@ def test_a_motor_that_begins_with_its_hinges_rate_costs_nothing(angle, value, ra
     assert "no motor starts" in found(run)["energy.start"].why
 
 
-def test_a_motor_at_its_limit_does_not_start_at_speed():
-    """0.02 N m take their time to bring it to 20 rad/s."""
-    for rate in RATES:
-        assert looks(crank(1.0, rate, torque=0.02)) == set()
-
-
 def test_a_hinge_that_turns_the_other_way_before_is_told_with_both_rates():
     """The impulse J (20 + 5), 25 rad/s of which half are lost."""
     run = crank(math.pi / 2, 1000.0, moving=True)

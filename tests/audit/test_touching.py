@@ -147,18 +147,6 @@ def test_a_near_phalanx_that_touches_without_force_may_press():
 # -- places
 
 
-def test_several_places_of_two_bodies_are_several_touches_and_one_plane_is_one():
-    """An L of two boxes with a disc in its corner; two wheels on one floor."""
-    corner = {"name": "corner", "motion": "fixed", "shapes": [
-        {"type": "box", "size": (0.2, 0.02), "at": (0.0, -0.01)},
-        {"type": "box", "size": (0.02, 0.2), "at": (-0.03, 0.1)}]}
-    wheels = {**block("wheels", (0.0, 0.02)), "shapes": [
-        {"type": "circle", "radius": 0.02, "at": (x, 0.0)} for x in (0.0, 0.06)]}
-    a = touched(Evidence(still(machine(wheels, corner), n=1)).last).run.arrays
-    assert sorted(map(tuple, a["contact_normal"])) == [(0.0, 1.0), (1.0, 0.0)]
-    assert not a["contact_force"].any()
-
-
 def test_a_seam_between_pieces_is_no_surface():
     """A disc on the notched side of a U: its bottom is two pieces; below the seam nothing lies."""
     outline = [(-0.04, 0.0), (0.04, 0.0), (0.04, 0.06), (0.03, 0.06), (0.03, 0.02), (-0.03, 0.02),

@@ -10,8 +10,6 @@ from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
 from sandbox.study.reference_fingers import SET_G, SET_G_TABLE, DiscRow
 
-from .coordinates import frames
-
 
 @pytest.mark.parametrize("row", SET_G_TABLE)
 def test_set_g_table(row: DiscRow) -> None:
@@ -30,20 +28,6 @@ def test_set_g_table(row: DiscRow) -> None:
     general = statics.point_jacobian(found.contacts, found.normals, found.hinges, [0, 1, 2])
     np.testing.assert_allclose(
         statics.contact_forces(general, tau), row.forces, rtol=0, atol=5.1e-5)
-
-
-@pytest.mark.parametrize("radius", [0.014, 0.020])
-def test_every_phalanx_touches(radius: float) -> None:
-    """The disc's centre is r + rho_i from every axis and r from every contact, its normal through
-    the centre; all by complex numbers.
-    """
-    centre = grasp.disc_centre(0.6, 0.030, radius, SET_G.radii[0])
-    found = grasp.disc_grasp(centre, radius, SET_G.lengths, SET_G.radii)
-    origin, direction = frames(SET_G.lengths, found.theta)
-    local = ((centre @ [1, 1j]) - origin[1:]) / direction[1:]
-    np.testing.assert_allclose(-local.imag, radius + np.array(SET_G.radii), rtol=1e-12)
-    np.testing.assert_allclose(local.real, found.distances, rtol=1e-12)
-    np.testing.assert_allclose(found.contacts - centre, radius * found.normals, rtol=0, atol=1e-15)
 
 
 def test_impossible_grasps_are_refused() -> None:

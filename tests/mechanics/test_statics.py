@@ -190,23 +190,3 @@ def test_positions_by_complex_numbers(n: int) -> None:
     np.testing.assert_allclose(
         chain.tip(found, lengths[-1]) @ [1, 1j],
         origin[:, -1] + direction[:, -1] * lengths[-1], rtol=0, atol=1e-15)
-
-
-def test_base_places_the_finger() -> None:
-    """A palm turned by a quarter: what lay along +x lies along +y."""
-    found = chain.transforms(np.zeros(3), SET_G.lengths, chain.pose(0.1, 0.2, np.pi / 2))
-    np.testing.assert_allclose(
-        chain.hinges(found), [[0.1, 0.2], [0.1, 0.245], [0.1, 0.271]], rtol=0, atol=1e-15)
-
-
-def test_impossible_chains_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"x and y and angle must be of equal length"):
-        chain.pose([0.0, 1.0], [0.0, 1.0, 2.0])
-    with pytest.raises(ValueError, match=r"frames must have shape \[..., n, 3, 3\]"):
-        chain.links_between(np.eye(3))
-    with pytest.raises(ValueError, match=r"length_before must be 0 or more, got -0.1 m"):
-        chain.link_transform(0.1, -0.1)
-    with pytest.raises(ValueError, match=r"lengths must be greater than 0, got -0.02 m"):
-        chain.transforms(np.zeros(2), [0.03, -0.02])
-    with pytest.raises(ValueError, match=r"theta must have 3 values in rad"):
-        chain.transforms(np.zeros(2), SET_G.lengths)

@@ -67,11 +67,6 @@ def test_numbers_that_no_run_records(saved, monkeypatch, key, change, message):
         load_changed(saved, **{key: change})
 
 
-@pytest.mark.parametrize("key", ["joint_stop", "contact_merged", "meter_value"])
-def test_what_may_have_no_value(saved, key):
-    assert np.isnan(load_changed(saved, **{key: put(slice(None), np.nan)}).arrays[key]).all()
-
-
 def test_what_is_infinite_excuses_nothing_else(saved):
     def change(array):
         array[0], array[1] = np.inf, 0.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sandbox.samples import samples
-from sandbox.samples.acted import contacts_on, on_the_other, ways
+from sandbox.samples.acted import on_the_other, ways
 from sandbox.scene.mechanism import Mechanism
 from tests.draw.conftest import recording as drawn_recording
 from tests.recording.sample import CONTACTS, N, S, recording
@@ -125,15 +125,3 @@ def test_it_acts_on_the_object_else_on_what_goes_farther(roles, lengths, swapped
     found = moving(roles, along_x(*lengths))
     ask = on_the_other(found.model, found.arrays, np.array([0]), np.array([1]))
     assert ask.tolist() == [swapped]
-
-
-def test_the_order_of_the_file_does_not_count():
-    """One pair written either way round: the same body, the same force on it."""
-    poses = along_x(0.0, 1.0)
-    for roles in (("link", "link"), ("object", "phalanx"), ("phalanx", "object")):
-        one = moving(roles, poses, [(0, 1, 3.0, -4.0)])
-        two = moving(roles, poses, [(1, 0, -3.0, 4.0)])
-        (on_one, force_one), (on_two, force_two) = (
-            contacts_on(each.model, each.arrays) for each in (one, two))
-        assert on_one.tolist() == on_two.tolist()
-        assert force_one.tolist() == force_two.tolist()

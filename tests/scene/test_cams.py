@@ -10,11 +10,9 @@ import pytest
 
 from sandbox.errors import SceneError
 from sandbox.scene.outlines.rings import is_convex
-from sandbox.scene.outlines.spline import PeriodicSpline
 from sandbox.scene.read.load import load_scene
 
 TURNS = np.arange(0.0, math.tau, math.pi / 12)
-FINE = np.linspace(0, 3 * math.tau, 5001)
 
 
 def cam(lift, **keys):
@@ -31,14 +29,6 @@ def refused(lift, **keys) -> str:
 
 
 # --- the spline
-
-
-def test_its_derivatives_are_those_of_its_values():
-    spline = PeriodicSpline(TURNS, np.sin(TURNS) + np.cos(3 * TURNS))
-    value, slope, bend = spline(FINE)
-    step = FINE[1] - FINE[0]
-    assert np.gradient(value, step)[1:-1] == pytest.approx(slope[1:-1], abs=1e-3)
-    assert np.gradient(slope, step)[1:-1] == pytest.approx(bend[1:-1], abs=0.06)
 
 
 # --- the envelope

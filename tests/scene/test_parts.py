@@ -138,15 +138,6 @@ def test_the_square_is_held_equally_along_and_across_its_rod():
     assert pivot.damping == pytest.approx(1 * 0.036**2)
 
 
-@pytest.mark.parametrize("changes", [
-    {"square": "12 mm"}, {"rod": "30 mm"},
-    {"square": "12 mm", "rod": ["30 mm", "20 mm"]}, {"circle": 0},
-])
-def test_wrong_sections(changes):
-    with pytest.raises(ValidationError):
-        section(**changes)
-
-
 # --- differentials
 
 

@@ -161,13 +161,6 @@ def test_signal_values(written: Any, expected: list[float]) -> None:
     assert signal_values(written, pull=4.0) == expected
 
 
-def test_a_signal_read_again_is_the_same() -> None:
-    for written in (3, {"to": 4, "over": 2}, {"table": [[0, 1]]}, "=pull * t"):
-        signal = ADAPTER.validate_python(written, context={"parameters": {"pull": 2.0}})
-        assert ADAPTER.validate_python(signal.model_dump(by_alias=True)) == signal
-        assert ADAPTER.validate_python(signal) == signal
-
-
 @pytest.mark.parametrize(("written", "place", "words"), [
     ("3 mm", (), "'mm' is a unit of length, but this is a force"),
     ({"to": "3 mm", "over": 1}, ("to",), "unit of length"),
