@@ -352,3 +352,14 @@ def test_rows_of_several_points_are_held_across_their_force_and_to_the_hulls_alo
     for beyond, seen in ((-1e-6, set()), (1e-6, {"contact.place"})):
         move = (edge + side * beyond)[:, None] * along
         assert looks(array("contact_point", rows, further)(run, move)) == seen
+
+
+def test_velocities_are_noticed_between_samples_by_a_per_cent_where_these_resolve_the_motion():
+    """A pendulum of a second and a half, one sample in five steps."""
+    run = simulate(mechanism(
+        duration=2.0, gravity=(0.0, -G), run={"sample_rate": 400.0},
+        bodies=[fixed("wall"), disc("bob", 0.02, (0.3, -0.4))],
+        joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "bob", "on_a": (0, 0)}]))
+    plant = array("body_velocity", EVERY, more)
+    assert not looks(run)
+    assert "velocity" in looks(plant(run, 0.01))

@@ -142,8 +142,9 @@ def test_spring_arms_are_the_derivative(finger: FingerSet) -> None:
 
 def test_end_forces_pull_together() -> None:
     """Along the spring, equal and opposite, shape [time, 2]; a pushed one drives its ends apart."""
-    near, far = springs.end_forces([[0.0, 0.0], [0.0, 0.0]], [0.03, 0.04], [5.0, -10.0])
-    np.testing.assert_allclose(near, [[3, 4], [-6, -8]], rtol=1e-15)
+    near, far = springs.end_forces(
+        [[[0.01, 0.02]] * 2], [0.04, 0.06], [[5.0, -10.0]])
+    np.testing.assert_allclose(near, [[[3, 4], [-6, -8]]], rtol=1e-14)
     np.testing.assert_array_equal(far, -near)
 
 

@@ -61,6 +61,12 @@ def test_events_change_targets(lasts: float | None, after: float) -> None:
     assert np.ptp(targets(run)["finger.tendon.shortening"]) == 0
 
 
+def test_who_acts_first_counts_first() -> None:
+    run = recording(scene(controllers=[
+        loop(active=False, target=0.1), loop(name="b", writes="k1", target=0.2)]))
+    assert targets(run)["finger.tendon.shortening"][0] == 0.2
+
+
 def test_where_things_start() -> None:
     run = recording()
     assert [start(run, name) for name in ANGLES] == pytest.approx([0, 0, 0])

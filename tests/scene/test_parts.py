@@ -95,6 +95,13 @@ def test_limits_may_have_a_lowest_angle():
     assert made.joints[1].limits == pytest.approx((math.radians(-10), math.radians(95)))
 
 
+def test_palm_carries_its_points():
+    box = expand_finger(finger()).bodies[0].shapes[0]
+    for x, y in ((-0.022, -0.014), (-0.008, 0.008)):
+        assert abs(x - box.at[0]) < box.size[0] / 2
+        assert abs(y - box.at[1]) < box.size[1] / 2
+
+
 def test_density_instead_of_masses():
     made = expand_finger(finger(masses=None, density=1100, thickness="15 mm"))
     assert made.bodies[1].density == 1100
