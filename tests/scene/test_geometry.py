@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from sandbox.scene.crossings import Fingers
-from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Polygon
+from sandbox.scene.elements.bodies import Box, Capsule, Circle, Polygon
 from sandbox.scene.geometry import (
     area_properties,
-    mass_properties,
 )
 from sandbox.scene.mechanism import Mechanism
 
@@ -85,21 +84,6 @@ def test_box_is_its_textbook_formula() -> None:
     assert area == pytest.approx(0.06 * 0.02, rel=1e-12)
     assert centre == pytest.approx((0.1, -0.3), rel=1e-12)
     assert second == pytest.approx(0.06 * 0.02 * (0.06**2 + 0.02**2) / 12, rel=1e-10)
-
-
-def test_given_values_win() -> None:
-    """A centre of one's own moves the inertia by m d^2 (Steiner); a given inertia is taken."""
-    disc = {"type": "circle", "radius": 0.02}
-    body = {"name": "b", "shapes": [disc], "mass": 0.3}
-    aside = mass_properties(Body.model_validate({**body, "centre": (0.03, 0.04)}))
-    assert aside.centre == (0.03, 0.04)
-    assert aside.inertia == pytest.approx(0.3 * (0.02**2 / 2 + 0.05**2), rel=1e-14)
-    given_inertia = mass_properties(
-        Body.model_validate({**body, "centre": (0.03, 0.04), "inertia": 7e-5}))
-    assert given_inertia.inertia == 7e-5
-    bare = mass_properties(Body.model_validate(
-        {"name": "b", "mass": 0.3, "inertia": 1e-5, "centre": (0.01, 0.0)}))
-    assert (bare.mass, bare.centre, bare.inertia) == (0.3, (0.01, 0.0), 1e-5)
 
 
 
