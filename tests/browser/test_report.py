@@ -78,6 +78,16 @@ def test_it_opens_without_a_fault_and_asks_for_nothing_else(opened, page):
     assert tab.locator(".plot").count() == 2
 
 
+@pytest.mark.parametrize("about", ["", "A long text. " * 100])
+def test_it_opens_at_the_start_with_play_in_view(opened, run, about):
+    mechanism = run.mechanism.model_copy(update={"about": about})
+    tab = opened(report([Recording(mechanism, run.arrays, run.info)]),
+                 viewport={"width": 1280, "height": 720})
+    assert tab.evaluate("sandbox.t") == pytest.approx(float(run.time[0]))
+    box = tab.locator("#play").bounding_box()
+    assert box["y"] + box["height"] <= 720
+
+
 def test_scrubbing_moves_bodies_pixels_and_the_plots_cursor(opened, page, run):
     tab = opened(page)
     seek(tab, 0.2)
@@ -389,8 +399,8 @@ def test_in_a_notebook_it_plays_in_a_frame_that_reaches_nothing(browser, run):
     inside = tab.frames[1]
     before = inside.evaluate("sandbox.t")
     frame.locator(".sheet canvas").focus()
-    tab.keyboard.press("Home")
-    assert inside.evaluate("sandbox.t") < before
+    tab.keyboard.press("End")
+    assert inside.evaluate("sandbox.t") > before
     assert inside.evaluate("(() => { try { return parent.document.title } catch { return '' } })()"
                            ) == ""
     assert inside.evaluate("origin") == "null"

@@ -49,7 +49,7 @@ class Report {
     this.build();
     this.listen();
     const asked = this.askedTime();
-    this.seek(asked === null ? this.last : asked);
+    this.seek(asked === null ? this.first : asked);
   }
   build() {
     const { root, heads } = this;
