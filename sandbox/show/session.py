@@ -425,7 +425,7 @@ def _same_dimension(name: str, old: Mapping[str, float], new: Mapping[str, float
 
 def _said(problem: Problem) -> str:
     """A problem in one line; of a place only that in the scene."""
-    place = f"{problem.path}: " if problem.path.startswith("$") else ""
+    place = f"{problem.path}: " if problem.path.startswith("$.") else ""
     allowed = f"; allowed: {problem.allowed}" if problem.allowed else ""
     hint = f"; did you mean {problem.hint}?" if problem.hint else ""
     return f"{place}{problem.message}{allowed}{hint}"

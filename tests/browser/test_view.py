@@ -182,6 +182,12 @@ def test_a_parameter_that_shapes_the_scene_and_a_wrong_one(view: View) -> None:
     view.page.locator("[data-typed='parameters.pitch']").fill("3 N")
     view.page.keyboard.press("Enter")
     view.until("sandbox.said.textContent.includes('unit of force')")
+    box = view.page.locator("#said").bounding_box()
+    assert box["y"] + box["height"] <= 900
+    drawn = view.get("sandbox.frame.t")
+    view.get("sandbox.send({ speed: 0.5 })")  # a status comes: the error stays
+    view.until(f"sandbox.speeds.value === '0.5' && sandbox.frame.t > {drawn} + 0.1")
+    assert "unit of force" in view.get("sandbox.said.textContent")
     for typed, said in (("abc", "is not a number with a unit"), ("5 kg", "is a unit of mass")):
         view.page.locator("[data-typed='actuator']").fill(typed)
         view.page.keyboard.press("Enter")
@@ -210,11 +216,11 @@ def test_warnings_stand_in_place_and_a_run_that_diverges_says_why(
     for typed in ("1e9", "0.1"):
         view.page.locator("[data-typed='kick']").fill(typed)
         view.page.keyboard.press("Enter")
-        view.until("!sandbox.playing && /diverged at .* ball: its motion/.test(sandbox.said.value)")
+        view.until("!sandbox.playing && /diverged at .* ball: its/.test(sandbox.state.value)")
         view.page.wait_for_timeout(100)
     assert view.get(span) == [0, 2]
     view.page.click("#reset")
-    view.until("sandbox.said.value === '' && sandbox.frame.t < 0.1")
+    view.until("sandbox.state.value === '' && sandbox.frame.t < 0.1")
     assert view.get(span) == [0, 0.2]
     view.page.click("#play")
     view.until("sandbox.playing && sandbox.frame.t > 0.1")
@@ -310,11 +316,11 @@ def test_a_saved_file_is_read_anew_and_faults_are_shown_in_place(
     assert view.get("document.querySelector('h1').textContent") == HOSTILE
     assert view.get("[globalThis.pwned, document.images.length]") == [None, 0]
     file.write_text("{")
-    view.until("sandbox.said.classList.contains('bad')")
-    assert "mine.json:1" in view.get("sandbox.said.textContent")
+    view.until("sandbox.state.classList.contains('bad')")
+    assert "mine.json:1" in view.get("sandbox.state.textContent")
     file.write_text(json.dumps({**data, "title": "mended"}))
     view.until("document.querySelector('h1').textContent === 'mended'")
-    assert view.get("sandbox.said.textContent") == ""
+    assert view.get("sandbox.state.textContent") == ""
     view.done()
 
 

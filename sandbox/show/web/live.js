@@ -21,19 +21,20 @@ class Live {
     Object.assign(this, { root, link, ids: 0, sent: new Map(), asked: false, frame: null, ways: [], instants: [],
                           waiting: new Map(), working: false, stats: { drawn: 0, got: 0, latency: [], costs: [] } });
     link.onmessage = (data) => { if (typeof data === "string") this.hear(JSON.parse(data)); else this.take(data); };
-    link.onclose = () => { if (this.head) this.tell("the view has ended; start it again, and open the address that it says", true); };
+    link.onclose = () => { if (this.head) this.tell("the view has ended; start it again, and open the address that it says", true, this.state); };
     this.build();
     this.listen();
   }
 
   // -- what is there -------------------------------------------------------------------------------
   build() {
-    this.title = el("h1"); this.said = el("output", { id: "said", className: "told", role: "status" });
+    this.title = el("h1");
+    this.state = el("output", { id: "state" }); this.said = el("output", { id: "said" });   // of the run, of what was asked
     this.warned = el("ul", { id: "warned", className: "warned", ariaLabel: "what the check of the scene found", hidden: true });
     this.sheet = el("div", { className: "sheet" });
     this.layers = el("div");
     const bench = el("section", { className: "bench", ariaLabel: "motion" },
-      el("div", { className: "sheets" }, this.sheet), this.bar(), this.tools(), this.layers, this.said, this.warned);
+      el("div", { className: "sheets" }, this.sheet), this.bar(), this.tools(), this.layers, this.warned);
     this.side = el("section", { className: "plots", ariaLabel: "controls and meters" });
     this.controls = new Controls(this.side, (name, value) => this.set(name, value));
     const plots = el("div", { className: "plots" });
@@ -42,7 +43,8 @@ class Live {
                          (text) => text && this.tell(text, true), () => this.head.late, (text) => this.watch([text]));
     this.absent = el("ul", { id: "absent", className: "warned", ariaLabel: "meters that are left out", hidden: true });
     this.side.append(this.finder, this.absent, plots);
-    this.root.replaceChildren(this.title, el("div", { className: "top" }, bench, this.side));
+    this.root.replaceChildren(this.title, el("div", { className: "top" }, bench, this.side),
+      el("div", { className: "messages" }, this.state, this.said));
     this.tip = tooltip(this.root);
     this.help = keysBox(this.root, LIVE_KEYS, PULLING);
   }
@@ -106,15 +108,13 @@ class Live {
     this.controls.show(head.controls);
     this.meters.first = head.meters;
     this.meters.show(head.watched.map((name) => ({ name, unit: this.units.get(name) })));
-    this.said.textContent = "";
   }
   status({ playing, trouble, speed, warnings, left_out: leftOut }) {
     this.playing = playing;
     this.play.textContent = playing ? "\u275a\u275a" : "\u25b6";
     this.play.ariaLabel = playing ? "pause" : "run";
     this.speeds.take(speed);
-    if (trouble) this.tell(trouble, true);
-    else if (this.said.classList.contains("bad")) this.tell("");
+    this.tell(trouble, !!trouble, this.state);
     this.warned.replaceChildren(...warnings.map((text) => el("li", { textContent: text })));
     this.warned.hidden = !warnings.length;
     this.absent.replaceChildren(...leftOut.map((text) => el("li", { textContent: text })));
@@ -126,9 +126,9 @@ class Live {
     this.pace.className = working ? "working" : "";
     this.sheet.ariaBusy = String(working);
   }
-  tell(text, bad = false) {
-    this.said.textContent = text;
-    this.said.classList.toggle("bad", bad);
+  tell(text, bad = false, box = this.said) {
+    box.textContent = text;
+    box.classList.toggle("bad", bad);
   }
 
   // -- frames --------------------------------------------------------------------------------------
@@ -174,7 +174,7 @@ class Live {
     }
     f.ways = this.ways.map((one) => one.way); f.times = this.instants; f.upto = this.instants.length - 1;
   }
-  layersChosen() { this.ask({ layers: [...this.stage.layers] }); this.redraw(); }
+  layersChosen() { this.send({ layers: [...this.stage.layers] }); this.redraw(); }
   redraw() {
     if (this.asked) return;
     this.asked = true;
@@ -211,7 +211,11 @@ class Live {
   }
 
   // -- what is asked ---------------------------------------------------------------------------------
-  ask(what) {
+  ask(what) {                                             // what was said of the last thing asked goes
+    this.tell("");
+    this.send(what);
+  }
+  send(what) {
     const id = ++this.ids;
     this.sent.set(id, performance.now());
     this.link.send(JSON.stringify({ ...what, id }));
@@ -244,7 +248,7 @@ class Live {
         this.redraw();
       },
       drop: () => {
-        if (this.held) { this.held = null; this.ask({ drop: 1 }); } else this.click(pick);
+        if (this.held) { this.held = null; this.send({ drop: 1 }); } else this.click(pick);
         this.redraw();
       },
     };
