@@ -194,6 +194,36 @@ def test_a_parameter_that_shapes_the_scene_and_a_wrong_one(view: View) -> None:
         view.until(f"sandbox.said.textContent.includes({said!r})")
 
 
+DRAG = """async () => {
+  const slider = document.querySelector("[data-control='parameters.pitch']");
+  const own = sandbox.link.send, ids = [], stages = new Set();
+  let most = 0;
+  sandbox.link.send = (text) => {
+    const asked = JSON.parse(text);
+    if (asked.set) ids.push(asked.id);
+    most = Math.max(most, ids.filter((id) => sandbox.sent.has(id)).length);
+    own(text);
+  };
+  for (let k = 1; k <= 60; k++) {
+    slider.value = 105 + k / 2;
+    slider.dispatchEvent(new Event("input"));
+    await new Promise((done) => setTimeout(done, 20));
+    if (sandbox.frame) stages.add(sandbox.stage);
+    if (document.querySelectorAll(".sheet canvas").length !== 1) throw new Error("no picture");
+  }
+  return { asked: ids.length, most, pictures: stages.size };
+}"""
+
+
+def test_a_slider_that_is_dragged_has_one_request_under_way_and_ends_at_the_last_value(
+    view: View,
+) -> None:
+    found = view.page.evaluate(DRAG)
+    assert found["most"] == 1
+    assert 1 < found["pictures"] <= found["asked"] < 60
+    view.until("sandbox.head.controls.find((c) => c.name === 'parameters.pitch').value === 135")
+
+
 def test_warnings_stand_in_place_and_a_run_that_diverges_says_why(
     browser: Any, serve: Callable[..., str], tmp_path: Path,
 ) -> None:

@@ -87,7 +87,6 @@ class Live {
     this.title.textContent = document.title = head.title;
     this.canvas = el("canvas", { tabIndex: 0, ariaLabel: "the mechanism in motion: drag a body to pull it" });
     this.canvas.style.aspectRatio = String(head.view.aspect);
-    this.sheet.replaceChildren(this.canvas);
     const stage = this.stage = new Stage(this.canvas, head);
     stage.extra.push((s) => this.drawHand(s));
     if (old) {                                            // the camera stays, and whom it goes along with
@@ -184,6 +183,7 @@ class Live {
     this.asked = false;
     const f = this.frame, began = performance.now();
     if (!f) return;
+    if (!this.canvas.isConnected) this.sheet.replaceChildren(this.canvas);   // the old picture stays until now
     this.stage.stamp = `t = ${f.t.toFixed(2)} s`;
     this.stage.draw(f);
     this.clock.textContent = `${f.t.toFixed(3)} s`;
@@ -197,6 +197,7 @@ class Live {
       if (id > f.ack) break;
       this.stats.latency.push(performance.now() - at); this.sent.delete(id);
     }
+    this.setNext();
     if (f.seq !== this.shown) { this.shown = f.seq; this.link.send(`{"seen":${f.seq}}`); }
     this.stats.costs.push(performance.now() - began);
     if (this.stats.costs.length > 2000) { this.stats.costs.splice(0, 1000); this.stats.latency.splice(0, 1000); }
@@ -220,14 +221,13 @@ class Live {
     this.sent.set(id, performance.now());
     this.link.send(JSON.stringify({ ...what, id }));
   }
-  set(name, value) {                                      // of values that come fast the last one counts
-    if (!name.startsWith("parameters.")) { this.ask({ set: name, value }); return; }
-    this.waiting.set(name, value);
-    clearTimeout(this.later);
-    this.later = setTimeout(() => {
-      for (const [each, last] of this.waiting) this.ask({ set: each, value: last });
-      this.waiting.clear();
-    }, 40);
+  set(name, value) { this.waiting.set(name, value); this.setNext(); }
+  setNext() {                                             // one request at a time: the next goes when its frame is drawn
+    const [next] = this.waiting;
+    if (!next || this.sent.has(this.setting)) return;
+    this.waiting.delete(next[0]);
+    this.ask({ set: next[0], value: next[1] });
+    this.setting = this.ids;
   }
   watch(names) {                                          // one that no frame tells is asked for alone: the answer says why
     const told = names.filter((name) => this.units.has(name));
@@ -235,7 +235,7 @@ class Live {
   }
   toggle() { this.ask({ do: this.playing ? "pause" : "run" }); }
   grab(pick, x, y) {
-    if (!pick || !(pick.b >= 0) || !this.head.moving.includes(pick.b)) return null;
+    if (!this.frame || !pick || !(pick.b >= 0) || !this.head.moving.includes(pick.b)) return null;
     const { stage } = this, body = this.head.bodies[pick.b].name, at = stage.local(pick.b, stage.world(x, y));
     let moved = 0, was = [x, y];
     this.tip(null);

@@ -21,7 +21,7 @@ class Stage {
     this.dress();
   }
   dress() {                                               // take on light or dark
-    this.dark = getComputedStyle(this.canvas).getPropertyValue("--dark").trim() === "1";
+    this.dark = getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1";
     this.patterns = {};
     const { head } = this, [back, night] = [this.ink("BACKGROUND"), this.dark];
     this.fills = head.fills.map(([fill, edge]) => (night
