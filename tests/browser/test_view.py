@@ -436,3 +436,16 @@ def test_a_drive_is_typed_in_a_unit_of_its_own(limited: View) -> None:
     limited.page.keyboard.press("Enter")
     limited.until("sandbox.said.textContent.includes('this is an angular speed')")
     assert typed.input_value() == "6.283"
+
+
+@pytest.mark.parametrize("aside", [0, 9])
+def test_a_drag_on_a_hinge_or_its_motor_pulls_the_body(limited: View, aside: float) -> None:
+    limited.page.get_by_label("follow").select_option("-1")
+    x, y = limited.get("sandbox.stage.at([1, 0, 0])")
+    box = limited.page.locator(".sheet canvas").bounding_box()
+    limited.page.mouse.move(box["x"] + x + aside, box["y"] + y)
+    limited.page.mouse.down()
+    limited.page.mouse.move(box["x"] + x + aside + 60, box["y"] + y - 40, steps=4)
+    limited.until("sandbox.frame.hand === 1 && sandbox.frame.force_x > 0")
+    assert limited.get("sandbox.stage.pan") == [0, 0]
+    limited.page.mouse.up()

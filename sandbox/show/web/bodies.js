@@ -210,7 +210,7 @@ KINDS.collar = (s, p, f) => collar(s, s.at(p.at), f.sticks && f.sticks[p.j] === 
 KINDS.pin = (s, p) => {
   const at = s.at(p.b);
   s.ring(at, PIN, 1.4);
-  s.hit({ k: "joint", n: p.n }, [at, at], 5);
+  s.hit({ k: "joint", n: p.n, b: [p.b[0], p.a[0]].find((b) => s.head.moving.includes(b)) }, [at, at], 5);
 };
 KINDS.ends = (s, p) => { for (const end of [p.a, p.b]) s.ring(s.at(end), 0.75 * PIN, 1.2); };
 KINDS.weld = (s, p) => {

@@ -235,8 +235,9 @@ class Live {
   }
   toggle() { this.ask({ do: this.playing ? "pause" : "run" }); }
   grab(pick, x, y) {
-    if (!this.frame || !pick || !(pick.b >= 0) || !this.head.moving.includes(pick.b)) return null;
-    const { stage } = this, body = this.head.bodies[pick.b].name, at = stage.local(pick.b, stage.world(x, y));
+    const { stage, head } = this, under = this.frame && stage.pick(x, y, (b) => head.moving.includes(b));
+    if (!under) return null;
+    const body = head.bodies[under.b].name, at = stage.local(under.b, stage.world(x, y));
     let moved = 0, was = [x, y];
     this.tip(null);
     return {

@@ -221,17 +221,15 @@ class Stage {
   }
   hit(part, pts, reach = 6) { this.hits.push({ part, pts, reach }); }
   // What is at a pixel of the last frame, null if nothing: {k, n, b}, its kind, name and body (or -1);
-  // of a contact force also its row.
-  pick(x, y) {
+  // of a contact force also its row. `of` says which bodies count.
+  pick(x, y, of = () => true) {
     for (let i = this.hits.length - 1; i >= 0; i--) {
-      const { part, pts, reach } = this.hits[i];
-      if (toPath([x, y], pts) < reach) {
-        return { k: part.k, n: part.n, b: typeof part.b === "number" ? part.b : -1, row: part.row };
-      }
+      const { part, pts, reach } = this.hits[i], b = typeof part.b === "number" ? part.b : -1;
+      if (of(b) && toPath([x, y], pts) < reach) return { k: part.k, n: part.n, b, row: part.row };
     }
     for (let i = this.head.parts.length - 1; i >= 0; i--) {
       const p = this.head.parts[i];
-      if (p.path && this.layers.has(p.l) && p.n && this.inside(p, x, y)) return { k: "body", n: p.n, b: p.b };
+      if (p.path && this.layers.has(p.l) && p.n && of(p.b) && this.inside(p, x, y)) return { k: "body", n: p.n, b: p.b };
     }
     return null;
   }
