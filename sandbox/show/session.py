@@ -107,6 +107,8 @@ class Session:
         """Go on with another run of the scene."""
         self.live, self.hand, self.frames = live, Hand(live), LiveFrames(live, self._look)
         self.trouble, self._due, self._stride = "", 0.0, Stride()
+        self._end = round(live.scene.run.duration / live.scene.run.step)
+        """Steps to the end of the scene, where it pauses once."""
         self.frames.layers = self._layers
         watched = _first_meters(self.frames, self._look.catalogue.usual) \
             if self._watched is None else self._watched
@@ -123,9 +125,16 @@ class Session:
         """What stands beside the picture: whether it runs, how fast, what is wrong."""
         return {"status": {"playing": self.playing, "speed": self.speed,
                            "trouble": self._in_place(self.trouble or self.live.ending),
+                           "note": self._note(),
                            "warnings": [self._in_place(text)
                                         for text in self.warnings],
                            "left_out": self.frames.left_out}}
+
+    def _note(self) -> str:
+        if self.playing or self.live.steps != self._end:
+            return ""
+        return (f"The scene ends at {self.scene.run.duration:.6g} s. "
+                "Press run to continue, or reset to go back to the start.")
 
     def _in_place(self, text: str) -> str:
         """A text without the folder of the scene's file, which the page's reader knows."""
@@ -156,6 +165,9 @@ class Session:
         self._due += seconds * self.speed / step
         wanted, made = int(self._due), 0
         self._due -= wanted
+        left = self._end - self.live.steps
+        if left > 0:
+            wanted = min(wanted, left)
         began = time.perf_counter()
         while made < wanted and not self.live.finished:
             with self._stride.of(min(wanted - made, self._stride.fits(budget / 4))) as steps:
@@ -163,7 +175,7 @@ class Session:
             if time.perf_counter() - began > budget:
                 break
         self.rate += 0.1 * (made * step / seconds - self.rate)
-        if self.live.finished:
+        if self.live.finished or 0 < left <= made:
             self.playing = False
 
     def _go(self, most: int) -> int:

@@ -20,7 +20,7 @@ from sandbox.show.page import quantities
 from sandbox.show.session import FASTEST, FRAME, Found, Session
 
 PULLED: dict[str, Any] = {
-    "name": "pulled", "parameters": {"load": "200 g", "pull": "3 N"}, "run": {"duration": 0.2},
+    "name": "pulled", "parameters": {"load": "200 g", "pull": "3 N"}, "run": {"duration": 10},
     "gravity": [0, -9.81],
     "bodies": [{"name": "frame", "motion": "fixed"},
                {"name": "weight", "at": [0, -0.2], "mass": "=load",
@@ -92,6 +92,25 @@ def test_time_passes_at_the_asked_speed_and_a_frame_tells_the_run(tmp_path: Path
     assert play(made, 0.5)["t"] == pytest.approx(0.75, abs=2e-3)
     ask(made, speed=1e9)
     assert made.speed == FASTEST
+
+
+def test_it_pauses_once_at_the_end_of_the_scene_and_says_so(tmp_path: Path) -> None:
+    made = session(tmp_path, run={"duration": 0.2})
+    while made.playing:
+        made.advance(FRAME, budget=10.0)
+    assert made.live.time == pytest.approx(0.2)
+    assert "ends at 0.2 s" in made.status()["status"]["note"]
+    ask(made, speed=0.02)
+    ask(made, do="run")
+    assert made.status()["status"]["note"] == ""
+    made.advance(FRAME)  # less than a step
+    assert made.playing
+    made.advance(1.0)
+    assert made.playing
+    ask(made, do="reset")
+    made.playing, made.speed = True, 1.0
+    play(made, 0.3)
+    assert not made.playing
 
 
 def test_what_does_not_fit_the_budget_is_left_out_and_the_rate_says_so(tmp_path: Path) -> None:

@@ -108,12 +108,12 @@ class Live {
     this.meters.first = head.meters;
     this.meters.show(head.watched.map((name) => ({ name, unit: this.units.get(name) })));
   }
-  status({ playing, trouble, speed, warnings, left_out: leftOut }) {
+  status({ playing, trouble, note, speed, warnings, left_out: leftOut }) {
     this.playing = playing;
     this.play.textContent = playing ? "\u275a\u275a" : "\u25b6";
     this.play.ariaLabel = playing ? "pause" : "run";
     this.speeds.take(speed);
-    this.tell(trouble, !!trouble, this.state);
+    this.tell(trouble || note, !!trouble, this.state);
     this.warned.replaceChildren(...warnings.map((text) => el("li", { textContent: text })));
     this.warned.hidden = !warnings.length;
     this.absent.replaceChildren(...leftOut.map((text) => el("li", { textContent: text })));
