@@ -29,7 +29,7 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from sandbox.errors import OutputError, SandboxError
-from sandbox.show.session import FRAME, Answer, Session
+from sandbox.show.session import FRAME, Answer, Later, Session
 from sandbox.show.web_files import LIVE, script, source_hash, styles
 from sandbox.wording import printable
 
@@ -262,14 +262,13 @@ class _Tab:
         async for message in self.connection:
             if self._seen(message):
                 continue
-            if _asks(message, "save", "run"):
-                await self.say({"said": "running it again, to save it"})
-                save = await self._off(session.saver)
-                self.saving.append(asyncio.create_task(self._save(save)))
-                continue
-            await self.say(*await self._off(session.hear, message))
+            for answer in await self._off(session.hear, message):
+                if callable(answer):
+                    self.saving.append(asyncio.create_task(self._save(answer)))
+                else:
+                    await self.say(answer)
 
-    async def _save(self, save: Callable[[], Answer]) -> None:
+    async def _save(self, save: Later) -> None:
         """Save a run, beside what else the page asks; it is saved even if nobody waits for it."""
         from websockets.exceptions import ConnectionClosed
 
@@ -339,13 +338,6 @@ class _Tab:
 def _is_one_of(said: list[str], known: list[str]) -> bool:
     """Whether a header was sent once, and says what is known."""
     return len(said) == 1 and said[0] in known
-
-
-def _asks(message: str | bytes, key: str, value: str) -> bool:
-    with contextlib.suppress(ValueError, RecursionError):
-        found = json.loads(message)
-        return isinstance(found, dict) and found.get(key) == value
-    return False
 
 
 def _stamps(session: Session) -> dict[Path, int]:

@@ -41,6 +41,8 @@ QUICK_LOOK = 0.2
 MOST_METERS = 12
 FIRST_METERS = 4
 Answer = dict[str, Any]
+Later = Callable[[], Answer]
+"""Work that takes long and gives an answer; may be called in a thread."""
 
 
 class Found(NamedTuple):
@@ -224,27 +226,28 @@ class Session:
 
     # -- what is asked ----------------------------------------------------------------------
 
-    def hear(self, text: str | bytes) -> list[Answer]:
-        """Do what a message asks, and what there is to answer; a wrong one is answered only."""
+    def hear(self, text: str | bytes) -> list[Answer | Later]:
+        """Do what a message asks and return the answers; no message raises an error."""
         try:
             asked = json.loads(text)
         except (ValueError, RecursionError):
             return [{"error": "a message is a JSON object"}]
         if not isinstance(asked, dict):
             return [{"error": "a message is a JSON object"}]
+        found: list[Answer | Later]
         try:
-            found = self._answers(asked)
+            found = [*self._answers(asked)]
         except SandboxError as error:
             problems = error.problems if isinstance(error, SceneError) else []
             found = [{"error": "; ".join(map(_said, problems)) or str(error)}]
-        except (TypeError, ValueError, OverflowError):
-            found = [{"error": "a message that cannot be understood"}]
+        except Exception as error:  # the run goes on, whatever was sent
+            found = [{"error": f"the message cannot be handled: {error!r}"}]
         number = asked.get("id")
         if isinstance(number, int) and 0 <= number < 1 << 24:  # exact in a frame
             self.ack = max(self.ack, number)
         return found
 
-    def _answers(self, asked: dict[str, Any]) -> list[Answer]:
+    def _answers(self, asked: dict[str, Any]) -> Sequence[Answer | Later]:
         match asked:
             case {"set": str(name), "value": value}:
                 return self._set(name, value)
@@ -264,6 +267,8 @@ class Session:
                 return [self.status()]
             case {"save": "scene"}:
                 return [self._saved_scene()]
+            case {"save": "run"}:
+                return [{"said": "running it again, to save it"}, self._saver()]
             case {"do": str(what)}:
                 return self._do(what)
         raise SceneError([Problem(f"there is nothing to do for {quoted(sorted(asked))}", "",
@@ -378,8 +383,8 @@ class Session:
         said = f"with these parameters it begins by: {self.line()}" if self.overrides else ""
         return {"file": f"{made.name}.json", "text": to_json(made), "said": said}
 
-    def saver(self) -> Callable[[], Answer]:
-        """What runs again what was played so far, and saves that; may be called in a thread."""
+    def _saver(self) -> Later:
+        """Run again what was played so far, and save that."""
         made = self.live.played()
         place = self._place(made.name)
 

@@ -298,13 +298,14 @@ def test_what_was_played_is_saved_as_a_scene_and_as_a_run(tmp_path: Path) -> Non
     assert answer["file"] == "pulled_played.json"
     scene = json.loads(answer["text"])
     assert "expect" not in scene
-    assert "the run is in" in made.saver()()["said"]
+    _, save = ask(made, save="run")
+    assert "the run is in" in save()["said"]
     run = Recording.load(tmp_path / "pulled_played")
     assert run.complete
     assert run.arrays["body_pose"][-1, 1, 1] == pytest.approx(y, abs=1e-3)
     assert set(run.match("hand*.value")) == {"hand1.x.value", "hand1.y.value"}
     first = (tmp_path / "pulled_played" / "run.npz").read_bytes()
-    made.saver()()
+    ask(made, save="run")[1]()
     again = Recording.load(tmp_path / "pulled_played")
     assert all(again.arrays[key].tobytes() == array.tobytes() for key, array in run.arrays.items())
     assert first
@@ -422,6 +423,21 @@ def test_what_is_wrong_is_answered_in_a_line_and_changes_nothing(
 @pytest.mark.parametrize("text", ["", "{", "[" * 5000, b"\xff", '{"id": 1e400}', "NaN"])
 def test_what_is_no_message_does_no_harm(tmp_path: Path, text: str | bytes) -> None:
     assert "error" in session(tmp_path).hear(text)[0]
+
+
+@pytest.mark.parametrize("error", [KeyError("path"), IndexError("9"), ZeroDivisionError()])
+def test_an_error_that_nobody_foresaw_is_answered(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: Exception,
+) -> None:
+    made = session(tmp_path)
+
+    def fail(_: Any) -> None:
+        raise error
+
+    monkeypatch.setattr(made.hand, "drop", lambda: fail(0))
+    [answer] = ask(made, drop=1, id=5)
+    assert type(error).__name__ in answer["error"]
+    assert made.ack == 5
 
 
 def test_a_file_that_was_changed_is_read_anew_or_its_faults_are_told(tmp_path: Path) -> None:

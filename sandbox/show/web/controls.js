@@ -48,7 +48,7 @@ class Controls {
   slider(control) {
     const { name, kind, unit: unitName } = control, label = name.replace(/^parameters\./, "");
     const range = el("input", { type: "range", step: "any", min: control.low, max: control.high, ariaLabel: label });
-    const text = el("input", { type: "text", inputMode: "decimal", ariaLabel: `${label}, typed`, size: 8 });
+    const text = el("input", { type: "text", inputMode: "decimal", ariaLabel: `${label}, typed`, size: 8, maxLength: 200 });
     range.dataset.control = name; text.dataset.typed = name;
     const words = el("span", { className: "name", textContent: label, title: label });
     const box = el("div", { className: "control" }, words, range, text,

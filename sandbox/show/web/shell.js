@@ -85,7 +85,7 @@ function zoomAll(stages, factor, redraw) {
 function finder(what, every, found, missed, late = () => [], pairs = null) {
   const list = el("datalist", { id: "quantities" });
   const input = el("input", { type: "search", id: "add", placeholder: `${what}, or a pattern such as *.tension`,
-                              ariaLabel: what, autocomplete: "off" });
+                              ariaLabel: what, autocomplete: "off", maxLength: 1000 });
   input.setAttribute("list", "quantities");
   input.onfocus = () => {
     if (!list.children.length) list.append(...every().map((name) => el("option", { value: name })));
