@@ -3,8 +3,8 @@
 A ``console`` block holds commands (``$ sandbox ...``, with ``# exits 2`` where they do
 not exit 0) and below each of them pieces of what it prints; ``…`` stands for anything.
 The blocks of a page run in order in one directory. A ``json scene`` block is a whole
-scene, which ``tests/golden`` simulates with its expectations; one that ``fails`` or
-``diverges`` on purpose says so in its mark. ``scene.json`` is the last one before a command;
+scene, which ``tests/golden`` simulates with its expectations; one that diverges on purpose
+is a ``json scene diverges``. ``scene.json`` is the last one before a command;
 ``json broken`` is kept as ``broken.json`` and not looked at, ``json study`` as ``study.json``.
 A ``json piece`` is found in the next whole scene of its page, white space aside. A ``sh``
 block holds what is too slow or too particular to be run here.
