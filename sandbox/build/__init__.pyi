@@ -758,8 +758,7 @@ class _Shape:
     ) -> Entry:
         """A shape from an SVG or DXF file: its largest outline, with the outlines in it as holes.
 
-        Once read, it is a polygon: what is saved needs the file no more. Reading files needs `pip
-        install "sandbox-mechanics[outlines]"`.
+        Once read, it is a polygon: what is saved needs the file no more.
 
         Args:
             file: Name of a `.svg` or `.dxf` file in the scene's own folder or below it.

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +21,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
 
 from .digest import differences, digest, names_by_kind, read_values, tolerance_of
-from .scenes import SCENES, SHIPPED, recording_of
+from .scenes import ROOT, SCENES, SHIPPED, recording_of
 
 KEPT = read_values()
 MAY_LACK = {name for name, row in GRASP.items() if row.nothing}
@@ -69,10 +71,24 @@ def test_another_process_gives_the_same_bytes() -> None:
               "print(json.dumps({name: digest(recording_of(SCENES[name].mechanism())) "
               "for name in sys.argv[1:]}))")
     told = subprocess.run([sys.executable, "-c", script, *reversed(TWICE)], check=True,
-                          capture_output=True, text=True, cwd=Path(__file__).parents[2])
+                          capture_output=True, text=True, cwd=ROOT)
     assert json.loads(told.stdout) == {
         name: json.loads(json.dumps(digest(recording_of(SCENES[name].mechanism()))))
         for name in TWICE}
+
+
+def test_shipped_scenes_need_no_optional_package() -> None:
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"][
+        "optional-dependencies"]
+    optional = {re.split(r"[>\[]", need)[0] for extra in extras.keys() - {"docs", "test", "dev"}
+                for need in extras[extra] if not need.startswith("sandbox")}
+    script = ("import sys; sys.modules.update(dict.fromkeys(sys.argv[1:])); "
+              "from sandbox.engine.simulation import Simulation; "
+              "from tests.golden.scenes import SHIPPED; "
+              "print(len([Simulation(each.mechanism()) for each in SHIPPED.values()]))")
+    told = subprocess.run([sys.executable, "-c", script, *optional], capture_output=True,
+                          text=True, cwd=ROOT, check=False)
+    assert told.stdout == f"{len(SHIPPED)}\n", told.stderr
 
 
 @pytest.mark.parametrize(("key", "element", "share", "told"), [

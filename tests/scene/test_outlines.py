@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import builtins
 import json
 import math
 
@@ -269,22 +268,6 @@ def test_a_drawing_without_a_unit_asks_for_one(folder):
     drawing.saveas(folder / "bare.dxf")
     assert "it does not say its unit" in drawing_refused(folder, file="bare.dxf")
     assert drawn(folder, file="bare.dxf", unit="1 cm")
-
-
-@pytest.mark.parametrize(("name", "library"), [("plate.svg", "svgelements"),
-                                               ("plate.dxf", "ezdxf")])
-def test_what_is_not_installed_is_told(folder, name, library, monkeypatch):
-    found = builtins.__import__
-
-    def without(wanted, *args, **keys):
-        if wanted.split(".")[0] == library:
-            raise ModuleNotFoundError(name=library)
-        return found(wanted, *args, **keys)
-
-    monkeypatch.setattr(builtins, "__import__", without)
-    text = drawing_refused(folder, file=name)
-    assert f"needs {library}, which is not installed" in text
-    assert "sandbox-mechanics[outlines]" in text
 
 
 def test_a_file_that_is_too_large_is_told(folder):

@@ -74,8 +74,7 @@ class DiscCam(Spec):
 class Drawing(Spec):
     """A shape from an SVG or DXF file: its largest outline, with the outlines in it as holes.
 
-    Once read, it is a polygon: what is saved needs the file no more. Reading files needs
-    `pip install "sandbox-mechanics[outlines]"`.
+    Once read, it is a polygon: what is saved needs the file no more.
     """
 
     type: Literal["drawing"]

@@ -1,4 +1,4 @@
-"""Outlines from drawings: SVG files by svgelements, DXF files by ezdxf, both installed on request.
+"""Outlines from drawings: SVG files by svgelements, DXF files by ezdxf.
 
 A drawing's curves are flattened to chords within a tolerance; what is open is joined end to end.
 The largest outline is the shape's and those in it are its holes. Files come from the scene's own
@@ -21,7 +21,6 @@ from sandbox.numeric import Array
 from sandbox.scene.outlines.rings import Ring, inside, signed_area
 from sandbox.wording import listed, near, quoted
 
-INSTALL = "pip install 'sandbox-mechanics[outlines]'"
 MOST_BYTES = 1_000_000
 """Of a drawing: some seconds of reading."""
 MOST_POINTS = 20_000
@@ -120,9 +119,6 @@ def rings_of(
         curves = READERS[ending](text, layer, unit, tolerance)
     except DrawingError as error:
         raise DrawingError(f"{quoted(name)}: {error.message}", error.allowed, error.hint) from None
-    except ImportError as error:
-        raise DrawingError(f"reading {ending} files needs {error.name}, which is not installed",
-                           INSTALL) from None
     except Exception as error:  # whatever a parser says of a stranger's file
         reason = " ".join(str(error).split())[:100] or type(error).__name__
         raise DrawingError(f"{quoted(name)} cannot be read as {ending[1:].upper()}: {reason}",
