@@ -2,10 +2,20 @@
 
 import os
 import shutil
+import signal
+import subprocess
+import sys
+import time
 
 import pytest
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
+PATIENCE = 60.0
+"""Seconds: ten times what it takes on a busy machine."""
+STAGE = "(sandbox.stage || sandbox.stages[0])"
+DESK = {"viewport": {"width": 1280, "height": 900}, "accept_downloads": True}
+PHONE = {"viewport": {"width": 390, "height": 844}, "device_scale_factor": 2, "is_mobile": True,
+         "has_touch": True, "color_scheme": "dark"}
 
 
 @pytest.fixture(scope="module")
@@ -26,33 +36,81 @@ def browser():
 
 
 @pytest.fixture
-def opened(browser, tmp_path):
-    """Opens a page's text; the tab keeps what went wrong in ``faults``.
+def tab_of(browser):
+    """Opens an address in a tab. Errors, warnings and requests to elsewhere fail the test."""
+    tabs = []
 
-    Errors and warnings of the console, exceptions, and requests to anywhere but the file itself.
-    """
-    contexts = []
-
-    def open_page(text, *, at="", clock=False, **options):
-        context = browser.new_context(**{"viewport": {"width": 1280, "height": 900}, **options})
-        contexts.append(context)
-        tab = context.new_page()
+    def open_tab(address, *, clock=False, **options):
+        tab = browser.new_context(**{**DESK, **options}).new_page()
+        tabs.append(tab)
         tab.faults = []
         tab.on("console", lambda said: tab.faults.append(said.text)
                if said.type in ("error", "warning") else None)
         tab.on("pageerror", lambda error: tab.faults.append(str(error)))
-        tab.on("request", lambda asked: tab.faults.append(asked.url)
-               if not asked.url.startswith(("file:", "data:", "blob:")) else None)
+        own = (address.rsplit("/", 1)[0], "data:", "blob:")
+        tab.on("request", lambda asked: None if asked.url.startswith(own)
+               else tab.faults.append(asked.url))
         if clock:
             tab.clock.install(time=0)
+        tab.goto(address)
+        return tab
+
+    yield open_tab
+    for tab in tabs:
+        assert tab.faults == []
+        tab.context.close()
+
+
+@pytest.fixture
+def opened(tab_of, tmp_path):
+    """Opens the text of a report."""
+
+    def open_page(text, *, at="", **options):
         path = tmp_path / "page.html"
         path.write_text(text, encoding="utf-8")
-        tab.goto(path.as_uri() + at)
+        tab = tab_of(path.as_uri() + at, **options)
         tab.wait_for_selector("html[data-ready]", state="attached")
-        if clock:  # from here on it moves by run_for alone
+        if options.get("clock"):  # from here on it moves by run_for alone
             tab.clock.pause_at(3600)
         return tab
 
-    yield open_page
-    for context in contexts:
-        context.close()
+    return open_page
+
+
+@pytest.fixture
+def served(tab_of, tmp_path):
+    """Opens the live view of a scene."""
+    processes = []
+
+    def start(scene, **options):
+        process = subprocess.Popen(
+            [sys.executable, "-m", "sandbox", "view", str(scene), "--no-browser"], cwd=tmp_path,
+            stdout=subprocess.PIPE, text=True)
+        processes.append(process)
+        tab = tab_of(process.stdout.readline().strip(), **options)
+        until(tab, "globalThis.sandbox && sandbox.frame && sandbox.stats.drawn > 2")
+        return tab
+
+    yield start
+    for process in processes:
+        process.send_signal(signal.SIGINT)
+        with process:
+            process.wait(PATIENCE)
+
+
+def until(tab, expression):
+    """Wait; playwright's own way needs what the policies of the pages forbid."""
+    end = time.monotonic() + PATIENCE
+    while not tab.evaluate(f"!!({expression})"):
+        assert time.monotonic() < end, (expression, tab.faults)
+        tab.wait_for_timeout(20)
+
+
+def body_at(tab, name, x=None, y=None):
+    """Where a point of a body is on the screen, by default its centre."""
+    box = tab.locator(".sheet canvas").first.bounding_box()
+    px, py = tab.evaluate(
+        f"([name, ...at]) => {{ const s = {STAGE}, {{ bodies }} = s.head, "
+        "i = bodies.findIndex((b) => b.name === name); "
+        "return s.at([i, ...(at[0] === null ? bodies[i].centre : at)]); }", [name, x, y])
+    return box["x"] + px, box["y"] + py

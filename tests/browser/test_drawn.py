@@ -1,7 +1,7 @@
 """What a page draws, read as its reader does, against the arrays of the recording."""
 
-import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,11 +9,8 @@ import pytest
 from sandbox.draw.film import palette
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Happened
-from sandbox.scene.mechanism import Mechanism
-from sandbox.show.header import FoundOut
 from sandbox.show.page import report
 from sandbox.show.points import css
-from tests.draw.conftest import recording
 from tests.draw.reading import (
     AT,
     Drawn,
@@ -121,6 +118,7 @@ def test_arrows_numbers_and_scales_are_those_of_the_recording(tab, run):
     assert "-5.00 N" in labels  # the rod pushes
 
 
+@pytest.mark.nightly
 def test_what_turns_turns_the_way_that_its_value_has(tab, run):
     """Both are negative, about hinges that are positive with the clock: against the clock."""
     told = drawn_on(tab)
@@ -144,28 +142,17 @@ def test_what_turns_turns_the_way_that_its_value_has(tab, run):
     assert way[1] > 0.8 * math.hypot(*way)
 
 
-def test_a_trace_is_the_way_that_was_gone_marked_at_round_times(tab, run):
+@pytest.mark.nightly
+def test_a_trace_is_the_way_that_was_gone(tab, run):
     told = drawn_on(tab)
-    to_pixels = placed(told)
-    way = world(run.arrays["body_pose"], 4, (0.0, 0.01))
+    way = [placed(told)(one) for one in world(run.arrays["body_pose"], 4, (0.0, 0.01))[:AT + 1]]
     path = next(up(call[1]) for call in told["found"] if call[0] == "line"
                 and COLOURS.get(call[2]) == "TRACE" and len(call[1]) > 2)
-    assert path[0] == pytest.approx(to_pixels(way[0]), abs=0.1)
-    assert path[-1] == pytest.approx(to_pixels(way[AT]), abs=0.1)
-    off = [min(math.dist(at, to_pixels(one)) for one in way[:AT + 1]) for at in path]
-    assert max(off) < 0.1
-    dots = [up(call[1])[0] for call in told["found"] if call[0] == "dot"
-            and COLOURS.get(call[3]) == "TRACE"]
-    dots = [at for at in dots if -at[1] < told["foot"] and math.dist(at, path[-1]) > 0.1]
-    times = 0.1 * np.arange(1, 8)
-    marks = [to_pixels(np.array([np.interp(t, run.time, way[:, k]) for k in (0, 1)]))
-             for t in times]
-    # those are left out that are nearer to the last one than nine points
-    assert len(dots) > 2
-    assert dots[0] == pytest.approx(marks[0], abs=0.1)
-    assert max(min(math.dist(at, one) for one in marks) for at in dots) < 0.1
+    assert path[[0, -1]] == pytest.approx(np.array([way[0], way[-1]]), abs=0.1)
+    assert max(min(math.dist(at, one) for one in way) for at in path) < 0.1
 
 
+@pytest.mark.nightly
 def test_cords_are_coloured_each_by_its_own_tension(tab, run):
     """Of a scale that ends at 5 N."""
     told = drawn_on(tab)
@@ -182,146 +169,24 @@ def test_cords_are_coloured_each_by_its_own_tension(tab, run):
     assert levels["line"] == pytest.approx((4 - run.time[AT]) / 5, abs=0.51 * step)
 
 
-def test_a_bar_has_the_number_and_the_colour_of_what_it_carries(opened, run):
-    """What its pins pull it apart with: half of what acts on its end, less that on its start."""
-    tab = opened(report([run]))
-    tab.evaluate("(t) => sandbox.hold(t)", float(run.time[AT]))
-    tab.locator("[data-layer=bars]").check()
-    told = drawn_on(tab)
-    pose, force = run.arrays["body_pose"][AT], run.arrays["joint_force"][AT]
-    along = np.array([np.cos(pose[3, 2]), np.sin(pose[3, 2])])
-    tension = float((-force[1] - force[0]) @ along / 2)
-    top = tab.evaluate("sandbox.heads[0].scale.bars")
-    assert abs(tension) > 0.05 * top
-    labels = [call[1] for call in told["found"] if call[0] == "label"]
-    assert f"{tension:.{2 if top < 10 else 1}f} N" in labels
-    ramp = [css(c) for c in (palette.PUSH if tension < 0 else palette.TENSION)]
-    ends = [placed(told)(world(pose, 3, at)) for at in ((0, 0), (0.1, 0))]
-    colours = [call[2] for call in told["found"] if call[0] == "line" and len(call[1]) == 2
-               and np.abs(up(call[1]) - ends).max() < 0.2]
-    assert colours[-1] == ramp[min(len(ramp) - 1, round(abs(tension) / top * (len(ramp) - 1)))]
-
-
-def odd():
-    """A disc that swells, and two springs that only pull: one is shorter than at rest."""
-    mechanism = Mechanism.model_validate({
-        "bodies": [{"name": "floor", "motion": "fixed"},
-                   {"name": "balloon", "motion": "fixed", "at": [0.1, 0.1],
-                    "shapes": [{"type": "circle", "radius": 0.01}]},
-                   {"name": "a", "mass": 1, "inertia": 1, "at": [0.05, 0]},
-                   {"name": "b", "mass": 1, "inertia": 1, "at": [0, 0.05]}],
-        "springs": [{"type": "linear", "name": name, "a": "floor", "b": name, "stiffness": 10,
-                     "only": "pull", "rest_length": 0.05} for name in "ab"],
-        "drives": [{"type": "radius", "name": "swell", "body": "balloon", "value": 0.01}]})
-    time = np.linspace(0, 1, 11)
-    pose = np.zeros((11, 4, 3))
-    pose[:] = [[*b.at, b.angle] for b in mechanism.bodies]
-    pose[:, 2, 0] -= 0.02 * time
-    pose[:, 3, 1] += 0.02 * time
-    return recording(mechanism, time, pose, drive_value=0.01 + 0.01 * time[:, None])
-
-
-def test_a_disc_swells_and_a_spring_that_hangs_is_pale(opened):
-    tab = opened(report([odd()]))
-    tab.evaluate("sandbox.hold(0.5)")
-    told = drawn_on(tab)
-    to_pixels = placed(told)
-    radii = [call[2] for call in told["found"] if call[0] == "dot"
-             and math.dist(up(call[1])[0], to_pixels([0.1, 0.1])) < 0.1]
-    assert max(radii) == pytest.approx(0.015 * told["scale"], rel=1e-4)
-    colours = {}
-    for name, end in (("a", (0.04, 0.0)), ("b", (0.0, 0.06))):
-        [colours[name]] = {call[2] for call in told["found"] if call[0] == "line"
-                           and len(call[1]) > 10
-                           and math.dist(up(call[1])[-1], to_pixels(end)) < 0.1}
-    assert colours == {"a": css(palette.SLACK), "b": css(palette.SPRING)}
-
-
-def test_a_body_that_is_followed_stays_and_the_rest_goes_past_it(tab, run):
-    tab.get_by_label("follow").select_option("tip")
-    found = []
-    for k in (0, AT):
-        tab.evaluate("(t) => sandbox.hold(t)", float(run.time[k]))
-        told = drawn_on(tab)
-        found.append((placed(told)(run.arrays["body_pose"][k, 4, :2]), placed(told)([0, 0])))
-    assert found[0][0] == pytest.approx(found[1][0], abs=0.5)
-    gone = run.arrays["body_pose"][AT, 4, :2] - run.arrays["body_pose"][0, 4, :2]
-    assert found[1][1] - found[0][1] == pytest.approx(-told["scale"] * gone, abs=0.5)
-    assert abs(gone[1]) > 0.02
-
-
-def test_to_follow_nobody_any_more_shows_what_is_shown_of_a_run_that_follows_nobody(opened, run):
-    view = run.mechanism.view.model_copy(update={"centre": None, "width": None})
-
-    def shown(follow):
-        mechanism = run.mechanism.model_copy(update={"view": view.model_copy(
-            update={"follow": follow})})
-        tab = opened(report([Recording(mechanism, run.arrays, run.info)]))
-        followed = drawn_on(tab)
-        tab.get_by_label("follow").select_option("-1")
-        tab.get_by_role("button", name="fit", exact=True).click()
-        return followed, drawn_on(tab)
-
-    (alone, still), (along, after) = shown(None), shown("tip")
-    assert still == alone
-    for name in ("ox", "oy", "scale"):
-        assert after[name] == pytest.approx(alone[name], rel=0.02)
-    assert along["scale"] != pytest.approx(alone["scale"], rel=0.02)
-
-
-def test_pointing_tells_the_numbers_of_the_nearest_sample(opened, run):
-    tab = opened(report([run], plots=["tip.y"]))
-    for share, nearest in ((0.0, 7), (0.7, 8), (0.3, 7)):
-        t = float(run.time[7] + share * (run.time[8] - run.time[7]))
-        tab.evaluate("(t) => sandbox.hold(t)", t)
-        value = tab.evaluate("sandbox.series[0].at('tip.y', sandbox.t)")
-        assert value == pytest.approx(run["tip.y"][nearest], abs=1e-6)
-    shown = tab.locator(".plot output b").first.inner_text()
-    assert float(shown) == pytest.approx(1e3 * run["tip.y"][7], rel=1e-3)  # mm
-    tab.evaluate("(t) => sandbox.hold(t)", float(run.time[AT]))
-    row = next(row for row in tab.evaluate(f"sandbox.replays[0].frame({run.time[AT]}).contacts")
-               if abs(row[3]) > 30)
-    tab.evaluate("(row) => sandbox.tell(0, {k: 'contact', n: 'box/floor', b: 1, row},"
-                 " {clientX: 5, clientY: 5})", row)
-    assert tab.locator(".tip").inner_text().split("\n")[1] == "40.11 N"
-
-
-def test_marks_verdicts_and_windows_are_those_of_the_run(opened, run):
+@pytest.mark.nightly
+def test_marks_and_bands_of_verdicts_are_where_the_run_has_them(opened, run):
     data = run.mechanism.model_dump(mode="json", by_alias=True)
     data["events"] = [{"name": "enough", "at": 0.25, "set": {"push": 1}}]
     data["expect"] = [{"mean": "tip.y", "above": 9, "over": [0.4, 0.6]},
                       {"final": "tip.y", "above": 0.1}]
-    mechanism = type(run.mechanism).model_validate(data)
-    told = Recording(mechanism, run.arrays, run.info.__class__(**{
-        **vars(run.info), "events": (Happened("enough", 0.25),)}))
-    tab = opened(report([told], [FoundOut(verdicts=told.verdicts)], plots=["tip.y"]))
+    told = Recording(type(run.mechanism).model_validate(data), run.arrays, replace(
+        run.info, events=(Happened("enough", 0.25),)))
+    tab = opened(report([told], plots=["tip.y"]))
     assert "1 of 2 expectations hold" in tab.locator(".verdict").inner_text()
-    marks = {mark.get_attribute("title").split()[0]: mark.get_attribute("style")
-             for mark in tab.locator(".mark").all()}
-    end = float(run.time[-1])
     inside = [k for k, t in enumerate(run.time) if 0.4 <= t <= 0.6]
-    share = {word: float(style.split()[1].rstrip("%;")) for word, style in marks.items()}
-    assert share["enough"] == pytest.approx(25 / end, abs=0.01)
-    assert share["tip.y"] == pytest.approx(100 * run.time[inside[-1]] / end, abs=0.01)
     tab.evaluate("sandbox.hold(0.1)")
-    tab.keyboard.press("n")
-    assert tab.evaluate("sandbox.t") == pytest.approx(0.25)
-    tab.keyboard.press("n")
-    assert tab.evaluate("sandbox.t") == pytest.approx(run.time[inside[-1]], abs=1e-6)
-    tab.keyboard.press("p")
-    assert tab.evaluate("sandbox.t") == pytest.approx(0.25)
-    expect = json.loads(tab.evaluate("JSON.stringify(sandbox.heads[0].words.expect)"))
-    assert [one["ok"] for one in expect] == [False, True]
-    [[low, high]] = tab.evaluate("""async () => {
-        const { u } = sandbox.plots[0], { ctx } = u, found = [], own = ctx.fillRect;
-        ctx.fillRect = (x, y, w, h) => { found.push([x, x + w]); own.call(ctx, x, y, w, h); };
-        u.redraw();
-        await new Promise((done) => setTimeout(done, 100));
-        delete ctx.fillRect;
-        const at = (x) => u.posToVal((x - u.bbox.left) / devicePixelRatio, "x");
-        return found.map(([a, b]) => [at(a), at(b)]);
-    }""")[:1]
-    assert low == pytest.approx(run.time[inside[0]], abs=0.01)
-    assert high == pytest.approx(run.time[inside[-1]], abs=0.01)
-    assert expect[0]["over"] == pytest.approx(run.time[[inside[0], inside[-1]]].tolist())
-    assert expect[0]["value"] == pytest.approx(run["tip.y"][inside].mean(), rel=1e-4)
+    for key, t in (("n", 0.25), ("n", run.time[inside[-1]]), ("p", 0.25)):
+        tab.keyboard.press(key)
+        assert tab.evaluate("sandbox.t") == pytest.approx(t, abs=1e-6)
+    marks = [float(mark.get_attribute("style").split()[1].rstrip("%;"))
+             for mark in tab.locator(".mark").all()]
+    assert marks == pytest.approx([25 / run.time[-1], 100 * run.time[inside[-1]] / run.time[-1]],
+                                  abs=0.01)
+    [band, _] = tab.evaluate("sandbox.plots[0].bands.map((b) => [b.from, b.to])")
+    assert band == pytest.approx(run.time[[inside[0], inside[-1]]].tolist())
