@@ -9,6 +9,7 @@ import numpy as np
 
 from sandbox.numeric import Array
 
+RANK = 1e-9  # directions with a smaller share of the largest are rounding
 SMALL = 1e-7
 """Motions [m, and by the size of the object rad] over which forces are compared: the square of it
 over that of the mechanism's lengths is left out, rounding over it is kept."""
@@ -75,3 +76,14 @@ def _turned(vectors: Array, angle: Array) -> Array:
     c, s = np.cos(angle), np.sin(angle)
     x, y = vectors[:, :1], vectors[:, 1:]
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)
+
+
+def null_space(rows: Array) -> Array:
+    """Orthonormal motions that leave all rows at 0, [n, k]."""
+    if not len(rows):
+        return np.eye(rows.shape[1])
+    size = np.linalg.norm(rows, axis=1, keepdims=True)
+    rows = (rows / np.maximum(size, 1e-300))[size[:, 0] > 0]
+    _, values, right = np.linalg.svd(rows)
+    rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
+    return np.asarray(right[rank:].T)

@@ -27,13 +27,12 @@ from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.samples.loads import Batch, Loads
 from sandbox.samples.patches import Face, faces, pressed
-from sandbox.samples.rigid import SMALL, Form, Rigid, wrenches
+from sandbox.samples.rigid import RANK, SMALL, Form, Rigid, null_space, wrenches
 from sandbox.samples.stored import Stored
 
 NOTHING = 1e-6
 """A stiffness below this share of the largest force over the object's size counts as none: the
 turning of forces alone gives as much as the whole of it."""
-RANK = 1e-9  # directions with a smaller share of the largest are rounding
 NEAR = 1e-8
 """So far from the plane of a contact, and as far as it moves in a step, a corner presses [m]."""
 AT_CONE = 1e-6
@@ -93,7 +92,7 @@ def without_stiffness(model: Model) -> str:
             if any(kind.teeth for kind in model.joints.kind) else "")
 
 
-class _Held(NamedTuple):
+class _KeptRow(NamedTuple):
     """A row that is kept: given, or that of a rigid force by number."""
 
     row: Array = np.empty(0)
@@ -122,7 +121,7 @@ class Yielding:
         for batch in self.loads.batches:
             self.largest = max(self.largest, float(
                 np.hypot(batch.x[:, 0], batch.y[:, 0]).max(initial=0.0)))
-        self._held: list[_Held] = []
+        self._held: list[_KeptRow] = []
         self._rigids: list[Rigid] = []
         self._keep()
         rows = self._turn()
@@ -247,12 +246,12 @@ class Yielding:
             if not joints.turns[j]:
                 one, two = joints.bodies[j].tolist()
                 self._hold(self._row((one, two), np.array([0.0, 0.0, -1.0, 0.0, 0.0, 1.0])))
-            self._held += [_Held(number=self._add(rigid)) for rigid in self._joint(j)]
+            self._held += [_KeptRow(number=self._add(rigid)) for rigid in self._joint(j)]
         for row in np.flatnonzero(a["contact_sample"] == s).tolist():
             self._touch(row)
 
     def _hold(self, row: Array) -> None:
-        self._held.append(_Held(row))
+        self._held.append(_KeptRow(row))
 
     def _add(self, rigid: Rigid) -> int:
         """The number of a force whose turning is added to what pushes back."""
@@ -325,11 +324,11 @@ class Yielding:
                 self._add(Rigid(pair, self.centre[list(pair)], *form, part, cross))
                 for part, cross in ((share * normal, False), (share * rub, True)))
             if mu and slides:
-                self._held.append(_Held(number=along, across=across, share=np.copysign(mu, rub)))
+                self._held.append(_KeptRow(number=along, across=across, share=np.copysign(mu, rub)))
                 continue
-            self._held.append(_Held(number=along))
+            self._held.append(_KeptRow(number=along))
             if mu and k == 0:
-                self._held.append(_Held(number=across))
+                self._held.append(_KeptRow(number=across))
 
     def _slip(self, row: int) -> float:
         """How fast the bodies of a contact row slide along each other [m/s]."""
@@ -384,8 +383,8 @@ class Yielding:
         scale = np.tile([1.0, 1.0, 1 / self.size], len(part) // 3)
         K = scale * self.stiffness[np.ix_(part, part)] * scale[:, None]
         symmetric = np.array_equal(kept, pushes)
-        Z = _null(kept[:, part] * scale)
-        Y = Z if symmetric else _null(pushes[:, part] * scale)
+        Z = null_space(kept[:, part] * scale)
+        Y = Z if symmetric else null_space(pushes[:, part] * scale)
         if Z.shape != Y.shape:
             raise ArithmeticError("contacts that slide and jam")
         M, seen, felt = Y.T @ K @ Z, Z[own], Y[own]
@@ -420,17 +419,6 @@ class Yielding:
             reached = more
         at = 3 * int(reached[:first].sum())
         return slice(at, at + 3), np.flatnonzero(np.repeat(reached, 3))
-
-
-def _null(rows: Array) -> Array:
-    """Orthonormal motions that leave all rows at 0, [n, k]."""
-    if not len(rows):
-        return np.eye(rows.shape[1])
-    size = np.linalg.norm(rows, axis=1, keepdims=True)
-    rows = (rows / np.maximum(size, 1e-300))[size[:, 0] > 0]
-    _, values, right = np.linalg.svd(rows)
-    rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
-    return np.asarray(right[rank:].T)
 
 
 def _at(found: list[Face], place: float, near: float) -> Face | None:
