@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import sandbox
@@ -233,6 +233,8 @@ KEYS = st.sampled_from(["limits", "bias", "target", "targets", "value", "below",
                         "hysteresis", "value_below", "pull", "slew"])
 
 
+@example(controller=STATE, changes={"targets": [{"over": "3 N", "ramp": 3, "to": 3}]}, event=3,
+         drive="push")
 @given(controller=LAWS, changes=st.dictionaries(KEYS, ANY, min_size=1, max_size=3), event=ANY,
        drive=st.sampled_from(["push", "k_coil", "law.target", "spin"]))
 def test_a_wrong_unit_is_told_where_it_stands(

@@ -65,7 +65,8 @@ def locate(data: Any, loc: tuple[int | str, ...], wrong: Any, kind: str) -> Json
     """The path in ``data`` of pydantic's ``loc``.
 
     A ``loc`` also names the chosen members of unions, and the entries of lists
-    that a model made of a single value; neither exists in the data.
+    that a model made of a single value; neither exists in the data, except by chance:
+    ``{"to": 3, "over": "1 N", "ramp": 3}`` has a key that is called as the member is.
     """
     if kind == "missing":
         loc = loc[:-1]
@@ -73,10 +74,9 @@ def locate(data: Any, loc: tuple[int | str, ...], wrong: Any, kind: str) -> Json
     if _at(data, path) is wrong or kind == "missing":
         return path
     for i, step in enumerate(loc):
-        if isinstance(step, int):
-            other = written(data, loc[:i] + loc[i + 1:])
-            if _at(data, other) is wrong:
-                return other
+        other = written(data, loc[:i] + loc[i + 1:])
+        if (isinstance(step, int) or len(other) == len(path)) and _at(data, other) is wrong:
+            return other
     return path
 
 
