@@ -9,8 +9,7 @@ import pytest
 from sandbox.engine.live import Live
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene, read_scene
-from sandbox.scene.values.signals import Constant, Formula, Ramp, Table
-from sandbox.show.controls import changes, controls, final
+from sandbox.show.controls import changes, controls
 
 from .test_session import PULLED
 
@@ -43,17 +42,6 @@ def test_a_valve_goes_from_shut_to_open_and_a_pull_not_below_nothing() -> None:
     shares = [each for each in found.values() if each["kind"] == "drive" and not each["unit"]]
     assert shares
     assert {(each["low"], each["high"]) for each in shares} == {(0.0, 1.0)}
-
-
-@pytest.mark.parametrize(("signal", "time", "value"), [
-    (Constant(constant=2.0), 0.0, 2.0),
-    (Ramp(to=3.0, start=0.1, over=0.2), 0.29, None), (Ramp(to=3.0, start=0.1, over=0.2), 0.31, 3.0),
-    (Table(table=((0.0, 1.0), (0.5, 4.0))), 0.4, None),
-    (Table(table=((0.0, 1.0), (0.5, 4.0))), 0.5, 4.0),
-    (Formula(expression="=sin(t)"), 1e9, None),
-])
-def test_what_a_signal_is_from_now_on(signal: Any, time: float, value: float | None) -> None:
-    assert final(signal, time) == value
 
 
 @pytest.mark.parametrize(("scene", "override", "time", "found"), [

@@ -19,19 +19,23 @@ STEPS = 33
 """Of a frame at the usual speed."""
 
 
-def told(frames: LiveFrames) -> dict[str, Any]:
+def decoded(data: bytes, frames: LiveFrames) -> dict[str, Any]:
     """A frame by its names."""
-    numbers = np.frombuffer(frames.frame(dict.fromkeys(HEAD, 0.0)), "<f4").astype(float)
+    numbers = np.frombuffer(data, "<f4").astype(float)
     found: dict[str, Any] = dict(zip(HEAD, numbers, strict=False))
     at = len(HEAD)
-    for name, width in frames.drawing()["layout"]:
+    for name, width in [*frames.drawing()["layout"], ("watched", len(frames.watched))]:
         found[name] = numbers[at:at + width]
         at += width
-    sides = at + 6 * int(found["contacts"])
-    end = sides + 6 * int(found["patches"])
-    places = numbers[end:].reshape(-1, int(found["trail"]), 2) if found["trail"] else None
-    return {**found, "rows": numbers[at:sides].reshape(-1, 6), "places": places,
-            "sides": numbers[sides:end].reshape(-1, 6)}
+    for name, count in (("rows", found["contacts"]), ("sides", found["patches"])):
+        found[name] = numbers[at:at + 6 * int(count)].reshape(-1, 6)
+        at += 6 * int(count)
+    trail = int(found["trail"])
+    return {**found, "places": numbers[at:].reshape(-1, trail, 2) if trail else None}
+
+
+def told(frames: LiveFrames) -> dict[str, Any]:
+    return decoded(frames.frame(dict.fromkeys(HEAD, 0.0)), frames)
 
 
 def begun(machine: Any) -> LiveFrames:

@@ -42,14 +42,3 @@ def test_a_page_begins_where_the_run_does_and_follows_whom_the_scene_does():
     assert np.abs(rest - run.arrays["body_pose"][-1]).max() > 0.1
     largest = max(float(run.arrays["tendon_tension"].max()), 0.0)
     assert largest <= head["scale"]["tension"] < 1.4 * largest
-
-
-def test_a_page_that_follows_nobody_any_more_shows_what_it_would_have_from_the_first():
-    run = hand()
-    alone = drawing(run)
-    assert alone["unfollowed"] == alone["box"]
-    view = run.mechanism.view.model_copy(update={"follow": "finger2.distal"})
-    mechanism = run.mechanism.model_copy(update={"view": view})
-    head = drawing(type(run)(mechanism, run.arrays, run.info))
-    assert head["unfollowed"] == pytest.approx(alone["box"], rel=0.02)
-    assert head["box"] != pytest.approx(alone["box"], rel=0.02)

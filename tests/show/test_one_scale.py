@@ -47,15 +47,3 @@ def test_pictures_are_fitted_to_all_runs_unless_one_is_much_smaller() -> None:
 
     assert boxes(2.0, 3.0) == [[0, 0, 3, 1]] * 2
     assert boxes(1.0, 3.0) == [[0, 0, 1, 1], [0, 0, 3, 1]]
-
-
-def test_a_drive_is_as_long_in_all_runs_at_one_value() -> None:
-    small = hand()
-    large = Recording(small.mechanism, {
-        **small.arrays, "drive_value": 2 * small.arrays["drive_value"]}, small.info)
-    one, two = ([part for part in head["parts"] if part["k"] == "drive"]
-                for head in heads(report([small, large])))
-    assert one
-    keys = ("usual", "most", "long", "scaled")
-    assert [[part[key] for key in keys] for part in one] == [
-        [part[key] for key in keys] for part in two]

@@ -58,17 +58,6 @@ def test_the_samples_of_a_drawing_miss_no_pose():
         assert missed.max() <= OFF * 0.5 * (1 + 1e-9)
 
 
-def test_a_short_run_is_kept_whole():
-    run = hand()
-    found = packed(run, ["tree.actuator.tension"], 0.6, None)
-    assert found.thinned == []
-    raw = zlib.decompress(found.data[:found.sizes[0]])
-    pose = next(head for head in found.blocks if head["key"] == "pose")
-    moving = np.flatnonzero(~run.model.bodies.fixed)
-    truth = run.arrays["body_pose"][:, moving].reshape(len(run), -1).T
-    assert np.abs(read(pose, raw) - truth).max() <= 0.5 * max(pose["step"]) + 1e-9
-
-
 def test_plots_keep_the_least_and_the_greatest_of_each_bin(monkeypatch):
     run = hand(samples=801)
     noise = np.random.default_rng(3).random((801, len(run.mechanism.tendons)))
@@ -85,36 +74,6 @@ def test_plots_keep_the_least_and_the_greatest_of_each_bin(monkeypatch):
     assert np.abs(values.reshape(-1, 2).min(axis=1) - [b.min() for b in bins]).max() <= step
     assert np.abs(values.reshape(-1, 2).max(axis=1) - [b.max() for b in bins]).max() <= step
     assert (np.diff(times) >= 0).all()
-
-
-def test_a_long_run_has_samples_of_its_own_and_is_no_farther_off_between_them_than_it_says():
-    run, width = hand(samples=12_001), 0.6
-    found = packed(run, ["finger1.mcp.angle"], width, None)
-    parts = np.split(np.frombuffer(found.data, np.uint8), [found.sizes[0]])
-    raw = [zlib.decompress(part.tobytes()) for part in parts]
-    heads = {head["key"]: head for head in found.blocks}
-    t, ptime = (read(heads[key], raw[heads[key]["part"]])[0] for key in ("t", "ptime"))
-    kept = np.searchsorted(run.time, t - 1e-6)
-    assert len(t) < len(run) / 2
-    assert np.abs(run.time[kept] - t).max() <= heads["t"]["step"][0]
-    moving = np.flatnonzero(~run.model.bodies.fixed)
-    truth = run.arrays["body_pose"][:, moving].reshape(len(run), -1).T
-    shown, fine = read(heads["pose"], raw[0]), np.array(heads["pose"]["step"])[:, None]
-    assert (np.abs(shown - truth[:, kept]) <= 0.51 * fine + 1e-9).all()
-    between = np.array([np.interp(run.time, t, column) for column in shown])
-    off = np.abs(between - truth)
-    [said] = [float(each.split()[-4]) * 1e-3 for each in found.thinned if "drawing" in each]
-    assert said == pytest.approx(OFF * width)
-    assert (off[0::3] <= said + fine[0::3]).all()
-    assert (off[1::3] <= said + fine[1::3]).all()
-    assert (off[2::3] * width / 4 <= said + fine[2::3]).all()
-    [words] = [each for each in found.thinned if "plots" in each]
-    per = int(words.split()[-2])
-    starts = np.arange(0, len(run), per)
-    ends = np.minimum(starts + per, len(run)) - 1
-    within = heads["ptime"]["step"][0]
-    assert ptime[0::2] == pytest.approx(run.time[starts], abs=within)
-    assert ptime[1::2] == pytest.approx(run.time[ends], abs=within)
 
 
 def test_contact_forces_come_with_their_sample_on_the_body_that_they_are_shown_on():
@@ -169,11 +128,6 @@ def test_sides_that_touch_come_with_their_pressure_and_the_way_out_of_the_body()
     # a triangle up to the box's edge; down is out of the box, to the left of the way from x0 to x1
     assert (x0, q0, x1, q1) == pytest.approx((0.5, 2 * 9.81 / 0.15, 0.35, 0.0), rel=1e-3, abs=1e-6)
     assert (y0, y1, sample) == (0, 0, 0)
-
-
-def test_what_presses_in_one_point_is_no_side():
-    numbers = packed(box_on_floor(0.1), [], 1.0, None)
-    assert all(one["key"] != "patch" for one in numbers.blocks)
 
 
 def with_meters(*meters, view=()):

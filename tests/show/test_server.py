@@ -21,8 +21,7 @@ from typing import Any
 
 import pytest
 
-from sandbox.cli.view import leading_to
-from sandbox.errors import OutputError, SandboxError
+from sandbox.errors import OutputError
 from sandbox.scene.read.load import read_scene
 from sandbox.show import server as served
 from sandbox.show.server import Server, page
@@ -220,32 +219,6 @@ def test_what_takes_long_in_a_tab_is_told_and_holds_up_no_other(
     played_with(work, tmp_path / "pulled.json")
 
 
-def test_who_closes_a_page_ends_what_takes_long_there(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    ended, begun, wanted = threading.Event(), threading.Event(), Session._wanted
-
-    def until_closed(self: Session, share: float) -> None:
-        begun.set()
-        try:
-            while True:
-                wanted(self, share)
-        except SandboxError:
-            ended.set()
-            raise
-
-    monkeypatch.setattr(Session, "_wanted", until_closed)
-
-    async def work(server: Server) -> None:
-        async with connected(server) as line:
-            await next_json(line), await next_json(line)
-            await line.send('{"do": "back"}')
-            assert await asyncio.to_thread(begun.wait, 60)
-        assert await asyncio.to_thread(ended.wait, 60)
-
-    played_with(work, tmp_path / "pulled.json")
-
-
 def test_only_so_many_tabs_play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(served, "MOST_TABS", 1)
 
@@ -260,15 +233,6 @@ def test_only_so_many_tabs_play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
                     break
 
     played_with(work, tmp_path / "pulled.json")
-
-
-def test_the_address_is_handed_over_in_a_file_for_its_owner_only() -> None:
-    address = "http://127.0.0.1:1234/a_token-"
-    with leading_to(address) as file:
-        assert f'content="0; url={address}"' in file.read_text()
-        if os.name == "posix":
-            assert file.stat().st_mode & 0o077 == file.parent.stat().st_mode & 0o077 == 0
-    assert not file.parent.exists()
 
 
 def test_a_file_that_is_saved_is_read_anew(tmp_path: Path) -> None:
@@ -346,12 +310,3 @@ def test_the_browser_is_given_a_file_and_not_the_address(tmp_path: Path) -> None
     assert address.split("/")[-1] not in word
     assert address in text
     assert not Path(word.removeprefix("file://")).exists()
-
-
-def test_a_wrong_scene_is_refused_before_anything_is_served(tmp_path: Path) -> None:
-    file = tmp_path / "wrong.json"
-    file.write_text(json.dumps({**PULLED, "gravity": [0, "down"]}))
-    with started(str(file), "--no-browser") as process:
-        out, err = process.communicate(timeout=60)
-    assert (process.returncode, out) == (2, "")
-    assert "gravity" in err

@@ -12,12 +12,11 @@ import numpy as np
 import pytest
 
 from sandbox.engine.simulate import simulate
-from sandbox.errors import Problem, SceneError
 from sandbox.recording.recording import Recording
 from sandbox.scene.read.load import load_scene, read_scene
-from sandbox.show.frames import HEAD
-from sandbox.show.page import quantities
 from sandbox.show.session import FASTEST, FRAME, Found, Session
+
+from .test_frames import decoded
 
 PULLED: dict[str, Any] = {
     "name": "pulled", "parameters": {"load": "200 g", "pull": "3 N"}, "run": {"duration": 10},
@@ -52,23 +51,24 @@ def session(tmp_path: Path, **scene: Any) -> Session:
     return made
 
 
+def of_file(data: dict[str, Any], tmp_path: Path) -> Session:
+    """A session of a scene that may be changed later."""
+    return Session(lambda overrides: Found(read_scene(data, overrides=overrides)), {},
+                   lambda name: tmp_path / name)
+
+
 def ask(made: Session, **message: Any) -> list[dict[str, Any]]:
     return made.hear(json.dumps(message))
 
 
 def told(made: Session) -> dict[str, Any]:
-    """A frame by its names."""
-    numbers = np.frombuffer(made.frame(), "<f4").astype(float)
-    found: dict[str, Any] = dict(zip(HEAD, numbers, strict=False))
-    at = len(HEAD)
-    for name, width in made.head()["head"]["layout"]:
-        found[name] = numbers[at:at + width]
-        at += width
-    found["watched"] = numbers[at:at + len(made.frames.watched)]
-    at += len(made.frames.watched)
-    end = at + 6 * int(found["contacts"])
-    places = numbers[end:].reshape(-1, int(found["trail"]), 2) if found["trail"] else numbers[end:]
-    return {**found, "rows": numbers[at:end].reshape(-1, 6), "places": places}
+    return decoded(made.frame(), made.frames)
+
+
+def values(answers: list[dict[str, Any]]) -> dict[str, float]:
+    """What sliders are set to by an answer."""
+    [found] = [each["controls"] for each in answers if "controls" in each]
+    return {each["name"]: each["value"] for each in found}
 
 
 def play(made: Session, seconds: float) -> dict[str, Any]:
@@ -121,58 +121,17 @@ def test_what_does_not_fit_the_budget_is_left_out_and_the_rate_says_so(tmp_path:
     assert told(made)["rate"] < 0.7
 
 
-def test_contact_forces_are_the_mean_of_the_steps_since_the_last_frame(tmp_path: Path) -> None:
-    """While the ball is thrown on the floor: m dv = (F - m g) dt, whatever single steps carry."""
+def test_arrows_are_worked_out_where_somebody_looks_at_them(tmp_path: Path) -> None:
     made = session(tmp_path)
-    play(made, 0.1)
-    ask(made, drag=["ball", 0, 0], to=[0.1, -0.2])
-    play(made, 0.2)
-    ask(made, drop=1)
-    before, steps = made.live["ball.vy"], made.live.steps
-    frame = told(made)
-    while not len(frame["rows"]):
-        before, steps = made.live["ball.vy"], made.live.steps
-        made.advance(FRAME, budget=10.0)
-        frame = told(made)
-    dt = (made.live.steps - steps) * made.scene.run.step
-    [row] = frame["rows"]
-    force = row[3] * (1 if row[4] == 2 else -1)
-    change = 0.05 * (made.live["ball.vy"] - before + 9.81 * dt)
-    # velocities read are means of two steps: half a step of weight at each end
-    assert force * dt == pytest.approx(change, abs=2 * 0.05 * 9.81 * made.scene.run.step)
-    assert force > 2 * 0.05 * 9.81
-
-
-def test_arrows_that_nobody_looks_at_are_not_worked_out_and_those_looked_at_are(
-    tmp_path: Path,
-) -> None:
-    made = session(tmp_path)
-    made.hear('{"layers": ["bodies"]}')
+    ask(made, layers=["bodies"])
     before = told(made)["moving"]
     ask(made, set="winch", value=0.0)
     assert np.array_equal(play(made, 0.1)["moving"], before)
-    made.hear('{"layers": ["bodies", "velocity"]}')
-    frame = play(made, 0.1)
-    index = [at for at, _ in enumerate(frame["moving"]) if abs(frame["moving"][at]) > 0.5]
-    assert frame["moving"][index] == pytest.approx([made.live["weight.vy"]], rel=1e-3)
-    made.hear('{"do": "reset"}')
+    ask(made, layers=["bodies", "velocity"])
+    moving = play(made, 0.1)["moving"]
+    assert moving[np.abs(moving) > 0.5] == pytest.approx([made.live["weight.vy"]], rel=1e-3)
+    ask(made, do="reset")
     assert made.frames.layers == {"bodies", "velocity"}
-
-
-def test_a_trace_has_what_lies_between_two_frames(tmp_path: Path) -> None:
-    made = session(tmp_path, view={"traces": [{"body": "weight", "at": [0.01, 0]}]})
-    ask(made, set="winch", value=0.0)
-    assert len(told(made)["places"]) == 0
-    made.hear('{"layers": ["traces"]}')
-    play(made, 0.05)
-    before = made.live["weight.y"]
-    made.advance(FRAME, budget=10.0)
-    (way, *_) = told(made)["places"]
-    assert len(way) == 8
-    assert way[:, 0] == pytest.approx(np.full(8, 0.01), abs=1e-7)
-    assert (np.diff(way[:, 1]) < 0).all()
-    assert before > way[0, 1]
-    assert way[-1, 1] == pytest.approx(made.live["weight.y"], abs=1e-7)
 
 
 def test_a_drive_is_set_while_it_runs_a_parameter_of_it_too(tmp_path: Path) -> None:
@@ -211,52 +170,22 @@ def test_pulled_by_the_hand(tmp_path: Path) -> None:
     assert play(made, 0.1)["force_y"] == 0
 
 
-def test_step_back_and_reset(tmp_path: Path) -> None:
-    made = session(tmp_path)
-    ask(made, do="pause")
-    steps = made.live.steps
-    ask(made, do="step")
-    assert made.live.steps == steps + round(FRAME / 5e-4)
-    ask(made, set="winch", value=1.0)
-    ask(made, do="run")
-    play(made, 0.2)
-    there = made.live.time, made.live["weight.y"]
-    ask(made, do="step")
-    ask(made, do="back")
-    assert not made.playing
-    assert (made.live.time, made.live["weight.y"]) == there
-    assert told(made)["watched"] == pytest.approx([1.0])
-    ask(made, do="back")
-    assert made.live.time == pytest.approx(there[0] - 33 * 5e-4)
-    ask(made, do="reset")
-    assert made.live.inputs == []
-    assert told(made)["watched"] == pytest.approx([3.0])
-
-
 def test_going_back_gives_parameters_and_targets_what_they_were(tmp_path: Path) -> None:
     """What is set after the instant gone back to is not in the run any more, nor on the sliders."""
-    def values(answers: list[dict[str, Any]]) -> dict[str, float]:
-        [found] = [each["controls"] for each in answers if "controls" in each]
-        return {each["name"]: each["value"] for each in found}
-
     made = session(tmp_path, **GUIDED)
     play(made, 0.1)
     ask(made, set="parameters.pull", value=2.0)
     play(made, 0.1)
-    ask(made, set="parameters.pull", value=1.0)
-    ask(made, set="rest.target", value=0.5)
-    [_, shown] = ask(made, set="rest.active", value=0), ask(made, set="parameters.pull", value=1.5)
-    assert values(shown)["rest.target"] == 0.5
-    assert values(shown)["rest.active"] == 0
+    for name, value in (("parameters.pull", 1.0), ("rest.target", 0.5), ("rest.active", 0)):
+        ask(made, set=name, value=value)
     play(made, 0.01)
-    shown = ask(made, do="back")
-    assert values(shown) | {"winch": 2.0} == values(shown)
-    assert [values(shown)[name] for name in ("parameters.pull", "rest.target", "rest.active")] == [
-        2.0, -0.2, 1.0]
+    shown = values(ask(made, do="back"))
+    assert [shown[name] for name in ("winch", "parameters.pull", "rest.target", "rest.active")] == [
+        2.0, 2.0, -0.2, 1.0]
     assert "pull=2.0" in ask(made, save="scene")[0]["said"]
     while made.live.time > 0.1:
-        shown = ask(made, do="back")
-    assert values(shown)["parameters.pull"] == values(shown)["winch"] == 3.0
+        shown = values(ask(made, do="back"))
+    assert shown["parameters.pull"] == shown["winch"] == 3.0
     assert ask(made, save="scene")[0]["said"] == ""
     ask(made, set="parameters.pull", value=1.0)
     assert values(ask(made, do="reset"))["winch"] == 1.0
@@ -276,13 +205,9 @@ def test_going_back_to_when_a_body_was_pulled_lets_it_go(tmp_path: Path) -> None
         ask(made, do="back")
     assert told(made)["hand"] == -1
     ask(made, do="step")
-    if made.live.steps % 2:  # a run has samples of every other step
-        made.live.step(1)
+    made.live.step(made.live.steps % 2)  # a run has samples of every other step
     arrays = made.live.latest()
     assert np.abs(arrays["drive_value"][-1, 1:]).max() == 0
-    assert arrays["body_acceleration"][-1, 1, 0] == pytest.approx(
-        arrays["tendon_tension"][-1, 0] / 0.2 * -arrays["body_pose"][-1, 1, 0] / np.hypot(
-            *arrays["body_pose"][-1, 1, :2]), rel=1e-3)
     assert np.array_equal(simulate(made.live.played()).arrays["body_pose"][-1, 1],
                           arrays["body_pose"][-1, 1])
 
@@ -296,21 +221,16 @@ def test_what_was_played_is_saved_as_a_scene_and_as_a_run(tmp_path: Path) -> Non
     y = play(made, 0.1)["pose"][1]
     [answer] = ask(made, save="scene")
     assert answer["file"] == "pulled_played.json"
-    scene = json.loads(answer["text"])
-    assert "expect" not in scene
+    assert "expect" not in json.loads(answer["text"])
     _, save = ask(made, save="run")
     assert "the run is in" in save()["said"]
     run = Recording.load(tmp_path / "pulled_played")
     assert run.complete
     assert run.arrays["body_pose"][-1, 1, 1] == pytest.approx(y, abs=1e-3)
     assert set(run.match("hand*.value")) == {"hand1.x.value", "hand1.y.value"}
-    first = (tmp_path / "pulled_played" / "run.npz").read_bytes()
-    ask(made, save="run")[1]()
-    again = Recording.load(tmp_path / "pulled_played")
-    assert all(again.arrays[key].tobytes() == array.tobytes() for key, array in run.arrays.items())
-    assert first
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("scene", [
     "capstan", "dog_clutch", "hydraulic_press", "linear_actuator", "motor_line", "planetary",
     "servo_arm", "shape_change", "tendon_stiffness", "trebuchet"])
@@ -338,53 +258,22 @@ def test_scenes_of_all_kinds_run_again_to_the_same_bits(scene: str, tmp_path: Pa
     assert np.array_equal(again.arrays["body_pose"][-1, own], poses[own])
 
 
-def test_meters_are_what_was_asked_for(tmp_path: Path) -> None:
-    made = session(tmp_path)
-    [answer] = ask(made, watch=["ball.y", "cord.length", "ball.y"])
-    assert [each["name"] for each in answer["watched"]] == ["ball.y", "cord.length"]
-    assert {each["unit"] for each in answer["watched"]} == {"m"}
-    assert told(made)["watched"] == pytest.approx([-0.3, 0.2], abs=1e-3)
-    ask(made, do="reset")
-    assert made.frames.watched == ["ball.y", "cord.length"]
-
-
 def test_a_view_opens_with_the_meters_of_the_scene(tmp_path: Path) -> None:
     """Not with what may be looked at of any scene, and without what a run tells in the end."""
-    view = {"meters": [
+    made = session(tmp_path, view={"meters": [
         {"of": "=cord.tension - 2", "unit": "N", "title": "more than 2 N", "range": [0, 2]},
-        "ball/floor.normal", "winch.work", {"of": ["[wb]*.y"], "style": "number"}]}
-    made = session(tmp_path, view=view)
+        "ball/floor.normal", {"of": ["[wb]*.y", "weight.contact.fx"], "style": "number"}]})
     head = made.head()["head"]
     assert head["watched"] == ["=cord.tension - 2", "ball/floor.normal", "weight.y", "ball.y"]
-    units = {one["name"]: one["unit"] for one in head["quantities"]}
-    assert [units[name] for name in head["watched"]] == ["N", "N", "m", "m"]
     assert [(one["title"], one["range"], one["number"]) for one in head["meters"]] == [
         ("more than 2 N", (0.0, 2.0), 0), ("", None, 0), ("", None, 1)]
     tension, pressed, _, height = play(made, 0.1)["watched"]
     assert (tension, pressed, height) == pytest.approx((1.0, 0.05 * 9.81, -0.3), abs=1e-3)
-    [answer] = ask(made, watch=["=cord.tension - 2", "ball.x"])
-    assert [one["unit"] for one in answer["watched"]] == ["N", "m"]
-def test_what_is_looked_at_first_comes_first(tmp_path: Path) -> None:
-    """The view, the page and the words of ``sandbox plot`` begin with the same."""
-    made = session(tmp_path)
-    usual = made._look.catalogue.usual
-    assert usual["tendon"] == made.frames.watched == ["cord.tension"]
-    assert usual["body"] == ["weight.y", "ball.y"]
-    shown = [each["name"] for each in made.head()["head"]["quantities"]]
-    ball = [name for name in shown if name.startswith("ball.")]
-    assert ball[:3] == ["ball.x", "ball.y", "ball.contact.normal"]
-    assert sorted(shown) == sorted(made.live.names())
-    assert quantities(made._look).index("winch.value") < quantities(made._look).index("winch.work")
-
-
-def test_meters_of_what_is_worked_out_after_a_run_are_left_out(tmp_path: Path) -> None:
-    made = Session(lambda overrides: Found(read_scene("slider_crank", overrides=overrides)), {},
-                   lambda name: tmp_path / name)
-    names = {each["name"] for each in made.head()["head"]["quantities"]}
-    meters = {meter.name for meter in made.scene.meters}
-    assert meters - names
-    assert set(made.frames.watched) <= names
-    assert np.isfinite([made.live[name] for name in made.frames.watched]).all()
+    reason = "'weight.contact.fx' is worked out after a run and cannot be read while it runs"
+    assert made.status()["status"]["left_out"] == [
+        f"a curve of a meter of the view is left out: {reason}"]
+    assert "weight.contact.fx" in head["late"]
+    assert ask(made, watch=["weight.y", "weight.contact.fx"]) == [{"error": reason}]
 
 
 @pytest.mark.parametrize(("message", "said"), [
@@ -425,25 +314,18 @@ def test_what_is_no_message_does_no_harm(tmp_path: Path, text: str | bytes) -> N
     assert "error" in session(tmp_path).hear(text)[0]
 
 
-@pytest.mark.parametrize("error", [KeyError("path"), IndexError("9"), ZeroDivisionError()])
-def test_an_error_that_nobody_foresaw_is_answered(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: Exception,
+def test_an_unexpected_error_is_answered(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     made = session(tmp_path)
-
-    def fail(_: Any) -> None:
-        raise error
-
-    monkeypatch.setattr(made.hand, "drop", lambda: fail(0))
-    [answer] = ask(made, drop=1, id=5)
-    assert type(error).__name__ in answer["error"]
+    monkeypatch.setattr(made.hand, "drop", lambda: {}["path"])
+    assert "KeyError('path')" in ask(made, drop=1, id=5)[0]["error"]
     assert made.ack == 5
 
 
 def test_a_file_that_was_changed_is_read_anew_or_its_faults_are_told(tmp_path: Path) -> None:
     data = {**PULLED}
-    made = Session(lambda overrides: Found(read_scene(data, overrides=overrides)), {},
-                   lambda name: tmp_path / name)
+    made = of_file(data, tmp_path)
     ask(made, set="parameters.pull", value="4 N")
     play(made, 0.1)
     data["gravity"] = [0, "down"]
@@ -462,153 +344,95 @@ def test_a_parameter_that_the_file_has_no_more_does_not_keep_it_from_being_read(
     tmp_path: Path,
 ) -> None:
     data = {**PULLED}
-    made = Session(lambda overrides: Found(read_scene(data, overrides=overrides)), {},
-                   lambda name: tmp_path / name)
+    made = of_file(data, tmp_path)
     ask(made, set="parameters.pull", value="4 N")
     ask(made, set="parameters.load", value="0.3 kg")
     data["parameters"] = {"load": "200 g"}
     assert not made.reload()  # the drive still asks for it
     assert "pull" in made.status()["status"]["trouble"]
-    assert set(made.overrides) == {"parameters.pull", "parameters.load"}
-    data["drives"] = [{**PULLED["drives"][0], "value": 3}]
-    data["expect"] = []
+    data |= {"drives": [{**PULLED["drives"][0], "value": 3}], "expect": []}
     assert made.reload()
     assert made.overrides == {"parameters.load": "0.3 kg"}
     assert made.live["winch.value"] == 3.0
 
 
-def test_a_value_that_cannot_be_played_with_is_not_kept(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    made = session(tmp_path)
-
-    def refused(*_: Any) -> Recording:
-        raise SceneError([Problem("not with this", "")])
-
-    monkeypatch.setattr("sandbox.show.session.looked_at", refused)
-    assert ask(made, set="parameters.load", value="0.3 kg") == [{"error": "not with this"}]
-    assert made.overrides == {}
-
-
 def test_a_run_that_diverges_or_is_stopped_says_so_and_begins_anew(tmp_path: Path) -> None:
-    made = session(tmp_path, events=[
+    made = session(tmp_path, drives=GUIDED["drives"], events=[
         {"name": "enough", "when": "=weight.y < -0.25", "stop": "pass"}])
-    ask(made, set="winch", value=0.0)
-    play(made, 1.0)
-    assert not made.playing
-    assert "'enough' stopped it" in made.status()["status"]["trouble"]
-    assert "run is over" in ask(made, set="winch", value=1.0)[0]["error"]
-    ask(made, do="reset")
-    ask(made, do="run")
-    assert made.playing
-    wild = session(tmp_path, drives=[{"type": "force", "name": "kick", "body": "ball",
-                                      "direction": [1, 0], "value": 0}], expect=[])
-    ask(wild, set="kick", value=1e9)
-    play(wild, 0.5)
-    assert "ball" in wild.trouble
-    assert not wild.playing
-    why = r"diverged at t = .* s: ball: its motion has run away"
-    assert re.search(why, wild.status()["status"]["trouble"])
-    for what in ({"set": "kick", "value": 1.0}, {"drag": ["ball", 0, 0], "to": [0, 0]}):
-        [answer] = ask(wild, **what)
-        assert re.search("the run is over: .*" + why, answer["error"])
-    ask(wild, do="reset")
-    assert wild.status()["status"]["trouble"] == ""
-    assert wild.live["kick.value"] == 0.0
+    for name, value, why in (("winch", 0.0, "'enough' stopped it"), (
+            "blow", 1e9, "diverged at t = .* s: ball: its motion has run away")):
+        ask(made, set=name, value=value)
+        play(made, 1.0)
+        assert not made.playing
+        assert re.search(why, made.status()["status"]["trouble"])
+        for what in ({"set": "winch", "value": 1.0}, {"drag": ["ball", 0, 0], "to": [0, 0]}):
+            assert re.search(f"the run is over.*{why}", ask(made, **what)[0]["error"])
+        ask(made, do="reset")
+        ask(made, do="run")
+        assert made.playing
+        assert made.status()["status"]["trouble"] == ""
 
 
 def test_what_the_check_warns_of_is_told_with_the_scene_that_it_is_of(tmp_path: Path) -> None:
     def read(overrides: Mapping[str, Any]) -> Found:
         loaded = read_scene(PULLED, overrides=overrides)
-        light = loaded.scene.parameters["load"] < 0.1, loaded.scene.parameters["pull"] < 1
-        return Found(loaded, [text for text, so in zip(("a", "b"), light, strict=True) if so])
+        return Found(loaded, [name for name, value in loaded.scene.parameters.items()
+                              if value < 0.1])
 
     made = Session(read, {}, lambda name: tmp_path / name)
-    assert made.status()["status"]["warnings"] == []
-    head, status = ask(made, set="parameters.load", value="50 g")  # begins anew
-    assert "head" in head
-    assert status["status"]["warnings"] == ["a"]
-    status, _ = ask(made, set="parameters.pull", value="0.5 N")  # goes on
-    assert status["status"]["warnings"] == ["a", "b"]
-    ask(made, set="parameters.load", value="200 g")
-    assert made.status()["status"]["warnings"] == ["b"]
+    for name, value, told in (("load", "50 g", ["load"]), ("pull", "0.05 N", ["load", "pull"]),
+                              ("load", "200 g", ["pull"])):  # begins anew, goes on, anew
+        ask(made, set=f"parameters.{name}", value=value)
+        assert made.status()["status"]["warnings"] == told
 
 
 def test_sliders_keep_from_where_to_where_they_go_until_the_file_changes(tmp_path: Path) -> None:
-    def spans(answer: dict[str, Any]) -> dict[str, tuple[float, float]]:
-        return {each["name"]: (each["low"], each["high"]) for each in answer["controls"]}
-
     data = {**PULLED}
-    made = Session(lambda overrides: Found(read_scene(data, overrides=overrides)), {},
-                   lambda name: tmp_path / name)
-    before = spans(made.head()["head"])
+    made = of_file(data, tmp_path)
+
+    def spans() -> dict[str, tuple[float, float]]:
+        return {each["name"]: (each["low"], each["high"])
+                for each in made.head()["head"]["controls"]}
+
+    before = spans()
     assert before == {"parameters.load": (0.0, 400.0), "parameters.pull": (0.0, 6.0),
                       "winch": (0.0, 6.0)}
-    [_, told] = ask(made, set="parameters.pull", value="1000 N")
-    assert spans(told) == before
-    [head, _] = ask(made, set="parameters.load", value="300 g")
-    assert spans(head["head"]) == before
-    [_, told] = ask(made, do="reset")
-    assert spans(told) == before
+    for what in ({"set": "parameters.pull", "value": "1000 N"},
+                 {"set": "parameters.load", "value": "300 g"}, {"do": "reset"}):
+        ask(made, **what)
+        assert spans() == before
     data["parameters"] = {"load": "100 g", "pull": "3 N"}
     made.overrides.clear()
     assert made.reload()
-    assert spans(made.head()["head"])["parameters.load"] == (0.0, 200.0)
+    assert spans()["parameters.load"] == (0.0, 200.0)
 
 
 def test_a_drive_takes_units_of_its_dimension_and_answers_what_that_is(tmp_path: Path) -> None:
     made = session(tmp_path, **GUIDED)
-    assert ask(made, set="winch", value="0.004 kN") == [{"given": {"name": "winch", "value": 4.0}}]
+    for name, text, value in (("winch", "0.004 kN", 4.0), ("rest.target", "-150 mm", -0.15)):
+        assert ask(made, set=name, value=text) == [{"given": {"name": name, "value": value}}]
     assert play(made, 0.1)["drive"][0] == pytest.approx(4.0)
-    assert ask(made, set="rest.target", value="-150 mm") == [
-        {"given": {"name": "rest.target", "value": -0.15}}]
-    said = ask(made, set="winch", value="3 rpm")[0]["error"]
-    assert said.startswith("'winch': 'rpm' is a unit of angular speed, but this is a force; "
-                           "allowed: a number, or one with a unit: ")
-    assert "'N'" in said
-    assert "did you mean 'kN'" in ask(made, set="winch", value="3 kn")[0]["error"]
-    for name, text, wrong in (("rest.active", "1 N", "takes no unit"), ("winch", "much", "much"),
-                              ("winsh", "3", "winsh"), ("winsh", "3 N", "winsh")):
+    for name, text, wrong in (
+            ("winch", "3 rpm", "'winch': 'rpm' is a unit of angular speed, but this is a force; "),
+            ("winch", "3 kn", "did you mean 'kN'"), ("rest.active", "1 N", "takes no unit"),
+            ("winch", "much", "much"), ("winsh", "3", "winsh"), ("winsh", "3 N", "winsh")):
         assert wrong in ask(made, set=name, value=text)[0]["error"]
     assert made.live.inputs[-1].value == -0.15  # nothing else was set
-
-
-def test_a_meter_that_cannot_be_read_while_it_runs_is_named_with_the_reason(
-    tmp_path: Path,
-) -> None:
-    view = {"meters": ["weight.y", {"of": ["winch.value", "weight.contact.fx"]}]}
-    made = session(tmp_path, view=view)
-    reason = "'weight.contact.fx' is worked out after a run and cannot be read while it runs"
-    status = made.status()["status"]
-    assert status["warnings"] == []
-    assert status["left_out"] == [f"a curve of a meter of the view is left out: {reason}"]
-    head = made.head()["head"]
-    assert head["watched"] == ["weight.y", "winch.value"]
-    alone = session(tmp_path, view={"meters": ["weight.y", "weight.contact.fx"]})
-    assert alone.status()["status"]["left_out"] == [f"a meter of the view is left out: {reason}"]
-    assert alone.head()["head"]["watched"] == ["weight.y"]
-    assert "weight.contact.fx" in head["late"]
-    assert not {"weight.y", *(each["name"] for each in head["quantities"])} & set(head["late"])
-    assert ask(made, watch=["weight.y", "weight.contact.fx"]) == [{"error": reason}]
 
 
 def test_pairs_are_found_by_name_and_by_pattern_and_stay_after_a_reset(tmp_path: Path) -> None:
     """One that touched is offered; what is asked for is what a simulation reads."""
     made = session(tmp_path)
-    offered = {each["name"]: each["unit"] for each in made.head()["head"]["pairs"]}
-    assert offered == {"ball/floor.normal": "N", "ball/floor.tangential": "N"}
+    assert {each["name"]: each["unit"] for each in made.head()["head"]["pairs"]} == {
+        "ball/floor.normal": "N", "ball/floor.tangential": "N"}
     [answer] = ask(made, watch=["*/floor.normal", "floor/ball.tangential", "weight.y"])
     names = [one["name"] for one in answer["watched"]]
     assert {"ball/floor.normal", "floor/ball.tangential", "weight.y"} <= set(names)
-    assert {one["unit"] for one in answer["watched"][:2]} == {"N"}
     seen = dict(zip(names, play(made, 0.1)["watched"], strict=True))
     assert seen["ball/floor.normal"] == pytest.approx(0.05 * 9.81, abs=1e-3)
     ask(made, do="reset")
     assert made.frames.watched == names
-    for wrong, said in (("ball/flor.normal", "did you mean 'ball/floor.normal'"),
-                        ("*/floor.norml", "no quantity fits")):
-        [answer] = ask(made, watch=[wrong])
-        assert said in answer["error"]
+    assert "did you mean 'ball/floor.normal'" in ask(made, watch=["ball/flor.normal"])[0]["error"]
 
 
 def test_it_begins_at_the_speed_of_the_view_and_keeps_what_is_chosen(tmp_path: Path) -> None:
