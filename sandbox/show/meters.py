@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.shown_meters import curves, is_expression
 from sandbox.scene.elements.settings import View
+
+if TYPE_CHECKING:
+    from sandbox.show.frames import LiveFrames
+
+MOST_METERS = 12
+"""Meters of a live view that run at once."""
+FIRST_METERS = 4
 
 
 def meters_of(view: View, known: Catalogue) -> list[dict[str, Any]]:
@@ -22,3 +30,19 @@ def meters_of(view: View, known: Catalogue) -> list[dict[str, Any]]:
 def expressions_of(view: View) -> dict[str, str]:
     """The expressions among the curves, each with its unit."""
     return {word: meter.unit for meter in view.meters for word in meter.of if is_expression(word)}
+
+
+def first_meters(frames: LiveFrames, usual: Mapping[str, list[str]]) -> list[str]:
+    """The quantities that a live view plots at first.
+
+    These are the meters of the scene's view, as many as may run at once; else the meters that the
+    scene defines, else the first of the ``usual`` quantities.
+    """
+    shown: list[str] = []
+    for meter in frames.meters:
+        both = list(dict.fromkeys([*shown, *meter["names"]]))
+        shown = both if len(both) <= MOST_METERS else shown
+    if shown:
+        return shown
+    found = ([name for name in names if name in frames.units] for names in usual.values())
+    return next((names[:FIRST_METERS] for names in found if names), [])

@@ -28,6 +28,7 @@ from sandbox.scene.read.load import Loaded
 from sandbox.scene.values.units import dimension_of, units_of
 from sandbox.show.controls import PARAMETER, Spans, changes, controls, read_value
 from sandbox.show.frames import LOOK, LiveFrames, Stride, looked_at
+from sandbox.show.meters import MOST_METERS, first_meters
 from sandbox.wording import listed, near, quoted
 
 FRAME = 1 / 60
@@ -38,8 +39,6 @@ SLOWEST, FASTEST = 0.01, 4.0
 """Seconds of motion for each second that can be asked for."""
 QUICK_LOOK = 0.2
 """Seconds for that when a parameter was set, so that a slider is not held up."""
-MOST_METERS = 12
-FIRST_METERS = 4
 Answer = dict[str, Any]
 Later = Callable[[], Answer]
 """Work that takes long and gives an answer; may be called in a thread."""
@@ -112,7 +111,7 @@ class Session:
         self._end = round(live.scene.run.duration / live.scene.run.step)
         """Steps to the end of the scene, where it pauses once."""
         self.frames.layers = self._layers
-        watched = _first_meters(self.frames, self._look.catalogue.usual) \
+        watched = first_meters(self.frames, self._look.catalogue.usual) \
             if self._watched is None else self._watched
         self.frames.watched = [name for name in watched if self.frames.tells(name)]
 
@@ -446,18 +445,3 @@ def _said(problem: Problem) -> str:
     allowed = f"; allowed: {problem.allowed}" if problem.allowed else ""
     hint = f"; did you mean {problem.hint}?" if problem.hint else ""
     return f"{place}{problem.message}{allowed}{hint}"
-
-
-def _first_meters(frames: LiveFrames, usual: Mapping[str, list[str]]) -> list[str]:
-    """What is plotted at first: the meters of the scene's view, as many as may run at once.
-
-    Else the meters that the scene defines, else what is looked at first of a run.
-    """
-    shown: list[str] = []
-    for meter in frames.meters:
-        both = list(dict.fromkeys([*shown, *meter["names"]]))
-        shown = both if len(both) <= MOST_METERS else shown
-    if shown:
-        return shown
-    found = ([name for name in names if name in frames.units] for names in usual.values())
-    return next((names[:FIRST_METERS] for names in found if names), [])
