@@ -41,20 +41,21 @@ VALUES = Path(__file__).with_name("values.json")
 DIGITS = 6
 ROUNDING = 1.1e-5
 """Two numbers of six digits that differ by this share are the same."""
-FLOOR = 1e-10
+FLOOR = 1e-9
 """Numbers that differ by less are the same, in any SI unit: a force of 1e-15 N is rounding."""
 PERTURBATION = 1e-10
 """Of all masses, to measure how a scene amplifies rounding."""
-MARGIN = 10.0
+MARGIN = 30.0
 """The tolerance on other platforms, by what the perturbation moves."""
 CHAOTIC = 1e-2
 """Tolerances beyond this are meaningless."""
+OUTCOME = ("status", "samples", "failed", "looks")
 MOMENTS = ("rms", "largest", "sum of last values", "nan", "infinite")
 UNHASHED = {*STIFFNESS}
 """Kinds whose last bits depend on the threads of LAPACK."""
-AUDIT_SHARE = 0.01
-"""Values of the audit are residuals: they may differ by so much, and by less than a thousandth of
-their thresholds."""
+AUDIT_SHARE, AUDIT_FLOOR = 0.01, 1e-7
+"""Values of the audit are residuals, mostly of rounding: they may differ by this share, and by this
+much. On other platforms only its verdicts are compared."""
 
 Digest = dict[str, Any]
 
@@ -161,10 +162,11 @@ def differences(
         old: as it is kept.
         new: as it is now.
         names: the quantities of every kind of the new run.
-        tolerance: share by which numbers may differ; 0 compares bytes, inf outcomes alone.
+        tolerance: share by which numbers may differ; 0 compares bytes and the audit's values, inf
+            the outcome alone.
     """
-    found = [f"{key}: {old[key]} -> {new[key]}" for key in ("status", "samples", "failed", "looks")
-             if old[key] != new[key]]
+    keys = ("status", "failed") if tolerance == np.inf else OUTCOME
+    found = [f"{key}: {old[key]} -> {new[key]}" for key in keys if old[key] != new[key]]
     if tolerance == np.inf:
         return found
     share = max(ROUNDING, tolerance)
@@ -178,7 +180,7 @@ def differences(
                                         for each in (old, new)))):
         found += [f"{what}[{i}]: {_change(a, b)}"
                   for i, (a, b) in enumerate(zip(one, two, strict=False)) if _moved(a, b, share)]
-    return found + _moved_audit(old["audit"], new["audit"])
+    return found if tolerance else found + _moved_audit(old["audit"], new["audit"])
 
 
 def _moved_kind(
@@ -203,7 +205,7 @@ def _moved_audit(old: dict[str, Any], new: dict[str, Any]) -> list[str]:
     if old.keys() != new.keys():
         return [f"audit: {sorted(old.keys() ^ new.keys())} computed in one of both"]
     return [f"audit {name}: {_change(old[name], new[name])}" for name in old
-            if _moved(old[name], new[name], AUDIT_SHARE, floor=1e-7)]
+            if _moved(old[name], new[name], AUDIT_SHARE, floor=AUDIT_FLOOR)]
 
 
 def _moved(a: Any, b: Any, share: float, size: float = 0.0, floor: float = FLOOR) -> bool:
@@ -236,7 +238,7 @@ def spread(mechanism: Mechanism, plain: Digest) -> float:
                                 if (value := getattr(body, key)) is not None})
         for body in mechanism.bodies)
     moved = digest(recording_of(mechanism.model_copy(update={"bodies": bodies})))
-    if any(moved[key] != plain[key] for key in ("status", "samples", "failed", "looks")):
+    if any(moved[key] != plain[key] for key in OUTCOME):
         return 1.0
     shares = [
         (abs(a - b) - FLOOR) / max(abs(a), abs(b), 1e-3 * abs(old.moments[1]), FLOOR)
