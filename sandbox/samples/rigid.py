@@ -9,7 +9,7 @@ import numpy as np
 
 from sandbox.numeric import Array
 
-RANK = 1e-9  # directions with a smaller share of the largest are rounding
+RANK = 1e-9  # directions with a smaller share than this are rounding
 SMALL = 1e-7
 """Motions [m, and by the size of the object rad] over which forces are compared: the square of it
 over that of the mechanism's lengths is left out, rounding over it is kept."""
@@ -79,11 +79,25 @@ def _turned(vectors: Array, angle: Array) -> Array:
 
 
 def null_space(rows: Array) -> Array:
-    """Orthonormal motions that leave all rows at 0, [n, k]."""
-    if not len(rows):
-        return np.eye(rows.shape[1])
-    size = np.linalg.norm(rows, axis=1, keepdims=True)
-    rows = (rows / np.maximum(size, 1e-300))[size[:, 0] > 0]
-    _, values, right = np.linalg.svd(rows)
-    rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
-    return np.asarray(right[rank:].T)
+    """Orthonormal motions that leave all rows at 0, [n, k].
+
+    Gauss-Jordan elimination with complete pivoting, then QR. An SVD of matrices of this size takes
+    several times as long, since the threads of LAPACK wait for each other.
+    """
+    size, n = np.linalg.norm(rows, axis=1), rows.shape[1]
+    left, order, rank = rows[size > 0] / size[size > 0, None], np.arange(n), 0
+    while rank < min(left.shape):
+        row, column = divmod(int(np.abs(left[rank:, rank:]).argmax()), n - rank)
+        if abs(left[rank + row, rank + column]) <= RANK:
+            break
+        left[[rank, rank + row]] = left[[rank + row, rank]]
+        for each in (left.T, order):
+            each[[rank, rank + column]] = each[[rank + column, rank]]
+        left[rank] /= left[rank, rank]
+        share = left[:, rank].copy()
+        share[rank] = 0.0
+        left -= share[:, None] * left[rank]
+        rank += 1
+    motions = np.zeros((n, n - rank))
+    motions[order[:rank]], motions[order[rank:]] = -left[:rank, rank:], np.eye(n - rank)
+    return np.linalg.qr(motions).Q
