@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.compiling import told_if_compiling
+from sandbox.cli.compiling import compilation_notices
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
 from sandbox.cli.inspection import refuse_blocking
@@ -48,7 +48,7 @@ def certify(
     refuse_blocking(inspect(mechanism), loaded)
     _refuse(loaded, limits)
     console = Console(as_json=as_json)
-    with (told_if_compiling(console),
+    with (compilation_notices(console),
           Progress("certify", shown=console.shows_progress) as progress):
         found = run_study(mechanism, progress=progress)
     code = (Exit.DIVERGED if found.diverged else Exit.DONE if found.certified else Exit.FAILED)

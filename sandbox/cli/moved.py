@@ -36,7 +36,7 @@ def compare_sweeps(
         UsageError: two tolerances at once.
         SandboxError: they have nothing in common, or the first cannot be run again.
     """
-    from sandbox.cli.compiling import told_if_compiling
+    from sandbox.cli.compiling import compilation_notices
     from sandbox.errors import SandboxError
     from sandbox.sweeps.compared import SHARE, compared, halved, read_kept
 
@@ -47,7 +47,7 @@ def compare_sweeps(
     allowed = None
     if step_check is not None:
         compared(first, second)  # what is wrong with them is told before anything runs
-        with told_if_compiling(console):
+        with compilation_notices(console):
             try:
                 allowed = halved(first, step_check)
             except SandboxError as error:

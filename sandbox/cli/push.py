@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.compiling import told_if_compiling
+from sandbox.cli.compiling import compilation_notices
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
 from sandbox.cli.inspection import refuse_blocking
@@ -93,7 +93,7 @@ def push(
     body = body or _held(mechanism)
     folder = out or RENDERS / (mechanism.name or "scene")
     prepare(folder)
-    with (told_if_compiling(console),
+    with (compilation_notices(console),
           Progress("push", shown=console.shows_progress) as progress):
         found = pushes(mechanism, body, at=instant, over=over, count=directions, limit=limit,
                        beyond=beyond, progress=progress)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.compiling import told_if_compiling
+from sandbox.cli.compiling import compilation_notices
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
 from sandbox.cli.inspection import refuse_blocking
@@ -90,7 +90,7 @@ def rest(
 
     if body is not None:
         known_body(mechanism, body)
-    with told_if_compiling(console):
+    with compilation_notices(console):
         found = find(Checked(mechanism), at=at, starts=_starts(starts), stages=stages)
     body = body or _held(mechanism)
     stiff = [_stiffness(each, body) for each in found.rests]
@@ -144,7 +144,7 @@ def _follow(
         if when.due():
             console.warn(f"{points} points of rest, now at {path} = {value:.6g} {unit}".rstrip())
 
-    with told_if_compiling(console):
+    with compilation_notices(console):
         branches = rest_along(make, begin, end, count, at=at, stages=stages, heard=heard)
     label = f"{path} [{unit}]" if unit else path
     data, files = branch_files(branches, folder, mechanism, label, quantity)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.compiling import told_if_compiling
+from sandbox.cli.compiling import compilation_notices
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.failures import pages_line, report
@@ -132,7 +132,7 @@ def _simulate(job: _Job) -> Recording:
     from sandbox.engine.inspect_control import Checked
     from sandbox.engine.simulate import simulate
 
-    with (told_if_compiling(job.console),
+    with (compilation_notices(job.console),
           Progress("simulate", shown=job.console.shows_progress) as progress):
         recording = simulate(Checked(job.loaded.mechanism), progress=progress,
                              recorded_bytes=job.limits.recorded_bytes)

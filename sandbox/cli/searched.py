@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from sandbox.cli.compiling import told_if_workers_compile
+from sandbox.cli.compiling import worker_compilation_notices
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.interrupts import told_how_to_go_on
@@ -117,7 +117,7 @@ def searched(
     folder = out or _own_folder(asked, kind, beside)
     prepare(folder)
     told = _RunsSoFar(console)
-    with told_how_to_go_on(folder, console), told_if_workers_compile(console):
+    with told_how_to_go_on(folder, console), worker_compilation_notices(console):
         found = asked.run(Where(folder, workers, cluster, told), kind=kind, **beside)
     return _report(kind, found.lines, folder, console, told.count, time.perf_counter() - began)
 

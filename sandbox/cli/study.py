@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.compiling import told_if_compiling
+from sandbox.cli.compiling import compilation_notices
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
 from sandbox.cli.interrupts import told_how_to_go_on
@@ -115,7 +115,7 @@ def run_studies(
         folder, before = folders[s.name], _seen(folders[s.name])
         began = time.perf_counter()
         going_on = told_how_to_go_on(folder, console) if s.many else contextlib.nullcontext()
-        with (going_on, told_if_compiling(console),
+        with (going_on, compilation_notices(console),
               Progress(s.name, shown=console.shows_progress) as progress):
             text = s.load()(folder, progress=progress, **(crew if s.many else {}))
         seconds = time.perf_counter() - began

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.compiling import told_if_workers_compile
+from sandbox.cli.compiling import worker_compilation_notices
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
 from sandbox.cli.interrupts import told_how_to_go_on
@@ -111,7 +111,7 @@ def sweep(
     prepare(folder)
     console.say(f"{plan.name}: {len(plan)} runs of {plan.loaded.mechanism.name}")
     load()
-    with (told_how_to_go_on(folder, console), told_if_workers_compile(console),
+    with (told_how_to_go_on(folder, console), worker_compilation_notices(console),
           Progress("sweep", shown=console.shows_progress) as bar):
         found = run_plan(plan, folder, workers=workers, cluster=cluster, again=again,
                          progress=_SweepSoFar(bar, console))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sandbox.cli.compiling import told_if_compiling
+from sandbox.cli.compiling import compilation_notices
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
 from sandbox.cli.options import OUT
@@ -45,7 +45,7 @@ def verify(out: Path | None, only: tuple[str, ...], as_json: bool, quiet: bool) 
         prepare(directory)
     console = Console(as_json=as_json, quiet=quiet)
     share = len(cases) / (len(cases) + len(benchmarks))
-    with (told_if_compiling(console),
+    with (compilation_notices(console),
           Progress("verify", shown=console.shows_progress) as progress):
         results = run_cases(cases, progress=lambda done: progress(share * done))
         runs = measure(benchmarks, progress=lambda done: progress(share + (1 - share) * done))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.compiling import told_if_compiling
+from sandbox.cli.compiling import compilation_notices
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.inspection import inspection_lines, look_over, refuse_blocking
@@ -57,7 +57,7 @@ def view(
     def session() -> Session:
         return Session(read, overrides, default_directory)
 
-    with told_if_compiling(console):
+    with compilation_notices(console):
         first = session()
     console.warn(*first.warnings, *read_on(map(page_of, first.warnings)))
 

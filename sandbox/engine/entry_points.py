@@ -15,25 +15,27 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import inspect
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
-from types import FunctionType
 from typing import Any, TypeVar, cast
 
 import numpy as np
 from llvmlite import ir
-from numba import cfunc, njit, types
-from numba.core import typing as numba_typing
+from numba import cfunc, config, njit, types
+from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 
+from sandbox.engine import source_hash
 from sandbox.engine.compiling import report_compiled, report_progress
 from sandbox.engine.features import FEATURES
+from sandbox.engine.kernel import kernel
 from sandbox.engine.memory import TABLE_WORDS
 from sandbox.engine.numba_linking import fast_compilation
-from sandbox.engine.source_hash import source_hash
+from sandbox.engine.source_hash import cacheable
 from sandbox.engine.state import Constants
 from sandbox.numeric import Integers
 
@@ -45,14 +47,22 @@ _TYPES: dict[str, Any] = {
 """Numba's types of the annotations that entry points may have."""
 _CTYPES: dict[Any, Any] = {types.int64: ctypes.c_int64, types.float64: ctypes.c_double,
            types.boolean: ctypes.c_bool, types.void: None}
-_numba_typing: Any = numba_typing
+_numba_config: Any = config
 _WORD = ir.IntType(64)
 _OBSOLETE = 7 * 86400
 """Cached code of other versions of an entry point is deleted after this time [s]."""
 _entry_points: dict[str, EntryPoint] = {}
 _everything = False
-_errors: list[BaseException] = []
-"""Exceptions raised while a late entry point was compiled: none can leave compiled code."""
+
+
+class _Errors(threading.local):
+    """Exceptions raised while a late entry point was compiled: none can leave compiled code."""
+
+    def __init__(self) -> None:
+        self.raised: list[BaseException] = []
+
+
+_errors = _Errors()
 
 
 class EntryPoint:
@@ -74,12 +84,17 @@ class EntryPoint:
         self.signature = _signature(function)
         if self.name in _entry_points:
             raise ValueError(f"there are two entry points named {self.name}")
+        if _places.cache_info().currsize:
+            raise RuntimeError(f"the entry point {self.name} is defined after the first run")
+        if feature and feature not in FEATURES:
+            raise ValueError(f"the entry point {self.name} names an unknown feature '{feature}'")
         _entry_points[self.name] = self
+        self._compile_on_first_call = self._late_caller() if late else None
 
     @property
     def place(self) -> int:
-        """Where in the table its address stands."""
-        return TABLE_WORDS + sorted(_entry_points).index(self.name)
+        """Index of its address in the table."""
+        return _places()[self.name]
 
     @property
     def source_key(self) -> str:
@@ -119,40 +134,48 @@ class EntryPoint:
     @cached_property
     def compiled(self) -> Any:
         """Numba's C callback, compiled now or loaded from the cache."""
-        copy = cacheable(self.py_func)
-        try:
-            made = cfunc(self.signature, error_model="numpy", cache=True)(copy)
-        except RuntimeError:  # neither the installation nor the user's cache can be written to
-            return cfunc(self.signature, error_model="numpy")(copy)
+        def compiled(function: Callable[..., Any], cache: bool) -> Any:
+            return cfunc(self.signature, error_model="numpy", cache=cache)(function)
+
+        made = _cached(self.py_func, compiled)
         if not made.cache_hits:
-            _remove_obsolete(made, copy.__qualname__)
+            _remove_obsolete(made, self.name)
         return made
 
     def address(self) -> int:
         """The address of the compiled function, or of a function that compiles it first."""
-        if self.late and "compiled" not in self.__dict__:
-            return int(ctypes.cast(self._first_call, ctypes.c_void_p).value or 0)
+        if self._compile_on_first_call and "compiled" not in self.__dict__:
+            return int(ctypes.cast(self._compile_on_first_call, ctypes.c_void_p).value or 0)
         return int(self.compiled.address)
 
-    @cached_property
-    def _first_call(self) -> Any:
+    def _late_caller(self) -> Any:
         """Compile the function, put its address into the table of the caller, and call it."""
         kind = ctypes.CFUNCTYPE(_CTYPES[self.signature.return_type],
                                 *(_CTYPES[one] for one in self.signature.args))
 
         def first_call(table: int, *args: Any) -> Any:
-            try:
-                began = time.perf_counter()
-                with fast_compilation():
-                    address = self.compiled.address
-                report_compiled(time.perf_counter() - began)
-                ctypes.c_int64.from_address(table + 8 * self.place).value = address
-                return kind(address)(table, *args)
-            except BaseException as error:  # Ctrl-C among them
-                _errors.append(error)
-                return self.default
+            address = 0
+            while not address:
+                try:
+                    began = time.perf_counter()
+                    with fast_compilation():
+                        address = self.compiled.address
+                    report_compiled(time.perf_counter() - began)
+                except KeyboardInterrupt as error:  # finish the step first: its samples are kept
+                    _errors.raised.append(error)
+                except BaseException as error:
+                    _errors.raised.append(error)
+                    return self.default
+            ctypes.c_int64.from_address(table + 8 * self.place).value = address
+            return kind(address)(table, *args)
 
         return kind(first_call)
+
+
+@cache
+def _places() -> dict[str, int]:
+    """Indices of all addresses in the table, settled when the first function is compiled."""
+    return {name: TABLE_WORDS + i for i, name in enumerate(sorted(_entry_points))}
 
 
 class CalledFromPython:
@@ -169,9 +192,9 @@ class CalledFromPython:
     def __call__(self, *args: Any) -> Any:
         """Call the compiled function."""
         result = self.compiled(*args)
-        if _errors:
-            error = _errors[0]
-            _errors.clear()
+        if raised := _errors.raised:
+            error = raised[0]
+            raised.clear()
             raise error
         return result
 
@@ -179,6 +202,8 @@ class CalledFromPython:
     def compiled(self) -> Any:
         """The compiled function."""
         self._dispatcher.compile(self.signature.args)
+        if not self._dispatcher.stats.cache_hits:
+            _remove_obsolete(self._dispatcher, self.py_func.__name__)
         return self._dispatcher
 
     @property
@@ -188,17 +213,20 @@ class CalledFromPython:
 
     @cached_property
     def _dispatcher(self) -> Any:
-        made = njit(error_model="numpy")(cacheable(self.py_func))
-        with contextlib.suppress(RuntimeError):  # Numba knows only now whether it can cache
-            made.enable_caching()
-        return made
+        return _cached(self.py_func, lambda function, cache: njit(
+            error_model="numpy", cache=cache)(function))
 
 
 def entry_point(
     feature: str = "", *, default: int = 0, late: bool = False,
 ) -> Callable[[Function], Function]:
-    """Compile and cache a function by itself; the arguments are those of :class:`EntryPoint`."""
+    """Compile and cache a function by itself; the arguments are those of :class:`EntryPoint`.
+
+    With ``NUMBA_BOUNDSCHECK=1`` it is a kernel: no exception can leave an entry point.
+    """
     def decorated(function: Function) -> Function:
+        if _numba_config.BOUNDSCHECK:
+            return kernel(function)
         return cast("Function", EntryPoint(function, feature, default, late).call)
 
     return decorated
@@ -219,7 +247,7 @@ def all_entry_points() -> Iterator[None]:
 
 
 def prepare(constants: Constants, main: CalledFromPython) -> Integers:
-    """Compile or load the entry points for a run; their addresses, for the end of its table.
+    """Compile or load the entry points of a run. Returns their addresses for the end of its table.
 
     Args:
         constants: of the run.
@@ -241,30 +269,27 @@ def prepare(constants: Constants, main: CalledFromPython) -> Integers:
 
 def _signature(function: Callable[..., Any]) -> Any:
     notes = {name: _TYPES[note] for name, note in function.__annotations__.items()}
-    return _numba_typing.signature(notes.pop("return"), *notes.values())
+    return notes.pop("return")(*notes.values())
 
 
-def cacheable(function: Callable[..., Any]) -> Any:
-    """A copy of a function whose name and file make Numba's cache a reliable one.
-
-    The name ends with a hash of all sources. The file is this one: Numba discards cached code
-    when the file of the function has changed, which says nothing of the function.
-    """
-    copy = FunctionType(
-        function.__code__.replace(co_filename=__file__, co_firstlineno=1), function.__globals__,
-        function.__name__, function.__defaults__, function.__closure__)
-    copy.__qualname__ = f"{function.__name__}_{source_hash(function)}"
-    copy.__module__, copy.__annotations__ = function.__module__, function.__annotations__
-    return copy
+def _cached(
+    function: Callable[..., Any], compiled: Callable[[Callable[..., Any], bool], Any],
+) -> Any:
+    """Compile with a cache if one can be written to."""
+    try:
+        return compiled(cacheable(function), True)
+    except NumbaError:
+        compiled(function, False)  # raises the error with the place in the source
+        raise
+    except (RuntimeError, OSError):  # no place for a cache; no room left
+        return compiled(cacheable(function), False)
 
 
 def _remove_obsolete(made: Any, name: str) -> None:
-    """Delete old cached code of other versions of the function just compiled."""
+    """Delete old cached code of a function that was just compiled anew."""
     folder = getattr(getattr(made, "_cache", None), "cache_path", None)  # private in Numba
-    if folder is None:
-        return
-    stem, _, _ = name.rpartition("_")
-    for path in Path(folder).glob(f"entry_points.{stem}_{'[0-9a-f]' * 16}-*.nb[ic]"):
+    pattern = f"{Path(source_hash.__file__).stem}.{name}_{'[0-9a-f]' * 16}-*.nb[ic]"
+    for path in Path(folder).glob(pattern) if folder else ():
         with contextlib.suppress(OSError):
-            if name not in path.name and time.time() - path.stat().st_mtime > _OBSOLETE:
+            if time.time() - path.stat().st_mtime > _OBSOLETE:
                 path.unlink()

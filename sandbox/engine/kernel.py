@@ -2,7 +2,7 @@
 
 Everything that a kernel calls is compiled into one of the entry points
 (:mod:`sandbox.engine.entry_points`); a kernel has no machine code of its own.
-Called from Python, a kernel runs as the Python function that it is.
+Called from Python, a kernel runs as plain Python.
 """
 
 from __future__ import annotations
@@ -14,11 +14,16 @@ from typing import Any, TypeVar, cast
 from numba import njit, types
 from numba.extending import models, register_model, typeof_impl
 
+from sandbox.engine.compiling import report_began
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Kernel:
-    """A function that Numba compiles into its callers; a division by zero gives inf or nan."""
+    """A function that Numba compiles into its callers.
+
+    Compiled, a division by zero gives inf or nan.
+    """
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.py_func = function
@@ -34,6 +39,7 @@ class Kernel:
         """Numba's dispatcher of the function, made when a caller is compiled."""
         from sandbox.engine.numba_linking import kernel_options
 
+        report_began()
         return njit(error_model="numpy", **kernel_options())(self.py_func)
 
 

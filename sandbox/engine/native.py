@@ -202,7 +202,7 @@ class Finder:
 
 @cache
 def _note() -> Any:
-    # where pymunk's structs have what, in this scope: Numba keeps compiled code under such numbers
+    # offsets in pymunk's structs; their values are part of the cache key
     a_at, b_at, count_at, points_at, normal_at, processed_at = (
         ffi.offsetof("struct cpArbiter", name)
         for name in ("a", "b", "count", "contacts", "n", "processCollision"))
@@ -231,8 +231,10 @@ def _note() -> Any:
             found["bx"], found["by"] = real_at(point + r2_at), real_at(point + r2_at + 8)
             point += size
 
-    signature = "void(intp, intp, CPointer(int64))"
+    from sandbox.engine.source_hash import cacheable
+
+    signature, note = "void(intp, intp, CPointer(int64))", cacheable(note)
     try:
         return cfunc(signature, cache=True)(note)
-    except RuntimeError:  # nowhere to keep it: see kernel.kept_on_disk
+    except (RuntimeError, OSError):  # no place for a cache; no room left
         return cfunc(signature)(note)

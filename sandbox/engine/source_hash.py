@@ -1,8 +1,8 @@
-"""A hash of everything that a compiled function is made of.
+"""Cache keys: a hash of all sources of a compiled function.
 
 Numba finds a cached function again as long as the file of that one function is unchanged. It does
 not look at the functions, constants and record types that the function takes from elsewhere. The
-hash covers these, so that a changed source never meets old machine code.
+hash covers these, so old machine code is never loaded after a change.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ from llvmlite import binding
 from sandbox.engine.kernel import Kernel
 
 Source = Callable[..., Any]
-_MACHINERY = "kernel.py", "numba_linking.py", "source_hash.py", "entry_points.py", "native.py"
+_MACHINERY = ("kernel.py", "numba_linking.py", "source_hash.py", "entry_points.py", "memory.py",
+              "native.py")
 _OPTIONS = "CPU_NAME", "CPU_FEATURES", "OPT", "BOUNDSCHECK"
 
 
@@ -37,14 +38,36 @@ def source_hash(function: Source) -> str:
     Raises:
         TypeError: the function uses a global value of a type that is not known here.
     """
-    reached: dict[int, str] = {}
+    reached: dict[str, Source] = {}
+    texts: list[str] = []
     waiting = [function]
     while waiting:
-        text, calls = _describe(one := waiting.pop())
-        reached[id(one)] = text
-        waiting += [call for call in calls if id(call) not in reached]
-    first, *others = reached.values()
+        one = waiting.pop()
+        name = f"{one.__module__}.{one.__qualname__}"
+        if name in reached:
+            if reached[name] is not one:
+                raise TypeError(f"{function.__qualname__} uses two functions named {name}")
+            continue
+        reached[name] = one
+        text, calls = _describe(one)
+        texts.append(text)
+        waiting += calls
+    first, *others = texts
     return hashlib.sha256(repr((_base(), first, sorted(others))).encode()).hexdigest()[:16]
+
+
+def cacheable(function: Callable[..., Any]) -> Any:
+    """A copy of a function whose name and file make Numba's cache a reliable one.
+
+    The name ends with a hash of all sources. The file is this one: Numba discards cached code
+    when the file of the function has changed, which says nothing of the function.
+    """
+    copy = types.FunctionType(
+        function.__code__.replace(co_filename=__file__, co_firstlineno=1), function.__globals__,
+        function.__name__, function.__defaults__, function.__closure__)
+    copy.__qualname__ = f"{function.__name__}_{source_hash(function)}"
+    copy.__module__, copy.__annotations__ = function.__module__, function.__annotations__
+    return copy
 
 
 @cache
@@ -60,18 +83,21 @@ def _base() -> tuple[object, ...]:
 def _describe(function: Source) -> tuple[str, list[Source]]:
     """The code of one function with the values that it takes from outside, and what it calls."""
     calls: list[Source] = []
-    parts = [function.__module__, function.__qualname__, repr(function.__defaults__)]
+    parts = [function.__module__, function.__qualname__, repr(function.__defaults__),
+             repr(function.__kwdefaults__)]
     closed = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
     parts += [f"{name}={_value(cell.cell_contents, calls)}" for name, cell in closed]
     codes = [function.__code__]
     while codes:
         code = codes.pop()
-        parts += [code.co_code.hex(), repr(code.co_names), repr(code.co_varnames)]
-        for value in code.co_consts:
+        parts += [code.co_code.hex(), repr(code.co_names), repr(code.co_varnames),
+                  f"{code.co_argcount} {code.co_kwonlyargcount} {code.co_flags}"]
+        for i, value in enumerate(code.co_consts):
             if isinstance(value, types.CodeType):
                 codes.append(value)
-            elif value is not None and value != function.__doc__:
-                parts.append(f"{type(value).__name__} {value!r}")
+            docstring = i == 0 and isinstance(value, str) and value == function.__doc__
+            parts.append("None" if docstring or value is None or value in codes
+                         else f"{type(value).__name__} {value!r}")
         steps = list(dis.get_instructions(code))
         for step, following in zip(steps, [*steps[1:], None], strict=True):
             if step.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
@@ -100,14 +126,17 @@ def _value(value: Any, calls: list[Source]) -> str:
         calls.append(value.py_func)
         return f"{value.__module__}.{value.__qualname__}"
     if isinstance(value, types.FunctionType):
-        calls.append(value)
+        if not value.__module__.startswith("numba."):
+            calls.append(value)
         return f"{value.__module__}.{value.__qualname__}"
     if isinstance(value, int | float | str | np.generic | tuple | type(None)):
         return f"{type(value).__name__} {value!r}"
     if isinstance(value, np.dtype):
         return repr(value)
-    if isinstance(value, types.BuiltinFunctionType | np.ufunc | type):
+    if isinstance(value, types.BuiltinFunctionType | np.ufunc) or (
+            isinstance(value, type) and value.__module__ in ("builtins", "numpy")):
         return f"{getattr(value, '__module__', '')}.{value.__name__}"
     if type(value).__name__ == "_Intrinsic":  # of native.py, which is part of the base
         return f"{value._defn.__module__}.{value._name}"
-    raise TypeError(f"no hash for {value!r}, which a compiled function uses")
+    raise TypeError(f"compiled functions cannot use {value!r} of type {type(value).__name__}; "
+                    "use numbers, strings, tuples, dtypes and kernels")

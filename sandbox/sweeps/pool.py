@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
-from sandbox.engine.compiling import compiling_elsewhere, on_compiling
+from sandbox.engine.compiling import on_compiling, report_worker_compilation
 from sandbox.errors import SandboxError
 from sandbox.sweeps.copies import UNGUARDED, context
 from sandbox.sweeps.job import DIED, SweepJob, SweepRow, Task
@@ -112,7 +112,7 @@ class Pool:
             while len(self._workers) < self._count:
                 self._begin()
         else:
-            compiling_elsewhere(None if said == COMPILING else said)
+            report_worker_compilation(None if said == COMPILING else said)
 
     def _buried(self, worker: _Worker) -> Iterator[SweepRow]:
         self._workers.remove(worker)

@@ -36,7 +36,7 @@ class Runner:
 
     def prepare(self) -> None:
         """Compile what the scene needs, so that other workers find it in the cache."""
-        with suppress(SandboxError):  # each run reports what is wrong with the scene
+        with suppress(Exception):  # each run reports what is wrong with its scene
             loaded = read_scene(self._scene, overrides=self._job.set, limits=self._job.limits)
             Simulation(_checked(loaded))
 

@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +22,6 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.source_hash import source_hash
 
 STEP = 1
-SHAPE = np.dtype([("x", float)])
 
 
 @kernel
@@ -126,11 +126,14 @@ def test_the_hash_covers_what_is_called_and_its_constants():
     same = other_version()
     assert other_version(code="def inner(x):\n\n    # a comment\n    return x + STEP") == same
     assert other_version(code="def inner(x):\n    'Add.'\n    return x + STEP") == same
+    slices = [other_version(code=f"def inner(x):\n    'Add.'\n    return x[{part}]")
+              for part in ("1:", ":1")]
+    assert slices[0] != slices[1]
     different = [other_version(STEP=2), other_version(STEP=1.0),
                  other_version(code="def inner(x):\n    return x - STEP"),
                  other_version(code="def inner(x, y=1):\n    return x + STEP")]
     assert len({same, *different}) == 5
-    with pytest.raises(TypeError, match="no hash"):
+    with pytest.raises(TypeError, match="cannot use"):
         other_version(STEP=object())
 
 
@@ -163,54 +166,58 @@ def test_private_interfaces_of_numba_are_used_where_they_work():
 
 def test_old_code_of_other_versions_is_removed(tmp_path: Path):
     made = SimpleNamespace(_cache=SimpleNamespace(cache_path=str(tmp_path)))
-    names = {name: f"entry_points.{name}-1.py311.nbi" for name in (
+    names = {name: f"source_hash.{name}-1.py311.nbi" for name in (
         "act_0000000000000000", "act_1111111111111111", "act_late_1111111111111111",
         "act_2222222222222222")}
     for name in names.values():
         (tmp_path / name).touch()
         os.utime(tmp_path / name, (0, time.time() - 30 * 86400))
     os.utime(tmp_path / names["act_2222222222222222"])  # another checkout is at work
-    entry_points._remove_obsolete(made, "act_0000000000000000")
+    os.utime(tmp_path / names["act_0000000000000000"])  # just compiled
+    entry_points._remove_obsolete(made, "act")
     assert {path.name for path in tmp_path.iterdir()} == {
         names[kept] for kept in ("act_0000000000000000", "act_late_1111111111111111",
                                  "act_2222222222222222")}
 
 
-def test_an_interrupted_late_compilation_ends_the_call(monkeypatch: pytest.MonkeyPatch):
-    """Compiled code cannot raise: the exception waits until it has returned."""
-    late = next(one for one in entry_points._entry_points.values() if one.late)
-    table = np.zeros(late.place + 1, dtype=np.int64)
-
-    class Interrupted:
-        @property
-        def address(self) -> int:
-            raise KeyboardInterrupt
-
-    monkeypatch.setitem(late.__dict__, "compiled", Interrupted())
-    assert late._first_call(table.ctypes.data, 0) == late.default
-    assert not table.any()
-    monkeypatch.setitem(advance.__dict__, "compiled", lambda: 0)
-    with pytest.raises(KeyboardInterrupt):
-        advance()
-    assert advance() == 0
-
-
-def test_a_late_entry_point_puts_its_address_into_the_table():
-    late = next(one for one in entry_points._entry_points.values() if one.late)
-    table = np.zeros(late.place + 1, dtype=np.int64)
+@pytest.fixture
+def late(monkeypatch: pytest.MonkeyPatch) -> entry_points.EntryPoint:
+    """The late entry point, not compiled yet; what it would compile gives n == 7."""
+    one = next(each for each in entry_points._entry_points.values() if each.late)
     kind = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_int64, ctypes.c_int64)
+    monkeypatch.setattr(one, "called", kind(lambda table, n: n == 7), raising=False)
+    monkeypatch.setitem(one.__dict__, "compiled", Compiled(one))
+    monkeypatch.setitem(advance.__dict__, "compiled", lambda: 0)
+    return one
 
-    def called(table: int, n: int) -> bool:
-        return n == 7
 
-    callback = kind(called)
-    late_compiled = late.__dict__.get("compiled")
-    try:
-        late.__dict__["compiled"] = type(
-            "Made", (), {"address": ctypes.cast(callback, ctypes.c_void_p).value})
-        assert late._first_call(table.ctypes.data, 7)
-        assert table[late.place] == late.compiled.address
-    finally:
-        late.__dict__.pop("compiled")
-        if late_compiled is not None:
-            late.__dict__["compiled"] = late_compiled
+class Compiled:
+    """Stands for Numba's callback; raises ``errors`` first."""
+
+    def __init__(self, one: Any) -> None:
+        self.one, self.errors = one, []
+
+    @property
+    def address(self) -> int:
+        if self.errors:
+            raise self.errors.pop()
+        return ctypes.cast(self.one.called, ctypes.c_void_p).value or 0
+
+
+@pytest.mark.parametrize("error", [None, KeyboardInterrupt, MemoryError])
+def test_a_late_entry_point_is_compiled_by_its_first_call(
+    late: Any, error: type[BaseException] | None,
+) -> None:
+    """It puts its address into the table. Exceptions wait until compiled code has returned.
+
+    After Ctrl-C the step is finished first, since its sample is saved.
+    """
+    table = np.zeros(late.place + 1, dtype=np.int64)
+    late.compiled.errors = [error()] if error else []
+    called = late._compile_on_first_call(table.ctypes.data, 7)
+    assert called == (error is not MemoryError)
+    assert table[late.place] == (late.compiled.address if called else 0)
+    if error:
+        with pytest.raises(error):
+            advance()
+    assert advance() == 0

@@ -175,6 +175,8 @@ def differences(
                              names.get(kind, []), share, exact=not tolerance)
     if [name for name, _ in old["events"]] != [name for name, _ in new["events"]]:
         found.append(f"events: {old['events']} -> {new['events']}")
+    if len(old["expect"]) != len(new["expect"]):
+        found.append(f"expect: {len(old['expect'])} values -> {len(new['expect'])}")
     for what, one, two in (("expect", old["expect"], new["expect"]),
                            ("events", *([time for _, time in each["events"]]
                                         for each in (old, new)))):

@@ -67,11 +67,16 @@ def _check_shipped(mechanism: Mechanism, run: Recording, folder: Path) -> None:
 
 
 def test_another_process_gives_the_same_bytes() -> None:
-    """Also in another order, and with one scene after the other."""
-    script = ("import json, sys; from tests.golden.digest import digest; "
-              "from tests.golden.scenes import SCENES, recording_of; "
-              "print(json.dumps({name: digest(recording_of(SCENES[name].mechanism())) "
-              "for name in sys.argv[1:]}))")
+    """In another order, and with all entry points compiled."""
+    script = """if True:
+        import json, sys
+        from sandbox.engine.entry_points import all_entry_points
+        from tests.golden.digest import digest
+        from tests.golden.scenes import SCENES, recording_of
+        with all_entry_points():
+            print(json.dumps({name: digest(recording_of(SCENES[name].mechanism()))
+                              for name in sys.argv[1:]}))
+        """
     told = subprocess.run([sys.executable, "-c", script, *reversed(TWICE)], check=True,
                           capture_output=True, text=True, cwd=ROOT)
     assert json.loads(told.stdout) == {
