@@ -33,11 +33,11 @@ def run(*words: object, **options) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture
 def slow_scene(scene) -> Path:
-    """A run that takes minutes, with few samples; something pushes, so that nothing rests."""
+    """A run of 8 million steps, with few samples; something pushes, so that nothing rests."""
     push = {"type": "force", "name": "push", "body": "ball", "direction": [1, 0],
             "value": "=1e-4 * sin(7 * t)"}
-    return scene(run={"duration": 900, "sample_rate": 100}, view={"speed": 10}, expect=[],
-                 drives=[push])
+    return scene(run={"duration": 200, "step": 2.5e-5, "sample_rate": 100}, view={"speed": 10},
+                 expect=[], drives=[push])
 
 
 def interrupted(words: list[str], directory: Path) -> tuple[int, str, str]:
@@ -74,7 +74,7 @@ def test_ctrl_c_keeps_what_was_recorded_and_marks_it_incomplete(slow_scene, tmp_
     assert "interrupted at t = " in err
     recording = Recording.load(tmp_path / "kept")
     assert not recording.complete
-    assert 0 < recording.time[-1] < 900
+    assert 0 < recording.time[-1] < 200
     assert not (tmp_path / "kept" / "run.json").exists()
     summary = json.loads((tmp_path / "kept" / "run.incomplete.json").read_text())
     assert summary["complete"] is False
