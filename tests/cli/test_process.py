@@ -66,7 +66,8 @@ def _read(terminal: int) -> str:
 
 
 def test_ctrl_c_keeps_what_was_recorded_and_marks_it_incomplete(slow_scene, tmp_path):
-    code, out, err = interrupted(["run", str(slow_scene), "--out", "kept", "--no-render"],
+    code, out, err = interrupted(["run", str(slow_scene), "--out", "kept", "--no-render",
+                                  "--max-steps", "9000000"],
                                  tmp_path)
     assert code == 130
     assert "Traceback" not in out + err
