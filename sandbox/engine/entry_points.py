@@ -256,11 +256,10 @@ def prepare(constants: Constants, main: CalledFromPython) -> Integers:
     wanted = [one for one in _entry_points.values()
               if _everything or not one.feature or FEATURES[one.feature](constants)]
     addresses = np.zeros(len(_entry_points), dtype=np.int64)
-    first = TABLE_WORDS
     began = time.perf_counter()
     with fast_compilation():
         for done, one in enumerate(wanted, 1):
-            addresses[one.place - first] = one.address()
+            addresses[one.place - TABLE_WORDS] = one.address()
             report_progress(done / len(wanted))
         main.compiled  # noqa: B018
     report_compiled(time.perf_counter() - began)

@@ -35,9 +35,9 @@ def fast_compilation() -> Iterator[None]:
     try:
         with ExitStack() as context:
             _contexts.append(context)
+            context.callback(_contexts.remove, context)
             yield
     finally:
-        _contexts.pop()
         if collecting:
             gc.enable()
 

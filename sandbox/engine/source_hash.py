@@ -59,8 +59,8 @@ def source_hash(function: Source) -> str:
 def cacheable(function: Callable[..., Any]) -> Any:
     """A copy of a function whose name and file make Numba's cache a reliable one.
 
-    The name ends with a hash of all sources. The file is this one: Numba discards cached code
-    when the file of the function has changed, which says nothing of the function.
+    The name ends with a hash of all sources. The file is this one, because Numba discards cached
+    code when the file has changed, even if the function has not.
     """
     copy = types.FunctionType(
         function.__code__.replace(co_filename=__file__, co_firstlineno=1), function.__globals__,

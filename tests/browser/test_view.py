@@ -187,7 +187,7 @@ def test_meters_are_found_and_drives_typed_in_a_unit_of_their_own(crank):
         crank.fill("#add", text)
         crank.keyboard.press("Enter")
         until(crank, f"{SAID}.includes(`{told}`)")
-    crank.fill("#add", "motor.*")  # of several those that are told
+    crank.fill("#add", "motor.*")  # of several matches, those with values
     crank.keyboard.press("Enter")
     until(crank, "sandbox.meters.watched.some((one) => one.name === 'motor.value')")
     set_typed(crank, "motor", "60 rpm")

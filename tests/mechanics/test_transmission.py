@@ -164,7 +164,7 @@ class TestAngles:
 def crank(theta_1: float, theta_2: float) -> float:
     """Closing angle of the crank [rad] at which the coupler closes, by bisection of the points.
 
-    The finger closes clockwise from +x; nothing of the formulas is used.
+    The finger closes clockwise from +x; the formulas under test are not used.
     """
     hinge = 0.050 * e(-theta_1)
     horn = hinge + 0.012 * e(-theta_1 - theta_2 + HORN)

@@ -29,7 +29,7 @@ class Live {
   // -- what is there -------------------------------------------------------------------------------
   build() {
     this.title = el("h1");
-    this.state = el("output", { id: "state" }); this.said = el("output", { id: "said" });   // of the run, of what was asked
+    this.state = el("output", { id: "state" }); this.said = el("output", { id: "said" });   // state of the run; result of the last action
     this.warned = el("ul", { id: "warned", className: "warned", ariaLabel: "what the check of the scene found", hidden: true });
     this.sheet = el("div", { className: "sheet" });
     this.layers = el("div");
@@ -212,7 +212,7 @@ class Live {
   }
 
   // -- what is asked ---------------------------------------------------------------------------------
-  ask(what) {                                             // what was said of the last thing asked goes
+  ask(what) {                                             // a new action clears the message of the last one
     this.tell("");
     this.send(what);
   }
