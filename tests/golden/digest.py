@@ -4,7 +4,8 @@ Of every named quantity the digest has the mean and a hash of its bytes; of all 
 kind together the root mean square, the largest magnitude, the sum of the last values and how many
 values are nan or infinite. A kind is the last word of the name: ``finger1.tendon.tension`` is of
 the kind ``tension``. Contacts are kept by pair, as the kinds ``contact.force`` and
-``contact.gap``. Beside them stand the values of expectations, the events and the audit's values.
+``contact.gap``. Beside them stand a hash of all names, the values of expectations, the events and
+the audit's values.
 
 On the platform on which ``values.json`` was written all bytes are the same. On another one the
 numbers agree within a tolerance that comes from the scene itself: ``accept`` runs every scene a
@@ -49,7 +50,7 @@ MARGIN = 30.0
 """The tolerance on other platforms, by what the perturbation moves."""
 CHAOTIC = 1e-2
 """Tolerances beyond this are meaningless."""
-OUTCOME = ("status", "samples", "failed", "looks")
+OUTCOME = ("status", "samples", "names", "failed", "looks")
 MOMENTS = ("rms", "largest", "sum of last values", "nan", "infinite")
 UNHASHED = {*STIFFNESS}
 """Kinds whose last bits depend on the threads of LAPACK."""
@@ -93,6 +94,7 @@ def digest(run: Recording) -> Digest:
     found = audit(run)
     return {
         "status": run.info.status.name, "samples": len(run),
+        "names": hashlib.blake2b("\n".join(run.names()).encode(), digest_size=3).hexdigest(),
         "kinds": {kind: _kind(kind, kinds[kind]) for kind in sorted(kinds)},
         "expect": [_short(verdict.value) for verdict in judged],
         "failed": [verdict.quantity for verdict in judged if not verdict.ok],
