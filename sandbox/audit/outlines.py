@@ -10,6 +10,7 @@ bodies, so along the force the place does.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -18,8 +19,13 @@ from sandbox.audit.evidence import LEFT, Evidence
 from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, missing
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
-from sandbox.scene.elements.bodies import Capsule, Circle, Solid
-from sandbox.scene.geometry import corners, solids
+from sandbox.scene.elements.bodies import Circle, Polygon, Polyline, Solid
+from sandbox.scene.geometry import core, solids, true_curves
+from sandbox.scene.outlines.curves import on_spans, spans_of
+
+ROWS = 20_000
+"""Contacts that are compared with a curve at once."""
+NEWTON = 25
 
 
 class Seen(NamedTuple):
@@ -57,11 +63,61 @@ def seen(shape: Solid, points: Array, out: Array, radius: Array | float | None =
 
 def _core(shape: Solid, radius: Array | float | None = None) -> tuple[Array, Array | float]:
     """Corners [k, 2] and by how much all between them is grown [m]."""
-    if isinstance(shape, Circle):
-        return np.array([shape.at]), shape.radius if radius is None else radius
-    if isinstance(shape, Capsule):
-        return np.array([shape.start, shape.end]), shape.radius
-    return np.array(corners(shape)), 0.0
+    points, grown = core(shape)
+    return np.array(points), grown if radius is None else radius
+
+
+class TrueCurves(NamedTuple):
+    """The curves that contacts of one shape follow."""
+
+    spans: Array
+    """As :class:`sandbox.scene.outlines.curves.Spans` has them, all together, [n, 12]."""
+    before: Integers
+    """Number of the span before each, [n]; -1 at the end of an open curve."""
+    after: Integers
+    """Number of the span after each, [n]; -1 at the end of an open curve."""
+    closed: bool
+    radius: float
+    """Of the surface about the curve [m]."""
+
+    def seen(self, points: Array, out: Array) -> Seen:
+        """As :func:`seen`, by Newton's method from the nearest node."""
+        found = [self._seen(points[i:i + ROWS], out[i:i + ROWS])
+                 for i in range(0, len(points), ROWS)]
+        return Seen(*map(np.concatenate, zip(*found, strict=True)))
+
+    def _seen(self, points: Array, out: Array) -> Seen:
+        x, y = (points[:, None] - self.spans[:, [0, 6]]).transpose(2, 0, 1)
+        k, w = (x**2 + y**2).argmin(axis=1), np.zeros(len(points))
+        for _ in range(NEWTON):
+            place, first, second = on_spans(self.spans[k], w)
+            square = np.einsum("mi,mi->m", first, first)
+            bend = square + np.einsum("mi,mi->m", place - points, second)
+            slope = np.einsum("mi,mi->m", place - points, first)
+            w = w - np.clip(slope / np.where(bend > square / 20, bend, square), -1.0, 1.0)
+            there = np.where(w > 1, self.after[k], np.where(w < 0, self.before[k], -1))
+            w = np.where(there < 0, np.clip(w, 0.0, 1.0), np.where(w > 1, 0.0, 1.0))
+            k = np.where(there < 0, k, there)
+        place, first, _ = on_spans(self.spans[k], w)
+        normal = np.stack([first[:, 1], -first[:, 0]], axis=1) / np.hypot(*first.T)[:, None]
+        turned = np.hypot(*(normal - out).T)
+        if not self.closed:
+            turned = np.minimum(turned, np.hypot(*(normal + out).T))
+        distance = np.einsum("mi,mi->m", points - place, out)
+        aside = np.hypot(*(points - place - distance[:, None] * out).T)
+        return Seen(distance - self.radius, aside, turned)
+
+
+@lru_cache(maxsize=64)
+def _true_curves(shape: Polygon | Polyline) -> TrueCurves:
+    closed = isinstance(shape, Polygon)
+    spans = [spans_of(nodes, closed=closed).terms for nodes in true_curves(shape)]
+    numbers = np.split(np.arange(sum(map(len, spans))), np.cumsum([len(each) for each in spans]))
+    before, after = (np.concatenate([np.roll(own, way) for own in numbers]) for way in (1, -1))
+    if not closed:
+        before[0] = after[-1] = -1
+    radius = shape.radius if isinstance(shape, Polyline) else 0.0
+    return TrueCurves(np.concatenate(spans), before, after, closed, radius)
 
 
 def _support(shape: Solid, way: Array, radius: Array | float | None = None) -> Array:
@@ -80,6 +136,18 @@ def _from_line(points: Array, line: Array) -> Array:
         share = np.clip((points - line[0]) @ along / square, 0.0, 1.0)
     off: Array = points - line[0] - share[:, None] * along
     return off
+
+
+def _surfaces(
+    evidence: Evidence, body: int,
+) -> Iterator[tuple[int, Solid | TrueCurves, Array | None]]:
+    """What contacts of a body follow: of which of its shapes, and the arcs that are its surface."""
+    for number, shape in enumerate(evidence.model.mechanism.bodies[body].shapes):
+        if isinstance(shape, Polygon | Polyline) and shape.nodes:
+            yield number, _true_curves(shape), None
+        else:
+            for solid, faces in solids(shape):
+                yield number, solid, faces
 
 
 def _solids(evidence: Evidence, body: int) -> Iterator[tuple[int, Solid, Array | None]]:
@@ -158,8 +226,9 @@ def _nearest(
     least, turned = (np.full(len(rows), np.inf) for _ in range(2))
     circle = np.zeros(len(rows), dtype=bool)
     points, out = _in_frame(evidence, rows, body, sign)
-    for number, shape, faces in _solids(evidence, body):
-        one = seen(shape, points, out, _radius(evidence, rows, body, number))
+    for number, shape, faces in _surfaces(evidence, body):
+        one = (shape.seen(points, out) if isinstance(shape, TrueCurves) else
+               seen(shape, points, out, _radius(evidence, rows, body, number)))
         if faces is not None:  # what is no surface of the outline is nothing to touch
             one = one._replace(turned=np.maximum(one.turned, from_faces(out, faces)))
         off = np.maximum(np.abs(one.distance - half), one.aside)

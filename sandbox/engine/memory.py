@@ -73,7 +73,7 @@ from sandbox.engine.state import (
     State,
 )
 from sandbox.engine.tie_state import BROKEN, TIE, TIE_RESULT, TIE_STATE
-from sandbox.engine.touch_state import CONTACT, FACE, SHAPE, TOUCH
+from sandbox.engine.touch_state import CONTACT, FACE, SHAPE, SPAN, TOUCH
 from sandbox.model.programs import CURVE, KNOT, STEP
 from sandbox.numeric import Integers
 
@@ -213,6 +213,8 @@ sides = _view(Constants, "sides", float, 2)
 ties = _view(Constants, "ties", TIE)
 shapes = _view(Constants, "shapes", SHAPE)
 faces = _view(Constants, "faces", FACE)
+vertices = _view(Constants, "vertices", float, 2)
+spans = _view(Constants, "spans", SPAN)
 steps = _view(Constants, "steps", STEP)
 curves = _view(Constants, "curves", CURVE)
 knots = _view(Constants, "knots", KNOT)

@@ -170,8 +170,9 @@ FOUND = np.dtype([
     ("nx", float), ("ny", float),   # normal from a to b
     ("ax", float), ("ay", float),   # places on both surfaces, from the bodies' centres of
     ("bx", float), ("by", float),   # mass [m]
+    ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k / d
 ])
-"""A point in which two shapes meet, as pymunk has it."""
+"""A point in which two shapes meet, as pymunk has it, and curvatures for the engine's use."""
 
 
 class Finder:

@@ -193,6 +193,10 @@ class Constants(NamedTuple):
     """SHAPE, [nz]."""
     faces: Records
     """FACE, those of a shape side by side."""
+    vertices: Array
+    """Corners of the shapes' cores, from the centres of mass [m], [n, 2]."""
+    spans: Records
+    """SPAN, those of a curve side by side."""
     steps: Records
     """STEP of the programs of all laws (:mod:`sandbox.model.programs`)."""
     curves: Records

@@ -98,7 +98,7 @@ class Room(NamedTuple):
 
 def make_tables(
     model: Model, h: float, order: Integers, body: Array, velocity: Array, filters: Filters,
-    shapes: Records, faces: Records, room: Room,
+    shapes: Records, faces: Records, vertices: Array, spans: Records, room: Room,
 ) -> Tables:
     """Tables for all elements of ``model``.
 
@@ -111,6 +111,8 @@ def make_tables(
         filters: which bodies may touch, and how.
         shapes: SHAPE, [nz].
         faces: FACE, of shapes that are pieces of an outline.
+        vertices: corners of the shapes' cores, from the centres of mass [m].
+        spans: SPAN, of shapes that are curves.
         room: for contacts and rows.
     """
     places = place_bodies(model, order)
@@ -140,7 +142,7 @@ def make_tables(
         _body_table(model, order), np.flatnonzero(model.bodies.scheduled[order]), actions, springs,
         dampers, cords.constants, cords.guides, cords.slips, model.tendons.wheels, joints, limits,
         motors, rubs, *circuits[:4], *loads, tie_table(model, actions, cords.constants), shapes,
-        faces, laws.steps, laws.curves, laws.knots,
+        faces, vertices, spans, laws.steps, laws.curves, laws.knots,
         *pair_tables(filters, order), pattern.starts, pattern.below, pattern.updates,
         pattern.entry_row, pattern.entry_body,
         pattern.pairs, pattern.direct, pattern.body_starts, pattern.body_entries,

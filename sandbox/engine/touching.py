@@ -5,7 +5,9 @@ positive, and the step may close it and no more. What it was in the last step, i
 whether it slid, is found again by the two shapes and pymunk's number of the feature.
 
 Outlines that are not convex are several shapes to pymunk, whose seams are no surface: what it
-finds there is left out, by the normal (:mod:`sandbox.scene.outlines.pieces`).
+finds there is left out, by the normal (:mod:`sandbox.scene.outlines.pieces`). Of a curve the
+pieces are polygons of chords; the contact itself is on the curve
+(:mod:`sandbox.engine.narrow_phase`).
 """
 
 from __future__ import annotations
@@ -16,8 +18,19 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
+from sandbox.engine.narrow_phase import (
+    DROPPED,
+    EXACT,
+    SAME_PLACE,
+    exact,
+    exchange,
+    gap_acceleration,
+    gap_of,
+)
 from sandbox.numeric import Array, Records
 
+ON_CURVE = -1
+"""The feature of all contacts on a curve."""
 ASKEW = 1e-6
 """By how much a normal may miss those of a surface, an angle: pymunk finds it to 1e-9 or so."""
 
@@ -56,21 +69,31 @@ def list_touches(table: int) -> None:
             continue
         if not _on_surfaces(table, i):
             continue
+        _oriented(raw[i], shapes)
         j = n
-        while j > 0 and _after(raw, shapes, order[j - 1], i):
+        while j > 0 and _after(raw, order[j - 1], i):
             order[j] = order[j - 1]
             j -= 1
         order[j] = i
         n += 1
+    near, n = n, 0
+    for k in range(near):
+        found = raw[order[k]]
+        state = exact(table, found)
+        if state == DROPPED:
+            continue
+        _contact(found, state, shapes, body, friction, restitution, out[n])
+        if state == EXACT and _repeated(out, n):
+            continue
+        out[n]["acceleration"] = gap_acceleration(
+            table, out[n], found["ka"], found["da"], found["kb"], found["db"])
+        n += 1
     guess = 0
     for k in range(n):
-        _oriented(raw[order[k]], shapes, body, friction, restitution, out[k])
-        for z in range(old_count):
-            w = (guess + z) % old_count
-            if _same(old[w], out[k]):
-                for_next(old[w], out[k])
-                guess = w + 1
-                break
+        w = _last(old, old_count, guess, out[k])
+        if w >= 0:
+            for_next(old[w], out[k])
+            guess = w + 1
     belts = at.belts(table)
     for k in range(n):
         out[k]["belt"] = -(belts[out[k]["a"]] + belts[out[k]["b"]])
@@ -111,14 +134,41 @@ def for_next(last: Any, now: Any) -> None:
 
 
 @kernel
-def _same(one: Any, other: Any) -> bool:
-    return bool(one["shape_a"] == other["shape_a"] and one["shape_b"] == other["shape_b"]
-                and one["feature"] == other["feature"])
+def _last(old: Records, count: int, guess: int, now: Any) -> int:
+    """Which contact of the last step this one was, -1 if none.
+
+    On a curve that is the nearest of the same shapes, else the one with the same feature.
+    """
+    best, found = math.inf, -1
+    for z in range(count):
+        w = (guess + z) % count
+        last = old[w]
+        if (last["shape_a"] == now["shape_a"] and last["shape_b"] == now["shape_b"]
+                and last["feature"] == now["feature"]):
+            if now["feature"] != ON_CURVE:
+                return w
+            away = abs(last["ax"] - now["ax"]) + abs(last["ay"] - now["ay"])
+            if away < best:
+                best, found = away, w
+    return found
 
 
 @kernel
-def _after(raw: Records, shapes: Records, i: int, j: int) -> bool:
-    """Whether contact i comes after contact j: by shapes, then by the feature."""
+def _repeated(touches: Records, n: int) -> bool:
+    """Whether the same contact on a curve was found before: of another piece of it."""
+    now = touches[n]
+    for k in range(n):
+        other = touches[k]
+        if (other["shape_a"] == now["shape_a"] and other["shape_b"] == now["shape_b"]
+                and other["feature"] == ON_CURVE
+                and abs(other["ax"] - now["ax"]) + abs(other["ay"] - now["ay"]) < SAME_PLACE):
+            return True
+    return False
+
+
+@kernel
+def _after(raw: Records, i: int, j: int) -> bool:
+    """Whether contact i comes after contact j: by the lower shape, the higher one, the feature."""
     one, other = raw[i], raw[j]
     low, low_other = min(one["shape_a"], one["shape_b"]), min(other["shape_a"], other["shape_b"])
     high = max(one["shape_a"], one["shape_b"])
@@ -131,27 +181,35 @@ def _after(raw: Records, shapes: Records, i: int, j: int) -> bool:
 
 
 @kernel
-def _oriented(
-    raw: Any, shapes: Records, body: Array, friction: Array, restitution: Array, out: Any,
+def _oriented(found: Any, shapes: Records) -> None:
+    """Take off the margins, and let the normal lead to the body with the higher number."""
+    nx, ny = found["nx"], found["ny"]
+    ma, mb = shapes[found["shape_a"]]["margin"], shapes[found["shape_b"]]["margin"]
+    found["ax"], found["ay"] = found["ax"] - ma * nx, found["ay"] - ma * ny
+    found["bx"], found["by"] = found["bx"] + mb * nx, found["by"] + mb * ny
+    if shapes[found["shape_a"]]["body"] > shapes[found["shape_b"]]["body"]:
+        exchange(found)
+
+
+@kernel
+def _contact(
+    found: Any, state: int, shapes: Records, body: Array, friction: Array, restitution: Array,
+    out: Any,
 ) -> None:
-    """From the body with the lower number to the other, the margins taken off."""
-    sa, sb = raw["shape_a"], raw["shape_b"]
-    nx, ny = raw["nx"], raw["ny"]
-    ax, ay, bx, by = raw["ax"], raw["ay"], raw["bx"], raw["by"]
+    """A TOUCH with nothing known of the last step; its force acts in the middle of the gap."""
+    sa, sb = found["shape_a"], found["shape_b"]
     a, b = shapes[sa]["body"], shapes[sb]["body"]
-    # from centres to places in the world
-    ax, ay, bx, by = ax + body[a, 0], ay + body[a, 1], bx + body[b, 0], by + body[b, 1]
-    ma, mb = shapes[sa]["margin"], shapes[sb]["margin"]
-    gap = (bx - ax) * nx + (by - ay) * ny + ma + mb
-    # both surfaces' points, and in the middle of them the one that the force acts in
-    mx = (ax - ma * nx + bx + mb * nx) / 2
-    my = (ay - ma * ny + by + mb * ny) / 2
-    if a > b:
-        sa, sb, a, b, nx, ny = sb, sa, b, a, -nx, -ny
-    out["shape_a"], out["shape_b"], out["feature"] = sa, sb, raw["feature"]
-    out["a"], out["b"], out["nx"], out["ny"], out["gap"] = a, b, nx, ny, gap
-    out["ax"], out["ay"] = mx - body[a, 0], my - body[a, 1]
-    out["bx"], out["by"] = mx - body[b, 0], my - body[b, 1]
+    gap = gap_of(body, found, a, b)
+    out["shape_a"], out["shape_b"], out["feature"] = sa, sb, found["feature"]
+    if state == EXACT:
+        out["shape_a"], out["shape_b"] = shapes[sa]["leader"], shapes[sb]["leader"]
+        out["feature"] = ON_CURVE
+    out["a"], out["b"], out["gap"] = a, b, gap
+    out["nx"], out["ny"] = found["nx"], found["ny"]
+    out["ax"] = (found["ax"] + body[b, 0] + found["bx"] - body[a, 0]) / 2
+    out["ay"] = (found["ay"] + body[b, 1] + found["by"] - body[a, 1]) / 2
+    out["bx"] = (found["bx"] + body[a, 0] + found["ax"] - body[b, 0]) / 2
+    out["by"] = (found["by"] + body[a, 1] + found["ay"] - body[b, 1]) / 2
     out["friction"], out["restitution"] = friction[a, b], restitution[a, b]
     out["normal"] = out["tangent"] = out["bounce"] = out["rub"] = 0.0
     out["mode"] = out["listed"] = out["late"] = 0

@@ -13,7 +13,7 @@ from pymunk import batch
 from sandbox.engine import native
 from sandbox.engine.contact_rules import Filters, make_filters
 from sandbox.engine.tables import Room
-from sandbox.engine.touch_state import FACE, SHAPE
+from sandbox.engine.touch_state import FACE, SHAPE, SPAN
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers, Records
 from sandbox.scene.elements.bodies import (
@@ -26,7 +26,8 @@ from sandbox.scene.elements.bodies import (
     Shape,
     Solid,
 )
-from sandbox.scene.geometry import Vec, corners, pose_of, solids, to_world
+from sandbox.scene.geometry import Vec, core, corners, pose_of, solids, to_world, true_curves
+from sandbox.scene.outlines.curves import spans_of
 
 STATE = (
     batch.BodyFields.POSITION | batch.BodyFields.ANGLE
@@ -73,6 +74,10 @@ class World:
         self.face_table: Records = np.array(
             [tuple(arc) for faces in self._faces for arc in faces.tolist()], dtype=FACE)
         """FACE, of all shapes that have some."""
+        self.vertices: Array = np.concatenate([np.zeros((0, 2)), *self._cores])
+        """Corners of all shapes' cores, from the centres of mass [m], [n, 2]."""
+        self.span_table: Records = np.concatenate([np.zeros(0, dtype=SPAN), *self._spans])
+        """SPAN, of all shapes that have some."""
 
     def renew(self) -> None:
         """Make the space and all in it, in place of the one that there was: all as it begins."""
@@ -81,8 +86,10 @@ class World:
         self.space.collision_persistence = 1  # an arbiter lives as long as its contact
         self.shapes: dict[int, list[list[pymunk.Shape]]] = {}
         """Of each body, by the model's number, and of each of its shapes, convex ones each."""
-        self._shape_rows: list[tuple[int, float, int, int]] = []
+        self._shape_rows: list[tuple[float, ...]] = []
         self._faces: list[Array] = []
+        self._cores: list[Array] = []
+        self._spans: list[Records] = []
         self.bodies = [self._add_body(i) for i in self.order.tolist()]
         """In pymunk's order."""
         for i in range(len(self.model.joints.name)):
@@ -171,13 +178,24 @@ class World:
         found = []
         for shape in spec.shapes:
             margin = min(MARGIN * _extent(shape), MOST_MARGIN)
-            found.append([self._add_shape(body, solid, faces, margin, centre, index)
+            curve = (*self._add_curves(shape, centre), len(self._shape_rows))
+            found.append([self._add_shape(body, solid, faces, margin, centre, index, curve)
                           for solid, faces in solids(shape)])
         return found
 
+    def _add_curves(self, shape: Shape, centre: Vec) -> tuple[int, int, int]:
+        """The SPANs of a shape: the first, the one after the last, whether they are closed."""
+        if not isinstance(shape, Polygon | Polyline) or not shape.nodes:
+            return -1, -1, 0
+        first, closed = sum(map(len, self._spans)), isinstance(shape, Polygon)
+        for nodes in true_curves(shape):
+            self._spans.append(span_table(
+                nodes, centre, sum(map(len, self._spans)), closed=closed))
+        return first, sum(map(len, self._spans)), int(closed)
+
     def _add_shape(
         self, body: pymunk.Body, spec: Solid, faces: Array | None, margin: float, centre: Vec,
-        index: int,
+        index: int, curve: tuple[int, int, int, int],
     ) -> pymunk.Shape:
         shape = make_shape(body, spec, centre, margin)
         filters: Filters = self.filters
@@ -188,7 +206,10 @@ class World:
             first = sum(map(len, self._faces))
             last = first + len(faces)
             self._faces.append(faces)
-        self._shape_rows.append((int(self.number[index]), margin, first, last))
+        vertex, (points, radius) = sum(map(len, self._cores)), core(spec)
+        self._cores.append(np.array(points) - centre)
+        self._shape_rows.append((int(self.number[index]), margin, first, last, vertex,
+                                 vertex + len(points), radius, *curve))
         shape.collision_type = len(self._shape_rows)
         self.space.add(shape)
         return shape
@@ -214,6 +235,20 @@ def _extent(spec: Shape) -> float:
             normals /= np.hypot(*normals.T)[:, None]
             across = points @ normals.T
             return float(np.min(across.max(axis=0) - across.min(axis=0)))
+
+
+def span_table(nodes: Array, centre: Vec, first: int, *, closed: bool) -> Records:
+    """The SPANs of one curve; ``first`` is the number of its first one."""
+    spans = spans_of(nodes - [*centre, 0.0, 0.0], closed=closed)
+    found, count = np.zeros(len(spans.terms), dtype=SPAN), len(spans.terms)
+    for name, column in zip(SPAN.names or (), spans.terms.T, strict=False):
+        found[name] = column
+    number = first + np.arange(count)
+    found["before"], found["after"] = np.roll(number, 1), np.roll(number, -1)
+    found["corner"] = spans.corner
+    if not closed:
+        found["before"][0] = found["after"][-1] = -1
+    return found
 
 
 def make_shape(

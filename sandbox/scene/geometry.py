@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 
+import numpy as np
+
 from sandbox.numeric import Array
 from sandbox.scene.elements.bodies import (
     Body,
@@ -20,8 +22,9 @@ from sandbox.scene.elements.bodies import (
     Solid,
 )
 from sandbox.scene.elements.joints import Joint, Pin
+from sandbox.scene.outlines.curves import reversed_nodes
 from sandbox.scene.outlines.pieces import chain_faces, pieces_of
-from sandbox.scene.outlines.rings import wound
+from sandbox.scene.outlines.rings import signed_area, wound
 
 Vec = tuple[float, float]
 Pose = tuple[float, float, float]
@@ -83,6 +86,18 @@ def solids(shape: Shape) -> tuple[tuple[Solid, Array | None], ...]:
             (Polygon.model_construct(type="polygon", points=piece.ring, holes=()), piece.faces)
             for piece in pieces_of(shape.points, shape.holes))
     return ((shape, None),)
+
+
+def true_curves(shape: Polygon | Polyline) -> list[Array]:
+    """Nodes of the curves that contacts follow; of a polygon the material lies to their left."""
+    rings = [shape.points, *(shape.holes if isinstance(shape, Polygon) else ())]
+    found = []
+    for k, (written, ring) in enumerate(zip(shape.nodes, rings, strict=True)):
+        nodes = np.array(written)
+        if isinstance(shape, Polygon) and (signed_area(ring) > 0) == (k > 0):
+            nodes = reversed_nodes(nodes)
+        found.append(nodes)
+    return found
 
 
 def count_solids(body: Body) -> int:
@@ -178,17 +193,18 @@ def centre_of(body: Body) -> Vec:
 
 def reach_of(body: Body, point: Vec) -> float:
     """Greatest distance of a body's outline from a point of its frame [m]; 0 without shapes."""
-    return max((math.dist(at, point) + radius for shape in body.shapes
-                for solid, _ in solids(shape) for at, radius in _ends(solid)), default=0.0)
+    cores = [core(solid) for shape in body.shapes for solid, _ in solids(shape)]
+    return max((math.dist(at, point) + radius for points, radius in cores for at in points),
+               default=0.0)
 
 
-def _ends(solid: Solid) -> list[tuple[Vec, float]]:
-    """Points and radii about them whose convex hull is the shape [m]."""
+def core(solid: Solid) -> tuple[list[Vec], float]:
+    """Points whose convex hull, grown by a radius, is the shape [m]; counter-clockwise."""
     if isinstance(solid, Circle):
-        return [(solid.at, solid.radius)]
+        return [solid.at], solid.radius
     if isinstance(solid, Capsule):
-        return [(solid.start, solid.radius), (solid.end, solid.radius)]
-    return [(corner, 0.0) for corner in corners(solid)]
+        return [solid.start, solid.end], solid.radius
+    return corners(solid), 0.0
 
 
 def mass_properties(body: Body) -> MassProperties:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
@@ -17,10 +16,12 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from sandbox.scene.elements.outlines import DiscCam, Drawing
+from sandbox.numeric import Array
+from sandbox.scene.elements.outlines import DiscCam, Drawing, SmoothCurve
 from sandbox.scene.elements.spec import Spec
-from sandbox.scene.outlines.cams import CamError, cam_ring
-from sandbox.scene.outlines.drawings import DrawingError, own_file, rings_of
+from sandbox.scene.outlines.cams import CamError, cam_nodes
+from sandbox.scene.outlines.curves import flattened, is_straight, turned
+from sandbox.scene.outlines.drawings import DrawingError, curves_of, own_file
 from sandbox.scene.outlines.pieces import MOST_CORNERS as PIECE_CORNERS
 from sandbox.scene.outlines.pieces import CutError, pieces_of
 from sandbox.scene.outlines.rings import Ring, hole_fault, is_convex, ring_fault
@@ -28,6 +29,7 @@ from sandbox.scene.values.colours import FillColour
 from sandbox.scene.values.numbers import (
     Angle,
     AngularSpeed,
+    Coordinate,
     Density,
     Distance,
     Flag,
@@ -73,6 +75,9 @@ MOST_CORNERS = 2000
 Outline = Annotated[tuple[Point, ...], Field(min_length=3, max_length=MOST_CORNERS)]
 
 
+Nodes = tuple[tuple[tuple[Coordinate, Coordinate, float, float], ...], ...]
+
+
 class Polygon(Spec):
     """An outline of straight sides, convex or not, with holes if there are any.
 
@@ -87,6 +92,10 @@ class Polygon(Spec):
     outline may not touch or cross itself."""
     holes: Annotated[tuple[Outline, ...], Field(max_length=MOST_CORNERS)] = ()
     """Outlines of holes in it, each by itself within the outline; corners as in ``points``."""
+    nodes: Nodes = ()
+    """The true curves of the outline and of each hole, if it was worked out from a curve, a cam or
+    a drawing: contacts follow them instead of the sides. A node is `[x, y, direction, curvature]`;
+    two at the same place are a corner or a jump of the curvature."""
 
     @field_validator("points")
     @classmethod
@@ -144,6 +153,8 @@ class Polyline(Spec):
     """Where it bends, and its ends; where the last point is the first it is closed."""
     radius: Distance = 0.0
     """How far its surface lies from the line through its points."""
+    nodes: Nodes = ()
+    """The true curve, if the polyline was worked out from one; as of a polygon."""
 
     @field_validator("points")
     @classmethod
@@ -172,51 +183,57 @@ Solid = Circle | Box | Polygon | Capsule
 """What is convex, of polygons those that are."""
 Shape = Circle | Box | Polygon | Capsule | Polyline
 WrittenShape = Annotated[
-    Circle | Box | Polygon | Capsule | Polyline | DiscCam | Drawing,
+    Circle | Box | Polygon | Capsule | Polyline | SmoothCurve | DiscCam | Drawing,
     Field(discriminator="type")]
 """What an author may write."""
 
 
-def made(shape: Shape | DiscCam | Drawing, info: ValidationInfo) -> Shape:
-    """The polygon of what is one once it is worked out; any other shape as it is."""
-    if not isinstance(shape, DiscCam | Drawing):
+def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -> Shape:
+    """The polygon or polyline of what is one once it is worked out; any other shape as it is."""
+    if not isinstance(shape, DiscCam | Drawing | SmoothCurve):
         return shape
     try:
         if isinstance(shape, DiscCam):
-            rings = [cam_ring(shape.curve(), shape.tolerance, MOST_CORNERS)]
-            turned = 0.0
+            rings, turn = [cam_nodes(shape.curve())], 0.0
+        elif isinstance(shape, SmoothCurve):
+            rings, turn = [shape.curve()], shape.angle
         else:
-            outer, holes = _drawn(shape, info.context or {})
-            rings, turned = [outer, *holes], shape.angle
+            rings, turn = _drawn(shape, info.context or {}), shape.angle
     except (CamError, DrawingError) as error:
         raise PydanticCustomError(shape.type, "{reason}", {
             "reason": error.message, "allowed": error.allowed,
             "hint": getattr(error, "hint", "")}) from None
-    c, s = math.cos(turned), math.sin(turned)
-    x0, y0 = shape.at
-    placed = [tuple((x0 + c * x - s * y, y0 + s * x + c * y) for x, y in ring) for ring in rings]
-    return _polygon(placed[0], tuple(placed[1:]))
+    rings = [turned(nodes, turn, shape.at) for nodes in rings]
+    closed = not isinstance(shape, SmoothCurve) or shape.closed
+    flat = [flattened(nodes, shape.tolerance, closed=closed) for nodes in rings]
+    nodes: Nodes = ()
+    if not all(map(is_straight, rings)):
+        nodes = tuple(tuple((x, y, way, bend) for x, y, way, bend in each.tolist())
+                      for each in rings)
+    return _worked_out(flat, nodes, closed=closed, radius=getattr(shape, "radius", 0.0))
 
 
-def _drawn(shape: Drawing, context: Mapping[str, Any]) -> tuple[Ring, tuple[Ring, ...]]:
-    """The outline and holes of a drawing, of the files that a scene was given with."""
+def _drawn(shape: Drawing, context: Mapping[str, Any]) -> list[Array]:
+    """Nodes of the outline and holes of a drawing, of the files that a scene was given with."""
     text = own_file(context.get("folder"), shape.file)
-    return rings_of(shape.file, text, unit=shape.unit, layer=shape.layer,
-                    tolerance=shape.tolerance)
+    return curves_of(shape.file, text, unit=shape.unit, layer=shape.layer,
+                     tolerance=shape.tolerance)
 
 
-def _polygon(points: Ring, holes: tuple[Ring, ...]) -> Polygon:
-    """A polygon that was worked out, if it is sound.
+def _worked_out(rings: list[Ring], nodes: Nodes, *, closed: bool, radius: float) -> Shape:
+    """A polygon or polyline that was worked out, if it is sound.
 
     Raises:
         PydanticCustomError: it is not.
     """
-    corners = len(points) + sum(map(len, holes))
+    corners = sum(map(len, rings))
     if corners > MOST_CORNERS:
         raise PydanticCustomError("polygon", "within its tolerance it has {corners} corners", {
             "corners": corners, "allowed": f"at most {MOST_CORNERS}, by a larger tolerance"})
     try:
-        return Polygon(type="polygon", points=points, holes=holes)
+        if not closed:
+            return Polyline(type="polyline", points=rings[0], radius=radius, nodes=nodes)
+        return Polygon(type="polygon", points=rings[0], holes=tuple(rings[1:]), nodes=nodes)
     except ValidationError as error:
         wrong = error.errors(include_url=False)[0]
         raise PydanticCustomError("polygon", "{reason}", {

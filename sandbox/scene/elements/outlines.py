@@ -10,17 +10,66 @@ import numpy as np
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from sandbox.numeric import Array
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.outlines.cams import CamCurve, tried_turns
+from sandbox.scene.outlines.curves import through
 from sandbox.scene.outlines.spline import PeriodicSpline
-from sandbox.scene.values.numbers import Angle, Coordinate, Length, Point
+from sandbox.scene.values.numbers import Angle, Coordinate, Distance, Flag, Length, Point
+
+
+class SmoothCurve(Spec):
+    """A smooth curve through points: a closed outline, or an open line such as a track.
+
+    Bodies touch the curve itself: its normal and curvature, not chords. A closed one is a solid. An
+    open one belongs to a body that does not move freely, and both of its sides can be touched.
+    Between the points lies a cubic spline.
+    """
+
+    type: Literal["curve"]
+    points: Annotated[tuple[Point, ...], Field(min_length=3, max_length=1000)]
+    """Points that it passes through, in order [m]; the last of a closed one is not the first."""
+    closed: Flag = True
+    """Whether it goes on from the last point to the first, and is the outline of a solid."""
+    corners: tuple[Annotated[int, Field(ge=0)], ...] = ()
+    """Numbers of the points at which it has a corner, counted from 0; elsewhere it is smooth."""
+    radius: Distance = 0.0
+    """Of an open one, how far its surface lies from the curve."""
+    tolerance: Length = 1e-5
+    """How far its chords may be from it in pictures and in its area; contacts do not depend on
+    it."""
+    at: Point = (0.0, 0.0)
+    """Where the points' origin lies, in the body's frame."""
+    angle: Angle = 0.0
+    """By which it is turned about that origin, in the body's frame."""
+
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        if self.closed and self.radius:
+            raise PydanticCustomError("curve", "'radius' belongs to an open curve", {
+                "allowed": "'\"closed\": false', or no 'radius'"})
+        if self.corners and max(self.corners) >= len(self.points):
+            raise PydanticCustomError("curve", "there is no point {number}", {
+                "number": max(self.corners), "allowed": f"0 to {len(self.points) - 1}"})
+        for i, one in enumerate(self.points):
+            j = (i + 1) % len(self.points)
+            if one == self.points[j] and (self.closed or j):
+                raise PydanticCustomError("curve", "points {i} and {j} are the same point", {
+                    "i": i, "j": j})
+        return self
+
+    def curve(self) -> Array:
+        """Its nodes, [n, 4]."""
+        return through(np.array(self.points), closed=self.closed,
+                       corners=tuple(sorted(set(self.corners))))
 
 
 class DiscCam(Spec):
     """A disc cam whose outline gives its follower the lift of a table.
 
     The lift between the table's angles is a smooth curve, a periodic cubic spline. The follower
-    moves along a line through the cam's centre. Once read, a cam is a polygon.
+    moves along a line through the cam's centre. Contacts follow the true outline. Once read, a cam
+    is a polygon with nodes.
     """
 
     type: Literal["cam"]
@@ -42,7 +91,8 @@ class DiscCam(Spec):
     at: Point = (0.0, 0.0)
     """Centre that the cam turns about, in the body's frame."""
     tolerance: Length = 1e-5
-    """How far the polygon's sides may be from the true outline: by so much the lift may be off."""
+    """How far chords may be from the outline in pictures and in its area; contacts do not depend on
+    it."""
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -88,7 +138,8 @@ class Drawing(Spec):
     layer: Annotated[str, Field(max_length=200)] | None = None
     """Takes only what is on this layer of a DXF file, or has this id in an SVG file."""
     tolerance: Length = 5e-5
-    """How far chords may be from curves, and ends that meet from one another."""
+    """How far ends that meet may be from one another, and chords from curves in pictures and in the
+    area."""
     at: Point = (0.0, 0.0)
     """Where the drawing's origin lies, in the body's frame; the drawing's y is up."""
     angle: Angle = 0.0

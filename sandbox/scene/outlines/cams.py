@@ -12,8 +12,7 @@ radius b:
   curve's curvature is (R^2 + 2 R'^2 - R R'') / (R^2 + R'^2)^(3/2). Where it is 1 / r or more, the
   outline would run back: undercut.
 
-(Norton, *Cam Design and Manufacturing Handbook*, chapters 7 and 8.) The outline's corners lie on
-the curve, as many as keep the sides within a tolerance of it.
+(Norton, *Cam Design and Manufacturing Handbook*, chapters 7 and 8.)
 """
 
 from __future__ import annotations
@@ -24,13 +23,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sandbox.numeric import Array
-from sandbox.scene.outlines.rings import Ring
+from sandbox.scene.outlines.curves import nodes_along
 from sandbox.scene.outlines.spline import PeriodicSpline
 
 TRIED = 3600
 """Angles at which undercut is looked for, besides 8 between neighbours in the table."""
 SPARE = 1e-3
 """By which share the radius that is told is on the safe side of the one that just would not do."""
+FINE = 1e-9
+"""How far the outline's spans may be from the envelope [m]."""
 LARGEST = 1e6
 """The largest radius that is told [m]."""
 
@@ -60,18 +61,27 @@ class CamCurve:
     sense: int
     """1 for a cam that turns counter-clockwise, else -1."""
 
-    def points(self, turn: Array) -> Array:
-        """Where the cam touches its follower, in the body's frame [m, 2]."""
-        s, s1, _ = self.lift(turn)
+    def nodes(self, turn: Array) -> Array:
+        """Where the cam touches its follower at turns [rad], in the body's frame, [n, 4].
+
+        As nodes (:mod:`sandbox.scene.outlines.curves`), counter-clockwise.
+        """
+        s, s1, s2 = self.lift(turn)
         s1 = -self.sense * s1  # over the direction of the follower as seen from the cam
         psi = self.towards - self.sense * turn
         n = np.stack([np.cos(psi), np.sin(psi)], axis=1)
         t = np.stack([-n[:, 1], n[:, 0]], axis=1)
         if not self.roller:
-            return np.asarray((self.base + s)[:, None] * n + s1[:, None] * t)
-        r = self.base + self.roller + s
-        out = (r[:, None] * n - s1[:, None] * t) / np.hypot(r, s1)[:, None]
-        return np.asarray(r[:, None] * n - self.roller * out)
+            point, out = (self.base + s)[:, None] * n + s1[:, None] * t, n
+            bend = 1 / (self.base + s + s2)
+        else:
+            r = self.base + self.roller + s
+            speed = np.hypot(r, s1)
+            out = (r[:, None] * n - s1[:, None] * t) / speed[:, None]
+            point = r[:, None] * n - self.roller * out
+            pitch = (r**2 + 2 * s1**2 - r * s2) / speed**3
+            bend = pitch / (1 - self.roller * pitch)
+        return np.column_stack([point, np.arctan2(out[:, 0], -out[:, 1]), bend])
 
     def radius(self, turn: Array) -> Array:
         """What has to be positive: by how much the outline's curvature lets the follower in [m].
@@ -91,11 +101,11 @@ class CamCurve:
         return bool(self.radius(self.tried).min() > 0)
 
 
-def cam_ring(curve: CamCurve, tolerance: float, most: int) -> Ring:
-    """The outline's corners, at most ``most``, counter-clockwise; sides within ``tolerance`` [m].
+def cam_nodes(curve: CamCurve) -> Array:
+    """Nodes of the outline, counter-clockwise, with one at every angle of the lift's table, [n, 4].
 
     Raises:
-        CamError: undercut, or more corners than that; with what would do.
+        CamError: undercut, with what would do.
     """
     lowest = float(curve.lift(curve.tried)[0].min())
     if curve.base + lowest <= 0:
@@ -103,15 +113,12 @@ def cam_ring(curve: CamCurve, tolerance: float, most: int) -> Ring:
                        f"a base radius above {-lowest:.6g} m")
     if not curve.fits():
         raise _undercut(curve)
-    turns = _flattened(curve, tolerance, most)
-    if len(turns) > most:
-        wider = tolerance
-        while len(_flattened(curve, wider, most)) > most:
-            wider *= 2
-        raise CamError(f"within {tolerance:.3g} m this cam has more than {most} corners",
-                       f"a tolerance of {wider:.3g} m")
-    points = [(x, y) for x, y in curve.points(turns).tolist()]
-    return tuple(points[::-1] if curve.sense > 0 else points)
+    first = curve.lift.angles[0]
+    turns = np.union1d(np.append(curve.lift.angles, first + math.tau),
+                       first + math.tau * np.arange(24) / 24)
+    turns = turns[np.append(np.diff(turns) > 1e-9, True)]  # the same angle, but for rounding
+    turns *= -curve.sense
+    return nodes_along(lambda at: curve.nodes(-curve.sense * at), np.sort(turns), FINE)[:-1]
 
 
 def _undercut(curve: CamCurve) -> CamError:
@@ -148,27 +155,3 @@ def tried_turns(angles: Array) -> Array:
     ends = np.append(angles, angles[0] + math.tau)
     between = (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(8) / 8).ravel()
     return np.unique(np.concatenate([between, angles[0] + math.tau * np.arange(TRIED) / TRIED]))
-
-
-def _flattened(curve: CamCurve, tolerance: float, most: int) -> Array:
-    """Turns of corners between which the curve is nowhere further than that from its chord.
-
-    More than ``most`` as soon as there are more.
-    """
-    first = curve.lift.angles[0]
-    turns = np.union1d(np.append(curve.lift.angles, first + math.tau),
-                       first + math.tau * np.arange(24) / 24)
-    turns = turns[np.append(np.diff(turns) > 1e-9, True)]  # the same angle, but for rounding
-    while len(turns) <= most + 1:
-        ends, step = curve.points(turns), np.diff(turns)
-        chord = np.diff(ends, axis=0)
-        length = np.maximum(np.hypot(*chord.T), 1e-300)
-        off = np.zeros(len(step))
-        for share in (0.25, 0.5, 0.75):
-            to = curve.points(turns[:-1] + share * step) - ends[:-1]
-            off = np.maximum(off, np.abs(chord[:, 0] * to[:, 1] - chord[:, 1] * to[:, 0]) / length)
-        long = off > tolerance
-        if not long.any():
-            break
-        turns = np.sort(np.concatenate([turns, (turns[:-1] + step / 2)[long]]))
-    return turns[:-1]

@@ -1,8 +1,8 @@
 """Outlines from drawings: SVG files by svgelements, DXF files by ezdxf.
 
-A drawing's curves are flattened to chords within a tolerance; what is open is joined end to end.
-The largest outline is the shape's and those in it are its holes. Files come from the scene's own
-folder, and nothing that a file names is looked up.
+A drawing's lines, arcs and splines become nodes (:mod:`sandbox.scene.outlines.curves`); what is
+open is joined end to end. The largest outline is the shape's and those in it are its holes. Files
+come from the scene's own folder, and nothing that a file names is looked up.
 """
 
 from __future__ import annotations
@@ -18,15 +18,29 @@ from typing import Any
 import numpy as np
 
 from sandbox.numeric import Array
-from sandbox.scene.outlines.rings import Ring, inside, signed_area
+from sandbox.scene.outlines.curves import (
+    curvature,
+    flattened,
+    is_smooth,
+    joined,
+    nodes_along,
+    reversed_nodes,
+)
+from sandbox.scene.outlines.rings import inside, signed_area
 from sandbox.wording import listed, near, quoted
 
 MOST_BYTES = 1_000_000
 """Of a drawing: some seconds of reading."""
-MOST_POINTS = 20_000
-"""Of all curves of a drawing once they are flattened."""
-FINEST = 1e-6
-"""The smallest tolerance, as a share of the drawing's size."""
+MOST_NODES = 20_000
+"""Of all curves of a drawing."""
+FINE = 1e-7
+"""How far spans may be from a curve, as a share of its size."""
+POINT = 1e-9
+"""A piece that is smaller than this share of the largest is rounding."""
+NEXT = 1e-4
+"""Parameter next to the end of a curve."""
+ARCS = 16
+"""Cubic curves that a whole turn is made of: within 1e-8 of the radius."""
 CURVES = frozenset({"LINE", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ARC", "ELLIPSE", "SPLINE"})
 """Of a DXF file; all else, such as dimensions and texts, is no outline."""
 PIXEL = 0.0254 / 96
@@ -43,10 +57,10 @@ class DrawingError(ValueError):
 
 @dataclass(frozen=True)
 class Curves:
-    """What a drawing has: its curves as corners, x to the right and y up, and its unit."""
+    """What a drawing has: its curves as nodes, x to the right and y up, and its unit."""
 
-    corners: list[Array]
-    """Of each, [k, 2], in the drawing's units."""
+    nodes: list[Array]
+    """Of each, [k, 4], in the drawing's units."""
     unit: float | None
     """Length of one of these [m]; None where the drawing does not say."""
 
@@ -97,17 +111,17 @@ def _nowhere(folder: Path, name: str) -> DrawingError:
                         listed(there) or "none: it has no .svg and no .dxf file", near(name, there))
 
 
-def rings_of(
+def curves_of(
     name: str, text: bytes, *, unit: float | None, layer: str | None, tolerance: float,
-) -> tuple[Ring, tuple[Ring, ...]]:
-    """The outline of a drawing and its holes [m].
+) -> list[Array]:
+    """Nodes of the outline of a drawing, then of its holes, [k, 4] each.
 
     Args:
         name: the file's; its ending says what it is.
         text: what is in it.
         unit: length of one of its units [m]; None for what the file says.
         layer: of a DXF file the layer, of an SVG file the id, of what is meant; None for all.
-        tolerance: how far chords may be from curves, and ends that meet from each other [m].
+        tolerance: how far ends that meet may be from each other [m].
 
     Raises:
         DrawingError: no outline, more than one, or what cannot be read.
@@ -116,7 +130,7 @@ def rings_of(
     if ending not in READERS:
         raise DrawingError(f"{quoted(name)} is neither an SVG nor a DXF file", ".svg, .dxf")
     try:
-        curves = READERS[ending](text, layer, unit, tolerance)
+        curves = READERS[ending](text, layer)
     except DrawingError as error:
         raise DrawingError(f"{quoted(name)}: {error.message}", error.allowed, error.hint) from None
     except Exception as error:  # whatever a parser says of a stranger's file
@@ -124,95 +138,106 @@ def rings_of(
         raise DrawingError(f"{quoted(name)} cannot be read as {ending[1:].upper()}: {reason}",
                            "a sound file, such as a drawing program writes it") from None
     scale = curves.unit if unit is None else unit
-    assert scale is not None  # readers ask for it
-    rings = [_closed(corners * scale, tolerance, name)
-             for corners in _chained([c for c in curves.corners if len(c) > 1], tolerance / scale)]
-    return _sorted_out(rings, name)
+    if scale is None:
+        raise DrawingError(f"{quoted(name)}: it does not say its unit",
+                           "'unit', such as \"unit\": \"1 mm\"")
+    scaled = [nodes * [scale, scale, 1.0, 1 / scale] for nodes in curves.nodes]
+    return _sorted_out([_closed(nodes, tolerance, name)
+                        for nodes in _chained(scaled, tolerance)], name)
 
 
-def _closed(corners: Array, tolerance: float, name: str) -> Ring:
-    apart = math.dist(corners[0], corners[-1])
+def _closed(nodes: Array, tolerance: float, name: str) -> Array:
+    apart = math.dist(nodes[0, :2], nodes[-1, :2])
     if apart > tolerance:
-        (x0, y0), (x1, y1) = corners[0].tolist(), corners[-1].tolist()
+        (x0, y0), (x1, y1) = nodes[0, :2].tolist(), nodes[-1, :2].tolist()
         raise DrawingError(
             f"{quoted(name)}: an outline is open, from [{x0:.6g}, {y0:.6g}] to [{x1:.6g}, "
             f"{y1:.6g}] m", f"ends that meet within the tolerance of {tolerance:g} m; their "
             f"distance is {apart:.4g} m")
-    kept = corners[:-1]
-    # neighbours that are one point but for rounding
-    step = np.hypot(*(np.roll(kept, -1, axis=0) - kept).T)
-    kept = kept[step > 1e-3 * tolerance]
-    if len(kept) < 3:
-        raise DrawingError(f"{quoted(name)}: an outline at [{corners[0][0]:.6g}, "
-                           f"{corners[0][1]:.6g}] m has no area")
-    return tuple((x, y) for x, y in kept.tolist())
+    if len(flattened(nodes, tolerance, closed=False)) < 4:
+        raise DrawingError(f"{quoted(name)}: an outline at [{nodes[0][0]:.6g}, "
+                           f"{nodes[0][1]:.6g}] m has no area")
+    nodes[-1, :2] = nodes[0, :2]
+    return nodes[:-1] if is_smooth(nodes[-1], nodes[0]) else nodes
 
 
-def _sorted_out(rings: list[Ring], name: str) -> tuple[Ring, tuple[Ring, ...]]:
-    """The largest outline, and the holes in it."""
-    if not rings:
+def _sorted_out(curves: list[Array], name: str) -> list[Array]:
+    """The largest outline, then the holes in it."""
+    if not curves:
         raise DrawingError(f"{quoted(name)} holds no outline",
                            "closed paths, circles, rectangles or polylines, or lines that join")
-    rings = sorted(rings, key=lambda ring: -abs(signed_area(ring)))
-    outer, holes = rings[0], tuple(rings[1:])
-    beside = [hole for hole in holes if not inside(hole[0], outer)]
+    size = max(float(np.ptp(nodes[:, :2], axis=0).max()) for nodes in curves)
+    flat = [flattened(nodes, 1e-4 * size, closed=True) for nodes in curves]
+    order = sorted(range(len(curves)), key=lambda k: -abs(signed_area(flat[k])))
+    beside = [flat[k] for k in order[1:] if not inside(flat[k][0], flat[order[0]])]
     if beside:
         x, y = beside[0][0]
         raise DrawingError(
             f"{quoted(name)} holds {1 + len(beside)} outlines that are not one in the other, one "
             f"through [{x:.6g}, {y:.6g}] m", "one outline and its holes: say which by 'layer'")
-    return outer, holes
+    return [curves[k] for k in order]
 
 
 def _chained(curves: list[Array], tolerance: float) -> Iterator[Array]:
     """Curves, those that are open joined end to end."""
     left = []
-    for corners in curves:
-        if len(corners) > 2 and math.dist(corners[0], corners[-1]) <= tolerance:
-            yield np.vstack([corners[:-1], corners[:1]])
+    for nodes in curves:
+        closed = len(nodes) > 2 and math.dist(nodes[0, :2], nodes[-1, :2]) <= tolerance
+        if closed:
+            yield nodes
         else:
-            left.append(corners)
+            left.append(nodes)
     while left:
         chain = left.pop(0)
-        while left and math.dist(chain[0], chain[-1]) > tolerance:
-            ends = np.array([(one[0], one[-1]) for one in left])
-            apart = np.hypot(*(ends - chain[-1]).transpose(2, 0, 1))
+        while left and math.dist(chain[0, :2], chain[-1, :2]) > tolerance:
+            ends = np.array([(one[0, :2], one[-1, :2]) for one in left])
+            apart = np.hypot(*(ends - chain[-1, :2]).transpose(2, 0, 1))
             k, end = np.unravel_index(int(apart.argmin()), apart.shape)
             if apart[k, end] > tolerance:
                 break
             following = left.pop(int(k))
-            chain = np.vstack([chain, following[::-1][1:] if end else following[1:]])
+            chain = joined([chain, reversed_nodes(following) if end else following])
         yield chain
 
 
-def flattened(curve: Callable[[Array], Array], tolerance: float) -> Array:
-    """Corners of a curve over [0, 1], ends included, none of its chords further off than that."""
-    at = np.linspace(0.0, 1.0, 5)
-    while True:
-        points, step = curve(at), np.diff(at)
-        chord = np.diff(points, axis=0)
-        length = np.maximum(np.hypot(*chord.T), 1e-300)
-        off = np.zeros(len(step))
-        for share in (0.25, 0.5, 0.75):
-            to = curve(at[:-1] + share * step) - points[:-1]
-            along = np.clip((to * chord).sum(axis=1) / length**2, 0.0, 1.0)
-            off = np.maximum(off, np.hypot(*(to - along[:, None] * chord).T))
-        if not (off > tolerance).any():
-            return points
-        if len(at) > MOST_POINTS:
-            raise DrawingError(f"a curve has more than {MOST_POINTS} corners within the tolerance",
-                               "a larger tolerance")
-        at = np.sort(np.concatenate([at, (at[:-1] + step / 2)[off > tolerance]]))
+def _beziers(pieces: list[Array]) -> Array:
+    """Nodes of Bézier curves one after the other, of their control points [n, 2]; n of 2 to 4."""
+    sizes = [float(np.ptp(points, axis=0).max()) for points in pieces]
+    least = POINT * max(sizes, default=0.0)
+    found = [nodes_along(_bezier(points), np.array([0.0, 1.0]), FINE * size)
+             for points, size in zip(pieces, sizes, strict=True) if size > least]
+    return joined(found) if found else np.zeros((0, 4))
 
 
-def _counted(corners: list[Array]) -> list[Array]:
-    if sum(map(len, corners)) > MOST_POINTS:
-        raise DrawingError(f"its curves have more than {MOST_POINTS} corners within the tolerance",
-                           "a larger tolerance, or fewer curves")
-    return corners
+def _bezier(points: Array) -> Callable[[Array], Array]:
+    """Nodes of a Bézier curve at parameters of [0, 1]."""
+    degree = len(points) - 1
+    first, second = np.diff(points, axis=0), np.diff(points, 2, axis=0)
+
+    def at(control: Array, t: Array) -> Array:
+        n = len(control) - 1
+        return sum((math.comb(n, k) * t**k * (1 - t) ** (n - k))[:, None] * control[k]
+                   for k in range(n + 1))
+
+    def nodes(t: Array) -> Array:
+        place, along, bend = at(points, t), at(first, t), np.zeros_like(t)
+        # where the speed is 0, because control points coincide, take what is next to it
+        still = np.hypot(*along.T) < 1e-9 * np.hypot(*first.T).max()
+        t = np.where(still, np.clip(t, NEXT, 1 - NEXT), t)
+        along = degree * at(first, t)
+        if degree > 1:
+            bend = curvature(along, degree * (degree - 1) * at(second, t))
+        return np.column_stack([place, np.arctan2(along[:, 1], along[:, 0]), bend])
+
+    return nodes
 
 
-def _svg(text: bytes, layer: str | None, unit: float | None, tolerance: float) -> Curves:
+def _counted(curves: list[Array]) -> None:
+    if sum(map(len, curves)) > MOST_NODES:
+        raise DrawingError(f"its curves have more than {MOST_NODES} nodes", "fewer curves")
+
+
+def _svg(text: bytes, layer: str | None) -> Curves:
     import svgelements
 
     if found := re.search(rb"<!ENTITY|<use[\s/>]", text):
@@ -227,13 +252,12 @@ def _svg(text: bytes, layer: str | None, unit: float | None, tolerance: float) -
         raise DrawingError(f"it has no id {quoted(layer)}", listed(sorted(drawn.objects)[:20]))
     shapes = ([chosen] if isinstance(chosen, svgelements.Shape) else
               [each for each in chosen.select() if isinstance(each, svgelements.Shape)])
-    own = unit if unit is not None else PIXEL * box[0]
-    corners: list[Array] = []
+    curves: list[Array] = []
     for shape in shapes:
         for part in svgelements.Path(shape).as_subpaths():
-            corners.append(_svg_path(svgelements.Path(part), box, tolerance / own))
-            _counted(corners)
-    return Curves(corners, PIXEL * box[0])
+            curves.append(_beziers(_svg_path(svgelements.Path(part), box)))
+            _counted(curves)
+    return Curves([nodes for nodes in curves if len(nodes)], PIXEL * box[0])
 
 
 def _svg_box(drawn: Any) -> tuple[float, float, float]:
@@ -244,26 +268,28 @@ def _svg_box(drawn: Any) -> tuple[float, float, float]:
     return abs(float(box.a)) or 1.0, float(box.e), float(box.f)
 
 
-def _svg_path(path: Any, box: tuple[float, float, float], tolerance: float) -> Array:
-    """Corners of a path without gaps, in units of the view box, y up."""
+def _svg_path(path: Any, box: tuple[float, float, float]) -> list[Array]:
+    """Control points of a path without gaps, in units of the view box, y up."""
     import svgelements
 
     found: list[Array] = []
     for segment in path:
         if isinstance(segment, svgelements.Move) or segment.start is None or segment.end is None:
             continue
+        pieces = [segment]
+        if isinstance(segment, svgelements.Arc):
+            count = max(1, math.ceil(abs(segment.sweep) / math.tau * ARCS))
+            pieces = list(segment.as_cubic_curves(count))
+        for piece in pieces:
+            points = [piece.start, *(each for name in ("control", "control1", "control2")
+                                     if (each := getattr(piece, name, None)) is not None),
+                      piece.end]
+            found.append((np.array([(p.x, p.y) for p in points]) - box[1:])
+                         * (1 / box[0], -1 / box[0]))
+    return found
 
-        def curve(at: Array, segment: Any = segment) -> Array:
-            points = np.asarray(segment.npoint(at))
-            return np.asarray((points - box[1:]) * (1 / box[0], -1 / box[0]))
 
-        straight = isinstance(segment, (svgelements.Line, svgelements.Close))
-        found.append(curve(np.array([0.0, 1.0])) if straight else flattened(curve, tolerance))
-        _counted(found)
-    return np.vstack([found[0], *(each[1:] for each in found[1:])]) if found else np.zeros((0, 2))
-
-
-def _dxf(text: bytes, layer: str | None, unit: float | None, tolerance: float) -> Curves:
+def _dxf(text: bytes, layer: str | None) -> Curves:
     from ezdxf import path, recover, units
     from ezdxf.enums import InsertUnits
 
@@ -272,14 +298,11 @@ def _dxf(text: bytes, layer: str | None, unit: float | None, tolerance: float) -
     if document.units:
         own = units.conversion_factor(
             InsertUnits(document.units), InsertUnits.Meters)
-    scale = own if unit is None else unit
-    if scale is None:
-        raise DrawingError("it does not say its unit", "'unit', such as \"unit\": \"1 mm\"")
     space = list(document.modelspace())
     layers = sorted({entity.dxf.layer for entity in space})
     if layer is not None and layer not in layers:
         raise DrawingError(f"it has no layer {quoted(layer)}", listed(layers), near(layer, layers))
-    corners: list[Array] = []
+    curves: list[Array] = []
     for entity in space:
         if layer is not None and entity.dxf.layer != layer:
             continue
@@ -288,15 +311,18 @@ def _dxf(text: bytes, layer: str | None, unit: float | None, tolerance: float) -
                                "followed", "blocks exploded into lines and curves")
         if entity.dxftype() not in CURVES:
             continue
-        drawn = path.make_path(entity)
-        size = max((abs(v) for point in drawn.control_vertices() for v in (point.x, point.y)),
-                   default=0.0)
-        finest = max(tolerance / scale, FINEST * size)
-        corners.append(np.array([(point.x, point.y) for point in drawn.flattening(finest)]))
-        _counted(corners)
-    return Curves(corners, own)
+        drawn = path.make_path(entity, segments=ARCS)
+        pieces, at = [], drawn.start
+        for command in drawn.commands():
+            control = [getattr(command, name) for name in ("ctrl", "ctrl1", "ctrl2")
+                       if hasattr(command, name)]
+            pieces.append(np.array([(p.x, p.y) for p in (at, *control, command.end)]))
+            at = command.end
+        curves.append(_beziers(pieces))
+        _counted(curves)
+    return Curves([nodes for nodes in curves if len(nodes)], own)
 
 
-READERS: dict[str, Callable[[bytes, str | None, float | None, float], Curves]] = {
+READERS: dict[str, Callable[[bytes, str | None], Curves]] = {
     ".svg": _svg, ".dxf": _dxf}
 """What reads a drawing, by the ending of its name."""

@@ -1,0 +1,409 @@
+"""Contact geometry: the exact normal, gap and curvature where two shapes touch.
+
+pymunk finds which shapes are near one another, and where. Each of its shapes is the set of all
+points within a radius of a *core*: a point (circle), a line (capsule), a polygon, or a curve of
+quintic spans for which pymunk has a polygon of chords. Here the pair of nearest features is found:
+a span of a curve, a straight side, or a corner. Between straight features pymunk's points and
+normal are exact; where a curve is involved they only say where Newton's method starts.
+
+Every feature has a curvature k / d, positive where the surface is convex: (0, 1) of a side, (1, r)
+of a corner or circle with the radius r, (κ, 1 + κ r) of a curve. Replacing both surfaces by
+their circles of curvature gives the second derivative of the gap while both bodies keep their
+velocities,
+
+    c = ω_a² n·r_a - ω_b² n·r_b + [k_a k_b s² + 2 s (k_a d_b ω_b + k_b d_a ω_a)
+        - (ω_b - ω_a)² d_a d_b - g (k_b d_a ω_a² + k_a d_b ω_b²)] / (k_a d_b + k_b d_a + k_a k_b g)
+
+with the normal n from a to b, the sliding speed s along (-n_y, n_x), the gap g and the arms r.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sandbox.engine import memory as at
+from sandbox.engine.kernel import kernel
+from sandbox.numeric import Array, Records
+
+AT_CORNER = 1e-4
+"""Nearer to a corner than this share of the margin, a point is at the corner."""
+CONFORMING = 0.05
+"""The least sum of two curvatures, as a share of their magnitudes. Below it the surfaces conform,
+and the contact has no definite point."""
+ITERATIONS = 40
+CONVERGED = 1e-12
+"""Change of the parameter of a span in one iteration."""
+SAME_WAY = 0.5
+"""The least cosine between pymunk's normal and the exact one."""
+SAME_PLACE = 1e-6
+"""Contacts of the same two shapes nearer to each other than this are one [m]."""
+DROPPED, EXACT, AS_FOUND = 0, 1, 2
+"""What becomes of a contact that pymunk found on a curve."""
+
+
+@kernel
+def on_span(span: Any, w: float) -> Any:
+    """Point of a span and its first two derivatives, all in the body's frame."""
+    x = span["x0"] + w * (span["x1"] + w * (span["x2"] + w * (
+        span["x3"] + w * (span["x4"] + w * span["x5"]))))
+    y = span["y0"] + w * (span["y1"] + w * (span["y2"] + w * (
+        span["y3"] + w * (span["y4"] + w * span["y5"]))))
+    dx = span["x1"] + w * (2 * span["x2"] + w * (
+        3 * span["x3"] + w * (4 * span["x4"] + w * 5 * span["x5"])))
+    dy = span["y1"] + w * (2 * span["y2"] + w * (
+        3 * span["y3"] + w * (4 * span["y4"] + w * 5 * span["y5"])))
+    ddx = 2 * span["x2"] + w * (6 * span["x3"] + w * (12 * span["x4"] + w * 20 * span["x5"]))
+    ddy = 2 * span["y2"] + w * (6 * span["y3"] + w * (12 * span["y4"] + w * 20 * span["y5"]))
+    return x, y, dx, dy, ddx, ddy
+
+
+@kernel
+def _nearest_start(spans: Records, first: int, last: int, x: float, y: float) -> int:
+    """The span that begins nearest to a point."""
+    best, found = math.inf, first
+    for k in range(first, last):
+        d = (spans[k]["x0"] - x) ** 2 + (spans[k]["y0"] - y) ** 2
+        if d < best:
+            best, found = d, k
+    return found
+
+
+@kernel
+def _slope(span: Any, w: float, to_point: bool, x: float, y: float) -> Any:
+    """First and second derivative of what is minimised along a span, and the squared speed.
+
+    That is half the squared distance to the point (x, y), or the height along (x, y).
+    """
+    px, py, dx, dy, ddx, ddy = on_span(span, w)
+    if to_point:
+        square = dx * dx + dy * dy
+        return (px - x) * dx + (py - y) * dy, square + (px - x) * ddx + (py - y) * ddy, square
+    return x * dx + y * dy, x * ddx + y * ddy, math.hypot(dx, dy)
+
+
+@kernel
+def _descend(spans: Records, k: int, to_point: bool, x: float, y: float) -> Any:
+    """Local minimum along a curve, from the start of span ``k``: span, parameter, if a corner.
+
+    Newton's method, at most one span per iteration.
+    """
+    w = 0.0
+    for _ in range(ITERATIONS):
+        slope, bend, scale = _slope(spans[k], w, to_point, x, y)
+        least = 0.05 * scale if to_point else 0.0
+        step = -slope / (bend if bend > least else scale)
+        step = min(1.0, max(-1.0, step))
+        w += step
+        if 0.0 <= w <= 1.0:
+            if abs(step) < CONVERGED:
+                return k, w, False
+            continue
+        forward = w > 1.0
+        w = 1.0 if forward else 0.0
+        there, corner = _beyond(spans, k, forward)
+        if there < 0:
+            return k, w, True
+        if corner:
+            slope, _, _ = _slope(spans[there], 1.0 - w, to_point, x, y)
+            if (slope >= 0.0) if forward else (slope <= 0.0):
+                return k, w, True
+        elif abs(step) < CONVERGED:
+            return k, w, False
+        k, w = there, 1.0 - w
+    return k, w, False
+
+
+@kernel
+def _beyond(spans: Records, k: int, forward: bool) -> Any:
+    """The span after span ``k`` or before it, -1 at an end; whether there is a corner between."""
+    if forward:
+        there = spans[k]["after"]
+        return there, bool(there < 0 or spans[there]["corner"])
+    return spans[k]["before"], bool(spans[k]["corner"])
+
+
+@kernel
+def _rotate(body: Array, b: int, x: float, y: float) -> Any:
+    """A vector of a body's frame in the world."""
+    c, s = math.cos(body[b, 2]), math.sin(body[b, 2])
+    return c * x - s * y, s * x + c * y
+
+
+@kernel
+def _rotate_back(body: Array, b: int, x: float, y: float) -> Any:
+    """A vector of the world in a body's frame."""
+    c, s = math.cos(body[b, 2]), math.sin(body[b, 2])
+    return c * x + s * y, c * y - s * x
+
+
+@kernel
+def gap_acceleration(table: int, t: Any, ka: float, da: float, kb: float, db: float) -> float:
+    """Second derivative of the gap of a contact while its bodies keep their velocities [m/s^2].
+
+    ``t`` is a TOUCH; the curvatures are those of its surfaces.
+    """
+    body, a, b, nx, ny, gap = at.body(table), t["a"], t["b"], t["nx"], t["ny"], t["gap"]
+    wa, wb = body[a, 5], body[b, 5]
+    # of the surfaces' points, half a gap from the middle
+    rax, ray = t["ax"] - gap / 2 * nx, t["ay"] - gap / 2 * ny
+    rbx, rby = t["bx"] + gap / 2 * nx, t["by"] + gap / 2 * ny
+    ux, uy = body[b, 3] - wb * rby, body[b, 4] + wb * rbx
+    s = ny * (body[a, 3] - wa * ray - ux) - nx * (body[a, 4] + wa * rax - uy)
+    total, size = ka * db + kb * da, abs(ka * db) + abs(kb * da)
+    if size == 0.0:
+        return 0.0
+    turning = (ka * kb * s * s + 2.0 * s * (ka * db * wb + kb * da * wa)
+               - (wb - wa) ** 2 * da * db - gap * (kb * da * wa * wa + ka * db * wb * wb))
+    return float(wa * wa * (nx * rax + ny * ray) - wb * wb * (nx * rbx + ny * rby)
+                 + turning / max(total + ka * kb * gap, CONFORMING * size))
+
+
+@kernel
+def straight_curvature(
+    table: int, shape: Any, px: float, py: float, nx: float, ny: float,
+) -> Any:
+    """Curvature k / d of a shape without a curve, at the point (px, py) of its surface.
+
+    The point is in the world, from the body's centre of mass; (nx, ny) is the outer normal.
+    """
+    vertices, radius = at.vertices(table), shape["radius"]
+    first, last = shape["vertex"], shape["vertex_end"]
+    if last - first == 1:  # a drive may change the radius of a circle
+        x, y = _rotate(at.body(table), shape["body"], vertices[first, 0], vertices[first, 1])
+        return 1.0, math.hypot(px - x, py - y)
+    x, y = _rotate_back(at.body(table), shape["body"], px - radius * nx, py - radius * ny)
+    k = _nearest_vertex(vertices, first, last, x, y)
+    if math.hypot(vertices[k, 0] - x, vertices[k, 1] - y) < AT_CORNER * shape["margin"]:
+        return 1.0, radius
+    return 0.0, 1.0
+
+
+@kernel
+def _nearest_vertex(vertices: Array, first: int, last: int, x: float, y: float) -> int:
+    best, found = math.inf, first
+    for k in range(first, last):
+        d = (vertices[k, 0] - x) ** 2 + (vertices[k, 1] - y) ** 2
+        if d < best:
+            best, found = d, k
+    return found
+
+
+@kernel
+def exchange(found: Any) -> None:
+    """Exchange the two bodies of a FOUND."""
+    found["shape_a"], found["shape_b"] = found["shape_b"], found["shape_a"]
+    found["ax"], found["bx"] = found["bx"], found["ax"]
+    found["ay"], found["by"] = found["by"], found["ay"]
+    found["ka"], found["kb"] = found["kb"], found["ka"]
+    found["da"], found["db"] = found["db"], found["da"]
+    found["nx"], found["ny"] = -found["nx"], -found["ny"]
+
+
+@kernel
+def exact(table: int, found: Any) -> int:
+    """Make a FOUND exact, whose points are on the surfaces: normal, points, curvatures.
+
+    Returns:
+        What becomes of it: DROPPED, EXACT where a curve is involved, else AS_FOUND.
+    """
+    shapes = at.shapes(table)
+    one, two = shapes[found["shape_a"]], shapes[found["shape_b"]]
+    nx, ny = found["nx"], found["ny"]
+    found["ka"], found["da"] = straight_curvature(table, one, found["ax"], found["ay"], nx, ny)
+    found["kb"], found["db"] = straight_curvature(table, two, found["bx"], found["by"], -nx, -ny)
+    if found["da"] == 0.0 and found["db"] == 0.0:  # corners of two sides that lie on each other
+        found["ka"], found["da"] = 0.0, 1.0
+    if one["span"] < 0 and two["span"] < 0:
+        return AS_FOUND
+    if one["span"] >= 0 and two["span"] >= 0:
+        return _two_curves(table, found)
+    if one["span"] >= 0:
+        return _curve_and_straight(table, found)
+    exchange(found)
+    state = _curve_and_straight(table, found)
+    exchange(found)
+    return state
+
+
+@kernel
+def _curve_and_straight(table: int, found: Any) -> int:
+    """As :func:`exact`, of a curve a and a shape b that has none."""
+    body, spans, vertices = at.body(table), at.spans(table), at.vertices(table)
+    curve, other = at.shapes(table)[found["shape_a"]], at.shapes(table)[found["shape_b"]]
+    a, b, nx, ny = curve["body"], other["body"], found["nx"], found["ny"]
+    first, last = other["vertex"], other["vertex_end"]
+    apart_x, apart_y = body[b, 0] - body[a, 0], body[b, 1] - body[a, 1]
+    x, y = _rotate_back(body, a, found["ax"], found["ay"])
+    start = _nearest_start(spans, curve["span"], curve["span_end"], x, y)
+    x, y = _rotate_back(body, b, found["bx"], found["by"])
+    vertex, radius = _nearest_vertex(vertices, first, last, x, y), other["radius"]
+    if last - first == 1:
+        radius = math.hypot(x - vertices[vertex, 0], y - vertices[vertex, 1])
+    else:
+        side, mx, my = _facing_side(vertices, first, last, *_rotate_back(body, b, -nx, -ny))
+        after = side + 1 if side + 1 < last else first
+        wx, wy = _rotate(body, b, mx, my)
+        hx, hy = _rotate_back(body, a, wx, wy)
+        k, w, corner = _descend(spans, start, False, hx, hy)
+        px, py, _, _, ddx, ddy = on_span(spans[k], w)
+        px, py = _rotate(body, a, px, py)
+        qx, qy = _rotate_back(body, b, px - apart_x, py - apart_y)
+        ex, ey = vertices[after, 0] - vertices[side, 0], vertices[after, 1] - vertices[side, 1]
+        qx, qy = qx - vertices[side, 0], qy - vertices[side, 1]
+        along = (qx * ex + qy * ey) / (ex * ex + ey * ey)
+        if 0.0 <= along <= 1.0 and (corner or hx * ddx + hy * ddy > 0.0):
+            height = mx * qx + my * qy - radius
+            found["bx"], found["by"] = px - apart_x - height * wx, py - apart_y - height * wy
+            found["kb"], found["db"] = 0.0, 1.0
+            return _place_on_curve(table, found, k, w, corner, -wx, -wy)
+        vertex = side if along < 0.0 else after if along > 1.0 else vertex
+    bx, by = _rotate(body, b, vertices[vertex, 0], vertices[vertex, 1])
+    x, y = _rotate_back(body, a, bx + apart_x, by + apart_y)
+    k, w, corner = _descend(spans, start, True, x, y)
+    px, py, dx, dy, _, _ = on_span(spans[k], w)
+    wx, wy = (x - px, y - py) if corner else (dy, -dx)
+    length = math.hypot(wx, wy)
+    if length == 0.0:
+        return AS_FOUND
+    wx, wy = _rotate(body, a, wx / length, wy / length)
+    if not corner and not curve["closed"] and wx * nx + wy * ny < 0.0:
+        wx, wy = -wx, -wy
+    found["bx"], found["by"] = bx - radius * wx, by - radius * wy
+    found["kb"], found["db"] = 1.0, radius
+    return _place_on_curve(table, found, k, w, corner, wx, wy)
+
+
+@kernel
+def _facing_side(
+    vertices: Array, first: int, last: int, x: float, y: float,
+) -> Any:
+    """The side of a line or polygon whose outer normal is nearest to (x, y), and that normal."""
+    best, side, mx, my = -2.0, first, 0.0, 0.0
+    for k in range(first, last if last - first > 2 else first + 1):
+        after = k + 1 if k + 1 < last else first
+        ex, ey = vertices[after, 0] - vertices[k, 0], vertices[after, 1] - vertices[k, 1]
+        length = math.hypot(ex, ey)
+        ux, uy = ey / length, -ex / length
+        if last - first == 2 and ux * x + uy * y < 0.0:
+            ux, uy = -ux, -uy
+        if ux * x + uy * y > best:
+            best, side, mx, my = ux * x + uy * y, k, ux, uy
+    return side, mx, my
+
+
+@kernel
+def _place_on_curve(
+    table: int, found: Any, k: int, w: float, corner: bool, nx: float, ny: float,
+) -> int:
+    """Put the point of body a of a FOUND onto its curve, where its outer normal is (nx, ny)."""
+    body, curve = at.body(table), at.shapes(table)[found["shape_a"]]
+    if nx * found["nx"] + ny * found["ny"] < SAME_WAY:
+        return AS_FOUND if corner else DROPPED
+    a, radius = curve["body"], curve["radius"]
+    x, y, dx, dy, ddx, ddy = on_span(at.spans(table)[k], w)
+    found["ka"], found["da"] = 1.0, radius
+    if not corner:
+        sx, sy = _rotate(body, a, dy, -dx)
+        side = 1.0 if sx * nx + sy * ny > 0.0 else -1.0
+        bend = side * (dx * ddy - dy * ddx) / math.hypot(dx, dy) ** 3
+        found["ka"], found["da"] = bend, 1.0 + radius * bend
+    x, y = _rotate(body, a, x, y)
+    found["ax"], found["ay"] = x + radius * nx, y + radius * ny
+    found["nx"], found["ny"] = nx, ny
+    b = at.shapes(table)[found["shape_b"]]["body"]
+    return EXACT if _nearest(body, found, a, b) else DROPPED
+
+
+@kernel
+def gap_of(body: Array, found: Any, a: int, b: int) -> float:
+    """How far the surfaces of a FOUND are apart [m]."""
+    return float((body[b, 0] + found["bx"] - body[a, 0] - found["ax"]) * found["nx"]
+                 + (body[b, 1] + found["by"] - body[a, 1] - found["ay"]) * found["ny"])
+
+
+@kernel
+def _nearest(body: Array, found: Any, a: int, b: int) -> bool:
+    """Whether the distance is a minimum, not a maximum."""
+    ka, da, kb, db = found["ka"], found["da"], found["kb"], found["db"]
+    return bool(ka * db + kb * da + ka * kb * gap_of(body, found, a, b) > 0.0)
+
+
+@kernel
+def _two_curves(table: int, found: Any) -> int:
+    """As :func:`exact`, of two curves: Newton's method on the arc lengths of both.
+
+    The vector between the points has no part along the tangent of a, and the tangents are opposite.
+    """
+    body, spans = at.body(table), at.spans(table)
+    one, two = at.shapes(table)[found["shape_a"]], at.shapes(table)[found["shape_b"]]
+    a, b, nx, ny = one["body"], two["body"], found["nx"], found["ny"]
+    apart_x, apart_y = body[b, 0] - body[a, 0], body[b, 1] - body[a, 1]
+    ka = _nearest_start(spans, one["span"], one["span_end"],
+                        *_rotate_back(body, a, found["ax"], found["ay"]))
+    kb = _nearest_start(spans, two["span"], two["span_end"],
+                        *_rotate_back(body, b, found["bx"], found["by"]))
+    wa = wb = 0.0
+    side_a = _side_of(body, spans[ka], one, nx, ny)
+    side_b = _side_of(body, spans[kb], two, -nx, -ny)
+    for _ in range(ITERATIONS):
+        ax, ay, atx, aty, bend_a, speed_a = _frame_on(body, a, spans[ka], wa, side_a)
+        bx, by, btx, bty, bend_b, speed_b = _frame_on(body, b, spans[kb], wb, side_b)
+        ex, ey = apart_x + bx - ax, apart_y + by - ay
+        off, gap, along = ex * atx + ey * aty, ex * aty - ey * atx, atx * btx + aty * bty
+        turn = math.atan2(aty * btx - atx * bty, -along)
+        below = bend_a * along - (1.0 + bend_a * gap) * bend_b
+        size = CONFORMING * (abs(bend_a) + abs(bend_b))
+        below = min(below, -size) if size > 0.0 else -1.0
+        wa, ka, stuck_a, still_a = _advance(
+            spans, ka, wa, side_a * (along * turn - bend_b * off) / below / speed_a)
+        wb, kb, stuck_b, still_b = _advance(
+            spans, kb, wb, side_b * ((1.0 + bend_a * gap) * turn - bend_a * off) / below / speed_b)
+        if still_a and still_b:
+            break
+    if stuck_a or stuck_b:
+        return AS_FOUND
+    ax, ay, atx, aty, bend_a, _ = _frame_on(body, a, spans[ka], wa, side_a)
+    bx, by, _, _, bend_b, _ = _frame_on(body, b, spans[kb], wb, side_b)
+    if aty * nx - atx * ny < SAME_WAY:
+        return DROPPED
+    nx, ny = aty, -atx
+    found["nx"], found["ny"] = nx, ny
+    found["ax"], found["ay"] = ax + one["radius"] * nx, ay + one["radius"] * ny
+    found["bx"], found["by"] = bx - two["radius"] * nx, by - two["radius"] * ny
+    found["ka"], found["da"] = bend_a, 1.0 + bend_a * one["radius"]
+    found["kb"], found["db"] = bend_b, 1.0 + bend_b * two["radius"]
+    return EXACT if _nearest(body, found, a, b) else DROPPED
+
+
+@kernel
+def _side_of(body: Array, span: Any, shape: Any, nx: float, ny: float) -> float:
+    """On which side of a curve a normal leads away: 1 outside of a closed one."""
+    _, _, dx, dy, _, _ = on_span(span, 0.0)
+    x, y = _rotate(body, shape["body"], dy, -dx)
+    return 1.0 if shape["closed"] or x * nx + y * ny > 0.0 else -1.0
+
+
+@kernel
+def _frame_on(body: Array, b: int, span: Any, w: float, side: float) -> Any:
+    """Point and unit tangent in the world, from the centre of mass; curvature; speed over w."""
+    x, y, dx, dy, ddx, ddy = on_span(span, w)
+    speed = math.hypot(dx, dy)
+    x, y = _rotate(body, b, x, y)
+    tx, ty = _rotate(body, b, side * dx / speed, side * dy / speed)
+    return x, y, tx, ty, side * (dx * ddy - dy * ddx) / speed ** 3, speed
+
+
+@kernel
+def _advance(spans: Records, k: int, w: float, step: float) -> Any:
+    """Move along a curve by at most one span: parameter, span, if at a corner, if converged."""
+    still = abs(step) < CONVERGED
+    w += min(1.0, max(-1.0, step))
+    if 0.0 <= w <= 1.0:
+        return w, k, False, still
+    forward = w > 1.0
+    w = 1.0 if forward else 0.0
+    there, corner = _beyond(spans, k, forward)
+    if corner:
+        return w, k, True, still
+    return 1.0 - w, there, False, still

@@ -1,0 +1,208 @@
+"""Smooth curves as nodes, and the quintic spans between them.
+
+A node is a point of the curve with its direction and curvature. Between two neighbours lies one
+polynomial of the fifth degree for each coordinate that has both nodes' points, directions and
+curvatures, so curvature goes on smoothly from span to span. Two nodes at the same place end one
+piece and begin the next: a corner, or a jump of the curvature where an arc meets a line.
+
+The polynomial's parameter w runs from 0 to 1; at both ends the speed |dp/dw| is the length of the
+arc with the span's chord and turn. Farouki, *Pythagorean-Hodograph Curves*, section 6, gives the
+Hermite form.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from sandbox.numeric import Array, Flags
+from sandbox.scene.outlines.rings import Ring
+from sandbox.scene.outlines.spline import PeriodicSpline, natural
+
+Node = tuple[float, float, float, float]
+"""x, y [m], direction [rad], curvature [1/m], positive where the curve turns to the left."""
+Curve = Callable[[Array], Array]
+"""Nodes [n, 4] at parameters [n]."""
+SMOOTH = 1e-6
+"""A change of direction that is no corner [rad]."""
+CURVATURE = 1e-4
+"""How exact a span's curvature is, as a share of the largest."""
+MOST_NODES = 2000
+
+
+class Spans(NamedTuple):
+    """The spans of one curve."""
+
+    terms: Array
+    """Polynomials: six terms of x, six of y, each from the constant one up [m], [n, 12]."""
+    corner: Flags
+    """Whether there is a corner between each and the span before it, [n]."""
+
+
+def spans_of(nodes: Array, *, closed: bool) -> Spans:
+    """The spans between nodes [n, 4]; of a closed curve the last leads back to the first."""
+    start, end = nodes, np.roll(nodes, -1, axis=0)
+    chord = end[:, :2] - start[:, :2]
+    length = np.hypot(*chord.T)
+    whole = length > 0.0
+    if not closed:
+        whole[-1] = False
+    start, end, chord, length = start[whole], end[whole], chord[whole], length[whole]
+    turn = _angle(end[:, 2] - start[:, 2])
+    speed = length / np.sinc(turn / math.tau)
+    p0, v0, a0 = start[:, :2], *_derivatives(start, speed)
+    v1, a1 = _derivatives(end, speed)
+    terms = [p0, v0, a0 / 2, 10 * chord - 6 * v0 - 4 * v1 - 1.5 * a0 + 0.5 * a1,
+             -15 * chord + 8 * v0 + 7 * v1 + 1.5 * a0 - a1,
+             6 * chord - 3 * v0 - 3 * v1 - 0.5 * a0 + 0.5 * a1]
+    corner = np.abs(_angle(start[:, 2] - np.roll(end[:, 2], 1))) > SMOOTH
+    return Spans(np.concatenate([np.stack([term[:, axis] for term in terms], axis=1)
+                                 for axis in (0, 1)], axis=1), corner)
+
+
+def _derivatives(nodes: Array, speed: Array) -> tuple[Array, Array]:
+    """First and second over w, if the speed stays the same."""
+    t = np.stack([np.cos(nodes[:, 2]), np.sin(nodes[:, 2])], axis=1)
+    left = np.stack([-t[:, 1], t[:, 0]], axis=1)
+    return speed[:, None] * t, (speed**2 * nodes[:, 3])[:, None] * left
+
+
+def _angle(angle: Array) -> Array:
+    """The same angle between -π and π."""
+    return np.asarray((angle + math.pi) % math.tau - math.pi)
+
+
+def on_spans(terms: Array, w: Array) -> tuple[Array, Array, Array]:
+    """Points of spans [n, 12] at parameters [n], first and second derivatives, [n, 2] each."""
+    x, y = terms[:, :6].T, terms[:, 6:].T
+    power = np.array([w**n for n in range(6)])
+    n = np.arange(6)[:, None]
+
+    def along(factor: Array, less: int) -> Array:
+        terms_of = [((axis * factor)[less:] * power[:6 - less]).sum(axis=0) for axis in (x, y)]
+        return np.stack(terms_of, axis=1)
+
+    return along(np.ones((6, 1)), 0), along(n, 1), along(n * (n - 1), 2)
+
+
+def curvature(first: Array, second: Array) -> Array:
+    """Of a curve with these derivatives [n, 2], [1/m]."""
+    return np.asarray((first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+                      / np.hypot(*first.T) ** 3)
+
+
+def nodes_along(curve: Curve, at: Array, tolerance: float) -> Array:
+    """Nodes of a curve at parameters [n] and between them, ends included.
+
+    Intervals are halved until spans are within ``tolerance`` [m] of the curve and their curvature
+    is exact to :data:`CURVATURE`, or there are too many.
+    """
+    while True:
+        nodes, middle = curve(at), curve((at[:-1] + at[1:]) / 2)
+        spans = spans_of(nodes, closed=False)
+        if len(at) > MOST_NODES or len(spans.terms) < len(at) - 1:
+            return nodes
+        point, first, second = on_spans(spans.terms, np.full(len(middle), 0.5))
+        away = point - middle[:, :2]
+        off = np.abs(away[:, 0] * np.sin(middle[:, 2]) - away[:, 1] * np.cos(middle[:, 2]))
+        bend = np.abs(curvature(first, second) - middle[:, 3])
+        coarse = (off > tolerance) | (bend > CURVATURE * np.abs(nodes[:, 3]).max() + 1e-9)
+        if not coarse.any():
+            return nodes
+        at = np.sort(np.concatenate([at, ((at[:-1] + at[1:]) / 2)[coarse]]))
+
+
+def through(points: Array, *, closed: bool, corners: tuple[int, ...] = ()) -> Array:
+    """Nodes of the smooth curve through points [n, 2], with corners at some of them.
+
+    Between corners that is the cubic spline over the chords' lengths: periodic without any, else
+    natural, so that its ends are straight.
+    """
+    if closed and not corners:
+        length = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
+        at = np.concatenate([[0.0], np.cumsum(length)[:-1]])
+        _, first, second = (np.stack(one, axis=1) for one in zip(
+            *(PeriodicSpline(at, axis, float(length.sum()))(at) for axis in points.T), strict=True))
+        return _nodes(points, first, second)
+    if closed:
+        points = np.roll(points, -corners[0], axis=0)
+        points = np.concatenate([points, points[:1]])
+        corners = tuple(k - corners[0] for k in corners[1:])
+    ends = [0, *(k for k in sorted(corners) if 0 < k < len(points) - 1), len(points) - 1]
+    return np.concatenate([_natural(points[i:j + 1])
+                           for i, j in pairwise(ends)])
+
+
+def _natural(points: Array) -> Array:
+    at = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    pieces = np.stack([natural(at, axis) for axis in points.T])     # [2, n - 1, 4]
+    step = at[-1] - at[-2]
+    last = pieces[:, -1]
+    end = last[:, 1] + step * (2 * last[:, 2] + step * 3 * last[:, 3])
+    first = np.concatenate([pieces[:, :, 1].T, end[None]])
+    second = np.concatenate([2 * pieces[:, :, 2].T, np.zeros((1, 2))])
+    return _nodes(points, first, second)
+
+
+def _nodes(points: Array, first: Array, second: Array) -> Array:
+    return np.column_stack([points, np.arctan2(first[:, 1], first[:, 0]), curvature(first, second)])
+
+
+def turned(nodes: Array, angle: float, at: tuple[float, float]) -> Array:
+    """Nodes turned about the origin by ``angle`` [rad], then moved by ``at`` [m]."""
+    c, s = math.cos(angle), math.sin(angle)
+    x, y, direction, bend = nodes.T
+    return np.column_stack([at[0] + c * x - s * y, at[1] + s * x + c * y, direction + angle, bend])
+
+
+def reversed_nodes(nodes: Array) -> Array:
+    """The same curve run through the other way."""
+    return np.asarray((nodes + np.array([0.0, 0.0, math.pi, 0.0]))[::-1] * [1.0, 1.0, 1.0, -1.0])
+
+
+def is_smooth(one: Array, other: Array) -> bool:
+    """Whether two nodes at the same place have the same direction and curvature."""
+    return bool(abs(_angle(one[2] - other[2])) < SMOOTH
+                and abs(one[3] - other[3]) <= 1e-6 * max(abs(one[3]), abs(other[3])))
+
+
+def is_straight(nodes: Array) -> bool:
+    """Whether a curve consists of straight lines."""
+    return not nodes[:, 3].any()
+
+
+def joined(curves: list[Array]) -> Array:
+    """One curve after the other, the beginning of each moved to the end of the one before it."""
+    found = list(curves[0])
+    for nodes in curves[1:]:
+        begin = np.concatenate([found[-1][:2], nodes[0, 2:]])
+        if is_smooth(found[-1], begin):
+            found.pop()
+        found += [begin, *nodes[1:]]
+    return np.array(found)
+
+
+def flattened(nodes: Array, tolerance: float, *, closed: bool) -> Ring:
+    """Points of a curve between which no chord is further off than ``tolerance`` [m].
+
+    Of n chords of a span they are at most max |p'' across the chord| / 8 n².
+    """
+    terms = spans_of(nodes, closed=closed).terms
+    chord = np.stack([terms[:, 1:6].sum(axis=1), terms[:, 7:].sum(axis=1)], axis=1)
+    chord /= np.hypot(*chord.T)[:, None]
+    most = np.zeros(len(terms))
+    for w in np.linspace(0.0, 1.0, 9):
+        bend = on_spans(terms, np.full(len(terms), w))[2]
+        most = np.maximum(most, np.abs(chord[:, 0] * bend[:, 1] - chord[:, 1] * bend[:, 0]))
+    found: list[tuple[float, float]] = []
+    for span, bend in zip(terms, most, strict=True):
+        count = max(1, math.ceil(math.sqrt(bend / (8 * tolerance))))
+        points = on_spans(np.tile(span, (count, 1)), np.arange(count) / count)[0]
+        found += [(x, y) for x, y in points.tolist()]
+    if not closed:
+        found.append((float(nodes[-1, 0]), float(nodes[-1, 1])))
+    return tuple(found)
