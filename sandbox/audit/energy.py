@@ -8,8 +8,9 @@ two steps is not that of the middle, w x r, but differs by
     h^2 r (w^3 / 6 across,  w alpha / 2 along)
 
 and a reaction R does R times the difference of the two sides: added up over the run it is
-what may come out of joints. Contacts hold their points at the end of a step, in the middle these
-move by h w^2 r / 2. Both may besides move by what is left of a gap. Where the step's error is
+what may come out of joints. So it is with what sticks at a contact. Its normal force N holds the
+gap by the second derivative c that the gap has at constant velocities: where that changes by dc in
+a step, N does h^2 N dc / 2. Both may besides move by what is left of a gap. Where the step's error is
 more than :data:`MOST` of the energy, the step is too coarse for any trust in it.
 
 A motor that starts at speed is a blow: :mod:`sandbox.audit.starts`.
@@ -176,12 +177,34 @@ def _of_the_step(evidence: Evidence) -> Array:
     power += np.nan_to_num(_of_lines(evidence, force[:count])).sum(axis=0)
     at = sides.at - np.stack([frames.centre_x[sides.body, sides.sample],
                               frames.centre_y[sides.body, sides.sample]], axis=1)
-    own = np.hypot(*sides.force.T) * np.hypot(*at.T) * omega[sides.body, sides.sample]**2 / 2
-    power += np.bincount(sides.sample, weights=own, minlength=frames.samples) / h
+    own = np.hypot(*sides.force.T) * np.hypot(*at.T) * bend[sides.body, sides.sample]
+    power += np.bincount(sides.sample, weights=own, minlength=frames.samples)
+    power += _of_curvature(evidence)
     steps = 1.0
     if not evidence.every_step and frames.samples > 1:
         steps = float(np.median(np.diff(evidence.run.time))) / h
     return np.asarray(h**3 * steps * power)
+
+
+def _of_curvature(evidence: Evidence) -> Array:
+    """N dc / (2 h dt) of all contacts, where c changes by dc from sample to sample, [n]."""
+    a, frames, time = evidence.run.arrays, evidence.loads.frames, evidence.run.time
+    if len(time) < 2:
+        return np.zeros(len(time))
+    sample, point, normal = a["contact_sample"], a["contact_point"], a["contact_normal"]
+    along = np.zeros(len(sample))
+    for key, sign in (("contact_body", 1.0), ("contact_other", -1.0)):
+        body = a[key]
+        ax, ay, alpha = frames.acceleration[:, body, sample]
+        x, y = point[:, 0] - frames.centre_x[body, sample], point[:, 1] - frames.centre_y[
+            body, sample]
+        along += sign * ((ax - alpha * y) * normal[:, 0] + (ay + alpha * x) * normal[:, 1])
+    pair = a["contact_body"] * len(evidence.model.bodies.name) + a["contact_other"]
+    kind, row = np.unique(pair * (len(time) + 1) + sample, return_inverse=True)
+    mean = np.bincount(row, weights=along) / np.maximum(np.bincount(row), 1)
+    change = np.append(0.0, np.abs(np.diff(mean)) * (np.diff(kind) == 1))
+    own = np.abs(evidence.run.contacts.normal) * change[row] / (2 * np.median(np.diff(time)))
+    return np.asarray(np.bincount(sample, weights=own, minlength=len(time)) / evidence.h)
 
 
 def _of_lines(evidence: Evidence, force: Array) -> Array:

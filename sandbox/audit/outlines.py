@@ -288,9 +288,10 @@ def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> tuple
     size = sum(np.hypot(frames.x[b, sample], frames.y[b, sample]) + _reach(evidence, b)
                for b in pair)
     rounding = np.asarray(ROUNDING + 8 * DIGITS * size)
-    before = evidence.velocity - h / 2 * frames.acceleration
-    speed = sum(np.hypot(before[0, b, sample], before[1, b, sample])
-                + np.abs(before[2, b, sample]) * _reach(evidence, b) for b in pair)
+    step = h / 2 * frames.acceleration
+    speed = np.max([sum(np.hypot(v[0, b, sample], v[1, b, sample])
+                        + np.abs(v[2, b, sample]) * _reach(evidence, b) for b in pair)
+                    for v in (evidence.velocity - step, evidence.velocity + step)], axis=0)
     return rounding, np.asarray(rounding + LEFT + h * speed)
 
 
