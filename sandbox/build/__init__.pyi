@@ -674,6 +674,7 @@ class _Shape:
         *,
         points: Sequence[Sequence[Number] | Entry],
         holes: Sequence[Sequence[Sequence[Number] | Entry] | Entry] | None = None,
+        nodes: Sequence[Sequence[Sequence[Number | float] | Entry] | Entry] | None = None,
     ) -> Entry:
         """An outline of straight sides, convex or not, with holes if there are any.
 
@@ -686,6 +687,10 @@ class _Shape:
                 clockwise; the outline may not touch or cross itself.
             holes: Outlines of holes in it, each by itself within the outline; corners as in
                 ``points``.
+            nodes: The true curves of the outline and of each hole, if it was worked out from a
+                curve, a cam or a drawing: contacts follow them instead of the sides. A node is `[x,
+                y, direction, curvature]`; two at the same place are a corner or a jump of the
+                curvature.
         """
     @staticmethod
     def capsule(
@@ -706,6 +711,7 @@ class _Shape:
         *,
         points: Sequence[Sequence[Number] | Entry],
         radius: Number | None = None,
+        nodes: Sequence[Sequence[Sequence[Number | float] | Entry] | Entry] | None = None,
     ) -> Entry:
         """A line from point to point, such as uneven ground, of a body that does not move freely.
 
@@ -714,6 +720,37 @@ class _Shape:
         Args:
             points: Where it bends, and its ends; where the last point is the first it is closed.
             radius: How far its surface lies from the line through its points.
+            nodes: The true curve, if the polyline was worked out from one; as of a polygon.
+        """
+    @staticmethod
+    def curve(
+        *,
+        points: Sequence[Sequence[Number] | Entry],
+        closed: bool | None = None,
+        corners: Sequence[int | Entry] | None = None,
+        radius: Number | None = None,
+        tolerance: Number | None = None,
+        at: Sequence[Number] | None = None,
+        angle: Number | None = None,
+    ) -> Entry:
+        """A smooth curve through points: a closed outline, or an open line such as a track.
+
+        Bodies touch the curve itself: its normal and curvature, not chords. A closed one is a
+        solid. An open one belongs to a body that does not move freely, and both of its sides can be
+        touched. Between the points lies a cubic spline.
+
+        Args:
+            points: Points that it passes through, in order [m]; the last of a closed one is not the
+                first.
+            closed: Whether it goes on from the last point to the first, and is the outline of a
+                solid.
+            corners: Numbers of the points at which it has a corner, counted from 0; elsewhere it is
+                smooth.
+            radius: Of an open one, how far its surface lies from the curve.
+            tolerance: How far its chords may be from it in pictures and in its area; contacts do
+                not depend on it.
+            at: Where the points' origin lies, in the body's frame.
+            angle: By which it is turned about that origin, in the body's frame.
         """
     @staticmethod
     def cam(
@@ -730,7 +767,8 @@ class _Shape:
         """A disc cam whose outline gives its follower the lift of a table.
 
         The lift between the table's angles is a smooth curve, a periodic cubic spline. The follower
-        moves along a line through the cam's centre. Once read, a cam is a polygon.
+        moves along a line through the cam's centre. Contacts follow the true outline. Once read, a
+        cam is a polygon with nodes.
 
         Args:
             base: Radius of the outline where the lift is 0.
@@ -743,8 +781,8 @@ class _Shape:
                 angle 0.
             turns: The way in which the table's angles count the cam's turn.
             at: Centre that the cam turns about, in the body's frame.
-            tolerance: How far the polygon's sides may be from the true outline: by so much the lift
-                may be off.
+            tolerance: How far chords may be from the outline in pictures and in its area; contacts
+                do not depend on it.
         """
     @staticmethod
     def drawing(
@@ -765,7 +803,8 @@ class _Shape:
             unit: Length of one unit of the drawing (of an SVG file's view box); by default what the
                 file says. An SVG file that says nothing counts in pixels of 1/96 inch.
             layer: Takes only what is on this layer of a DXF file, or has this id in an SVG file.
-            tolerance: How far chords may be from curves, and ends that meet from one another.
+            tolerance: How far ends that meet may be from one another, and chords from curves in
+                pictures and in the area.
             at: Where the drawing's origin lies, in the body's frame; the drawing's y is up.
             angle: By which the drawing is turned about its origin, in the body's frame.
         """

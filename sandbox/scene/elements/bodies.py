@@ -205,7 +205,7 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
             "hint": getattr(error, "hint", "")}) from None
     rings = [turned(nodes, turn, shape.at) for nodes in rings]
     closed = not isinstance(shape, SmoothCurve) or shape.closed
-    flat = [flattened(nodes, shape.tolerance, closed=closed) for nodes in rings]
+    flat = _flat(rings, shape.tolerance, closed=closed)
     nodes: Nodes = ()
     if not all(map(is_straight, rings)):
         nodes = tuple(tuple((x, y, way, bend) for x, y, way, bend in each.tolist())
@@ -220,16 +220,33 @@ def _drawn(shape: Drawing, context: Mapping[str, Any]) -> list[Array]:
                      tolerance=shape.tolerance)
 
 
+def _flat(curves: list[Array], tolerance: float, *, closed: bool) -> list[Ring]:
+    """Corners of curves, chords within a tolerance [m].
+
+    Raises:
+        PydanticCustomError: there are too many.
+    """
+    def flat(within: float) -> list[Ring]:
+        return [flattened(nodes, within, closed=closed) for nodes in curves]
+
+    rings = flat(tolerance)
+    if (corners := sum(map(len, rings))) <= MOST_CORNERS:
+        return rings
+    wider = tolerance
+    while sum(map(len, flat(wider))) > MOST_CORNERS and wider < 1e3 * tolerance:
+        wider *= 2
+    raise PydanticCustomError(
+        "polygon", "within {tolerance} m this outline has {corners} corners; at most {most} may be",
+        {"tolerance": f"{tolerance:.3g}", "corners": corners, "most": MOST_CORNERS,
+         "allowed": f"a tolerance of {wider:.3g} m"})
+
+
 def _worked_out(rings: list[Ring], nodes: Nodes, *, closed: bool, radius: float) -> Shape:
     """A polygon or polyline that was worked out, if it is sound.
 
     Raises:
         PydanticCustomError: it is not.
     """
-    corners = sum(map(len, rings))
-    if corners > MOST_CORNERS:
-        raise PydanticCustomError("polygon", "within its tolerance it has {corners} corners", {
-            "corners": corners, "allowed": f"at most {MOST_CORNERS}, by a larger tolerance"})
     try:
         if not closed:
             return Polyline(type="polyline", points=rings[0], radius=radius, nodes=nodes)

@@ -285,7 +285,7 @@ def _svg_path(path: Any, box: tuple[float, float, float]) -> list[Array]:
                                      if (each := getattr(piece, name, None)) is not None),
                       piece.end]
             found.append((np.array([(p.x, p.y) for p in points]) - box[1:])
-                         * (1 / box[0], -1 / box[0]))
+                         * (1 / box[0], -1 / box[0]) + 0.0)
     return found
 
 

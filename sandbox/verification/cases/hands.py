@@ -150,12 +150,13 @@ def _ejected() -> tuple[Check, Array]:
     near, far, distance = *SLIDE_LENGTHS, 0.080
     run = simulate(sliding(distance, 0.0))
     k_2 = _along(run)
-    on = slice(0, int(np.argmax(k_2 > far)) + 1)
+    passed = int(np.argmax(k_2 > far))
+    on, last = slice(0, passed + 1), slice(passed - 4, passed)
+    cubic = np.polyfit(k_2[last] - far, run["hinge2.angle"][last], 3)
     passes, sunk = np.arccos((np.array([distance, distance - SINKS])**2 - near**2 - far**2)
                              / (2 * near * far))
     check = Check("ρ = 80 mm, d = 0 mm: θ₂ as the end of the phalanx passes", "rad", float(passes),
-                  float(np.interp(far, k_2[on], run["hinge2.angle"][on])),
-                  abs(float(sunk - passes)),
+                  float(cubic[-1]), abs(float(sunk - passes)),
                   "the object nearer by twice the 10 nm that a moving contact may have sunk in")
     return check, np.column_stack([1e3 * k_2[on], run["hinge2.angle"][on] / DEG])
 
