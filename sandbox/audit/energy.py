@@ -10,8 +10,8 @@ two steps is not that of the middle, w x r, but differs by
 and a reaction R does R times the difference of the two sides: added up over the run it is
 what may come out of joints. So it is with what sticks at a contact. Its normal force N holds the
 gap by the second derivative c that the gap has at constant velocities: where that changes by dc in
-a step, N does h^2 N dc / 2. Both may besides move by what is left of a gap. Where the step's error is
-more than :data:`MOST` of the energy, the step is too coarse for any trust in it.
+a step, N does h^2 N dc / 2. Both may besides move by what is left of a gap. Where the step's error
+is more than :data:`MOST` of the energy, the step is too coarse for any trust in it.
 
 A motor that starts at speed is a blow: :mod:`sandbox.audit.starts`.
 """

@@ -250,7 +250,7 @@ def test_a_scene_that_is_no_file_has_no_folder():
     ("a.txt", "hello", "neither an SVG nor a DXF file"),
     ("a.svg", f"{HEAD}</svg>", "holds no outline"),
     ("a.svg", f"{HEAD}<path d='M 0 0 H 10 V 10 L 3 4'/></svg>",
-     "an outline is open, from [0, -0] to [0.003, -0.004] m"),
+     "an outline is open, from [0, 0] to [0.003, -0.004] m"),
     ("a.svg", f"{HEAD}<path d='M 0 0 L 10 10 H 0 L 12 0 Z'/></svg>", "crosses or touches itself"),
     ("a.svg", f"{HEAD}<path d='M 0 0 H 10 Z'/></svg>", "has no area"),
     ("a.svg", PLATE, "holds 2 outlines that are not one in the other, one through [0.03"),
