@@ -120,7 +120,7 @@ def through(points: Array, *, closed: bool, corners: tuple[int, ...] = ()) -> Ar
     """Nodes of the smooth curve through points [n, 2], with corners at some of them.
 
     Between corners that is the cubic spline over the chords' lengths: periodic without any, else
-    natural, so that its ends are straight.
+    its third derivative does not jump at the points next to an end.
     """
     if closed and not corners:
         length = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
@@ -133,18 +133,18 @@ def through(points: Array, *, closed: bool, corners: tuple[int, ...] = ()) -> Ar
         points = np.concatenate([points, points[:1]])
         corners = tuple(k - corners[0] for k in corners[1:])
     ends = [0, *(k for k in sorted(corners) if 0 < k < len(points) - 1), len(points) - 1]
-    return np.concatenate([_natural(points[i:j + 1])
+    return np.concatenate([_between(points[i:j + 1])
                            for i, j in pairwise(ends)])
 
 
-def _natural(points: Array) -> Array:
+def _between(points: Array) -> Array:
     at = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    pieces = np.stack([natural(at, axis) for axis in points.T])     # [2, n - 1, 4]
+    pieces = np.stack([natural(at, axis, bent=True) for axis in points.T])     # [2, n - 1, 4]
     step = at[-1] - at[-2]
     last = pieces[:, -1]
     end = last[:, 1] + step * (2 * last[:, 2] + step * 3 * last[:, 3])
     first = np.concatenate([pieces[:, :, 1].T, end[None]])
-    second = np.concatenate([2 * pieces[:, :, 2].T, np.zeros((1, 2))])
+    second = np.concatenate([pieces[:, :, 2].T, (last[:, 2] + step * 3 * last[:, 3])[None]]) * 2
     return _nodes(points, first, second)
 
 

@@ -15,8 +15,11 @@ import numpy as np
 from sandbox.numeric import Array
 
 
-def natural(at: Array, values: Array) -> Array:
+def natural(at: Array, values: Array, *, bent: bool = False) -> Array:
     """The natural spline through values [n] at places [n] that rise; two of them or more.
+
+    With ``bent`` its ends are not straight: the third derivative does not jump at the place next
+    to an end.
 
     Value, slope, half the second and a sixth of the third derivative where each piece begins,
     [n - 1, 4].
@@ -26,6 +29,11 @@ def natural(at: Array, values: Array) -> Array:
     matrix, i = np.eye(n), np.arange(1, n - 1)
     matrix[i, i - 1], matrix[i, i + 1] = step[:-1], step[1:]
     matrix[i, i] = 2 * (step[:-1] + step[1:])
+    if bent and n > 2:
+        matrix[0, :3] = -step[1], step[0] + step[1], -step[0]
+        matrix[-1, -3:] = -step[-1], step[-2] + step[-1], -step[-2]
+    if bent and n == 3:     # both ends ask the same: a parabola
+        matrix[0, :] = 1, -1, 0
     bend = np.linalg.solve(matrix, np.concatenate([[0.0], 6 * np.diff(chord), [0.0]]))
     slope = chord - step * (2 * bend[:-1] + bend[1:]) / 6
     return np.stack([values[:-1], slope, bend[:-1] / 2, np.diff(bend) / step / 6], axis=1)
