@@ -1,9 +1,9 @@
 """Figures of fluid: volumes, what flows in and stays, pressures, and where the work goes.
 
-What is in a line is what came in; it fills the volume at the line's pressure. The engine takes the
-volume at the step's end, V + h dV/dt, or about its middle, V + h^2/4 d2V/dt2 (docs/engine.md), and
-a line has to keep one of the two throughout. Where it is not full, at its least pressure, there
-may be less in it.
+What is in a line is what came in; it fills the volume at the line's pressure. A step relates the
+pressure to volume and content at the instant that is recorded with it (docs/engine.md), and a line
+has to keep one of two weights of velocities throughout. Where it is not full, at its least
+pressure, there may be less in it.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.model.model import NONE
 from sandbox.numeric import Array
 
-OLDER = "lines were not recorded yet"
+OLDER = "the instants of contents were not recorded yet"
 NEWTON = 1e-8
 """Share of a flow by which an orifice's law may be off where attempts to find it end."""
 
@@ -99,33 +99,45 @@ def _flows(evidence: Evidence) -> Figure:
 
 def _pressures(evidence: Evidence) -> Figure:
     lines, a, h, worst = evidence.model.lines, evidence.run.arrays, evidence.h, Worst()
+    source = "M = V + C p"
+    if np.isnan(a["line_ahead"]).any():
+        return missing("line.law", why=OLDER, source=source)
+    ahead = a["line_ahead"].T / h
+    inflow = ahead + 0.5
     if lines.name:
         volume, gains = grown(evidence), _gains(evidence)
-        ahead = (h * _growth(evidence, evidence.velocity_after),
-                 h * h / 4 * _growth(evidence, evidence.loads.frames.acceleration))
+        rate = h * _growth(evidence, evidence.velocity_after)
+        change = h * h * _growth(evidence, evidence.loads.frames.acceleration)
     for i, name in enumerate(lines.name):
-        p, content = a["line_pressure"][:, i], a["line_content"][:, i]
+        p, came = a["line_pressure"][:, i], h * a["line_flow"][:, i]
+        content = a["line_content"][:, i] + (ahead[i] - 0.5) * came
         void = p <= lines.least[i] + EXACT * ATMOSPHERE
         slack = gains[i] * (ROUNDING + h * max(STILL)) + EXACT * (
             lines.compliance[i] * (np.abs(p).max(initial=0.0) + 1.0)) + ROUNDING * np.abs(content)
         best: tuple[float, Array, Array] | None = None
-        for more in ahead:
-            holds, straight = _holds(evidence, i, volume[i] + more[i], p)
+        for ratio in (1.5, 2.0):
+            more = ahead[i] * rate[i] + (inflow[i] / ratio - ahead[i]) * change[i]
+            holds, straight = _holds(evidence, i, volume[i] + more, p, inflow[i] * came)
             off = np.abs(content - holds)
             off = np.where(void & (content < holds), 0.0, off)
-            ratio = float(np.nan_to_num(off / (slack + straight), nan=np.inf).max(initial=0.0))
-            if best is None or ratio < best[0]:
-                best = ratio, off, slack + straight
-        assert best is not None  # there are two laws
+            largest = float(np.nan_to_num(off / (slack + straight), nan=np.inf).max(initial=0.0))
+            if best is None or largest < best[0]:
+                best = largest, off, slack + straight
+        assert best is not None  # there are two ratios
         worst.add(name, best[1], best[2])
     return worst.figure(
-        "line.law", "m^3", source="M = V + C p", none="there is no line",
+        "line.law", "m^3", source=source, none="there is no line",
         why="what is in {count:line} against what fills their volumes at their pressures, worst: "
             "{where}; of a gas, whose law a step takes straight, what bends within it is allowed")
 
 
-def _holds(evidence: Evidence, line: int, volume: Array, p: Array) -> tuple[Array, Array]:
-    """What fills a line that has grown by ``volume`` at ``p`` [m^3], [n]; what of it bends."""
+def _holds(
+    evidence: Evidence, line: int, volume: Array, p: Array, came: Array,
+) -> tuple[Array, Array]:
+    """What fills a line that has grown by ``volume`` at ``p`` [m^3], [n]; what of it bends.
+
+    ``came`` flowed in meanwhile [m^3], [n].
+    """
     lines, a = evidence.model.lines, evidence.run.arrays
     n = float(lines.gas[line])
     if np.isnan(n):
@@ -133,7 +145,7 @@ def _holds(evidence: Evidence, line: int, volume: Array, p: Array) -> tuple[Arra
     whole_volume = lines.volume[line] + volume
     content = whole_volume * np.maximum(p / ATMOSPHERE + 1.0, 0.0) ** (1.0 / n)
     change = (np.abs(volume - (a["line_volume"][:, line] - lines.volume[line])) / whole_volume
-              + np.abs(evidence.h * a["line_flow"][:, line]) / content)
+              + np.abs(came) / content)
     return content - lines.volume[line], content * n * change**2
 
 

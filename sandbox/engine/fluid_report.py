@@ -29,6 +29,7 @@ def report_lines(table: int, h: float, drive: Array) -> None:
     for i in range(len(fluids)):
         state, new = states[i], states[i]["content"] + h * results[i]["flow"]
         if fluids[i]["drive"] >= 0 or state["mode"] > 0:
+            results[i]["ahead"] = 0.5  # its content is that of the step's end
             holds = _holds(fluids[i], results[i], growing(table, h, i))
             if fluids[i]["drive"] < 0:
                 state["spilled"] += new - holds
@@ -163,7 +164,7 @@ def take_lines(table: int, n: int) -> None:
         s, r = states[i], results[i]
         kept[n, i, 0], kept[n, i, 1], kept[n, i, 2] = r["pressure"], r["grown"], r["flow"]
         kept[n, i, 3], kept[n, i, 4] = s["content"], s["spilled"]
-        kept[n, i, 5] = s["work"] - r["step_work"] / 2
+        kept[n, i, 5], kept[n, i, 6] = s["work"] - r["step_work"] / 2, r["ahead"]
     flows, ahead, kept = at.valve_states(table), at.valve_results(table), at.kept_valves(table)
     for i in range(len(flows)):
         kept[n, i, 0] = flows[i]["flow"]

@@ -6,7 +6,8 @@ import numpy as np
 
 FLUID = np.dtype([
     ("first", np.int64), ("last", np.int64),    # its chambers
-    ("kind", np.int64),     # STIFF or ELASTIC: solved at the step's end, or about its middle
+    ("ahead", float),       # the least k of its law (fluids.py)
+    ("ratio", float),       # its r
     ("drive", np.int64),    # that sets its pressure, or -1
     ("volume", float),      # at t = 0 [m^3]
     ("c", float),           # of a liquid [m^3/Pa]
@@ -25,6 +26,7 @@ FLUID_STATE = np.dtype([
 FLUID_RESULT = np.dtype([
     ("grown", float),       # volume, beside that at t = 0 [m^3]
     ("pressure", float),    # [Pa]
+    ("ahead", float),       # the k of its law: steps from the pose to its instant
     ("flow", float),        # into it [m^3/s]
     ("rigid", float),       # pressure, were the volume to stay [Pa]
     ("yields", float),      # volume per pressure, there [m^3/Pa]

@@ -20,11 +20,11 @@ from sandbox.engine.fluid_state import (
     VALVE_RESULT,
     VALVE_STATE,
 )
-from sandbox.engine.state import ELASTIC, SOFT, STIFF
+from sandbox.engine.state import SOFT
 from sandbox.engine.stiffness import line_responses
 from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.model.model import Model
-from sandbox.numeric import Array, Flags, Integers, Records
+from sandbox.numeric import Flags, Integers, Records
 
 
 class Circuits(NamedTuple):
@@ -92,7 +92,8 @@ def make_circuits(model: Model, h: float, number: Integers) -> Circuits:
     fluids["gas"], fluids["start"] = np.nan_to_num(lines.gas), lines.pressure
     fluids["least"], fluids["most"] = lines.least, lines.most
     fluids["response"] = line_responses(model)
-    fluids["kind"] = np.where(_stiff(model, h, fluids["response"]), STIFF, ELASTIC)
+    stiff = h * h * fluids["response"] > SOFT * lines.compliance
+    fluids["ahead"], fluids["ratio"] = stiff, np.where(_beside(model, stiff), 1.5, 2.0)
     bodies = [sorted({int(body) for end in ("a", "b") for body in chambers[end][lines.chambers(i)]})
               for i in range(len(lines.name))]
     valves = np.zeros(len(model.valves.name), VALVE)
@@ -132,14 +133,10 @@ def _pumps(model: Model) -> Records:
     return pumps
 
 
-def _stiff(model: Model, h: float, response: Array) -> Flags:
-    """Which lines are too stiff for the step, or joined by a valve to one that is."""
-    stiff: Flags = h * h * response > SOFT * model.lines.compliance
+def _beside(model: Model, stiff: Flags) -> Flags:
+    """Lines that are stiff, and those that valves join to them."""
+    stiff = stiff.copy()
     pairs = [(a, b) for a, b in model.valves.lines.tolist() if a >= 0 and b >= 0]
-    for _ in pairs:
-        before = stiff.copy()
-        for a, b in pairs:
-            stiff[a] = stiff[b] = stiff[a] or stiff[b]
-        if (stiff == before).all():
-            break
+    for a, b in len(pairs) * pairs:
+        stiff[a] = stiff[b] = stiff[a] or stiff[b]
     return stiff

@@ -1,17 +1,23 @@
 """Lines of fluid: one pressure in several chambers, and what flows through valves and from pumps.
 
-At the pose x of the step a line has the volume V(x), and grows by D v as the bodies move. Of what
-is in it, its content M, follows the pressure p that it would have if nothing moved or flowed, and
-how it yields there: C = dV/dp. With the flows Q into it
+At the pose x of the step a line has the volume V(x), and grows by D v as the bodies move. Its
+content M, that of the step's beginning, gives the pressure p_rigid that it would have if nothing
+moved or flowed, and its compliance C = dV/dp there. With the flows Q into it the row of the solve
+for the impulse h p is
 
-    stiff    D v + C p / h            = C p_rigid / h + sum Q                   (the step's end)
-    soft     D v + 4 C p / h          = 4 (C p_rigid / h + sum Q) + D v_before  (about the middle)
+    a D v + C p / h = C p_rigid / h + s sum Q + b D v_before,    s = 1/2 + k,  a = s / r,  b = a - k
 
-which are rows of the solve with the impulse h p. The second is the trapezoid rule, which keeps an
-oscillation, the first damps it; lines that valves join all go one way. A valve's flow
-is straight in the pressures about that of the attempt before: it adds to the rows of its two
-lines, and to where they meet, and attempts are made until flows stay (Newton's method). Pressures
-at their least or their most, or that a drive gives, are those of a line that yields without end.
+Volume and content are then those of one instant, k steps after the pose, to second order:
+
+    k = 0      the instant of the pose: the trapezoid rule (r = 2), which keeps an oscillation
+    k <= 1/2   so far ahead that 1 - s <= C / (2 h dQ/dp): a line that fills within a step does not
+               overshoot
+    k = 1      a line whose bodies are too light for the step: BDF2 (r = 3/2), which damps
+
+Lines that valves join have one r, so that the matrix is symmetric. A valve's flow is linearised in
+the pressures about that of the attempt before: it adds to the rows of its two lines, and to where
+they meet, and attempts are made until flows stay (Newton's method). Pressures at their least or
+their most, or that a drive gives, are those of a line that yields without end.
 
 Afterwards M grows by what flowed in. The volume is worked out anew in every step, so that no error
 adds up.
@@ -26,7 +32,6 @@ from sandbox.engine import memory as at
 from sandbox.engine.ends import ends
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.state import STIFF
 from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.numeric import Array, Records
 
@@ -84,6 +89,7 @@ def _chamber(chamber: Any, push: Any, body: Array, turn: Array) -> float:
 @kernel
 def _fill(fluid: Any, state: Any, result: Any) -> None:
     """The pressure of what is in a line at its volume, and how it yields there."""
+    result["ahead"] = fluid["ahead"]
     if fluid["gas"] == 0.0:
         result["rigid"] = (state["content"] - result["grown"]) / fluid["c"]
         result["yields"], result["swells"] = fluid["c"], 1.0
@@ -106,9 +112,11 @@ def _rigid(fluids: Records, results: Records, drive: Array, line: int) -> float:
 
 
 @kernel
-def _weight(fluid: Any) -> float:
-    """1 of a line that is solved at the step's end, 4 of one about its middle."""
-    return 1.0 if fluid["kind"] == STIFF else 4.0
+def _weights(fluid: Any, result: Any) -> tuple[float, float, float]:
+    """The weights a, b and s of a line's law."""
+    inflow = 0.5 + result["ahead"]
+    after = inflow / fluid["ratio"]
+    return after, after - result["ahead"], inflow
 
 
 @kernel
@@ -168,9 +176,7 @@ def fluid_rows(table: int, h: float, drive: Array) -> None:
     chambers, pushes, J = at.chambers(table), at.chamber_results(table), at.entries(table)[0]
     rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
     for n in range(len(chambers)):
-        for end in range(2):
-            e = chambers[n]["entry_a"] if end == 0 else chambers[n]["entry_b"]
-            J[e, 0] = J[e, 1] = J[e, 2] = 0.0
+        J[chambers[n]["entry_a"]] = J[chambers[n]["entry_b"]] = 0.0
     for n in range(len(chambers)):
         p, i, j = pushes[n], chambers[n]["entry_a"], chambers[n]["entry_b"]
         J[i, 0] -= p["x"]
@@ -180,12 +186,13 @@ def fluid_rows(table: int, h: float, drive: Array) -> None:
         J[j, 1] += p["y"]
         J[j, 2] += p["tb"]
     for i in range(len(fluids)):
-        fluid, out, weight = fluids[i], results[i], _weight(fluids[i])
-        r = fluid["row"]
-        compliance[r] = weight * (out["yields"] / h + out["lets"]) / h
-        rhs[r] = weight * (out["yields"] * out["rigid"] / h + out["gets"])
-        if weight != 1.0:
-            rhs[r] += growth(table, i, at.before(table))
+        fluid, out, r = fluids[i], results[i], fluids[i]["row"]
+        if out["lets"] > 0.0:  # only ahead within a step, so that attempts end
+            out["ahead"] = max(out["ahead"], 0.5 - out["yields"] / (2.0 * h * out["lets"]))
+        after, before, inflow = _weights(fluid, out)
+        compliance[r] = (out["yields"] / h + inflow * out["lets"]) / (after * h)
+        rhs[r] = (out["yields"] * out["rigid"] / h + inflow * out["gets"]
+                  + before * growth(table, i, at.before(table))) / after
         if fluid["drive"] >= 0 or states[i]["mode"] != 0:
             compliance[r] = GIVEN * (compliance[r] + fluid["response"])
             rhs[r] = compliance[r] * h * _given(fluid, states[i], drive)
@@ -206,9 +213,8 @@ def join_lines(table: int, h: float) -> None:
     fluids, results = at.fluids(table), at.fluid_results(table)
     for i in range(len(valves)):
         if valves[i]["slot"] >= 0:
-            weight = _weight(fluids[valves[i]["a"]])
-            values[valves[i]["slot"]] -= (
-                weight * _swells(results, valves[i]) * ahead[i]["lets"] / h)
+            values[valves[i]["slot"]] -= (fluids[valves[i]["a"]]["ratio"]
+                                          * _swells(results, valves[i]) * ahead[i]["lets"] / h)
 
 
 @kernel
@@ -227,10 +233,9 @@ def growth(table: int, line: int, velocity: Array) -> float:
 @kernel
 def growing(table: int, h: float, line: int) -> float:
     """The volume beyond that of the pose that a line's law takes [m^3]."""
-    rate = growth(table, line, at.velocity(table))
-    if at.fluids(table)[line]["kind"] == STIFF:
-        return h * rate
-    return h / 4.0 * (rate - growth(table, line, at.before(table)))
+    after, before, _ = _weights(at.fluids(table)[line], at.fluid_results(table)[line])
+    return h * (after * growth(table, line, at.velocity(table))
+                - before * growth(table, line, at.before(table)))
 
 
 @kernel
@@ -338,9 +343,9 @@ def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
         if p > most + EVEN * (abs(most) + 1.0):
             return float(p - most), 1
         return 0.0, 0
-    yields = out["yields"] + h * h * fluid["response"] / _weight(fluid)
-    spare = (out["yields"] * (out["rigid"] - p) + h * _swelled(table, line)
-             - growing(table, h, line)) / yields
+    after, _, inflow = _weights(fluid, out)
+    spare = (out["yields"] * (out["rigid"] - p) + h * inflow * _swelled(table, line)
+             - growing(table, h, line)) / (out["yields"] + h * h * after * fluid["response"])
     off = spare if mode < 0 else -spare
     return float(off if off > EVEN * (abs(p) + 1.0) else 0.0), 0
 

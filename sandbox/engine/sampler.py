@@ -139,9 +139,11 @@ class Sampler:
 
     def _write_lines(self, arrays: Arrays, n: int) -> None:
         lines, valves = self.kept.fluids[:n], self.kept.valves[:n]
-        for column, name in enumerate(("pressure", "volume", "flow", "content", "spilled", "work")):
+        for column, name in enumerate(
+                ("pressure", "volume", "flow", "content", "spilled", "work", "ahead")):
             arrays[f"line_{name}"][:] = lines[:, :, column]
         constants = self.tables.constants
+        arrays["line_ahead"] *= self.world.h
         arrays["line_volume"] += constants.fluids["volume"]
         # of a gas what filled it at t = 0 without pressure is in its content
         arrays["line_content"] -= np.where(constants.fluids["gas"] > 0,

@@ -34,7 +34,7 @@ def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int
     shapes = ((bodies, 3), (bodies, 3), (bodies, 3), (len(constants.springs), 3),
               (len(constants.cords), 3), (len(constants.slips), 2), (len(constants.wheels),),
               (len(constants.actions), 2),
-              (len(constants.joints), STICKS + 1), (len(constants.fluids), 6),
+              (len(constants.joints), STICKS + 1), (len(constants.fluids), 7),
               (len(constants.valves), 2), (len(constants.pumps), 2), (len(constants.loads), 4))
     kept: list[Any] = [*(np.full((samples, *shape), np.nan) for shape in shapes),
                        np.zeros((samples, len(constants.ties)), dtype=np.int64),

@@ -109,6 +109,8 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("line_spilled", ("n", "nl"), "m^3", "let out by its relief since t = 0, at the end "
              "of the step", late=True),
     Recorded("line_work", ("n", "nl"), "J", "done on the bodies since t = 0", late=True),
+    Recorded("line_ahead", ("n", "nl"), "s",
+             "time after the sample at which volume and content fit its pressure", late=True),
     Recorded("valve_flow", ("n", "nv"), "m^3/s", "from `a` to `b`", late=True),
     Recorded("valve_loss", ("n", "nv"), "J", "throttled since t = 0", late=True),
     Recorded("load_force", ("n", "nk", 2), "N",
