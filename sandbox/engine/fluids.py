@@ -371,5 +371,6 @@ def _turned(table: int, valve: int) -> float:
     v, results = at.valves(table)[valve], at.fluid_results(table)
     size = EVEN * (1.0 + (abs(results[v["a"]]["pressure"]) if v["a"] >= 0 else 0.0)
                    + (abs(results[v["b"]]["pressure"]) if v["b"] >= 0 else 0.0))
-    off = across if shut else -across
+    # the linearised flow has the right sign before it is found, the pressure may not have it
+    off = across if shut else -across if through(table, valve) < 0.0 else 0.0
     return float(off if off > size else 0.0)

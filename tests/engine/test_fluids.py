@@ -247,6 +247,19 @@ def test_a_void_pulls_with_its_least_pressure() -> None:
     assert recording["oil.pressure"].min() == -1e5
 
 
+@pytest.mark.parametrize("source", [7e5, 2e6])
+def test_a_check_valve_opens_however_little_is_behind_it(source: float) -> None:
+    """An orifice of 5 mm^2 that lets oil in against 0.5 MPa: v = sqrt(dp / k) / A."""
+    recording = run(rams(("ram", 10.0, 0.1), lines=[
+        line("oil", cylinder("ram"), volume=1e-5, modulus=1e9), line("source", volume=1e-5)],
+        valves=[{"name": "check", "a": "source", "b": "oil", "area": 5e-6, "discharge": 0.6,
+                 "density": 850, "one_way": True}],
+        drives=[push("ram", 500.0),
+                {"type": "pressure", "name": "pump", "line": "source", "value": source}]), 0.1)
+    assert recording["ram.vx"][-1] == pytest.approx(
+        0.6 * 5e-6 * math.sqrt(2 * (source - 5e5) / 850) / AREA, rel=1e-6)
+
+
 def test_gas_that_flows_is_not_lost() -> None:
     """Two vessels even out: of one temperature, (p1 V1 + p2 V2) / (V1 + V2)."""
     scene = {"bodies": [fixed("ground"), {"name": "b", "mass": 1, "inertia": 1}],
