@@ -80,7 +80,7 @@ def on_spans(terms: Array, w: Array) -> tuple[Array, Array, Array]:
     """Points of spans [n, 12] at parameters [n], first and second derivatives, [n, 2] each."""
     x, y = terms[:, :6].T, terms[:, 6:].T
     power = np.array([w**n for n in range(6)])
-    n = np.arange(6)[:, None]
+    n = np.arange(6.0)[:, None]
 
     def along(factor: Array, less: int) -> Array:
         terms_of = [((axis * factor)[less:] * power[:6 - less]).sum(axis=0) for axis in (x, y)]
@@ -196,8 +196,8 @@ def flattened(nodes: Array, tolerance: float, *, closed: bool) -> Ring:
     chord /= np.hypot(*chord.T)[:, None]
     most = np.zeros(len(terms))
     for w in np.linspace(0.0, 1.0, 9):
-        bend = on_spans(terms, np.full(len(terms), w))[2]
-        most = np.maximum(most, np.abs(chord[:, 0] * bend[:, 1] - chord[:, 1] * bend[:, 0]))
+        x, y = on_spans(terms, np.full(len(terms), w))[2].T
+        most = np.maximum(most, np.abs(chord[:, 0] * y - chord[:, 1] * x))
     found: list[tuple[float, float]] = []
     for span, bend in zip(terms, most, strict=True):
         count = max(1, math.ceil(math.sqrt(bend / (8 * tolerance))))

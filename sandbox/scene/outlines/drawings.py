@@ -216,8 +216,8 @@ def _bezier(points: Array) -> Callable[[Array], Array]:
 
     def at(control: Array, t: Array) -> Array:
         n = len(control) - 1
-        return sum((math.comb(n, k) * t**k * (1 - t) ** (n - k))[:, None] * control[k]
-                   for k in range(n + 1))
+        weights = np.stack([math.comb(n, k) * t**k * (1 - t) ** (n - k) for k in range(n + 1)])
+        return np.asarray((weights[:, :, None] * control[:, None]).sum(axis=0))
 
     def nodes(t: Array) -> Array:
         place, along, bend = at(points, t), at(first, t), np.zeros_like(t)
