@@ -220,7 +220,8 @@ def _works(evidence: Evidence) -> Figure:
         each = h * power
         added = np.cumsum(each) - each / 2 - (np.cumsum(each) - each / 2)[0]
         moved = float(np.abs(each).sum())
-        worst.add(label, np.abs(work - work[0] - added) / max(moved, LEAST), EXACT)
+        off = np.abs(work - work[0] - added)[evidence.known]
+        worst.add(label, off / max(moved, LEAST), EXACT)
     return worst.figure(
         name, "", source=source, none="nothing works",
         why="work added up by the run against forces times rates of all steps, share of all work "
@@ -230,17 +231,19 @@ def _works(evidence: Evidence) -> Figure:
 def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
     """Of every element that works: its name, power [W] and recorded work [J], [n]."""
     model, a, loads = evidence.model, evidence.run.arrays, evidence.loads
+    way = evidence.velocity + evidence.displacement / evidence.h
+    rates = evidence.rates_of(way)
     if model.tendons.name:
-        power = -loads.lengthening(loads.cord_loads, len(model.tendons.name), evidence.velocity)
+        power = -loads.lengthening(loads.cord_loads, len(model.tendons.name), way)
         for i, name in enumerate(model.tendons.name):
             yield name, power[i], a["tendon_work"][:, i]
     if model.lines.name:
-        rate = -loads.lengthening(loads.line_pushes, len(model.lines.name), evidence.velocity)
+        rate = -loads.lengthening(loads.line_pushes, len(model.lines.name), way)
         for i, name in enumerate(model.lines.name):
             yield name, a["line_pressure"][:, i] * rate[i], a["line_work"][:, i]
     straight = np.flatnonzero(model.springs.straight)
     if len(straight):
-        rate = loads.lengthening(loads.spring_pulls, len(model.springs.name), evidence.velocity)
+        rate = loads.lengthening(loads.spring_pulls, len(model.springs.name), way)
         for i in straight.tolist():
             yield (model.springs.name[i], -a["spring_force"][:, i] * rate[i],
                    a["spring_work"][:, i])
@@ -248,16 +251,16 @@ def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
         j = model.springs.joint[i]
         holds = still_held(evidence, j)
         torque = a["spring_force"][:, i] - holds * model.springs.damping[i] * evidence.rates[j]
-        yield model.springs.name[i], -torque * evidence.rates[j], a["spring_work"][:, i]
+        yield model.springs.name[i], -torque * rates[j], a["spring_work"][:, i]
     for j in model.joints.hinges.tolist():
-        yield (f"damper of {model.joints.name[j]}", a["joint_damping"][:, j] * evidence.rates[j],
+        yield (f"damper of {model.joints.name[j]}", a["joint_damping"][:, j] * rates[j],
                a["joint_damping_work"][:, j])
-    rate = -loads.lengthening(loads.rub_pushes, len(model.joints.name), evidence.velocity)
+    rate = -loads.lengthening(loads.rub_pushes, len(model.joints.name), way)
     for j in model.joints.rubbed.tolist():
         yield (f"friction of {model.joints.name[j]}", np.nan_to_num(a["joint_friction"][:, j])
                * rate[j], np.nan_to_num(a["joint_friction_work"][:, j]))
     for i in model.drives.giving("torque", "push").tolist():
         j = model.drives.target[i]
-        yield model.drives.name[i], loads.given[i] * evidence.rates[j], a["drive_work"][:, i]
+        yield model.drives.name[i], loads.given[i] * rates[j], a["drive_work"][:, i]
     for i in model.drives.giving("surface").tolist() if evidence.one_normal.all() else []:
         yield model.drives.name[i], surface_power(evidence, i), a["drive_work"][:, i]

@@ -67,7 +67,8 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
         return
     closing = ~evidence.joints_hold
     by_joints = by_joints + (_work_of_joints(evidence, closing) if closing.any() else 0.0)
-    yield _created(left - by_joints, scale, allowed)
+    made = (left - by_joints)[evidence.known]
+    yield _created(made, scale, allowed + _unseen(evidence) / scale)
     yield _lost(evidence, left, by_joints, scale, least, allowed)
 
 
@@ -113,8 +114,9 @@ def _work_of_loads(evidence: Evidence) -> Array:
 def _work_of_weight(evidence: Evidence) -> Array:
     """M g . (c - c_0 + h^2 a / 4): the displacement by mean velocities, as works are added up.
 
-    The first step's mean velocity leads back from its pose to c_0; where it was not recorded c_0
-    is the scene's, and a h^2 / 8 beside that (see :func:`_first_half`).
+    Half of what an impact displaces counts, if it is known. The first step's mean velocity leads
+    back from its pose to c_0; where it was not recorded c_0 is the scene's, and a h^2 / 8 beside
+    that (see :func:`_first_half`).
     """
     frames, h = evidence.loads.frames, evidence.h
     g = np.array(evidence.model.mechanism.gravity)
@@ -130,7 +132,8 @@ def _work_of_weight(evidence: Evidence) -> Array:
             x, y, angle = evidence.model.bodies.pose[i]
             c, s = np.cos(angle), np.sin(angle)
             first = np.array([[x + c * cx - s * cy], [y + s * cx + c * cy]])
-        total += own * (g @ (now - first + h * h / 4 * a))
+        moved = evidence.displacement[:2, i] / 2
+        total += own * (g @ (now - first + h * h / 4 * a + moved))
     return total
 
 
@@ -142,6 +145,18 @@ def _first_half(evidence: Evidence) -> float:
     a = np.hypot(*evidence.loads.frames.acceleration[:2, free])
     most = np.maximum(a.max(axis=1, initial=0.0), np.hypot(*g))
     return float(evidence.h**2 / 8 * np.hypot(*g) * (evidence.run.arrays["body_mass"][free] @ most))
+
+
+def _unseen(evidence: Evidence) -> float:
+    """Work of weight in half of the largest displacement by an impact, where none is known [J].
+
+    It is less than h times the change of velocity.
+    """
+    if evidence.every_step:
+        return 0.0
+    change = np.hypot(*evidence.loads.frames.acceleration[:2]) * evidence.h**2 / 2
+    weight = np.hypot(*evidence.model.mechanism.gravity) * evidence.loads.weights[:, 0]
+    return float(np.where(evidence.struck, weight @ change, 0.0).max(initial=0.0))
 
 
 def _of_gaps(evidence: Evidence) -> float:
@@ -285,8 +300,9 @@ def _lost(
     # of what surfaces that run do the contacts' own work has a share, the rest goes into heat
     running = a["drive_work"][:, evidence.model.drives.giving("surface")].sum(axis=1)
     left = left + running - _work_of_contacts(evidence) - _work_of_joints(evidence)
+    left = left + _work_of_displacements(evidence)
     return judged(
-        "energy.lost", peak(left) / scale, "", least, source=source,
+        "energy.lost", peak(left[evidence.known]) / scale, "", least, source=source,
         why="kinetic energy less all work, that of contacts, stops and joints added up from every "
             "step, as a share of all energy turned over")
 
@@ -336,6 +352,20 @@ def _work_of_joints(evidence: Evidence, among: Flags | None = None) -> Array:
         power = np.where(np.tile(among, (2, 1)), power, 0.0)
     step = evidence.h * np.nan_to_num(power).sum(axis=0)
     return np.asarray(np.cumsum(step) - step / 2)
+
+
+def _work_of_displacements(evidence: Evidence) -> Array:
+    """What all but joints and contacts do where impacts displace poses, up to each [J], [n]."""
+    loads, frames, sides = evidence.loads, evidence.loads.frames, evidence.loads.contact_sides
+    force = frames.acceleration * np.where(loads.weights > 0, loads.weights, 0.0).T[:, :, None]
+    joints = loads.joints
+    for axis, touch, push in zip(force, (*sides.force.T, sides.moment),
+                                 (joints.x, joints.y, joints.moment), strict=True):
+        np.subtract.at(axis, (sides.body, sides.sample), touch)
+        np.subtract.at(axis, joints.body, np.nan_to_num(push))
+    free = evidence.model.bodies.free
+    work = np.einsum("abn,abn->n", force[:, free], evidence.displacement[:, free])
+    return np.asarray(np.cumsum(work) - work / 2)
 
 
 def _work_of_contacts(evidence: Evidence) -> Array:

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL
+from sandbox.model.friction import restitution_of
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Loads
@@ -26,6 +27,8 @@ meanwhile is of second order: v^2 / R + omega v, which is this at 0.3 m/s on a r
 nothing closes it again where nothing has to press. So far, too, a body falls in its first step: a
 contact that is needed there carries within one step.
 """
+REBOUND = 0.01
+"""A change of velocity [m/s, rad/s] in a step that may be an impact."""
 CLOSES_IN = 40.0
 """So many times its time after it was taken up a joint is closed (docs/engine.md)."""
 NUMBERS = 500_000
@@ -73,6 +76,36 @@ class Evidence:
         """Of the bodies at the end of each sample's step, [3, nb, n]."""
         result: Array = self.velocity + self.h / 2 * self.loads.frames.acceleration
         return result
+
+    @cached_property
+    def struck(self) -> Flags:
+        """In which samples contacts may have given back speed, which displaces the pose, [n]."""
+        a, mechanism, count = self.run.arrays, self.model.mechanism, len(self.model.bodies.name)
+        pair = a["contact_body"] * count + a["contact_other"]
+        bounces = [kind for kind in np.unique(pair).tolist()
+                   if restitution_of(mechanism, *divmod(kind, count)) > 0]
+        change = self.h * np.abs(self.loads.frames.acceleration).max(axis=(0, 1), initial=0.0)
+        result = np.zeros(len(self.run), dtype=bool)
+        result[a["contact_sample"][np.isin(pair, bounces)]] = True
+        return np.asarray(result & (change > REBOUND))
+
+    @cached_property
+    def displacement(self) -> Array:
+        """How far impacts in each sample's step displace the next pose, [3, nb, n].
+
+        Only known, and not 0, if every step was recorded.
+        """
+        frames = self.loads.frames
+        poses = np.stack([frames.centre_x, frames.centre_y, frames.angle])
+        moved = np.zeros_like(poses)
+        if self.every_step:
+            moved[:, :, :-1] = np.diff(poses) - self.h * self.velocity_after[:, :, :-1]
+        return np.where(self.struck, moved, 0.0)
+
+    @property
+    def known(self) -> slice:
+        """Samples whose displacement is known: not the last one if an impact displaces it."""
+        return slice(len(self.run) - int(self.every_step and bool(self.struck[-1])))
 
     @cached_property
     def angles(self) -> Array:

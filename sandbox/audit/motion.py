@@ -105,14 +105,17 @@ def _velocities(evidence: Evidence) -> Figure:
 
 
 def _in_every_step(evidence: Evidence, b: int, worst: Worst) -> None:
-    """A step moves by h v and then changes v by h a: both hold to rounding."""
+    """A step moves by h v and then changes v by h a: both hold to rounding.
+
+    Not where an impact in the step before displaced the pose by what its instant makes of it.
+    """
     frames, h = evidence.loads.frames, evidence.h
     v, a = evidence.velocity[:, b], frames.acceleration[:, b]
     name = evidence.model.bodies.name[b]
     for axis, pose in enumerate((frames.centre_x[b], frames.centre_y[b], frames.angle[b])):
         after, top = v[axis] + h / 2 * a[axis], peak(v[axis])
         lost = 8 * DIGITS * (1 + peak(pose)) / h
-        worst.add(name, np.abs(np.diff(pose) / h - after[:-1]), lost)
+        worst.add(name, np.abs(np.diff(pose) / h - after[:-1])[~evidence.struck[:-1]], lost)
         before = v[axis] - h / 2 * a[axis]
         worst.add(name, np.abs(after[:-1] - before[1:]), ROUNDING + 8 * DIGITS * (
             top + h * peak(a[axis])))

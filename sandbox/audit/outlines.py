@@ -17,6 +17,7 @@ import numpy as np
 
 from sandbox.audit.evidence import LEFT, Evidence
 from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, missing
+from sandbox.model.friction import restitution_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.scene.elements.bodies import Circle, Polygon, Polyline, Solid
@@ -211,7 +212,10 @@ def _to_outlines(evidence: Evidence, rows: Integers, pair: tuple[int, int], wors
     names = "/".join(evidence.model.bodies.name[b] for b in pair)
     one, two = (_nearest(evidence, rows, b, sign, moving)
                 for b, sign in zip(pair, (-1.0, 1.0), strict=True))
-    allowed = np.where(one.round | two.round, rounding, moving)
+    # an impact is where both will be when it happens, within the step
+    bounces = restitution_of(evidence.model.mechanism, *pair) > 0
+    moving = moving + bounces * np.abs(evidence.run.arrays["contact_gap"][rows])
+    allowed = np.where((one.round | two.round) & (not bounces), rounding, moving)
     worst.add(names, np.maximum(one.off, two.off), allowed)
     # at a corner only the other's outline has a direction
     reach = min(_reach(evidence, b) for b in pair)

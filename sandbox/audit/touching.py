@@ -56,7 +56,7 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
         "contact_normal": np.array([one.normal for one in found]).reshape(-1, 2),
         "contact_point": np.array([one.at for one in found]).reshape(-1, 2),
         "contact_gap": np.array([one.gap for one in found]),
-        "contact_merged": np.ones(len(found))}
+        "contact_merged": np.ones(len(found)), "contact_twist": np.zeros(len(found))}
     for key, values in rows.items():
         none = np.zeros((len(found), *values.shape[1:]), dtype=values.dtype)
         rows[key] = np.concatenate([values, more.get(key, none)])

@@ -88,14 +88,27 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
     let_go(table, h, speeds)
     run_surfaces(table, drive)
     list_touches(table)
-    solve(table, h, drive)
+    struck = solve(table, h, drive)
     for b in range(len(body)):
         for j in range(3):
             body[b, 3 + j] = velocity[b, j]
     at.write_count(table)[0] = 0
     call_each(at.each_body(table), at.space(table), at.put(table), at.write(table))
+    if struck:
+        _displace(table)
     add_work(table, h)
     return bool(sound(h, body)) and bool(contained(table))
+
+
+@kernel
+def _displace(table: int) -> None:
+    """Hand on the poses that impacts after them displace."""
+    body, shift, placed = at.body(table), at.shift(table), at.placed(table)
+    for b in range(len(body)):
+        for j in range(3):
+            placed[b, j] = body[b, j] + shift[b, j]
+    at.place_count(table)[0] = 0
+    call_each(at.each_body(table), at.space(table), at.put(table), at.place(table))
 
 
 @CalledFromPython

@@ -119,20 +119,12 @@ def couple(table: int, begin: int, first: int, count: int) -> None:
     rows, Y, reached = (
         at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
     hubs, inverse_mass, free = at.hubs(table), at.inverse_mass(table), at.free(table)
-    values, solved, G = at.values(table), at.unknowns(table)[2], at.delassus(table)
-    diagonal = len(values) - len(solved)
+    values, G = at.values(table), at.delassus(table)
+    diagonal = len(values) - at.unknowns(table).shape[1]
     for k in range(first, count):
         row, y = rows[k], Y[k]
         a, b, n = row["a"], row["b"], row["branch"]
-        f = row["want"]
-        if hubs[a, 0] < 0:
-            f += row["ax"] * free[a, 0] + row["ay"] * free[a, 1] + row["at"] * free[a, 2]
-        if hubs[b, 0] < 0:
-            f += row["bx"] * free[b, 0] + row["by"] * free[b, 1] + row["bt"] * free[b, 2]
-        for q in range(n):
-            r = reached[k, q]
-            f += y[r] * values[diagonal + r] * solved[r]
-        row["free"] = f
+        row["free"] = free_rate(table, row, y, reached[k], free, row["want"])
         row["base"] = 0.0
         if a < len(inverse_mass):
             row["base"] = (
@@ -170,6 +162,22 @@ def couple(table: int, begin: int, first: int, count: int) -> None:
         for m in range(k + 1):
             if row["out"] or rows[m]["out"]:
                 G[k, m] = G[m, k] = 0.0
+
+
+@kernel
+def free_rate(
+    table: int, row: Any, y: Array, reached: Integers, free: Array, f: float,
+) -> float:
+    """``f`` and what a row makes of free velocities and of what bilateral rows add to them."""
+    hubs, values, solved = at.hubs(table), at.values(table), at.unknowns(table)[2]
+    a, b, diagonal = row["a"], row["b"], len(values) - len(solved)
+    if hubs[a, 0] < 0:
+        f += row["ax"] * free[a, 0] + row["ay"] * free[a, 1] + row["at"] * free[a, 2]
+    if hubs[b, 0] < 0:
+        f += row["bx"] * free[b, 0] + row["by"] * free[b, 1] + row["bt"] * free[b, 2]
+    for q in range(row["branch"]):
+        f += y[reached[q]] * values[diagonal + reached[q]] * solved[reached[q]]
+    return float(f)
 
 
 @kernel
@@ -216,8 +224,8 @@ def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sla
     """
     rounds = ROUNDS if n <= LARGE else max(FEWEST, int(ROUNDS * (LARGE / n) ** 3))
     for round in range(1, rounds + 1):
-        m = _choose(rows, n, chosen)
-        _system(rows, n, G, A, chosen, m)
+        m = choose(rows, n, chosen)
+        make_system(rows, n, G, A, chosen, m)
         eliminate(A, m)
         _impulses(rows, n, A, chosen, m)
         worst, which = slack, -1
@@ -237,7 +245,7 @@ def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sla
 
 
 @kernel
-def _choose(rows: Records, n: int, chosen: Integers) -> int:
+def choose(rows: Records, n: int, chosen: Integers) -> int:
     """The rows with y = 0."""
     m = 0
     for k in range(n):
@@ -249,7 +257,7 @@ def _choose(rows: Records, n: int, chosen: Integers) -> int:
 
 
 @kernel
-def _system(rows: Records, n: int, G: Array, A: Array, chosen: Integers, m: int) -> None:
+def make_system(rows: Records, n: int, G: Array, A: Array, chosen: Integers, m: int) -> None:
     """Their equations, right sides in the last column."""
     for r in range(m):
         i = chosen[r]

@@ -37,7 +37,7 @@ def touch_row(h: float, touches: Records, i: int, out: Any) -> None:
     out["a"], out["b"] = t["a"], t["b"]
     out["ax"], out["ay"], out["bx"], out["by"] = -nx, -ny, nx, ny
     out["at"], out["bt"] = t["ay"] * nx - t["ax"] * ny, t["bx"] * ny - t["by"] * nx
-    out["want"] = returning(h, t["gap"], RETURN) + 0.5 * h * t["acceleration"]
+    out["want"] = returning(h, t["gap"] + t["led"], RETURN) + 0.5 * h * t["acceleration"]
     out["low"], out["high"], out["friction"] = 0.0, 1e300, 0.0
     out["last"], out["mode"], out["branch"] = t["normal"], 0, 0
 

@@ -143,14 +143,15 @@ def pull(table: int, drive: Array) -> None:
 @kernel
 def begin(table: int) -> None:
     """Note how the bodies stand and move where pymunk has moved them."""
-    body, before, turn, force, kick = (
-        at.body(table), at.before(table), at.turn(table), at.force(table), at.kick(table))
+    body, before, turn, force, kick, shift = (
+        at.body(table), at.before(table), at.turn(table), at.force(table), at.kick(table),
+        at.shift(table))
     at.made(table)[0] += 1
     for i in range(len(body)):
         turn[i, 0], turn[i, 1] = math.cos(body[i, 2]), math.sin(body[i, 2])
         for j in range(3):
             before[i, j] = body[i, 3 + j]
-            force[i, j] = kick[i, j] = 0.0
+            force[i, j] = kick[i, j] = shift[i, j] = 0.0
 
 
 @kernel

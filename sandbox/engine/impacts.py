@@ -1,20 +1,38 @@
-"""Impacts: contacts that give back speed, reflected before all forces.
+"""Impacts: contacts that give back speed, in the order in which they are hit within the step.
 
-Those that approach are reflected together, again and again, as long as any approaches. Five balls
-in a row that touch then hand on what hits them, and a box that falls flat on two corners leaves
-its floor flat. Friction takes its part: what slides is slowed by at most μ times the blow.
+Each contact that approaches is hit when its gap closes (:mod:`sandbox.engine.instants`). Those that
+are hit at one instant are reflected together, and what that changes may hit others. Five balls in a
+row then hand on what hits them, whether they touch or not, and a box that falls flat on two corners
+leaves its floor flat. Friction takes its part: what slides is slowed by at most μ times the blow.
 """
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 from sandbox.engine import memory as at
-from sandbox.engine.bounded import columns, couple, push, rate, relax, solve_modes, wipe
+from sandbox.engine.bounded import (
+    choose,
+    columns,
+    couple,
+    eliminate,
+    free_rate,
+    make_system,
+    measures,
+    push,
+    rate,
+    relax,
+    solve_modes,
+    wipe,
+)
 from sandbox.engine.candidates import rub_row, touch_row
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.factor import forward
+from sandbox.engine.factor import backward, forward
+from sandbox.engine.instants import meet, place_as_found, rubbing, time_to_close
 from sandbox.engine.kernel import kernel
-from sandbox.engine.rows import right_side
-from sandbox.engine.state import NORMAL
+from sandbox.engine.rows import closed, joint_gaps, right_side, spread
+from sandbox.engine.state import NORMAL, TANGENT
 from sandbox.numeric import Array, Records
 
 REBOUND = 0.01
@@ -23,29 +41,47 @@ EXACT = 1e-10
 """Rates that count as none, as a share of the fastest approach."""
 FAINT = 1e-6
 """Approaches that small against the first end a chain of impacts."""
+CLOSED = 1e-9
+"""Contacts with gaps up to this [m] are hit together."""
+CLOSINGS = 3
+"""Most times that joints are closed where an impact leads."""
+ORDERED = 100
+"""Most instants of impacts in one step; what is hit after these is reflected together."""
 
 
 @kernel
-def _approaching(table: int, h: float, rows: Records) -> int:
-    """Rows of the contacts that give back speed and are near enough; 0 if none is hit."""
-    touches, before = at.touches(table), at.before(table)
-    n, hit = 0, False
+def _hit(table: int, h: float) -> bool:
+    """Whether any contact that gives back speed is hit in this step."""
+    touches, before, free = at.touches(table), at.before(table), at.free(table)
+    row = at.rows(table)[len(at.rows(table)) - 1]
     for i in range(at.touching(table)[0]):
         t = touches[i]
+        if t["restitution"] > 0.0:
+            touch_row(h, touches, i, row)
+            u = rate(row, before)
+            if u < -REBOUND and (
+                    t["late"] == 1 or h * min(u, rate(row, free)) + t["gap"] < 0.0):
+                return True
+    return False
+
+
+@kernel
+def _list(table: int, h: float, rows: Records) -> tuple[int, float]:
+    """Rows of all contacts that give back speed, and from which instant on any may be hit."""
+    touches, n, first = at.touches(table), 0, 0.0
+    for i in range(at.touching(table)[0]):
+        t = touches[i]
+        t["bounce"] = t["rub"] = t["led"] = 0.0
         if t["restitution"] > 0.0 and n + 1 < len(rows):
-            touch_row(h, touches, i, rows[n])
-            rows[n]["want"], rows[n]["last"] = 0.0, 0.0
-            u = rate(rows[n], before)
-            reaches = h * u + t["gap"] < 0.0 or t["late"] == 1
-            if u < -REBOUND and reaches:
-                hit = True
-            if reaches or t["gap"] <= h * REBOUND:
+            first = min(first, meet(table, h, i, rows[n]))
+            rows[n]["last"] = 0.0
+            n += 1
+            if t["friction"] > 0.0:
+                rub_row(h, at.body(table), touches, i, n - 1, rows[n])
+                rubbing(table, h, rows[n], t["belt"])
+                rows[n]["last"] = 0.0
                 n += 1
-                if t["friction"] > 0.0:
-                    rub_row(h, at.body(table), touches, i, n - 1, rows[n])
-                    rows[n]["want"], rows[n]["last"] = t["belt"], 0.0
-                    n += 1
-    return n if hit else 0
+    return n, first
 
 
 @entry_point("bounces")
@@ -63,81 +99,149 @@ def late_hits(table: int, n: int) -> bool:
 
 
 @kernel
-def _reflect(table: int, rows: Records, n: int) -> None:
-    """Reflect all contacts that approach, together, as long as any does.
+def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
+    """Reflect contacts as they are hit, from the instant ``now`` on; whether any is.
 
-    Rates stand in ``want``, what contacts take in their ``bounce`` and ``rub``.
+    What contacts take stands in their ``bounce`` and ``rub``.
     """
-    touches, G = at.touches(table), at.delassus(table)
-    A, chosen, end = at.system(table), at.chosen(table), -REBOUND
-    for _ in range(100 * n):
-        fastest = _struck(rows, n, touches, end)
-        if fastest == 0.0:
-            return
+    touches, G, inverse_mass = at.touches(table), at.delassus(table), at.inverse_mass(table)
+    A, chosen, delayed = at.system(table), at.chosen(table), at.delayed(table)
+    end = REBOUND
+    for event in range(ORDERED + 100 * n):
+        if event == ORDERED:
+            at.standing(table)[3] += 1
+        now = _next(table, h, rows, n, now, end)
+        if now > h:
+            return event > 0
+        fastest = _struck(rows, n, touches, now, end, CLOSED if event < ORDERED else math.inf)
         end = max(end, FAINT * fastest)
-        if solve_modes(rows, n, G, A, chosen, -EXACT * fastest) < 0:
+        if solve_modes(rows, n, G, A, chosen, EXACT * fastest) < 0:
             relax(rows, n, G)
         for q in range(n):
             p = rows[q]["p"]
             if p != 0.0:
                 t = touches[rows[q]["index"]]
+                t["instant"] = now
                 if rows[q]["normal"] < 0:
                     t["bounce"] += p
                 else:
                     t["rub"] += p
+                push(inverse_mass, rows[q], p * now, delayed)
                 for k in range(n):
-                    rows[k]["want"] += G[k, q] * p
+                    change = G[k, q] * p
+                    rows[k]["want"] += change
+                    if rows[k]["normal"] < 0:
+                        rows[k]["closing"] += change
+                        rows[k]["gap"] -= change * now
+                        touches[rows[k]["index"]]["led"] -= change * now
+    return True
 
 
 @kernel
-def _struck(rows: Records, n: int, touches: Records, end: float) -> float:
-    """Make ready those that approach faster than ``end``; the fastest approach, 0 for none.
+def _next(table: int, h: float, rows: Records, n: int, now: float, end: float) -> float:
+    """The instant of the next hit faster than ``end``; inf if there is none in the step."""
+    first = math.inf
+    for k in range(n):
+        row = rows[k]
+        if row["normal"] < 0:
+            bend = row["bend"]
+            u = row["closing"] + bend * now
+            gap = max(row["gap"] + now * (row["closing"] + u) / 2, 0.0)
+            if u * u - 2.0 * bend * gap > end * end:
+                s = now + time_to_close(gap, u, bend)
+                late = at.touches(table)[row["index"]]["late"] == 1
+                if late and row["closing"] + bend * h < -end:
+                    s = min(s, h)
+                if s <= h:
+                    first = min(first, s)
+    return first
+
+
+@kernel
+def _struck(
+    rows: Records, n: int, touches: Records, now: float, end: float, near: float,
+) -> float:
+    """Make ready those that are hit now, with gaps up to ``near``; the fastest approach.
 
     Reflected, a contact has y = v + e v_before >= 0; all others have no force to give.
     """
     fastest = 0.0
     for k in range(n):
         row = rows[k]
-        u = row["want"]
+        u = row["want"] + row["trend"] * now
         row["mode"], row["free"] = 0, u
         if row["normal"] < 0:
             row["mode"], row["high"] = -1, 0.0
-            if u < end:
-                fastest = min(fastest, u)
-                row["mode"], row["high"] = 0, 1e300
-                row["free"] = (1.0 + touches[row["index"]]["restitution"]) * u
+            seen = row["closing"] + row["bend"] * now
+            gap = row["gap"] + now * (row["closing"] + seen) / 2
+            if seen < -end and (gap <= near or touches[row["index"]]["late"] == 1):
+                row["closing"] = u - row["bend"] * now
+                row["gap"] = -now * (row["closing"] + u) / 2
+                if u < -end:
+                    fastest = max(fastest, -u)
+                    row["mode"], row["high"] = 0, 1e300
+                    row["free"] = (1.0 + touches[row["index"]]["restitution"]) * u
     return fastest
 
 
 @entry_point("bounces")
-def impacts(table: int, h: float) -> None:
-    """Reflect approaches; the contacts' impulses go to the free velocities.
+def impacts(table: int, h: float, kept: int) -> bool:
+    """Reflect approaches; the contacts' impulses go to the free velocities. Whether there are any.
 
-    What joints, cords and dampers make of them is found with all else that they carry.
+    What joints, cords and dampers make of them is found with all else that they carry. ``kept``
+    rows carry about what they did in the last step.
     """
+    free, kick, delayed, touches = (
+        at.free(table), at.kick(table), at.delayed(table), at.touches(table))
+    _add(free, kick, -1.0)  # of a try without late hits
+    for b in range(len(kick)):
+        for j in range(3):
+            kick[b, j] = delayed[b, j] = 0.0
+    if not _hit(table, h):
+        return False
     begin = len(at.rows(table)) // 2
     rows, Y, reached = (
         at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
-    n = _approaching(table, h, rows)
-    if n == 0:
-        return
-    free, kick, touches = at.free(table), at.kick(table), at.touches(table)
-    _add(free, kick, -1.0)  # of a try without late hits
-    right_side(table)
-    forward(at.starts(table), at.below(table), at.values(table), at.unknowns(table)[2])
+    _foresee(table, kept)
+    n, now = _list(table, h, rows)
     columns(table, begin, 0, n)
     couple(table, begin, 0, n)
-    _halfway(table, rows, n)
-    _reflect(table, rows, n)
-    for b in range(len(kick)):
-        for j in range(3):
-            kick[b, j] = 0.0
+    struck = _reflect(table, h, rows, n, now)
     for k in range(n):
-        t = touches[rows[k]["index"]]
+        i = rows[k]["index"]
+        t = touches[i]
         push(at.inverse_mass(table), rows[k],
              t["bounce"] if rows[k]["normal"] < 0 else t["rub"], kick)
+        if t["bounce"] == 0.0:
+            place_as_found(table, i)
+        elif rows[k]["normal"] < 0:
+            _place_on_free(table, t)
+    for k in range(kept):
+        _renew(table, h, k)
     _add(free, kick, 1.0)
     wipe(rows, n, Y, reached)
+    return struck
+
+
+@kernel
+def _renew(table: int, h: float, k: int) -> None:
+    """Make row ``k`` of a contact anew: where it is and its gap may have changed."""
+    row, touches = at.rows(table)[k], at.touches(table)
+    last, mode = row["last"], row["mode"]
+    if row["source"] == NORMAL:
+        touch_row(h, touches, row["index"], row)
+    elif row["source"] == TANGENT:
+        rub_row(h, at.body(table), touches, row["index"], row["normal"], row)
+    row["last"], row["mode"] = last, mode
+
+
+@kernel
+def _place_on_free(table: int, t: Any) -> None:
+    """Where body b is not free, the place of a contact is that on body a."""
+    body, a, b = at.body(table), t["a"], t["b"]
+    if at.inverse_mass(table)[b, 0] == 0.0:
+        t["bx"] = t["ax"] + body[a, 0] - body[b, 0]
+        t["by"] = t["ay"] + body[a, 1] - body[b, 1]
 
 
 @kernel
@@ -148,18 +252,102 @@ def _add(velocity: Array, change: Array, times: float) -> None:
 
 
 @kernel
-def _halfway(table: int, rows: Records, n: int) -> None:
-    """The rates that are reflected, into ``want``; what the contacts take begins with 0.
+def _foresee(table: int, kept: int) -> None:
+    """The velocities after a step without impacts, bounded rows as in the last step."""
+    velocity, free, rows, unknowns = (
+        at.velocity(table), at.free(table), at.rows(table), at.unknowns(table))
+    for b in range(len(free)):
+        for j in range(3):
+            velocity[b, j] = free[b, j]
+    for k in range(kept):
+        push(at.inverse_mass(table), rows[k], rows[k]["last"], velocity)
+    right_side(table, velocity, unknowns[0])
+    forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
+    for r in range(unknowns.shape[1]):
+        unknowns[4, r] = unknowns[2, r]
+    backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
+    spread(table, unknowns[4], velocity)
 
-    Of contacts that approach these are halfway through what the forces of this step do. So a ball
-    that gives back all of its speed keeps its energy.
+
+@entry_point("bounces")
+def lead_back(table: int, h: float, n: int) -> None:
+    """Displace the pose by what impacts after it change, times their instants.
+
+    Joints, and bounded rows that hold, answer to that as they did to the impacts.
     """
-    touches, before = at.touches(table), at.before(table)
-    near = False
-    for k in range(n):
-        row = rows[k]
-        t, u = touches[row["index"]], rate(row, before) + row["want"]
-        t["bounce"] = t["rub"] = 0.0
-        if row["normal"] < 0:
-            near = u < -REBOUND
-        row["want"] = (u + row["free"]) / 2 if near else u
+    rows, unknowns, shift, delayed = (
+        at.rows(table), at.unknowns(table), at.shift(table), at.delayed(table))
+    Y, reached, A, chosen = (
+        at.columns(table), at.reached(table), at.system(table), at.chosen(table))
+    for b in range(len(shift)):
+        for j in range(3):
+            shift[b, j] = -delayed[b, j]
+    for r in range(unknowns.shape[1]):
+        unknowns[4, r] = 0.0
+    right_side(table, shift, unknowns[4])
+    forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
+    m = 0
+    for q in range(choose(rows, n, chosen)):
+        if _holds(table, rows[chosen[q]]):
+            chosen[m] = chosen[q]
+            m += 1
+    make_system(rows, n, at.delassus(table), A, chosen, m)
+    for q in range(m):
+        k = chosen[q]
+        A[q, m] = 0.0 if rows[k]["out"] else -free_rate(
+            table, rows[k], Y[k], reached[k], shift, 0.0)
+    eliminate(A, m)
+    for r in range(unknowns.shape[1]):
+        unknowns[4, r] = unknowns[2, r]
+    for q in range(m):
+        k = chosen[q]
+        _answer(table, k, A[q, m])
+        if k + 1 < n and rows[k + 1]["normal"] == k and rows[k + 1]["mode"] != 0:
+            _answer(table, k + 1, rows[k + 1]["mode"] * rows[k + 1]["friction"] * A[q, m])
+    backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
+    spread(table, unknowns[4], shift)
+    _close(table, h)
+
+
+@kernel
+def _close(table: int, h: float) -> None:
+    """Displace the pose further, so that joints are closed where the velocities lead from there."""
+    shift, velocity, kept, unknowns = (
+        at.shift(table), at.velocity(table), at.placed(table), at.unknowns(table))
+    for b in range(len(shift)):
+        for j in range(3):
+            kept[b, j] = velocity[b, j]
+    for _ in range(CLOSINGS):
+        for b in range(len(shift)):
+            for j in range(3):
+                velocity[b, j] = kept[b, j] + shift[b, j] / h
+        for r in range(unknowns.shape[1]):
+            unknowns[4, r] = 0.0
+        if joint_gaps(table, h) < closed(h):
+            break
+        forward(at.starts(table), at.below(table), at.values(table), unknowns[4])
+        backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
+        for r in range(unknowns.shape[1]):
+            unknowns[4, r] *= h
+        spread(table, unknowns[4], shift)
+    for b in range(len(shift)):
+        for j in range(3):
+            velocity[b, j] = kept[b, j]
+
+
+@kernel
+def _holds(table: int, row: Any) -> bool:
+    """Whether a row held already before the impacts; a contact that closes in the step did not."""
+    if row["source"] == NORMAL or row["source"] == TANGENT:
+        return bool(at.found(table)[row["index"]]["listed"] == 1)
+    return not measures(row)
+
+
+@kernel
+def _answer(table: int, k: int, p: float) -> None:
+    """Add what bounded row ``k`` answers to the displacement, and to what bilateral rows do."""
+    row, answer, y, reached = (
+        at.rows(table)[k], at.unknowns(table)[4], at.columns(table)[k], at.reached(table)[k])
+    for q in range(row["branch"]):
+        answer[reached[q]] -= y[reached[q]] * p
+    push(at.inverse_mass(table), row, p, at.shift(table))

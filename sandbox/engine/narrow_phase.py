@@ -138,12 +138,10 @@ def _rotate_back(body: Array, b: int, x: float, y: float) -> Any:
 
 
 @kernel
-def gap_acceleration(table: int, t: Any, ka: float, da: float, kb: float, db: float) -> float:
-    """Second derivative of the gap of a contact while its bodies keep their velocities [m/s^2].
-
-    ``t`` is a TOUCH; the curvatures are those of its surfaces.
-    """
+def gap_acceleration(table: int, t: Any) -> float:
+    """Second derivative of the gap of a TOUCH while its bodies keep their velocities [m/s^2]."""
     body, a, b, nx, ny, gap = at.body(table), t["a"], t["b"], t["nx"], t["ny"], t["gap"]
+    ka, da, kb, db = t["ka"], t["da"], t["kb"], t["db"]
     wa, wb = body[a, 5], body[b, 5]
     # of the surfaces' points, half a gap from the middle
     rax, ray = t["ax"] - gap / 2 * nx, t["ay"] - gap / 2 * ny

@@ -116,10 +116,15 @@ class Native(NamedTuple):
     read: int
     put: int
     write: int
+    place: int
     read_count: NDArray[np.intc]
     """Fill of the buffer that is read into, [1]; 0 before each call."""
     write_count: NDArray[np.intc]
     """Fill of the buffer that is written from, [1]; 0 before each call."""
+    place_count: NDArray[np.intc]
+    """The same of the buffer of poses."""
+    placed: Array
+    """Poses for pymunk, [nb, 3]: those of the step, displaced by impacts after them."""
     found: Integers
     """That of :class:`Finder`, whose first number is set to 0 before each call, [4]."""
     raw: Records
@@ -150,7 +155,9 @@ class Channel:
         self.count = np.frombuffer(ffi.buffer(self.buffer._float_arr, size), dtype=np.intc)
 
 
-def make_native(space: pymunk.Space, read: Channel, write: Channel, finder: Finder) -> Native:
+def make_native(
+    space: pymunk.Space, read: Channel, write: Channel, place: Channel, finder: Finder,
+) -> Native:
     """What the compiled loop needs for ``space``."""
     return Native(
         step=address(ffi.addressof(lib, "cpSpaceStep")),
@@ -159,8 +166,9 @@ def make_native(space: pymunk.Space, read: Channel, write: Channel, finder: Find
         get=address(ffi.addressof(lib, "pmSpaceBodyGetIteratorFuncBatched")),
         read=address(read.request),
         put=address(ffi.addressof(lib, "pmSpaceBodySetIteratorFuncBatched")),
-        write=address(write.request),
-        read_count=read.count, write_count=write.count, found=finder.table, raw=finder.raw,
+        write=address(write.request), place=address(place.request),
+        read_count=read.count, write_count=write.count, place_count=place.count,
+        placed=place.memory, found=finder.table, raw=finder.raw,
     )
 
 

@@ -427,11 +427,10 @@ def weigh(table: int) -> None:
 
 
 @kernel
-def right_side(table: int) -> None:
-    """What rows ask for, less what the free velocities [nb, 3] already give."""
+def right_side(table: int, free: Array, asked: Array) -> None:
+    """What rows ask for [m], less what the free velocities [nb, 3] already give."""
     entry_row, entry_body, hubs = at.entry_row(table), at.entry_body(table), at.hubs(table)
-    inverse_mass, free, J = at.inverse_mass(table), at.free(table), at.entries(table)[0]
-    asked, rhs = at.unknowns(table)[0], at.unknowns(table)[2]
+    inverse_mass, J, rhs = at.inverse_mass(table), at.entries(table)[0], at.unknowns(table)[2]
     for r in range(len(rhs)):
         rhs[r] = asked[r]
     for e in range(len(entry_row)):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sandbox.engine.advance import advance
 from sandbox.engine.entry_points import prepare
 from sandbox.engine.memory import Memory, make_memory
-from sandbox.engine.snapshot import make_snapshot
+from sandbox.engine.snapshot import make_snapshot, twist_of
 from sandbox.engine.state import (
     ANGLE,
     DAMPED_WORK,
@@ -197,6 +197,7 @@ class Sampler:
         contacts["y"] = state.body[touches["a"], 1] + touches["ay"]
         contacts["normal"] = touches["normal"] + touches["bounce"]
         contacts["tangent"] = touches["tangent"] + touches["rub"]
+        contacts["twist"] = [twist_of(state.body, touch) for touch in touches]
         rows = self._contact_rows(np.zeros(len(contacts), dtype=np.int64), contacts)
         return Contacts({f"contact_{key}": column for key, column in rows.items()},
                         samples=1, bodies=len(self.world.bodies))
@@ -233,6 +234,7 @@ def merge_contacts(
     along = np.stack([kept["ny"], -kept["nx"]], axis=1)
     force = (kept["normal"][:, None] * normal + kept["tangent"][:, None] * along) / h
     point, gap = np.stack([kept["x"], kept["y"]], axis=1), kept["gap"].copy()
+    twist = kept["twist"] / h
     start = np.flatnonzero(np.diff(pair, prepend=-1))
     merged = np.diff(start, append=len(sample)).astype(float)
     if len(start) < len(sample):
@@ -244,9 +246,11 @@ def merge_contacts(
         acts = size > CANCELLED * total  # held from both sides, there is none: the first point's
         normal = np.where(acts, normals / np.where(acts, size, 1.0), normal[start])
         force, gap = np.add.reduceat(force, start), np.minimum.reduceat(gap, start)
+        twist = np.add.reduceat(twist, start)
     return {
         "sample": sample[start], "body": body[start], "other": other[start],
         "point": point, "force": force, "normal": normal, "gap": gap, "merged": merged,
+        "twist": twist,
     }
 
 

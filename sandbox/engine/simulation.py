@@ -59,6 +59,7 @@ from sandbox.samples.outcome import (
     Stop,
     relaxed,
     status_of,
+    unordered,
 )
 from sandbox.scene.values.closures import Read
 from sandbox.wording import WrongValueError, listed, near, quoted
@@ -418,7 +419,8 @@ class Simulation:
             },
             wall=dict(self._wall), events=events, broke=tuple(self._broke), stopped=stopped,
             controllers=controllers,
-            notes=relaxed(int(self._tables.state.standing[0]), self._done),
+            notes=(relaxed(int(self._tables.state.standing[0]), self._done)
+                   + unordered(int(self._tables.state.standing[3]), self._done)),
         ), copied=copied)
 
     def _room(self) -> RecordingBuilder:

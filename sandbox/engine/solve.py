@@ -26,7 +26,7 @@ from sandbox.engine.entry_points import entry_point
 from sandbox.engine.factor import assemble, backward, factor, forward
 from sandbox.engine.fluid_report import flowing, report_lines
 from sandbox.engine.fluids import change_lines, fluid_rows, join_lines
-from sandbox.engine.impacts import impacts, late_hits
+from sandbox.engine.impacts import impacts, late_hits, lead_back
 from sandbox.engine.kernel import kernel
 from sandbox.engine.laws import change_laws, law_rows
 from sandbox.engine.lemke import MOST, lemke_modes
@@ -78,8 +78,8 @@ EXACT = 1e-10
 
 
 @kernel
-def solve(table: int, h: float, drive: Array) -> None:
-    """Find the velocities after a step, from the free ones.
+def solve(table: int, h: float, drive: Array) -> bool:
+    """Find the velocities after a step, from the free ones; whether there was an impact.
 
     ``drive`` [nd] holds the values of the drives at the step's instant, ``table`` is that of
     :class:`sandbox.engine.memory.Memory`.
@@ -97,12 +97,12 @@ def solve(table: int, h: float, drive: Array) -> None:
     tie_rows(table, h)
     slacken(table)
     n = kept_rows(table, h, drive)
-    hit = True
+    hit = struck = True
     for attempt in range(PRESSED):
         factor_matrix(table, h, drive)
         if hit:
-            impacts(table, h)
-        right_side(table)
+            struck = impacts(table, h, n)
+        right_side(table, at.free(table), at.unknowns(table)[0])
         forward(starts, below, values, solved)
         done, closings, taken = 0, 0, math.inf
         while True:  # rows only grow in number, and joints are closed so often at most
@@ -119,6 +119,8 @@ def solve(table: int, h: float, drive: Array) -> None:
                 if taken == 0.0:
                     break
                 closings += 1
+        if struck:
+            lead_back(table, h, n)
         wipe(rows, n, Y, reached)
         hit = late_hits(table, n)
         changed, pressed = change_laws(table, h, drive), change_loads(table, h)
@@ -131,6 +133,7 @@ def solve(table: int, h: float, drive: Array) -> None:
     report(table, h, n)
     report_lines(table, h, drive)
     _rest(table)
+    return struck
 
 
 @entry_point()

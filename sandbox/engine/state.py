@@ -117,6 +117,8 @@ BOUND = np.dtype([
     ("ax", float), ("ay", float), ("at", float),    # y = these times the velocities of a and b
     ("bx", float), ("by", float), ("bt", float),
     ("want", float),        # added to y [m/s, rad/s]
+    ("trend", float),       # of impacts: how y, "want" at the pose, changes in the step [m/s^2]
+    ("gap", float), ("closing", float), ("bend", float),    # gap there, its rate, how that changes
     ("soft", float),        # of what a drive gives: y for an impulse of 1, besides
     ("normal", np.int64),   # of a tangential row the normal one; -1 of others
     ("friction", float),
@@ -270,7 +272,8 @@ class State(NamedTuple):
     """Values of the drives in the last step, [nd]."""
     standing: Integers
     """In how many steps modes were not found; for how many steps all has been at rest; how often
-    modes were not found in this step, [3]."""
+    modes were not found in this step; in how many steps impacts were too many to be put in order,
+    [4]."""
 
 
 class Result(NamedTuple):
@@ -292,6 +295,10 @@ class Result(NamedTuple):
     after, [nb, 3]."""
     kick: Array
     """Velocities that impacts add, [nb, 3], in ``free`` already."""
+    delayed: Array
+    """The same, each times the instant of its impact after the pose [m, rad], [nb, 3]."""
+    shift: Array
+    """How far impacts after the pose displace it, so that the next one is right, [nb, 3]."""
     turn: Array
     """Cosine and sine of the bodies' angles, [nb, 2]."""
     actions: Records

@@ -154,7 +154,7 @@ def make_tables(
         np.zeros(len(limits), LIMIT_STATE), _motor_state(motors), rub_state(rubs, model),
         *circuits.states(), loads.states(), np.zeros(3, dtype=np.int64), tie_state(model),
         room_for_breaks(model), np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
-        np.full(len(model.drives.name), np.nan), np.zeros(3, dtype=np.int64))
+        np.full(len(model.drives.name), np.nan), np.zeros(4, dtype=np.int64))
     result = _results(places, constants, pattern, cords, circuits, laws, loads, velocity, room)
     return Tables(constants, state, result, np.flatnonzero(model.springs.straight))
 
@@ -205,7 +205,8 @@ def _results(
     count, unknowns = len(constants.inverse_mass), len(pattern.starts) - 1
     result = Result(
         velocity, velocity.copy(), np.zeros((count, 3)), np.zeros((count, 3)),
-        np.zeros((count, 3)), np.zeros((count, 2)), np.zeros(len(constants.actions), ACTION_RESULT),
+        np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 2)),
+        np.zeros(len(constants.actions), ACTION_RESULT),
         _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
         cords.guide_result, np.zeros(len(constants.slips), SLIP_RESULT),
         np.zeros(len(constants.joints), JOINT_RESULT), np.zeros(len(constants.rubs), RUB_RESULT),

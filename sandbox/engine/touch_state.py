@@ -30,6 +30,7 @@ TOUCH = np.dtype([
     ("nx", float), ("ny", float),           # normal from a to b
     ("ax", float), ("ay", float), ("bx", float), ("by", float),     # arms of the point [m]
     ("gap", float),         # [m]
+    ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k / d
     ("acceleration", float),    # of the gap while the bodies keep their velocities [m/s^2]
     ("friction", float), ("restitution", float),
     ("normal", float), ("tangent", float),  # impulses on b, along (nx, ny) and (-ny, nx) [N s]
@@ -38,6 +39,8 @@ TOUCH = np.dtype([
     ("listed", np.int64),   # whether its rows are among those solved
     ("late", np.int64),     # whether it is hit only because of the forces of this step
     ("belt", float),        # by how much surfaces that run add to its rate of sliding [m/s]
+    ("led", float),         # how far impacts of the step lead its gap back [m]
+    ("instant", float),     # of its last impact in the step, after the pose [s]
 ])
 
 CONTACT = np.dtype([
@@ -46,4 +49,5 @@ CONTACT = np.dtype([
     ("nx", float), ("ny", float),       # normal from a to b
     ("gap", float),                     # [m]
     ("normal", float), ("tangent", float),  # impulses on b, along (nx, ny) and (-ny, nx) [N s]
+    ("twist", float),                   # moment on b besides that of these at the place [N m s]
 ])

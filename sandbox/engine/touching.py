@@ -85,8 +85,7 @@ def list_touches(table: int) -> None:
         _contact(found, state, shapes, body, friction, restitution, out[n])
         if state == EXACT and _repeated(out, n):
             continue
-        out[n]["acceleration"] = gap_acceleration(
-            table, out[n], found["ka"], found["da"], found["kb"], found["db"])
+        out[n]["acceleration"] = gap_acceleration(table, out[n])
         n += 1
     guess = 0
     for k in range(n):
@@ -205,11 +204,13 @@ def _contact(
         out["shape_a"], out["shape_b"] = shapes[sa]["leader"], shapes[sb]["leader"]
         out["feature"] = ON_CURVE
     out["a"], out["b"], out["gap"] = a, b, gap
+    out["ka"], out["da"], out["kb"], out["db"] = (
+        found["ka"], found["da"], found["kb"], found["db"])
     out["nx"], out["ny"] = found["nx"], found["ny"]
     out["ax"] = (found["ax"] + body[b, 0] + found["bx"] - body[a, 0]) / 2
     out["ay"] = (found["ay"] + body[b, 1] + found["by"] - body[a, 1]) / 2
     out["bx"] = (found["bx"] + body[a, 0] + found["ax"] - body[b, 0]) / 2
     out["by"] = (found["by"] + body[a, 1] + found["ay"] - body[b, 1]) / 2
     out["friction"], out["restitution"] = friction[a, b], restitution[a, b]
-    out["normal"] = out["tangent"] = out["bounce"] = out["rub"] = 0.0
+    out["normal"] = out["tangent"] = out["bounce"] = out["rub"] = out["led"] = 0.0
     out["mode"] = out["listed"] = out["late"] = 0

@@ -23,12 +23,13 @@ from sandbox.numeric import Array
 def add_work(table: int, h: float) -> None:
     """Add the work [J] of the step just made to ``work``, and give it alone as ``step_work``.
 
-    The free velocities are overwritten by the means of before and after the step.
+    The free velocities are overwritten by the means of before and after the step, and by what
+    impacts displace: h times that is the way on which forces do their work.
     """
-    body, before, v = at.body(table), at.before(table), at.free(table)
+    body, before, v, shift = at.body(table), at.before(table), at.free(table), at.shift(table)
     for i in range(len(body)):
         for j in range(3):
-            v[i, j] = (body[i, 3 + j] + before[i, j]) / 2
+            v[i, j] = (body[i, 3 + j] + before[i, j]) / 2 + shift[i, j] / h
     actions, states, results = at.actions(table), at.action_states(table), at.action_results(table)
     motors = at.motor_states(table)
     for i in range(len(actions)):

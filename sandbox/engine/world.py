@@ -29,11 +29,9 @@ from sandbox.scene.elements.bodies import (
 from sandbox.scene.geometry import Vec, core, corners, pose_of, solids, to_world, true_curves
 from sandbox.scene.outlines.curves import spans_of
 
-STATE = (
-    batch.BodyFields.POSITION | batch.BodyFields.ANGLE
-    | batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
-)
+POSE = batch.BodyFields.POSITION | batch.BodyFields.ANGLE
 PUSH = batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
+STATE = POSE | PUSH
 MARGIN, MOST_MARGIN = 0.05, 1e-3
 """How far shapes stand out in pymunk: a share of their smallest extent, and the most [m]."""
 _LISTED = ("dynamic", "scheduled", "fixed")
@@ -68,6 +66,7 @@ class World:
         self.velocity: Array = np.zeros((count, 3))
         self.reader = native.Channel(STATE, memory)
         self.writer = native.Channel(PUSH, self.velocity)
+        self.placer = native.Channel(POSE, np.zeros((count, 3)))
         self.renew()
         self.shape_table: Records = np.array(self._shape_rows, dtype=SHAPE)
         """SHAPE, [nz], in the order of their collision types."""
@@ -96,7 +95,8 @@ class World:
             self._add_joint(i)
         self.room = Room(contacts=32 + 8 * len(self._shape_rows), rows=64 + 4 * len(self.bodies))
         self.finder = native.Finder(self.space, self.room.contacts)
-        self.native = native.make_native(self.space, self.reader, self.writer, self.finder)
+        self.native = native.make_native(
+            self.space, self.reader, self.writer, self.placer, self.finder)
         self.read()
         self.velocity[:] = self.body[:, 3:]
 
@@ -219,6 +219,18 @@ class World:
         constraint.collide_bodies = bool(self.model.joints.collide[index])
         constraint.max_force = 0.0
         self.space.add(constraint)
+
+
+def _core(shape: pymunk.Shape) -> tuple[list[Vec], float]:
+    """Corners of the core of one of pymunk's shapes, and by how much the shape is larger [m]."""
+    match shape:
+        case pymunk.Circle():
+            points = [shape.offset]
+        case pymunk.Segment():
+            points = [shape.a, shape.b]
+        case pymunk.Poly():
+            points = shape.get_vertices()
+    return [(float(x), float(y)) for x, y in points], float(shape.radius)
 
 
 def _extent(spec: Shape) -> float:

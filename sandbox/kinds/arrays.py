@@ -157,6 +157,10 @@ ARRAYS: tuple[Recorded, ...] = (
              "how many points of touch the row stands for; of one alone place, gap and normal are "
              "those of the two surfaces, of more their means, the least gap and the place that "
              "gives all moments", "contact", late=True),
+    Recorded("contact_twist", ("m",), "N m",
+             "moment on the other body besides that of the force at the place: of impacts, which "
+             "happen between the poses of two steps, where both bodies have moved", "contact",
+             late=True),
     Recorded("meter_value", ("n", "nm"), "the meter's", "if the scene has meters", "meters",
              also="nan"),
 )

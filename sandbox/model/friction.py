@@ -1,4 +1,4 @@
-"""Friction of surfaces: of a pair of bodies, from materials and contact rules."""
+"""Friction and restitution of a pair of bodies, from materials and contact rules."""
 
 from __future__ import annotations
 
@@ -20,5 +20,12 @@ def friction_of(mechanism: Mechanism, one: int, two: int) -> float:
         ):
             return rule.friction
     found = [mechanism.materials.get(bodies[i].material or "", Material()).friction
+             for i in (one, two)]
+    return math.sqrt(found[0]) * math.sqrt(found[1])
+
+
+def restitution_of(mechanism: Mechanism, one: int, two: int) -> float:
+    """Rebound speed over approach speed of two bodies."""
+    found = [mechanism.materials.get(mechanism.bodies[i].material or "", Material()).restitution
              for i in (one, two)]
     return math.sqrt(found[0]) * math.sqrt(found[1])

@@ -53,15 +53,16 @@ class ContactRows:
 
     def append(
         self, sample: int | Integers, body: Integers, other: Integers, point: Array, force: Array,
-        normal: Array, gap: Array, merged: Array,
+        normal: Array, gap: Array, merged: Array, twist: Array,
     ) -> None:
-        """Add touching pairs: shapes [r], [r], [r, 2], [r, 2], [r, 2], [r], [r].
+        """Add touching pairs: shapes [r], [r], [r, 2], [r, 2], [r, 2], [r], [r], [r].
 
         They are those of one sample, or ``sample`` tells each row's own, shape [r]; of no sample
         that comes before those which are there.
         """
         of = np.broadcast_to(np.asarray(sample, dtype=np.int64), body.shape)
-        values: tuple[NDArray[Any], ...] = (of, body, other, point, force, normal, gap, merged)
+        values: tuple[NDArray[Any], ...] = (
+            of, body, other, point, force, normal, gap, merged, twist)
         if not _in_order((other, body, of)):
             order = np.lexsort((other, body, of))
             values = tuple(column[order] for column in values)

@@ -351,11 +351,11 @@ class Loads:
         a = self.run.arrays
         sample, body, other = a["contact_sample"], a["contact_body"], a["contact_other"]
         at, sides = a["contact_point"], []
-        for sign, on in ((1.0, body), (-1.0, other)):
+        for sign, on, twist in ((1.0, body, 0.0), (-1.0, other, np.nan_to_num(a["contact_twist"]))):
             arm_x = at[:, 0] - self.frames.centre_x[on, sample]
             arm_y = at[:, 1] - self.frames.centre_y[on, sample]
             force = sign * a["contact_force"]
-            sides.append((on, force, arm_x * force[:, 1] - arm_y * force[:, 0]))
+            sides.append((on, force, arm_x * force[:, 1] - arm_y * force[:, 0] + twist))
         return ContactSides(
             np.tile(sample, 2), np.concatenate([s[0] for s in sides]),
             np.concatenate([s[1] for s in sides]), np.concatenate([s[2] for s in sides]),

@@ -151,6 +151,15 @@ def relaxed(steps: int, made: int) -> tuple[str, ...]:
             "found",)
 
 
+def unordered(steps: int, made: int) -> tuple[str, ...]:
+    """What a run notes of ``steps`` with too many impacts to put in order, if there were any."""
+    if not steps:
+        return ()
+    return (f"{steps} of {made} steps have more than 100 impacts one after the other; what was hit "
+            "after these was reflected together, at one instant. A smaller `run.step` has fewer in "
+            "each step",)
+
+
 def planned(run: Run, status: Status = Status.DONE) -> Outcome:
     """The outcome of a run of which nothing is known but its scene's settings."""
     return Outcome(status=status, step=run.step, sample_rate=run.sample_rate)

@@ -45,7 +45,8 @@ class Stored:
     * ``contact_sample``, ``contact_body``, ``contact_other`` [m]: one row per touching pair
       and sample, in this order; ``contact_point``, ``contact_force`` (on body by other),
       ``contact_normal`` [m, 2]; ``contact_gap`` [m]: negative where they overlap;
-      ``contact_merged`` [m]: how many points of touch the row stands for.
+      ``contact_merged`` [m]: how many points of touch the row stands for; ``contact_twist`` [m]:
+      moment on the other body besides the force's.
 
     The arrays are read-only. ``info`` says how the run ended and how it was computed. ``model``
     is the mechanism's, where it is known; otherwise it is compiled when first asked for.

@@ -13,7 +13,7 @@ H = 0.5
 
 def point(normal, tangent=0.0, at=(0.0, 0.0), towards=(0.0, 1.0), gap=0.0, a=0, b=1):
     """What is kept of one point: the impulses on b, along the normal and to its left."""
-    return a, b, *at, *towards, gap, normal, tangent
+    return a, b, *at, *towards, gap, normal, tangent, 0.0
 
 
 def merged(*points, sample=None, order=(0, 1, 2)):

@@ -25,7 +25,7 @@ def build(mech, *, contacts=CONTACTS, stop=N, **options):
             k, source["contact_body"][rows], source["contact_other"][rows],
             source["contact_point"][rows], source["contact_force"][rows],
             source["contact_normal"][rows], source["contact_gap"][rows],
-            source["contact_merged"][rows])
+            source["contact_merged"][rows], source["contact_twist"][rows])
     return builder
 
 
@@ -65,7 +65,7 @@ def test_going_on_leaves_alone_what_was_taken_out(memory, tmp_path):
     pair = np.ones((1, 2))
     builder.contacts.replace(2, sample=4, body=np.array([DISC]), other=np.array([DISTAL]),
                              point=pair, force=pair, normal=pair, gap=np.zeros(1),
-                             merged=np.ones(1))
+                             merged=np.ones(1), twist=np.zeros(1))
     assert np.array_equal(run.arrays["body_pose"], pose)
     assert np.array_equal(run.arrays["contact_force"], force)
     other = builder.finish(times(5), INFO)
@@ -122,7 +122,8 @@ def test_a_run_beyond_its_budget_goes_to_files_as_it_comes(tmp_path):
         builder.put(first, builder.blank(step))
         builder.contacts.replace(
             first, sample=np.repeat(np.arange(first, first + step), rows), body=body,
-            other=body + 1, point=pair, force=pair, normal=pair, gap=pair[:, 0], merged=pair[:, 0])
+            other=body + 1, point=pair, force=pair, normal=pair, gap=pair[:, 0], merged=pair[:, 0],
+            twist=pair[:, 0])
     run = builder.finish(np.arange(step * steps) / step, INFO)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()

@@ -13,6 +13,7 @@ from sandbox.verification.cases import (
     grasp_state,
     grasping,
     hands,
+    impacts,
     lifting,
     loads,
     motion,
@@ -27,8 +28,8 @@ from sandbox.verification.cases.case import Case
 
 CASES: tuple[Case, ...] = (
     *differential.CASES, *geometry.CASES, *dynamics.CASES, *statics.CASES, *grasp_state.CASES,
-    *grasping.CASES, *hands.CASES, *motion.CASES, *friction.CASES, *rubbing.CASES, *fluids.CASES,
-    *outlines.CASES,
+    *grasping.CASES, *hands.CASES, *motion.CASES, *friction.CASES, *impacts.CASES, *rubbing.CASES,
+    *fluids.CASES, *outlines.CASES,
     *spring_laws.CASES, *loads.CASES, *gears.CASES, *cords.CASES, *lifting.CASES, *ties.CASES,
     *resting.CASES, *control.CASES, *accuracy.CASES)
 
