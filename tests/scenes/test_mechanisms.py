@@ -27,6 +27,7 @@ FAULTS: dict[str, tuple[dict[str, Any], set[str]]] = {
     "atwood": ({"bodies[heavy].mass": 1.21}, {"cord.tension", "heavy.ay"}),
     "toggle_press": ({"joints[guide].start": [0, 0.0605]}, {"ram/workpiece.normal"}),
     "truss": ({"drives[load].body": "low3"}, {"abutment.reaction_y", "roof1.tension"}),
+    "curved_track": ({"materials.rubber.friction": 0}, {"disc.vx", "disc/track.normal"}),
     "newtons_cradle": ({"materials.steel.restitution": 0.98}, {"ball4.y", "ball4.vx"}),
     "dominoes": ({"bodies[shy].angular_velocity": -2.5}, {"shy.angle"}),
     "car_on_bumps": ({"bodies[rear_wheel].shapes": [{"type": "circle", "radius": 0.301}]},
