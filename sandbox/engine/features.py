@@ -19,6 +19,7 @@ FEATURES: dict[str, Callable[[Constants], bool]] = {
     "bounces": lambda c: bool((c.restitution > 0.0).any()),
     "bounded": _bounded,
     "cords": lambda c: len(c.cords) > 0,
+    "curves": lambda c: len(c.spans) > 0,
     "dampers": lambda c: len(c.dampers) > 0,
     "fluids": lambda c: bool(len(c.fluids) or len(c.valves) or len(c.pumps)),
     "laws": lambda c: len(c.steps) > 0,

@@ -23,6 +23,7 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.numeric import Array, Records
 
@@ -199,25 +200,33 @@ def exchange(found: Any) -> None:
 
 
 @kernel
-def exact(table: int, found: Any) -> int:
-    """Make a FOUND exact, whose points are on the surfaces: normal, points, curvatures.
-
-    Returns:
-        What becomes of it: DROPPED, EXACT where a curve is involved, else AS_FOUND.
-    """
+def put_curvatures(table: int, found: Any) -> None:
+    """Curvatures of the surfaces of a FOUND, as those of shapes without curves."""
     shapes = at.shapes(table)
-    one, two = shapes[found["shape_a"]], shapes[found["shape_b"]]
     nx, ny = found["nx"], found["ny"]
-    found["ka"], found["da"] = straight_curvature(table, one, found["ax"], found["ay"], nx, ny)
-    found["kb"], found["db"] = straight_curvature(table, two, found["bx"], found["by"], -nx, -ny)
+    found["ka"], found["da"] = straight_curvature(
+        table, shapes[found["shape_a"]], found["ax"], found["ay"], nx, ny)
+    found["kb"], found["db"] = straight_curvature(
+        table, shapes[found["shape_b"]], found["bx"], found["by"], -nx, -ny)
     if found["da"] == 0.0 and found["db"] == 0.0:  # corners of two sides that lie on each other
         found["ka"], found["da"] = 0.0, 1.0
-    if one["span"] < 0 and two["span"] < 0:
-        return AS_FOUND
-    if one["span"] >= 0 and two["span"] >= 0:
+
+
+@entry_point("curves", default=AS_FOUND)
+def on_curves(table: int, i: int) -> int:
+    """Make the FOUND ``i`` exact if a curve is involved: normal, points, curvatures.
+
+    Returns:
+        What becomes of it: DROPPED, EXACT, or AS_FOUND where no curve is involved.
+    """
+    found, shapes = at.raw(table)[i], at.shapes(table)
+    first, second = shapes[found["shape_a"]]["span"] >= 0, shapes[found["shape_b"]]["span"] >= 0
+    if first and second:
         return _two_curves(table, found)
-    if one["span"] >= 0:
+    if first:
         return _curve_and_straight(table, found)
+    if not second:
+        return AS_FOUND
     exchange(found)
     state = _curve_and_straight(table, found)
     exchange(found)
@@ -226,7 +235,7 @@ def exact(table: int, found: Any) -> int:
 
 @kernel
 def _curve_and_straight(table: int, found: Any) -> int:
-    """As :func:`exact`, of a curve a and a shape b that has none."""
+    """As :func:`on_curves`, of a curve a and a shape b that has none."""
     body, spans, vertices = at.body(table), at.spans(table), at.vertices(table)
     curve, other = at.shapes(table)[found["shape_a"]], at.shapes(table)[found["shape_b"]]
     a, b, nx, ny = curve["body"], other["body"], found["nx"], found["ny"]
@@ -329,7 +338,7 @@ def _nearest(body: Array, found: Any, a: int, b: int) -> bool:
 
 @kernel
 def _two_curves(table: int, found: Any) -> int:
-    """As :func:`exact`, of two curves: Newton's method on the arc lengths of both.
+    """As :func:`on_curves`, of two curves: Newton's method on the arc lengths of both.
 
     The vector between the points has no part along the tangent of a, and the tangents are opposite.
     """

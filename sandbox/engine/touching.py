@@ -22,10 +22,11 @@ from sandbox.engine.narrow_phase import (
     DROPPED,
     EXACT,
     SAME_PLACE,
-    exact,
     exchange,
     gap_acceleration,
     gap_of,
+    on_curves,
+    put_curvatures,
 )
 from sandbox.numeric import Array, Records
 
@@ -79,7 +80,8 @@ def list_touches(table: int) -> None:
     near, n = n, 0
     for k in range(near):
         found = raw[order[k]]
-        state = exact(table, found)
+        put_curvatures(table, found)
+        state = on_curves(table, order[k])
         if state == DROPPED:
             continue
         _contact(found, state, shapes, body, friction, restitution, out[n])
