@@ -15,12 +15,13 @@ from sandbox.scene.elements.bodies import Body
 from sandbox.scene.elements.drives import Drive
 from sandbox.scene.elements.joints import Joint
 from sandbox.scene.elements.loads import Load
-from sandbox.scene.elements.outlines import DiscCam, Drawing
+from sandbox.scene.elements.outlines import DiscCam, Drawing, SmoothCurve
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.elements.springs import Spring
 from sandbox.scene.elements.tendons import Tendon
 from sandbox.scene.expand import expand, to_json
 from sandbox.scene.geometry import pose_of, to_world
+from sandbox.scene.outlines.curves import flattened
 from sandbox.scene.parts.placement import HOLDERS, RULES, Placement
 from sandbox.scene.read.load import load_scene
 from sandbox.scene.values.numbers import Point, dimension_read
@@ -143,13 +144,13 @@ def test_a_path_that_cannot_be_turned():
 
 
 def records() -> set[type[Spec]]:
-    """Every record that an assembly's elements are made of; cams and drawings are polygons then."""
+    """Every record that an assembly's elements are made of; cams, drawings and curves are polygons then."""
     found: set[type[Spec]] = set()
     waiting: list[Any] = [Body, Tendon, Joint, Spring, Load, Drive]
     while waiting:
         kind = waiting.pop()
         if isinstance(kind, type) and issubclass(kind, Spec):
-            if kind in found or kind in (DiscCam, Drawing):
+            if kind in found or kind in (DiscCam, Drawing, SmoothCurve):
                 continue
             found.add(kind)
             waiting += [field.annotation for field in kind.model_fields.values()]
@@ -292,3 +293,17 @@ def test_outlines_are_mirrored_and_scaled_with_their_holes():
             np.stack([1 - 2 * y, 2 - 2 * x], axis=1))
     assert (line.radius, box.size, box.angle) == (
         pytest.approx(0.2), pytest.approx((2, 4)), pytest.approx(-0.3))
+
+
+@pytest.mark.parametrize("mirror", ["left-right", "up-down"])
+def test_the_nodes_of_a_curve_go_along_with_its_chords(mirror: str) -> None:
+    """Chords of the mirrored nodes are the mirrored chords."""
+    body = {"name": "a", "motion": "fixed", "shapes": [
+        {"type": "curve", "points": [[0, 0], [2, 0.3], [1.5, 1], [0.2, 1]], "corners": [0]}]}
+    one = expand(load_scene({"parts": [{
+        "type": "assembly", "name": "a", "mirror": mirror, "scale": 0.5,
+        "bodies": [body]}]})).bodies[0].shapes[0]
+    nodes = np.array(one.nodes[0])
+    ring = flattened(nodes, 0.5e-5, closed=True)
+    assert len(ring) == len(one.points)
+    assert np.array(ring) == pytest.approx(np.array(one.points), abs=1e-12)

@@ -88,8 +88,8 @@ def test_a_flat_follower_needs_a_base_above_what_bends_the_lift_most():
 
 
 @pytest.mark.parametrize(("lift", "keys", "words"), [
-    (0 * TURNS, {}, "the two belong together"),
-    (0 * TURNS, {"follower": "flat", "roller": 0.01}, "the two belong together"),
+    (0 * TURNS, {}, "'roller' is missing"),
+    (0 * TURNS, {"follower": "flat", "roller": 0.01}, "a flat follower has no 'roller'"),
     (0 * TURNS - 0.04, {"roller": 0.01}, "Allowed: a base radius above 0.04 m"),
     (0.01 * np.sin(TURNS), {"roller": 0.01, "tolerance": 1e-9}, "Allowed: a tolerance of"),
 ])
@@ -100,7 +100,7 @@ def test_what_is_no_cam_is_told(lift, keys, words):
 
 
 @pytest.mark.parametrize(("table", "words"), [
-    ([[0, 0], [2, 0], [1, 0]], "1 rad in entry 2 comes after 2 rad"),
+    ([[0, 0], [2, 0], [1, 0]], "57.2958 deg in entry 2 comes after 114.592 deg"),
     ([[0, 0], [2, 0], ["360 deg", 0]], "cover 360 deg"),
     ([[0, 0], [1, 0]], "expected at least 3 entries"),
     ([[0, 0], [1, "3 N"], [2, 0]], "$.bodies[0].shapes[0].lift[1][1]"),

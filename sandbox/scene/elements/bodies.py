@@ -334,8 +334,9 @@ class Body(Spec):
         if self.motion == "dynamic":
             if any(isinstance(shape, Polyline) for shape in self.shapes):
                 raise PydanticCustomError(
-                    "polyline", "a polyline has no area, so no body that moves freely has one",
-                    {"allowed": '"motion": "fixed" or "scheduled"; or a polygon, or capsules'})
+                    "polyline", "a polyline or an open curve has no area, so no body that moves "
+                    "freely has one", {"allowed": '"motion": "fixed" or "scheduled"; or a polygon, '
+                                       "a closed curve, capsules"})
             if (self.mass is None) == (self.density is None):
                 raise PydanticCustomError("mass", "a dynamic body has either 'mass' or 'density'")
             if not self.shapes and (self.inertia is None or self.mass is None):

@@ -55,13 +55,23 @@ class SmoothCurve(Spec):
             j = (i + 1) % len(self.points)
             if one == self.points[j] and (self.closed or j):
                 raise PydanticCustomError("curve", "points {i} and {j} are the same point", {
-                    "i": i, "j": j})
+                    "i": i, "j": j,
+                    "allowed": "each point once; a closed curve goes on to the first by itself"})
         return self
 
     def curve(self) -> Array:
-        """Its nodes, [n, 4]."""
-        return through(np.array(self.points), closed=self.closed,
-                       corners=tuple(sorted(set(self.corners))))
+        """Its nodes, [n, 4].
+
+        Raises:
+            PydanticCustomError: it turns back on itself, because its points lie in one line.
+        """
+        with np.errstate(invalid="ignore", divide="ignore"):
+            nodes = through(np.array(self.points), closed=self.closed,
+                            corners=tuple(sorted(set(self.corners))))
+        if not np.isfinite(nodes).all():
+            raise PydanticCustomError("curve", "this curve turns back on itself at a point", {
+                "allowed": "points round an area, or a corner where it turns back"})
+        return nodes
 
 
 class DiscCam(Spec):
@@ -96,21 +106,25 @@ class DiscCam(Spec):
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
-        if (self.follower == "roller") != (self.roller is not None):
-            raise PydanticCustomError(
-                "cam", "'roller' is the radius of the roller of a \"follower\": \"roller\"; "
-                "the two belong together")
+        if self.follower == "roller" and self.roller is None:
+            raise PydanticCustomError("cam", "'roller' is missing, the radius of the roller", {
+                "allowed": "a 'roller', or '\"follower\": \"flat\"'"})
+        if self.follower == "flat" and self.roller is not None:
+            raise PydanticCustomError("cam", "a flat follower has no 'roller'", {
+                "allowed": "no 'roller', or '\"follower\": \"roller\"'"})
         angles = [angle for angle, _ in self.lift]
         for i, (one, two) in enumerate(pairwise(angles)):
             if two - one < 1e-6:
                 raise PydanticCustomError(
-                    "cam", "the angles of 'lift' must rise: {two} rad in entry {i} comes after "
-                    "{one} rad", {"one": f"{one:.6g}", "two": f"{two:.6g}", "i": i + 1})
+                    "cam", "the angles of 'lift' must rise: {two} deg in entry {i} comes after "
+                    "{one} deg", {"one": f"{math.degrees(one):.6g}",
+                                  "two": f"{math.degrees(two):.6g}", "i": i + 1})
         if angles[-1] - angles[0] > math.tau - 1e-6:
             raise PydanticCustomError(
-                "cam", "the angles of 'lift' cover {turn} deg; the turn begins anew after 360",
+                "cam", "the angles of 'lift' cover {turn} deg; plain numbers are radians",
                 {"turn": f"{math.degrees(angles[-1] - angles[0]):.6g}",
-                 "allowed": "less than a whole turn, the first entry not repeated at its end"})
+                 "allowed": "less than a whole turn, without the first entry again at its end; "
+                 "'15 deg' for degrees"})
         return self
 
     def curve(self) -> CamCurve:

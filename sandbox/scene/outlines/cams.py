@@ -109,8 +109,9 @@ def cam_nodes(curve: CamCurve) -> Array:
     """
     lowest = float(curve.lift(curve.tried)[0].min())
     if curve.base + lowest <= 0:
-        raise CamError(f"the lift goes down to {lowest:.6g} m, below the cam's centre",
-                       f"a base radius above {-lowest:.6g} m")
+        raise CamError(f"the curve through the lift's entries goes down to {lowest:.6g} m, below "
+                       "the cam's centre", f"a base radius above {-lowest:.6g} m, or more entries "
+                       "where the curve swings between them")
     if not curve.fits():
         raise _undercut(curve)
     first = curve.lift.angles[0]

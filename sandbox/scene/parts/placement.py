@@ -31,6 +31,7 @@ from sandbox.scene.elements.drives import ForceDrive
 from sandbox.scene.elements.joints import Pin, Rack
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_body, to_world
+from sandbox.scene.outlines.curves import Node
 from sandbox.scene.parts.affine import added, scaled
 from sandbox.scene.parts.expansion import PartError
 from sandbox.scene.values.numbers import Point, dimension_read
@@ -38,11 +39,12 @@ from sandbox.scene.values.signals import AnySignal, Constant, Path, dimension_ov
 from sandbox.wording import near
 
 Mirror = Literal["left-right", "up-down"]
-Rule = Literal["place", "turn", "sign", "vector", "other", "kept"]
+Rule = Literal["place", "turn", "sign", "vector", "nodes", "other", "kept"]
 RULES: Mapping[tuple[str, str], Rule] = {
     ("Body", "at"): "place", ("Body", "angle"): "turn", ("Body", "path"): "kept",
     ("Body", "velocity"): "vector", ("Body", "angular_velocity"): "sign",
     ("Body", "thickness"): "kept", ("Box", "angle"): "sign",
+    ("Polygon", "nodes"): "nodes", ("Polyline", "nodes"): "nodes",
     ("SurfaceDrive", "positive"): "other",
     ("Pin", "positive"): "other", ("Pin", "zero"): "kept", ("Pin", "limits"): "kept",
     ("RotarySpring", "rest_angle"): "kept", ("Guide", "side"): "other",
@@ -189,7 +191,16 @@ class Mover:
         if rule == "vector":
             x, y = place.vector(value)
             return place.scale * x, place.scale * y
+        if rule == "nodes":
+            return tuple(tuple(map(self._node, curve)) for curve in value)
         return OTHER[value] if place.mirror else value
+
+    def _node(self, node: Node) -> Node:
+        """A node of a curve in a body's frame."""
+        place, (x, y, direction, bend) = self.placement, node
+        if place.mirror:
+            direction = (math.pi if place.mirror == "left-right" else 0.0) - direction
+        return *place.within((x, y)), direction, place.sign * bend / place.scale
 
     def _value(self, value: Any, annotation: Any, metadata: tuple[Any, ...], path: str) -> Any:
         """A value by the type of its field."""
