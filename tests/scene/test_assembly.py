@@ -144,7 +144,7 @@ def test_a_path_that_cannot_be_turned():
 
 
 def records() -> set[type[Spec]]:
-    """Every record that an assembly's elements are made of; cams, drawings and curves are polygons then."""
+    """Every record of an assembly's elements; cams, drawings and curves are polygons then."""
     found: set[type[Spec]] = set()
     waiting: list[Any] = [Body, Tendon, Joint, Spring, Load, Drive]
     while waiting:
