@@ -396,8 +396,9 @@ def _shown(name: str, scene: Mapping[str, Any]) -> Iterator[str]:
                 _cell(scene["about"]), "",
                 "| expected | value | because |", "|---|---|---|")
     for expect in scene["expect"]:
-        statistic = next(word for word in settings.STATISTICS if word in expect)
-        yield (f"| {statistic} `{expect[statistic]}` | {_range(expect)} "
+        key = next((word for word in settings.STATISTICS if word in expect), "quantity")
+        statistic = f"at {expect['at']}" if key == "quantity" else key
+        yield (f"| {statistic} `{expect[key]}` | {_range(expect)} "
                f"| {_cell(expect['because'])} |")
     yield ""
 

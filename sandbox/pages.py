@@ -128,7 +128,8 @@ FAMILIES: dict[str, tuple[str, ...]] = {
     "no-sample-in-this-time": (
         "is not within the run", "no window of time", "has more than one '", "the run lasts",
         "is not after the beginning", "a plot needs", "a figure needs", "no samples",
-        "fewer than 2 samples", "there is no statistic", "has no name$", "the window (is|ends)"),
+        "fewer than 2 samples", "there is no statistic", "has no name$",
+        "the (window|instant) (is|ends)"),
     "not-all-expectations-hold": ("expectations hold",),
     # tendons, springs, drives, control
     "has-no-stiffness-to-set": (

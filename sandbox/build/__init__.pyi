@@ -549,6 +549,8 @@ def expect(
     std: str | None = None,
     final: str | None = None,
     over: str | Sequence[Number | Number | None] | None = None,
+    quantity: str | None = None,
+    at: Number | None = None,
     is_: Number | None = None,
     within: Number | None = None,
     between: Sequence[Number] | None = None,
@@ -558,8 +560,9 @@ def expect(
 ) -> Entry:
     """A range that a recorded quantity must keep: the scene's own regression test.
 
-    One of ``mean``, ``min``, ``max``, ``std`` or ``final`` names the quantity (patterns allowed:
-    every match must hold); one of ``is``, ``between``, ``above`` or ``below`` says what it must be.
+    One of ``mean``, ``min``, ``max``, ``std`` or ``final`` names the quantity, or ``quantity`` with
+    the instant ``at`` (patterns allowed: every match must hold); one of ``is``, ``between``,
+    ``above`` or ``below`` says what it must be.
 
     Args:
         mean: Quantity, or pattern of quantities, whose mean over the window is looked at.
@@ -569,6 +572,10 @@ def expect(
             at.
         final: Quantity, or pattern of quantities, whose last sample of the window is looked at.
         over: Window of time: ``"last 0.2 s"`` or ``[from, to]`` [s]; the whole run by default.
+        quantity: Quantity, or pattern of quantities, whose value at the instant ``at`` is looked
+            at.
+        at: Instant at which ``quantity`` is looked at [s], on the straight line between the two
+            samples about it.
         is_: What it must be, in the quantity's unit, up to ``within``.
         within: How far it may be from ``is``, to either side: a fraction of it as ``"0.1 %"``, the
             default, or an absolute quantity. By default 0 of what is 1 or 0, such as ``held``.

@@ -38,7 +38,7 @@ def grasp_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
 def _asked(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
     """What expectations and meters read, names and patterns, with their paths."""
     for i, expect in enumerate(mechanism.expect):
-        yield f"$.expect[{i}].{expect.statistic}", expect.quantity
+        yield f"$.expect[{i}].{expect.key}", expect.quantity
     for i, meter in enumerate(mechanism.meters):
         for name in sorted(names_read(meter)):
             yield f"$.meters[{i}].value", name

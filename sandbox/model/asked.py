@@ -26,6 +26,8 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
     fits: dict[str, bool] = {}
     units: dict[str, list[str]] = {}
     for i, expect in enumerate(mechanism.expect):
+        if beyond := expect.past_end(mechanism.run.duration) if expect.at is not None else "":
+            problems.append(Problem(beyond, f"$.expect[{i}].at"))
         if expect.quantity not in fits:
             fits[expect.quantity] = known.fits(expect.quantity)
         if fits[expect.quantity]:
@@ -33,7 +35,7 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
             continue
         what = "no quantity fits" if is_pattern(expect.quantity) else "unknown quantity"
         problems.append(unknown(
-            known, what, expect.quantity, f"$.expect[{i}].{expect.statistic}", len(problems)))
+            known, what, expect.quantity, f"$.expect[{i}].{expect.key}", len(problems)))
     return problems
 
 

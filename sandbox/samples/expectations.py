@@ -1,7 +1,8 @@
 """The verdict on a scene's ``expect`` list: one for every quantity that an entry names.
 
 Statistics are taken over the samples of a window, both ends included. ``last
-w`` seconds are counted back from the last sample. An expectation holds only if
+w`` seconds are counted back from the last sample. The value at an instant lies on the straight
+line of the two samples about it. An expectation holds only if
 there is a number that lies in its range: an unknown quantity, an empty window,
 a sample without a value, or a window that the run did not reach the end of,
 fail with a reason.
@@ -19,13 +20,11 @@ from sandbox.model.catalogue import Source, UnknownQuantityError
 from sandbox.numeric import Array, Flags
 from sandbox.samples.grasps import STIFFNESS
 from sandbox.samples.samples import Samples
-from sandbox.scene.elements.settings import WITHIN, Expect, Looked
+from sandbox.scene.elements.settings import ROUNDING, WITHIN, Expect, Looked
 from sandbox.wording import is_pattern
 
 WHOLE = ("min", "max", "final")
 """Statistics that are a whole number of whole numbers."""
-ROUNDING = 1e-9
-"""Two instants closer than this [s] are one."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -35,7 +34,7 @@ class Verdict:
     quantity: str
     """A concrete name; the pattern itself where it fits nothing."""
     statistic: str
-    """``mean``, ``min``, ``max``, ``std`` (of the population) or ``final``."""
+    """``mean``, ``min``, ``max``, ``std`` (of the population), ``final`` or ``at 0.5 s``."""
     low: float
     """Least value that passes; minus infinity where open."""
     high: float
@@ -92,7 +91,8 @@ def _judge(run: Samples, expect: Expect) -> list[Verdict]:
     if not names:
         return [replace(blank, reason=_missing(run, expect.quantity))]
     chosen, unreached = window(run, expect)
-    return [_measure(run, _named(run, blank, name, expect), chosen, unreached) for name in names]
+    return [_measure(run, _named(run, blank, name, expect), expect, chosen, unreached)
+            for name in names]
 
 
 def _named(run: Samples, blank: Verdict, name: str, expect: Expect) -> Verdict:
@@ -111,40 +111,42 @@ def _named(run: Samples, blank: Verdict, name: str, expect: Expect) -> Verdict:
     return found
 
 
-def _measure(run: Samples, verdict: Verdict, chosen: slice, unreached: str) -> Verdict:
+def _measure(
+    run: Samples, verdict: Verdict, expect: Expect, chosen: slice, unreached: str,
+) -> Verdict:
     if verdict.reason:
         return verdict
-    value, reason = measured(run, verdict.quantity, verdict.statistic, chosen)
+    value, reason = measured(run, verdict.quantity, expect, chosen)
     if reason:
         return replace(verdict, reason=reason)
     ok = bool(verdict.low <= value <= verdict.high) and not unreached
     reason, source = unreached, run.catalogue.find(verdict.quantity)
     if not reason and value < verdict.low and source.quantity == "held" and (
-            because := _not_held(run, source, _looked_at(run, verdict.statistic, chosen))):
+            because := _not_held(run, source, _looked_at(run, expect, chosen))):
         reason = f"{NOT_HELD}{because}"
     return replace(verdict, value=value, ok=ok, reason=reason)
 
 
-def measured(run: Samples, quantity: str, kind: str, chosen: slice) -> tuple[float, str]:
-    """A :func:`statistic` of a quantity over samples; nan and why if it has none.
+def measured(run: Samples, quantity: str, asked: Looked, chosen: slice) -> tuple[float, str]:
+    """The :func:`number_of` a quantity over samples; nan and why if it has none.
 
     Raises:
         UnknownQuantityError: the run has no such quantity.
     """
-    looked = _looked_at(run, kind, chosen)
+    looked = _looked_at(run, asked, chosen)
     if looked.stop <= looked.start:
         return math.nan, "no sample lies in the window"
     values = run.within(quantity, looked)
     if np.isnan(values).any():
         source = run.catalogue.find(quantity)
         return math.nan, _no_value(run, source, looked, np.isnan(values))
-    return statistic(kind, values), ""
+    return number_of(asked, run.time[looked], values), ""
 
 
-def _looked_at(run: Samples, kind: str, chosen: slice) -> slice:
+def _looked_at(run: Samples, asked: Looked, chosen: slice) -> slice:
     """The samples that a statistic is taken of; empty where the window is."""
     start, stop, _ = chosen.indices(len(run))
-    return slice(stop - 1, stop) if kind == "final" and stop > start else slice(start, stop)
+    return slice(stop - 1, stop) if asked.key == "final" and stop > start else slice(start, stop)
 
 
 def _no_value(run: Samples, source: Source, looked: slice, lacking: Flags) -> str:
@@ -172,18 +174,17 @@ def _not_held(run: Samples, source: Source, chosen: slice) -> str:
     return f", first at {run.time[first]:.6g} s: {grasp.why_not(first)}"
 
 
-def statistic(name: str, values: Array) -> float:
-    """``mean``, ``min``, ``max``, ``std`` or ``final`` of values, shape [n], n > 0.
-
-    Raises:
-        ValueError: another name.
-    """
-    if name == "final":
+def number_of(asked: Looked, time: Array, values: Array) -> float:
+    """The number that is made of the values [n] of the instants ``time`` [n], n > 0."""
+    if asked.at is not None:
+        if len(time) == 1:
+            return float(values[0])
+        share = (asked.at - time[0]) / (time[1] - time[0])
+        return float((1 - share) * values[0] + share * values[1])
+    if asked.key == "final":
         return float(values[-1])
-    if name not in ("mean", "min", "max", "std"):
-        raise ValueError(f"unknown statistic {name!r}")
     with np.errstate(invalid="ignore"):  # of what is infinite there is no deviation
-        return float(getattr(np, name)(values))
+        return float(getattr(np, asked.key)(values))
 
 
 def _range(expect: Expect) -> tuple[float, float, str]:
@@ -202,12 +203,11 @@ def _missing(run: Samples, name: str) -> str:
 
 def window(run: Samples, expect: Looked) -> tuple[slice, str]:
     """The samples of a window, and a reason if the run stopped short of its end."""
-    time, end = run.time, expect.over[1]
+    time, end = run.time, expect.over[1] if expect.at is None else expect.at
     if not len(time):
         return slice(0, 0), ""
     chosen = among(time, expect)
-    planned = run.mechanism.run.duration
-    if beyond := past_end(expect, planned):
+    if beyond := expect.past_end(run.mechanism.run.duration):
         return chosen, beyond
     stop = run.info.stopped
     if stop and end is not None and end > stop.time + ROUNDING:
@@ -217,18 +217,14 @@ def window(run: Samples, expect: Looked) -> tuple[slice, str]:
     return chosen, ""
 
 
-def past_end(expect: Looked, duration: float) -> str:
-    """Why no run of a duration [s] has a window; empty if it may have it."""
-    start, end = expect.over
-    if end is not None and end > duration + ROUNDING:
-        return f"the window ends at {end:g} s, the run at {duration:g} s"
-    if end is None and -start > duration + ROUNDING:
-        return f"the window is the last {-start:g} s, the run has {duration:g} s"
-    return ""
-
-
 def among(time: Array, expect: Looked) -> slice:
-    """Which of the instants ``time`` [n], n > 0, rising, lie in an expectation's window."""
+    """Which of the instants ``time`` [n], n > 0, rising, lie in an expectation's window.
+
+    Of an expectation at an instant, the two about it: the first or last two beyond the ends.
+    """
+    if expect.at is not None:
+        first = max(min(int(np.searchsorted(time, expect.at)), len(time) - 1) - 1, 0)
+        return slice(first, first + 2)
     start, end = expect.over
     if end is None and math.copysign(1.0, start) < 0:
         start += float(time[-1])

@@ -232,10 +232,12 @@ def _verdict(verdict: Verdict, over: list[float] | None) -> dict[str, Any]:
 def windows(run: Samples) -> Iterator[list[float] | None]:
     """From when to when each verdict on a run's expectations is taken [s], in their order.
 
-    A last value is taken at the end of its window.
+    A last value is taken at the end of its window, one at an instant there.
     """
     for expect in run.mechanism.expect:
         times = run.time[window(run, expect)[0]]
+        if expect.at is not None and len(times):
+            times = np.array([expect.at])
         times = times[-1:] if expect.statistic == "final" else times
         for _ in run.match(expect.quantity) or [""]:
             yield [float(times[0]), float(times[-1])] if len(times) else None

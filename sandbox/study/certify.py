@@ -16,7 +16,7 @@ import numpy as np
 from sandbox.engine.clock import make_clock
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from sandbox.samples.expectations import Verdict, among, statistic, verdicts, window
+from sandbox.samples.expectations import Verdict, among, number_of, verdicts, window
 from sandbox.samples.outcome import Status
 from sandbox.scene.elements.settings import Expect
 from sandbox.scene.mechanism import Mechanism
@@ -104,7 +104,8 @@ class _Comparison:
         if verdict.quantity not in self._base or math.isnan(verdict.low):
             return judge(verdict, (math.nan,) * 3, Sizes(0.0, 0.0, 0.0))
         series = [self._series(run, verdict, expect) for run in self._runs]
-        values = [statistic(verdict.statistic, one) if len(one) else math.nan for one in series]
+        time = self._instants[among(self._instants, expect)]
+        values = [number_of(expect, time, one) if len(one) else math.nan for one in series]
         own = min((max(abs(value), usual(one)) for value, one
                    in zip(values, series, strict=True) if math.isfinite(value)), default=0.0)
         sizes = Sizes(max((float(np.abs(one).max()) for one in series if len(one)), default=0.0),

@@ -18,7 +18,6 @@ from pydantic import ValidationError
 
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue
-from sandbox.samples.expectations import past_end
 from sandbox.samples.samples import TIME
 from sandbox.scene.elements.settings import Expect, Looked
 from sandbox.scene.library import find_scene, shipped_scenes, shipped_studies
@@ -264,7 +263,7 @@ class _Making:
         if len(durations) > 1 and DURATION not in points.paths:
             return
         for name, each in spec.keep.items():
-            beyond = "" if isinstance(each, str) else past_end(each, max(durations))
+            beyond = "" if isinstance(each, str) else each.past_end(max(durations))
             if beyond:
                 self.problems.append(Problem(beyond, f'$.keep["{name}"]'))
 
@@ -303,8 +302,8 @@ class _Making:
                     allowed=catalogue.lacking(each.quantity) or catalogue.allowed(each.quantity),
                     hint=quoted(hint) if hint else ""))
             for quantity in names:
-                found[_column(name, each.quantity, quantity)] = each.model_copy(
-                    update={each.statistic: quantity})
+                found[_column(name, each.quantity, quantity)] = Looked.model_validate(
+                    each.model_dump(exclude_defaults=True) | {each.key: quantity})
         for name in found:
             if name in COLUMNS or name in points.paths:
                 self.problems.append(Problem(f"{quoted(name)} is another column of the table",
@@ -347,8 +346,9 @@ def _extremes(points: Points) -> Iterator[int]:
 
 def _expected(base: Loaded) -> dict[str, Looked | str]:
     """What the scene's expectations look at."""
+    fields = set(Looked.model_fields)
     return {f"{each.statistic} {each.quantity}": Looked.model_validate(
-        {each.statistic: each.quantity, "over": each.over}) for each in base.mechanism.expect
+        each.model_dump(include=fields, exclude_defaults=True)) for each in base.mechanism.expect
         if isinstance(each, Expect)}
 
 

@@ -102,7 +102,7 @@ def _read(
     chosen, unreached = window(run, asked)
     if unreached:
         return math.nan, unreached
-    return measured(run, asked.quantity, asked.statistic, chosen)
+    return measured(run, asked.quantity, asked, chosen)
 
 
 def _at(time: Array, values: Array, instant: float) -> tuple[float, str]:

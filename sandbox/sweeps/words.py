@@ -84,11 +84,16 @@ def _no_number(word: str) -> float:
 
 
 def looked_at(text: str) -> dict[str, Any]:
-    """``"mean disc.x over last 0.2 s"`` as an object; a quantity alone means its last sample.
+    """``"mean disc.x over last 0.2 s"`` or ``"disc.x at 0.5 s"`` as an object.
+
+    A quantity alone means its last sample.
 
     Raises:
         WrongValueError: a statistic that there is none of, or no window.
     """
+    quantity, at, instant = text.strip().partition(" at ")
+    if at:
+        return {"quantity": quantity.strip(), "at": instant.strip()}
     what, *windows = _OVER.split(text.strip())
     if len(windows) > 1:
         raise WrongValueError(f"{quoted(text)} has more than one 'over'")
@@ -108,6 +113,8 @@ def looked_at(text: str) -> dict[str, Any]:
 
 def told(asked: Looked) -> str:
     """The words of a statistic of a quantity: the inverse of :func:`looked_at`."""
+    if asked.at is not None:
+        return f"{asked.quantity} {asked.statistic}"
     begin, end = asked.over
     if begin < 0 and end is None:
         window = f"last {-begin:g} s"

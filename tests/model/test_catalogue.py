@@ -109,11 +109,12 @@ def test_every_problem_is_told_with_its_place():
     mech = mechanism(
         meters=meters(a="=disc.xx + 1", b="=c", c="=d + a", d="=b", e="=1", **{"disc.x": "=2"}),
         expect=[{"mean": "finger*.tendon.tensoin", "is": 1}, {"final": "disk.x", "is": 1},
-                {"max": "nothing*", "below": 1}])
+                {"max": "nothing*", "below": 1}, {"quantity": "disc.yy", "at": 99, "is": 1}])
     told = {problem.path: problem for problem in check_quantities(mech)}
     assert set(told) == {"$.meters[0].value", "$.meters[1].value", "$.meters[4].name",
                          "$.meters[5].name", "$.expect[0].mean", "$.expect[1].final",
-                         "$.expect[2].max"}
+                         "$.expect[2].max", "$.expect[3].quantity", "$.expect[3].at"}
+    assert told["$.expect[3].at"].message.startswith("the instant is 99 s, the run ends ")
     assert told["$.meters[0].value"].message == "unknown quantity 'disc.xx'"
     assert told["$.meters[0].value"].hint == "'disc.x'"
     assert told["$.meters[0].value"].allowed.startswith("'disc.x', 'disc.y', 'disc.angle', ")

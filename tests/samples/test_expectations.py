@@ -52,6 +52,16 @@ def test_statistics_over_windows(name, over, value):
     assert (verdict.quantity, verdict.statistic, verdict.unit) == ("r", name, "N")
 
 
+@pytest.mark.parametrize(("at", "value"), [
+    (0.105, 10.5), (0.1075, 10.75), ("110 ms", 11.0), (0.0, 0.0), (0.2, 20.0)])
+def test_a_value_at_an_instant_lies_on_the_line_of_the_samples_about_it(at, value):
+    """The ramp is straight, so that every instant is exact, those beyond the samples too."""
+    [verdict] = judge({"quantity": "r", "at": at, "is": value, "within": 1e-9}, **ramp())
+    assert verdict.value == pytest.approx(value, abs=1e-12)
+    assert (verdict.ok, verdict.reason) == (True, "")
+    assert verdict.statistic.startswith("at ")
+
+
 @pytest.mark.parametrize(("bounds", "low", "high", "ok"), [
     ({"is": 20, "within": "2.5 %"}, 19.5, 20.5, True),
     ({"is": 20, "within": 0.4}, 19.6, 20.4, False),
@@ -89,6 +99,13 @@ def test_a_pattern_gives_a_verdict_for_every_match():
      "17 of 20 samples have no value"),
     ({"min": "r", "over": [0, 0.5], "above": -99}, ramp(),
      "the window ends at 0.5 s, the run at 0.2 s"),
+    ({"quantity": "r", "at": 0.3, "above": -99}, ramp(),
+     "the instant is 0.3 s, the run ends at 0.2 s"),
+    ({"quantity": "r", "at": 0.1, "above": -99}, {**ramp(), "n": 0, "contacts": ()},
+     "no sample lies in the window"),
+    ({"quantity": "q", "at": 0.1, "above": -99},
+     ramp(meters=[{"name": "q", "value": "=1 / disc.contact.normal"}]),
+     "2 of 2 samples have no value"),
     ({"min": "r", "over": "last 0.3 s", "above": -99}, ramp(),
      "the window is the last 0.3 s, the run has 0.2 s"),
 ])
@@ -108,6 +125,8 @@ def test_a_run_that_stopped_early_fails_what_it_did_not_reach():
     [beyond] = judge({"max": "r", "over": [0.05, 0.15], "below": 99}, **options)
     [within] = judge({"max": "r", "over": [0, 0.05], "below": 99}, **options)
     assert (last.ok, beyond.ok, within.ok) == (False, False, True)
+    assert [judge({"quantity": "r", "at": at, "below": 99}, **options)[0].ok
+            for at in (0.05, 0.15)] == [True, False]
 
 
 def test_a_run_that_an_event_stopped_fails_what_it_did_not_reach():

@@ -118,6 +118,11 @@ MISTAKES: list[tuple[Change, str, str, str]] = [
     (_set("meters", 0, "value", "=a +"), "$.meters[0].value", "'a +' is not an expression", ""),
     (_set("expect", 0, "within", "5 parsec"), "$.expect[0].within", "unknown unit 'parsec'", ""),
     (_set("expect", 0, "over", "last 1 N"), "$.expect[0].over", "unit of force", ""),
+    (_set("expect", 0, "at", "1 ms"), "$.expect[0]", "'quantity' and 'at' go together", ""),
+    (_set("expect", 0, {"quantity": "body.x", "at": "1 ms", "over": [0, "1 ms"], "is": 1}),
+     "$.expect[0]", "'at' is one instant and 'over' a window: give one of them", ""),
+    (_set("expect", 0, {"quantity": "body.x", "at": "-1 ms", "is": 1}),
+     "$.expect[0].at", "0 or more", ""),
     (_set("format", 2), "$.format", "this version of sandbox reads format 1", ""),
     (_set("bodys", []), "$.bodys", "unknown key 'bodys'", "'bodies'"),
 ]

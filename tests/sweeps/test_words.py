@@ -50,6 +50,7 @@ def test_what_says_nothing_is_refused(text, said):
 
 @pytest.mark.parametrize(("text", "meant"), [
     ("disc.x", {"final": "disc.x"}),
+    ("disc.x at 0.5 s", {"quantity": "disc.x", "at": "0.5 s"}),
     ("mean a/b.normal over last 0.2 s", {"mean": "a/b.normal", "over": "last 0.2 s"}),
     ("max disc.x over 10 ms : 0.5", {"max": "disc.x", "over": [0.01, 0.5]}),
 ])

@@ -130,12 +130,14 @@ Window = Annotated[
 STATISTICS = ("mean", "min", "max", "std", "final")
 
 
+ROUNDING = 1e-9
+"""Two instants closer than this [s] are one."""
 WITHIN = "0.1 %"
 """By how much an expectation's value may be off where nothing is said."""
 
 
 class Looked(Spec):
-    """A number made of a recorded quantity: a statistic of its samples in a window of time."""
+    """A number made of a recorded quantity: its value at an instant, or a statistic in a window."""
 
     mean: str | None = None
     """Quantity, or pattern of quantities, whose mean over the window is looked at."""
@@ -149,29 +151,56 @@ class Looked(Spec):
     """Quantity, or pattern of quantities, whose last sample of the window is looked at."""
     over: Window = (0.0, None)
     """Window of time: ``"last 0.2 s"`` or ``[from, to]`` [s]; the whole run by default."""
+    of: str | None = Field(None, alias="quantity")
+    """Quantity, or pattern of quantities, whose value at the instant ``at`` is looked at."""
+    at: Instant | None = None
+    """Instant at which ``quantity`` is looked at [s], on the straight line between the two samples
+    about it."""
 
     @property
     def statistic(self) -> str:
-        """Which of :data:`STATISTICS` is asked for."""
-        return next(name for name in STATISTICS if getattr(self, name) is not None)
+        """Which of :data:`STATISTICS` is asked for, or the instant, as in ``at 0.5 s``."""
+        return self.key if self.at is None else f"at {self.at:g} s"
+
+    @property
+    def key(self) -> str:
+        """The JSON key that names the quantity."""
+        return next((name for name in STATISTICS if getattr(self, name) is not None), "quantity")
 
     @property
     def quantity(self) -> str:
         """The quantity, or pattern of quantities."""
-        return str(getattr(self, self.statistic))
+        return str(getattr(self, self.key) if self.of is None else self.of)
+
+    def past_end(self, duration: float) -> str:
+        """Why no run of a duration [s] has what is looked at; empty if it may have it."""
+        start, end = self.over
+        if self.at is not None and self.at > duration + ROUNDING:
+            return f"the instant is {self.at:g} s, the run ends at {duration:g} s"
+        if end is not None and end > duration + ROUNDING:
+            return f"the window ends at {end:g} s, the run at {duration:g} s"
+        if end is None and -start > duration + ROUNDING:
+            return f"the window is the last {-start:g} s, the run has {duration:g} s"
+        return ""
 
     @model_validator(mode="after")
     def _one_statistic(self) -> Self:
-        if sum(getattr(self, name) is not None for name in STATISTICS) != 1:
-            raise PydanticCustomError("expect", "give exactly one of " + ", ".join(STATISTICS))
+        if sum(getattr(self, name) is not None for name in (*STATISTICS, "of")) != 1:
+            raise PydanticCustomError(
+                "expect", f"give exactly one of {', '.join(STATISTICS)}, or 'quantity' with 'at'")
+        if (self.of is None) != (self.at is None):
+            raise PydanticCustomError("expect", "'quantity' and 'at' go together")
+        if self.at is not None and self.over != (0.0, None):
+            raise PydanticCustomError(
+                "expect", "'at' is one instant and 'over' a window: give one of them")
         return self
 
 
 class Expect(Looked):
     """A range that a recorded quantity must keep: the scene's own regression test.
 
-    One of ``mean``, ``min``, ``max``, ``std`` or ``final`` names the quantity
-    (patterns allowed: every match must hold); one of ``is``, ``between``,
+    One of ``mean``, ``min``, ``max``, ``std`` or ``final`` names the quantity, or ``quantity``
+    with the instant ``at`` (patterns allowed: every match must hold); one of ``is``, ``between``,
     ``above`` or ``below`` says what it must be.
     """
 

@@ -59,7 +59,7 @@ Object.assign(Report.prototype, {
     const groups = new Map(), all = this.heads.length;
     this.heads.forEach(({ words }, k) => {
       for (const { quantity, statistic, over, low, high, ok } of words.expect) {
-        if (quantity !== name || !over || !["mean", "final", "min", "max"].includes(statistic)) continue;
+        if (quantity !== name || !over || statistic === "std") continue;
         const mean = statistic === "mean", key = JSON.stringify([over, low, high, mean]);
         if (!groups.has(key)) groups.set(key, { from: over[0], to: over[1], low, high, mean, ok: true, runs: new Set() });
         const band = groups.get(key);
