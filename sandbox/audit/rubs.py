@@ -9,7 +9,7 @@ import numpy as np
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import DIGITS, EXACT, STILL, Figure, Worst, peak, whole
 from sandbox.model.ties import held_one
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Flags
 
 SOLVED = 1e-9
 """Share of the fastest that bounded rows see by which their rates may be off."""
@@ -36,10 +36,11 @@ def rub_figures(evidence: Evidence) -> Iterator[Figure]:
         unsure = EXACT + MEASURED / (evidence.h * alone.min() * largest)
         name = joints.name[j]
         worst.add(f"bound of {name}", np.maximum(np.abs(friction) - most, 0.0) / largest, unsure)
-        # where it slips it gives all; in the step in which it lets go that is what it held with
-        short = np.minimum(np.abs(np.abs(friction) - sliding), np.abs(np.abs(friction) - most))
-        worst.add(f"slip of {name}", np.where(holds, 0.0, short) / largest, unsure, ~gone)
         rate, fast = rates[j], 1 + peak(rates[j])
+        low, high = _breaking_away(holds, rate, sliding, most)
+        short = np.maximum(low - np.abs(friction), np.abs(friction) - high)
+        worst.add(f"slip of {name}", np.where(holds, 0.0, np.maximum(short, 0.0)) / largest,
+                  unsure, ~gone)
         wrong = np.where(holds, np.abs(rate), np.maximum(rate * np.sign(friction), 0.0))
         held = HELD * alone * evidence.h * 2 * peak(friction)
         worst.add(name, wrong / fast, SOLVED + (
@@ -51,6 +52,19 @@ def rub_figures(evidence: Evidence) -> Iterator[Figure]:
         why="dry friction of joints against its bound from what they carry, its sense against the "
             "motion at the end of the step, none of that where it holds, {count:comparison}, "
             "worst: {where}")
+
+
+def _breaking_away(
+    holds: Flags, rate: Array, sliding: Array, most: Array,
+) -> tuple[Array, Array]:
+    """Least and largest friction where it slips, [n]: that of sliding, or a share of both bounds.
+
+    The latter where it may have begun to slip in this step (:mod:`sandbox.engine.breakaway`): it
+    held in the sample before, or slipped the other way.
+    """
+    begins = np.append(True, holds[:-1] | (rate[1:] * rate[:-1] < 0))
+    some = begins * (most - sliding) / 2
+    return np.maximum(sliding - some, 0.0), sliding + some
 
 
 def carried(evidence: Evidence, joint: int) -> Array:

@@ -94,6 +94,7 @@ RUB_STATE = np.dtype([
     ("impulse", float),     # on b, counter-clockwise or along the groove, of the last step
     ("pressed", float),     # that of the joint which it hangs on [N s]
     ("mode", np.int64),     # -1 and 1 where it slipped, 0 where it held
+    ("bound", float),       # static friction where it held, else nan [N s, N m s]
     ("ux", float), ("uy", float),   # where the joint pushed: of rows, not of the world
     ("kept", np.int64),     # whether it has held since a place along its groove was noted
     ("place", float),       # that place [m]

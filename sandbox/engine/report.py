@@ -12,7 +12,16 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import LEAST
 from sandbox.engine.rubs import forget_rub, report_rub
 from sandbox.engine.slips import slipped
-from sandbox.engine.state import LIMITED, NORMAL, PRESSED, PULLED, RUBBING, SLIPPING, TANGENT
+from sandbox.engine.state import (
+    HOLDS,
+    LIMITED,
+    NORMAL,
+    PRESSED,
+    PULLED,
+    RUBBING,
+    SLIPPING,
+    TANGENT,
+)
 from sandbox.engine.teeth import toothed
 from sandbox.engine.ties import acts, holds, tied
 from sandbox.numeric import Array
@@ -100,7 +109,12 @@ def _report_bounded(table: int, h: float, n: int) -> None:
         elif row["source"] == PRESSED:
             rubs[i]["pressed"] = p
         elif row["source"] == RUBBING:
-            report_rub(table, h, i, p, row["mode"])
+            mode, bound = row["mode"], math.nan
+            if row["phase"] == HOLDS:
+                mode, bound = 0, row["high"]
+                if row["normal"] >= 0:
+                    bound = row["friction"] * rows[row["normal"]]["p"]
+            report_rub(table, h, i, p, mode, bound)
         else:
             motors[i]["impulse"], motors[i]["mode"] = p, row["mode"]
             motors[i]["target"] = motors[i]["aim"]

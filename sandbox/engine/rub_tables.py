@@ -35,7 +35,7 @@ def rub_table(joints: Records, model: Model, first: int) -> tuple[Records, list[
 def rub_state(rubs: Records, model: Model) -> Records:
     """What they begin with: joints that move at t = 0 slip, those at rest hold."""
     state = np.zeros(len(rubs), RUB_STATE)
-    state["ux"] = 1.0
+    state["ux"], state["bound"] = 1.0, np.nan
     for own, j in zip(state, rubs["joint"].tolist(), strict=True):
         slides = model.joints.kind[j].keeps == "groove"
         own["mode"] = -np.sign(sliding(model, j) if slides else turning(model, j))

@@ -23,7 +23,7 @@ from sandbox.engine.entry_points import entry_point
 from sandbox.engine.joint_state import GROOVE
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import beyond, way_rate
-from sandbox.engine.state import PRESSED, RUBBING, STILL, STILL_TURNING
+from sandbox.engine.state import HOLDS, PRESSED, RUBBING, SLIDES, STILL, STILL_TURNING
 from sandbox.numeric import Array, Matrix
 
 SAME = 1e-10
@@ -72,7 +72,8 @@ def rub_rows(table: int, h: float, i: int, n: int) -> int:
     """Add the rows of joint ``i`` of those that rub: what it carries, and friction; how many."""
     rub, state, rows = at.rubs(table)[i], at.rub_states(table)[i], at.rows(table)
     k = rub["joint"]
-    joint, more = at.joints(table)[k], rub["static"] if state["mode"] == 0 else 1.0
+    joint, holds = at.joints(table)[k], state["mode"] == 0
+    more = rub["static"] if holds else 1.0
     hangs = rub["share"] > 0.0
     if hangs:
         out = rows[n]
@@ -89,6 +90,8 @@ def rub_rows(table: int, h: float, i: int, n: int) -> int:
     out["low"], out["high"], out["branch"] = -most, most, 0
     out["normal"], out["friction"] = n if hangs else -1, more * rub["share"]
     out["last"], out["mode"] = state["impulse"], state["mode"]
+    out["static"], out["phase"] = rub["static"], HOLDS if holds and more > 1.0 else SLIDES
+    out["spare"], out["gave"], out["slip"] = state["bound"], state["impulse"], state["mode"]
     return m + 1
 
 
@@ -116,11 +119,11 @@ def change_rubs(table: int, n: int) -> bool:
 
 
 @entry_point("rubs")
-def report_rub(table: int, h: float, i: int, p: float, mode: int) -> None:
-    """Note what friction was in the step: its impulse on ``b``, and the row's mode."""
+def report_rub(table: int, h: float, i: int, p: float, mode: int, bound: float) -> None:
+    """Note what friction was in the step: its impulse on ``b``, the row's mode and static bound."""
     state, out, k = at.rub_states(table)[i], at.rub_results(table)[i], at.rubs(table)[i]["joint"]
     joint = at.joints(table)[k]
-    state["impulse"], state["mode"] = p, mode
+    state["impulse"], state["mode"], state["bound"] = p, mode, bound
     out["force"] = p / h * (1.0 if joint["keeps"] == GROOVE else joint["sense"])
     # a rigid drive may hold what friction has left at its bound: nothing moves all the same
     rate = abs(_rubbed_rate(table, k, at.velocity(table)))
@@ -137,7 +140,7 @@ def forget_rub(table: int, h: float, i: int, p: float) -> None:
     state = at.rub_states(table)[i]
     state["pressed"] = state["place"] = 0.0
     rate = _rubbed_rate(table, at.rubs(table)[i]["joint"], at.velocity(table))
-    report_rub(table, h, i, p, -1 if rate > 0.0 else 1 if rate < 0.0 else 0)
+    report_rub(table, h, i, p, -1 if rate > 0.0 else 1 if rate < 0.0 else 0, math.nan)
     state["kept"] = 0
     at.rub_results(table)[i]["sticks"] = 0.0
 

@@ -20,6 +20,7 @@ import math
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import columns, couple, measures, push, relax, solve_modes, wipe, y_of
+from sandbox.engine.breakaway import break_away
 from sandbox.engine.breaks import breaks
 from sandbox.engine.candidates import broken_rows, kept_rows
 from sandbox.engine.entry_points import entry_point
@@ -127,7 +128,11 @@ def solve(table: int, h: float, drive: Array) -> bool:
         changed |= change_rubs(table, n)
         changed |= hit or change_cords(table, h, attempt) or change_lines(table, h, drive, attempt)
         if not (pressed or (changed and attempt < ROUNDS - 1)):
-            if attempt + 1 == PRESSED or not breaks(table, h, n):
+            if attempt + 1 == PRESSED:
+                break
+            if break_away(table, n):
+                continue
+            if not breaks(table, h, n):
                 break
             n = kept_rows(table, h, drive)
     report(table, h, n)

@@ -37,6 +37,9 @@ NORMAL, TANGENT, LIMITED, DRIVEN, SLIPPING, PULLED, RUBBING, PRESSED = 0, 1, 2, 
 """Where a bounded row comes from: a contact's two, a limit, a motor or brake; friction between a
 guide and its cord, and what that is measured by: the sum of the tensions on either side; friction
 in a joint, and its measure: what the joint carries."""
+SLIDES, HOLDS, TRIED = 0, 1, 2
+"""Phases of a row with static friction in a step: it has sliding friction; static friction; or it
+slipped against that, and sliding friction is tried (:mod:`sandbox.engine.breakaway`)."""
 
 ACTION = np.dtype([
     ("drive", np.int64),    # whose value it takes, -1 for a spring of constant stiffness
@@ -123,8 +126,13 @@ BOUND = np.dtype([
     ("normal", np.int64),   # of a tangential row the normal one; -1 of others
     ("friction", float),
     ("low", float), ("high", float),    # of the impulse, of rows that are not tangential
+    ("static", float),      # static over sliding friction, of rows in joints and of contacts
+    ("phase", np.int64),    # of these: SLIDES, HOLDS or TRIED
+    ("spare", float),       # bound in the last step, then what was left of it; nan where unknown
+    ("gave", float),        # impulse of the last step, then that with static friction
+    ("slip", float),        # mode of the last step, then rate of slip with static friction
     ("mode", np.int64),     # -1, 0, 1: at low, in between (y = 0), at high
-    ("last", float),        # impulse of the last step
+    ("last", float),        # impulse of the last step, which fades where it moves
     ("p", float),           # impulse
     ("free", float),        # y without bounded rows
     ("base", float),        # y for an impulse of 1, bilateral rows left out

@@ -17,7 +17,13 @@ from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.mechanism import Mechanism
-from sandbox.study.independent import damped_spring, oscillation, slide_and_roll, trajectory
+from sandbox.study.independent import (
+    damped_spring,
+    oscillation,
+    slide_and_roll,
+    stick_slip,
+    trajectory,
+)
 from sandbox.study.orders import EXACT, STEPS, ExactMotion
 from sandbox.study.plain_mechanisms import G, cord, fixed, mass, mechanism
 
@@ -294,6 +300,46 @@ def slipping() -> ExactMotion:
         solution="x'' = −μ g until x' = 0", why="as slip, then rolling")
 
 
+def _dragged(name: str, block: dict[str, Any], **more: Any) -> ExactMotion:
+    """Blocks that springs drag, sticking and slipping, each at another moment of its step.
+
+    Args:
+        name: of the motion.
+        block: what the blocks have besides, 1 m apart on a plane 10 mm below their centres.
+        more: of the mechanism.
+    """
+    speed, stiffness, weight = 0.1, 100.0, 1.0 * G
+    ahead = COARSEST * np.arange(PHASES) / PHASES
+    plane = fixed("plane", material="rough", shapes=[
+        {"type": "box", "size": (2.0 * PHASES + 2.0, 0.02), "at": (0.0, -0.01)}])
+    hand = {"name": "hand", "motion": "scheduled", "path": {"x": f"={speed} * t"}}
+    blocks = [{"name": f"block{i}", "mass": 1.0, "at": (float(i), 0.01), **block}
+              for i in range(PHASES)]
+    springs = [{"type": "linear", "name": f"spring{i}", "a": f"block{i}", "b": "hand",
+                "on_b": (i + 0.3 + float(speed * ahead[i]), 0.01), "rest_length": 0.3,
+                "stiffness": stiffness} for i in range(PHASES)]
+
+    def error(run: Recording) -> float:
+        return max(float(np.abs(run[f"block{i}.x"] - i - stick_slip(
+            run.time + ahead[i], 1.0, stiffness, speed, 0.48 * weight, 0.3 * weight)).max())
+            for i in range(PHASES))
+
+    return ExactMotion(
+        name, lambda step: mechanism(
+            duration=3.0, step=step, gravity=(0.0, -G), bodies=[plane, hand, *blocks],
+            springs=springs, **more),
+        error, "m", 2, "m x'' = k (v t − x) − 0.3 m g while it slips; it sticks up to 0.48 m g",
+        "in the step in which a block breaks away friction has the share of either coefficient")
+
+
+def stick_slip_joint() -> ExactMotion:
+    """Blocks in grooves that hold with more than they slide with."""
+    return _dragged("joint: stick-slip", {"inertia": 1e-3}, joints=[
+        {"type": "slot", "name": f"slot{i}", "a": "plane", "b": f"block{i}", "turns": False,
+         "start": (i - 0.1, 0.01), "end": (i + 0.5, 0.01), "friction_coefficient": 0.3,
+         "static": 1.6} for i in range(PHASES)], materials={"rough": {}})
+
+
 def after_landing() -> ExactMotion:
     """A disc on a spring along the plane, after it has dropped on the plane."""
     omega, start = 40.0, 0.02
@@ -348,4 +394,4 @@ def elements() -> list[ExactMotion]:
     return [make() for make in (
         gravity, linear_spring, rotary_spring, linear_damper, rotary_damper, pulled_tendon,
         elastic_tendon, damped_tendon, stiff_tendon, stop, landing, after_landing, over_a_disc,
-        slipping, rolling)]
+        slipping, rolling, stick_slip_joint)]

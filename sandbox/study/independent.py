@@ -202,6 +202,25 @@ def stopping_distance(speed: float, friction: float, gravity: float) -> float:
     return speed**2 / (2 * friction * gravity)
 
 
+def stick_slip(t: Array, mass: float, stiffness: float, speed: float, static: float,
+               sliding: float) -> Array:
+    """The place x(t) [m] of a block that a spring drags, whose other end moves at ``speed``.
+
+    At t = 0 the block is at rest and the spring relaxed. The block sticks until the spring's force
+    is ``static`` [N]. It then slips against ``sliding`` [N] for 2 (pi - atan(d w / v)) / w, with
+    w^2 = k / m and d = (static - sliding) / k; the stretch that is left is sliding / k - d.
+    """
+    omega, more = np.sqrt(stiffness / mass), (static - sliding) / stiffness
+    slips = 2 * (np.pi - np.arctan2(more * omega, speed)) / omega
+    period, first = slips + 2 * more / speed, static / stiffness / speed
+    u = np.where(t < first, 0.0, (t - first) % period)
+    start = np.where(t < first, first, t - u)
+    slip = np.minimum(u, slips)
+    stretch = (sliding / stiffness + more * np.cos(omega * slip)
+               + speed / omega * np.sin(omega * slip))
+    return np.asarray(speed * (start + slip) - stretch)
+
+
 def atwood(mass_1: float, mass_2: float, gravity: float) -> tuple[float, float]:
     """Downward acceleration of mass 1 [m/s^2] and tension [N] over a massless fixed guide."""
     total = mass_1 + mass_2

@@ -17,6 +17,7 @@ from sandbox.engine.simulate import simulate
 from sandbox.errors import SceneError
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
+from sandbox.study.independent import stick_slip
 
 from .machines import G, fixed, mechanism
 
@@ -125,10 +126,46 @@ def test_static_friction_gives_way_at_its_own_bound() -> None:
     assert np.abs(run["m.x"][holds]).max() < 1e-14
     late = run.time > 0.225 + 1.5 * H
     assert run["s.friction"][late] == pytest.approx(np.full(late.sum(), -3.0), rel=1e-12)
-    assert run["s.friction"][~holds][0] == pytest.approx(-4.5, rel=1e-12)
     t = run.time[-1]
     fast = (10 * (t**2 - 0.225**2) - 3 * (t - 0.225)) / 2.0
-    assert run["m.vx"][-1] == pytest.approx(fast, abs=1.5 * H)  # 1.5 N too much for a step, 2 kg
+    # a sample is the mean of two speeds: 20 N/s / 2 kg h^2 / 8
+    assert run["m.vx"][-1] == pytest.approx(fast, abs=1.001 * 10 * H**2 / 8)
+
+
+@pytest.mark.parametrize(("blocks", "share"), [(1, 1.0), (2, 0.3), (2, 0.9)])
+def test_break_away_takes_the_share_of_the_step(blocks: int, share: float) -> None:
+    """A spring drags a block, or two that a rod joins, of whose friction one has a share.
+
+    At each of three break-aways the place may be off by a h^2 / 2 with a the jump of acceleration.
+    Of two that slip as one, one is at its bound long before.
+    """
+    sliding, static, h = 3.0, 4.8, 5e-4
+    shares = (share, 1 - share)[:blocks]
+    run = sound(simulate(mechanism(
+        duration=2.0, step=h, bodies=[
+            fixed("wall"), {"name": "hand", "motion": "scheduled", "path": {"x": "=0.5 + 0.1 * t"}},
+            *({"name": f"m{i}", "mass": 1.0 / blocks, "inertia": 1e-3, "at": (0.3 * i, 0.4 * i)}
+              for i in range(blocks))],
+        joints=[{"type": "slot", "name": f"s{i}", "a": "wall", "b": f"m{i}", "start": (-1, 0.4 * i),
+                 "end": (3, 0.4 * i), "turns": False, "friction": each * sliding,
+                 "static": static / sliding} for i, each in enumerate(shares)]
+        + [{"type": "rod", "name": "r", "a": "m0", "b": "m1"}] * (blocks - 1),
+        springs=[{"type": "linear", "name": "pull", "a": "m0", "b": "hand", "stiffness": 100.0,
+                  "rest_length": 0.5}])))
+    truth = stick_slip(run.time, 1.0, 100.0, 0.1, static, sliding)
+    assert run["m0.x"] == pytest.approx(truth, abs=3 * (static - sliding) * h**2 / 2)
+
+
+def test_what_slips_back_is_held_by_static_friction_first() -> None:
+    """A force that swings by 6 N about a block that holds with 4.8 N and slides with 3 N.
+
+    Whenever it comes to rest while the force is between the two, it stays there up to 4.8 N.
+    """
+    run = block(push="=6 * sin(12 * t)", duration=3.0, friction=3.0, static=1.6)
+    force, holds = np.abs(6 * np.sin(12 * run.time)), run["s.sticks"] == 1.0
+    begins = np.flatnonzero(~holds[1:] & (holds[:-1] | (run["m.vx"][1:] * run["m.vx"][:-1] < 0)))
+    assert len(begins) == 12  # of 11.5 half swings
+    assert force[begins + 1].min() > 4.8 - 1.5 * H * 6 * 12
 
 
 def test_what_slides_at_the_start_is_not_held_by_static_friction() -> None:
