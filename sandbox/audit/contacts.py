@@ -10,7 +10,7 @@ import numpy as np
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, judged, missing
 from sandbox.audit.outlines import contact_geometry
-from sandbox.model.friction import friction_of
+from sandbox.model.friction import friction_of, static_friction_of
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array
 from sandbox.samples.contacts import TOUCH
@@ -31,7 +31,7 @@ def contact_figures(evidence: Evidence) -> Iterator[Figure]:
 
 
 def used_friction(evidence: Evidence) -> Array:
-    """Tangential force of every contact row against its limit, [m]; 1 is the edge of the cone.
+    """Tangential force of every contact row against static friction, [m]; 1 is the cone's edge.
 
     Where the coefficient is 0, so is the limit: then any tangential force
     counts against the normal force itself.
@@ -40,7 +40,8 @@ def used_friction(evidence: Evidence) -> Array:
     count = len(evidence.model.bodies.name)
     pair = a["contact_body"] * count + a["contact_other"]
     kinds = np.unique(pair)
-    mu = np.array([friction_of(evidence.model.mechanism, *divmod(int(k), count)) for k in kinds])
+    mu = np.array([static_friction_of(evidence.model.mechanism, *divmod(int(k), count))
+                   for k in kinds])
     limit = mu[np.searchsorted(kinds, pair)] * contacts.normal if len(kinds) else np.zeros(0)
     rough = limit > TOUCH
     size = np.abs(contacts.tangential)
@@ -66,9 +67,10 @@ def _friction(evidence: Evidence) -> Figure:
     states = []
     for row in last:
         one, two = int(a["contact_body"][row]), int(a["contact_other"][row])
-        mu = friction_of(evidence.model.mechanism, one, two)
-        state = ("has several normals" if not sure[row] else
-                 "frictionless" if mu == 0 else "slips" if used[row] > 1 - SLIPS
+        mu, static = (of(evidence.model.mechanism, one, two)
+                      for of in (friction_of, static_friction_of))
+        state = ("has several normals" if not sure[row] else "frictionless" if mu == 0
+                 else "slips" if used[row] > 1 - SLIPS or abs(used[row] * static / mu - 1) < SLIPS
                  else f"sticks, {100 * (1 - used[row]):.0f} % from the limit")
         names = evidence.model.bodies.name
         states.append(f"{names[one]}/{names[two]} {state}")

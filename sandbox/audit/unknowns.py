@@ -20,7 +20,7 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, STOPPED
 from sandbox.audit.patches import pressed
 from sandbox.audit.rubs import carried
-from sandbox.model.friction import friction_of
+from sandbox.model.friction import static_friction_of
 from sandbox.model.model import NONE
 from sandbox.model.supports import about_centre, joint_rows
 from sandbox.model.ties import held_of
@@ -231,7 +231,7 @@ class Unknowns:
                                   normal=n, tangential=t)
                 yield Unknown(self._pair(*pair, at, 0 * u, 1.0), free=True, contact=row)
                 continue
-            mu = friction_of(self.model.mechanism, *pair)
+            mu = static_friction_of(self.model.mechanism, *pair)
             for at in places:
                 for t in (mu, -mu) if mu else (0.0,):
                     yield Unknown(self._pair(*pair, at, u + t * left), contact=row, normal=1.0,

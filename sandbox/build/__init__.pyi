@@ -216,18 +216,21 @@ def table(
 def material(
     *,
     friction: Number | None = None,
+    static: Number | None = None,
     restitution: Number | None = None,
     colour: Literal['white', 'grey', 'black', 'blue', 'teal', 'green', 'yellow', 'orange', 'red',
         'pink', 'purple', 'brown'] | str | None = None,
 ) -> Entry:
     """A contact surface: how it rubs and how it bounces.
 
-    The friction of a pair is the geometric mean of the two.
+    Friction, static and restitution of a pair are the geometric means of the two.
 
     Args:
         friction: Coulomb coefficient, 0 or more, of two surfaces of this material.
+        static: How many times as much as it rubs with while it slides it holds with while it does
+            not, 1 or more, as of a joint; by default just as much.
         restitution: Rebound speed over approach speed of two surfaces of this material: 0 does not
-            bounce, 1 loses nothing. Of a pair it is the geometric mean of the two.
+            bounce, 1 loses nothing.
         colour: Fill in pictures of the bodies of this material, as a body's ``colour``.
     """
 
@@ -501,6 +504,7 @@ def contact(
     between: Sequence[str],
     collide: bool | None = None,
     friction: Number | None = None,
+    static: Number | None = None,
 ) -> Entry:
     """What two sets of bodies do when they meet; later rules win over earlier ones.
 
@@ -510,6 +514,8 @@ def contact(
             earlier rule did not; a joint's own ``collide`` comes after all rules.
         friction: Coulomb coefficient of this pair, 0 or more; by default the geometric mean of the
             two materials'.
+        static: How many times as much as the pair rubs with while it slides it holds with while it
+            does not, 1 or more; by default the geometric mean of the two materials'.
     """
 
 def group(

@@ -36,7 +36,7 @@ def break_away(table: int, n: int) -> bool:
     rows, G, changed, tried = at.rows(table), at.delassus(table), False, False
     for k in range(n):
         row, mode = rows[k], rows[k]["mode"]
-        if row["source"] != RUBBING and row["source"] != TANGENT:
+        if not _may_hold(row):
             continue
         y = y_of(rows, n, G, k)
         if row["phase"] == SLIDES and mode * row["slip"] < 0.0:
@@ -54,7 +54,7 @@ def break_away(table: int, n: int) -> bool:
         for k in range(n):
             rows[k]["wrong"] = _share(rows, n, G, k)
         for k in range(n):
-            if _is_tried(rows[k]):
+            if _may_hold(rows[k]) and rows[k]["phase"] == TRIED:
                 s = rows[k]["wrong"]
                 _multiply(rows[k], max((s - 0.5) * rows[k]["static"] + 1.5 - s, 0.0))
                 rows[k]["phase"], rows[k]["slip"] = SLIDES, 0.0
@@ -62,8 +62,9 @@ def break_away(table: int, n: int) -> bool:
 
 
 @kernel
-def _is_tried(row: Any) -> bool:
-    return bool((row["source"] == RUBBING or row["source"] == TANGENT) and row["phase"] == TRIED)
+def _may_hold(row: Any) -> bool:
+    """Whether a row has static above sliding friction."""
+    return bool((row["source"] == RUBBING or row["source"] == TANGENT) and row["static"] > 1.0)
 
 
 @kernel
@@ -79,7 +80,7 @@ def _share(rows: Records, n: int, G: Array, k: int) -> float:
     before = beyond = slip = more = 0.0
     for i in range(n):
         row = rows[i]
-        if _is_tried(row) and G[k, i] != 0.0:
+        if _may_hold(row) and row["phase"] == TRIED and G[k, i] != 0.0:
             before += row["slip"] * row["spare"]
             beyond += row["slip"] * abs(row["gave"] - row["p"])
             slip += row["slip"] * row["slip"]

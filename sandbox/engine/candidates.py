@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from sandbox.engine import memory as at
@@ -13,7 +14,7 @@ from sandbox.engine.rows import beyond
 from sandbox.engine.rubs import rub_rows
 from sandbox.engine.servos import servo_row
 from sandbox.engine.slips import slip_rows
-from sandbox.engine.state import DRIVEN, LIMITED, NORMAL, TANGENT
+from sandbox.engine.state import DRIVEN, HOLDS, LIMITED, NORMAL, SLIDES, STILL, TANGENT
 from sandbox.engine.teeth import flank
 from sandbox.engine.ties import holds, joint_holds
 from sandbox.numeric import Array, Records
@@ -47,7 +48,8 @@ def rub_row(h: float, body: Array, touches: Records, i: int, normal: int, out: A
     """The tangential row of contact ``i``.
 
     Its arms turn on with their bodies, by half a step up to the instant of the velocities: the
-    point of a corner that sticks then stays where it is, to second order.
+    point of a corner that sticks then stays where it is, to second order. Static friction is for
+    what stuck in the last step, or is new and at rest.
     """
     t = touches[i]
     x, y = -t["ny"], t["nx"]
@@ -60,6 +62,14 @@ def rub_row(h: float, body: Array, touches: Records, i: int, normal: int, out: A
     out["want"] = 0.5 * h * (wa * wa * arm_a - wb * wb * arm_b) + t["belt"]
     out["low"], out["high"], out["friction"] = 0.0, 0.0, t["friction"]
     out["last"], out["mode"], out["branch"] = t["tangent"], t["mode"], 0
+    out["static"], out["phase"], out["slip"] = t["static"], SLIDES, t["mode"]
+    a, b, carried = t["a"], t["b"], t["normal"] > 0.0
+    sliding = (x * (body[b, 3] - body[a, 3]) + y * (body[b, 4] - body[a, 4])
+               + out["at"] * wa + out["bt"] * wb + t["belt"])
+    if t["static"] > 1.0 and t["mode"] == 0 and (carried or abs(sliding) < STILL):
+        out["phase"], out["friction"] = HOLDS, t["static"] * t["friction"]
+        out["spare"] = out["friction"] * t["normal"] if carried else math.nan
+        out["gave"] = t["tangent"]
 
 
 @kernel

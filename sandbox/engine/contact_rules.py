@@ -14,7 +14,7 @@ import numpy as np
 
 from sandbox.model.model import Model
 from sandbox.model.pairs import Words, allowed_pairs, joined
-from sandbox.numeric import Array, Flags, Integers
+from sandbox.numeric import Array, Flags, Integers, Stack
 from sandbox.scene.elements.bodies import Material
 from sandbox.scene.mechanism import Mechanism
 
@@ -25,8 +25,8 @@ CATEGORIES = 32
 class Filters:
     """Per body, in mechanism order: group, category bits, mask; and what filters can't say.
 
-    ``allowed`` is the matrix of pairs that may touch, ``friction`` and ``restitution`` hold
-    the coefficients of all pairs, each of shape [nb, nb].
+    ``allowed`` is the matrix of pairs that may touch, ``friction``, ``static`` and
+    ``restitution`` hold the coefficients of all pairs, each of shape [nb, nb].
     """
 
     group: Integers
@@ -34,6 +34,7 @@ class Filters:
     mask: Integers
     allowed: Flags
     friction: Array
+    static: Array
     restitution: Array
 
 
@@ -74,13 +75,14 @@ def _kinds(rows: Flags) -> tuple[int, Integers]:
     return len(kinds), np.reshape(kind, -1).astype(np.int64)
 
 
-def _pair_materials(mechanism: Mechanism, words: Words) -> tuple[Array, Array]:
-    """Friction and restitution of all pairs: the geometric mean, unless a rule says otherwise."""
+def _pair_materials(mechanism: Mechanism, words: Words) -> Stack:
+    """Friction, static and restitution of all pairs: geometric means, or what rules say, [3]."""
     materials = [mechanism.materials.get(body.material or "", Material())
                  for body in mechanism.bodies]
-    roots = np.sqrt([[m.friction, m.restitution] for m in materials]).reshape(-1, 2)
-    friction, restitution = (roots[:, None, n] * roots[None, :, n] for n in range(2))
+    roots = np.sqrt([[m.friction, m.static, m.restitution] for m in materials]).reshape(-1, 3).T
+    found = np.ascontiguousarray(roots[:, :, None] * roots[:, None, :])
     for rule in mechanism.contacts:
-        if rule.friction is not None:
-            words.fill(friction, rule, rule.friction)
-    return friction, restitution
+        for table, value in zip(found, (rule.friction, rule.static), strict=False):
+            if value is not None:
+                words.fill(table, rule, value)
+    return found

@@ -29,7 +29,7 @@ FEATURES: dict[str, Callable[[Constants], bool]] = {
     "shapes": lambda c: len(c.shapes) > 0,
     "slips": lambda c: bool(len(c.slips) or (c.cords["spans"] < c.cords["spans_end"]).any()),
     "springs": lambda c: len(c.springs) > 0,
-    "static": lambda c: bool((c.rubs["static"] > 1.0).any()),
+    "static": lambda c: bool((c.static > 1.0).any() or (c.rubs["static"] > 1.0).any()),
     "teeth": lambda c: bool(np.isin(c.joints["keeps"], (GEAR, RACK, ROLL)).any()),
     "ties": lambda c: len(c.ties) > 0,
 }

@@ -98,7 +98,8 @@ def _report_bounded(table: int, h: float, n: int) -> None:
             touches[i]["normal"] = max(p, 0.0)
             touches[i]["listed"] = 1 if p > 0.0 else 0
         elif row["source"] == TANGENT:
-            touches[i]["tangent"], touches[i]["mode"] = p, row["mode"]
+            mode = 0 if row["phase"] == HOLDS else row["mode"]
+            touches[i]["tangent"], touches[i]["mode"] = p, mode
         elif row["source"] == LIMITED:
             states[i]["impulse"] = max(p, 0.0)
             add_limit(table, h, k)

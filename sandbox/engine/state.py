@@ -215,6 +215,8 @@ class Constants(NamedTuple):
     """KNOT of these."""
     friction: Array
     """Coefficient of every pair of bodies, negative where they may not touch, [nb, nb]."""
+    static: Array
+    """Static over sliding friction of every pair of bodies, [nb, nb]."""
     restitution: Array
     """Of every pair of bodies, [nb, nb]."""
     starts: Integers

@@ -221,14 +221,14 @@ def _results(
     return result
 
 
-def pair_tables(filters: Filters, order: Integers) -> tuple[Array, Array]:
-    """Coefficients of friction and restitution of all pairs of bodies in pymunk's order, [nb, nb].
+def pair_tables(filters: Filters, order: Integers) -> tuple[Array, Array, Array]:
+    """Friction, static and restitution of all pairs of bodies in pymunk's order, [nb, nb] each.
 
     Friction is negative where two bodies may not touch.
     """
     pairs = np.ix_(order, order)
     return (np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
-            filters.restitution[pairs].copy())
+            filters.static[pairs].copy(), filters.restitution[pairs].copy())
 
 
 def _table(rows: list[dict[str, Any]], record: np.dtype[Any]) -> Records:

@@ -32,7 +32,7 @@ TOUCH = np.dtype([
     ("gap", float),         # [m]
     ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k / d
     ("acceleration", float),    # of the gap while the bodies keep their velocities [m/s^2]
-    ("friction", float), ("restitution", float),
+    ("friction", float), ("static", float), ("restitution", float),
     ("normal", float), ("tangent", float),  # impulses on b, along (nx, ny) and (-ny, nx) [N s]
     ("bounce", float), ("rub", float),      # the same, of impacts, which come before
     ("mode", np.int64),     # of the tangential row: -1 and 1 slide, 0 sticks

@@ -88,6 +88,7 @@ def list_touches(table: int) -> None:
         if state == EXACT and _repeated(out, n):
             continue
         out[n]["acceleration"] = gap_acceleration(table, out[n])
+        out[n]["static"] = at.static(table)[out[n]["a"], out[n]["b"]]
         n += 1
     guess = 0
     for k in range(n):

@@ -8,13 +8,20 @@ from fnmatch import fnmatchcase
 from sandbox.errors import Problem, SceneError
 from sandbox.kinds.elements import SPRINGS
 from sandbox.scene.elements.drives import kind_of
+from sandbox.scene.elements.settings import ContactRule
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
 
 ACTING = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives")
 """What has a name and does something, in the order in which one can need another."""
 MATERIAL = "materials."
-"""Stands before a material's name; without it a material has no restitution."""
+"""Stands before a material's name; without it a material has no restitution, and no static friction
+above that of sliding."""
+
+
+def rule_name(rule: ContactRule) -> str:
+    """The name of a contact rule; without it its two bodies have no such static friction."""
+    return f"contacts.{'/'.join(rule.between)}"
 
 
 def needs(mechanism: Mechanism) -> dict[str, set[str]]:
@@ -52,7 +59,8 @@ def leave_out(
         SceneError: patterns that fit no name.
     """
     needed = needs(mechanism)
-    names = [*needed, *(MATERIAL + material for material in mechanism.materials)]
+    names = [*needed, *(MATERIAL + material for material in mechanism.materials),
+             *(rule_name(rule) for rule in mechanism.contacts if rule.static)]
     unknown = [word for word in patterns if not any(fnmatchcase(name, word) for name in names)]
     if unknown:
         raise SceneError([
@@ -66,9 +74,11 @@ def leave_out(
     kept = {kind: tuple(element for element in getattr(mechanism, kind) if element.name not in gone)
             for kind in ACTING}
     materials = {
-        name: material.model_copy(update={"restitution": 0.0})
+        name: material.model_copy(update={"restitution": 0.0, "static": 1.0})
         if MATERIAL + name in gone else material
         for name, material in mechanism.materials.items()
     }
-    left = mechanism.model_copy(update={**kept, "materials": materials})
+    rules = tuple(rule.model_copy(update={"static": 1.0}) if rule_name(rule) in gone else rule
+                  for rule in mechanism.contacts)
+    left = mechanism.model_copy(update={**kept, "materials": materials, "contacts": rules})
     return left, tuple(name for name in names if name in gone)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.errors import Problem
-from sandbox.export.omission import MATERIAL
+from sandbox.export.omission import MATERIAL, rule_name
 from sandbox.export.pairs import material_of, touching_pairs
 from sandbox.export.tree import Tree, pose, vec
 from sandbox.export.wheels import wrap_round
@@ -19,12 +19,14 @@ from sandbox.scene.geometry import to_world
 from sandbox.scene.mechanism import Mechanism, signal_of
 from sandbox.scene.values.signals import Constant
 
+STATIC = "static friction above that of sliding"
+
 
 def without_counterpart(model: Model, tree: Tree) -> list[Problem]:
     """A problem for each element that a MuJoCo model cannot hold."""
     return [
         Problem(f"MuJoCo has no counterpart of {what}; --without {name} leaves it out", path=name)
-        for name, what in [*_elements(model, tree), *_restitution(model.mechanism)] if what
+        for name, what in [*_elements(model, tree), *_surfaces(model.mechanism)] if what
     ]
 
 
@@ -58,7 +60,7 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
 def _friction(joints: Joints, joint: int) -> str:
     if joints.rubbing[joint]:
         return "dry friction that hangs on what its joint carries"
-    return "static friction above that of sliding" if joints.static[joint] > 1 else ""
+    return STATIC if joints.static[joint] > 1 else ""
 
 
 def _law(springs: Springs, spring: int) -> str:
@@ -102,11 +104,19 @@ def _wheel(model: Model, tendon: int) -> str:
     return ""
 
 
-def _restitution(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
+def _surfaces(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
+    meeting: set[str] = set()
     bouncing: set[str] = set()
     for pair in touching_pairs(mechanism):
+        both = {body.material for body in (pair.a, pair.b) if body.material}
+        meeting |= both
         if all(material_of(mechanism, body).restitution for body in (pair.a, pair.b)):
-            bouncing |= {body.material for body in (pair.a, pair.b) if body.material}
-    for name in mechanism.materials:
+            bouncing |= both
+    for name, material in mechanism.materials.items():
         if name in bouncing:
             yield MATERIAL + name, "a coefficient of restitution"
+        if name in meeting and material.static > 1:
+            yield MATERIAL + name, STATIC
+    for rule in mechanism.contacts:
+        if (rule.static or 1) > 1:
+            yield rule_name(rule), STATIC

@@ -16,7 +16,7 @@ import numpy as np
 
 from sandbox.kinds.quantities import MOST_PRESSING, STRAY, WINDOW
 from sandbox.mechanics.closure import force_spread, grasp_epsilon, grasp_isotropy
-from sandbox.model.friction import friction_of
+from sandbox.model.friction import static_friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.samples.patches import flat_sides, pressed
@@ -105,9 +105,9 @@ class Grasp:
 
     @cached_property
     def friction(self) -> Array:
-        """Coefficient of every contact, [m]."""
+        """Coefficient of static friction of every contact, [m]."""
         others, which = np.unique(self.other, return_inverse=True)
-        found = [friction_of(self.run.mechanism, self.body, int(each)) for each in others]
+        found = [static_friction_of(self.run.mechanism, self.body, int(each)) for each in others]
         return np.array(found, dtype=np.float64)[which]
 
     def _of_contacts(self, measure: Callable[..., Array]) -> Array:

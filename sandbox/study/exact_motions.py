@@ -340,6 +340,14 @@ def stick_slip_joint() -> ExactMotion:
          "static": 1.6} for i in range(PHASES)], materials={"rough": {}})
 
 
+def stick_slip_contact() -> ExactMotion:
+    """Blocks on a plane that holds with more than they slide with."""
+    return _dragged(
+        "contact: stick-slip", {"material": "rough", "shapes": [
+            {"type": "box", "size": (0.06, 0.02)}]},
+        materials={"rough": {"friction": 0.3, "static": 1.6}})
+
+
 def after_landing() -> ExactMotion:
     """A disc on a spring along the plane, after it has dropped on the plane."""
     omega, start = 40.0, 0.02
@@ -394,4 +402,4 @@ def elements() -> list[ExactMotion]:
     return [make() for make in (
         gravity, linear_spring, rotary_spring, linear_damper, rotary_damper, pulled_tendon,
         elastic_tendon, damped_tendon, stiff_tendon, stop, landing, after_landing, over_a_disc,
-        slipping, rolling, stick_slip_joint)]
+        slipping, rolling, stick_slip_joint, stick_slip_contact)]

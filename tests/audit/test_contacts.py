@@ -28,19 +28,20 @@ def touch(sample, gap, *, force=(0.0, 0.0), normal=(0.0, 1.0), who=(1, 2)):
 # -- friction --------------------------------------------------------------------------------
 
 
-def rough(mu):
-    machine_ = pair(materials={"m": {"friction": mu}})
+def rough(mu, static=1.0):
+    machine_ = pair(materials={"m": {"friction": mu, "static": static}})
     content = machine_.model_dump(by_alias=True)
     for body in content["bodies"]:
         body["material"] = "m"
     return type(machine_).model_validate(content)
 
 
-def test_a_contact_may_use_its_friction_limit_and_a_millionth_more():
-    """5 N along (0.6, 0.8), mu 0.4: 2 N across at most; in whichever sense."""
+@pytest.mark.parametrize(("mu", "static"), [(0.4, 1.0), (0.25, 1.6)])
+def test_a_contact_may_use_its_friction_limit_and_a_millionth_more(mu, static):
+    """5 N along (0.6, 0.8), mu of what holds 0.4: 2 N across at most; in whichever sense."""
     normal, across = np.array([0.6, 0.8]), np.array([-0.8, 0.6])
     for side in (1.0, -1.0):
-        turns("contact.friction", 1 + 1e-6, lambda e, side=side: still(rough(0.4), touches=[
+        turns("contact.friction", 1 + 1e-6, lambda e, side=side: still(rough(mu, static), touches=[
             touch(0, 0.0, force=3 * normal, normal=normal),
             touch(1, 0.0, force=5 * normal + side * 2 * e * across, normal=normal)]), by=1e-7)
 
@@ -65,14 +66,16 @@ def test_without_friction_any_force_across_is_beyond_the_limit_by_its_share():
 
 def test_which_contacts_stick_or_slip_at_the_end():
     """Within a thousandth of the limit one counts as slipping; one without push is left out."""
-    def told(*forces, mu=0.4):
+    def told(*forces, mu=0.4, static=1.0):
         touches = [touch(2, 0.0, force=(1.0, 9.0)),
                    *(touch(3, 0.0, force=force) for force in forces)]
-        return figures(still(rough(mu), touches=touches))["contact.friction"].why
+        return figures(still(rough(mu, static), touches=touches))["contact.friction"].why
     assert "at the end: one/two slips" in told((0.99901 * 2.0, 5.0))
     assert "at the end: one/two sticks, 0 % from the limit" in told((0.99899 * 2.0, 5.0))
     assert "one/two sticks" in told((0.999, 4.0), mu=0.25)  # to the bit
     assert "one/two sticks, 75 % from the limit" in told((0.5, 5.0))
+    assert "one/two slips" in told((2.0, 5.0), static=1.6)  # that of sliding
+    assert "one/two sticks, 6 % from the limit" in told((3.0, 5.0), static=1.6)
     assert "one/two frictionless" in told((0.0, 5.0), mu=0.0)
     assert "nothing touches at the end" in told((0.0, 1e-6))
     assert "one/two" in told((0.0, 1.01e-6))

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.audit.audit import audit
 from sandbox.engine.advance import UNKEPT, advance
 from sandbox.engine.entry_points import prepare
 from sandbox.engine.memory import make_memory
@@ -13,6 +14,7 @@ from sandbox.engine.snapshot import make_snapshot
 from sandbox.engine.tables import make_tables
 from sandbox.engine.world import World
 from sandbox.model.compile import compile_mechanism
+from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
 G = 9.81
@@ -23,6 +25,13 @@ def mechanism(*, duration: float = 0.1, step: float = H, **elements: Any) -> Mec
     """A mechanism of the given elements, run for ``duration`` [s] in steps of ``step`` [s]."""
     run = {"duration": duration, "step": step, "sample_rate": 1 / step, **elements.pop("run", {})}
     return Mechanism.model_validate({"run": run, **elements})
+
+
+def sound(run: Recording) -> Recording:
+    """A run whose audit finds nothing."""
+    wrong = {f.name: f.why for f in audit(run) if f.verdict == "look"}
+    assert wrong == {}
+    return run
 
 
 def fixed(name: str, **more: Any) -> dict[str, Any]:

@@ -9,8 +9,9 @@ import pytest
 
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
+from sandbox.study.independent import trajectory
 
-from .machines import G, disc, fixed, mechanism
+from .machines import G, disc, fixed, mechanism, sound
 
 BALL = disc("thing", 0.01, (0.0, 0.0205))
 CRATE = {"name": "thing", "mass": 0.1, "at": (0.0, 0.0205),
@@ -119,6 +120,57 @@ def test_a_rule_concerns_its_pair_only() -> None:
     assert run["one.x"][-1] == pytest.approx(G * np.sin(SLOPE) * 0.2**2 / 2, rel=5e-3)
     assert run["two.x"][-1] == pytest.approx(-1.0, abs=5e-6)
     assert run["one/plane.tangential"][-1] == 0.0
+
+
+def test_a_plane_that_tilts_lets_go_at_static_friction() -> None:
+    """At 0.5 rad/s, along the plane: s'' = g sin + w^2 s - mu n, n = g cos - 2 w s' - w^2 b.
+
+    It holds up to 0.45 n and slides against 0.3 n. The step in which it lets go may leave the place
+    off by a h^2 / 2, a the jump of acceleration, and the rest of the slide as much.
+    """
+    w, b, start, h = 0.5, 0.01, 0.2, 5e-4
+    run = sound(simulate(mechanism(
+        duration=1.2, step=h, gravity=(0.0, -G),
+        materials={"rough": {"friction": 0.3, "static": 1.5}}, bodies=[
+            {"name": "plane", "motion": "scheduled", "path": {"angle": f"=-{w} * t"},
+             "material": "rough", "shapes": [{"type": "box", "size": (8, 0.02), "at": (0, -b)}]},
+            {"name": "block", "mass": 1.0, "at": (start, b), "angular_velocity": -w,
+             "velocity": (w * b, -w * start), "material": "rough",
+             "shapes": [{"type": "box", "size": (0.06, 2 * b)}]}])))
+    t, mu = run.time, 0.45  # g (sin - mu cos) = - w^2 s - mu w^2 b
+    lets_go = (np.arctan(mu) - np.arcsin(w * w * (start + mu * b) / G / np.hypot(1, mu))) / w
+    way = np.cos(w * t) * run["block.x"] - np.sin(w * t) * run["block.y"]
+    assert way[t < lets_go] == pytest.approx(start, abs=1e-9)
+    truth = trajectory(
+        t[t > lets_go] - lets_go, lambda u, s, v: G * np.sin(w * (u + lets_go)) + w * w * s
+        - 0.3 * (G * np.cos(w * (u + lets_go)) - 2 * w * v - w * w * b), start)[:, 0]
+    jump = 0.15 * G * np.cos(w * lets_go)
+    assert way[t > lets_go] == pytest.approx(truth, abs=jump * h**2)
+
+
+@pytest.mark.parametrize(("tangent", "rolls"), [(0.89, True), (0.91, False)])
+def test_what_rolls_is_held_by_static_friction(tangent: float, rolls: bool) -> None:
+    """A disc on a slope needs tan / 3 to roll; else it slides with g (sin - mu cos) at once."""
+    slope = np.arctan(tangent)
+    run = sound(simulate(mechanism(
+        duration=0.2, gravity=(G * np.sin(slope), -G * np.cos(slope)),
+        materials={"rough": {"friction": 0.2, "static": 1.5}},
+        bodies=[fixed("plane", material="rough", shapes=[{"type": "box", "size": (4.0, 0.02)}]),
+                disc("disc", 0.02, (0.0, 0.03), material="rough")])))
+    gains = 2 / 3 * G * np.sin(slope) if rolls else G * (np.sin(slope) - 0.2 * np.cos(slope))
+    assert run["disc.vx"] == pytest.approx(gains * run.time, abs=1e-9)
+
+
+def test_what_lands_sliding_is_not_held_by_static_friction() -> None:
+    """It loses mu times its blow, and then mu g t."""
+    fall, mu = 1.0, 0.2
+    run = sound(simulate(mechanism(
+        duration=0.1, gravity=(0.0, -G), materials={"rough": {"friction": mu, "static": 2.0}},
+        bodies=[fixed("plane", material="rough", shapes=[{"type": "box", "size": (4.0, 0.02)}]),
+                {"name": "block", "mass": 1.0, "at": (0.0, 0.0205), "velocity": (1.0, -fall),
+                 "material": "rough", "shapes": [{"type": "box", "size": (0.3, 0.02)}]}])))
+    # all of its speed downwards is gone at the first step that it ends on the plane
+    assert run["block.vx"][-1] == pytest.approx(1.0 - mu * (fall + G * run.time[-1]), abs=1e-9)
 
 
 def test_restitution() -> None:

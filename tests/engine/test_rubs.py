@@ -19,20 +19,13 @@ from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 from sandbox.study.independent import stick_slip
 
-from .machines import G, fixed, mechanism
+from .machines import G, fixed, mechanism, sound
 
 H = 1e-3
 M, L, I0 = 1.0, 0.1, 1e-3
 WEIGHT = M * G * L
 """Of the arm: mass, distance of its centre from the hinge, inertia about the centre, moment."""
 ROUNDING = 1e-12
-
-
-def sound(run: Recording) -> Recording:
-    """A run whose audit finds nothing."""
-    wrong = {f.name: f.why for f in audit(run) if f.verdict == "look"}
-    assert wrong == {}
-    return run
 
 
 def arm(angle: float = 0.0, *, positive: str = "counterclockwise", step: float = H,

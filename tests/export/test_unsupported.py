@@ -70,6 +70,12 @@ def cord(
      ["materials.ball", "materials.floor"]),
     ({"materials": {"ball": {"restitution": 0.5}}, "bodies": [FRAME, BLOCK | {"material": "ball"}]},
      []),
+    ({"materials": {"rough": {"static": 1.5}, "ball": {"static": 1.5}},
+      "contacts": [{"between": ["block", "*"], "static": 2}],
+      "bodies": [{"name": "ground", "motion": "fixed", "material": "rough",
+                  "shapes": [{"type": "circle", "radius": 0.1}]},
+                 BLOCK | {"shapes": [{"type": "circle", "radius": 0.1}]}]},
+     ["materials.rough", "contacts.block/*"]),
 ])
 def test_exactly_these_elements_are_named(scene: dict[str, Any], names: list[str]) -> None:
     assert named(**scene) == names
@@ -120,12 +126,14 @@ def test_a_rotary_spring_and_a_torque_go_with_their_hinge() -> None:
     assert leave_out(mechanism, ["spring"])[1] == ("spring", "k")
 
 
-def test_a_material_loses_its_bounce_only() -> None:
+def test_a_material_loses_its_bounce_and_its_static_friction_only() -> None:
     mechanism = Mechanism.model_validate(
-        {"materials": {"rubber": {"friction": 0.7, "restitution": 0.5}}})
-    left, gone = leave_out(mechanism, ["materials.rubber"])
-    assert gone == ("materials.rubber",)
+        {"materials": {"rubber": {"friction": 0.7, "static": 1.5, "restitution": 0.5}},
+         "contacts": [{"between": ["a", "b*"], "friction": 0.2, "static": 1.5}]})
+    left, gone = leave_out(mechanism, ["materials.rubber", "contacts.a/b*"])
+    assert gone == ("materials.rubber", "contacts.a/b*")
     assert left.materials["rubber"] == Material(friction=0.7, restitution=0.0)
+    assert left.contacts[0].static == 1.0
 
 
 def test_names_that_fit_nothing_are_all_told(finger: Mechanism) -> None:

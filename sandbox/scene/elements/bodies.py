@@ -345,16 +345,28 @@ class Body(Spec):
         return self
 
 
+STATIC_OF_NOTHING = "'static' is a multiple of 'friction', which is 0"
+
+
 class Material(Spec):
     """A contact surface: how it rubs and how it bounces.
 
-    The friction of a pair is the geometric mean of the two.
+    Friction, static and restitution of a pair are the geometric means of the two.
     """
 
     friction: Ratio = 0.5
     """Coulomb coefficient, 0 or more, of two surfaces of this material."""
+    static: Ratio = Field(1.0, ge=1)
+    """How many times as much as it rubs with while it slides it holds with while it does not, 1 or
+    more, as of a joint; by default just as much."""
     restitution: Share = 0.0
     """Rebound speed over approach speed of two surfaces of this material: 0 does not bounce, 1
-    loses nothing. Of a pair it is the geometric mean of the two."""
+    loses nothing."""
     colour: FillColour | None = None
     """Fill in pictures of the bodies of this material, as a body's ``colour``."""
+
+    @model_validator(mode="after")
+    def _rubs(self) -> Self:
+        if self.static > 1 and not self.friction:
+            raise PydanticCustomError("friction", STATIC_OF_NOTHING)
+        return self

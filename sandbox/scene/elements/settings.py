@@ -19,6 +19,7 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError
 
+from sandbox.scene.elements.bodies import STATIC_OF_NOTHING
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import (
     Distance,
@@ -85,6 +86,15 @@ class ContactRule(Spec):
     friction: Ratio | None = None
     """Coulomb coefficient of this pair, 0 or more; by default the geometric mean of the two
     materials'."""
+    static: Ratio | None = Field(None, ge=1)
+    """How many times as much as the pair rubs with while it slides it holds with while it does not,
+    1 or more; by default the geometric mean of the two materials'."""
+
+    @model_validator(mode="after")
+    def _rubs(self) -> Self:
+        if self.friction == 0 and (self.static or 1) > 1:
+            raise PydanticCustomError("friction", STATIC_OF_NOTHING)
+        return self
 
 
 class Meter(Spec):
