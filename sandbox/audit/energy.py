@@ -281,8 +281,9 @@ def _lost(
     evidence: Evidence, left: Array, by_joints: Array, scale: float, least: float, allowed: float,
 ) -> Figure:
     """What joints and contacts took, against the contacts' and stops' own work."""
-    a, source = evidence.run.arrays, "ΔE = Σ W"
-    touched = (len(a["contact_gap"]) > 0 or bool(np.nan_to_num(a["joint_stop"]).any())
+    a, run, source = evidence.run.arrays, evidence.run, "ΔE = Σ W"
+    touched = (len(run.mean_contacts.sample) + len(a["impact_time"]) > 0
+               or bool(np.nan_to_num(run.means("joint_stop")["joint_stop"]).any())
                or _stretched(evidence))
     if touched and not evidence.every_step:
         return missing(
@@ -312,7 +313,8 @@ def _stretched(evidence: Evidence) -> bool:
 
     All of them stop what comes.
     """
-    force, joints = evidence.run.arrays["joint_force"], evidence.model.joints
+    force = evidence.run.means("joint_force")["joint_force"]
+    joints = evidence.model.joints
     loose = np.union1d(joints.keeping("range"), np.flatnonzero(joints.play > 0))
     if np.nan_to_num(force[:, loose]).any():
         return True

@@ -9,6 +9,7 @@ from sandbox.engine.fluids import swell
 from sandbox.engine.forces import act, begin, let_go, pull, stretch
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import press
+from sandbox.engine.means import add_waiting, count_step, note_impacts, room_for_contacts
 from sandbox.engine.native import call_each, call_step
 from sandbox.engine.snapshot import room_to_keep, take
 from sandbox.engine.solve import SETTLED, solve
@@ -97,6 +98,7 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
     if struck:
         _displace(table)
     add_work(table, h)
+    note_impacts(table)
     return bool(sound(h, body)) and bool(contained(table))
 
 
@@ -119,20 +121,26 @@ def advance(
 
     Step ``due`` of these, counted from 1, is kept as a sample, and then each ``every``-th.
     Fewer are made where the motion is no longer sound; where there is no room to keep the
-    next sample; and where there is none for what touches. That step is then left half made:
-    bodies moved, ``touching[1]`` set.
+    next sample, or the contacts and impacts of the next step; and where there is none for what
+    touches. That step is then left half made: bodies moved, ``touching[1]`` set.
 
     ``speeds`` [n, ns, 3] are the velocities of scheduled bodies after each step, ``table``
     is that of :class:`sandbox.engine.memory.Memory`.
     """
+    at.made(table)[3] = 0
     for i in range(len(drive)):
         due -= 1
         if due == 0 and not room_to_keep(table):
             return i
         at.made(table)[1] = i
-        if not _again(table, drive[i], speeds[i]) and not (
-                _move(table, h) and _push(table, h, drive[i], speeds[i])):
-            return i
+        if not _again(table, drive[i], speeds[i]):
+            if not room_for_contacts(table):
+                return i
+            add_waiting(table, h)
+            if not (_move(table, h) and _push(table, h, drive[i], speeds[i])):
+                return i
+        if every > 1:
+            count_step(table, h, every, due)
         if due == 0:
             take(table, h, drive[i])
             due = every

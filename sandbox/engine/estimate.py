@@ -18,7 +18,8 @@ import numpy as np
 
 from sandbox.engine.clock import Clock, make_clock
 from sandbox.errors import Problem
-from sandbox.kinds.arrays import CONTACT_BYTES, sample_bytes
+from sandbox.kinds.arrays import CONTACT as CONTACT_ROW
+from sandbox.kinds.arrays import MEAN, MEAN_CONTACT, PER_SAMPLE, row_bytes
 from sandbox.model.model import Model
 from sandbox.numeric import Flags
 from sandbox.scene.elements.controllers import every
@@ -86,7 +87,11 @@ def estimate(model: Model, allowed: Flags, *, near: int) -> Estimate:
     may = allowed & shaped & shaped[:, None]
     touching = int(np.count_nonzero(may.any(axis=1) & model.bodies.free))
     contacts = min(max(touching, near), int(np.count_nonzero(may)) // 2)
-    size = clock.samples * (sample_bytes(model.mechanism) + contacts * CONTACT_BYTES)
+    sample, contact = list(PER_SAMPLE), list(CONTACT_ROW)
+    if clock.every > 1:
+        sample, contact = [*sample, *MEAN], [*contact, *MEAN_CONTACT]
+    size = clock.samples * (row_bytes(model.mechanism, sample)
+                            + contacts * row_bytes(model.mechanism, contact))
     seconds = (clock.steps * _step(model, contacts) + ACT * _acts(model, clock)
                + NUMBER * size / 8)
     return Estimate(clock.steps, clock.samples, contacts, seconds, size)

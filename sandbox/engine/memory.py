@@ -73,7 +73,15 @@ from sandbox.engine.state import (
     State,
 )
 from sandbox.engine.tie_state import BROKEN, TIE, TIE_RESULT, TIE_STATE
-from sandbox.engine.touch_state import CONTACT, FACE, SHAPE, SPAN, TOUCH
+from sandbox.engine.touch_state import (
+    CONTACT,
+    CONTACT_SUMS,
+    FACE,
+    IMPACT,
+    SHAPE,
+    SPAN,
+    TOUCH,
+)
 from sandbox.model.programs import CURVE, KNOT, STEP
 from sandbox.numeric import Integers
 
@@ -256,6 +264,7 @@ load_states = _view(State, "loads", LOAD_STATE)
 made = _view(State, "made", int)
 tie_states = _view(State, "ties", TIE_STATE)
 broken = _view(State, "broken", BROKEN)
+impacts = _view(State, "impacts", IMPACT)
 touches = _view(State, "touches", TOUCH)
 touching = _view(State, "touching", int)
 last_drive = _view(State, "last_drive", float)
@@ -323,3 +332,10 @@ kept_drive = _view(Snapshot, "drive", float, 2)
 kept_contacts = _view(Snapshot, "contacts", CONTACT)
 kept_fill = _view(Snapshot, "fill", int)
 kept_taken = _view(Snapshot, "taken", int)
+sums = _view(Snapshot, "sums", float)
+kept_means = _view(Snapshot, "means", float, 2)
+kept_steady = _view(Snapshot, "steady", int)
+waiting = _view(Snapshot, "waiting", float)
+mean_contacts = _view(Snapshot, "mean_contacts", CONTACT_SUMS)
+mean_fill = _view(Snapshot, "mean_fill", int)
+unfinished = _view(Snapshot, "unfinished", int)

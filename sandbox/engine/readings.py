@@ -1,6 +1,6 @@
 """What controllers and conditions read: quantities of the running mechanism, one number each.
 
-After step k a reading is what a sample of step k would record. Before the
+After step k a reading is that of step k alone, as in a recording of every step. Before the
 first step, forces and tensions read 0.
 """
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sandbox.engine.advance import advance
 from sandbox.engine.entry_points import prepare
 from sandbox.engine.memory import Memory, make_memory
-from sandbox.engine.snapshot import make_snapshot, twist_of
+from sandbox.engine.snapshot import list_contacts, make_snapshot
 from sandbox.engine.state import (
     ANGLE,
     DAMPED_WORK,
@@ -27,20 +27,21 @@ from sandbox.engine.touch_state import CONTACT
 from sandbox.engine.world import World
 from sandbox.kinds.arrays import Arrays
 from sandbox.model.ties import held_one
-from sandbox.numeric import Array, Integers, Records
+from sandbox.numeric import Integers, Records
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.contacts import Contacts
+from sandbox.samples.merging import merge_contacts
 
 CHUNK = 512
-CANCELLED = 1e-6
-"""A resultant that small against the sizes of its forces has no line of action."""
 
 
 class Sampler:
     """Room for raw samples of a run; turns each chunk of them into rows of the recording."""
 
-    def __init__(self, world: World, tables: Tables, builder: RecordingBuilder) -> None:
-        self.world, self.tables, self.builder = world, tables, builder
+    def __init__(
+        self, world: World, tables: Tables, builder: RecordingBuilder, every: int,
+    ) -> None:
+        self.world, self.tables, self.builder, self.every = world, tables, builder, every
         self.model = world.model
         self.kept = make_snapshot(CHUNK, tables.constants, len(self.model.drives.name),
                                   _contacts_kept(world.room.contacts))
@@ -54,15 +55,23 @@ class Sampler:
     def restart(self, tables: Tables, builder: RecordingBuilder) -> None:
         """Gather for another recording, with tables of no more room than those so far."""
         self.tables, self.builder = tables, builder
-        self.kept.taken[:] = 0
+        for counts in (self.kept.taken, self.kept.unfinished, self.kept.sums, self.kept.waiting):
+            counts[:] = 0
         self.memory = self._memory()
 
     def enlarge(self, tables: Tables) -> None:
         """Go on with tables that have more room, that of the world."""
         self.tables = tables
-        contacts = np.zeros(_contacts_kept(self.world.room.contacts), self.kept.contacts.dtype)
-        contacts[:len(self.kept.contacts)] = self.kept.contacts
-        self.kept = self.kept._replace(contacts=contacts)
+        room = _contacts_kept(self.world.room.contacts)
+        self._lengthen(contacts=room, mean_contacts=2 * room)
+
+    def _lengthen(self, **rows: int) -> None:
+        """Make room for so many rows in arrays that are kept."""
+        for name, count in rows.items():
+            old = getattr(self.kept, name)
+            new = np.zeros(max(count, len(old)), old.dtype)
+            new[:len(old)] = old
+            self.kept = self.kept._replace(**{name: new})
         self.memory = self._memory()
 
     @property
@@ -77,14 +86,25 @@ class Sampler:
 
     @property
     def full(self) -> bool:
-        """Whether the loop was stopped because there is no room for the next sample."""
+        """Whether the loop was stopped because there is no room to keep what comes next."""
         return bool(self.kept.taken[2])
+
+    def make_room(self) -> None:
+        """Let the loop go on that found no room for the next sample, or for contacts of a step."""
+        if self.kept.taken[2] == 1:
+            self.flush()
+        else:
+            self._lengthen(mean_contacts=sum(self.kept.unfinished.tolist())
+                           + 4 * len(self.tables.state.touches))
+        self.kept.taken[2] = 0
 
     def flush(self) -> None:
         """Work out what was gathered and hand it to the recording."""
         self.write()
-        self.kept.taken[1] = self.kept.taken[0]  # in one go: Ctrl-C leaves each sample once
-        self.kept.taken[2] = 0
+        kept, (first, count) = self.kept, self.kept.unfinished.tolist()
+        kept.taken[1] = kept.taken[0]  # in one go: Ctrl-C leaves each sample once
+        kept.mean_contacts[:count] = kept.mean_contacts[first:first + count].copy()
+        kept.unfinished[0] = 0
 
     def write(self) -> None:
         """Work out what was gathered, and go on gathering as if nothing had been.
@@ -115,7 +135,33 @@ class Sampler:
         each = np.diff(kept.fill[:n], prepend=0)
         sample = np.repeat(np.arange(self.done, self.done + n), each)
         self.builder.contacts.replace(
-            self.done, **self._contact_rows(sample, kept.contacts[:kept.fill[n - 1]]))
+            self.done, *self._contact_rows(sample, kept.contacts[:kept.fill[n - 1]]).values())
+        if self.builder.apart:
+            self._write_means(n)
+
+    def record_impacts(self, before: int) -> None:
+        """Hand on the impacts of the steps just made in one go; ``before`` these so many were."""
+        state, order = self.tables.state, self.world.order
+        found = state.impacts[:state.made[3]]
+        if len(found):
+            self.builder.impacts.append(
+                (before + found["step"] + 0.5) * self.world.h + found["after"], order[found["a"]],
+                order[found["b"]], np.stack([found["x"], found["y"]], axis=1),
+                np.stack([found["px"], found["py"]], axis=1))
+
+    def _write_means(self, n: int) -> None:
+        """Means of samples whose intervals had several forces, and are over."""
+        kept, order, done = self.kept, self.world.order, self.done
+        moved = np.flatnonzero(kept.steady[:n] == 0)
+        if not len(moved):
+            return
+        self.builder.means.replace(done, moved + done, kept.means[moved])
+        fill = kept.mean_fill[:moved[-1] + 1]
+        found = kept.mean_contacts[:fill[-1]]
+        numbers = found.view(np.float64).reshape(-1, 9)[:, 2:]
+        self.builder.mean_contacts.replace(
+            done, np.repeat(np.arange(done, done + len(fill)), np.diff(fill, prepend=0)),
+            order[found["a"]], order[found["b"]], numbers / (self.every * self.world.h))
 
     def _write_bodies(self, arrays: Arrays, n: int) -> None:
         kept = self.kept
@@ -188,85 +234,23 @@ class Sampler:
     def contacts_now(self) -> Contacts:
         """The contacts of the last step, as one sample."""
         state = self.tables.state
-        touches = state.touches[:state.touching[0]]
-        touches = touches[touches["normal"] + touches["bounce"] > 0.0]
-        contacts = np.zeros(len(touches), CONTACT)
-        for name in ("a", "b", "gap", "nx", "ny"):
-            contacts[name] = touches[name]
-        contacts["x"] = state.body[touches["a"], 0] + touches["ax"]
-        contacts["y"] = state.body[touches["a"], 1] + touches["ay"]
-        contacts["normal"] = touches["normal"] + touches["bounce"]
-        contacts["tangent"] = touches["tangent"] + touches["rub"]
-        contacts["twist"] = [twist_of(state.body, touch) for touch in touches]
-        rows = self._contact_rows(np.zeros(len(contacts), dtype=np.int64), contacts)
+        kept = np.zeros(state.touching[0], CONTACT)
+        count = list_contacts(state.touches, len(kept), state.body, kept, 0)
+        rows = self._contact_rows(np.zeros(count, dtype=np.int64), kept[:count])
         return Contacts({f"contact_{key}": column for key, column in rows.items()},
                         samples=1, bodies=len(self.world.bodies))
 
     def _contact_rows(self, sample: Integers, kept: Records) -> dict[str, NDArray[Any]]:
         """The columns of contact rows, forces in N."""
         order = self.world.order
-        return merge_contacts(sample, order[kept["a"]], order[kept["b"]], kept, self.world.h)
+        normal = -np.stack([kept["nx"], kept["ny"]], axis=1)  # to the first body
+        along = np.stack([kept["ny"], -kept["nx"]], axis=1)
+        force = (kept["normal"][:, None] * normal + kept["tangent"][:, None] * along) / self.world.h
+        return merge_contacts(
+            sample, order[kept["a"]], order[kept["b"]], np.stack([kept["x"], kept["y"]], axis=1),
+            force, normal, kept["normal"], kept["gap"].copy(), kept["twist"] / self.world.h)
 
 
 def _contacts_kept(room: int) -> int:
     """For how many contacts of gathered samples there is room, ``room`` of a step at least."""
     return max(4096, 2 * room)
-
-
-def merge_contacts(
-    sample: Integers, body: Integers, other: Integers, kept: Records, h: float,
-) -> dict[str, NDArray[Any]]:
-    """One row per touching pair of bodies and sample.
-
-    Points of one pair, of whatever shapes, are added up; the place is the centre of pressure, the
-    mean weighted by the normal impulses, moved onto the line of action of the pair's force where
-    it is not on it, as between surfaces that are not in line: what the pair's force does at its
-    place is then all that its points do, moments included. ``kept`` are CONTACT, in order of
-    samples, ``h`` is the step [s].
-    """
-    bodies = 1 + max(kept["a"].max(initial=0), kept["b"].max(initial=0))
-    pair = (sample * bodies + kept["a"]) * bodies + kept["b"]
-    if (pair[1:] < pair[:-1]).any():  # bodies of several shapes
-        order = np.argsort(pair, kind="stable")
-        sample, body, other, kept, pair = (
-            column[order] for column in (sample, body, other, kept, pair))
-    normal = -np.stack([kept["nx"], kept["ny"]], axis=1)  # to the first body
-    along = np.stack([kept["ny"], -kept["nx"]], axis=1)
-    force = (kept["normal"][:, None] * normal + kept["tangent"][:, None] * along) / h
-    point, gap = np.stack([kept["x"], kept["y"]], axis=1), kept["gap"].copy()
-    twist = kept["twist"] / h
-    start = np.flatnonzero(np.diff(pair, prepend=-1))
-    merged = np.diff(start, append=len(sample)).astype(float)
-    if len(start) < len(sample):
-        weight = kept["normal"][:, None]
-        total = np.add.reduceat(weight, start)
-        point = _on_line(np.add.reduceat(point * weight, start) / total, point, force, start)
-        normals = np.add.reduceat(normal * weight, start)
-        size = np.hypot(*normals.T)[:, None]
-        acts = size > CANCELLED * total  # held from both sides, there is none: the first point's
-        normal = np.where(acts, normals / np.where(acts, size, 1.0), normal[start])
-        force, gap = np.add.reduceat(force, start), np.minimum.reduceat(gap, start)
-        twist = np.add.reduceat(twist, start)
-    return {
-        "sample": sample[start], "body": body[start], "other": other[start],
-        "point": point, "force": force, "normal": normal, "gap": gap, "merged": merged,
-        "twist": twist,
-    }
-
-
-def _on_line(mean: Array, point: Array, force: Array, start: Integers) -> Array:
-    """Points ``mean`` [p, 2] moved onto the lines of action of the forces at ``point`` [m, 2].
-
-    Rows of each pair begin at ``start``. Left where they are if the forces all but cancel: what
-    they do is then a couple, which no place gives.
-    """
-    pair = np.repeat(np.arange(len(start)), np.diff(start, append=len(point)))
-    arm = point - mean[pair]
-    moment = np.add.reduceat(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0], start)
-    total = np.add.reduceat(force, start)
-    sizes = np.add.reduceat(np.hypot(force[:, 0], force[:, 1]), start)
-    square = (total**2).sum(axis=1)
-    acts = square > (CANCELLED * sizes) ** 2
-    way = np.where(acts, moment / np.where(acts, square, 1.0), 0.0)
-    moved: Array = mean + way[:, None] * np.stack([total[:, 1], -total[:, 0]], axis=1)
-    return moved

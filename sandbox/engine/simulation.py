@@ -73,8 +73,8 @@ MOST_CONTACTS = 2000
 class Simulation:
     """One run of a scene, from t = 0 to its end, as far as it was asked for.
 
-    After k steps poses and forces belong to t = (k - 1/2) h, velocities to t = k h; what is
-    read is what a sample of step k records.
+    After k steps poses and forces belong to t = (k - 1/2) h, velocities to t = k h. The forces
+    that are read are those of step k; where samples are several steps apart, they record means.
 
     Args:
         scene: a scene, an expanded mechanism, or what :func:`sandbox.load_scene` takes; its
@@ -110,7 +110,7 @@ class Simulation:
         self._beginning = Beginning(self._tables)
         self._builder = self._room()
         self._most = recorded_bytes
-        self._sampler = Sampler(world, self._tables, self._builder)
+        self._sampler = Sampler(world, self._tables, self._builder, self._clock.every)
         self._catalogue = Catalogue(self.mechanism)
         self._readings = Readings(world, self._tables, self._sampler, self._catalogue)
         self._steering = Steering(self._model, self._clock, self._readings, self._customs)
@@ -269,6 +269,7 @@ class Simulation:
                 new = advance(address, h, drive[made:], speeds[made:], due, every)
                 self._broke += taken_breaks(
                     self._tables, self._model.ties.name, done + made, clock.step)
+                sampler.record_impacts(done + made)
                 made += new
                 if made == count:
                     break
@@ -293,7 +294,7 @@ class Simulation:
             SandboxError: more contacts than can be solved together.
         """
         if self._sampler.full:  # first: a step that is half made may have to be kept, too
-            self._sampler.flush()
+            self._sampler.make_room()
             if self._builder.recorded_bytes > self._most:
                 raise RecordingFull(float(self._clock.force_time(k)), self._most)
         elif self._tables.state.touching[1]:
@@ -426,7 +427,8 @@ class Simulation:
     def _room(self) -> RecordingBuilder:
         """What its samples are collected in."""
         return RecordingBuilder(
-            self.mechanism, self._clock.samples, self._statics(), model=self._model)
+            self.mechanism, self._clock.samples, self._statics(), apart=self._clock.every > 1,
+            model=self._model)
 
     def _statics(self) -> dict[str, Array]:
         bodies, tables = self._model.bodies, self._tables

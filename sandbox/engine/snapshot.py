@@ -24,7 +24,8 @@ from sandbox.engine.state import (
     Constants,
     Snapshot,
 )
-from sandbox.engine.touch_state import CONTACT
+from sandbox.engine.touch_state import CONTACT, CONTACT_SUMS
+from sandbox.kinds.arrays import FORCES
 from sandbox.numeric import Array, Records
 
 
@@ -36,11 +37,16 @@ def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int
               (len(constants.actions), 2),
               (len(constants.joints), STICKS + 1), (len(constants.fluids), 7),
               (len(constants.valves), 2), (len(constants.pumps), 2), (len(constants.loads), 4))
+    tendons = np.count_nonzero(constants.cords["whole"] < 0)
+    forces = FORCES * len(constants.joints) + tendons + len(constants.slips) + drives
     kept: list[Any] = [*(np.full((samples, *shape), np.nan) for shape in shapes),
                        np.zeros((samples, len(constants.ties)), dtype=np.int64),
                        np.full((samples, drives), np.nan),
                        np.zeros(contacts, CONTACT), np.zeros(samples, dtype=np.int64),
-                       np.zeros(3, dtype=np.int64)]
+                       np.zeros(4, dtype=np.int64), np.zeros(forces), np.zeros((samples, forces)),
+                       np.zeros(samples, dtype=np.int64), np.zeros(2),
+                       np.zeros(2 * contacts, CONTACT_SUMS), np.zeros(samples, dtype=np.int64),
+                       np.zeros(2, dtype=np.int64)]
     return Snapshot(*kept)
 
 
@@ -50,7 +56,8 @@ def room_to_keep(table: int) -> bool:
     fill, taken = at.kept_fill(table), at.kept_taken(table)
     n = taken[0] - taken[1]
     used = fill[n - 1] if n > 0 else 0
-    if n == len(fill) or used + len(at.touches(table)) > len(at.kept_contacts(table)):
+    if (n == len(fill) or used + len(at.touches(table)) > len(at.kept_contacts(table))
+            or 2 * at.unfinished(table)[0] > len(at.mean_contacts(table))):
         taken[2] = 1
     return bool(taken[2] == 0)
 
@@ -99,6 +106,7 @@ def take(table: int, h: float, drive: Array) -> None:
     first = fill[n - 1] if n > 0 else 0
     fill[n] = list_contacts(
         at.touches(table), at.touching(table)[0], at.body(table), at.kept_contacts(table), first)
+    at.kept_steady(table)[n] = 1
     taken[0] += 1
 
 

@@ -269,11 +269,13 @@ class State(NamedTuple):
     """LOAD_STATE, [nk]."""
     made: Integers
     """Steps made, this one among them, but for those in which all was at rest; which of those made
-    in one go this one is, from 0; how many of ``broken`` are filled, [3]."""
+    in one go this one is, from 0; how many of ``broken`` and of ``impacts`` are filled, [4]."""
     ties: Records
     """TIE_STATE, [nr]."""
     broken: Records
     """BROKEN, what broke in the steps made in one go; room for more than do."""
+    impacts: Records
+    """IMPACT of the steps made in one go, [contacts] or more."""
     touches: Records
     """TOUCH of the last step, [contacts]."""
     touching: Integers
@@ -429,5 +431,23 @@ class Snapshot(NamedTuple):
     fill: Integers
     """How many contacts there are up to the end of each sample, [n]."""
     taken: Integers
-    """Samples kept since the start of the run; how many of these were handed on; whether the next
-    one has no room, [3]."""
+    """Samples kept since the start of the run; how many of these were handed on; whether there is
+    no room for the next one (1), or for what touches in the next step (2); samples whose means are
+    kept, [4]."""
+    sums: Array
+    """Sums of forces over the steps of a sample interval, in the columns of the recorded
+    ``mean_force`` [N, N m], [nc]."""
+    means: Array
+    """Means of these around each sample, [n, nc]."""
+    steady: Integers
+    """Whether these are the forces of the sample's step: all steps were the same, or the interval
+    goes on, [n]."""
+    waiting: Array
+    """How many steps were made that are not in the sums, with the forces of the last one; whether
+    there is anything in the sums, [2]."""
+    mean_contacts: Records
+    """CONTACT_SUMS of the sample intervals, one after the other; last the unfinished one."""
+    mean_fill: Integers
+    """How many of these there are up to the end of each sample's interval, [n]."""
+    unfinished: Integers
+    """The first of these that belongs to the unfinished interval; how many do, [2]."""

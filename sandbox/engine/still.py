@@ -115,7 +115,7 @@ class Still(Simulation):
         while True:
             address, h, _ = self._sampler.memory
             due = count - made if kept else UNKEPT
-            made += advance(address, h, rows[made:], after[made:], due, count)
+            made += advance(address, h, rows[made:], after[made:], due, 1)
             if made == count:
                 return
             if not self._tables.state.touching[1]:

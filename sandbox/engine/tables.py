@@ -62,7 +62,7 @@ from sandbox.engine.state import (
 from sandbox.engine.stiffness import stiff_servos, too_stiff
 from sandbox.engine.tie_state import TIE_RESULT
 from sandbox.engine.tie_tables import room_for_breaks, tie_state, tie_table
-from sandbox.engine.touch_state import TOUCH
+from sandbox.engine.touch_state import IMPACT, TOUCH
 from sandbox.engine.wheel_fields import wheel_fields
 from sandbox.kinds.elements import Keeps
 from sandbox.model.model import Model
@@ -152,8 +152,9 @@ def make_tables(
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
         np.zeros(len(cords.slips), SLIP_STATE), _joint_state(joints),
         np.zeros(len(limits), LIMIT_STATE), _motor_state(motors), rub_state(rubs, model),
-        *circuits.states(), loads.states(), np.zeros(3, dtype=np.int64), tie_state(model),
-        room_for_breaks(model), np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
+        *circuits.states(), loads.states(), np.zeros(4, dtype=np.int64), tie_state(model),
+        room_for_breaks(model), np.zeros(_impacts(room), IMPACT), np.zeros(room.contacts, TOUCH),
+        np.zeros(2, dtype=np.int64),
         np.full(len(model.drives.name), np.nan), np.zeros(4, dtype=np.int64))
     result = _results(places, constants, pattern, cords, circuits, laws, loads, velocity, room)
     return Tables(constants, state, result, np.flatnonzero(model.springs.straight))
@@ -173,8 +174,13 @@ def enlarged(tables: Tables, room: Room) -> Tables:
     touches = np.zeros(room.contacts, TOUCH)
     touches[:len(state.touches)] = state.touches
     return tables._replace(
-        state=state._replace(touches=touches),
+        state=state._replace(touches=touches, impacts=np.zeros(_impacts(room), IMPACT)),
         result=result._replace(**_workspace(room, result.unknowns.shape[1])))
+
+
+def _impacts(room: Room) -> int:
+    """For how many impacts there is room, those of a step at least."""
+    return max(1024, 2 * room.contacts)
 
 
 def _workspace(room: Room, unknowns: int) -> dict[str, Any]:

@@ -41,7 +41,12 @@ TOUCH = np.dtype([
     ("belt", float),        # by how much surfaces that run add to its rate of sliding [m/s]
     ("led", float),         # how far impacts of the step lead its gap back [m]
     ("instant", float),     # of its last impact in the step, after the pose [s]
+    ("phase", np.int64),    # AWAY, CLOSING or RESTING
+    ("sums", np.int64),     # its CONTACT_SUMS in this sample interval, or -1
 ])
+AWAY, CLOSING, RESTING = 0, 1, 2
+"""Phases of a contact: it carries nothing; it was hit, and the next step closes its gap; it
+carries."""
 
 CONTACT = np.dtype([
     ("a", np.int64), ("b", np.int64),   # bodies
@@ -50,4 +55,19 @@ CONTACT = np.dtype([
     ("gap", float),                     # [m]
     ("normal", float), ("tangent", float),  # impulses on b, along (nx, ny) and (-ny, nx) [N s]
     ("twist", float),                   # moment on b besides that of these at the place [N m s]
+])
+CONTACT_SUMS = np.dtype([
+    ("a", np.int64), ("b", np.int64),   # bodies
+    ("x", float), ("y", float),         # place, times the normal impulse [m N s]
+    ("nx", float), ("ny", float),       # normal impulse on a [N s]
+    ("px", float), ("py", float),       # impulse on a [N s]
+    ("normal", float),                  # size of the normal impulse [N s]
+])
+"""A contact's sums over the steps of a sample interval, numbers as in ``mean_contact_force``."""
+IMPACT = np.dtype([
+    ("step", np.int64),     # counted from 0 among those made in one go
+    ("a", np.int64), ("b", np.int64),   # bodies
+    ("x", float), ("y", float),         # place in the world [m]
+    ("px", float), ("py", float),       # impulse on a in that step [N s]
+    ("after", float),       # instant after the pose of the step [s]
 ])

@@ -133,6 +133,7 @@ def for_next(last: Any, now: Any) -> None:
     """What a contact remembers of the last step."""
     now["normal"], now["tangent"] = last["normal"], last["tangent"]
     now["mode"], now["listed"] = last["mode"], last["listed"]
+    now["phase"], now["sums"] = last["phase"], last["sums"]
 
 
 @kernel
@@ -216,4 +217,5 @@ def _contact(
     out["by"] = (found["by"] + body[a, 1] + found["ay"] - body[b, 1]) / 2
     out["friction"], out["restitution"] = friction[a, b], restitution[a, b]
     out["normal"] = out["tangent"] = out["bounce"] = out["rub"] = out["led"] = 0.0
-    out["mode"] = out["listed"] = out["late"] = 0
+    out["mode"] = out["listed"] = out["late"] = out["phase"] = 0
+    out["sums"] = -1

@@ -3,14 +3,15 @@
 Axes: n samples, nb bodies, nj joints, ns springs, nt tendons, nl lines, nv valves,
 nd drives, nm meters (each in the mechanism's order), nk loads, each as often as it
 has bodies, nf guides that hold a tendon by friction, nw wheels that one can lift off, nr
-joints, springs and tendons that may be let go and m contact rows. From here come the
-layout of recordings, the count of their bytes and the table in docs/files.md.
+joints, springs and tendons that may be let go, m contact rows, p rows of means, each of nc
+forces, q rows of mean contacts and k impacts. From here come the layout of recordings, the
+count of their bytes and the table in docs/files.md.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -34,8 +35,11 @@ class Recorded:
     unit: str
     """Empty for numbers of rows and elements."""
     about: str
-    when: Literal["sample", "once", "contact", "meters"] = "sample"
-    """A row for each sample, one for the run, one for each contact, or where there are meters."""
+    when: Literal[
+        "sample", "once", "contact", "meters", "mean", "mean contact", "impact"] = "sample"
+    """A row for each sample, one for the run, one for each contact, or where there are meters;
+    where samples are several steps apart, a row for each sample with means of its own, and for
+    each point of touch in its interval; a row for each impact."""
     element: type[np.float64] | type[np.int64] = np.float64
     also: Literal["", "nan", "inf"] = ""
     """What its numbers may be besides finite: nan, where something has no value, or infinite, of
@@ -161,11 +165,38 @@ ARRAYS: tuple[Recorded, ...] = (
              "moment on the other body besides that of the force at the place: of impacts, which "
              "happen between the poses of two steps, where both bodies have moved", "contact",
              late=True),
+    Recorded("mean_sample", ("p",), "", "which row of `time`: a sample with a mean that may differ "
+             "from the force of its step", "mean", np.int64, points="n"),
+    Recorded("mean_force", ("p", "nc"), "N, N m",
+             "means over the sample's interval: for each joint `joint_force` (x, y), "
+             "`joint_couple`, `joint_stop` and `joint_friction`, then `tendon_tension`, "
+             "`guide_friction` and `drive_torque`; 0 where these are nan", "mean"),
+    Recorded("mean_contact_sample", ("q",), "", "which row of `time`, one of `mean_sample`",
+             "mean contact", np.int64, points="n"),
+    Recorded("mean_contact_body", ("q",), "", "the body that the force acts on", "mean contact",
+             np.int64, points="nb"),
+    Recorded("mean_contact_other", ("q",), "", "the body that it comes from", "mean contact",
+             np.int64, points="nb"),
+    Recorded("mean_contact_force", ("q", 7), "N m, N m, N, N, N, N, N",
+             "means over the interval, of each point of touch: its place times the size of the "
+             "normal force (x, y), the normal force (x, y), the force (x, y), the size of the "
+             "normal force", "mean contact"),
+    Recorded("impact_time", ("k",), "s", "the instant at which a contact is hit; without "
+             "restitution that of its step", "impact"),
+    Recorded("impact_body", ("k",), "", "the body that the impulse acts on", "impact", np.int64,
+             points="nb"),
+    Recorded("impact_other", ("k",), "", "the body that it comes from", "impact", np.int64,
+             points="nb"),
+    Recorded("impact_point", ("k", 2), "m", "where, in the world", "impact"),
+    Recorded("impact_impulse", ("k", 2), "N s", "on the body by the other, of the whole step",
+             "impact"),
     Recorded("meter_value", ("n", "nm"), "the meter's", "if the scene has meters", "meters",
              also="nan"),
 )
 METERS = "meter_value"
 """Optional: the meters, once they were evaluated."""
+FORCES = 5
+"""Means of each joint."""
 LARGEST = 1e30
 """Nothing that is simulated comes near it, and products of a few numbers below it are numbers."""
 _BY_NAME = {row.name: row for row in ARRAYS}
@@ -177,7 +208,12 @@ def _axes(*when: str) -> dict[str, Axes]:
 
 PER_SAMPLE, STATIC, CONTACT = _axes("sample"), _axes("once"), _axes("contact")
 LAYOUT = _axes("sample", "once", "contact")
-"""What every recording has, in memory; files of older ones may lack what is ``late``."""
+"""Arrays that every recording has; files of older versions may lack those that are ``late``."""
+MEAN, MEAN_CONTACT, IMPACT = _axes("mean"), _axes("mean contact"), _axes("impact")
+OPTIONAL = ((METERS,), (*MEAN, *MEAN_CONTACT), tuple(IMPACT))
+"""Sets of arrays of which a file has all or none."""
+IN_ORDER = ("contact_sample", "mean_sample", "mean_contact_sample", "impact_time")
+"""Arrays whose numbers never fall."""
 LATE = tuple(row.name for row in ARRAYS if row.late)
 """What files of older recordings may lack."""
 
@@ -187,13 +223,18 @@ def dtype_of(key: str) -> type[np.float64] | type[np.int64]:
     return _BY_NAME[key].element
 
 
-def sizes(mechanism: Any, *, samples: int, contacts: int = 0) -> dict[str, int]:
+def sizes(
+    mechanism: Any, *, samples: int, contacts: int = 0, means: int = 0, mean_contacts: int = 0,
+    impacts: int = 0,
+) -> dict[str, int]:
     """The length of every axis; ``mechanism`` has its elements in lists."""
     counts = {kind.axis: len(getattr(mechanism, name)) for name, kind in NAMED.items() if kind.axis}
     grips = sum(len(tendon.gripping) for tendon in mechanism.tendons)
     wheels = sum(len(tendon.lifting) for tendon in mechanism.tendons)
-    return {"n": samples, "m": contacts, "nf": grips, "nw": wheels, **counts,
-            "nk": len(mechanism.loaded), "nr": len(mechanism.releasable)}
+    forces = FORCES * counts["nj"] + counts["nt"] + grips + counts["nd"]
+    return {"n": samples, "m": contacts, "p": means, "q": mean_contacts, "k": impacts,
+            "nc": forces, "nf": grips, "nw": wheels, **counts, "nk": len(mechanism.loaded),
+            "nr": len(mechanism.releasable)}
 
 
 def shape_of(key: str, size: Mapping[str, int]) -> tuple[int, ...]:
@@ -201,15 +242,10 @@ def shape_of(key: str, size: Mapping[str, int]) -> tuple[int, ...]:
     return tuple(size[axis] if isinstance(axis, str) else axis for axis in _BY_NAME[key].axes)
 
 
-def sample_bytes(mechanism: Any) -> int:
-    """Bytes that one sample of ``mechanism`` takes, contact rows and meters left out."""
-    size = sizes(mechanism, samples=1)
-    return sum(math.prod(shape_of(key, size)) * np.dtype(dtype_of(key)).itemsize
-               for key in PER_SAMPLE)
-
-
-CONTACT_BYTES = 8 * sum(math.prod(shape_of(key, {"m": 1})) for key in CONTACT)
-"""Bytes that one contact row takes."""
+def row_bytes(mechanism: Any, keys: Iterable[str]) -> int:
+    """Bytes that one row takes of all these arrays together."""
+    size = sizes(mechanism, samples=1, contacts=1, means=1, mean_contacts=1, impacts=1)
+    return sum(math.prod(shape_of(key, size)) * np.dtype(dtype_of(key)).itemsize for key in keys)
 
 
 def completed(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
@@ -217,13 +253,15 @@ def completed(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
 
     What older recordings hold besides is left out.
     """
-    result = {key: arrays[key] for key in (*LAYOUT, METERS) if key in arrays}
-    lacking = [key for key in LATE if key not in arrays]
-    if lacking and "time" in arrays:
-        rows = arrays["contact_gap"].size if "contact_gap" in arrays else 0
-        size = sizes(mechanism, samples=arrays["time"].size, contacts=rows)
+    result = {key: arrays[key] for key in _wanted(arrays) if key in arrays}
+    shapes = {key: array.shape for key, array in arrays.items()}
+    if "time" in arrays and "contact_gap" in arrays:
+        size = _sizes_of(mechanism, shapes)
         # one nan that is seen everywhere
-        result |= {key: np.broadcast_to(np.nan, shape_of(key, size)) for key in lacking}
+        result |= {key: np.broadcast_to(np.nan, shape_of(key, size))
+                   for key in LATE if key not in arrays}
+        if "impact_time" not in arrays:
+            result |= {key: np.zeros(shape_of(key, size), dtype_of(key)) for key in IMPACT}
     return result
 
 
@@ -232,21 +270,33 @@ def faults(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> list[str]:
     if found := misshapen(mechanism, {key: array.shape for key, array in arrays.items()}):
         return found
     found = [f"array {key!r} holds {arrays[key].dtype}, expected {np.dtype(dtype_of(key))}"
-             for key in [*LAYOUT, METERS] if key in arrays and arrays[key].dtype != dtype_of(key)]
+             for key in _wanted(arrays) if key in arrays and arrays[key].dtype != dtype_of(key)]
     return found or _wild(arrays, sizes(mechanism, samples=arrays["time"].size))
 
 
 def misshapen(mechanism: Any, shapes: Mapping[str, tuple[int, ...]]) -> list[str]:
     """Arrays that are missing or have another shape than the mechanism gives them."""
-    wanted = [*LAYOUT, METERS] if METERS in shapes else list(LAYOUT)
+    wanted = _wanted(shapes)
     missing = [f"array {key!r} is missing" for key in wanted
                if key not in shapes and key not in LATE]
     if missing:
         return missing
-    samples, contacts = shapes["time"], shapes["contact_gap"]
-    size = sizes(mechanism, samples=math.prod(samples), contacts=math.prod(contacts))
+    size = _sizes_of(mechanism, shapes)
     return [f"array {key!r} has shape {shapes[key]}, expected {shape}" for key in wanted
             if key in shapes and shapes[key] != (shape := shape_of(key, size))]
+
+
+def _wanted(given: Mapping[str, Any]) -> list[str]:
+    """Arrays that a recording has to have that has some of the optional ones."""
+    return [*LAYOUT, *(key for names in OPTIONAL if not given.keys().isdisjoint(names)
+                       for key in names)]
+
+
+def _sizes_of(mechanism: Any, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, int]:
+    rows = {"samples": "time", "contacts": "contact_gap", "means": "mean_sample",
+            "mean_contacts": "mean_contact_sample", "impacts": "impact_time"}
+    return sizes(mechanism, **{axis: math.prod(shapes.get(key, (0,)))
+                               for axis, key in rows.items()})
 
 
 def _wild(arrays: Mapping[str, NDArray[Any]], size: Mapping[str, int]) -> list[str]:
@@ -256,9 +306,8 @@ def _wild(arrays: Mapping[str, NDArray[Any]], size: Mapping[str, int]) -> list[s
         if row.points and array is not None and any(
                 piece.min() < 0 or piece.max() > last for piece in pieces(array)):
             found.append(f"array {row.name!r} points outside 0..{last}")
-    if not found and not in_order(arrays["contact_sample"]):
-        found.append("array 'contact_sample' is not in order")
-    return found
+    return found or [f"array {key!r} is not in order" for key in IN_ORDER
+                     if key in arrays and not in_order(arrays[key])]
 
 
 def pieces(array: NDArray[Any]) -> Iterator[NDArray[Any]]:

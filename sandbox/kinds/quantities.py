@@ -230,6 +230,8 @@ LIVE: Mapping[str, tuple[str, ...]] = {
 CONTACT_COLUMNS: Mapping[str, str] = {
     "x": "m", "y": "m", "fx": "N", "fy": "N", "normal": "N", "tangential": "N"}
 """The numbers of a contact's row in ``contacts.csv`` and their units."""
+IMPACT_COLUMNS: Mapping[str, str] = {"x": "m", "y": "m", "px": "N s", "py": "N s"}
+"""The numbers of a row in ``impacts.csv`` and their units."""
 
 
 def numbered(element: str, quantity: str) -> tuple[str, int] | None:

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.errors import OutputError
+from sandbox.kinds.arrays import IMPACT
 from sandbox.recording.reading import FORMAT, INFO, MECHANISM
 from sandbox.samples.outcome import outcome_data
 from sandbox.samples.samples import Samples
@@ -41,7 +42,10 @@ def write(run: Samples, file: IO[bytes]) -> None:
         OSError: the disk is full, or gone.
     """
     with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
+        none = IMPACT if not len(run.arrays["impact_time"]) else ()
         for key, array in sorted(run.with_meters().items()):
+            if key in none:
+                continue
             with archive.open(_aligned(f"{key}.npy", file.tell()), "w", force_zip64=True) as member:
                 _write_array(member, array)
         text = {MECHANISM: run.mechanism.model_dump_json(by_alias=True),

@@ -7,8 +7,9 @@ comes, and is mapped into memory when it is finished. The files go with the reco
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -16,12 +17,14 @@ from numpy.typing import NDArray
 
 from sandbox.kinds.arrays import (
     CONTACT,
-    CONTACT_BYTES,
+    IMPACT,
+    MEAN,
+    MEAN_CONTACT,
     PER_SAMPLE,
     STATIC,
     Arrays,
     dtype_of,
-    sample_bytes,
+    row_bytes,
     shape_of,
     sizes,
 )
@@ -42,52 +45,66 @@ FIRST_ROWS = 1024
 TIME = "time"
 
 
-class ContactRows:
-    """Contact rows in the making, in order of (sample, body, other); ``count`` of them."""
+class Rows:
+    """Rows in the making of arrays that have one for each contact or impact; ``count`` of them.
 
-    def __init__(self, budget: Budget) -> None:
-        size = {"m": FIRST_ROWS}
-        self._columns = {key: Growing(budget, shape_of(key, size)[1:], dtype_of(key), FIRST_ROWS)
-                         for key in CONTACT}
-        self.count = 0
+    They are in order of the first array, or of the first three: (sample, body, other) or
+    (time, body, other).
+    """
 
-    def append(
-        self, sample: int | Integers, body: Integers, other: Integers, point: Array, force: Array,
-        normal: Array, gap: Array, merged: Array, twist: Array,
+    def __init__(
+        self, budget: Budget, size: Mapping[str, int], keys: Iterable[str], by: int = 3,
     ) -> None:
-        """Add touching pairs: shapes [r], [r], [r, 2], [r, 2], [r, 2], [r], [r], [r].
+        """``size`` has the lengths of all axes but the first, ``by`` is how many arrays sort."""
+        shapes = {key: shape_of(key, size)[1:] for key in keys}
+        self._columns = {key: Growing(budget, shape, dtype_of(key), FIRST_ROWS)
+                         for key, shape in shapes.items()}
+        self._row = 8 * sum(map(math.prod, shapes.values()))
+        self.count, self._by = 0, by
 
-        They are those of one sample, or ``sample`` tells each row's own, shape [r]; of no sample
-        that comes before those which are there.
+    @property
+    def bytes(self) -> int:
+        """Bytes of all rows."""
+        return self.count * self._row
+
+    def append(self, first: Any, *rest: NDArray[Any]) -> None:
+        """Add rows, the values of all arrays in their order.
+
+        ``first`` is that of each row or of all of them, and not below those that are there.
         """
-        of = np.broadcast_to(np.asarray(sample, dtype=np.int64), body.shape)
-        values: tuple[NDArray[Any], ...] = (
-            of, body, other, point, force, normal, gap, merged, twist)
-        if not _in_order((other, body, of)):
-            order = np.lexsort((other, body, of))
+        count = len(rest[0])
+        values = (np.broadcast_to(first, count), *rest)
+        if self._by > 1 and not _in_order(values[2::-1]):
+            order = np.lexsort(values[2::-1])
             values = tuple(column[order] for column in values)
         for rows, column in zip(self._columns.values(), values, strict=True):
             rows.put(self.count, column)
-        self.count += len(body)
+        self.count += count
 
-    def replace(self, first: int, **rows: Any) -> None:
-        """Put rows, given as to :meth:`append`, in the place of those from sample ``first`` on."""
-        samples = self._columns["contact_sample"].finished()[:self.count]
-        self.count = int(np.searchsorted(samples, first))
-        self.append(**rows)
+    def replace(self, sample: int, *rows: Any) -> None:
+        """Put rows, given as to :meth:`append`, in the place of those from ``sample`` on."""
+        self.count = self.before(sample)
+        self.append(*rows)
+
+    def before(self, sample: int) -> int:
+        """How many rows come before those of a sample."""
+        samples = next(iter(self._columns.values())).finished()[:self.count]
+        return int(np.searchsorted(samples, sample))
 
     def finished(self, *, copied: bool, scratch: Scratch | None) -> Arrays:
         """All rows; see :class:`~sandbox.recording.scratch.Growing`."""
-        return _finished(self._columns, copied=copied, scratch=scratch)
+        return {key: rows[:self.count] for key, rows in _finished(
+            self._columns, copied=copied, scratch=scratch).items()}
 
 
 class RecordingBuilder:
     """Room for the samples of a run; ``finish`` makes the :class:`Recording`.
 
-    ``put`` takes what has a row per sample, ``contacts`` the contact rows. ``statics`` are the
-    arrays that do not change (body masses, centres and inertias, tendon lengths). ``model`` is
-    the mechanism's, if the recording shall not compile its own. Above ``memory`` bytes, files in
-    ``directory`` (the system's temporary one) are used.
+    ``put`` takes what has a row per sample, ``contacts``, ``means``, ``mean_contacts`` and
+    ``impacts`` rows of these. ``statics`` are the arrays that do not change (body masses, centres
+    and inertias, tendon lengths). ``apart`` is whether samples are several steps apart.
+    ``model`` is the mechanism's, if the recording shall not compile its own. Above ``memory``
+    bytes, files in ``directory`` (the system's temporary one) are used.
 
     Raises:
         OutputError: there is no room for the files.
@@ -95,12 +112,12 @@ class RecordingBuilder:
 
     def __init__(
         self, mechanism: Mechanism, samples: int, statics: Mapping[str, NDArray[Any]], *,
-        model: Model | None = None, memory: float = MEMORY,
+        apart: bool = False, model: Model | None = None, memory: float = MEMORY,
         directory: str | os.PathLike[str] | None = None,
     ) -> None:
         self.mechanism, self._model = mechanism, model
         self.statics: Arrays = {key: np.array(statics[key], dtype=float) for key in STATIC}
-        self._sample_bytes = sample_bytes(mechanism)
+        self._sample_bytes = row_bytes(mechanism, PER_SAMPLE)
         fits = samples * self._sample_bytes <= memory
         self._budget, self._directory = Budget(memory if fits else 0, directory), directory
         size = sizes(mechanism, samples=0)
@@ -108,13 +125,18 @@ class RecordingBuilder:
                       for key in PER_SAMPLE if key != TIME}
         if not fits:
             self._budget.give_back(int(memory))
-        self.contacts = ContactRows(self._budget)
+        self.apart = apart
+        self.contacts, self.impacts = (
+            Rows(self._budget, size, keys) for keys in (CONTACT, IMPACT))
+        self.means, self.mean_contacts = (
+            Rows(self._budget, size, keys, by=1) for keys in (MEAN, MEAN_CONTACT))
 
     @property
     def recorded_bytes(self) -> int:
-        """Bytes of what was recorded so far, contact rows included."""
-        count = self._rows["body_pose"].count
-        return count * self._sample_bytes + self.contacts.count * CONTACT_BYTES
+        """Bytes of what was recorded so far, contact rows and impacts included."""
+        return (self._rows["body_pose"].count * self._sample_bytes
+                + sum(rows.bytes for rows in (
+                    self.contacts, self.means, self.mean_contacts, self.impacts)))
 
     def blank(self, samples: int) -> Arrays:
         """Every array that :meth:`put` takes, for so many samples, filled with nan."""
@@ -144,9 +166,12 @@ class RecordingBuilder:
             scratch = Scratch(self._directory)
         arrays = _finished(self._rows, copied=copied, scratch=scratch)
         arrays = {key: array[:len(time)] for key, array in arrays.items()}
-        contacts = self.contacts.finished(copied=copied, scratch=scratch)
-        count = int(np.searchsorted(contacts["contact_sample"][:self.contacts.count], len(time)))
-        arrays |= {key: array[:count] for key, array in contacts.items()}
+        means = (self.means, self.mean_contacts) if self.apart else ()
+        for rows in (self.contacts, *means):
+            count = rows.before(len(time))
+            arrays |= {key: array[:count] for key, array in rows.finished(
+                copied=copied, scratch=scratch).items()}
+        arrays |= self.impacts.finished(copied=copied, scratch=scratch)
         return Recording(self.mechanism, {TIME: np.array(time), **arrays, **self.statics}, info,
                          model=self._model, scratch=scratch)
 

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import Arrays
+from sandbox.kinds.arrays import CONTACT, IMPACT, Arrays, sizes
 from sandbox.model.model import Model
 from sandbox.numeric import Array
-from sandbox.recording.builder import TIME, ContactRows, RecordingBuilder
+from sandbox.recording.builder import TIME, RecordingBuilder, Rows
 from sandbox.scene.mechanism import Mechanism
 
 
@@ -25,7 +25,9 @@ class Latest(RecordingBuilder):
         self, mechanism: Mechanism, statics: Mapping[str, NDArray[Any]], *, model: Model,
     ) -> None:
         super().__init__(mechanism, 0, statics, model=model)
-        self.contacts: ContactRows = _LatestRows(self._budget)
+        size = sizes(mechanism, samples=0)
+        self.contacts = _LatestRows(self._budget, size, CONTACT)
+        self.impacts = _NoRows(self._budget, size, IMPACT)
         self.first = self.count = 0
 
     def put(self, first: int, arrays: Mapping[str, NDArray[Any]]) -> None:
@@ -36,14 +38,20 @@ class Latest(RecordingBuilder):
     def arrays(self, time: Array) -> Arrays:
         """What there is, as a recording of it has it, at its instants [s]; it shares the memory."""
         return {TIME: time, **{key: rows.finished() for key, rows in self._rows.items()},
-                **{key: rows[:self.contacts.count] for key, rows in self.contacts.finished(
-                    copied=False, scratch=None).items()}, **self.statics}
+                **self.contacts.finished(copied=False, scratch=None), **self.statics}
 
 
-class _LatestRows(ContactRows):
+class _LatestRows(Rows):
     """Contact rows whose samples are counted from the first that is held."""
 
-    def replace(self, first: int, **rows: Any) -> None:
+    def replace(self, sample: int, *rows: Any) -> None:
         """Put rows in the place of all that there are."""
         self.count = 0
-        self.append(**{**rows, "sample": np.asarray(rows["sample"]) - first})
+        self.append(np.asarray(rows[0]) - sample, *rows[1:])
+
+
+class _NoRows(Rows):
+    """Rows that are not kept."""
+
+    def append(self, *rows: Any) -> None:
+        """Drop them."""

@@ -23,10 +23,12 @@ from pathlib import Path
 from sandbox.errors import OutputError
 from sandbox.whole_files import flush, locked, own_part, plainly, tidy, write_whole
 
-SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, BOUNDS = (
-    "run.json", "run.incomplete.json", "run.npz", "contacts.csv", "contact_bounds.csv")
-FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, BOUNDS, "tendons.csv", "joints.csv", "bodies.csv",
-         "drives.csv", "springs.csv", "lines.csv", "valves.csv", "loads.csv", "meters.csv")
+SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, IMPACTS, BOUNDS = (
+    "run.json", "run.incomplete.json", "run.npz", "contacts.csv", "impacts.csv",
+    "contact_bounds.csv")
+FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, IMPACTS, BOUNDS, "tendons.csv", "joints.csv",
+         "bodies.csv", "drives.csv", "springs.csv", "lines.csv", "valves.csv", "loads.csv",
+         "meters.csv")
 """The numbers of a run, whatever it records."""
 FILMS = ("animation.gif", "animation.mp4")
 PAGE = "report.html"

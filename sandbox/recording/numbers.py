@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import LARGEST, Recorded
+from sandbox.kinds.arrays import IN_ORDER, LARGEST, Recorded
 from sandbox.numeric import Array, Flags, Integers
 
 Check = Callable[[int, NDArray[Any]], str]
@@ -32,9 +32,9 @@ def checks(kind: Recorded, span: Span) -> Check:
     if kind.name == "time":
         return _Rising(span.end)
     if kind.points:
-        return _Pointing(span.sizes[kind.points], ordered=kind.when == "contact"
-                         and kind.points == "n")
-    row = {"contact": "row", "once": "element"}.get(kind.when, "sample")
+        return _Pointing(span.sizes[kind.points], ordered=kind.name in IN_ORDER)
+    row = {"once": "element", "sample": "sample", "mean": "sample", "meters": "sample"}.get(
+        kind.when, "row")
 
     def numbers(first: int, values: Array) -> str:
         wrong = ~(np.abs(values) <= LARGEST)

@@ -23,7 +23,7 @@ from sandbox.audit.figures import Figure, figure_data
 from sandbox.errors import OutputError
 from sandbox.kinds.arrays import LARGEST, Arrays
 from sandbox.recording import archive, reading, tables
-from sandbox.recording.new_run import ARCHIVE, CONTACTS, INCOMPLETE, SUMMARY, writing
+from sandbox.recording.new_run import ARCHIVE, CONTACTS, IMPACTS, INCOMPLETE, SUMMARY, writing
 from sandbox.samples.expectations import Verdict
 from sandbox.samples.outcome import Outcome, Status, outcome_data
 from sandbox.samples.samples import Samples
@@ -66,6 +66,8 @@ def save_data(run: Samples, directory: Path) -> None:
     """
     _write(directory / ARCHIVE, partial(archive.write, run))
     _write(directory / CONTACTS, partial(_text, tables.contact_rows(run)))
+    if len(run.arrays["impact_time"]):
+        _write(directory / IMPACTS, partial(_text, tables.impact_rows(run)))
     for kind in tables.written(run):
         _write(directory / f"{kind}.csv", partial(_text, tables.rows(run, kind)))
 

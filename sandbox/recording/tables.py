@@ -20,7 +20,9 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from sandbox.audit.bounds import Bounds
-from sandbox.kinds.quantities import CONTACT_COLUMNS
+from sandbox.kinds.arrays import IMPACT
+from sandbox.kinds.quantities import CONTACT_COLUMNS, IMPACT_COLUMNS
+from sandbox.numeric import Array, Integers
 from sandbox.samples.samples import Samples
 from sandbox.scene.values.units import normal_unit
 
@@ -86,14 +88,26 @@ def bound_rows(run: Samples, found: Mapping[int, Sequence[Bounds]]) -> Iterator[
 def contact_rows(run: Samples) -> Iterator[str]:
     """The text of ``contacts.csv``: the force on ``body`` by ``other``, row by row."""
     yield contact_head() + "\n"
-    names = [body.name for body in run.mechanism.bodies]
-    line = ",".join([NUMBER, "%s", "%s", *[NUMBER] * len(CONTACT_COLUMNS)]) + "\n"
     for part in run.parts(max(1, BLOCK // 64), rows=BLOCK // 8):
-        a, contacts = part.arrays, part.contacts
-        values = np.column_stack([
-            part.time[contacts.sample], a["contact_point"], a["contact_force"],
-            contacts.normal, contacts.tangential,
-        ]) + 0.0
-        pairs = zip(values.tolist(), contacts.body.tolist(), contacts.other.tolist(), strict=True)
-        yield "".join([line % (row[0], names[body], names[other], *row[1:])
-                       for row, body, other in pairs])
+        contacts = part.mean_contacts
+        yield _pair_rows(run, part.time[contacts.sample], contacts.body, contacts.other,
+                         part.mean_rows["contact_point"], contacts.force, contacts.normal,
+                         contacts.tangential)
+
+
+def impact_rows(run: Samples) -> Iterator[str]:
+    """The text of ``impacts.csv``: the impulse on ``body`` by ``other``, row by row."""
+    numbers = (column(name, unit) for name, unit in IMPACT_COLUMNS.items())
+    yield ",".join(["time_s", "body", "other", *numbers]) + "\n"
+    yield _pair_rows(run, *(run.arrays[key] for key in IMPACT))
+
+
+def _pair_rows(
+    run: Samples, time: Array, body: Integers, other: Integers, *numbers: Array,
+) -> str:
+    """Lines of an instant, the names of two bodies and numbers."""
+    names = [body.name for body in run.mechanism.bodies]
+    values = np.column_stack([time, *numbers]) + 0.0
+    line = ",".join([NUMBER, "%s", "%s", *[NUMBER] * (values.shape[1] - 1)]) + "\n"
+    return "".join([line % (row[0], names[one], names[two], *row[1:]) for row, one, two in zip(
+        values.tolist(), body.tolist(), other.tolist(), strict=True)])

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from sandbox.kinds.arrays import (
     CONTACT,
+    MEAN,
+    MEAN_CONTACT,
     METERS,
     PER_SAMPLE,
     Arrays,
@@ -30,6 +32,7 @@ from sandbox.samples.ends import ended
 from sandbox.samples.frames import Frames
 from sandbox.samples.grasps import STIFFNESS, Grasp
 from sandbox.samples.links import link_tensions
+from sandbox.samples.merging import mean_arrays, mean_contact_rows
 from sandbox.samples.outcome import Outcome
 from sandbox.samples.patterns import near_pattern, unit_of
 from sandbox.samples.stored import Stored
@@ -71,6 +74,7 @@ class Samples(Stored):
         super().__init__(mechanism, arrays, info, model=model, scratch=scratch)
         self.catalogue = catalogue or Catalogue(mechanism)
         self._grasps: dict[int, Grasp] = {}
+        self._means: Arrays = {}
 
     @property
     def notes(self) -> list[str]:
@@ -192,13 +196,14 @@ class Samples(Stored):
         arrays[METERS] = self._meters[0]
         for key in [*PER_SAMPLE, METERS]:
             arrays[key] = arrays[key][samples]
-        first, last = (np.searchsorted(arrays["contact_sample"], samples, side=side)
-                       for side in ("left", "right"))
-        count = last - first
-        kept = np.arange(count.sum()) + np.repeat(last - np.cumsum(count), count)
-        for key in CONTACT:
-            arrays[key] = arrays[key][kept]
-        arrays["contact_sample"] = np.repeat(np.arange(len(samples)), count)
+        for of, *rest in self._row_tables:
+            first, last = (np.searchsorted(arrays[of], samples, side=side)
+                           for side in ("left", "right"))
+            count = last - first
+            kept = np.arange(count.sum()) + np.repeat(last - np.cumsum(count), count)
+            for key in rest:
+                arrays[key] = arrays[key][kept]
+            arrays[of] = np.repeat(np.arange(len(samples)), count)
         return type(self)(self.mechanism, arrays, self.info, catalogue=self.catalogue,
                           model=self._model)
 
@@ -223,18 +228,47 @@ class Samples(Stored):
 
     def _contact_rows(self, first: int, last: int) -> Arrays:
         """The contact rows of samples ``first`` to ``last - 1``, which are counted from 0."""
-        start, end = np.searchsorted(self.arrays["contact_sample"], [first, last])
-        rows = {key: self.arrays[key][start:end] for key in CONTACT}
-        return {**rows, "contact_sample": rows["contact_sample"] - first}
+        rows: Arrays = {}
+        for of, *rest in self._row_tables:
+            start, end = np.searchsorted(self.arrays[of], [first, last])
+            rows |= {key: self.arrays[key][start:end] for key in rest}
+            rows[of] = self.arrays[of][start:end] - first
+        return rows
 
-    def _of_contacts(self, read: Callable[[Contacts], Array]) -> Array:
-        """What is read of contact rows, by :data:`ROWS` of them if there are more, shape [n]."""
+    def _of_contacts(self, read: Callable[[Contacts], Array], *, means: bool = True) -> Array:
+        """What is read of contact rows, by :data:`ROWS` of them if there are more, shape [n].
+
+        Not of ``means`` they are those of the samples' own steps.
+        """
         if len(self.arrays["contact_sample"]) <= ROWS:
-            return read(self.contacts)
-        bodies = len(self.mechanism.bodies)
-        return np.concatenate([
-            read(Contacts(self._contact_rows(first, last), samples=last - first, bodies=bodies))
-            for first, last in self._spans(ROWS)])
+            return read(self.mean_contacts if means else self.contacts)
+        found, bodies = [], len(self.mechanism.bodies)
+        for first, last in self._spans(ROWS):
+            rows = self._contact_rows(first, last)
+            found.append(read(Contacts(mean_contact_rows(rows) if means else rows,
+                                       samples=last - first, bodies=bodies)))
+        return np.concatenate(found)
+
+    @property
+    def _row_tables(self) -> list[list[str]]:
+        """Arrays with rows that belong to samples; the sample's number is the first of each."""
+        means = [list(MEAN), list(MEAN_CONTACT)] if "mean_sample" in self.arrays else []
+        return [list(CONTACT), *means]
+
+    def means(self, *keys: str) -> Arrays:
+        """The arrays, those of ``keys`` with means over sample intervals for forces of a step."""
+        self._means |= mean_arrays(self.arrays, set(keys) - self._means.keys())
+        return self.arrays | self._means
+
+    @cached_property
+    def mean_rows(self) -> Arrays:
+        """The contact rows as means over sample intervals."""
+        return mean_contact_rows(self.arrays)
+
+    @cached_property
+    def mean_contacts(self) -> Contacts:
+        """The contacts of :attr:`mean_rows`."""
+        return Contacts(self.mean_rows, samples=len(self), bodies=len(self.mechanism.bodies))
 
     def with_meters(self) -> Arrays:
         """All arrays, the meters among them as ``meter_value`` [n, meters] if there are any."""
@@ -264,7 +298,7 @@ class Samples(Stored):
             result = self._of_contacts(lambda c: c.of_pair(index, source.other, quantity))
         elif kind == "group":
             members, what = self._members(index), quantity.removeprefix("contact.")
-            result = self._of_contacts(lambda c: c.of_group(members, what))
+            result = self._of_contacts(lambda c: c.of_group(members, what), means=what != "count")
         elif quantity.startswith("contact."):
             what = quantity.removeprefix("contact.")
             result = self._of_contacts(lambda c: c.of_body(index, what))
@@ -275,14 +309,15 @@ class Samples(Stored):
         elif quantity == "shortening":
             result = self._shortening(index)
         elif kind == "joint" and quantity == "tension":
-            result = link_tensions(self.model, self.arrays, np.array([index]))[:, 0]
+            result = link_tensions(
+                self.model, self.means("joint_force", "joint_reaction"), np.array([index]))[:, 0]
         elif kind == "joint" and not QUANTITIES[kind][quantity].array:
-            result = of_wheels(self, index, quantity)
+            result = of_wheels(self.model, self.means("joint_force"), index, quantity)
         elif at := numbered(kind, quantity):
             result = self._at_guide(index, *at)
         else:
             row = QUANTITIES[kind][quantity]
-            stored = self.arrays[row.array][:, index]
+            stored = self.means(row.array)[row.array][:, index]
             result = stored if row.component is None else stored[:, row.component]
         result.setflags(write=False)
         return result
@@ -298,7 +333,8 @@ class Samples(Stored):
         tendons = self.model.tendons
         if what == "tension":
             rows = np.flatnonzero(tendons.stretch_tendon == tendon)
-            return np.array(piece_tensions(self.model, self.arrays, rows[number:number + 1])[0])
+            arrays = self.means("tendon_tension", "guide_friction")
+            return np.array(piece_tensions(self.model, arrays, rows[number:number + 1])[0])
         guide = int(tendons.first[tendon]) + number
         if what == "lifted":
             wheel = int(np.flatnonzero(tendons.wheels == guide)[0])

@@ -42,6 +42,10 @@ class Stored:
       in the joint's sense, nan for other drives.
     * ``drive_work``, ``tendon_work``, ``spring_work``, ``joint_damping_work``: done on the bodies
       since t = 0 [J], added up in every step.
+    * ``mean_joint_force`` and so on: means over the interval around each sample, if samples are
+      several steps apart.
+    * ``impact_time``, ``impact_body``, ``impact_other`` [k], ``impact_point``,
+      ``impact_impulse`` [k, 2]: contacts that were hit.
     * ``contact_sample``, ``contact_body``, ``contact_other`` [m]: one row per touching pair
       and sample, in this order; ``contact_point``, ``contact_force`` (on body by other),
       ``contact_normal`` [m, 2]; ``contact_gap`` [m]: negative where they overlap;

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.kinds.arrays import CONTACT, PER_SAMPLE
+from sandbox.kinds.arrays import CONTACT, LAYOUT, PER_SAMPLE
 from sandbox.model.friction import friction_of
 from sandbox.model.model import NONE, Model
 from sandbox.model.ties import held_of
@@ -432,9 +432,8 @@ def _repeated(run: Stored, sample: int, moved: Array) -> Stored:
     Turns are about the centres of mass. Without contacts.
     """
     which = np.full(len(moved), sample)
-    arrays = {key: value[:0] if key in CONTACT or key == "contact_sample" else
-              value[which] if key in PER_SAMPLE else value for key, value in run.arrays.items()
-              if key != "meter_value"}
+    arrays = {key: run.arrays[key][:0] if key in CONTACT else
+              run.arrays[key][which] if key in PER_SAMPLE else run.arrays[key] for key in LAYOUT}
     pose, centre = np.array(arrays["body_pose"]), run.arrays["body_centre"]
     before = pose[..., 2].copy()
     pose += moved

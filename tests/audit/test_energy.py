@@ -8,6 +8,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sandbox.engine.simulate import simulate
+from sandbox.scene.mechanism import Mechanism
 from tests.audit.still import H, block, figures, machine, still, turns
 
 ALLOWED, CLOSED = 1e-9, 1.5e-10
@@ -262,3 +264,23 @@ def test_inertia_times_its_acceleration_is_the_moment_to_1e_9_of_the_largest():
     both = [{**LEVER, "name": "other", "at": (-0.06, -0.3)}, LEVER]
     turns("momentum.moment", most, lambda e: still(
         free(*both, gravity=(0, 0)), moving(0, 20.0, full * e, drive_value=2.0)), by=1e-3)
+
+
+def test_a_blow_between_two_samples_is_no_loss_though_nothing_touches():
+    """A bob swings against a wall and comes back with half its speed; no sample has the contact."""
+    run = simulate(Mechanism.model_validate({
+        "run": {"duration": 0.3, "step": 5e-4, "sample_rate": 1000}, "gravity": (0, -9.81),
+        "materials": {"hard": {"restitution": 0.5}},
+        "bodies": [
+            {"name": "wall", "motion": "fixed", "material": "hard",
+             "shapes": [{"type": "box", "size": (0.1, 1), "at": (-0.06, -0.3)}]},
+            {"name": "frame", "motion": "fixed"},
+            {"name": "bob", "mass": 0.1, "at": (0.2, -0.12), "material": "hard",
+             "shapes": [{"type": "circle", "radius": 0.01}]}],
+        "joints": [{"type": "pin", "name": "pin", "a": "frame", "b": "bob",
+                    "on_b": (-0.2, 0.12)}]}))
+    assert len(run.arrays["impact_time"]) == 1
+    assert len(run.arrays["contact_gap"]) == 0
+    found = {figure.name: figure for figure in run.audit}
+    assert found["energy.lost"].verdict == "not computed"
+    assert "every step" in found["energy.lost"].why

@@ -3,7 +3,16 @@
 import pytest
 
 from sandbox.engine.simulate import simulate
-from sandbox.kinds.arrays import ARRAYS, LAYOUT, METERS, PER_SAMPLE, sample_bytes
+from sandbox.kinds.arrays import (
+    ARRAYS,
+    IMPACT,
+    LAYOUT,
+    MEAN,
+    MEAN_CONTACT,
+    METERS,
+    PER_SAMPLE,
+    row_bytes,
+)
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 
@@ -13,15 +22,19 @@ def test_bytes_of_a_sample_are_those_of_a_recording(scene):
     mechanism = expand(load_scene(scene, overrides={"run.duration": 0.005}))
     run = simulate(mechanism)
     kept = sum(array.nbytes for key, array in run.arrays.items()
-               if len(array) == len(run) and not key.startswith("contact") and key != METERS)
+               if len(array) == len(run) and "_contact" not in f"_{key}" and key != METERS
+               and key not in MEAN)
     assert len(run) not in (len(mechanism.bodies), len(mechanism.tendons))
-    assert sample_bytes(mechanism) * len(run) == kept
+    assert row_bytes(mechanism, PER_SAMPLE) * len(run) == kept
 
 
 def test_every_array_has_its_row():
-    run = simulate(load_scene("single_finger", overrides={"run.duration": 0.002}))
-    assert set(run.arrays) == set(LAYOUT)
-    assert {row.name for row in ARRAYS} == {*LAYOUT, METERS}
+    means = {*MEAN, *MEAN_CONTACT}
+    for rate, more in (("1 kHz", means), ("2 kHz", set())):
+        run = simulate(load_scene("single_finger", overrides={
+            "run.duration": 0.002, "run.step": "0.5 ms", "run.sample_rate": rate}))
+        assert set(run.arrays) == {*LAYOUT, *IMPACT, *more}
+    assert {row.name for row in ARRAYS} == {*LAYOUT, *IMPACT, *means, METERS}
     assert len({row.name for row in ARRAYS}) == len(ARRAYS)
     assert all(row.about and (row.unit or row.element is not float) for row in ARRAYS)
     assert next(iter(PER_SAMPLE)) == "time"

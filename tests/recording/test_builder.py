@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sandbox.errors import OutputError
-from sandbox.kinds.arrays import PER_SAMPLE, STATIC
+from sandbox.kinds.arrays import IMPACT, PER_SAMPLE, STATIC
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.outcome import Status
 
@@ -49,7 +49,7 @@ def test_what_is_built_is_what_was_written(memory, tmp_path):
     rows = in_order(CONTACTS)
     run = build(mech, contacts=rows, memory=memory, directory=tmp_path).finish(times(), INFO)
     expected = arrays(mech, contacts=rows)
-    assert set(run.arrays) == set(expected)
+    assert set(run.arrays) == {*expected, *IMPACT}
     for key, array in expected.items():
         assert np.array_equal(run.arrays[key], array), key
     assert bool(list(tmp_path.iterdir())) == (memory < 1e9)
@@ -63,9 +63,8 @@ def test_going_on_leaves_alone_what_was_taken_out(memory, tmp_path):
     pose, force = run.arrays["body_pose"].copy(), run.arrays["contact_force"].copy()
     builder.put(3, builder.blank(2))
     pair = np.ones((1, 2))
-    builder.contacts.replace(2, sample=4, body=np.array([DISC]), other=np.array([DISTAL]),
-                             point=pair, force=pair, normal=pair, gap=np.zeros(1),
-                             merged=np.ones(1), twist=np.zeros(1))
+    builder.contacts.replace(2, 4, np.array([DISC]), np.array([DISTAL]), pair, pair, pair,
+                             np.zeros(1), np.ones(1), np.zeros(1))
     assert np.array_equal(run.arrays["body_pose"], pose)
     assert np.array_equal(run.arrays["contact_force"], force)
     other = builder.finish(times(5), INFO)
@@ -121,9 +120,8 @@ def test_a_run_beyond_its_budget_goes_to_files_as_it_comes(tmp_path):
         first = k * step
         builder.put(first, builder.blank(step))
         builder.contacts.replace(
-            first, sample=np.repeat(np.arange(first, first + step), rows), body=body,
-            other=body + 1, point=pair, force=pair, normal=pair, gap=pair[:, 0], merged=pair[:, 0],
-            twist=pair[:, 0])
+            first, np.repeat(np.arange(first, first + step), rows), body, body + 1, pair, pair,
+            pair, *(pair[:, 0],) * 3)
     run = builder.finish(np.arange(step * steps) / step, INFO)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()

@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 
 from sandbox.audit.audit import audit
+from sandbox.engine.simulate import simulate
 from sandbox.errors import OutputError
 from sandbox.kinds.arrays import LATE
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Happened, Status, Stop
 from sandbox.samples.samples import OLDER
+from sandbox.scene.read.load import load_scene
 
 from .sample import CONTACTS, N, recording
 
@@ -61,6 +63,13 @@ def test_arrays_that_came_late_are_nan_in_recordings_without_them(tmp_path):
     assert (figure.verdict, figure.why) == ("not computed", OLDER)
     old.save(tmp_path / "again")
     assert Recording.load(tmp_path / "again").notes == old.notes
+
+
+def test_means_without_some_of_their_arrays_are_refused(tmp_path):
+    run = simulate(load_scene("single_finger", overrides={"run.duration": 0.01}))
+    run.save(tmp_path)
+    with pytest.raises(OutputError, match="array 'mean_force' is missing"):
+        Recording.load(without(tmp_path, "mean_force"))
 
 
 def test_what_is_saved_is_what_is_loaded(tmp_path):

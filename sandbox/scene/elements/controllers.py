@@ -1,7 +1,7 @@
 """Controllers: what reads quantities of the running mechanism and sets its drives.
 
 A controller acts at a rate of its own. When it acts after step k it reads what
-a sample of step k would record, and what it writes holds from step k + 1 until
+a recording of every step has of step k, and what it writes holds from step k + 1 until
 it acts again; its first act is before the first step. The value of a drive
 that a controller writes is where that drive begins.
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from sandbox.errors import Problem
-from sandbox.kinds.arrays import sample_bytes
+from sandbox.kinds.arrays import PER_SAMPLE, row_bytes
 from sandbox.kinds.elements import LISTS, NAMED
 from sandbox.kinds.quantities import QUANTITIES
 from sandbox.scene.document import Assembly, Part, Scene
@@ -193,7 +193,7 @@ def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:
          f"a duration of {run.duration:g} s in steps of {run.step:g} s is {{count}} steps"),
         ("samples", samples, "$.run.sample_rate",
          f"{run.sample_rate:g} samples a second for {run.duration:g} s are {{count}} samples"),
-        ("recorded_bytes", samples * sample_bytes(mechanism), "$.run.sample_rate",
+        ("recorded_bytes", samples * row_bytes(mechanism, PER_SAMPLE), "$.run.sample_rate",
          "the recording would take {count} bytes"),
         ("frames", run.duration / view.speed * view.fps, "$.view", "the film has {count} frames"),
     ]

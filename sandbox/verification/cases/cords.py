@@ -206,7 +206,7 @@ def _stiffened() -> Findings:
     """A weight that hangs at rest on a cord until that is made stiffer."""
     h, short, rests = 5e-4, WEIGHT * G / OWN, WEIGHT * G / MORE
     run = simulate(mechanism(
-        duration=0.6, step=h, gravity=(0.0, -G),
+        duration=0.6, step=h, run={"sample_rate": 1 / h}, gravity=(0.0, -G),
         bodies=[fixed("ground"), mass("load", WEIGHT, (0.0, -0.5))],
         tendons=[{"name": "cord", "stiffness": OWN, "pretension": WEIGHT * G,
                   "guides": [_guide("ground"), _guide("load")]}],

@@ -147,7 +147,7 @@ def _disc() -> Findings:
     checks, curves, off = [], [], []
     for h in STEPS:
         run = simulate(mechanism(
-            duration=0.8, step=h, gravity=(0.0, -G),
+            duration=0.8, step=h, run={"sample_rate": 1 / h}, gravity=(0.0, -G),
             bodies=[fixed("ground"), _wheel("disc", arm * math.sin(start), arm * math.cos(start),
                                             kilograms, inertia)],
             joints=[{"type": "roll", "name": "joint", "a": "ground", "b": "disc", "radius_a": ra,

@@ -34,7 +34,7 @@ def _pushed() -> Findings:
     """A wheel comes down on a straight cord twice, and leaves it again."""
     stiffness, start = 2000.0, 20.0
     run = simulate(mechanism(
-        duration=2.0, bodies=[
+        duration=2.0, run={"sample_rate": 2000.0}, bodies=[
             fixed("ground"), {"name": "wheel", "motion": "scheduled", "at": (0.0, 0.06),
                               "path": {"y": "=0.06 - 0.12 * sin(pi * t) ** 2"}}],
         tendons=[{"name": "cord", "stiffness": stiffness, "pretension": start, "guides": [
@@ -58,7 +58,7 @@ def _pushed() -> Findings:
 def _interrupted(depth: float, start: float, duration: float, h: float = 2.5e-4) -> Any:
     """A pendulum let go at an angle [rad], its peg so far below the point that it hangs on."""
     return simulate(mechanism(
-        duration=duration, step=h, gravity=(0.0, -G), bodies=[
+        duration=duration, step=h, run={"sample_rate": 1 / h}, gravity=(0.0, -G), bodies=[
             fixed("ground"), mass("bob", 1.0, (LENGTH * math.sin(start),
                                                -LENGTH * math.cos(start)))],
         tendons=[{"name": "cord", "stiffness": 1e7, "guides": [

@@ -5,23 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox.engine.sampler import merge_contacts
-from sandbox.engine.touch_state import CONTACT
-
-H = 0.5
+from sandbox.samples.merging import merge_contacts
 
 
-def point(normal, tangent=0.0, at=(0.0, 0.0), towards=(0.0, 1.0), gap=0.0, a=0, b=1):
-    """What is kept of one point: the impulses on b, along the normal and to its left."""
-    return a, b, *at, *towards, gap, normal, tangent, 0.0
+def point(normal, tangent=0.0, at=(0.0, 0.0), towards=(0.0, 1.0)):
+    """A point of two bodies: the forces on the second, along the normal and to its left."""
+    x, y = towards
+    return at, (tangent * y - normal * x, -normal * y - tangent * x), (-x, -y), normal
 
 
-def merged(*points, sample=None, order=(0, 1, 2)):
-    """Rows of points, all of sample 0 if nothing is said; ``order`` are the model's numbers."""
-    kept = np.array(list(points), dtype=CONTACT)
-    order = np.array(order)
-    return merge_contacts(np.array(sample or [0] * len(points)), order[kept["a"]],
-                          order[kept["b"]], kept, H)
+def merged(*points):
+    """Rows of points, all of one sample."""
+    none = np.zeros(len(points), dtype=np.int64)
+    places, forces, normals, weights = map(np.array, zip(*points, strict=True))
+    return merge_contacts(none, none, none + 1, places, forces, normals, weights,
+                          *np.zeros((2, len(weights))))
 
 
 def moment(at, force):
