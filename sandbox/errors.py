@@ -127,6 +127,14 @@ class SimulationDiverged(SandboxError):
 
 
 @dataclass(eq=False)
+class Jammed(SimulationDiverged):
+    """A body that moves on a schedule was driven against what cannot give way."""
+
+    def __str__(self) -> str:
+        return f"the mechanism jammed at t = {self.time:.6g} s: {self.reason}"
+
+
+@dataclass(eq=False)
 class RecordingFull(SandboxError):
     """A run recorded more than it may, contacts included.
 

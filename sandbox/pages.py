@@ -31,6 +31,7 @@ FAMILIES: dict[str, tuple[str, ...]] = {
     "the-simulation-diverged": (
         "the simulation diverged", "contacts at once", "hang together in so many loops",
         "this simulation ended"),
+    "the-mechanism-jammed": ("the mechanism jammed",),
     "controller-act-at-t": (
         r"act\(\) at t = ", "are no controllers", "a controller's name is made",
         "^controllers?[ :]", "stopped with the verdict"),

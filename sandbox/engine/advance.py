@@ -77,7 +77,7 @@ def _move(table: int, h: float) -> bool:
 
 @kernel
 def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
-    """Find the velocities after the step and hand them on; whether the motion is sound."""
+    """Find the velocities after the step and hand them on; whether it is sound, and not jammed."""
     body, velocity = at.body(table), at.velocity(table)
     let_go_or_take_up(table, drive)
     begin(table)
@@ -99,7 +99,7 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
         _displace(table)
     add_work(table, h)
     note_impacts(table)
-    return bool(sound(h, body)) and bool(contained(table))
+    return bool(sound(h, body)) and bool(contained(table)) and at.standing(table)[3] == 0
 
 
 @kernel

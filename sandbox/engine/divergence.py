@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
+
 import numpy as np
 
 from sandbox.engine.fluid_report import FULL
 from sandbox.engine.steering import Steering
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
-from sandbox.errors import SimulationDiverged
+from sandbox.errors import Jammed, SimulationDiverged
+from sandbox.model.supports import together
+
+PRESSES = 0.01
+"""Share of the largest impulse in a jam with which its other rows press."""
 
 
 def diverged(now: float, world: World, tables: Tables, steering: Steering) -> SimulationDiverged:
     """What to say at ``now`` [s]: the body that is worst and the loop that led there."""
     model = world.model
+    if tables.state.standing[3]:
+        return _jammed(now, world, tables)
     pressure, content = tables.result.fluids["pressure"], tables.state.fluids["content"]
     burst = np.flatnonzero(~(np.abs(pressure) < FULL) | ~(np.abs(content) < FULL))
     if len(burst):
@@ -33,8 +41,50 @@ def diverged(now: float, world: World, tables: Tables, steering: Steering) -> Si
     worst = np.argmin(finite) if not finite.all() else np.argmax(body.max(axis=1))
     reason = "its motion has run away" if finite.all() else "its motion is no longer a number"
     helps = f"smaller forces, or a smaller run.step than {world.h:g} s, may help"
+    driver = _driver(tables, _joined(world, int(worst)))
+    if driver >= 0:
+        reason += (f", led by {model.bodies.name[world.order[driver]]}, which moves on a schedule: "
+                   "past a dead centre, or beyond its reach, what is joined to it cannot follow")
     if loop := steering.furthest():
         reason += f", led by {loop}"
         helps = f"gains of the other sign, smaller ones or limits may help; or {helps}"
     return SimulationDiverged(
         now, model.bodies.name[world.order[worst]], f"{reason}; {helps}")
+
+
+def _driver(tables: Tables, bodies: Container[int]) -> int:
+    """The first of some bodies, in pymunk's order, that moves on a schedule; -1 for none."""
+    moving = [body for body in tables.constants.scheduled.tolist()
+              if tables.result.velocity[body].any() and body in bodies]
+    return moving[0] if moving else -1
+
+
+def _joined(world: World, body: int) -> set[int]:
+    """The bodies, in pymunk's order, that joints tie to one by way of free bodies."""
+    place = {number: i for i, number in enumerate(world.order)}
+    for joints in together(world.model):
+        found = {place[number] for number in world.model.joints.bodies[joints].ravel().tolist()}
+        if body in found:
+            return found
+    return set()
+
+
+def _jammed(now: float, world: World, tables: Tables) -> Jammed:
+    """Which body a schedule drives into which."""
+    which, n = tables.state.standing[3:5].tolist()
+    row, rows = tables.result.rows[which - 1], tables.result.rows[:n]
+    names = [world.model.bodies.name[number] for number in world.order]
+    jam = rows[(np.abs(rows["p"]) >= PRESSES * abs(row["p"])) & (rows["a"] < len(names))]
+    jam = jam if row["p"] else rows[which - 1:which]  # left out, it has no impulse
+    pairs = np.stack([jam["a"], jam["b"]], axis=1).tolist()
+    found = {body for pair in pairs for body in pair}
+    joined = set().union(*(_joined(world, body) for body in found))
+    driver = next(body for body in (_driver(tables, some) for some in (
+        found, joined, range(len(names)))) if body >= 0)
+    free = tables.constants.inverse_mass[:, 0] > 0
+    walls = [pair for pair in pairs if any(not free[body] and body != driver for body in pair)]
+    one, other = sorted((walls or pairs)[0], key=lambda body: (body != driver, not free[body]))
+    who = f"{names[driver]}, which moves on a schedule, "
+    what = f"drives {names[one]} against" if one != driver else "is driven against"
+    return Jammed(now, names[driver],
+                  f"{who}{what} {names[other]}, and neither of them can give way")

@@ -109,7 +109,7 @@ def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
     end = REBOUND
     for event in range(ORDERED + 100 * n):
         if event == ORDERED:
-            at.standing(table)[3] += 1
+            at.standing(table)[5] += 1
         now = _next(table, h, rows, n, now, end)
         if now > h:
             return event > 0

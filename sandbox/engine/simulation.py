@@ -421,7 +421,7 @@ class Simulation:
             wall=dict(self._wall), events=events, broke=tuple(self._broke), stopped=stopped,
             controllers=controllers,
             notes=(relaxed(int(self._tables.state.standing[0]), self._done)
-                   + unordered(int(self._tables.state.standing[3]), self._done)),
+                   + unordered(int(self._tables.state.standing[5]), self._done)),
         ), copied=copied)
 
     def _room(self) -> RecordingBuilder:

@@ -17,12 +17,23 @@ Contacts that give back speed do so before all forces (:mod:`sandbox.engine.impa
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.bounded import columns, couple, measures, push, relax, solve_modes, wipe, y_of
+from sandbox.engine.bounded import (
+    columns,
+    couple,
+    measures,
+    push,
+    rate,
+    relax,
+    solve_modes,
+    wipe,
+    y_of,
+)
 from sandbox.engine.breakaway import break_away
 from sandbox.engine.breaks import breaks
-from sandbox.engine.candidates import broken_rows, kept_rows
+from sandbox.engine.candidates import RETURN, broken_rows, kept_rows
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.factor import assemble, backward, factor, forward
 from sandbox.engine.fluid_report import flowing, report_lines
@@ -51,7 +62,7 @@ from sandbox.engine.rows import (
 from sandbox.engine.rubs import change_rubs
 from sandbox.engine.servos import brake_in_time
 from sandbox.engine.slips import ask_slips, change_whole, slacken_whole
-from sandbox.engine.state import GRIPPED, STIFF, STILL, STILL_TURNING
+from sandbox.engine.state import GRIPPED, LIMITED, NORMAL, STIFF, STILL, STILL_TURNING
 from sandbox.engine.ties import holds, slacken_tied, tie_rows
 from sandbox.numeric import Array, Records
 
@@ -76,6 +87,12 @@ HOPELESS = 1e4
 """An impulse that alone would make its bodies so fast [m/s, rad/s] undoes no overlap."""
 EXACT = 1e-10
 """Rates that count as none, as a share of the largest that the rows see."""
+SOFTER, SOFT_SHARE = 1e3, 0.1
+"""How much more strongly impulses are held to the last, to see whether anything else limits them;
+of one that nothing does 1 / SOFTER is left, of others more than the second."""
+AGROUND, ALMOST = 1e-6, 1e-3
+"""An approach [m/s, rad/s] by which joints drive overlapping bodies on into each other; its share
+in the speeds of both. Less is left where they meet in a common hinge: they do not part there."""
 
 
 @kernel
@@ -135,6 +152,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
             if not breaks(table, h, n):
                 break
             n = kept_rows(table, h, drive)
+    at.standing(table)[3], at.standing(table)[4] = jammed(table, n, slack), n
     report(table, h, n)
     report_lines(table, h, drive)
     _rest(table)
@@ -223,6 +241,53 @@ def _impulses(table: int, n: int, slack: float) -> None:
             relax(rows, n, G)
             given_up[0] += 1 if given_up[2] == 0 else 0
             given_up[2] += 1
+
+
+@entry_point("bounded")
+def jammed(table: int, n: int, slack: float) -> int:
+    """The number, from 1, of a bounded row that has no solution; 0 if all have one.
+
+    What a schedule drives against something fixed has no way to go. Then nothing limits the row's
+    impulse but the small multiple of its change that holds it to the last; or, where joints leave
+    the row no freedom at all, it is left out, and its bodies go on into each other. What overlaps
+    otherwise, as links about a common hinge do, is no jam.
+    """
+    rows, which, most = at.rows(table), -1, HOPELESS
+    scheduled, velocity, moving = at.scheduled(table), at.velocity(table), False
+    for i in range(len(scheduled)):
+        for j in range(3):
+            moving |= velocity[scheduled[i], j] != 0.0
+    for k in range(n if moving else 0):
+        row = rows[k]
+        pushes = row["source"] == NORMAL or row["source"] == LIMITED
+        overlaps = pushes and row["want"] <= -RETURN
+        if row["out"]:
+            if overlaps and _goes_on(row, velocity):
+                return k + 1
+        elif row["a"] < len(velocity) and not overlaps and (
+                abs(row["p"] - row["last"]) * row["base"] > most):
+            which, most = k, abs(row["p"] - row["last"]) * row["base"]
+    if which < 0:
+        return 0
+    for k in range(n):
+        rows[k]["base"] *= SOFTER
+    _impulses(table, n, slack)
+    left = abs(rows[which]["p"] - rows[which]["last"]) * rows[which]["base"] / SOFTER
+    for k in range(n):
+        rows[k]["base"] /= SOFTER
+    if left < SOFT_SHARE * most:
+        return which + 1
+    _impulses(table, n, slack)
+    return 0
+
+
+@kernel
+def _goes_on(row: Any, v: Array) -> bool:
+    """Whether both bodies of a row approach each other, and not only by what rounding leaves."""
+    a, b = row["a"], row["b"]
+    speeds = (abs(row["ax"] * v[a, 0]) + abs(row["ay"] * v[a, 1]) + abs(row["at"] * v[a, 2])
+              + abs(row["bx"] * v[b, 0]) + abs(row["by"] * v[b, 1]) + abs(row["bt"] * v[b, 2]))
+    return bool(rate(row, v) < -max(AGROUND, ALMOST * speeds))
 
 
 @entry_point("bounded", late=True)

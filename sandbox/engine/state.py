@@ -284,8 +284,8 @@ class State(NamedTuple):
     """Values of the drives in the last step, [nd]."""
     standing: Integers
     """In how many steps modes were not found; for how many steps all has been at rest; how often
-    modes were not found in this step; in how many steps impacts were too many to be put in order,
-    [4]."""
+    modes were not found in this step; which row is jammed, from 1, or 0; how many rows; in how many
+    steps impacts were too many to be put in order, [6]."""
 
 
 class Result(NamedTuple):

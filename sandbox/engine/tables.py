@@ -155,7 +155,7 @@ def make_tables(
         *circuits.states(), loads.states(), np.zeros(4, dtype=np.int64), tie_state(model),
         room_for_breaks(model), np.zeros(_impacts(room), IMPACT), np.zeros(room.contacts, TOUCH),
         np.zeros(2, dtype=np.int64),
-        np.full(len(model.drives.name), np.nan), np.zeros(4, dtype=np.int64))
+        np.full(len(model.drives.name), np.nan), np.zeros(6, dtype=np.int64))
     result = _results(places, constants, pattern, cords, circuits, laws, loads, velocity, room)
     return Tables(constants, state, result, np.flatnonzero(model.springs.straight))
 

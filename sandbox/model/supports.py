@@ -40,7 +40,7 @@ def shared_joints(model: Model, pose: Array) -> Shared:
     """
     found: set[int] = set()
     asked = False
-    for joints in _together(model):
+    for joints in together(model):
         rows = [(joint, row) for joint in joints for row in joint_rows(model, pose, joint)]
         if not rows or len(rows) > MOST:
             continue
@@ -58,7 +58,7 @@ def parting_wheels(model: Model, pose: Array) -> set[int]:
     The distance is kept where joints, teeth among them, let it change by no motion of their bodies.
     """
     found: set[int] = set()
-    for joints in _together(model):
+    for joints in together(model):
         toothed = [j for j in joints if model.joints.kind[j].teeth]
         rows = [row for joint in joints for row in joint_rows(model, pose, joint, flank=1)]
         if not toothed or len(rows) > MOST:
@@ -98,7 +98,7 @@ def _matrix(
     return J
 
 
-def _together(model: Model) -> list[list[int]]:
+def together(model: Model) -> list[list[int]]:
     """Joints gathered where free bodies join them."""
     place = list(range(len(model.bodies.name)))
 

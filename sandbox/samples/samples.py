@@ -35,6 +35,7 @@ from sandbox.samples.links import link_tensions
 from sandbox.samples.merging import mean_arrays, mean_contact_rows
 from sandbox.samples.outcome import Outcome
 from sandbox.samples.patterns import near_pattern, unit_of
+from sandbox.samples.stalls import stalled
 from sandbox.samples.stored import Stored
 from sandbox.samples.wheels import of_wheels
 from sandbox.scene.mechanism import Mechanism
@@ -80,8 +81,8 @@ class Samples(Stored):
     def notes(self) -> list[str]:
         """What a reader should know, such as meters without a value."""
         older = self.reactions.size and not has_numbers(self.reactions)
-        notes = [*self.info.notes, *broken(self), *ended(self), *([OLDER] if older else []),
-                 *self._meters[1]]
+        notes = [*self.info.notes, *broken(self), *ended(self), *stalled(self),
+                 *([OLDER] if older else []), *self._meters[1]]
         return list(dict.fromkeys(notes))
 
     def __contains__(self, name: str) -> bool:
