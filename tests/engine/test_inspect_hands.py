@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from sandbox.engine import inspect_hands
 from sandbox.engine.inspect import inspect
 from sandbox.engine.inspect_travel import ways
 from sandbox.engine.inspect_trees import reaches
@@ -169,3 +170,21 @@ def test_slots_that_are_too_short_for_it_are_told(tree: str) -> None:
 def test_of_fingers_without_stops_nothing_is_told() -> None:
     (line,) = reaches(compile_mechanism(pair("10 mm", limits=None)))
     assert line == "tree: its slots end after 10 mm along the pull and 30 mm against it"
+
+
+def test_of_many_objects_those_whose_circles_are_nearest_are_looked_at(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The one whose outline is nearest, though another one's middle is, or one is farther off.
+
+    A circle says no more than that: of a bar on end it comes near the finger, the bar does not.
+    """
+    bar = {"at": [0.2, 0], "shapes": [{"type": "box", "size": [0.002, 0.3]}]}
+    assert "is 149 mm from it" in told(hand(bar, disc(-0.15, 0, 0.001)))[0][1]
+    monkeypatch.setattr(inspect_hands, "MOST_LOOKED", 1)
+    small, large = disc(0.2, 0, 0.001), disc(0, 0.25, 0.1)
+    for objects in ((small, large), (large, small)):
+        assert "is 150 mm from it" in told(hand(*objects))[0][1]
+    far = disc(0, 0.5, 0.1)
+    for objects in ((small, far), (far, small)):
+        assert "is 199 mm from it" in told(hand(*objects))[0][1]

@@ -130,3 +130,11 @@ def test_names_and_titles_stay_text() -> None:
         read = harmless(shown._repr_html_())
         assert HOSTILE in read.text
         assert not re.search(r"<script|<img src=x", shown._repr_html_())
+
+
+def test_a_scene_tells_what_is_in_it() -> None:
+    read = harmless(sandbox.load_scene("single_finger")._repr_html_())
+    for words in ("One finger on a disc", "1 part, 1 body, 1 drive", "5 bodies, 3 joints",
+                  "to run for 1.5 s in steps of 0.5 ms", "pull 3.75"):
+        assert words in " ".join(read.text.split()), words
+    assert "img" in read.tags
