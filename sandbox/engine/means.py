@@ -55,7 +55,7 @@ def add_waiting(table: int, h: float) -> None:
     As long as everything is at rest there is no need to.
     """
     if at.waiting(table)[0] > 0.0:
-        _add(table, h)
+        add_forces(table, h)
 
 
 @entry_point()
@@ -66,7 +66,7 @@ def keep_means(table: int, h: float, every: int) -> None:
     if taken[3] < taken[0]:
         n = taken[0] - taken[1] - 1
         if waiting[1] > 0.0:
-            _add(table, h)
+            add_forces(table, h)
             at.kept_steady(table)[n] = 0
             for k in range(len(sums)):
                 at.kept_means(table)[n, k] = sums[k] / every
@@ -84,7 +84,7 @@ def keep_means(table: int, h: float, every: int) -> None:
 
 
 @entry_point()
-def _add(table: int, h: float) -> None:
+def add_forces(table: int, h: float) -> None:
     """Add the forces of the last step to the unfinished interval, as often as they are waiting."""
     waiting = at.waiting(table)
     share = waiting[0]

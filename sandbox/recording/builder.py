@@ -67,13 +67,12 @@ class Rows:
         """Bytes of all rows."""
         return self.count * self._row
 
-    def append(self, first: Any, *rest: NDArray[Any]) -> None:
+    def append(self, *values: NDArray[Any]) -> None:
         """Add rows, the values of all arrays in their order.
 
-        ``first`` is that of each row or of all of them, and not below those that are there.
+        Those of the first array are not below those that are there.
         """
-        count = len(rest[0])
-        values = (np.broadcast_to(first, count), *rest)
+        count = len(values[0])
         if self._by > 1 and not _in_order(values[2::-1]):
             order = np.lexsort(values[2::-1])
             values = tuple(column[order] for column in values)
@@ -81,10 +80,10 @@ class Rows:
             rows.put(self.count, column)
         self.count += count
 
-    def replace(self, sample: int, *rows: Any) -> None:
+    def replace(self, sample: int, *values: NDArray[Any]) -> None:
         """Put rows, given as to :meth:`append`, in the place of those from ``sample`` on."""
         self.count = self.before(sample)
-        self.append(*rows)
+        self.append(*values)
 
     def before(self, sample: int) -> int:
         """How many rows come before those of a sample."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.kinds.arrays import CONTACT, IMPACT, Arrays, sizes
@@ -44,14 +43,14 @@ class Latest(RecordingBuilder):
 class _LatestRows(Rows):
     """Contact rows whose samples are counted from the first that is held."""
 
-    def replace(self, sample: int, *rows: Any) -> None:
+    def replace(self, sample: int, *values: NDArray[Any]) -> None:
         """Put rows in the place of all that there are."""
         self.count = 0
-        self.append(np.asarray(rows[0]) - sample, *rows[1:])
+        self.append(values[0] - sample, *values[1:])
 
 
 class _NoRows(Rows):
     """Rows that are not kept."""
 
-    def append(self, *rows: Any) -> None:
+    def append(self, *values: NDArray[Any]) -> None:
         """Drop them."""

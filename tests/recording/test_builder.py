@@ -22,10 +22,9 @@ def build(mech, *, contacts=CONTACTS, stop=N, **options):
         builder.put(k, {key: source[key][k:k + 1] for key in PER_SAMPLE})
         rows = source["contact_sample"] == k
         builder.contacts.append(
-            k, source["contact_body"][rows], source["contact_other"][rows],
-            source["contact_point"][rows], source["contact_force"][rows],
-            source["contact_normal"][rows], source["contact_gap"][rows],
-            source["contact_merged"][rows], source["contact_twist"][rows])
+            *(source[f"contact_{key}"][rows] for key in (
+                "sample", "body", "other", "point", "force", "normal", "gap", "merged",
+                "twist")))
     return builder
 
 
@@ -63,8 +62,8 @@ def test_going_on_leaves_alone_what_was_taken_out(memory, tmp_path):
     pose, force = run.arrays["body_pose"].copy(), run.arrays["contact_force"].copy()
     builder.put(3, builder.blank(2))
     pair = np.ones((1, 2))
-    builder.contacts.replace(2, 4, np.array([DISC]), np.array([DISTAL]), pair, pair, pair,
-                             np.zeros(1), np.ones(1), np.zeros(1))
+    builder.contacts.replace(2, np.array([4]), np.array([DISC]), np.array([DISTAL]), pair, pair,
+                             pair, np.zeros(1), np.ones(1), np.zeros(1))
     assert np.array_equal(run.arrays["body_pose"], pose)
     assert np.array_equal(run.arrays["contact_force"], force)
     other = builder.finish(times(5), INFO)
