@@ -106,7 +106,7 @@ def test_a_dragged_slider_has_one_request_under_way_and_ends_at_the_last_value(s
     tab = served("adaptive_grasp")
     found = tab.evaluate(DRAG)
     assert found["most"] == 1
-    assert 1 < found["pictures"] <= found["asked"] < 60
+    assert 1 < found["pictures"] <= 1 + found["asked"] < 60  # one is there before
     until(tab, "sandbox.head.controls.find((c) => c.name === 'parameters.pitch').value === 135")
 
 
