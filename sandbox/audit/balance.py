@@ -9,15 +9,15 @@ import numpy as np
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import (
     EXACT,
-    LEAST,
     ROUNDING,
+    SMALLEST_SCALE,
     Figure,
     Worst,
     judged,
     missing,
     whole,
 )
-from sandbox.model.supports import MOST, shared_joints
+from sandbox.model.supports import LARGEST_GROUP, shared_joints
 from sandbox.samples.samples import OLDER
 
 POSES = 5
@@ -59,7 +59,7 @@ def _shared(evidence: Evidence) -> Figure:
     shared = [model.joints.name[j] for j in sorted(set.intersection(*(f.joints for f in found)))]
     asked = found[0].asked
     if not asked:
-        return missing(name, source=source, why=f"more than {MOST} forces hang together")
+        return missing(name, source=source, why=f"more than {LARGEST_GROUP} forces hang together")
     return judged(
         name, float(len(shared)), "", 0.0, source=source,
         why="joints that hold with others what fewer could hold, so that balance alone does not "
@@ -84,7 +84,7 @@ def _momentum(evidence: Evidence) -> Iterator[Figure]:
         for b in np.flatnonzero(model.bodies.free).tolist():
             force, moment = (float(loads.largest[k, b]) for k in (0, 1))
             scale = max(moment, force * ROUNDING / EXACT) if row else force
-            scale = max(scale, LEAST)
+            scale = max(scale, SMALLEST_SCALE)
             left = loads.left[:, b]
             error = np.abs(left[2]) if row else np.hypot(left[0], left[1])
             left_over.add(model.bodies.name[b], error / scale,

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import EXACT, LEAST, ROUNDING, Figure, Worst, missing
+from sandbox.audit.figures import EXACT, ROUNDING, SMALLEST_SCALE, Figure, Worst, missing
 from sandbox.audit.touching import touched
 from sandbox.audit.unknowns import Unknown, Unknowns
 from sandbox.mechanics.linear_program import LinearProgram
@@ -138,7 +138,7 @@ class Balance:
         self.unit = np.maximum(np.linalg.norm(W, axis=0), 1e-300)
         """Of every force: that which is of the order of 1."""
         W /= self.unit
-        self.size = max(float(np.abs(target).max(initial=0.0)), self._largest(), LEAST)
+        self.size = max(float(np.abs(target).max(initial=0.0)), self._largest(), SMALLEST_SCALE)
         free = np.array([one.free and np.isinf(one.most) for one in group.forces])
         self.free, self.F, self.G = free, W[:, free], W[:, ~free]
         self.target = target / self.size

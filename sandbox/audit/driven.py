@@ -11,8 +11,8 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import (
     DIGITS,
     EXACT,
-    LEAST,
     ROUNDING,
+    SMALLEST_SCALE,
     STILL,
     STOPPED,
     Figure,
@@ -221,7 +221,7 @@ def _works(evidence: Evidence) -> Figure:
         added = np.cumsum(each) - each / 2 - (np.cumsum(each) - each / 2)[0]
         moved = float(np.abs(each).sum())
         off = np.abs(work - work[0] - added)[evidence.known]
-        worst.add(label, off / max(moved, LEAST), EXACT)
+        worst.add(label, off / max(moved, SMALLEST_SCALE), EXACT)
     return worst.figure(
         name, "", source=source, none="nothing works",
         why="work added up by the run against forces times rates of all steps, share of all work "

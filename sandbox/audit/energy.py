@@ -11,7 +11,7 @@ and a reaction R does R times the difference of the two sides: added up over the
 what may come out of joints. So it is with what sticks at a contact. Its normal force N holds the
 gap by the second derivative c that the gap has at constant velocities: where that changes by dc in
 a step, N does h^2 N dc / 2. Both may besides move by what is left of a gap. Where the step's error
-is more than :data:`MOST` of the energy, the step is too coarse for any trust in it.
+is more than :data:`LARGEST_STEP_ERROR` of the energy, the step is too coarse for any trust in it.
 
 A motor that starts at speed is a blow: :mod:`sandbox.audit.starts`.
 """
@@ -29,7 +29,7 @@ from sandbox.audit.starts import StartsAtSpeed, initial_velocity, paced, starts
 from sandbox.numeric import Array, Flags
 from sandbox.samples.samples import OLDER
 
-MOST = 0.01
+LARGEST_STEP_ERROR = 0.01
 """The largest share of all energy turned over that may be called the step's error."""
 LEFT = 1e-8
 """Overlaps up to this [m] may be undone without being called a source of energy."""
@@ -54,9 +54,9 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
     least = EXACT + _of_gaps(evidence) / scale
     started, each = starts(evidence), _of_the_step(evidence)
     smooth = float(each[~started.within].sum()) + _first_half(evidence)
-    blow = not started.cost <= scale * (least + min(smooth / scale, MOST))
+    blow = not started.cost <= scale * (least + min(smooth / scale, LARGEST_STEP_ERROR))
     error = smooth + (started.unsure if blow else float(each[started.within].sum()))
-    allowed = least + min(error / scale, MOST)
+    allowed = least + min(error / scale, LARGEST_STEP_ERROR)
     by_joints = started.made if blow else np.zeros(len(left))
     yield _started(evidence, started, blow, scale, allowed)
     if _closed_gaps(evidence) and not evidence.every_step:

@@ -15,7 +15,7 @@ ROUNDING = 1e-12
 """What is left of sixteen digits [m, rad] after a few dozen operations on lengths below 1 m."""
 DIGITS = 1e-15
 """Share of a number that is lost where it is rounded a few times."""
-LEAST = 1e-12
+SMALLEST_SCALE = 1e-12
 """Shares of what is nowhere more than this [N, N m, J, rad/s] are taken of this."""
 EXACT = 1e-9
 """Fraction of the largest force: sums of some ten forces to sixteen digits, and some to spare."""
@@ -31,8 +31,8 @@ def peak(values: Array) -> float:
 
 
 def whole(values: Array) -> float:
-    """What errors of values are shares of: their largest size, or :data:`LEAST`."""
-    return max(peak(values), LEAST)
+    """What errors of values are shares of: their largest size, or :data:`SMALLEST_SCALE`."""
+    return max(peak(values), SMALLEST_SCALE)
 
 
 def lost_rate(rates: Array, *, turning: bool) -> float:

@@ -178,7 +178,7 @@ Latch = Callable[[float], None]
 def _radius(world: World, drive: int) -> Latch:
     drives = world.model.drives
     circle, = world.shapes[int(drives.target[drive])][int(drives.shape[drive])]
-    margin = float(world.shape_table["margin"][circle.collision_type - 1])
+    margin = float(world.shape_tables.shapes["margin"][circle.collision_type - 1])
 
     def latch(value: float) -> None:
         assert isinstance(circle, pymunk.Circle)  # references are checked when a scene is read

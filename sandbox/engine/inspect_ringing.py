@@ -25,7 +25,7 @@ from sandbox.engine.inspect_words import STRAIGHT, look
 from sandbox.engine.stiffness import stiff_cords, too_stiff
 from sandbox.errors import Problem
 from sandbox.model.model import NONE, Model
-from sandbox.model.supports import MOST, RANK, about_centre, joint_rows
+from sandbox.model.supports import LARGEST_GROUP, RANK, about_centre, joint_rows
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cords import Pulls, pulls_at_start, rest_lengths
 from sandbox.scene.elements.tendons import RIGID
@@ -68,7 +68,7 @@ def _ringing(model: Model, elements: list[_Element], taut: Flags) -> dict[int, _
                 at.setdefault(body, {})[i] = element
     worst: dict[int, _Mode] = {}
     for bodies in groups(model, linked(model, springs=True)) if rigid.any() else ():
-        if 3 * len(bodies) <= MOST:
+        if 3 * len(bodies) <= LARGEST_GROUP:
             here = {i: each for body in bodies.tolist() for i, each in at.get(body, {}).items()}
             for mode in _modes(model, bodies, [here[i] for i in sorted(here)], rigid):
                 worst[mode.cord] = min(worst.get(mode.cord, mode), mode)

@@ -20,11 +20,12 @@ from sandbox.engine import memory as at
 from sandbox.engine.bounded import rate
 from sandbox.engine.candidates import touch_row
 from sandbox.engine.kernel import kernel
+from sandbox.engine.narrow_phase import rotated
 
 FLAT = 1e3
 """A radius of curvature [m] from which a surface counts as flat."""
 ITERATIONS = 3
-LEAST = 1e-6
+TIME_TOLERANCE = 1e-6
 """Instants nearer to the pose than this share of the step are that of the pose."""
 
 
@@ -61,7 +62,7 @@ def meet(table: int, h: float, i: int, row: Any) -> float:
         touch_row(h, at.touches(table), i, row)
         row["want"], row["trend"] = _motion(table, h, row, 0.0)
         row["gap"] = t["gap"]
-        if abs(s) < LEAST * h:
+        if abs(s) < TIME_TOLERANCE * h:
             return s
         row["bend"] = (row["want"] + row["trend"] * s - start) / s
         s = time_to_close(t["gap"], start, row["bend"])
@@ -98,12 +99,6 @@ def _mean(table: int, h: float, s: float, b: int, j: int) -> float:
 
 
 @kernel
-def _turned(x: float, y: float, angle: float) -> tuple[float, float]:
-    c, s = math.cos(angle), math.sin(angle)
-    return c * x - s * y, s * x + c * y
-
-
-@kernel
 def _carry(table: int, h: float, i: int, s: float) -> None:
     """Take normal and arms of contact ``i`` from the pose to the instant ``s``."""
     t, now = at.found(table)[i], at.touches(table)[i]
@@ -121,11 +116,11 @@ def _carry(table: int, h: float, i: int, s: float) -> None:
         turn = (ka * kb * slide + kb * da * wa + ka * db * wb) / below
         along_a = da * (kb * slide + db * (wb - wa) - kb * wa * gap) / below
         along_b = db * (ka * slide + da * (wa - wb) - ka * wb * gap) / below
-    mx, my = _turned(nx, ny, turn * s)
+    mx, my = rotated(nx, ny, turn * s)
     if abs(da) < FLAT * abs(ka) and abs(db) < FLAT * abs(kb):  # along the line of the centres
         ra, rb = da / ka, db / kb
-        ox, oy = _turned(ax - ra * nx, ay - ra * ny, wa * s)
-        px, py = _turned(bx + rb * nx, by + rb * ny, wb * s)
+        ox, oy = rotated(ax - ra * nx, ay - ra * ny, wa * s)
+        px, py = rotated(bx + rb * nx, by + rb * ny, wb * s)
         ux = _mean(table, h, s, b, 0) - _mean(table, h, s, a, 0)
         uy = _mean(table, h, s, b, 1) - _mean(table, h, s, a, 1)
         mx, my = gap * nx + s * ux + px - ox + ax - bx, gap * ny + s * uy + py - oy + ay - by
@@ -146,7 +141,7 @@ def _arm(
     Of a flat surface the point has moved along it, by ``along`` [m].
     """
     if abs(d) < FLAT * abs(k):
-        x, y = _turned(x - d / k * nx, y - d / k * ny, angle)
+        x, y = rotated(x - d / k * nx, y - d / k * ny, angle)
         return x + d / k * mx, y + d / k * my
-    x, y = _turned(x, y, angle)
+    x, y = rotated(x, y, angle)
     return x - along * my, y + along * mx

@@ -125,17 +125,22 @@ def _beyond(spans: Records, k: int, forward: bool) -> Any:
 
 
 @kernel
-def _rotate(body: Array, b: int, x: float, y: float) -> Any:
-    """A vector of a body's frame in the world."""
-    c, s = math.cos(body[b, 2]), math.sin(body[b, 2])
+def rotated(x: float, y: float, angle: float) -> tuple[float, float]:
+    """A vector turned counter-clockwise."""
+    c, s = math.cos(angle), math.sin(angle)
     return c * x - s * y, s * x + c * y
 
 
 @kernel
-def _rotate_back(body: Array, b: int, x: float, y: float) -> Any:
+def _rotate(body: Array, b: int, x: float, y: float) -> tuple[float, float]:
+    """A vector of a body's frame in the world."""
+    return rotated(x, y, body[b, 2])
+
+
+@kernel
+def _rotate_back(body: Array, b: int, x: float, y: float) -> tuple[float, float]:
     """A vector of the world in a body's frame."""
-    c, s = math.cos(body[b, 2]), math.sin(body[b, 2])
-    return c * x + s * y, c * y - s * x
+    return rotated(x, y, -body[b, 2])
 
 
 @kernel

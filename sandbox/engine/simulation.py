@@ -106,7 +106,7 @@ class Simulation:
         self._inputs.place()
         self._tables: Tables = make_tables(
             self._model, self._clock.step, world.order, world.body, world.velocity, world.filters,
-            world.shape_table, world.face_table, world.vertices, world.span_table, world.room)
+            world.shape_tables, world.room)
         self._beginning = Beginning(self._tables)
         self._builder = self._room()
         self._most = recorded_bytes

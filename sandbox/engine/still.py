@@ -55,7 +55,7 @@ class Still(Simulation):
     @property
     def margin(self) -> float:
         """How far off a contact is seen coming, at least [m]; inf without shapes."""
-        return float(self._world.shape_table["margin"].min(initial=np.inf))
+        return float(self._world.shape_tables.shapes["margin"].min(initial=np.inf))
 
     @property
     def pose(self) -> Array:

@@ -87,6 +87,19 @@ class Tables(NamedTuple):
     """Numbers, in the model, of the springs in ``constants.springs``."""
 
 
+class ShapeTables(NamedTuple):
+    """What contacts follow."""
+
+    shapes: Records
+    """SHAPE, [nz], in the order of their collision types."""
+    faces: Records
+    """FACE, of shapes that are pieces of an outline."""
+    vertices: Array
+    """Corners of the shapes' cores, from the centres of mass [m], [n, 2]."""
+    spans: Records
+    """SPAN, of shapes that are curves."""
+
+
 class Room(NamedTuple):
     """How much there is room for in one step."""
 
@@ -98,7 +111,7 @@ class Room(NamedTuple):
 
 def make_tables(
     model: Model, h: float, order: Integers, body: Array, velocity: Array, filters: Filters,
-    shapes: Records, faces: Records, vertices: Array, spans: Records, room: Room,
+    shapes: ShapeTables, room: Room,
 ) -> Tables:
     """Tables for all elements of ``model``.
 
@@ -109,10 +122,7 @@ def make_tables(
         body: the memory that pymunk fills with poses and velocities, [nb, 6].
         velocity: the memory that it takes velocities from, [nb, 3].
         filters: which bodies may touch, and how.
-        shapes: SHAPE, [nz].
-        faces: FACE, of shapes that are pieces of an outline.
-        vertices: corners of the shapes' cores, from the centres of mass [m].
-        spans: SPAN, of shapes that are curves.
+        shapes: those of the contacts.
         room: for contacts and rows.
     """
     places = place_bodies(model, order)
@@ -141,8 +151,8 @@ def make_tables(
         h, np.array(model.mechanism.gravity, dtype=float), places.inverse_mass,
         _body_table(model, order), np.flatnonzero(model.bodies.scheduled[order]), actions, springs,
         dampers, cords.constants, cords.guides, cords.slips, model.tendons.wheels, joints, limits,
-        motors, rubs, *circuits[:4], *loads, tie_table(model, actions, cords.constants), shapes,
-        faces, vertices, spans, laws.steps, laws.curves, laws.knots,
+        motors, rubs, *circuits[:4], *loads, tie_table(model, actions, cords.constants),
+        *shapes, laws.steps, laws.curves, laws.knots,
         *pair_tables(filters, order), pattern.starts, pattern.below, pattern.updates,
         pattern.entry_row, pattern.entry_body,
         pattern.pairs, pattern.direct, pattern.body_starts, pattern.body_entries,

@@ -12,7 +12,7 @@ from pymunk import batch
 
 from sandbox.engine import native
 from sandbox.engine.contact_rules import Filters, make_filters
-from sandbox.engine.tables import Room
+from sandbox.engine.tables import Room, ShapeTables
 from sandbox.engine.touch_state import FACE, SHAPE, SPAN
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers, Records
@@ -68,15 +68,11 @@ class World:
         self.writer = native.Channel(PUSH, self.velocity)
         self.placer = native.Channel(POSE, np.zeros((count, 3)))
         self.renew()
-        self.shape_table: Records = np.array(self._shape_rows, dtype=SHAPE)
-        """SHAPE, [nz], in the order of their collision types."""
-        self.face_table: Records = np.array(
-            [tuple(arc) for faces in self._faces for arc in faces.tolist()], dtype=FACE)
-        """FACE, of all shapes that have some."""
-        self.vertices: Array = np.concatenate([np.zeros((0, 2)), *self._cores])
-        """Corners of all shapes' cores, from the centres of mass [m], [n, 2]."""
-        self.span_table: Records = np.concatenate([np.zeros(0, dtype=SPAN), *self._spans])
-        """SPAN, of all shapes that have some."""
+        self.shape_tables = ShapeTables(
+            np.array(self._shape_rows, dtype=SHAPE),
+            np.array([tuple(arc) for faces in self._faces for arc in faces.tolist()], dtype=FACE),
+            np.concatenate([np.zeros((0, 2)), *self._cores]),
+            np.concatenate([np.zeros(0, dtype=SPAN), *self._spans]))
 
     def renew(self) -> None:
         """Make the space and all in it, in place of the one that there was: all as it begins."""

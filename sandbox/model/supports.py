@@ -16,7 +16,7 @@ from sandbox.model.model import Model
 from sandbox.model.wheels import flank_of, meeting, outward
 from sandbox.numeric import Array
 
-MOST = 300
+LARGEST_GROUP = 300
 """Rows that hang together and are still asked."""
 RANK = 1e-9
 """Singular values below this share of the largest count as none."""
@@ -30,7 +30,7 @@ class Shared(NamedTuple):
     joints: set[int]
     """Those whose reactions are not unique."""
     asked: bool
-    """Whether anything was: what hangs together has at most :data:`MOST` rows."""
+    """Whether anything was: what hangs together has at most :data:`LARGEST_GROUP` rows."""
 
 
 def shared_joints(model: Model, pose: Array) -> Shared:
@@ -42,7 +42,7 @@ def shared_joints(model: Model, pose: Array) -> Shared:
     asked = False
     for joints in together(model):
         rows = [(joint, row) for joint in joints for row in joint_rows(model, pose, joint)]
-        if not rows or len(rows) > MOST:
+        if not rows or len(rows) > LARGEST_GROUP:
             continue
         asked = True
         left, values, _ = np.linalg.svd(_matrix(model, joints, [row for _, row in rows]))
@@ -61,7 +61,7 @@ def parting_wheels(model: Model, pose: Array) -> set[int]:
     for joints in together(model):
         toothed = [j for j in joints if model.joints.kind[j].teeth]
         rows = [row for joint in joints for row in joint_rows(model, pose, joint, flank=1)]
-        if not toothed or len(rows) > MOST:
+        if not toothed or len(rows) > LARGEST_GROUP:
             continue
         J = _matrix(model, joints, rows + [_parting(model, pose, joint) for joint in toothed])
         kept, asked = J[:len(rows)], J[len(rows):]

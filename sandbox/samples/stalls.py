@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.model.model import Model
-from sandbox.model.supports import MOST, RANK, joint_rows, together
+from sandbox.model.supports import LARGEST_GROUP, RANK, joint_rows, together
 from sandbox.numeric import Array
 from sandbox.samples.loads import Loads
 from sandbox.samples.stored import Stored
@@ -43,7 +43,7 @@ def stalled(run: Stored) -> Iterator[str]:
     for joints in together(run.model):
         bodies = sorted({body for body in run.model.joints.bodies[joints].ravel().tolist()
                          if run.model.bodies.free[body]})
-        if len(bodies) > MOST // 3 or not still[-1, bodies].all():
+        if len(bodies) > LARGEST_GROUP // 3 or not still[-1, bodies].all():
             continue
         for i, kind in enumerate(drives.kind):
             if kind.gives in ("force", "torque") and loads.given[i, -1] and _dead_centre(

@@ -63,8 +63,7 @@ class Bench:
         self.world = world = World(compile_mechanism(machine))
         self.tables = tables = make_tables(
             world.model, world.h, world.order, world.body, world.velocity, world.filters,
-            world.shape_table, world.face_table,
-            world.vertices, world.span_table, world.room)
+            world.shape_tables, world.room)
         self.constants, self.state, self.result, _ = tables
         drives = len(self.world.model.drives.name)
         self.kept = make_snapshot(1, self.constants, drives, 2 * self.world.room.contacts)

@@ -67,7 +67,7 @@ def test_a_jam_ends_the_run_with_both_bodies_and_the_instant(
     assert recording is not None
     assert recording.info.status is Status.DIVERGED
     assert recording.time[-1] < error.time
-    for name in (one, other):  # nothing of the jam is recorded
+    for name in (one, other):  # the step that jams is not recorded
         assert recording[f"{name}.contact.normal"].max() < 1e5
 
 
