@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from sandbox.engine.simulate import simulate
+from sandbox.errors import SceneError
 from sandbox.recording.recording import Recording
 from sandbox.scene.expand import to_json
 from sandbox.scene.read.load import load_scene
@@ -113,6 +114,17 @@ def test_a_curve_is_written_and_read_without_change() -> None:
                            "points": [[0, 0], [0.1, 0.02], [0.2, 0]]}]}]})
     assert load_scene(json.loads(to_json(scene))).bodies == scene.bodies
     assert [len(shape.nodes) for shape in scene.bodies[0].shapes] == [1, 1]
+
+
+@pytest.mark.parametrize(("nodes", "words"), [
+    ([[[0, 0, 0, 1]]], "do not belong to its outline"),
+    ([[[0, 0, 0, 1], [2, 0, 0, 1]]], "do not belong to its outline"),
+    ([[[0, 0, 0, 1], [1, 0, 0, 1]]] * 2, "there are 2 curves of 'nodes'")])
+@pytest.mark.parametrize("kind", ["polygon", "polyline"])
+def test_nodes_belong_to_their_outline(kind: str, nodes: list[object], words: str) -> None:
+    with pytest.raises(SceneError, match=words):
+        load_scene({"bodies": [{"name": "plate", "motion": "fixed", "shapes": [
+            {"type": kind, "points": [[0, 0], [1, 0], [1, 1]], "nodes": nodes}]}]})
 
 
 def test_a_curve_of_straight_pieces_is_a_polygon() -> None:

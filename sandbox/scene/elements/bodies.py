@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import (
     AfterValidator,
     Field,
@@ -76,6 +77,28 @@ Outline = Annotated[tuple[Point, ...], Field(min_length=3, max_length=MOST_CORNE
 
 
 Nodes = tuple[tuple[tuple[Coordinate, Coordinate, float, float], ...], ...]
+AT_CORNER = 1e-6
+"""How far a node may be from a corner of its outline, as a share of the outline's size."""
+
+
+def _checked_nodes(nodes: Nodes, rings: Sequence[Ring]) -> Nodes:
+    """Nodes that belong to these outlines: each lies at one of its outline's corners.
+
+    Raises:
+        PydanticCustomError: they do not.
+    """
+    if nodes and len(nodes) != len(rings):
+        raise PydanticCustomError("nodes", "there are {count} curves of 'nodes'", {
+            "count": len(nodes), "allowed": f"{len(rings)}, one for each outline, or none"})
+    for number, (curve, ring) in enumerate(zip(nodes, rings, strict=False)):
+        places, corners = np.array(curve).reshape(-1, 4)[:, :2], np.array(ring)
+        size = float(np.ptp(corners, axis=0).max())
+        apart = np.hypot(*(places[:, None] - corners).transpose(2, 0, 1)).min(axis=1)
+        if len(np.unique(places, axis=0)) < 2 or apart.max() > AT_CORNER * size:
+            raise PydanticCustomError("nodes", "the nodes of curve {number} do not belong to its "
+                                      "outline", {"number": number, "allowed":
+                                                  "two or more nodes, each at a corner"})
+    return nodes
 
 
 class Polygon(Spec):
@@ -126,6 +149,7 @@ class Polygon(Spec):
             raise PydanticCustomError(
                 "polygon", "this outline and its holes have {corners} corners",
                 {"corners": corners, "allowed": f"at most {MOST_CORNERS}"})
+        _checked_nodes(self.nodes, (self.points, *self.holes))
         if self.whole:
             return self
         try:
@@ -164,6 +188,11 @@ class Polyline(Spec):
                 raise PydanticCustomError("polyline", "points {i} and {j} are the same point",
                                           {"i": i, "j": i + 1})
         return points
+
+    @model_validator(mode="after")
+    def _curved(self) -> Self:
+        _checked_nodes(self.nodes, (self.points,))
+        return self
 
 
 class Capsule(Spec):
@@ -253,8 +282,9 @@ def _worked_out(rings: list[Ring], nodes: Nodes, *, closed: bool, radius: float)
         return Polygon(type="polygon", points=rings[0], holes=tuple(rings[1:]), nodes=nodes)
     except ValidationError as error:
         wrong = error.errors(include_url=False)[0]
+        # corners of chords are not those that the author wrote: the place is enough
         raise PydanticCustomError("polygon", "{reason}", {
-            "reason": wrong["msg"], "allowed": SOUND}) from None
+            "reason": wrong["msg"].partition(", where")[0], "allowed": SOUND}) from None
 
 
 if TYPE_CHECKING:
