@@ -49,15 +49,28 @@ def arch(half: float, rise: float) -> dict[str, object]:
     return {"type": "curve", "points": points, "corners": [0, 32]}
 
 
-@pytest.mark.parametrize("shape", [
-    {"type": "box", "size": [0.06, 0.04]},
-    {"type": "capsule", "start": [-0.03, 0], "end": [0.03, 0], "radius": 0.02}])
-def test_a_rough_plate_rocks_on_a_curve_as_on_a_circle(shape: dict[str, object]) -> None:
+def arc(radius: float, middle: float, at: list[float], thick: float) -> dict[str, object]:
+    """A rounded curve whose surface is an arc of 140 degrees about ``at``, by 141 points."""
+    turns = middle + np.linspace(-70, 70, 141) * math.pi / 180
+    inner = radius - thick
+    return {"type": "curve", "closed": False, "radius": thick, "points": [
+        [at[0] + inner * math.cos(turn), at[1] + inner * math.sin(turn)] for turn in turns]}
+
+
+@pytest.mark.parametrize("ground", [
+    {"type": "curve", "points": ring(0.05)}, arc(0.05, math.pi / 2, [0, 0], 0.02)])
+@pytest.mark.parametrize(("shape", "same"), [
+    ({"type": "box", "size": [0.06, 0.04]}, None),
+    ({"type": "capsule", "start": [-0.03, 0], "end": [0.03, 0], "radius": 0.02}, None),
+    ({"type": "curve", "points": [[x, y + 0.08] for x, y in ring(0.1)]},
+     {"type": "circle", "radius": 0.1, "at": [0, 0.08]})])
+def test_a_rough_body_rocks_on_a_curve_as_on_a_circle(
+    ground: dict[str, object], shape: dict[str, object], same: dict[str, object] | None,
+) -> None:
     """240 points have the curvature of the circle to 6e-5, and so the period to 3e-5."""
-    on_circle, on_curve = (
-        placed(ground, shape, [0, 0.07], free=True, friction=2, angular_velocity=1.5)
-        for ground in ({"type": "circle", "radius": 0.05},
-                       {"type": "curve", "points": ring(0.05)}))
+    start = {"free": True, "friction": 2, "angular_velocity": 1.5}
+    on_circle = placed({"type": "circle", "radius": 0.05}, same or shape, [0, 0.07], **start)
+    on_curve = placed(ground, shape, [0, 0.07], **start)
     swing = np.ptp(on_circle["body.angle"])
     assert swing > 0.03
     assert np.abs(on_curve["body.angle"] - on_circle["body.angle"]).max() < 1e-4 * swing
