@@ -26,7 +26,7 @@ MOST_TOLD = 3
 
 FAMILIES: dict[str, tuple[str, ...]] = {
     # what stops a run or a command
-    "a-fault-of-sandbox-itself": ("a fault of sandbox itself",),
+    "internal-error": ("internal error",),
     "interrupted": ("^interrupted", "the page was closed"),
     "the-simulation-diverged": (
         "the simulation diverged", "contacts at once", "hang together in so many loops",

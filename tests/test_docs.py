@@ -30,7 +30,7 @@ from sandbox.cli.failures import Exit
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.schema import scene_schema
+from sandbox.scene.schema import descriptions, scene_schema
 
 from .golden.scenes import WHOLE
 from .test_architecture import FLOORS
@@ -207,7 +207,7 @@ def test_every_field_of_every_element_is_told() -> None:
     for model in (model for page in reference.PAGES.values() for group in page.values()
                   for model in group):
         shown = schema["$defs"].get(model.__name__, schema)["properties"]
-        described = reference.descriptions(model)
+        described = descriptions(model)
         for name, field in model.model_fields.items():
             said = described.get(name, "")
             assert len(said.split()) > 1, f"{model.__name__}.{name}"

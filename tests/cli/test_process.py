@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pty
+import re
 import resource
 import signal
 import subprocess
@@ -41,7 +42,7 @@ def slow_scene(scene) -> Path:
 
 
 def interrupted(words: list[str], directory: Path) -> tuple[int, str, str]:
-    """Run with a terminal for stderr, send Ctrl-C once the bar shows; code, stdout, stderr."""
+    """Run with a terminal for stderr, send Ctrl-C once the bar is at 1 %; code, stdout, stderr."""
     terminal, end = pty.openpty()
     process = subprocess.Popen([*COMMAND, *words], stdout=subprocess.PIPE, stderr=end,
                                cwd=directory, text=True, env=ENVIRONMENT)
@@ -50,7 +51,7 @@ def interrupted(words: list[str], directory: Path) -> tuple[int, str, str]:
     with process:
         while piece := _read(terminal):
             seen += piece
-            if "%" in seen and process.returncode is None:
+            if re.search(r"[1-9]%", seen) and process.returncode is None:
                 process.send_signal(signal.SIGINT)
                 out, _ = process.communicate(timeout=20)
     os.close(terminal)
