@@ -44,6 +44,8 @@ def test_no_two_options_of_a_command_share_a_parameter():
     (["check", "x", "--limit", "steps=0"], "steps=0 is not a valid positive integer"),
     (["check", "x", "--limit", "steps"], "is not of the form name=value"),
     (["check"], "Missing argument 'SCENE...'"),
+    (["run", "x", "--set", "run.step"], "path=value"),
+    (["run", "x", "--set", "=3"], "path=value"),
     (["check", "."], "error: '.' is no scene: this is a directory."),
     (["run", "single_fingr"], "Did you mean 'single_finger'?"),
     (["new", "griper_mirrored"], "Did you mean 'gripper_mirrored'?"),
