@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import gc
 import json
 import math
 import re
-import signal
-import sys
 
 import numpy as np
 import pytest
@@ -223,29 +220,6 @@ def test_what_was_made_of_a_run_goes_with_it(sandbox, scene, tmp_path):
     assert not any(path.exists() for path in made)
     assert (tmp_path / "out" / "mine.png").exists()
     assert (tmp_path / "elsewhere.png").exists()
-
-
-@pytest.fixture
-def collector():
-    """What the command does to the process is undone: the tests go on in it."""
-    before = gc.get_threshold()
-    yield
-    gc.set_threshold(*before)
-    gc.unfreeze()
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
-def test_ctrl_c_while_the_command_loads_exits_130(monkeypatch, collector):
-    from sandbox import cli
-
-    def interrupted(words):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("sandbox.cli.entry.invoke", interrupted)
-    monkeypatch.setattr(cli, "_exit", sys.exit)
-    with pytest.raises(SystemExit) as stopped:
-        cli.main(["list"])
-    assert stopped.value.code == 130
 
 
 def test_the_first_compilation_is_told_and_no_other(monkeypatch, scene, capfd, tmp_path):
