@@ -22,7 +22,9 @@ from PIL import Image
 
 import sandbox
 from sandbox.cli.entry import invoke
+from sandbox.draw.figure.style import save_figure
 from sandbox.draw.film.palette import PUSH, TENSION
+from sandbox.paper.figures import FIGURES
 from sandbox.scene.library import shipped_scenes, wholes
 
 FOLDER = Path(__file__).parent.parent / "renders" / "gallery"
@@ -75,13 +77,10 @@ def small(scene: str) -> Draw:
     return draw
 
 
-def figure(scene: str, name: str = "finger-control") -> Draw:
-    """A figure of ``sandbox plot``."""
+def figure(scene: str) -> Draw:
+    """The figure of a finger under control."""
     def draw(work: Work, path: Path) -> None:
-        folder = work.folder / "runs" / scene
-        work.run(scene).save(folder)
-        if invoke(["plot", str(folder), "--figure", name, "--out", str(path), "--quiet"]):
-            raise SystemExit(f"the figure of {scene} failed")
+        save_figure(FIGURES["finger-control"].draw(work.run(scene), {})[0], path)
 
     return draw
 

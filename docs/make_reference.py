@@ -12,40 +12,32 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
-
-from pydantic import WithJsonSchema
-from pydantic.fields import FieldInfo
-from pydantic_core import PydanticUndefined
+from typing import Any
 
 import sandbox.mechanics as mechanics_package
 from sandbox.audit.words import ADVICE, ASKS
 from sandbox.build.stub import stub
 from sandbox.kinds.arrays import ARRAYS
-from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
 from sandbox.kinds.layers import LAYERS
-from sandbox.kinds.quantities import GRASP, LIVE, NUMBERED, QUANTITIES, TIED
-from sandbox.scene.document import Assembly, Scene
-from sandbox.scene.elements import (
-    bodies,
-    controllers,
-    drives,
-    events,
-    fluids,
-    joints,
-    loads,
-    settings,
-    springs,
-    tendons,
-)
+from sandbox.kinds.quantities import LIVE, TIED
+from sandbox.scene.document import Scene
+from sandbox.scene.elements import settings
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.library import folder_of, shipped_scenes, wholes
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.parts import finger, section, trees
-from sandbox.scene.parts import per_joint as lists
-from sandbox.scene.schema import descriptions, scene_schema
-from sandbox.scene.values import colours, numbers, planes, shown, signals, tables
+from sandbox.scene.reference import (
+    ELEMENTS,
+    GUIDED,
+    PARTS,
+    about,
+    field_rows,
+    markdown,
+    owners,
+    quantity_rows,
+    summary,
+    tag_of,
+)
+from sandbox.scene.schema import scene_schema
 from sandbox.scene.values.ranges import ANY, RANGES
 from sandbox.scene.values.units import units_of
 
@@ -54,239 +46,29 @@ SCHEMA = DOCS.parent / "scenes" / "scene.schema.json"
 STUB = DOCS.parent / "sandbox" / "build" / "__init__.pyi"
 
 
-def members(union: Any) -> list[type[Spec]]:
-    """The models of a discriminated union such as ``Joint``, in its order."""
-    return list(get_args(get_args(union)[0]))
-
-
-PAGES: dict[str, dict[str, list[type[Spec]]]] = {
-    "elements.md": {
-        "The scene": [Scene, settings.Run, settings.View, settings.Trace,
-                      settings.ShownMeter],
-        "Bodies": [bodies.Body, *members(bodies.WrittenShape), signals.Path, bodies.Material,
-                   settings.ContactRule],
-        "Joints": members(joints.Joint),
-        "Springs": members(springs.Spring),
-        "Tendons": [tendons.Tendon, tendons.Guide],
-        "Fluid": [fluids.Line, *members(fluids.Chamber), fluids.Valve],
-        "Loads": members(loads.Load),
-        "Drives": members(drives.Drive),
-        "Values over time": [signals.Ramp, signals.Table, signals.Formula, signals.Constant],
-        "Tables": [tables.NamedTable],
-        "Controllers": [*members(controllers.Controller), controllers.FingerGeometry],
-        "Events": [events.Event],
-        "Readings and expectations": [settings.Meter, settings.Expect, settings.Group],
-    },
-    "parts.md": {
-        "Finger": [finger.Finger, finger.FingerSprings, finger.FingerTendon],
-        "Trees": [trees.RockerTree, trees.PulleyTree, trees.Leaf],
-        "Section": [section.Section],
-        "Assembly": [Assembly],
-    },
-}
+PAGES = {"elements.md": ELEMENTS, "parts.md": PARTS}
 BEGIN, END = "<!-- reference: begin {} (docs/make_reference.py) -->", "<!-- reference: end -->"
-KINDS: Mapping[str, Mapping[str, JointKind | SpringKind | DriveKind]] = {
-    "joint": JOINTS, "spring": SPRINGS, "drive": DRIVES}
-SIGNALS = (signals.ForceSignal, signals.TorqueSignal, signals.LengthSignal, signals.AngleSignal,
-           signals.SpeedSignal, signals.FlowSignal, signals.PressureSignal, signals.ShareSignal,
-           signals.StiffnessSignal, signals.Signal)
-ONE_FOR_ALL = (lists.Stiffnesses, lists.Dampings, lists.RotaryDampings, lists.Coordinates,
-               lists.Angles, lists.Points, lists.Limits)
-"""Lists that one value may stand for."""
-CHOICES = {
-    bodies.BodyShape: "[shape](elements.md#bodies)", joints.Joint: "[joint](elements.md#joints)",
-    springs.Spring: "[spring](elements.md#springs)", drives.Drive: "[drive](elements.md#drives)",
-    fluids.Chamber: "[chamber](elements.md#fluid)", loads.Load: "[load](elements.md#loads)",
-    controllers.Controller: "[controller](elements.md#controllers)"}
-"""Unions with a name of their own, and where their kinds stand."""
-
-
-def kind(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
-    """What may be written for a field: ``length [m], > 0``."""
-    for signal in SIGNALS:
-        schema = get_args(signal)[-1]
-        if schema in metadata:
-            unit = f" [{units_of(schema.dimension)[0]}]" if schema.dimension else ""
-            return f"value over time{unit}"
-    if planes.SCHEMA in metadata:
-        return planes.WORDS.replace("\"all\"", "`\"all\"`")
-    if colours.SCHEMA in metadata:
-        return "colour"
-    if shown.SCHEMA in metadata:
-        return shown.WORDS
-    if metadata and any(set(get_args(alias)[1:]) <= set(metadata) for alias in ONE_FOR_ALL):
-        return f"one for all, or {kind(annotation)}"
-    if get_origin(annotation) is Annotated:
-        inner, *more = get_args(annotation)
-        return next((name for union, name in CHOICES.items() if union == annotation),
-                    kind(inner, (*more, *metadata)))
-    if get_origin(annotation) in (Union, UnionType):
-        return " or ".join(_once(kind(option, metadata)
-                                 for option in get_args(annotation) if option is not NoneType))
-    if get_origin(annotation) is Literal:
-        return ", ".join(f'`{_json(value)}`' for value in get_args(annotation))
-    if get_origin(annotation) in (tuple, dict):
-        return _collection(annotation)
-    if annotation is float:
-        return _number(metadata)
-    if isinstance(annotation, type) and issubclass(annotation, Spec):
-        return f"[{annotation.__name__}]({_page_of(annotation)}#{annotation.__name__.lower()})"
-    return {str: _text(metadata), int: "whole number", bool: "true or false"}.get(
-        annotation, "any")
-
-
-def _page_of(model: type[Spec]) -> str:
-    return next((page for page, groups in PAGES.items()
-                 for models in groups.values() if model in models), "")
-
-
-def _once(words: Iterator[str]) -> list[str]:
-    return list(dict.fromkeys(words))
-
-
-def _collection(annotation: Any) -> str:
-    items = get_args(annotation)
-    if get_origin(annotation) is dict:
-        return f"object of name: {kind(items[1])}"
-    if annotation == numbers.Point:
-        return "point [x, y] [m]"
-    if items[-1] is Ellipsis:
-        return f"list of {kind(items[0])}"
-    words = _once(kind(item) for item in items)
-    return f"[{', '.join(words)}]" if len(words) > 1 else f"{len(items)} × {words[0]}"
-
-
-def _number(metadata: tuple[Any, ...]) -> str:
-    word = "number"
-    for entry in metadata:
-        if isinstance(entry, WithJsonSchema):
-            text = (entry.json_schema or {}).get("description", "")
-            if match := re.match(r"A (.+?) in (.+?);", text):
-                word = f"{match[1]} [{match[2]}]"
-    if numbers.POSITIVE in metadata or any(getattr(each, "gt", None) == 0 for each in metadata):
-        return f"{word}, > 0"
-    if numbers.AT_MOST_ONE in metadata:
-        return f"{word}, 0 to 1"
-    return f"{word}, ≥ 0" if numbers.NOT_NEGATIVE in metadata else word
-
-
-def _text(metadata: tuple[Any, ...]) -> str:
-    named = any(getattr(entry, "pattern", None) == numbers.NAME
-                for part in metadata
-                for entry in [part, *getattr(part, "metadata", ())])
-    return "name" if named else "text"
-
-
-def _json(value: Any) -> str:
-    return f'"{value}"' if isinstance(value, str) else str(value)
-
-
-def default(field: FieldInfo) -> str:
-    """A field's default as a table says it; required fields say so."""
-    if field.is_required():
-        return "required"
-    value = field.get_default(call_default_factory=True)
-    if value is PydanticUndefined or value is None or value in ((), {}, ""):
-        return ""
-    if isinstance(value, Spec):
-        return "as below"
-    return f"`{_default_text(value)}`"
-
-
-def _default_text(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, tuple):
-        return f"[{', '.join(_default_text(entry) for entry in value)}]"
-    return f"{value:.6g}" if isinstance(value, (int, float)) else _json(value)
 
 
 def rows(model: type[Spec]) -> Iterator[str]:
-    """The table of a model's fields, those without a default first."""
+    """The table of a model's fields."""
     yield "| key | what | default | meaning |"
     yield "|---|---|---|---|"
-    described = descriptions(model)
-    fields = sorted(model.model_fields.items(),
-                    key=lambda item: (item[0] != "type", not item[1].is_required()))
-    for name, field in fields:
-        metadata = tuple(field.metadata)
-        said = " ".join(described.get(name, "").split())
-        yield (f"| `{field.alias or name}` | {kind(field.annotation, metadata)} "
-               f"| {default(field)} | {_plain(said)} |")
+    for row in field_rows(model):
+        yield f"| `{row.key}` | {row.type} | {row.default} | {_plain(row.meaning)} |"
 
 
 def _plain(text: str) -> str:
-    """A docstring as Markdown: roles and double backquotes become single ones."""
-    text = re.sub(r":\w+:`~?([^`]+)`", r"`\1`", text)
-    return text.replace("``", "`").replace("|", "\\|")
-
-
-def about(model: type[Spec]) -> str:
-    """A model's docstring, one paragraph a line."""
-    paragraphs = (model.__doc__ or "").strip().split("\n\n")
-    return "\n\n".join(_plain(" ".join(paragraph.split())) for paragraph in paragraphs)
-
-
-def owners(element: str, quantity: str) -> str:
-    """The elements that have a quantity: ``joint``, ``drive: motor, brake``."""
-    having = _having(element, quantity)
-    kinds = KINDS.get(element, {})
-    lacking = [tag for tag in kinds if tag not in having and f"{tag} with limits" not in having]
-    whole = "pair of bodies" if element == "pair" else element
-    if not lacking and not any(" " in word for word in having):
-        return whole
-    return f"{whole} except {', '.join(lacking)}" if 2 * len(lacking) < len(having) \
-        else f"{whole}: {', '.join(having)}"
-
-
-def _having(element: str, quantity: str) -> list[str]:
-    """Tags of the kinds that record a quantity."""
-    kinds = KINDS.get(element, {}).items()
-    always = [tag for tag, kind in kinds if quantity in kind.records]
-    for tag, kind in kinds:
-        if isinstance(kind, JointKind):
-            always += [f"{tag} with limits"] if quantity in kind.stopped else []
-            always += [f"{tag} with backlash"] if quantity in kind.loose else []
-            always += [f"{tag} with dry friction"] if quantity in kind.rubbed else []
-    return always
-
-
-def drive_units() -> str:
-    """The units of the drives' values, each with its kinds."""
-    units: dict[str, list[str]] = {}
-    of_springs = " or ".join(kind.unit for kind in SPRINGS.values())
-    for tag, kind in DRIVES.items():
-        units.setdefault(kind.unit or of_springs, []).append(tag)
-    return "; ".join(f"{unit} ({', '.join(tags)})" for unit, tags in units.items())
-
-
-def joint_units(quantity: str) -> str:
-    """The units of a quantity of joints that their kind says, each with its kind."""
-    return "; ".join(f"{kind.rubs} ({tag})" for tag, kind in JOINTS.items()
-                     if quantity in kind.rubbed)
-
-
-GUIDED = {"tension": ("tension_0", "tendon that guides hold by friction"),
-          "slip": ("slip_1", "tendon that guides hold by friction"),
-          "lifted": ("lifted_1", "tendon that can lift off a wheel")}
-"""Of what tendons have with a number each: one by name, and which tendons those are."""
+    """A docstring as Markdown of a table's cell."""
+    return markdown(text).replace("|", "\\|")
 
 
 def quantities() -> Iterator[str]:
-    """The table of everything that a run can be asked for."""
+    """The table of the quantities that a run records."""
     yield "| of a | quantity | unit | what |"
     yield "|---|---|---|---|"
-    for element, names in QUANTITIES.items():
-        for name, quantity in names.items():
-            unit = quantity.unit or (drive_units() if element == "drive" else joint_units(name))
-            yield f"| {owners(element, name)} | `{name}` | {unit} | {_plain(quantity.about)} |"
-    for name, quantity in GRASP.items():
-        yield f"| object | `{name}` | {quantity.unit} | {_plain(quantity.about)} |"
-    for word, (name, holder) in GUIDED.items():
-        quantity = NUMBERED[word]
-        yield f"| {holder} | `{name}` | {quantity.unit} | {_plain(quantity.about)} |"
-    for name, quantity in TIED.items():
-        yield (f"| joint, spring, tendon | `{name}` | {quantity.unit} | {_plain(quantity.about)} |")
+    for row in quantity_rows():
+        yield f"| {row.owner} | `{row.name}` | {row.unit} | {_plain(row.about)} |"
 
 
 def readable() -> Iterator[str]:
@@ -440,20 +222,9 @@ def index() -> Iterator[str]:
     for group, models in PAGES["elements.md"].items():
         yield f"| **[{group}](#{_anchor(group)})** | |"
         for model in models:
-            name, tag = model.__name__, _tag(model)
+            name, tag = model.__name__, tag_of(model)
             kind_of = f" `{tag}`" if tag else ""
-            yield f"| [{name}](#{name.lower()}){kind_of} | {_first(about(model))} |"
-
-
-def _tag(model: type[Spec]) -> str:
-    """What stands in the ``type`` of an element, if there is one to choose."""
-    field = model.model_fields.get("type")
-    return str(get_args(field.annotation)[0]) if field else ""
-
-
-def _first(text: str) -> str:
-    """The first sentence of a text."""
-    return re.split(r"(?<=\.) (?=[A-Z`])|\n", text)[0]
+            yield f"| [{name}](#{name.lower()}){kind_of} | {summary(model)} |"
 
 
 TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {

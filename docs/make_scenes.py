@@ -1,7 +1,7 @@
 """Write docs/gallery.md: every shipped scene with its picture, a sentence of its own, its command.
 
 ``python docs/make_scenes.py`` writes; with ``--check`` it only tells whether the page is as it
-would write it. The groups and their order stand in docs/gallery.toml.
+would write it. The topics and their order stand in scenes/topics.toml.
 """
 
 from __future__ import annotations
@@ -10,17 +10,14 @@ import argparse
 import json
 import re
 import sys
-import tomllib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
-from sandbox.scene.library import folder_of, shipped_scenes, wholes
+from sandbox.scene.library import folder_of, scene_topics, shipped_scenes, wholes
 
 DOCS = Path(__file__).parent
 PAGE = DOCS / "gallery.md"
-GROUPS: list[dict[str, Any]] = tomllib.loads(
-    (DOCS / "gallery.toml").read_text(encoding="utf-8"))["groups"]
+TOPICS = scene_topics()
 TOLD = {folder: f"{folder}.md" for folder in ("hands", "mechanisms")}
 """Folders of scenes that have a page, and which."""
 COLUMNS = 3
@@ -38,16 +35,16 @@ each, and why.
 $ sandbox new slider_crank
 wrote slider_crank.json
 $ sandbox run slider_crank.json --no-render --set "parameters.r=35 mm"
-7 of 7 expectations hold
+7 of 7 expectations passed
 ```
 
-<!-- This page is written by docs/make_scenes.py from docs/gallery.toml and the scenes. -->
+<!-- This page is written by docs/make_scenes.py from scenes/topics.toml and the scenes. -->
 """
 
 
 def ungrouped() -> list[str]:
-    """Shipped scenes that no group has."""
-    grouped = {name for group in GROUPS for name in group["scenes"]}
+    """Shipped scenes without a topic."""
+    grouped = {name for topic in TOPICS for name in topic.scenes}
     return [name for name in shipped_scenes() if name not in grouped]
 
 
@@ -60,8 +57,8 @@ def sentence(about: str) -> str:
 def page() -> str:
     """The whole page."""
     lines = [HEAD]
-    for group in GROUPS:
-        lines += [f"## {group['title']}", "", group["about"], "", *grid(group["scenes"]), ""]
+    for topic in TOPICS:
+        lines += [f"## {topic.title}", "", topic.about, "", *grid(topic.scenes), ""]
     return "\n".join(lines)
 
 
@@ -102,7 +99,7 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--check", action="store_true", help="write nothing; exit 1 if outdated")
     check = parser.parse_args(words).check
     if missing := ungrouped():
-        sys.stderr.write(f"no group of docs/gallery.toml has {', '.join(missing)}\n")
+        sys.stderr.write(f"no topic of scenes/topics.toml has {', '.join(missing)}\n")
         return 1
     text = page()
     if PAGE.is_file() and PAGE.read_text(encoding="utf-8") == text:

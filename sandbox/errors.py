@@ -149,7 +149,7 @@ class RecordingFull(SandboxError):
         most = f"{self.most:,.0f}".replace(",", " ")
         return (f"stopped at t = {self.time:.6g} s: samples and contacts recorded until then take "
                 f"more than {most} bytes (the limit 'recorded_bytes', raised by "
-                "--max-recorded-bytes, or simulate(recorded_bytes=...))")
+                "--limit recorded_bytes=N, or simulate(recorded_bytes=...))")
 
 
 @dataclass(eq=False)

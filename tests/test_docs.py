@@ -24,14 +24,13 @@ from typing import Any
 
 import pytest
 
-from sandbox.cli.compiling import TAKES
+from sandbox.cli.console import COMPILE_TIME
 from sandbox.cli.entry import invoke
-from sandbox.cli.exits import Exit
-from sandbox.cli.options import LIMITS
+from sandbox.cli.failures import Exit
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.schema import scene_schema
+from sandbox.scene.schema import descriptions, scene_schema
 
 from .golden.scenes import WHOLE
 from .test_architecture import FLOORS
@@ -208,7 +207,7 @@ def test_every_field_of_every_element_is_told() -> None:
     for model in (model for page in reference.PAGES.values() for group in page.values()
                   for model in group):
         shown = schema["$defs"].get(model.__name__, schema)["properties"]
-        described = reference.descriptions(model)
+        described = descriptions(model)
         for name, field in model.model_fields.items():
             said = described.get(name, "")
             assert len(said.split()) > 1, f"{model.__name__}.{name}"
@@ -241,19 +240,19 @@ def test_the_page_of_all_scenes_is_that_of_the_scenes() -> None:
     assert [name for name in shipped_scenes() if f"`sandbox run {name}`" not in text] == []
 
 
-def test_every_scene_is_in_one_group_of_the_gallery() -> None:
+def test_every_scene_has_one_topic() -> None:
     scenes = script("make_scenes")
-    assert scenes.ungrouped() == [], "put them into a group of docs/gallery.toml"
-    grouped = [name for group in scenes.GROUPS for name in group["scenes"]]
+    assert scenes.ungrouped() == [], "put them into a topic of scenes/topics.toml"
+    grouped = [name for topic in scenes.TOPICS for name in topic.scenes]
     assert sorted(grouped) == sorted(shipped_scenes())
     assert set(script("make_gallery").HOW) <= set(grouped)
 
 
-def test_a_scene_without_a_group_is_named(
+def test_a_scene_without_a_topic_is_named(
     monkeypatch: pytest.MonkeyPatch, capsys: Any
 ) -> None:
     scenes = script("make_scenes")
-    monkeypatch.setattr(scenes, "GROUPS", scenes.GROUPS[1:])
+    monkeypatch.setattr(scenes, "TOPICS", scenes.TOPICS[1:])
     assert scenes.main(["--check"]) == 1
     assert "adaptive_grasp" in capsys.readouterr().err
 
@@ -269,11 +268,9 @@ def test_a_scene_says_as_much_of_itself_as_makes_a_sentence() -> None:
 
 def test_the_limits_are_those_of_the_program() -> None:
     text = (ROOT / "docs" / "limits.md").read_text(encoding="utf-8")
-    told = dict(re.findall(r"^\| `(\w+)` \| ([\d ]+) \| `--max-", text, re.MULTILINE))
+    told = dict(re.findall(r"^\| `(\w+)` \| ([\d ]+) \|", text, re.MULTILINE))
     limits = {field.name: getattr(Limits(), field.name) for field in fields(Limits)}
     assert {name: int(value.replace(" ", "")) for name, value in told.items()} == limits
-    assert all(f"`--max-{name.replace('_', '-')}`" in text for name in limits)
-    assert set(LIMITS) == set(limits)
 
 
 def test_the_exit_codes_are_those_of_the_program() -> None:
@@ -419,4 +416,4 @@ def test_the_glossary_is_in_order_and_says_where() -> None:
 @pytest.mark.parametrize("page", ["README.md", "docs/start.md", "docs/contributing.md",
                                   "docs/extending.md"])
 def test_how_long_compiling_takes_is_told_as_the_program_tells_it(page: str) -> None:
-    assert TAKES in " ".join((ROOT / page).read_text(encoding="utf-8").split())
+    assert COMPILE_TIME in " ".join((ROOT / page).read_text(encoding="utf-8").split())

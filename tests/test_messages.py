@@ -53,7 +53,7 @@ def test_what_an_author_wrote_says_nothing_of_the_family(message: str, family: s
 
 
 def test_of_a_limit_what_is_allowed_says_so() -> None:
-    allowed = "at most 10 (the limit 'steps', raised by --max-steps)"
+    allowed = "at most 10 (the limit 'steps', raised by --limit steps=N)"
     assert page_of("this has an outline", allowed) == f"{pages.MESSAGES}#larger-than-the-limit"
 
 

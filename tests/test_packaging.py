@@ -31,7 +31,7 @@ def test_the_wheel_holds_all_that_it_needs_and_runs(tmp_path: Path) -> None:
     assert wanted | scenes <= names
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert {name.rpartition(".")[2] for name in names if name.startswith("sandbox/")} == {
-        "py", "pyi", "typed", "json", "svg", "dxf", "js", "css", "LICENSE"}
+        "py", "pyi", "typed", "json", "toml", "svg", "dxf", "js", "css", "LICENSE"}
     assert wheel.stat().st_size < 2_000_000
 
     def printed(*words: str) -> str:

@@ -96,8 +96,8 @@ ADVICE: tuple[Advice, ...] = (
     Advice(("energy.created", "energy.lost", "poses", "joint.drift", "tendon.shortening",
             "spring.length", "differential", "stop.overrun", "stop.law"),
            "the step is too long for motion as fast, or masses as unlike, as these",
-           "halve `run.step` and run again: if the value falls, it was the step; `sandbox certify` "
-           "says which step will do"),
+           "halve `run.step` and run again: if the value falls, it was the step; "
+           "`sandbox converge` says which step will do"),
     Advice(("contact.friction", "contact.bounds", "contact.place", "joint.friction", "drive.motor",
             "drive.place", "tendon.grip"),
            "in some step no set of forces met all conditions, as where a body is driven into a "

@@ -90,8 +90,8 @@ def scene(
             entry with ``"like": "digit"`` takes all keys of that template and puts its own over
             them, object by object; lists are replaced whole. A template may itself be ``like``
             another one.
-        parts: Assemblies of several elements each, such as fingers and trees; ``sandbox expand``
-            shows what they stand for.
+        parts: Assemblies of several elements each, such as fingers and trees; ``sandbox check
+            --expand`` shows what they stand for.
     """
 
 def run(

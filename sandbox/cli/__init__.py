@@ -1,47 +1,97 @@
 """The command line: the only package that prints.
 
-Every command is thin: it reads its options, calls the same public functions
-that a script would, and tells what came of it. Modules here import nothing
-heavy at the top, so that ``sandbox --version`` and completion answer at once.
+Each command reads its options, calls the public functions that a script would call, and prints
+the results. Modules import nothing heavy at the top, so that ``sandbox --version`` and shell
+completion answer at once.
 """
 
 from __future__ import annotations
 
+import atexit
+import contextlib
 import gc
 import os
+import signal
 import sys
 import warnings
 from collections.abc import Sequence
+from types import FrameType
+from typing import TYPE_CHECKING, NoReturn
 
-from sandbox.cli.interrupts import leave, take_over
+if TYPE_CHECKING:
+    from sys import UnraisableHookArgs
 
 __all__ = ["main"]
 
-SELDOM = (100_000, 50, 100)
-"""How often the collector looks for rings of objects: importing and compiling make hundreds of
-thousands that all stay, and by default each batch of 700 is looked through."""
+GC_THRESHOLDS = (100_000, 50, 100)
+"""Importing and compiling make hundreds of thousands of objects that all stay; the default
+thresholds scan each batch of 700."""
+RETRY = 0.02
+"""Seconds until a Ctrl-C that came during an import is handled again."""
 
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Run a command of ``argv`` (by default the process's own) and exit with its code.
 
-    The collector is set for a process that ends with its command: rarely asked, and at the end
-    not at all, since the system takes all memory back. Warnings of libraries, which are no lines
-    of a command's, are off unless ``SANDBOX_DEBUG`` is set. A program that calls this and goes
-    on has to undo these (``gc.set_threshold``, ``gc.unfreeze``, ``warnings.resetwarnings``).
-    Ctrl-C is taken over (:mod:`sandbox.cli.interrupts`).
+    Garbage collection is rare in a process that ends with its command. Warnings of libraries are
+    off unless ``SANDBOX_DEBUG`` is set. A program that calls this and continues has to undo both
+    (``gc.set_threshold``, ``gc.unfreeze``, ``warnings.resetwarnings``), and the handler of Ctrl-C.
     """
-    gc.set_threshold(*SELDOM)
+    gc.set_threshold(*GC_THRESHOLDS)
     if not os.environ.get("SANDBOX_DEBUG"):
         warnings.simplefilter("ignore")
-    take_over()
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _interrupt)
     try:
         from sandbox.cli.entry import invoke
 
         code = int(invoke(sys.argv[1:] if argv is None else argv))
-    except KeyboardInterrupt:  # so early that there is nothing to tell
+    except KeyboardInterrupt:  # before the command began
         code = 130
     if code == 130:
-        leave(code)
+        _exit(code)
     gc.freeze()
     sys.exit(code)
+
+
+def _exit(code: int) -> NoReturn:
+    """End an interrupted process with ``code``.
+
+    Python itself would end by the signal, whatever the code, if the interrupt once passed
+    through an ``exec`` of a text, as dataclasses and compilers have them.
+    """
+    atexit._run_exitfuncs()
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError, AttributeError):  # full, closed, missing
+            stream.flush()
+    os._exit(code)
+
+
+def _interrupt(_number: int, frame: FrameType | None) -> None:
+    """Handle Ctrl-C, but not in the middle of an import.
+
+    Modules that are being imported may turn a ``KeyboardInterrupt`` into another error
+    (extensions report an ``ImportError``), and finalizers lose it with a traceback.
+    """
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            _retry()
+            return
+        frame = frame.f_back
+    sys.unraisablehook = _unraisable
+    raise KeyboardInterrupt
+
+
+def _retry() -> None:
+    import _thread
+    import threading
+
+    timer = threading.Timer(RETRY, _thread.interrupt_main)
+    timer.daemon = True
+    timer.start()
+
+
+def _unraisable(lost: UnraisableHookArgs, /) -> None:
+    """Raise a ``KeyboardInterrupt`` again that a finalizer lost; ignore its other errors."""
+    if lost.exc_type is KeyboardInterrupt:
+        _retry()

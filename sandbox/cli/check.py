@@ -1,42 +1,57 @@
-"""``sandbox check``: is it a scene, and would it do what its author meant?"""
+"""``sandbox check``: validate scenes, print them as plain elements, print the JSON Schema."""
 
 from __future__ import annotations
 
+import json
+import re
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from sandbox.cli.console import Console
-from sandbox.cli.exits import Exit
-from sandbox.cli.failures import one_line, pages_line, problem_data
-from sandbox.cli.inspection import inspection_data, inspection_lines, look_over, refuse_blocking
-from sandbox.cli.options import chosen_limits, limit_options, override_option
+from sandbox.cli.failures import Exit, one_line, pages_line, problem_data
+from sandbox.cli.options import json_option, limit_option, override_option
 from sandbox.cli.scenes import complete_scene, load, scene_path
 from sandbox.errors import Problem, SceneError
+from sandbox.pages import page_of
 
 if TYPE_CHECKING:
     from sandbox.engine.estimate import Estimate
+    from sandbox.engine.inspect import Inspection
+    from sandbox.scene.read.limits import Limits
+    from sandbox.scene.read.load import Loaded
 
 
 @click.command()
-@click.argument("scenes", metavar="SCENE...", nargs=-1, required=True,
-                shell_complete=complete_scene)
+@click.argument("scenes", metavar="SCENE...", nargs=-1, shell_complete=complete_scene)
 @override_option
-@click.option("--strict", is_flag=True, help="Let warnings fail the check too.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-@limit_options
+@click.option("--strict", is_flag=True, help="Let warnings fail the check.")
+@click.option("--expand", is_flag=True,
+              help="Print the one SCENE as plain elements, itself a scene.")
+@click.option("--schema", is_flag=True, help="Print the JSON Schema of scenes, for editors.")
+@json_option
+@limit_option
 def check(
-    scenes: tuple[str, ...], overrides: dict[str, Any], strict: bool, as_json: bool,
-    **limits: Any,
+    scenes: tuple[str, ...], overrides: dict[str, Any], strict: bool, expand: bool, schema: bool,
+    as_json: bool, limits: Limits,
 ) -> int:
-    """Validate each SCENE, look it over, and tell what a run would take.
+    """Validate scenes, and estimate the cost of a run.
 
     Looks for joints that are not assembled, bodies that overlap, tendon guides
-    that coincide, springs and dampers too strong for the step, springs that
-    can snap over centre, quantities that do not exist; says how far trees of rockers and pulleys
-    can go. Exits 2 on what no run can be made of, with --strict on warnings, too.
+    that coincide, springs and dampers too strong for the step, springs that can
+    snap over centre, and unknown quantities. Exits 2 if a scene cannot be run;
+    with --strict on warnings, too.
     """
     console = Console(as_json=as_json)
+    if schema:
+        from sandbox.scene.schema import scene_schema
+
+        console.document(json.dumps(scene_schema(), indent=2, ensure_ascii=False))
+        return Exit.DONE
+    if not scenes:
+        raise click.UsageError("Missing argument 'SCENE...'.")
+    if expand:
+        return _expand(scenes, overrides, limits, console)
     reports = [report_of(scene, overrides, limits) for scene in scenes]
     good = all(report["ok"] and not (strict and report["findings"]) for report in reports)
     code = Exit.DONE if good else Exit.INPUT
@@ -54,13 +69,26 @@ def check(
         if report["ok"]:
             console.say(f"{report['scene']}: {report['takes']}")
         for note in report["notes"]:
-            console.say(f"{report['scene']}: {note}")
+            console.say(f"{report['scene']}: note: {note}")
         console.warn(*report["pages"])
     return code
 
 
-def report_of(scene: str, overrides: dict[str, Any], limits: dict[str, Any]) -> dict[str, Any]:
-    """What is to be said about one scene; ``lines`` for a person, the rest for a machine."""
+def _expand(
+    scenes: tuple[str, ...], overrides: dict[str, Any], limits: Limits, console: Console,
+) -> int:
+    """Print a scene without assemblies, templates, parameters and units."""
+    from sandbox.scene.expand import to_json
+
+    if len(scenes) > 1:
+        raise click.UsageError("Got unexpected extra scenes: --expand prints one.")
+    loaded = load(scene_path(scenes[0]), overrides=overrides, limits=limits)
+    console.document(to_json(loaded.mechanism))
+    return Exit.DONE
+
+
+def report_of(scene: str, overrides: dict[str, Any], limits: Limits) -> dict[str, Any]:
+    """Check one scene; ``lines``, ``takes`` and ``pages`` are text, the rest is JSON data."""
     from sandbox.engine.inspect_trees import reaches
     from sandbox.model.compile import compile_mechanism
 
@@ -71,7 +99,7 @@ def report_of(scene: str, overrides: dict[str, Any], limits: dict[str, Any]) -> 
     takes: Estimate | None = None
     try:
         loaded = load(scene_path(scene), overrides=overrides, limits=limits)
-        found, takes = look_over(loaded, chosen_limits(limits))
+        found, takes = inspect_scene(loaded, limits)
         others = [problem for problem in found if not problem.blocks]
         warned = inspection_lines(others, loaded)
         findings = inspection_data(others, loaded)
@@ -91,3 +119,45 @@ def report_of(scene: str, overrides: dict[str, Any], limits: dict[str, Any]) -> 
         "lines": [*(one_line(problem, source) for problem in problems), *warned],
         "pages": pages_line([*problems, *others]),
     }
+
+
+def inspect_scene(loaded: Loaded, limits: Limits) -> Inspection:
+    """Inspect a scene; a run that costs more than the limits allow is an error."""
+    from sandbox.engine.inspect import look_over
+
+    found = look_over(loaded.mechanism)
+    beyond = list(found.estimate.beyond(limits))
+    return found._replace(problems=[*beyond, *found.problems])
+
+
+def inspection_lines(problems: list[Problem], loaded: Loaded) -> list[str]:
+    """Format problems, one a line; those that differ only in numbers of names share one."""
+    groups: dict[str, list[Problem]] = {}
+    for problem in problems:
+        groups.setdefault(re.sub(r"(?<=[A-Za-z_])\d+", "#", str(problem)), []).append(problem)
+    placed = loaded.placed(first for first, *_ in groups.values())
+    return [
+        f"{one_line(first, loaded.name)}{f' (and so for {others} more)' if others else ''}"
+        for first, others in zip(placed, (len(group) - 1 for group in groups.values()), strict=True)
+    ]
+
+
+def inspection_data(problems: list[Problem], loaded: Loaded) -> list[dict[str, Any]]:
+    """Warnings with their places, as JSON data."""
+    return [{"severity": problem.severity, "element": problem.element, "message": problem.message,
+             "advice": problem.advice, "file": problem.file or loaded.name, "path": problem.path,
+             "line": problem.line, "column": problem.column, "page": page_of(problem.message)}
+            for problem in loaded.placed(problems)]
+
+
+def refuse_blocking(problems: list[Problem], loaded: Loaded) -> None:
+    """Refuse a scene that cannot be simulated.
+
+    Raises:
+        SceneError: the problems that block, with their places in the scene's file.
+    """
+    if blocking := [problem for problem in problems if problem.blocks]:
+        from sandbox.scene.read.source import first_problems
+
+        most = loaded.origins.source.limits.problems
+        raise SceneError(first_problems(loaded.placed(blocking), most), loaded.name)

@@ -1,4 +1,4 @@
-"""The group of commands, and the one place where they are run."""
+"""The group of commands and their invocation."""
 
 from __future__ import annotations
 
@@ -10,32 +10,49 @@ import click
 
 import sandbox
 from sandbox.cli.console import Console
-from sandbox.cli.exits import Exit
-from sandbox.cli.failures import guard
+from sandbox.cli.failures import Exit, guard
 from sandbox.wording import meant
 
-COMMANDS = {
-    **{name: name for name in (
-        "bounds", "certify", "check", "compare", "completion", "expand", "export", "new", "plot",
-        "push", "render", "report", "rest", "run", "schema", "search", "study", "sweep", "verify",
-        "view")},
-    "list": "scenes",
+GROUPS = {
+    "Start": {"list": "scenes", "new": "scenes", "check": "check", "explain": "explain"},
+    "Simulate": {"run": "run", "view": "view"},
+    "Results": {"plot": "plot", "render": "runs", "report": "runs"},
+    "Questions": {
+        "sweep": "sweep", "search": "search", "rest": "rest", "converge": "accuracy",
+        "bounds": "accuracy", "push": "push", "study": "study", "verify": "verify"},
+    "Exchange": {"export": "export"},
 }
-"""The module of each command in this package, which has it under the name that users type."""
+"""The commands by group, each with its module in this package."""
+COMMANDS = {name: module for group in GROUPS.values() for name, module in group.items()}
+REMOVED = {
+    "certify": "Use 'sandbox converge SCENE'.",
+    "compare": "Use 'sandbox plot RUN --with RUN'.",
+    "completion": "Use _SANDBOX_COMPLETE=bash_source sandbox (or zsh_source, fish_source).",
+    "expand": "Use 'sandbox check SCENE --expand'.",
+    "schema": "Use 'sandbox check --schema'.",
+}
+"""Commands of earlier versions, and what replaces each."""
+REMOVED_OPTIONS = {
+    "--bare": "Use --labels none.",
+    "--centre": "Use --fit, or set view.centre in the scene.",
+    "--figure": "Name the quantities.",
+    "--frames": "Use 'sandbox render RUN --out DIR'.",
+    "--meter": "Set view.meters in the scene.",
+    "--no-audit": "Every run is checked.",
+    "--scales": "Use --labels scales.",
+    "--show": "Use 'sandbox render RUN --show LAYERS'.",
+    "--width": "Use --fit, or set view.width in the scene.",
+}
+"""Options of earlier versions, and what replaces each."""
 
 
 class _Commands(click.Group):
-    """A group whose commands are imported when they are asked for, or help for all of them.
-
-    For a command that it does not know it offers a near miss, on any click 8.
-    """
+    """A group that imports its commands on demand and suggests names for unknown ones."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """The names of all commands, sorted."""
-        return sorted(COMMANDS)
+        return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of a name."""
         if cmd_name not in COMMANDS:
             return None
         members = vars(import_module(f"sandbox.cli.{COMMANDS[cmd_name]}")).values()
@@ -48,9 +65,19 @@ class _Commands(click.Group):
         name = args[0]
         if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:
             known = self.list_commands(ctx)
-            raise click.UsageError(f"No such command {name!r}.{meant(name, known)} "
-                                   f"Commands: {', '.join(known)}.", ctx)
+            advice = REMOVED.get(name) or \
+                f"{meant(name, known).lstrip()} Commands: {', '.join(known)}."
+            raise click.UsageError(f"No such command {name!r}. {advice}", ctx)
         return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        width = max(map(len, COMMANDS))
+        for title, names in GROUPS.items():
+            commands = {name: self.get_command(ctx, name) for name in names}
+            with formatter.section(title):
+                formatter.write_dl([
+                    (name.ljust(width), command.get_short_help_str(formatter.width))
+                    for name, command in commands.items() if command is not None])
 
 
 @click.group(
@@ -61,19 +88,30 @@ class _Commands(click.Group):
 def commands() -> None:
     """Simulate planar mechanisms and underactuated hands from JSON scenes.
 
-    Exit codes: 0 done and every expectation held, 1 an expectation failed,
-    2 wrong input, 3 the simulation diverged, 130 interrupted, 70 a fault of
-    sandbox itself.
+    Exit codes: 0 done, 1 an expectation failed, 2 wrong input, 3 the simulation
+    diverged, 130 interrupted, 70 internal error.
     """
 
 
 def invoke(words: Sequence[str]) -> int:
-    """Run a command; its exit code. Prints what it has to say and never raises."""
+    """Run a command, print its output, and return its exit code; never raises."""
     def work() -> int:
-        code = commands.main(list(words), prog_name="sandbox", standalone_mode=False)
+        try:
+            code = commands.main(list(words), prog_name="sandbox", standalone_mode=False)
+        except click.NoSuchOption as error:
+            raise _replaced(error) from None
         return code if isinstance(code, int) else Exit.DONE
 
     if os.environ.get("SANDBOX_DEBUG"):
         return work()
     return guard(work, Console(as_json="--json" in words,
                                quiet=not {"--quiet", "-q"}.isdisjoint(words)))
+
+
+def _replaced(error: click.NoSuchOption) -> click.UsageError:
+    """The error, with the option that replaces the one of an earlier version."""
+    name, advice = error.option_name, REMOVED_OPTIONS.get(error.option_name, "")
+    if name.startswith("--max-"):
+        limit = name.removeprefix("--max-").replace("-", "_")
+        advice = f"Use --limit {limit}=VALUE."
+    return click.UsageError(f"No such option {name!r}. {advice}", error.ctx) if advice else error

@@ -1,21 +1,28 @@
-"""``sandbox export``: a scene as another program's model."""
+"""``sandbox export``: a scene as a model for another program."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from sandbox.cli.console import Console
-from sandbox.cli.options import OUT, limit_options, override_option
-from sandbox.cli.scenes import complete_scene, load, scene_path
+from sandbox.cli.options import OUT, limit_option, override_option
+from sandbox.cli.scenes import load, scene_argument, scene_path
 from sandbox.errors import SceneError
 from sandbox.whole_files import write_whole
 
+if TYPE_CHECKING:
+    from sandbox.scene.read.limits import Limits
+
 
 def read_format(ctx: click.Context, param: click.Parameter, word: str) -> str:
-    """A format that can be written; others are refused with those that can."""
+    """Check the name of a format.
+
+    Raises:
+        BadParameter: it is unknown; with a suggestion.
+    """
     from sandbox.export import FORMATS
     from sandbox.wording import listed, meant, quoted
 
@@ -27,24 +34,23 @@ def read_format(ctx: click.Context, param: click.Parameter, word: str) -> str:
 
 
 @click.command()
-@click.argument("scene", shell_complete=complete_scene)
+@scene_argument
 @click.option("--format", "form", metavar="FORMAT", default="mjcf", show_default=True,
-              callback=read_format, help="What to write: mjcf, a model for MuJoCo.")
-@click.option("--out", type=OUT, metavar="FILE",
-              help="Write it to this file; printed by default.")
+              callback=read_format, help="Format: mjcf, a model for MuJoCo.")
+@click.option("--out", type=OUT, metavar="FILE", help="File to write; stdout by default.")
 @click.option("--without", multiple=True, metavar="NAME",
-              help="Leave an element out, with all that hangs on it; patterns such as 'tree.*' "
-                   "too. May be given several times.")
+              help="Leave out an element and all that depends on it; patterns such as 'tree.*' "
+                   "too. Repeatable.")
 @override_option
-@limit_options
+@limit_option
 def export(
     scene: str, form: str, out: Path | None, without: tuple[str, ...],
-    overrides: dict[str, Any], **limits: Any,
+    overrides: dict[str, Any], limits: Limits,
 ) -> None:
-    """Write SCENE as a model for another program.
+    """Export SCENE as a MuJoCo model (MJCF).
 
-    Elements that have no counterpart there are named, and nothing is written
-    unless --without leaves them out. What differs otherwise is told on stderr.
+    Elements without a counterpart are named, and nothing is written unless
+    --without leaves them out. Other differences are printed to stderr.
     """
     from sandbox.export import export_mechanism
 
@@ -59,7 +65,7 @@ def export(
     else:
         write_whole(out, made.text)
     for note in made.notes:
-        console.warn(f"note: {note}")
+        console.warn(f"{loaded.name}: note: {note}")
     if made.left_out:
         console.warn(f"left out: {', '.join(made.left_out)}")
     if out is not None:

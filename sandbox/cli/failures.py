@@ -1,14 +1,14 @@
-"""From an exception to an exit code and what the user is told; never a traceback."""
+"""Exit codes, and how exceptions become messages; never a traceback."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from enum import IntEnum
 from typing import Any
 
 import click
 
 from sandbox.cli.console import Console, StdoutError
-from sandbox.cli.exits import Exit
 from sandbox.errors import (
     Interrupted,
     Problem,
@@ -19,10 +19,27 @@ from sandbox.errors import (
 from sandbox.pages import page_of, read_on
 
 
-def guard(work: Callable[[], int], console: Console) -> int:
-    """Do the work of a command; its exit code, or that of what went wrong.
+class Exit(IntEnum):
+    """Exit codes of every ``sandbox`` command."""
 
-    A stdout that cannot be written to is told on stderr, ``--json`` or not.
+    DONE = 0
+    """Done, and every expectation passed."""
+    FAILED = 1
+    """An expectation failed."""
+    INPUT = 2
+    """The input is wrong: a scene, an option, a file, a directory."""
+    DIVERGED = 3
+    """The simulation diverged."""
+    BUG = 70
+    """Internal error (EX_SOFTWARE of sysexits.h)."""
+    INTERRUPTED = 130
+    """Ctrl-C (128 + SIGINT)."""
+
+
+def guard(work: Callable[[], int], console: Console) -> int:
+    """Run a command; its exit code, or that of the error it raised.
+
+    An unwritable stdout is reported on stderr, with ``--json`` too.
     """
     try:
         return _guarded(work, console)
@@ -31,11 +48,7 @@ def guard(work: Callable[[], int], console: Console) -> int:
 
 
 def _guarded(work: Callable[[], int], console: Console) -> int:
-    """What :func:`guard` does, but for what happens to stdout.
-
-    The last branch is the one place that catches everything: a fault of
-    sandbox is told in one line, with the exception's type, and exits 70.
-    """
+    """Report every exception but :class:`StdoutError`; unexpected ones are internal errors."""
     try:
         return work()
     except StdoutError:
@@ -50,17 +63,20 @@ def _guarded(work: Callable[[], int], console: Console) -> int:
         return report_problems(
             console, Exit.INPUT, [Problem("not enough memory for this", path="")])
     except OSError as error:
-        return report_problems(console, Exit.INPUT, [Problem(os_message(error), path="")])
+        where = f"{error.filename}: " if error.filename else ""
+        return report_problems(
+            console, Exit.INPUT, [Problem(f"{where}{error.strerror or error}", path="")])
     except RecursionError:
         return report_problems(console, Exit.INPUT, [Problem("nested too deeply", path="")])
     except Exception as error:
+        first = (str(error).splitlines() or [""])[0][:200]
         return report_problems(console, Exit.BUG, [Problem(
-            f"a fault of sandbox itself ({type(error).__name__}: {first_line(error)}); "
-            "please report it with the scene (SANDBOX_DEBUG=1 shows where)", path="")])
+            f"internal error ({type(error).__name__}: {first}); please report it with the scene "
+            "(SANDBOX_DEBUG=1 shows the traceback)", path="")])
 
 
 def report(error: SandboxError, console: Console, **more: Any) -> int:
-    """Tell an error that sandbox raised on purpose; its exit code."""
+    """Report an error that sandbox raised on purpose; its exit code."""
     if isinstance(error, SceneError):
         return report_problems(console, Exit.INPUT, error.problems, source=error.source, **more)
     code = Exit.INPUT
@@ -73,7 +89,7 @@ def report(error: SandboxError, console: Console, **more: Any) -> int:
 
 
 def report_usage(error: click.ClickException, console: Console) -> int:
-    """Tell an option or argument that click refused; its exit code."""
+    """Report a wrong option or argument; its exit code."""
     if isinstance(error, click.UsageError) and error.ctx is not None and not console.as_json:
         console.error(*error.ctx.get_usage().splitlines(),
                       f"Try '{error.ctx.command_path} --help' for help.", "")
@@ -83,7 +99,7 @@ def report_usage(error: click.ClickException, console: Console) -> int:
 def report_problems(
     console: Console, code: Exit, problems: list[Problem], *, source: str = "", **more: Any,
 ) -> int:
-    """Print problems, one a line, or one JSON object with them all; returns ``code``."""
+    """Print problems, one a line, or all in one JSON object; returns ``code``."""
     if console.as_json:
         console.result_json({
             "status": code.name.lower(), "exit_code": int(code),
@@ -91,41 +107,29 @@ def report_problems(
         })
     else:
         console.error(*(one_line(problem, source) for problem in problems))
-        if code != Exit.INTERRUPTED:  # who pressed Ctrl-C knows what it means
+        if code != Exit.INTERRUPTED:
             console.warn(*pages_line(problems))
     return code
 
 
 def pages_line(problems: list[Problem]) -> list[str]:
-    """Where to read on about problems: one line, or none."""
+    """The line that names the docs about some problems, if there are any."""
     return read_on([page_of(each.message, each.allowed) for each in problems],
                    [each.fields for each in problems])
 
 
 def one_line(problem: Problem, source: str = "") -> str:
-    """``file:line:col: path: message``, or ``error: message`` where there is no place."""
+    """``file:line:col: path: message``, or ``error: message`` without a place."""
     source = problem.file or source
     if not source and not problem.path:
-        return f"error: {problem.message}"
+        return f"error{problem}"  # the place is empty
     return f"{source}:{problem}" if source else str(problem)
 
 
 def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:
-    """A problem as JSON data; what is empty is left out."""
+    """A problem as JSON data, without empty values."""
     data = {"message": problem.text, "file": problem.file or source, "path": problem.path,
             "line": problem.line, "column": problem.column, "element": problem.element,
             "allowed": problem.allowed, "hint": problem.hint,
             "page": page_of(problem.message, problem.allowed), "fields": problem.fields}
     return {key: value for key, value in data.items() if value or key == "message"}
-
-
-def os_message(error: OSError) -> str:
-    """What the system said, with the file's name: ``renders/x/run.npz: No space left …``."""
-    where = f"{error.filename}: " if error.filename else ""
-    return f"{where}{error.strerror or error}"
-
-
-def first_line(error: BaseException) -> str:
-    """The first line of an exception's message, at most 200 characters."""
-    return (str(error).splitlines() or [""])[0][:200]
-

@@ -10,19 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.compiling import compilation_notices
-from sandbox.cli.console import Console, table
-from sandbox.cli.exits import Exit
-from sandbox.cli.inspection import refuse_blocking
-from sandbox.cli.options import (
-    OUT,
-    chosen_limits,
-    limit_options,
-    override_option,
-    read_length,
-)
-from sandbox.cli.output import prepare
-from sandbox.cli.progress import Progress
+from sandbox.cli.check import refuse_blocking
+from sandbox.cli.console import Console, Progress, compilation_notices, table
+from sandbox.cli.failures import Exit
+from sandbox.cli.options import OUT, override_option, read_length
+from sandbox.cli.runs import prepare
 from sandbox.cli.scenes import complete_scene, load, scene_path
 
 if TYPE_CHECKING:
@@ -60,11 +52,10 @@ COLUMNS = ("direction_deg", "bound_N", "moved_at_N", "pushed_to_N")
 @override_option
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
-@limit_options
 def push(
     scene: str, body: str | None, at: float | None, over: float, directions: int,
     limit: float | None, beyond: float, out: Path | None, overrides: dict[str, Any],
-    as_json: bool, quiet: bool, **limits: Any,
+    as_json: bool, quiet: bool,
 ) -> int:
     """Push an object in SCENE until it moves, in many directions.
 
@@ -76,12 +67,12 @@ def push(
     From there on it gives, by however little.
     """
     from sandbox.engine.inspect import inspect
+    from sandbox.scene.read.limits import Limits
     from sandbox.study.push import pushes
 
-    loaded = load(scene_path(scene), overrides=overrides, limits=limits)
+    loaded = load(scene_path(scene), overrides=overrides, limits=Limits())
     mechanism = loaded.mechanism
     refuse_blocking(inspect(mechanism), loaded)
-    chosen_limits(limits)
     if limit == 0:
         raise click.BadParameter("must be greater than 0", param_hint="--limit")
     console = Console(as_json=as_json, quiet=quiet)

@@ -10,20 +10,19 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.compiling import compilation_notices
-from sandbox.cli.console import Console, table
-from sandbox.cli.exits import Exit
-from sandbox.cli.inspection import refuse_blocking
-from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option
-from sandbox.cli.output import prepare
-from sandbox.cli.progress import NowAndThen
+from sandbox.cli.check import refuse_blocking
+from sandbox.cli.console import Console, Heartbeat, compilation_notices, table
+from sandbox.cli.failures import Exit
+from sandbox.cli.options import OUT, limit_option, override_option
 from sandbox.cli.rest_files import branch_files, rest_data, rest_files
+from sandbox.cli.runs import prepare
 from sandbox.cli.scenes import complete_scene, load, scene_path
 
 if TYPE_CHECKING:
     from sandbox.equilibria.branches import Branch
     from sandbox.equilibria.rest import AtRest, RestFound
     from sandbox.scene.mechanism import Mechanism
+    from sandbox.scene.read.limits import Limits
 
 RENDERS = Path("renders") / "rest"
 MOST_STARTS = 200
@@ -57,11 +56,11 @@ _VALUE = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.
 @override_option
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
-@limit_options
+@limit_option
 def rest(
     scene: str, starts: tuple[str, ...], at: float | None, stages: int | None, along: str | None,
     quantity: str | None, body: str | None, out: Path | None, overrides: dict[str, Any],
-    as_json: bool, quiet: bool, **limits: Any,
+    as_json: bool, quiet: bool, limits: Limits,
 ) -> int:
     """Find where SCENE comes to rest, and whether it stays there.
 
@@ -76,7 +75,6 @@ def rest(
     loaded = load(scene_path(scene), overrides=overrides, limits=limits)
     mechanism = loaded.mechanism
     refuse_blocking(inspect(mechanism), loaded)
-    chosen_limits(limits)
     console = Console(as_json=as_json, quiet=quiet)
     _go_together(starts, along, quantity, body)
     folder = out or RENDERS / (mechanism.name or "scene")
@@ -121,7 +119,7 @@ def _go_together(
 
 
 def _follow(
-    scene: str, along: str, overrides: dict[str, Any], limits: dict[str, Any], console: Console, *,
+    scene: str, along: str, overrides: dict[str, Any], limits: Limits, console: Console, *,
     at: float | None, stages: int | None, quantity: str | None, folder: Path,
 ) -> int:
     """``--along``."""
@@ -138,7 +136,7 @@ def _follow(
     if quantity is not None and quantity not in Catalogue(mechanism):
         raise click.BadParameter(f"{quantity!r} is no quantity of the scene; 'sandbox plot' lists "
                                  "those of a run", param_hint="--plot")
-    when = NowAndThen()
+    when = Heartbeat()
 
     def heard(points: int, value: float) -> None:
         if when.due():

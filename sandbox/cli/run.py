@@ -1,35 +1,26 @@
-"""``sandbox run``: simulate a scene, keep the numbers, draw it, judge its expectations."""
+"""``sandbox run``: simulate a scene, write results and pictures, check expectations."""
 
 from __future__ import annotations
 
+import dataclasses
+import math
 import time
-from collections.abc import Mapping
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.compiling import compilation_notices
-from sandbox.cli.console import Console
-from sandbox.cli.exits import Exit
-from sandbox.cli.failures import pages_line, report
-from sandbox.cli.inspection import inspection_data, inspection_lines, look_over, refuse_blocking
-from sandbox.cli.options import (
-    OUT,
-    chosen_limits,
-    limit_options,
-    meter_option,
-    override_option,
-    refuse_unknown,
-    show_option,
-)
-from sandbox.cli.output import default_directory, written
-from sandbox.cli.progress import Progress
-from sandbox.cli.scenes import complete_scene, load, scene_path
-from sandbox.cli.verdict import AUDIT_PAGE, audit_lines, expectation_table, verdict_data
+from sandbox.cli.check import inspect_scene, inspection_data, inspection_lines, refuse_blocking
+from sandbox.cli.console import Console, Progress, compilation_notices, table
+from sandbox.cli.failures import Exit, pages_line, report
+from sandbox.cli.options import OUT, json_option, limit_option, override_option, quiet_option
+from sandbox.cli.runs import default_directory, write_page, written
+from sandbox.cli.scenes import load, scene_argument, scene_path
 from sandbox.errors import Interrupted, Problem, RecordingFull, SimulationDiverged
+from sandbox.pages import page_of, read_on
 
 if TYPE_CHECKING:
     from sandbox.audit.audit import Figure
@@ -39,10 +30,15 @@ if TYPE_CHECKING:
     from sandbox.scene.read.limits import Limits
     from sandbox.scene.read.load import Loaded
 
+MAX_ROWS = 12
+"""Expectations that are all listed; of more, those that passed are only counted."""
+AUDIT_PAGE = "docs/audit.md"
+"""Explanation of the consistency checks."""
+
 
 @dataclass
 class _Job:
-    """One run on its way: what it is, where it goes, how long its phases took."""
+    """A run in progress."""
 
     loaded: Loaded
     directory: Path
@@ -50,64 +46,51 @@ class _Job:
     limits: Limits
     animation: str = ""
     """``gif``, ``mp4`` or empty."""
-    frames: bool = False
-    show: str | None = None
-    """Layers, as they are asked for."""
-    meters: tuple[str, ...] = ()
-    audits: bool = True
-    reports: bool = False
-    """Whether a page for a browser is written, too."""
-    whole_audit: bool = False
-    """Whether all of its figures are shown."""
+    writes_page: bool = False
+    lists_checks: bool = False
     problems: list[Problem] = field(default_factory=list)
-    audited: list[Figure] = field(default_factory=list)
+    checks: list[Figure] = field(default_factory=list)
     wall_s: dict[str, float] = field(default_factory=dict)
+    """Duration of each phase [s]."""
 
 
 @click.command()
-@click.argument("scene", shell_complete=complete_scene)
+@scene_argument
 @click.option("--out", type=OUT, metavar="DIR",
-              help="Where the files go; renders/<scene name> by default.")
+              help="Directory for the files; renders/<scene name> by default.")
 @override_option
 @click.option("--no-render", is_flag=True, help="Numbers only, no pictures.")
-@click.option("--frames", is_flag=True, help="Also write every picture as PNG into frames/.")
 @click.option("--format", "animation", type=click.Choice(["gif", "mp4"]), default="gif",
               show_default=True, help="Of the animation.")
-@meter_option
-@click.option("--report", "reports", is_flag=True,
+@click.option("--report", "writes_page", is_flag=True,
               help="Also write report.html, a page that plays the run.")
-@show_option
-@click.option("--audit/--no-audit", default=None,
-              help="Show every figure of the audit, which is one line by default if all pass; do "
-                   "not check the recording against mechanics.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
-@click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
-@limit_options
+@click.option("--audit", "lists_checks", is_flag=True, help="List all consistency checks.")
+@json_option
+@quiet_option
+@limit_option
 def run(
-    scene: str, out: Path | None, overrides: dict[str, Any], no_render: bool, frames: bool,
-    animation: str, reports: bool, show: str | None, meters: tuple[str, ...], audit: bool | None,
-    as_json: bool, quiet: bool, **limits: Any,
+    scene: str, out: Path | None, overrides: dict[str, Any], no_render: bool, animation: str,
+    writes_page: bool, lists_checks: bool, as_json: bool, quiet: bool, limits: Limits,
 ) -> int:
-    """Simulate SCENE, save its forces, draw it, judge it.
+    """Simulate SCENE, write results, check expectations.
 
     SCENE is a JSON file, or the name of a scene that 'sandbox list' shows.
-    Writes run.json, run.npz, the CSV logs and animation.gif into DIR, and
-    prints which of the scene's expectations hold, and a line on the audit of the
-    recording against the laws of mechanics, or all of it where it asks for a
-    look. Exits 1 if an expectation does not hold.
+    Writes run.json, run.npz, the CSV logs and animation.gif into DIR. Prints the
+    expectations of the scene that passed and failed, and the warnings of the
+    consistency checks. Exits 1 if an expectation failed.
     """
     from sandbox.recording.new_run import writing
 
     loaded = load(scene_path(scene), overrides=overrides, limits=limits)
     job = _Job(
         loaded=loaded, directory=out or default_directory(loaded.mechanism.name),
-        console=Console(as_json=as_json, quiet=quiet),
-        animation="" if no_render else animation, frames=frames and not no_render,
-        show=show, meters=meters, audits=audit is not False, whole_audit=audit is True,
-        reports=reports, limits=chosen_limits(limits),
+        console=Console(as_json=as_json, quiet=quiet), limits=limits,
+        animation="" if no_render else animation, writes_page=writes_page,
+        lists_checks=lists_checks,
     )
-    refuse_unknown(meters, loaded.mechanism)
-    _look_over(job)
+    job.problems = inspect_scene(loaded, limits).problems
+    refuse_blocking(job.problems, loaded)
+    job.console.warn(*inspection_lines(job.problems, loaded), *pages_line(job.problems))
     with writing(job.directory) as new:
         try:
             recording = _simulate(job)
@@ -117,23 +100,12 @@ def run(
     return _report(job, recording, judged)
 
 
-def _look_over(job: _Job) -> None:
-    """Show what the inspection finds, and refuse what cannot be simulated or takes too much.
-
-    Raises:
-        SceneError: problems that block.
-    """
-    job.problems = look_over(job.loaded, job.limits).problems
-    refuse_blocking(job.problems, job.loaded)
-    job.console.warn(*inspection_lines(job.problems, job.loaded), *pages_line(job.problems))
-
-
 def _simulate(job: _Job) -> Recording:
     from sandbox.engine.inspect_control import Checked
     from sandbox.engine.simulate import simulate
 
     with (compilation_notices(job.console),
-          Progress("simulate", shown=job.console.shows_progress) as progress):
+          Progress("Simulating", shown=job.console.shows_progress) as progress):
         recording = simulate(Checked(job.loaded.mechanism), progress=progress,
                              recorded_bytes=job.limits.recorded_bytes)
     job.wall_s |= recording.info.wall
@@ -144,7 +116,7 @@ def _keep(
     job: _Job, new: NewRun, error: Interrupted | RecordingFull | SimulationDiverged,
 ) -> int:
     """Save what was recorded before a run ended early, marked incomplete; its exit code."""
-    from sandbox.recording.store import save_data, save_summary
+    from sandbox.recording.store import save_data
     from sandbox.samples.expectations import verdicts
 
     more: dict[str, Any] = {"directory": str(job.directory), "complete": False, "files": []}
@@ -153,38 +125,33 @@ def _keep(
         judged: list[Verdict] = []
         try:
             judged = verdicts(error.recording)
-            if job.audits:
-                _audit(job, error.recording)
-        except KeyboardInterrupt:  # once more: without them, then
+            _audit(job, error.recording)
+        except KeyboardInterrupt:  # a second Ctrl-C: leave them out
             pass
-        finally:  # whatever becomes of these, what was recorded is kept
-            save_summary(error.recording, new.aside, parameters=job.loaded.scene.parameters,
-                         derived=job.loaded.derived, verdicts=judged, figures=job.audited)
+        finally:
+            _save_summary(job, new, error.recording, judged)
             stopped = not isinstance(error, SimulationDiverged)
             more |= {"samples": len(error.recording),
-                     **_kept(job, new, error.recording, stopped=stopped)}
+                     **_publish_incomplete(job, new, error.recording, stopped=stopped)}
     return report(error, job.console, **more)
 
 
 def _write(job: _Job, new: NewRun, recording: Recording) -> list[Verdict]:
-    """Save and draw, one beside the other, and put all in place. Returns the verdicts."""
-    from sandbox.recording.store import save_data, save_summary
+    """Save and draw in parallel, then put all files in place. Returns the verdicts."""
+    from sandbox.recording.store import save_data
     from sandbox.samples.expectations import verdicts
 
     with ThreadPoolExecutor(max_workers=1) as beside:
         saved = beside.submit(_timed, job, "save", save_data, recording, new.aside)
         try:
-            if job.animation or job.frames:
+            if job.animation:
                 _timed(job, "draw", _draw, job, new.aside, recording)
             saved.result()
             judged = verdicts(recording)
-            if job.audits:
-                _timed(job, "audit", _audit, job, recording)
-            if job.reports:
+            _timed(job, "audit", _audit, job, recording)
+            if job.writes_page:
                 _timed(job, "report", _page, job, new.aside, recording, judged)
-            save_summary(recording, new.aside, parameters=job.loaded.scene.parameters,
-                         derived=job.loaded.derived, verdicts=judged, wall_s=job.wall_s,
-                         figures=job.audited)
+            _save_summary(job, new, recording, judged)
         except BaseException as error:
             saved.result()
             _keep_numbers(job, new, recording, interrupted=isinstance(error, KeyboardInterrupt))
@@ -193,21 +160,33 @@ def _write(job: _Job, new: NewRun, recording: Recording) -> list[Verdict]:
     return judged
 
 
+def _save_summary(
+    job: _Job, new: NewRun, recording: Recording, judged: Sequence[Verdict],
+) -> None:
+    from sandbox.recording.store import save_summary
+
+    save_summary(recording, new.aside, parameters=job.loaded.scene.parameters,
+                 derived=job.loaded.derived, verdicts=judged, wall_s=job.wall_s,
+                 figures=job.checks)
+
+
 def _keep_numbers(job: _Job, new: NewRun, recording: Recording, *, interrupted: bool) -> None:
-    """Stopped while it was drawn or audited: its numbers are kept, marked incomplete."""
-    from sandbox.recording.store import save_summary, unfinished
+    """Save the numbers of a run that was stopped while drawing, marked incomplete."""
+    from sandbox.recording.store import unfinished
     from sandbox.samples.outcome import INTERRUPTED, Status
 
-    info = replace(recording.info, status=Status.INTERRUPTED, reason=INTERRUPTED) \
+    info = dataclasses.replace(recording.info, status=Status.INTERRUPTED, reason=INTERRUPTED) \
         if interrupted else unfinished(recording.info)
     kept = type(recording)(recording.mechanism, recording.arrays, info)
-    save_summary(kept, new.aside, parameters=job.loaded.scene.parameters,
-                 derived=job.loaded.derived, verdicts=(), figures=())
-    _kept(job, new, kept, stopped=True)
+    job.checks = []
+    _save_summary(job, new, kept, ())
+    _publish_incomplete(job, new, kept, stopped=True)
 
 
-def _kept(job: _Job, new: NewRun, recording: Recording, *, stopped: bool) -> dict[str, Any]:
-    """Put a run that is not complete where it belongs, and tell where; for the JSON object."""
+def _publish_incomplete(
+    job: _Job, new: NewRun, recording: Recording, *, stopped: bool,
+) -> dict[str, Any]:
+    """Put an incomplete run in place and print where; its part of the JSON object."""
     place = new.publish(stopped=stopped)
     stays = f"; the run that was in {job.directory} stays" if place != job.directory else ""
     job.console.warn(f"kept {len(recording)} samples in {place}, marked incomplete{stays}")
@@ -217,7 +196,7 @@ def _kept(job: _Job, new: NewRun, recording: Recording, *, stopped: bool) -> dic
 def _audit(job: _Job, recording: Recording) -> None:
     from sandbox.audit.audit import audit
 
-    job.audited = audit(recording)
+    job.checks = audit(recording)
 
 
 def _timed(job: _Job, phase: str, work: Any, *arguments: Any) -> None:
@@ -229,65 +208,119 @@ def _timed(job: _Job, phase: str, work: Any, *arguments: Any) -> None:
 def _draw(job: _Job, folder: Path, recording: Recording) -> None:
     from sandbox.draw.film.video import render
 
-    shown = job.console.shows_progress
-    if job.animation:
-        with Progress("draw", shown=shown) as progress:
-            render(recording, folder / f"animation.{job.animation}", show=job.show,
-                   meters=job.meters or None, progress=progress, most_frames=job.limits.frames)
-    if job.frames:
-        with Progress("frames", shown=shown) as progress:
-            render(recording, folder / "frames", show=job.show,
-                   meters=job.meters or None, progress=progress, most_frames=job.limits.frames)
+    with Progress("Drawing", shown=job.console.shows_progress) as progress:
+        render(recording, folder / f"animation.{job.animation}", progress=progress,
+               most_frames=job.limits.frames)
 
 
 def _page(job: _Job, folder: Path, recording: Recording, judged: list[Verdict]) -> None:
-    from sandbox.cli.report import write_page
     from sandbox.recording.new_run import PAGE
 
-    write_page([recording], folder / PAGE, sources=[str(job.directory)], figures=[job.audited],
+    write_page([recording], folder / PAGE, sources=[str(job.directory)], figures=[job.checks],
                judged=[judged])
 
 
 def _report(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
-    """Print what came of a run; its exit code."""
-    from sandbox.audit.audit import figure_data
-    from sandbox.samples.outcome import outcome_data
-
+    """Print the results of a run; its exit code."""
     code = Exit.DONE if all(verdict.ok for verdict in judged) else Exit.FAILED
     console, files = job.console, written(job.directory)
     if console.as_json:
-        outcome = outcome_data(recording.info)
-        console.result_json({
-            "status": code.name.lower(), "exit_code": int(code),
-            "scene": job.loaded.mechanism.name, "title": job.loaded.mechanism.title,
-            "directory": str(job.directory), "files": files, "complete": recording.complete,
-            "samples": len(recording), "wall_s": job.wall_s,
-            "expectations": [verdict_data(verdict) for verdict in judged],
-            "audit": [figure_data(figure) for figure in job.audited], "audit_page": AUDIT_PAGE,
-            "findings": inspection_data(job.problems, job.loaded),
-            "notes": recording.notes, "events": outcome["events"],
-            "broke": outcome["broke"],
-            "controllers": outcome["controllers"], "stopped": outcome["stopped"],
-        })
+        console.result_json(_data(job, recording, judged, code, files))
         return code
-    for happened in recording.info.events:
-        console.say(f"event {happened.event} at t = {happened.time:.6g} s")
+    for each in recording.info.events:
+        console.say(f"event {each.event} at t = {each.time:.6g} s")
     for name, found in recording.info.controllers.items():
-        console.say(f"controller {name}: {_found_line(found)}")
+        values = ", ".join(f"{key} = {value:.6g}" if isinstance(value, float)
+                           else f"{key} = {value}" for key, value in found.items())
+        console.say(f"controller {name}: {values}")
     for note in recording.notes:
-        console.warn(f"note: {note}")
+        console.warn(f"{job.loaded.name}: note: {note}")
     if judged:
-        table = expectation_table(judged)
-        console.say(*table, *([""] if len(table) > 1 else []))
-    if job.audited:
-        told = audit_lines(job.audited, whole=job.whole_audit)
-        console.say(*told, *([""] if len(told) > 1 else []))
+        console.say(*expectation_lines(judged))
+    console.say(*check_lines(job.checks, whole=job.lists_checks))
     phases = ", ".join(f"{phase} {seconds:.1f} s" for phase, seconds in job.wall_s.items())
-    console.say(f"{job.directory}: {', '.join(files)}  ({phases})")
+    console.say(f"Results in {job.directory}: {', '.join(files)}  ({phases})")
     return code
 
 
-def _found_line(found: Mapping[str, Any]) -> str:
-    """What a law found out, on one line."""
-    return ", ".join(f"{key} = {value:.6g}" if isinstance(value, float) else f"{key} = {value}"
-                     for key, value in found.items())
+def _data(
+    job: _Job, recording: Recording, judged: list[Verdict], code: Exit, files: list[str],
+) -> dict[str, Any]:
+    from sandbox.audit.audit import figure_data
+    from sandbox.samples.outcome import outcome_data
+
+    outcome = outcome_data(recording.info)
+    return {
+        "status": code.name.lower(), "exit_code": int(code),
+        "scene": job.loaded.mechanism.name, "title": job.loaded.mechanism.title,
+        "directory": str(job.directory), "files": files, "complete": recording.complete,
+        "samples": len(recording), "wall_s": job.wall_s,
+        "expectations": [verdict_data(verdict) for verdict in judged],
+        "audit": [figure_data(figure) for figure in job.checks], "audit_page": AUDIT_PAGE,
+        "findings": inspection_data(job.problems, job.loaded),
+        "notes": recording.notes,
+        **{key: outcome[key] for key in ("events", "broke", "controllers", "stopped")},
+    }
+
+
+def verdict_data(verdict: Verdict) -> dict[str, Any]:
+    """A verdict as JSON data; infinite and missing values are null."""
+    return {
+        key: None if isinstance(value, float) and not math.isfinite(value) else value
+        for key, value in dataclasses.asdict(verdict).items()
+    }
+
+
+def expectation_lines(judged: list[Verdict]) -> list[str]:
+    """A table of expectations, the reasons of failures, and the count.
+
+    Of more than :data:`MAX_ROWS` only those that failed are listed.
+    """
+    failed = [v for v in judged if not v.ok]
+    shown = judged if len(judged) <= MAX_ROWS else failed
+    rows = [
+        [v.quantity, v.statistic, "-" if math.isnan(v.value) else f"{v.value:.6g}", v.allowed,
+         "" if v.unit == "1" else v.unit, "pass" if v.ok else "FAIL"]
+        for v in shown
+    ]
+    lines = table(["expectation of", "", "value", "range", "unit", ""], rows,
+                  right="<<>") if rows else []
+    lines += [f"FAIL {v.quantity}: {v.reason}" for v in failed if v.reason]
+    where = "" if shown is judged else "; run.json lists all"
+    count = f"{len(judged) - len(failed)} of {len(judged)} expectations passed"
+    lines.append(f"{count}{where}")
+    lines += read_on([page_of(count)]) if failed else []
+    return lines
+
+
+def check_lines(checks: list[Figure], *, whole: bool) -> list[str]:
+    """The count of consistency checks that passed, and the warnings; all as a table if wanted."""
+    from sandbox.audit.words import ASKS, advice_on
+
+    computed = [f for f in checks if f.verdict != "not computed"]
+    warnings = [f for f in computed if f.verdict != "pass"]
+    lines = []
+    if whole:
+        lines += table(["check", "value", "at most", "unit", "", ""], [
+            [f.name, _short(f.value), _short(f.threshold), f.unit,
+             "pass" if f.verdict == "pass" else "WARNING", ASKS.get(f.name, "")]
+            for f in computed], right="<>><<<")
+        if without := [f.name for f in checks if f.verdict == "not computed"]:
+            lines.append(f"not computed (run.json has the reasons): {', '.join(without)}")
+    many = "s" if len(warnings) > 1 else ""
+    lines.append(f"{len(computed) - len(warnings)} checks passed"
+                 + (f", {len(warnings)} warning{many}:" if warnings else "")
+                 + ("" if whole or warnings else "; --audit lists them"))
+    for each in warnings:
+        advice = advice_on(each.name)
+        value = f"{_short(each.value)} {each.unit}".rstrip()
+        lines += [f"  {each.name} = {value}, at most {_short(each.threshold)}: {each.why}",
+                  f"    meaning: {advice.means}",
+                  f"    what to do: {advice.do}"]
+    if whole or warnings:
+        lines.append(f"{AUDIT_PAGE} explains them")
+    return lines
+
+
+def _short(value: float) -> str:
+    return f"{value:.2g}" if math.isfinite(value) else "-"

@@ -1,32 +1,66 @@
-"""How a RUN argument is found, and what several commands take of runs: targets, files."""
+"""Saved runs: how RUN arguments are found, ``sandbox render`` and ``sandbox report``."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import re
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.options import OUT, F
-from sandbox.cli.output import default_directory
+from sandbox.cli.console import Console, Progress
+from sandbox.cli.failures import Exit
+from sandbox.cli.options import OUT, F, json_option, limit_option, quiet_option
 from sandbox.errors import OutputError
 from sandbox.wording import is_pattern, listed, or_near
 
 if TYPE_CHECKING:
-    from sandbox.cli.console import Console
+    from sandbox.audit.figures import Figure
     from sandbox.recording.recording import Recording
+    from sandbox.samples.expectations import Verdict
+    from sandbox.scene.read.limits import Limits
 
 RENDERS = Path("renders")
-PICTURES = (".png", ".svg", ".pdf")
-"""Endings of the files that figures are written into."""
+FILM = "animation"
+"""File name of a film in the directory of its run; pictures are ``still_…`` and ``strip``."""
+AUTO = ""
+"""Value of ``--strip`` without a number."""
+
+
+def default_directory(name: str) -> Path:
+    """``renders/<scene name>``, without characters that could lead elsewhere."""
+    return RENDERS / (re.sub(r"[^\w.-]+", "_", name).strip("._") or "scene")
+
+
+def prepare(directory: Path) -> None:
+    """Check that files can be written into a directory, and make it.
+
+    Raises:
+        OutputError: they cannot.
+    """
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=directory) as trial:
+            trial.write(b"\0")
+    except OSError as error:
+        raise OutputError(f"cannot write into {directory}: {error.strerror or error}") from None
+
+
+def written(directory: Path) -> list[str]:
+    """The files of a run that exist, ``run.json`` first."""
+    from sandbox.recording.new_run import FILES, FILMS, FRAMES, PAGE
+
+    names = [name for name in (*FILES, *FILMS, PAGE) if (directory / name).is_file()]
+    return [*names, f"{FRAMES}/"] if (directory / FRAMES).is_dir() else names
 
 
 def run_directory(word: str) -> Path:
-    """The directory of a run: itself, or that of the scene whose name or file was given.
+    """The directory of a run, given as such or as the name or file of its scene.
 
     Raises:
-        OutputError: there is none; with a near miss.
+        OutputError: there is none; with a suggestion.
     """
     from sandbox.recording.new_run import ARCHIVE
     from sandbox.sweeps.table import CSV as TABLE
@@ -41,17 +75,17 @@ def run_directory(word: str) -> Path:
         if (candidate / SWEEP).is_file():
             raise OutputError(
                 f"{str(candidate)!r} holds a sweep, many runs, and no single run: its table is "
-                f"{candidate / TABLE}; how it becomes a figure says docs/howto/figure.md")
+                f"{candidate / TABLE}; docs/howto/figure.md draws one")
     kept = sorted(found.parent.name for found in RENDERS.glob(f"*/{ARCHIVE}"))
     raise OutputError(f"there is no run in {word!r} nor in {str(by_scene)!r}{or_near(word, kept)}; "
                       f"'sandbox run' makes one")
 
 
 def open_run(word: str, console: Console) -> tuple[Path, Recording]:
-    """A run's directory and its recording; says so if it did not come to its end.
+    """A run's directory and its recording; warns if the run is incomplete or was edited.
 
     Raises:
-        OutputError: there is none, it cannot be read, or it holds less than two samples.
+        OutputError: there is none, it cannot be read, or it has less than two samples.
     """
     from sandbox.recording.recording import Recording
     from sandbox.recording.store import EDITED
@@ -70,61 +104,11 @@ def open_run(word: str, console: Console) -> tuple[Path, Recording]:
     return directory, recording
 
 
-def labels(opened: Sequence[tuple[Path, Recording]]) -> list[str]:
-    """What the runs are called: by their scenes; by their directories where these are equal."""
-    names: tuple[Callable[[Path, Recording], str], ...] = (
-        lambda _, run: run.mechanism.name, lambda path, _: path.name)
-    for name in names:
-        found = [name(path, run) for path, run in opened]
-        if len(set(found)) == len(found) and all(found):
-            return found
-    return [str(path) for path, _ in opened]
-
-
-def read_targets(
-    ctx: click.Context, param: click.Parameter, words: tuple[str, ...],
-) -> dict[str, str]:
-    """``quantity=value`` words as a table; values are read when their units are known."""
-    found = {}
-    for word in words:
-        name, equals, text = word.partition("=")
-        if not equals or not name.strip() or not text.strip():
-            raise click.BadParameter(f"{word!r} is not of the form QUANTITY=VALUE, as in "
-                                     "finger.mcp.angle=5deg", ctx, param)
-        found[name.strip()] = text.strip()
-    return found
-
-
-target_option = click.option(
-    "--target", "targets", multiple=True, metavar="QUANTITY=VALUE", callback=read_targets,
-    help="What a quantity should be, as in 'finger.mcp.angle=5deg', in place of what a "
-         "controller leads it to. May be given several times.")
-
-
-def target_values(texts: dict[str, str], runs: Sequence[Recording]) -> dict[str, float]:
-    """Targets in SI, read in the unit of their quantity.
-
-    Raises:
-        BadParameter: a quantity that no run has, with a near miss; a value that cannot be read.
-    """
-    from sandbox.scene.values.units import UNITS, normal_unit, parse_quantity
-
-    found = {}
-    for name, text in texts.items():
-        run = run_with(name, runs, option="--target")
-        _, dimension = UNITS.get(normal_unit(run.unit(name)), (1.0, None))
-        try:
-            found[name] = parse_quantity(text, dimension)
-        except ValueError as error:
-            raise click.BadParameter(f"{name}: {error}", param_hint="--target") from None
-    return found
-
-
 def run_with(name: str, runs: Sequence[Recording], *, option: str) -> Recording:
     """The first run that has a quantity.
 
     Raises:
-        BadParameter: none has; with a near miss, and what there is.
+        BadParameter: none has; with a suggestion, and what there is.
     """
     for run in runs:
         if name in run.catalogue:
@@ -139,20 +123,23 @@ def run_with(name: str, runs: Sequence[Recording], *, option: str) -> Recording:
     raise click.BadParameter(f"no quantity is named {name!r}.{hint}{allowed}", param_hint=option)
 
 
-def matching(pattern: str, runs: Sequence[Recording], *, option: str) -> list[str]:
-    """The quantities that fit a pattern in any of the runs, in the first one's order.
+def matching(patterns: Sequence[str], runs: Sequence[Recording], *, option: str) -> list[str]:
+    """The quantities that match any of some patterns in any of the runs, each once.
 
     Raises:
-        BadParameter: nothing fits; with a near miss.
+        BadParameter: a pattern that matches nothing; with a suggestion.
     """
-    names = list(dict.fromkeys(name for run in runs for name in run.match(pattern)))
-    if not names:
-        run_with(pattern, runs, option=option)
-    return names
+    found: dict[str, None] = {}
+    for pattern in patterns:
+        names = dict.fromkeys(name for run in runs for name in run.match(pattern))
+        if not names:
+            run_with(pattern, runs, option=option)
+        found |= names
+    return list(found)
 
 
 def file_option(suffixes: Sequence[str], help_text: str) -> Callable[[F], F]:
-    """An option ``--out FILE`` that may be given several times, with endings that are known."""
+    """A repeatable option ``--out FILE`` that accepts some suffixes."""
     def read(
         ctx: click.Context, param: click.Parameter, paths: tuple[Path, ...],
     ) -> tuple[Path, ...]:
@@ -164,3 +151,231 @@ def file_option(suffixes: Sequence[str], help_text: str) -> Callable[[F], F]:
 
     return click.option("--out", "files", multiple=True, type=OUT,
                         metavar="FILE", callback=read, help=help_text)
+
+
+def read_strip(ctx: click.Context, param: click.Parameter, word: str | None) -> bool | int:
+    """Read ``--strip``: an integer, True without one, False without the option."""
+    if word is None:
+        return False
+    if word == AUTO:
+        return True
+    try:
+        return int(word)
+    except ValueError:
+        raise click.BadParameter(f"{word!r} is not a valid integer", ctx, param) from None
+
+
+def read_size(
+    ctx: click.Context, param: click.Parameter, word: str | None,
+) -> tuple[int, int] | str | None:
+    """Read ``800x600`` as two integers; ``2x`` and ``85mm`` stay text."""
+    from sandbox.draw.film.paper import paper_of
+
+    try:
+        if word is None or paper_of(word) is not None:
+            return word
+    except OutputError as error:
+        raise click.BadParameter(str(error), ctx, param) from None
+    before, cross, after = word.lower().partition("x")
+    try:
+        if cross and not after.strip():
+            float(before)
+            return word
+        return int(before), int(after)
+    except ValueError:
+        raise click.BadParameter(
+            f"{word!r} is not of the form WIDTHxHEIGHT, as in 800x600, nor a factor, as in 2x, "
+            "nor a size on paper, as in 85mm or 85mmx70mm",
+            ctx, param) from None
+
+
+def read_layers(ctx: click.Context, param: click.Parameter, word: str | None) -> str | None:
+    """Check the names of layers such as ``traces,-contacts``."""
+    from sandbox.kinds.layers import asked
+    from sandbox.wording import WrongValueError
+
+    try:
+        asked(word or "bodies")
+    except WrongValueError as error:
+        raise click.BadParameter(str(error), ctx, param) from None
+    return word
+
+
+@click.command()
+@click.argument("run", metavar="RUN")
+@click.option("--out", "outs", type=OUT, multiple=True, metavar="FILE",
+              help="A .gif or .mp4 film, a .png, .svg or .pdf still, or a directory for PNG "
+                   "frames; RUN/animation.gif by default. Repeatable.")
+@click.option("--format", "ending", type=click.Choice(["gif", "mp4", "png", "svg", "pdf"]),
+              help="Of the file in RUN that is written without --out.")
+@click.option("--at", multiple=True, metavar="TIME",
+              help="Draw a still at a time: '0.8s', 'start' or 'end'. Repeatable.")
+@click.option("--strip", is_flag=False, flag_value=AUTO, callback=read_strip, metavar="[N]",
+              help="Draw N moments side by side (5 without N), or those of --at.")
+@click.option("--size", callback=read_size, metavar="WxH",
+              help="Pixels of the picture; '2x' for twice the size of the scene's view; of a "
+                   "still on paper '85mm' or '85mmx70mm'.")
+@click.option("--labels", type=click.Choice(["all", "scales", "none"]), default="all",
+              show_default=True, help="All of title, time and legend, or only scales.")
+@click.option("--transparent", is_flag=True,
+              help="Transparent background; of stills, PNG frames and a GIF.")
+@click.option("--show", callback=read_layers, metavar="LAYERS",
+              help="Additional layers, as in 'traces,velocity'; '-contacts' hides one, 'all' shows "
+                   "every one.")
+@click.option("--follow", metavar="BODY", help="Body that the view follows.")
+@click.option("--fit", "bodies", multiple=True, metavar="BODY",
+              help="Name or pattern of bodies or groups that the view is fitted to, as in "
+                   "'finger*'. Repeatable.")
+@click.option("--fps", type=click.Choice(["20", "25", "50"]), help="Frames per second.")
+@click.option("--speed", type=click.FloatRange(min=0, min_open=True), metavar="FACTOR",
+              help="Seconds of motion per second of film.")
+@quiet_option
+@limit_option
+def render(
+    run: str, outs: tuple[Path, ...], ending: str | None, at: tuple[str, ...], strip: bool | int,
+    labels: str, fps: str | None, bodies: tuple[str, ...], quiet: bool, limits: Limits,
+    **view: Any,
+) -> None:
+    """Draw a saved run as an animation or as stills.
+
+    RUN is the directory of a run, or the name of its scene. Nothing is simulated.
+    """
+    from sandbox.draw.film.video import is_still
+    from sandbox.draw.film.video import render as draw
+    from sandbox.recording.new_run import made
+    from sandbox.recording.recording import Recording
+
+    if outs and ending is not None:
+        raise click.UsageError("--format says what is written into RUN, and the name of an --out "
+                               "file says it too: give one of the two")
+    console = Console(quiet=quiet)
+    directory = run_directory(run)
+    recording = Recording.load(directory)
+    paths = outs or (directory / _file_name(ending, at, strip),)
+    wrong = []
+    for path in paths:  # all are checked before the first is drawn
+        try:
+            is_still(path, at=bool(at), strip=strip is not False, size=view["size"],
+                     transparent=view["transparent"])
+        except OutputError as error:
+            wrong.append(str(error))
+    if wrong:
+        raise OutputError("\n".join(wrong))
+    for path in paths:
+        with Progress("Drawing", shown=console.shows_progress) as progress:
+            files = draw(recording, path, at=at or None, strip=strip, bare=labels == "none",
+                         scales=labels == "scales", fps=None if fps is None else int(fps),
+                         bodies=bodies or None, progress=progress, most_frames=limits.frames,
+                         **view)
+        for file in files:
+            made(file)
+            console.say(str(file))
+
+
+def _file_name(ending: str | None, at: tuple[str, ...], strip: bool | int) -> str:
+    """The file in the directory of a run that is written without ``--out``."""
+    if strip is not False:
+        return f"strip.{ending or 'png'}"
+    if len(at) == 1:
+        return f"still_{''.join(at[0].split())}.{ending or 'png'}"
+    if at or ending in ("png", "svg", "pdf"):
+        return f"still{'' if at else '_end'}.{ending or 'png'}"
+    return f"{FILM}.{ending or 'gif'}"
+
+
+@click.command("report")
+@click.argument("runs", nargs=-1, required=True, metavar="RUN...")
+@click.option("--out", type=OUT, metavar="FILE",
+              help="The page; report.html in the first run's directory by default.")
+@click.option("--plot", "plots", multiple=True, metavar="QUANTITY",
+              help="A quantity or pattern to plot first, such as 'finger.*.angle'; by default the "
+                   "meters of the view, then the expected quantities. Repeatable.")
+@json_option
+@quiet_option
+def report_runs(
+    runs: tuple[str, ...], out: Path | None, plots: tuple[str, ...], as_json: bool, quiet: bool,
+) -> int:
+    """Write one HTML page that plays up to four runs.
+
+    RUN is the directory of a run, or the name of a scene whose run lies in
+    renders/. The page works offline in any browser. Nothing is simulated.
+    """
+    from sandbox.recording.store import saved_audit, saved_parameters
+    from sandbox.show.page import MOST_RUNS
+
+    console = Console(as_json=as_json, quiet=quiet)
+    if len(runs) > MOST_RUNS:
+        raise click.UsageError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given")
+    opened = [open_run(word, console) for word in runs]
+    directories = [directory for directory, _ in opened]
+    _refuse_twice(directories)
+    recordings = [recording for _, recording in opened]
+    path = _page_file(out, directories[0])
+    size = write_page(recordings, path, sources=[str(directory) for directory in directories],
+                      plots=matching(plots, recordings, option="--plot"),
+                      figures=[saved_audit(directory) for directory in directories],
+                      parameters=[saved_parameters(directory) for directory in directories])
+    if as_json:
+        console.result_json({"status": "done", "exit_code": int(Exit.DONE), "file": str(path),
+                             "bytes": size, "runs": [str(directory) for directory in directories]})
+    else:
+        console.say(f"{path}  ({size / 1e6:.1f} MB)")
+    return Exit.DONE
+
+
+def _refuse_twice(directories: Sequence[Path]) -> None:
+    """Refuse a run that is given more than once, under whatever name."""
+    seen: dict[Path, Path] = {}
+    for directory in directories:
+        if (first := seen.setdefault(directory.resolve(), directory)) is not directory:
+            also = "" if first == directory else f", as {str(first)!r} too"
+            raise click.UsageError(f"the run in {str(directory)!r} is given twice{also}")
+
+
+def _page_file(out: Path | None, directory: Path) -> Path:
+    """The file of the page; in a directory under its usual name."""
+    from sandbox.recording.new_run import PAGE
+
+    if out is None:
+        return directory / PAGE
+    if out.is_dir():
+        return out / PAGE
+    if out.suffix.lower() not in (".html", ".htm"):
+        raise click.BadParameter(f"{str(out)!r} does not end in .html", param_hint="--out")
+    return out
+
+
+def write_page(
+    recordings: Sequence[Recording], path: Path, *, sources: Sequence[str],
+    plots: Sequence[str] = (), figures: Sequence[Sequence[Figure]],
+    judged: Sequence[Sequence[Verdict]] = (), parameters: Sequence[Mapping[str, float]] = (),
+) -> int:
+    """Write the page of some runs; its size in bytes.
+
+    Args:
+        recordings: the runs.
+        path: of the page.
+        sources: a name of each run, such as its directory.
+        plots: quantities plotted first.
+        figures: the consistency checks of each run.
+        judged: the verdicts of each run, where they are known.
+        parameters: those of each scene, SI.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    from sandbox.recording.new_run import made
+    from sandbox.show.header import FoundOut
+    from sandbox.show.page import report as page_of_runs
+    from sandbox.whole_files import write_whole
+
+    found = judged or [() for _ in recordings]
+    told = [FoundOut(verdicts=v, figures=f, source=source, parameters=p)
+            for v, f, source, p in zip(found, figures, sources,
+                                       parameters or [{} for _ in found], strict=True)]
+    text = page_of_runs(recordings, told, plots)
+    if not path.parent.is_dir():
+        raise OutputError(f"there is no directory {path.parent}")
+    write_whole(path, text)
+    made(path)
+    return len(text.encode())

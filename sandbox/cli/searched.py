@@ -11,18 +11,16 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from sandbox.cli.compiling import worker_compilation_notices
-from sandbox.cli.console import Console
-from sandbox.cli.exits import Exit
-from sandbox.cli.interrupts import told_how_to_go_on
-from sandbox.cli.options import OUT, chosen_limits, crew_options, limit_options, override_option
-from sandbox.cli.output import default_directory, prepare
-from sandbox.cli.progress import NowAndThen
+from sandbox.cli.console import Console, Heartbeat, resume_notice, worker_compilation_notices
+from sandbox.cli.failures import Exit
+from sandbox.cli.options import OUT, crew_options, limit_option, override_option
+from sandbox.cli.runs import default_directory, prepare
 from sandbox.cli.scenes import complete_scene
 from sandbox.cli.sweep import read_varied
 from sandbox.cli.typed import told_as_typed
 
 if TYPE_CHECKING:
+    from sandbox.scene.read.limits import Limits
     from sandbox.search.written import WrittenSearch
     from sandbox.sweeps.job import SweepRow
 
@@ -57,7 +55,7 @@ _PLACE: list[Option] = [
     crew_options,
     click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else."),
     click.option("--quiet", "-q", is_flag=True, help="Print errors only."),
-    limit_options,
+    limit_option,
 ]
 
 
@@ -82,7 +80,7 @@ def _in_order(options: Sequence[Option], command: F) -> F:
 def searched(
     scene: str, kind: str, options: dict[str, Any], *, vary: dict[str, str],
     keep: tuple[str, ...], overrides: dict[str, Any], out: Path | None, workers: int,
-    cluster: str, as_json: bool, quiet: bool, option: str = "--vary", **limits: Any,
+    cluster: str, as_json: bool, quiet: bool, option: str = "--vary", limits: Limits,
 ) -> int:
     """Do a search, and tell what was found; the exit code.
 
@@ -117,7 +115,7 @@ def searched(
     folder = out or _own_folder(asked, kind, beside)
     prepare(folder)
     told = _RunsSoFar(console)
-    with told_how_to_go_on(folder, console), worker_compilation_notices(console):
+    with resume_notice(folder, console), worker_compilation_notices(console):
         found = asked.run(Where(folder, workers, cluster, told), kind=kind, **beside)
     return _report(kind, found.lines, folder, console, told.count, time.perf_counter() - began)
 
@@ -166,7 +164,7 @@ def _report(
 
 
 def _asked(
-    scene: str, kind: str, given: Mapping[str, Any], limits: dict[str, Any],
+    scene: str, kind: str, given: Mapping[str, Any], limits: Limits,
 ) -> WrittenSearch:
     """What is searched: what a study file says, or the words of the command.
 
@@ -176,13 +174,13 @@ def _asked(
     from sandbox.search.written import WrittenSearch, only_of, read_search
     from sandbox.sweeps.plan import study_file
 
-    if study_file(scene, chosen_limits(limits)):
+    if study_file(scene, limits):
         for name, words in given.items():
             if words:
                 raise click.BadParameter(
                     f"{scene} is a study file, which says this itself; change it there.",
                     param_hint=name)
-        found = read_search(scene, chosen_limits(limits))
+        found = read_search(scene, limits)
         only_of(found, kind)
         return found
     option, (vary, keep, overrides) = next(iter(given)), given.values()
@@ -191,7 +189,7 @@ def _asked(
                                  "or give a study file.", param_hint=option)
     with told_as_typed(vary, keep, option):
         return WrittenSearch(asked(scene, vary=vary, keep=list(keep) or None, set=overrides,
-                                   limits=chosen_limits(limits)), "", {})
+                                   limits=limits), "", {})
 
 
 def _beside(scene: str, found: WrittenSearch, options: dict[str, Any]) -> dict[str, Any]:
@@ -212,7 +210,7 @@ class _RunsSoFar:
 
     def __init__(self, console: Console) -> None:
         self.count = 0
-        self._console, self._when = console, NowAndThen()
+        self._console, self._when = console, Heartbeat()
 
     def __call__(self, row: SweepRow) -> None:
         """Take note of a finished run."""

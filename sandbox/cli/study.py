@@ -10,14 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.compiling import compilation_notices
-from sandbox.cli.console import Console, table
-from sandbox.cli.exits import Exit
-from sandbox.cli.interrupts import told_how_to_go_on
+from sandbox.cli.console import Console, Progress, compilation_notices, resume_notice, table
+from sandbox.cli.failures import Exit
 from sandbox.cli.options import OUT, crew_options
-from sandbox.cli.output import prepare
-from sandbox.cli.progress import Progress
 from sandbox.cli.robustness import robustness
+from sandbox.cli.runs import prepare
 from sandbox.wording import meant
 
 if TYPE_CHECKING:
@@ -114,7 +111,7 @@ def run_studies(
     for s in chosen:
         folder, before = folders[s.name], _seen(folders[s.name])
         began = time.perf_counter()
-        going_on = told_how_to_go_on(folder, console) if s.many else contextlib.nullcontext()
+        going_on = resume_notice(folder, console) if s.many else contextlib.nullcontext()
         with (going_on, compilation_notices(console),
               Progress(s.name, shown=console.shows_progress) as progress):
             text = s.load()(folder, progress=progress, **(crew if s.many else {}))

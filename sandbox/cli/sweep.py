@@ -10,19 +10,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.compiling import worker_compilation_notices
-from sandbox.cli.console import Console, table
-from sandbox.cli.exits import Exit
-from sandbox.cli.interrupts import told_how_to_go_on
-from sandbox.cli.options import (
-    OUT,
-    chosen_limits,
-    crew_options,
-    limit_options,
-    override_option,
+from sandbox.cli.console import (
+    Console,
+    Heartbeat,
+    Progress,
+    format_duration,
+    resume_notice,
+    table,
+    worker_compilation_notices,
 )
-from sandbox.cli.output import default_directory, prepare
-from sandbox.cli.progress import NowAndThen, Progress, clock_time
+from sandbox.cli.failures import Exit
+from sandbox.cli.options import OUT, crew_options, limit_option, override_option
+from sandbox.cli.runs import default_directory, prepare
 from sandbox.cli.scenes import complete_scene
 from sandbox.cli.typed import told_as_typed
 from sandbox.pages import page_of, read_on
@@ -82,12 +81,12 @@ def read_varied(
 @click.option("--again", is_flag=True, help="Do all runs again, those that are done, too.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
-@limit_options
+@limit_option
 def sweep(
     scene: str, vary: dict[str, str], keep: tuple[str, ...], design: str | None,
     count: int | None, seed: int, overrides: dict[str, Any], out: Path | None,
     workers: int, cluster: str, recordings: bool, no_audit: bool, again: bool,
-    as_json: bool, quiet: bool, **limits: Any,
+    as_json: bool, quiet: bool, limits: Limits,
 ) -> int:
     """Run SCENE many times, with values of its paths varied.
 
@@ -105,13 +104,13 @@ def sweep(
     from sandbox.sweeps.drawing import load
     from sandbox.sweeps.sweep import run_plan
 
-    plan = _plan(scene, vary, chosen_limits(limits), keep=keep, design=design, count=count,
+    plan = _plan(scene, vary, limits, keep=keep, design=design, count=count,
                  seed=seed, set=overrides, recordings=recordings, audit=not no_audit)
     folder = out or RENDERS / default_directory(plan.name).name
     prepare(folder)
     console.say(f"{plan.name}: {len(plan)} runs of {plan.loaded.mechanism.name}")
     load()
-    with (told_how_to_go_on(folder, console), worker_compilation_notices(console),
+    with (resume_notice(folder, console), worker_compilation_notices(console),
           Progress("sweep", shown=console.shows_progress) as bar):
         found = run_plan(plan, folder, workers=workers, cluster=cluster, again=again,
                          progress=_SweepSoFar(bar, console))
@@ -143,7 +142,7 @@ class _SweepSoFar:
     """Progress: a bar on a terminal, a line now and then elsewhere."""
 
     def __init__(self, bar: Progress, console: Console) -> None:
-        self._bar, self._console, self._when = bar, console, NowAndThen()
+        self._bar, self._console, self._when = bar, console, Heartbeat()
 
     def __call__(self, at: Advance) -> None:
         """Take note of a finished run."""
@@ -151,7 +150,7 @@ class _SweepSoFar:
         if sys.stderr.isatty() or not self._when.due():
             return
         rate = at.done / at.seconds
-        left = clock_time((at.total - at.before - at.done) / rate)
+        left = format_duration((at.total - at.before - at.done) / rate)
         self._console.warn(f"{at.before + at.done} of {at.total} runs, {rate:.3g} a second, "
                            f"{left} left" + (f", {at.doubtful} to look at" if at.doubtful else ""))
 

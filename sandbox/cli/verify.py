@@ -7,12 +7,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sandbox.cli.compiling import compilation_notices
-from sandbox.cli.console import Console, table
-from sandbox.cli.exits import Exit
+from sandbox.cli.console import Console, Progress, compilation_notices, table
+from sandbox.cli.failures import Exit
 from sandbox.cli.options import OUT
-from sandbox.cli.output import prepare
-from sandbox.cli.progress import Progress
+from sandbox.cli.runs import prepare
 from sandbox.wording import meant
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""``sandbox view``: play with a scene in a browser, while it runs."""
+"""``sandbox view``: an interactive viewer in the browser."""
 
 from __future__ import annotations
 
@@ -11,34 +11,34 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.compiling import compilation_notices
-from sandbox.cli.console import Console
-from sandbox.cli.exits import Exit
-from sandbox.cli.inspection import inspection_lines, look_over, refuse_blocking
-from sandbox.cli.options import chosen_limits, limit_options, override_option
-from sandbox.cli.output import default_directory
-from sandbox.cli.scenes import complete_scene, load, scene_path
+from sandbox.cli.check import inspect_scene, inspection_lines, refuse_blocking
+from sandbox.cli.console import Console, compilation_notices
+from sandbox.cli.failures import Exit
+from sandbox.cli.options import limit_option, override_option
+from sandbox.cli.runs import default_directory
+from sandbox.cli.scenes import load, scene_argument, scene_path
 from sandbox.pages import page_of, read_on
 
 if TYPE_CHECKING:
+    from sandbox.scene.read.limits import Limits
     from sandbox.show.server import Server
 
 
 @click.command()
-@click.argument("scene", shell_complete=complete_scene)
+@scene_argument
 @override_option
 @click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N",
-              help="Where to listen; by default a free port.")
-@click.option("--no-browser", is_flag=True, help="Only say the address.")
-@limit_options
+              help="Port to listen on; by default a free one.")
+@click.option("--no-browser", is_flag=True, help="Only print the address.")
+@limit_option
 def view(
-    scene: str, overrides: dict[str, Any], port: int, no_browser: bool, **limits: Any,
+    scene: str, overrides: dict[str, Any], port: int, no_browser: bool, limits: Limits,
 ) -> int:
-    """Play with SCENE in a browser: run, pause, pull bodies, move sliders.
+    """Open SCENE in the browser: run, pause, pull bodies, move sliders.
 
-    Serves a page on this machine only, until Ctrl-C. The scene is read anew when
-    its file is saved. What was played can be saved as a scene that runs again to
-    the same bytes. Needs the extra 'view'.
+    Serves a page on this machine only, until Ctrl-C. The scene is reloaded when
+    its file is saved. A session can be saved as a scene that reproduces it
+    exactly. Needs the extra 'view'.
     """
     import asyncio
 
@@ -50,7 +50,7 @@ def view(
 
     def read(changed: Mapping[str, Any]) -> Found:
         loaded = load(path, overrides=dict(changed), limits=limits)
-        problems = look_over(loaded, chosen_limits(limits)).problems
+        problems = inspect_scene(loaded, limits).problems
         refuse_blocking(problems, loaded)
         return Found(loaded, inspection_lines(problems, loaded))
 
@@ -68,7 +68,7 @@ def view(
         if not no_browser and has_browser():
             import webbrowser
 
-            webbrowser.open(opened.enter_context(leading_to(server.address)).as_uri())
+            webbrowser.open(opened.enter_context(redirect_to(server.address)).as_uri())
 
     async def serve() -> None:
         title = first.scene.title or first.scene.name
@@ -80,10 +80,10 @@ def view(
 
 
 @contextlib.contextmanager
-def leading_to(address: str) -> Iterator[Path]:
-    """A file that leads a browser to an address, for its owner's eyes only, while this lasts.
+def redirect_to(address: str) -> Iterator[Path]:
+    """A temporary file, readable by its owner only, that redirects a browser to an address.
 
-    An address that is handed to the browser itself can be read by all who may list processes.
+    An address in the browser's own arguments could be read by all who may list processes.
     """
     import html
     import tempfile
@@ -102,7 +102,7 @@ def leading_to(address: str) -> Iterator[Path]:
 
 
 def ssh_line(port: int) -> str:
-    """What to type on another machine to see the page there, at the same address."""
+    """The command that forwards the page to another machine, at the same address."""
     import getpass
     import platform
 
@@ -110,7 +110,7 @@ def ssh_line(port: int) -> str:
 
 
 def has_browser() -> bool:
-    """Whether a window can be opened where somebody sees it."""
+    """Whether a browser window can be opened."""
     if os.environ.get("SSH_CONNECTION"):
         return False
     if sys.platform in ("win32", "darwin"):

@@ -101,8 +101,8 @@ class Scene(Mechanism):
     ``"like": "digit"`` takes all keys of that template and puts its own over them, object by
     object; lists are replaced whole. A template may itself be ``like`` another one."""
     parts: tuple[Part, ...] = ()
-    """Assemblies of several elements each, such as fingers and trees; ``sandbox expand`` shows what
-    they stand for."""
+    """Assemblies of several elements each, such as fingers and trees; ``sandbox check --expand``
+    shows what they stand for."""
 
 
 Assembly.model_rebuild()

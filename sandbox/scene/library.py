@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from importlib.resources import files
 from pathlib import Path
+from typing import NamedTuple
 
 from sandbox.errors import Problem, SceneError
 from sandbox.wording import listed, near, quoted
@@ -30,6 +32,23 @@ def shipped_studies() -> dict[str, Path]:
     directory = _directory()
     return {} if directory is None else {
         path.stem: path for path in sorted((directory / STUDIES).glob("*.json"))}
+
+
+class Topic(NamedTuple):
+    """Shipped scenes that belong together."""
+
+    title: str
+    about: str
+    scenes: list[str]
+
+
+def scene_topics() -> list[Topic]:
+    """The shipped scenes by topic, as ``topics.toml`` beside them has it."""
+    directory = _directory()
+    if directory is None:
+        return []
+    text = (directory / "topics.toml").read_text(encoding="utf-8")
+    return [Topic(**topic) for topic in tomllib.loads(text)["topics"]]
 
 
 def _directory() -> Path | None:
@@ -67,9 +86,10 @@ def find_scene(name_or_path: str | Path) -> Path:
     scenes = shipped_scenes()
     if text in scenes:
         return scenes[text]
+    wrong = f"{quoted(text)} is no scene: this is a directory" if text and path.is_dir() else \
+        f"there is no file {quoted(text)} and no shipped scene of that name"
     raise SceneError([Problem(
-        f"there is no file {quoted(text)} and no shipped scene of that name",
-        allowed=f"a path, or one of {listed(scenes)}",
+        wrong, path="", allowed=f"a path, or one of {listed(scenes)}",
         hint=near(path.name, _beside(path)) or near(path.stem, scenes))])
 
 

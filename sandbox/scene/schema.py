@@ -64,7 +64,7 @@ def descriptions(model: type[BaseModel]) -> dict[str, str]:
     """
     said = {field: text for base in reversed(model.__mro__)
             if issubclass(base, BaseModel) and base is not BaseModel
-            for field, text in _docstrings(base).items()}
+            for field, text in docstrings(base).items()}
     if "type" in model.model_fields:
         tag, = get_args(model.model_fields["type"].annotation)
         said.setdefault("type", f'Which kind it is: always ``"{tag}"``.')
@@ -76,7 +76,7 @@ def _models(model: type[BaseModel]) -> list[type[BaseModel]]:
     return below + [found for child in below for found in _models(child)]
 
 
-def _docstrings(model: type[BaseModel]) -> dict[str, str]:
+def docstrings(model: type) -> dict[str, str]:
     """The string below each field of a class, by field."""
     tree = ast.parse(textwrap.dedent(inspect.getsource(model))).body[0]
     assert isinstance(tree, ast.ClassDef)

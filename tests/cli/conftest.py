@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from sandbox.cli.compiling import COMPILING
+from sandbox.cli.console import COMPILING
 from sandbox.cli.entry import invoke
 
 BALL: dict[str, Any] = {
@@ -31,7 +31,7 @@ BALL: dict[str, Any] = {
 """It starts at rest where it stays: m g is the floor's force, exit code 0."""
 
 
-FIRST_RUN = rf"{re.escape(COMPILING)}\n|compiled in [0-9.e-]+ s\n"
+FIRST_RUN = rf"{re.escape(COMPILING)}\n|Compiled in [0-9.e-]+ s\n"
 """What a run says that has to compile."""
 
 

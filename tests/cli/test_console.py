@@ -1,22 +1,76 @@
-"""Tables, and where words go."""
+"""Where lines go, what a terminal may show, the progress bar."""
 
 from __future__ import annotations
 
-from sandbox.cli.console import Console
+import json
+
+import pytest
+
+from sandbox.cli import console as module
+from sandbox.cli.console import Console, Progress, format_duration
+from sandbox.cli.failures import report
+from sandbox.errors import Problem, SceneError
+
+from .conftest import PAGES
+
+HOSTILE = "a\x1b[2K\r\u202egnp\n9 of 9 expectations passed\x9b1A\u2028\u200b\t\udcff"
+"""Clears the line, turns the writing round, forges a line, moves up; nothing; half a character."""
 
 
-def test_quiet_keeps_results_and_errors(capsys):
-    console = Console(quiet=True)
-    console.say("a")
-    console.warn("b")
-    console.result("c")
-    console.error("d")
-    assert capsys.readouterr() == ("c\n", "d\n")
+def test_quiet_keeps_results_and_errors_and_json_keeps_stdout(capsys):
+    for console in (Console(quiet=True), Console(as_json=True)):
+        console.say("a")
+        console.warn("b")
+        console.result("c")
+        console.error("d")
+    assert capsys.readouterr() == ("c\nc\n", "d\na\nb\nd\n")
 
 
-def test_json_keeps_stdout_for_the_object(capsys):
-    console = Console(as_json=True)
-    console.say("a")
-    console.warn("b")
-    console.result_json({"ü": 1})
-    assert capsys.readouterr() == ('{\n  "ü": 1\n}\n', "a\nb\n")
+def test_a_line_is_one_printable_line(capsys):
+    Console().say(HOSTILE)
+    assert capsys.readouterr().out == (
+        "a\\x1b[2K\\r\\u202egnp\\n9 of 9 expectations passed\\x9b1A\\u2028\\u200b\\t\\udcff\n")
+    report(SceneError([Problem(HOSTILE, hint=HOSTILE)], "x\n\x1b.json"), Console())
+    line, = PAGES.sub("", capsys.readouterr().err).splitlines()
+    assert line.isprintable()
+    value = {"title": HOSTILE + "\U000e0001"}
+    Console(as_json=True).result_json(value)
+    out = capsys.readouterr().out
+    assert all(char.isprintable() for char in out.replace("\n", ""))
+    assert json.loads(out) == value
+
+
+def test_no_scene_can_forge_a_line(sandbox, scene, tmp_path):
+    path = scene(title=HOSTILE[:-1], expect=[
+        {"final": "ball.contact.fy", "above": 1e6, "because": HOSTILE[:-1]}])
+    path = path.rename(tmp_path / "x\x1b[2K\nball: ok.json")
+    for words in (("check", path), ("run", path, "--no-render"), ("check", path, "--expand"),
+                  ("run", path, "--no-render", "--json"), ("export", path),
+                  ("run", tmp_path / "none\x1b\n.json")):
+        said = sandbox(*words)
+        lines = (said.out + said.err).splitlines()
+        assert all(line.isprintable() for line in lines), words
+        assert not {"9 of 9 expectations passed", "ball: ok"} & {line.strip() for line in lines}
+
+
+def test_the_bar_appears_after_a_second_on_a_terminal_only(monkeypatch, capsys):
+    now = 100.0
+    monkeypatch.setattr(module.time, "monotonic", lambda: now)
+    for shown in (False, True):
+        now = 100.0
+        with Progress("Drawing", shown=shown) as bar:
+            now += 0.99
+            bar(0.5)
+            now += 1
+            bar(0.6)
+            now += 1
+            bar(0.7)
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.count("Drawing") == 1  # without a terminal click prints the label alone
+
+
+@pytest.mark.parametrize(("seconds", "text"), [
+    (59.4, "59 s"), (59.6, "1 min 00 s"), (3599.7, "1 h 00 min"), (3700, "1 h 01 min")])
+def test_durations(seconds, text):
+    assert format_duration(seconds) == text

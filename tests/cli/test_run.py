@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import gc
 import json
+import math
 import re
-import signal
-import sys
 
 import numpy as np
 import pytest
 
-from sandbox.cli.compiling import COMPILING, NOT_CACHED, compilation_notices
-from sandbox.cli.console import Console
+from sandbox.audit.figures import judged, missing
+from sandbox.cli.console import COMPILING, NOT_CACHED, Console, compilation_notices
 from sandbox.cli.entry import invoke
-from sandbox.cli.output import default_directory
+from sandbox.cli.run import MAX_ROWS, check_lines, expectation_lines
+from sandbox.cli.runs import default_directory
 from sandbox.engine.compiling import report_began, report_compiled
 from sandbox.engine.entry_points import CalledFromPython
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
+from sandbox.samples.expectations import Verdict
 
 NUMBERS = {"run.json", "run.npz", "contacts.csv", "tendons.csv", "joints.csv", "bodies.csv",
            "drives.csv"}
@@ -27,25 +27,32 @@ NUMBERS = {"run.json", "run.npz", "contacts.csv", "tendons.csv", "joints.csv", "
 
 def test_run_writes_the_files_of_the_contract(sandbox, scene, tmp_path):
     said = sandbox("run", scene(), "--no-render")
-    assert said.code == 0, said.err
+    assert (said.code, said.err) == (0, "")
     directory = tmp_path / "renders" / "ball"
     assert {path.name for path in directory.iterdir()} >= NUMBERS
     assert not list(directory.glob("*.gif"))
     assert Recording.load(directory).complete
-    assert said.err == ""  # nothing to warn of, and no terminal to draw a bar on
-    row, = [line for line in said.out.splitlines() if line.startswith("ball.contact.fy")]
+    row, count, checks, place = said.out.splitlines()[1:]
     assert row.split()[0:2] == ["ball.contact.fy", "mean"]
     assert row.split()[-2:] == ["N", "pass"]
     assert "0.097119 to 0.099081" in row  # m g -+ 1 %
-    assert str(directory.relative_to(tmp_path)) in said.out
+    assert count == "1 of 1 expectations passed"
+    assert re.fullmatch(r"\d+ checks passed; --audit lists them", checks)
+    assert place.startswith("Results in renders/ball: run.json, ")
+    said = sandbox("run", scene(), "--no-render", "--audit")
+    assert "is F = m a for every body?" in said.out
+    kept = json.loads((directory / "run.json").read_text())
+    assert {"momentum.force", "energy.created"} <= {f["name"] for f in kept["audit"]}
+    said = sandbox("run", scene(), "--no-render", "--quiet")
+    assert (said.code, said.out, said.err) == (0, "", "")
 
 
-def test_a_failed_expectation_exits_1_and_is_told(sandbox, scene):
+def test_a_failed_expectation_exits_1(sandbox, scene):
     said = sandbox("run", scene(expect=[{"max": "ball.y", "below": 0.001}]), "--no-render")
     assert said.code == 1
     assert "FAIL" in said.out
     assert "at most 0.001" in said.out
-    assert "0 of 1 expectations hold" in said.out
+    assert "0 of 1 expectations passed" in said.out
 
 
 @pytest.mark.parametrize(("name", "directory"), [
@@ -64,13 +71,6 @@ def test_set_changes_the_scene(sandbox, scene, tmp_path):
     assert len(Recording.load(tmp_path / "x").time) == 30
 
 
-@pytest.mark.parametrize("word", ["run.step", "=3", ""])
-def test_set_needs_a_path_and_a_value(sandbox, scene, word):
-    said = sandbox("run", scene(), "--set", word)
-    assert said.code == 2
-    assert "path=value" in said.err
-
-
 def test_json_is_one_object_on_a_clean_stdout(sandbox, scene):
     said = sandbox("run", scene(), "--no-render", "--json")
     result = json.loads(said.out)
@@ -81,30 +81,21 @@ def test_json_is_one_object_on_a_clean_stdout(sandbox, scene):
     assert verdict["ok"] is True
     assert verdict["value"] == pytest.approx(0.0981, rel=0.01)
     assert result["wall_s"]["simulate"] > 0
-
-
-def test_json_errors_are_json_too(sandbox, scene):
     said = sandbox("run", scene(run={"stp": 1, "duration": -1}), "--json")
     result = json.loads(said.out)
     assert (said.code, result["exit_code"], result["status"]) == (2, 2, "input")
-    assert len(result["errors"]) == 2
     assert {error["path"] for error in result["errors"]} == {"$.run.stp", "$.run.duration"}
     assert all(error["line"] == 1 and error["file"].endswith("ball.json")
                for error in result["errors"])
 
 
-def test_quiet_says_nothing_when_all_is_well(sandbox, scene):
-    said = sandbox("run", scene(), "--no-render", "--quiet")
-    assert (said.code, said.out, said.err) == (0, "", "")
-
-
 def test_pictures_are_drawn_by_default_and_old_ones_do_not_stay(sandbox, scene, tmp_path):
     directory = tmp_path / "out"
-    said = sandbox("run", scene(), "--out", directory, "--frames")
+    said = sandbox("run", scene(), "--out", directory)
     assert said.code == 0, said.err
     assert (directory / "animation.gif").read_bytes().startswith(b"GIF89a")
-    pictures = sorted((directory / "frames").glob("*.png"))
-    assert pictures
+    assert sandbox("render", directory, "--out", directory / "frames").code == 0
+    assert sorted((directory / "frames").glob("*.png"))
     assert sandbox("run", scene(), "--out", directory, "--no-render").code == 0
     assert not (directory / "animation.gif").exists()
     assert not (directory / "frames").exists()
@@ -231,29 +222,6 @@ def test_what_was_made_of_a_run_goes_with_it(sandbox, scene, tmp_path):
     assert (tmp_path / "elsewhere.png").exists()
 
 
-@pytest.fixture
-def collector():
-    """What the command does to the process is undone: the tests go on in it."""
-    before = gc.get_threshold()
-    yield
-    gc.set_threshold(*before)
-    gc.unfreeze()
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
-def test_ctrl_c_while_the_command_loads_exits_130(monkeypatch, collector):
-    from sandbox import cli
-
-    def interrupted(words):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("sandbox.cli.entry.invoke", interrupted)
-    monkeypatch.setattr(cli, "leave", sys.exit)
-    with pytest.raises(SystemExit) as stopped:
-        cli.main(["list"])
-    assert stopped.value.code == 130
-
-
 def test_the_first_compilation_is_told_and_no_other(monkeypatch, scene, capfd, tmp_path):
     monkeypatch.chdir(tmp_path)
 
@@ -272,19 +240,53 @@ def test_the_first_compilation_is_told_and_no_other(monkeypatch, scene, capfd, t
     monkeypatch.setattr("sandbox.engine.simulate.simulate", compiles)
     begins, ends = said().err.splitlines()
     assert begins == COMPILING
-    assert re.fullmatch(r"compiled in \S+ s", ends)
+    assert re.fullmatch(r"Compiled in \S+ s", ends)
     told = said("--json")
-    assert told.err.count(COMPILING) == told.err.count("compiled in") == 1
+    assert told.err.count(COMPILING) == told.err.count("Compiled in") == 1
     assert json.loads(told.out)["status"] == "done"
     assert said("--quiet").err == ""
-    report_began()
-    assert capfd.readouterr().err == ""  # nobody listens any more
-
-
-def test_a_compilation_that_cannot_be_cached_is_announced_once(monkeypatch, capfd):
     monkeypatch.setattr(CalledFromPython, "cached", False)
     with compilation_notices(Console()):
         for _ in range(2):
             report_began()
             report_compiled(12.4)
-    assert capfd.readouterr().err.splitlines() == [NOT_CACHED, "compiled in 12 s"]
+    report_began()  # outside of the context nothing is printed
+    assert capfd.readouterr().err.splitlines() == [NOT_CACHED, "Compiled in 12 s"]
+
+
+CHECKS = [
+    judged("poses", 1.5e-13, "m", 1e-12, why="all is well", source="(31)"),
+    judged("joint.drift", 2e-3, "m", 1e-6, why="the pin came apart", source=""),
+    judged("energy.lost", math.nan, "", 1e-3, why="no number", source=""),
+    missing("differential", why="there is no tree", source="(4)-(7)"),
+]
+
+
+def test_checks_are_counted_and_warnings_say_what_to_do():
+    assert check_lines([CHECKS[0], CHECKS[3]], whole=False) == [
+        "1 checks passed; --audit lists them"]
+    lines = check_lines(CHECKS, whole=False)
+    assert [line.partition(":")[0] for line in lines] == [
+        "1 checks passed, 2 warnings", "  joint.drift = 0.002 m, at most 1e-06", "    meaning",
+        "    what to do", "  energy.lost = -, at most 0.001", "    meaning", "    what to do",
+        "docs/audit.md explains them"]
+    whole = check_lines(CHECKS, whole=True)
+    assert whole[1].split()[:5] == ["poses", "1.5e-13", "1e-12", "m", "pass"]
+    assert whole[2].split()[4] == "WARNING"
+    assert whole[4] == "not computed (run.json has the reasons): differential"
+    assert whole[5:] == lines
+
+
+def verdict(name, *, ok):
+    return Verdict(quantity=name, statistic="mean", unit="N", value=1.0, low=0.0, high=2.0, ok=ok,
+                   reason="" if ok else "no")
+
+
+def test_many_expectations_that_passed_are_counted_and_failures_are_listed():
+    passed = [verdict(f"q{i}", ok=True) for i in range(MAX_ROWS)]
+    assert len(expectation_lines(passed)) == MAX_ROWS + 2
+    assert expectation_lines([*passed, verdict("more", ok=True)]) == [
+        "13 of 13 expectations passed; run.json lists all"]
+    lines = expectation_lines([*passed, verdict("bad", ok=False)])
+    assert [line.split()[0] for line in lines] == [
+        "expectation", "bad", "FAIL", "12", "docs/messages.md#not-all-expectations-hold"]

@@ -133,7 +133,7 @@ def test_an_empty_run_is_refused(tmp_path):
 def test_a_film_has_no_more_frames_than_allowed(tmp_path, zoo_run):
     """However long a recording says that it is."""
     for path in (tmp_path / "film.gif", tmp_path / "frames"):
-        with pytest.raises(OutputError, match=r"24.8 frames.*at most 20 .*--max-frames"):
+        with pytest.raises(OutputError, match=r"24.8 frames.*at most 20 .*--limit frames"):
             render(zoo_run, path, size=SMALL, fps=25, most_frames=20)
         render(zoo_run, path, size=(64, 64), fps=25, most_frames=30)
     long = recording(zoo_run.mechanism, zoo_run.time * 1e9, zoo_run.arrays["body_pose"])

@@ -17,6 +17,7 @@ from sandbox import wording
 from sandbox.cli.check import report_of
 from sandbox.engine import inspect_overlaps
 from sandbox.errors import SceneError
+from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import load_scene, read_scene
 from sandbox.scene.values.expressions import names_in, parse_expression
 from tests.growth.scenes import SCENES
@@ -69,7 +70,7 @@ def test_twice_as_much_takes_twice_as_long(kind: str, tmp_path: Path) -> None:
     file, counts = tmp_path / "scene.json", []
     for n in (24, 24, 48, 96):  # the first to load what is loaded once
         file.write_text(SCENES[kind](n))
-        counts.append(calls(lambda: report_of(str(file), {}, {})))
+        counts.append(calls(lambda: report_of(str(file), {}, Limits())))
     first, second = counts[2] - counts[1], counts[3] - counts[2]
     assert second <= max(FASTEST * first, FEW), counts
 

@@ -51,7 +51,7 @@ class Bench:
     @staticmethod
     def run(name: str, folder: Path) -> None:
         """``sandbox run``: simulate, save, draw, audit."""
-        if invoke(["run", SCENE, "--set", LENGTHS[name], "--out", str(folder), "--frames",
+        if invoke(["run", SCENE, "--set", LENGTHS[name], "--out", str(folder),
                    "--quiet"]) not in (0, 1):
             raise RuntimeError(f"the run {name} failed")
 

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sandbox.draw.figure import comparison, signals
-from sandbox.draw.figure.comparison import Compared
+from sandbox.draw.figure import signals
 from sandbox.draw.figure.signals import Plotted
 from sandbox.paper import finger_control_figure as finger_control
 from sandbox.paper.figures import FIGURES
@@ -78,20 +77,4 @@ def test_any_quantities() -> None:
     curve, dashed = figure.axes[0].lines[:2]
     assert curve.get_ydata()[-1] == pytest.approx(5, abs=1e-3)
     assert dashed.get_ydata() == pytest.approx(5)
-    assert clashes(figure) == []
-
-
-def test_runs_laid_over_one_another() -> None:
-    runs = [recording(reach=(1, 1, 0.5)), recording(scene("other"), zeta=0.3, omega=9),
-            recording(scene("free", controllers=[]), zeta=0.9)]
-    compared = [Compared(run.mechanism.name, run, targets(run)) for run in runs]
-    names = list(targets(runs[0]))
-    figure = comparison.draw(compared, [*names, "finger.tendon.shortening"], ["k1", "k2", "k3"])
-    said = texts(figure)
-    assert {"controlled", "other", "free", "5°", "10°", "15°"} <= set(said)
-    assert len([axes for axes in figure.axes if axes.get_visible()]) == 7
-    circles = [line for line in figure.axes[2].lines if line.get_marker() == "o"]
-    assert len(circles) == 1  # one does not settle, one has no target
-    found = targets(runs[1])["finger.dip.angle"][0]
-    assert np.degrees(found) == pytest.approx(circles[0].get_ydata()[0], rel=0.021)
     assert clashes(figure) == []

@@ -134,7 +134,7 @@ class TestCost:
         found = problems({"bodies": [{**POINT, "name": "b{i}", "repeat": 200, "shapes": [
             {"type": "circle", "radius": 1, "repeat": 200}]}]})
         assert "more than 20000 copies" in found[0].message
-        assert "--max-elements" in found[0].allowed
+        assert "--limit elements" in found[0].allowed
 
     def test_what_is_written_out_counts_as_bytes(self):
         found = problems({"bodies": [{**POINT, "name": "b{i}", "repeat": 100, "shapes": [

@@ -114,7 +114,7 @@ def test_each_limit(name: str, most: int) -> None:
     mechanism = Mechanism.model_validate(_scene(3))
     assert check_limits(mechanism, Limits().raised(**{name: most})) == []
     (problem,) = check_limits(mechanism, Limits().raised(**{name: most - 1}))
-    assert f"the limit '{name}', raised by --max-{name.replace('_', '-')}" in problem.allowed
+    assert f"the limit '{name}', raised by --limit {name}=N" in problem.allowed
     with pytest.raises(SceneError, match=f"'{name}'"):
         load_scene(_scene(3), limits=Limits().raised(**{name: most - 1}))
 

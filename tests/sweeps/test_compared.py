@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import sandbox
-from sandbox.cli.entry import invoke
 from sandbox.sweeps.compared import compared, halved, read_kept
 
 SCENE: dict[str, Any] = {
@@ -64,25 +62,3 @@ def test_halving_the_step_gives_a_tolerance(folder: Path) -> None:
     assert halved(read_kept(folder / "others"), 4)["way"] == pytest.approx(5 / 3 * most["way"])
     assert between(folder, "one", "half", tolerances=most).same
     assert not between(folder, "one", "heavier", tolerances=most).same
-
-
-def test_the_command(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
-    monkeypatch.chdir(folder)
-    assert invoke(["compare", "one", "heavier"]) == 0
-    printed = capsys.readouterr().out
-    assert "3 rows in both, 3 kept results" in printed
-    assert "3 of 3" in printed
-    assert "parameters.push = 3" in printed
-    assert invoke(["compare", "one", "hardly", "--step-check"]) == 0
-    assert "3 of 3 kept results did not move" in capsys.readouterr().out
-    assert invoke(["compare", "one", "others", "--json"]) == 0
-    data = json.loads(capsys.readouterr().out)
-    assert (data["same"], data["matched"], data["only_second"]) == (False, 2, 2)
-    assert data["tolerance"] == 1e-6
-    assert not any("tolerance" in each for each in data["results"])
-    assert invoke(["compare", "one", "hardly", "--tolerance", "1e-9", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["tolerance"] == 1e-9
-    assert invoke(["compare", "one", "hardly", "--step-check", "--json"]) == 0
-    data = json.loads(capsys.readouterr().out)
-    assert "tolerance" not in data
-    assert all(each["tolerance"] > 0 for each in data["results"])

@@ -265,7 +265,7 @@ def test_what_cannot_be_run_is_told_before(more, said):
 def test_too_many_runs_are_refused():
     from sandbox.scene.read.limits import Limits
 
-    with pytest.raises(SceneError, match=r"6 runs[^\n]*at most 5[^\n]*--max-runs"):
+    with pytest.raises(SceneError, match=r"6 runs[^\n]*at most 5[^\n]*--limit runs"):
         plan_of(study(), Limits(runs=5))
 
 

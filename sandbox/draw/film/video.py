@@ -200,7 +200,7 @@ def _prepare(
     if not frames <= most_frames:
         raise OutputError(
             f"at a speed of {pace:g} the film would have {frames:.3g} frames. Allowed: at most "
-            f"{most_frames} (the limit 'frames', raised by --max-frames or most_frames)")
+            f"{most_frames} (the limit 'frames', raised by --limit frames=N or most_frames)")
     if even:
         width, height = width // 2 * 2, height // 2 * 2
     note = "" if pace == 1 else f"{pace:g}× speed"

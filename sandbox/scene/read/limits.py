@@ -80,9 +80,8 @@ def over(limits: Limits, name: str, asked: float, path: str, what: str) -> Itera
     """The problem of what asks for more than a limit allows; ``what`` has ``{count}`` in it."""
     most = getattr(limits, name)
     if asked > most:
-        option = name.replace("_", "-")
         yield Problem(what.format(count=_count(asked)), path, allowed=(
-            f"at most {_count(most)} (the limit '{name}', raised by --max-{option})"))
+            f"at most {_count(most)} (the limit '{name}', raised by --limit {name}=N)"))
 
 
 def _count(number: float) -> str:

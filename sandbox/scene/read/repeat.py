@@ -171,7 +171,8 @@ def _few_enough(count: float, limits: Limits, path: tuple[str, ...]) -> None:
     if count > limits.elements:
         raise RepeatError(WrongValueError(
             f"{number_text(count)} copies are more than a scene may have elements",
-            allowed=f"at most {limits.elements} (the limit 'elements', raised by --max-elements)",
+            allowed=f"at most {limits.elements} (the limit 'elements', raised by "
+            "--limit elements=N)",
         ), path)
 
 

@@ -100,7 +100,7 @@ class Writer:
         if count > most:
             self.problems.append(place.problem(
                 f"with these copies there are {count} {among or 'entries'}",
-                allowed=f"at most {most} (the limit '{name}', raised by --max-{name})"))
+                allowed=f"at most {most} (the limit '{name}', raised by --limit {name}=N)"))
             raise TooLargeError
 
     def too_large(self, place: Origin) -> None:
@@ -116,7 +116,7 @@ class Writer:
             self.problems.append(place.problem(
                 f"here the scene's repeats and templates come to more than "
                 f"{self.limits.elements} copies", allowed=f"at most {self.limits.elements} (the "
-                "limit 'elements', raised by --max-elements)"))
+                "limit 'elements', raised by --limit elements=N)"))
             raise TooLargeError
 
     def tell(self, place: Origin, error: WrongValueError, *, key: bool = False) -> None:

@@ -1,0 +1,297 @@
+"""The reference of scenes: models by topic, fields with units and defaults, recorded quantities.
+
+``sandbox explain`` prints it, and ``docs/make_reference.py`` writes its tables from it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
+
+from pydantic import WithJsonSchema
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
+
+from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
+from sandbox.kinds.quantities import GRASP, NUMBERED, QUANTITIES, TIED
+from sandbox.scene.document import Assembly, Scene
+from sandbox.scene.elements import (
+    bodies,
+    controllers,
+    drives,
+    events,
+    fluids,
+    joints,
+    loads,
+    settings,
+    springs,
+    tendons,
+)
+from sandbox.scene.elements.spec import Spec
+from sandbox.scene.parts import finger, section, trees
+from sandbox.scene.parts import per_joint as lists
+from sandbox.scene.schema import descriptions
+from sandbox.scene.values import colours, numbers, planes, shown, signals, tables
+from sandbox.scene.values.units import units_of
+
+
+def members(union: Any) -> list[type[Spec]]:
+    """The models of a discriminated union such as ``Joint``."""
+    return list(get_args(get_args(union)[0]))
+
+
+VALUES = "Values over time"
+"""Topic of the models that stand for numbers, wherever these stand."""
+ELEMENTS: Mapping[str, list[type[Spec]]] = {
+    "The scene": [Scene, settings.Run, settings.View, settings.Trace,
+                  settings.ShownMeter],
+    "Bodies": [bodies.Body, *members(bodies.WrittenShape), signals.Path, bodies.Material,
+               settings.ContactRule],
+    "Joints": members(joints.Joint),
+    "Springs": members(springs.Spring),
+    "Tendons": [tendons.Tendon, tendons.Guide],
+    "Fluid": [fluids.Line, *members(fluids.Chamber), fluids.Valve],
+    "Loads": members(loads.Load),
+    "Drives": members(drives.Drive),
+    VALUES: [signals.Ramp, signals.Table, signals.Formula, signals.Constant],
+    "Tables": [tables.NamedTable],
+    "Controllers": [*members(controllers.Controller), controllers.FingerGeometry],
+    "Events": [events.Event],
+    "Readings and expectations": [settings.Meter, settings.Expect, settings.Group],
+}
+"""The models of a scene by topic."""
+PARTS: Mapping[str, list[type[Spec]]] = {
+    "Finger": [finger.Finger, finger.FingerSprings, finger.FingerTendon],
+    "Trees": [trees.RockerTree, trees.PulleyTree, trees.Leaf],
+    "Section": [section.Section],
+    "Assembly": [Assembly],
+}
+"""The models of parts by topic."""
+KINDS: Mapping[str, Mapping[str, JointKind | SpringKind | DriveKind]] = {
+    "joint": JOINTS, "spring": SPRINGS, "drive": DRIVES}
+SIGNALS = (signals.ForceSignal, signals.TorqueSignal, signals.LengthSignal, signals.AngleSignal,
+           signals.SpeedSignal, signals.FlowSignal, signals.PressureSignal, signals.ShareSignal,
+           signals.StiffnessSignal, signals.Signal)
+ONE_FOR_ALL = (lists.Stiffnesses, lists.Dampings, lists.RotaryDampings, lists.Coordinates,
+               lists.Angles, lists.Points, lists.Limits)
+"""Lists that accept one value for all entries."""
+CHOICES = {
+    bodies.BodyShape: "[shape](elements.md#bodies)", joints.Joint: "[joint](elements.md#joints)",
+    springs.Spring: "[spring](elements.md#springs)", drives.Drive: "[drive](elements.md#drives)",
+    fluids.Chamber: "[chamber](elements.md#fluid)", loads.Load: "[load](elements.md#loads)",
+    controllers.Controller: "[controller](elements.md#controllers)"}
+"""Unions by name, with the section of the docs that has their members."""
+
+
+def field_type(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
+    """The values that a field accepts, as Markdown: ``length [m], > 0``."""
+    for signal in SIGNALS:
+        schema = get_args(signal)[-1]
+        if schema in metadata:
+            unit = f" [{units_of(schema.dimension)[0]}]" if schema.dimension else ""
+            return f"value over time{unit}"
+    if planes.SCHEMA in metadata:
+        return planes.WORDS.replace("\"all\"", "`\"all\"`")
+    if colours.SCHEMA in metadata:
+        return "colour"
+    if shown.SCHEMA in metadata:
+        return shown.WORDS
+    if metadata and any(set(get_args(alias)[1:]) <= set(metadata) for alias in ONE_FOR_ALL):
+        return f"one for all, or {field_type(annotation)}"
+    if get_origin(annotation) is Annotated:
+        inner, *more = get_args(annotation)
+        return next((name for union, name in CHOICES.items() if union == annotation),
+                    field_type(inner, (*more, *metadata)))
+    if get_origin(annotation) in (Union, UnionType):
+        return " or ".join(_once(field_type(option, metadata)
+                                 for option in get_args(annotation) if option is not NoneType))
+    if get_origin(annotation) is Literal:
+        return ", ".join(f'`{_json(value)}`' for value in get_args(annotation))
+    if get_origin(annotation) in (tuple, dict):
+        return _collection(annotation)
+    if annotation is float:
+        return _number(metadata)
+    if isinstance(annotation, type) and issubclass(annotation, Spec):
+        return f"[{annotation.__name__}]({_page_of(annotation)}#{annotation.__name__.lower()})"
+    return {str: _text(metadata), int: "whole number", bool: "true or false"}.get(
+        annotation, "any")
+
+
+def _page_of(model: type[Spec]) -> str:
+    return "parts.md" if any(model in models for models in PARTS.values()) else "elements.md"
+
+
+def _once(words: Iterator[str]) -> list[str]:
+    return list(dict.fromkeys(words))
+
+
+def _collection(annotation: Any) -> str:
+    items = get_args(annotation)
+    if get_origin(annotation) is dict:
+        return f"object of name: {field_type(items[1])}"
+    if annotation == numbers.Point:
+        return "point [x, y] [m]"
+    if items[-1] is Ellipsis:
+        return f"list of {field_type(items[0])}"
+    words = _once(field_type(item) for item in items)
+    return f"[{', '.join(words)}]" if len(words) > 1 else f"{len(items)} × {words[0]}"
+
+
+def _number(metadata: tuple[Any, ...]) -> str:
+    word = "number"
+    for entry in metadata:
+        if isinstance(entry, WithJsonSchema):
+            text = (entry.json_schema or {}).get("description", "")
+            if match := re.match(r"A (.+?) in (.+?);", text):
+                word = f"{match[1]} [{match[2]}]"
+    if numbers.POSITIVE in metadata or any(getattr(each, "gt", None) == 0 for each in metadata):
+        return f"{word}, > 0"
+    if numbers.AT_MOST_ONE in metadata:
+        return f"{word}, 0 to 1"
+    return f"{word}, ≥ 0" if numbers.NOT_NEGATIVE in metadata else word
+
+
+def _text(metadata: tuple[Any, ...]) -> str:
+    named = any(getattr(entry, "pattern", None) == numbers.NAME
+                for part in metadata
+                for entry in [part, *getattr(part, "metadata", ())])
+    return "name" if named else "text"
+
+
+def _json(value: Any) -> str:
+    return f'"{value}"' if isinstance(value, str) else str(value)
+
+
+def default(field: FieldInfo) -> str:
+    """A field's default as Markdown: ``required`` without one, empty for nothing."""
+    if field.is_required():
+        return "required"
+    value = field.get_default(call_default_factory=True)
+    if value is PydanticUndefined or value is None or value in ((), {}, ""):
+        return ""
+    if isinstance(value, Spec):
+        return "as below"
+    return f"`{_default_text(value)}`"
+
+
+def _default_text(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return f"[{', '.join(_default_text(entry) for entry in value)}]"
+    return f"{value:.6g}" if isinstance(value, (int, float)) else _json(value)
+
+
+class FieldRow(NamedTuple):
+    """A field of a model; the texts are Markdown."""
+
+    key: str
+    type: str
+    default: str
+    meaning: str
+
+
+def field_rows(model: type[Spec]) -> Iterator[FieldRow]:
+    """The fields of a model; ``type`` first, then those without a default."""
+    described = descriptions(model)
+    fields = sorted(model.model_fields.items(),
+                    key=lambda item: (item[0] != "type", not item[1].is_required()))
+    for name, field in fields:
+        yield FieldRow(field.alias or name, field_type(field.annotation, tuple(field.metadata)),
+                       default(field), markdown(" ".join(described.get(name, "").split())))
+
+
+def markdown(text: str) -> str:
+    """A docstring as Markdown: roles and double backquotes become single ones."""
+    return re.sub(r":\w+:`~?([^`]+)`", r"`\1`", text).replace("``", "`")
+
+
+def about(model: type[Spec]) -> str:
+    """A model's docstring as Markdown, one paragraph a line."""
+    paragraphs = (model.__doc__ or "").strip().split("\n\n")
+    return "\n\n".join(markdown(" ".join(paragraph.split())) for paragraph in paragraphs)
+
+
+def summary(model: type[Spec]) -> str:
+    """The first sentence of a model's docstring, as Markdown."""
+    return re.split(r"(?<=\.) (?=[A-Z`])|\n", about(model))[0]
+
+
+def tag_of(model: type[Spec]) -> str:
+    """The ``type`` of a model, such as ``motor``; empty where it has none."""
+    field = model.model_fields.get("type")
+    return str(get_args(field.annotation)[0]) if field else ""
+
+
+def owners(element: str, quantity: str) -> str:
+    """The elements that record a quantity: ``joint``, ``drive: motor, brake``."""
+    having = recorded_by(element, quantity)
+    kinds = KINDS.get(element, {})
+    lacking = [tag for tag in kinds if tag not in having and f"{tag} with limits" not in having]
+    whole = "pair of bodies" if element == "pair" else element
+    if not lacking and not any(" " in word for word in having):
+        return whole
+    return f"{whole} except {', '.join(lacking)}" if 2 * len(lacking) < len(having) \
+        else f"{whole}: {', '.join(having)}"
+
+
+def recorded_by(element: str, quantity: str) -> list[str]:
+    """The kinds of an element that record a quantity, such as ``pin``, ``pin with limits``."""
+    kinds = KINDS.get(element, {}).items()
+    always = [tag for tag, each in kinds if quantity in each.records]
+    for tag, each in kinds:
+        if isinstance(each, JointKind):
+            always += [f"{tag} with limits"] if quantity in each.stopped else []
+            always += [f"{tag} with backlash"] if quantity in each.loose else []
+            always += [f"{tag} with dry friction"] if quantity in each.rubbed else []
+    return always
+
+
+GUIDED = {"tension": ("tension_0", "tendon that guides hold by friction"),
+          "slip": ("slip_1", "tendon that guides hold by friction"),
+          "lifted": ("lifted_1", "tendon that can lift off a wheel")}
+"""Quantities of tendons that end in a number: an example of each, and the tendons that have it."""
+
+
+class QuantityRow(NamedTuple):
+    """A quantity that a run records; ``about`` is Markdown."""
+
+    element: str
+    """Kind of element, such as ``joint``."""
+    owner: str
+    """The elements that have it."""
+    name: str
+    unit: str
+    about: str
+
+
+def quantity_rows() -> Iterator[QuantityRow]:
+    """Every quantity that a run can record."""
+    for element, names in QUANTITIES.items():
+        for name, each in names.items():
+            unit = each.unit or (_drive_units() if element == "drive" else _joint_units(name))
+            yield QuantityRow(element, owners(element, name), name, unit, each.about)
+    for name, each in GRASP.items():
+        yield QuantityRow("body", "object", name, each.unit, each.about)
+    for word, (name, holder) in GUIDED.items():
+        each = NUMBERED[word]
+        yield QuantityRow("tendon", holder, name, each.unit, each.about)
+    for name, each in TIED.items():
+        yield QuantityRow("", "joint, spring, tendon", name, each.unit, each.about)
+
+
+def _drive_units() -> str:
+    """The units of values of drives, each with its kinds."""
+    units: dict[str, list[str]] = {}
+    of_springs = " or ".join(each.unit for each in SPRINGS.values())
+    for tag, each in DRIVES.items():
+        units.setdefault(each.unit or of_springs, []).append(tag)
+    return "; ".join(f"{unit} ({', '.join(tags)})" for unit, tags in units.items())
+
+
+def _joint_units(quantity: str) -> str:
+    """The units of a quantity of joints that their kind says, each with its kind."""
+    return "; ".join(f"{each.rubs} ({tag})" for tag, each in JOINTS.items()
+                     if quantity in each.rubbed)

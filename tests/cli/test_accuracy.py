@@ -1,0 +1,101 @@
+"""``sandbox converge`` and ``sandbox bounds``."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sandbox.engine.simulate import simulate
+from sandbox.engine.simulation import Simulation
+from sandbox.errors import SimulationDiverged
+from sandbox.recording.recording import Recording
+
+WEIGHT = 0.01 * 9.81
+
+
+def test_convergence(sandbox, scene):
+    said = sandbox("converge", scene())
+    assert said.code == 0
+    assert said.out.rstrip().splitlines()[-1].startswith("Certified at h = 0.5 ms")
+    assert list(Path().glob("*")) == [Path("ball.json")]
+    said = sandbox("converge", scene(), "--json")
+    found = json.loads(said.out)
+    assert (said.err, found["certified"], found["exit_code"]) == ("", True, 0)
+    assert found["steps"] == [5e-4, 2.5e-4, 1.25e-4]
+    quantity, = found["quantities"]
+    assert len(quantity["values"]) == 3
+    assert quantity["allowed"] == pytest.approx(0.1 * 0.01 * WEIGHT)
+    assert (found["looks"], found["diverged"], found["advice"]) == ([], [], [])
+    said = sandbox("converge", scene(expect=[]))
+    assert said.code == 2
+    assert "expects nothing" in said.err
+
+
+def test_a_run_that_diverges_exits_3(sandbox, scene, monkeypatch):
+    def away(mechanism, **more):
+        if mechanism.run.step == 5e-4:
+            simulation = Simulation(mechanism)
+            simulation.run(20)
+            gone = SimulationDiverged(0.01, "ball", "gone; a smaller run.step may help")
+            gone.recording = simulation.finish(str(gone))
+            raise gone
+        return simulate(mechanism, **more)
+
+    monkeypatch.setattr("sandbox.study.repeats.simulate", away)
+    said = sandbox("converge", scene())
+    assert said.code == 3
+    assert said.err.splitlines()[0] == (
+        "error: h: the simulation diverged at t = 0.01 s: ball: gone")
+    assert "ball.contact.fy  mean           -  0.0981  0.0981" in said.out
+    data = json.loads(sandbox("converge", scene(), "--json").out)
+    assert (data["exit_code"], data["status"]) == (3, "diverged")
+    assert data["quantities"][0]["values"][0] is None
+
+
+@pytest.fixture
+def resting(sandbox, scene):
+    assert sandbox("run", scene(), "--out", "ball", "--no-render", "--quiet").code == 0
+    return sandbox
+
+
+def test_bounds_of_the_last_sample_and_of_chosen_ones(resting):
+    said = resting("bounds", "ball")
+    assert said.code == 0
+    assert re.search(r"ball/floor.normal +0.0981 +0.0981 to 0.0981 +decided", said.out)
+    assert said.out.splitlines()[-1] == str(Path("ball", "contact_bounds.csv"))
+    head, row = Path("ball/contact_bounds.csv").read_text().splitlines()
+    assert head == ("time_s,body,other,normal_N,normal_low_N,normal_high_N,"
+                    "tangential_N,tangential_low_N,tangential_high_N")
+    assert [float(n) for n in row.split(",")[3:6]] == pytest.approx([WEIGHT] * 3)
+    said = resting("bounds", "ball", "--at", "0.02", "--at", "0.0302", "--json", "--out", "b.csv")
+    found = json.loads(said.out)
+    assert (said.code, found["exit_code"], found["files"]) == (0, 0, ["b.csv"])
+    assert [one["time"] for one in found["bounds"]] == pytest.approx([0.01975, 0.02975], abs=6e-4)
+    normal = found["bounds"][0]["normal"]
+    assert (normal["decided"], normal["outside"]) == (True, False)
+
+
+def test_a_force_outside_its_bounds_exits_1(resting):
+    run = Recording.load("ball")
+    arrays = {key: np.array(value) for key, value in run.arrays.items()}
+    arrays["contact_force"] *= 1.001
+    Recording(run.mechanism, arrays, run.info).save("ball")
+    said = resting("bounds", "ball")
+    assert (said.code, said.err) == (1, "outside of what mechanics allows: ball/floor.normal\n")
+    assert "OUTSIDE" in said.out
+
+
+@pytest.mark.parametrize(("words", "told"), [
+    (["ball", "--at", "7"], "7 s is not within the run's 0.04975 s"),
+    (["ball", "--out", "x.txt"], ".csv"),
+    (["ball", "--near", "nan"], "is not a number with a unit"),
+    (["ball", "--near", "-1um"], "must not be less than 0"),
+])
+def test_wrong_bounds(resting, words, told):
+    said = resting("bounds", *words)
+    assert said.code == 2
+    assert told in said.err

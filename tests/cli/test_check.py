@@ -1,0 +1,119 @@
+"""``sandbox check``: problems with their places, --expand, --schema, the cost estimate."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sandbox.pages import ELEMENTS
+
+from .conftest import BALL
+
+ROPE = {"type": "rope", "name": "rope", "a": "floor", "b": "ball", "longest": 0.001}
+CORD = {"name": "cord", "guides": [{"body": "floor"}, {"body": "floor"}, {"body": "ball"}]}
+UNKNOWN = {"mean": "ball.contact.fz", "is": 0, "within": 1}
+
+
+def test_good_scenes_and_what_a_run_costs(sandbox, scene):
+    path = scene()
+    said = sandbox("check", path, path)
+    assert (said.code, said.err) == (0, "")
+    assert said.out.count(": ok") == 2
+    assert f"{path}: would take about 0.01 s and " in said.out
+    assert said.out.endswith("(100 steps, 50 samples)\n")
+    (report,) = json.loads(sandbox("check", path, "--json").out)["scenes"]
+    assert (report["estimate"]["steps"], report["estimate"]["contacts"]) == (100, 1)
+    long = ["--set", "run.duration=800 s", "--set", "run.sample_rate=10", "--limit", "seconds=1"]
+    looked, ran = sandbox("check", path, *long), sandbox("run", path, *long)
+    assert looked.code == ran.code == 2
+    assert "(the limit 'seconds', raised by --limit seconds=N)" in looked.err
+    assert looked.err == ran.err
+    assert sandbox("check", path, *long[:-1], "seconds=1e6").code == 0
+
+
+def test_a_warning_has_its_place_and_fails_with_strict(sandbox, scene):
+    path = scene(joints=[ROPE], expect=[])
+    looked, ran = sandbox("check", path), sandbox("run", path, "--no-render")
+    assert (looked.code, ran.code) == (0, 0)
+    told = f"{path}:1:352: warning: $.joints[0]: rope: not assembled at t = 0"
+    assert looked.err.startswith(told)
+    assert ran.err.startswith(told)
+    assert looked.pages == "docs/messages.md#not-assembled explains it\n"
+    assert sandbox("check", path, "--strict").code == 2
+    said = sandbox("check", path, "nothere.json", "--json")
+    good, bad = json.loads(said.out)["scenes"]
+    (found,) = good["findings"]
+    assert (said.code, good["ok"], found["severity"], found["path"], found["line"]) == (
+        2, True, "warning", "$.joints[0]", 1)
+    assert (bad["ok"], len(bad["errors"])) == (False, 1)
+
+
+def test_an_error_has_its_place_in_text_and_json(sandbox, scene):
+    text = json.dumps(BALL | {"tendons": [CORD]}, indent=1)
+    path = scene(text)
+    line = next(i for i, row in enumerate(text.splitlines(), 1) if "tendons" in row) + 1
+    told = ("its guides 0 and 1 coincide; move one of them: the cord between has no direction")
+    assert sandbox("check", path).err == f"{path}:{line}:3: $.tendons[0]: cord: {told}\n"
+    (problem,) = json.loads(sandbox("check", path, "--json").out)["scenes"][0]["errors"]
+    assert problem == {"message": told, "file": str(path), "path": "$.tendons[0]", "line": line,
+                       "column": 3, "element": "cord",
+                       "page": "docs/messages.md#guides-that-coincide",
+                       "fields": f"{ELEMENTS}#tendon"}
+    assert sandbox("check", scene(tendons=[CORD], gravty=[0, 1])).pages == (
+        f"docs/messages.md#unknown-key explains it; {ELEMENTS}#scene has the fields\n")
+
+
+def test_warnings_of_copies_and_of_included_scenes_have_places(sandbox, scene, tmp_path):
+    """Copies share the place of the first one; included files have their own name and line."""
+    disc = {"name": "disc", "mass": 0.01, "at": [0, 0.3], "inertia": 1e-6}
+    inner = {"bodies": [disc], "joints": [
+        {**ROPE, "name": "short", "a": "floor", "b": "disc", "on_a": [0, 0]}]}
+    (tmp_path / "inner.json").write_text(json.dumps(inner, indent=1))
+    outer = json.dumps(BALL | {
+        "joints": [{**ROPE, "name": "rope{i}", "repeat": 3}],
+        "parts": [{"name": "in", "include": "inner"}]}, indent=1)
+    path = scene(outer)
+    said = sandbox("check", path).err
+    copies = next(line for line in said.splitlines() if "rope0" in line)
+    line = next(i for i, row in enumerate(outer.splitlines(), 1) if '"joints"' in row) + 1
+    assert copies.startswith(f"{path}:{line}:3: warning: $.joints[0]: rope0: ")
+    assert "(for i = 0)" in copies
+    assert copies.endswith("(and so for 2 more)")
+    included = next(line for line in said.splitlines() if "in.short" in line)
+    assert "inner.json:" in included.split(" ")[0]
+
+
+def test_expand_prints_a_scene_that_expands_to_itself(sandbox, tmp_path):
+    said = sandbox("check", "single_finger", "--expand")
+    assert said.code == 0, said.err
+    path = tmp_path / "plain.json"
+    path.write_text(said.out)
+    assert "finger.proximal" in said.out
+    assert "parts" not in json.loads(said.out)
+    assert sandbox("check", "--expand", path).out == said.out
+    assert sandbox("check", "--expand", path, path).code == 2
+    assert "bodies" in json.loads(sandbox("check", "--schema").out)["properties"]
+
+
+@pytest.mark.parametrize("changes", [{}, {"expect": [UNKNOWN]}, {"tendons": [CORD]}],
+                         ids=["good", "unknown quantity", "no direction"])
+@pytest.mark.parametrize("words", [
+    ["check"], ["run", "--no-render", "--out", "out"], ["converge"], ["check", "--expand"],
+    ["export"]], ids=lambda words: words[-1])
+def test_no_command_reads_a_file_twice(
+    sandbox: Any, scene: Any, monkeypatch: pytest.MonkeyPatch, words: Any, changes: Any,
+) -> None:
+    opened, plain = [], Path.open
+
+    def counted(path: Path, mode: str = "r", *arguments: Any, **options: Any) -> Any:
+        if path.name == "ball.json" and "r" in mode:
+            opened.append(path.name)
+        return plain(path, mode, *arguments, **options)
+
+    path = scene(**changes)
+    monkeypatch.setattr(Path, "open", counted)
+    sandbox(*words, path)
+    assert opened == ["ball.json"]

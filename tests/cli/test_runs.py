@@ -1,0 +1,132 @@
+"""``sandbox render`` and ``sandbox report``: pictures and pages of saved runs."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from sandbox.recording.store import saved_audit
+from sandbox.samples.outcome import INTERRUPTED, Status
+from tests.samples.controlled import recording
+from tests.samples.controlled import scene as finger
+
+
+@pytest.fixture
+def saved(sandbox, scene):
+    assert sandbox("run", scene(view={"size": [200, 150]}), "--no-render", "--quiet",
+                   "--out", "saved").code == 0
+    return "saved"
+
+
+def test_films_and_frames(sandbox, saved):
+    said = sandbox("render", saved, "--out", "x.gif", "--out", "frames", "--size", "320x200",
+                   "--fps", 50, "--speed", 0.5, "--fit", "ball")
+    assert (said.code, said.out.split()) == (0, ["x.gif", "frames"]), said.err
+    with Image.open("x.gif") as image:
+        assert image.size == (320, 200)
+    assert Path("frames/frame_00000.png").is_file()
+    assert "--limit frames=N" in sandbox("render", saved, "--limit", "frames=1").err
+    assert sandbox("render", saved).out.split() == ["saved/animation.gif"]
+
+
+def test_stills_and_strips(sandbox, saved):
+    said = sandbox("render", saved, "--at", "0.02s", "--at", "end")
+    assert (said.code, said.out.split()) == (0, ["saved/still_0.02s.png", "saved/still_end.png"])
+    said = sandbox("render", saved, "--at", "10 ms", "--format", "svg", "--labels", "scales")
+    assert said.out.split() == ["saved/still_10ms.svg"]
+    assert sandbox("render", saved, "--format", "pdf").out.split() == ["saved/still_end.pdf"]
+    assert sandbox("render", saved, "--at", "start", "--out", "x.png", "--size", "2x").code == 0
+    with Image.open("x.png") as picture:
+        assert picture.size == (400, 300)
+    for name, begin in (("still_end.png", b"\x89PNG"), ("still_10ms.svg", b"<?xml"),
+                        ("still_end.pdf", b"%PDF")):
+        assert Path(saved, name).read_bytes().startswith(begin)
+    for words in (["--strip"], ["--strip", "3"], ["--strip", "--at", "start", "--at", "end"]):
+        said = sandbox("render", saved, *words, "--transparent", "--labels", "none")
+        assert (said.code, said.out.split()) == (0, ["saved/strip.png"])
+    with Image.open(Path(saved, "strip.png")) as picture:
+        assert picture.mode == "RGBA"
+
+
+@pytest.mark.parametrize(("words", "told"), [
+    (["--out", "a.gif", "--out", "b.mpg", "--out", "c.jpg"], "c.jpg: no picture can have"),
+    (["--out", "a.png", "--out", "a.gif", "--size", "85mm"], "asks for paper: a film has pixels"),
+    (["--at", "1 s", "--at", "soon"], "\nerror: at='soon'"),
+    (["--strip", "99"], "2 to 24 pictures"),
+    (["--strip", "two"], "'two' is not a valid integer"),
+    (["--at", "end", "--out", "a.gif"], "at asks for single moments"),
+    (["--transparent", "--format", "mp4"], "transparent asks for a see-through ground"),
+    (["--format", "svg", "--out", "a.svg"], "give one of the two"),
+    (["--size", "2y"], "as in 2x"),
+    (["--size", "800"], "800x600"),
+    (["--fps", "30"], "25"),
+    (["--show", "velocty"], "did you mean 'velocity'"),
+    (["--max-frames", "9"], "Use --limit frames=VALUE."),
+    (["--bare"], "Use --labels none."),
+])
+def test_wrong_pictures(sandbox, saved, words, told):
+    said = sandbox("render", saved, *words)
+    assert said.code == 2
+    assert told in said.err
+    assert not Path("a.gif").exists()
+    assert not Path("a.png").exists()
+
+
+@pytest.fixture
+def runs():
+    """Two runs in renders/."""
+    recording(reach=(1, 1, 0.5)).save("renders/controlled")
+    recording(finger("other"), zeta=0.3, omega=9).save("renders/other")
+
+
+def test_a_page_lies_beside_its_run_or_shows_several(sandbox, runs):
+    said = sandbox("report", "controlled", "--plot", "finger.*.angle")
+    assert said.code == 0
+    assert said.out.startswith("renders/controlled/report.html  (")
+    page = Path("renders/controlled/report.html").read_text()
+    assert page.count("data-run>") == 1
+    plots = json.loads(re.search(r'"plots":(\[.*?\])', page)[1])
+    assert {"finger.mcp.angle", "finger.pip.angle", "finger.dip.angle"} <= set(plots)
+    recording().save("renders/controlled")  # a new run removes the page of the old one
+    assert not Path("renders/controlled/report.html").exists()
+    said = sandbox("report", "controlled", "renders/other", "--out", "both.html", "--json")
+    told = json.loads(said.out)
+    assert told["runs"] == ["renders/controlled", "renders/other"]
+    assert told["bytes"] == Path(told["file"]).stat().st_size
+    assert Path("both.html").read_text().count("data-run>") == 2
+    for words, told in (
+            (["controlled", "--plot", "finger.mcp.angel"], "Did you mean 'finger.mcp.angle'?"),
+            (["controled"], "did you mean 'controlled'"),
+            (["controlled", "renders/controlled"], "is given twice"),
+            (["controlled", "--out", "page.txt"], "does not end in .html"),
+            (["controlled", "--out", "no/where/page.html"], "no directory")):
+        said = sandbox("report", *words)
+        assert said.code == 2
+        assert told in said.err
+
+
+def test_the_page_of_an_incomplete_run(sandbox):
+    run = recording()
+    info = replace(run.info, status=Status.INTERRUPTED, reason=INTERRUPTED)
+    type(run)(run.mechanism, run.arrays, info).save("renders/stopped")
+    said = sandbox("report", "stopped")
+    assert said.code == 0
+    assert "was interrupted" in said.err
+    assert '"complete":false' in Path("renders/stopped/report.html").read_text()
+
+
+def test_run_writes_the_same_page(sandbox, scene):
+    told = json.loads(sandbox("run", scene(), "--report", "--no-render", "--json").out)
+    assert "report.html" in told["files"]
+    page = Path("renders/ball/report.html").read_text()
+    assert '"ok":true' in page
+    assert '"verdict":"pass"' in page
+    assert sandbox("report", "ball", "--out", "again.html").code == 0
+    assert [f["name"] for f in told["audit"]] == [f.name for f in saved_audit(Path("renders/ball"))]
+    # equal but for the digits that a file keeps
+    assert len(Path("again.html").read_text()) == pytest.approx(len(page), rel=0.01)
