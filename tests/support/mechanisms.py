@@ -7,7 +7,7 @@ from typing import Any
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
-from tests.support.fingers import DiscRow, FingerSet
+from tests.support.reference import DiscRow, FingerSet
 
 BODIES = ("finger.proximal", "finger.middle", "finger.distal")
 HINGES = ("finger.mcp", "finger.pip", "finger.dip")

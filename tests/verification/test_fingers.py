@@ -21,7 +21,7 @@ from sandbox.mechanics.statics import contact_forces, contact_jacobian, joint_to
 from sandbox.mechanics.tendon import guide_forces, route
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from tests.support.fingers import SET_A, SET_G, SET_G_TABLE, Chain, DiscRow, FingerSet
+from tests.support.reference import SET_A, SET_G, SET_G_TABLE, Chain, DiscRow, FingerSet
 from tests.support.mechanisms import BODIES, HINGES, G, finger
 
 from .case import Check, case

@@ -10,7 +10,7 @@ import numpy as np
 from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from tests.support.fingers import integrate
+from tests.support.reference import integrate
 from tests.support.mechanisms import Json, fixed, force, simulated, spring
 
 from .case import STEPS, Check, case

@@ -17,7 +17,7 @@ from sandbox.mechanics.tendon import route
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.scene.read.load import load_scene, read_scene
-from tests.support.fingers import SET_G
+from tests.support.reference import SET_G
 from tests.support.mechanisms import G, Json, fixed, mass, mechanism, pin, simulated, spring
 
 from .case import Check, case

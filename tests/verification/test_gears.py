@@ -10,7 +10,7 @@ import numpy as np
 
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from tests.support.fingers import integrate
+from tests.support.reference import integrate
 from tests.support.mechanisms import G, Json, fixed, pin, simulated
 
 from .case import Check, case

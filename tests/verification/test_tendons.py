@@ -15,7 +15,7 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import verdicts
 from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.read.load import load_scene
-from tests.support.fingers import integrate
+from tests.support.reference import integrate
 from tests.support.mechanisms import G, cord, fixed, guide, mass, pin, simulated, spring
 
 from .case import Check, case

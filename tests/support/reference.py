@@ -163,3 +163,21 @@ def integrate(derivative: Callable[[float, Array], Any], start: Any, times: Arra
                       rtol=1e-11, atol=1e-13)
     assert found.success, found.message
     return np.asarray(found.y.T)
+
+
+def stick_slip(t: Array, mass: float, stiffness: float, speed: float, static: float,
+               sliding: float) -> Array:
+    """Position x(t) [m] of a block dragged by a spring whose other end moves at ``speed``.
+
+    At t = 0 the block is at rest and the spring relaxed. It sticks until the spring's force is
+    ``static`` [N]. It then slips against ``sliding`` [N] for 2 (pi - atan(d w / v)) / w, with
+    w^2 = k / m and d = (static - sliding) / k; the stretch that is left is sliding / k - d.
+    """
+    omega, more = np.sqrt(stiffness / mass), (static - sliding) / stiffness
+    slips = 2 * (np.pi - np.arctan2(more * omega, speed)) / omega
+    period, first = slips + 2 * more / speed, static / stiffness / speed
+    u = np.where(t < first, 0.0, (t - first) % period)
+    start, slip = np.where(t < first, first, t - u), np.minimum(u, slips)
+    stretch = (sliding / stiffness + more * np.cos(omega * slip)
+               + speed / omega * np.sin(omega * slip))
+    return np.asarray(speed * (start + slip) - stretch)
