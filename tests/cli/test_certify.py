@@ -1,4 +1,4 @@
-"""``sandbox certify`` and ``sandbox verify`` as a user has them."""
+"""``sandbox certify`` as a user has it."""
 
 from __future__ import annotations
 
@@ -61,18 +61,6 @@ def test_a_run_that_diverges_exits_3(
     assert (said.code, data["exit_code"], data["status"]) == (3, 3, "diverged")
     assert [each["run"] for each in data["diverged"]] == ["h"]
     assert data["quantities"][0]["values"][0] is None
-
-
-def test_verify_one_case(sandbox: Callable[..., Any], tmp_path: Path) -> None:
-    said = sandbox("verify", "--only", "atwood")
-    assert said.code == 0
-    assert "1 of 1 cases hold." in said.out
-    assert list(Path().glob("*")) == []
-    said = sandbox("verify", "--only", "atwood", "--out", "report", "--json")
-    assert said.code == 0
-    assert json.loads(said.out)["cases"][0]["ok"] is True
-    assert {path.name for path in Path("report").iterdir()} == {
-        "index.md", "results.json", "atwood.png"}
 
 
 def test_nothing_to_certify(sandbox: Callable[..., Any], scene: Callable[..., Path]) -> None:

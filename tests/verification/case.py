@@ -78,6 +78,7 @@ class Case:
     scene: str
     source: str
     run: Callable[[], Iterator[Check]]
+    module: str
 
 
 CASES: dict[str, Case] = {}
@@ -89,7 +90,7 @@ def case(title: str, equation: str, scene: str) -> Callable[[Callable[[], Iterat
     """Register a generator of checks as a case; pytest gets a function that runs it."""
     def register(run: Callable[[], Iterator[Check]]) -> Callable[[], None]:
         name = run.__name__.removeprefix("test_")
-        CASES[name] = Case(name, title, equation, scene, "", run)
+        CASES[name] = Case(name, title, equation, scene, "", run, run.__module__)
 
         def test() -> None:
             assert_all(run())
@@ -199,7 +200,8 @@ def benchmark(
 
         by_day = quick or steps[:2]
         name = define.__name__.removeprefix("test_")
-        CASES[name] = Case(name, title, "", problem, source, lambda: run(by_day))
+        CASES[name] = Case(name, title, "", problem, source, lambda: run(by_day),
+                           define.__module__)
 
         @pytest.mark.parametrize("what", ["steps", *(
             pytest.param(each, marks=pytest.mark.nightly) for each in ("fine steps", "fault"))])

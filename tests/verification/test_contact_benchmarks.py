@@ -33,8 +33,8 @@ def first(mask: Array) -> int:
 
 
 @benchmark("Bouncing ball",
-           "A ball falls by 1 m onto a floor with e = 0.9, and bounces until it lies, after t₁ (1 + "
-           "e)/(1 − e) and endlessly many impacts.",
+           "A ball falls by 1 m onto a floor with e = 0.9, and bounces until it lies, after t₁ (1 "
+           "+ e)/(1 − e) and endlessly many impacts.",
            "siconos-tutorials, BouncingBallTS.cpp; closed form. Below 1 cm/s, from the 58th impact "
            "on, impacts are plastic.",
            steps=(5e-4, 2e-4, 1e-4), fault={"materials.hard.restitution": 0.89})
@@ -167,7 +167,8 @@ def test_rocking_block() -> Problem:
         1.0, step, gravity=[0.0, -G], bodies=bodies,
         materials={"rough": {"friction": 1.5, "restitution": 0.0}}), [
             event("instants of the first fall", "s", falls, 1.0, "an instant is known to its step"),
-            event("rates before the impact", "rad/s", rates, 2 * max(b.p2 * b.alpha for b in BLOCKS),
+            event("rates before the impact", "rad/s", rates,
+                  2 * max(b.p2 * b.alpha for b in BLOCKS),
                   "of the last sample before it, up to two steps of p² α early"),
             event("peaks after it", "α", peaks, max(shares), f"{landing}; gravity changes the rate "
                   "in three steps"),
@@ -180,8 +181,8 @@ ROWS = tuple((count, e) for e in (1.0, 0.5, 0.0) for count in (3, 5))
 
 @benchmark("Row of touching discs",
            "Equal discs touch in a row; another runs into the first one at 1 m/s. With e = 1 three "
-           "leave with (0, 0, 1) where impacts come one after the other, as in Newton's cradle, and "
-           "with (−1/3, 2/3, 2/3) where all are reflected at once by Newton's law (Moreau).",
+           "leave with (0, 0, 1) where impacts come one after the other, as in Newton's cradle, "
+           "and with (−1/3, 2/3, 2/3) where all are reflected at once by Newton's law (Moreau).",
            "Closed form of the law in sequence, the fastest approach first: the law of the engine.",
            steps=(1e-3, 5e-4, 2.5e-4), fault={"bodies[row1_disc2].mass": 0.1001})
 def test_struck_row() -> Problem:
@@ -192,7 +193,8 @@ def test_struck_row() -> Problem:
             bodies.append({
                 "name": name, "mass": 0.1, "material": f"e{10 * e:g}",
                 "at": [0.02 * i - (0.0 if i else 0.01), 0.1 * row],
-                "velocity": [0.0 if i else 1.0, 0.0], "shapes": [{"type": "circle", "radius": 0.01}]})
+                "velocity": [0.0 if i else 1.0, 0.0],
+                "shapes": [{"type": "circle", "radius": 0.01}]})
             digits.append(Digit(speed, lambda run, name=name: float(run[f"{name}.vx"][-1])))
     return lambda step: spelled(0.02, step, bodies=bodies, materials={
         f"e{10 * e:g}": {"friction": 0.0, "restitution": e} for _, e in ROWS}), [
@@ -244,9 +246,9 @@ def test_friction_oscillator() -> Problem:
 
 
 @benchmark("Pinch that must not creep",
-           "Two pads press 12 N each on a disc of 45 g, r = 4 mm, with μ = 0.7: it has to stay where "
-           "it is. Soft contact models let it sink by 50 to 2300 μm/s. A second disc is pressed 1 % "
-           "too weakly and has to slide, with 0.01 g.",
+           "Two pads press 12 N each on a disc of 45 g, r = 4 mm, with μ = 0.7: it has to stay "
+           "where it is. Soft contact models let it sink by 50 to 2300 μm/s. A second disc is "
+           "pressed 1 % too weakly and has to slide, with 0.01 g.",
            "MuJoCo, issue 3328.",
            steps=(2e-3, 1e-3, 5e-4), fault={"materials.rubber.friction": 0.703})
 def test_pinch() -> Problem:
@@ -292,11 +294,11 @@ def first_slip(forces: Callable[[float], tuple[float, float]], friction: float) 
 
 @benchmark("Toppling rod",
            "A thin uniform rod falls over from upright. While its tip sticks the floor carries N = "
-           "m g (3 cos θ − 1)²/4 and F = ¾ m g sin θ (3 cos θ − 2); it slips where |F| exceeds μ N, "
-           "backward or forward.",
-           "Textbook; closed form. It begins at 0.1 rad, with the rate that it has there; the first "
-           "two samples are left out. The tip is a corner of 1 : 50. μ = 0.37 is left out: with F/N "
-           "≤ 0.370579 its place depends on 2 · 10⁻³ of F/N.",
+           "m g (3 cos θ − 1)²/4 and F = ¾ m g sin θ (3 cos θ − 2); it slips where |F| exceeds μ "
+           "N, backward or forward.",
+           "Textbook; closed form. It begins at 0.1 rad, with the rate that it has there; the "
+           "first two samples are left out. The tip is a corner of 1 : 50. μ = 0.37 is left out: "
+           "with F/N ≤ 0.370579 its place depends on 2 · 10⁻³ of F/N.",
            steps=(1e-3, 5e-4, 2.5e-4), fault={"bodies[rod6].inertia": 1.02 * 0.2 * 0.25 / 12})
 def test_toppling_rod() -> Problem:
     length, m, start = 0.5, 0.2, 0.1
@@ -384,8 +386,8 @@ class Rolling(NamedTuple):
 
 @benchmark("Disc rolling off a disc",
            "A disc on top of a fixed one begins to roll down, N = m g (cos θ − 2 (1 − cos θ)/(1 + "
-           "k)), and leaves at cos θ = 4/7; a hoop at 1/2, a smooth disc at 2/3. With less friction "
-           "it slips before.",
+           "k)), and leaves at cos θ = 4/7; a hoop at 1/2, a smooth disc at 2/3. With less "
+           "friction it slips before.",
            "Textbook; closed form. It begins at 0.1 rad, as fast as it is there; the first two "
            "samples are left out.",
            steps=(1e-3, 5e-4, 2.5e-4), fault={"bodies[disc].inertia": 0.505 * 0.05**2})

@@ -10,8 +10,8 @@ import numpy as np
 from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from tests.support.reference import integrate
 from tests.support.mechanisms import Json, fixed, force, simulated, spring
+from tests.support.reference import integrate
 
 from .case import STEPS, Check, case
 
@@ -96,7 +96,7 @@ def test_throttle() -> Iterator[Check]:
 
 @case("Gas through an orifice into a cylinder",
       "M′ = C_d A √(2 Δp/ρ), p + p₀ = p₀ (M/V)ⁿ, m x″ = p A − F − k x − c x′",
-      "a ram on a spring and a damper, lifted by gas from a vessel of 6 bar; integration of order 8")
+      "a ram on a spring and a damper, lifted by gas of 6 bar; integration of order 8")
 def test_filling() -> Iterator[Check]:
     m, n, load, source, k, c, duration = 10.0, 1.4, 200.0, 6e5, 2000.0, 300.0, 0.5
     volume, start = 2e-4, load / AREA

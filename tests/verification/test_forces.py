@@ -17,8 +17,8 @@ from sandbox.mechanics.tendon import route
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.scene.read.load import load_scene, read_scene
-from tests.support.reference import SET_G
 from tests.support.mechanisms import G, Json, fixed, mass, mechanism, pin, simulated, spring
+from tests.support.reference import SET_G
 
 from .case import Check, case
 
@@ -89,7 +89,7 @@ def test_one_sided_springs() -> Iterator[Check]:
         springs=[spring("spring", "wall", "bob", rest_length=1.0, stiffness=stop, only="push")])
     yield Check("speed after a bump stop", "m/s", speed, run["bob.vx"][-1],
                 speed * math.sqrt(stop) * h / 2,
-                "the first and last step are each off by up to h v of the way, ω h / 2 of the speed")
+                "first and last step are each off by up to h v of the way, ω h / 2 of the speed")
 
 
 def loaded(load: Mapping[str, object], duration: float, g: float = 0.0, h: float = 1e-3,

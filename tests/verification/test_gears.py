@@ -10,8 +10,8 @@ import numpy as np
 
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from tests.support.reference import integrate
 from tests.support.mechanisms import G, Json, fixed, pin, simulated
+from tests.support.reference import integrate
 
 from .case import Check, case
 
@@ -114,7 +114,7 @@ def test_backlash() -> Iterator[Check]:
 
 
 @case("Disc that rolls over another", "(m l² + I (l/r)²) φ″ = m g l sin φ; N = m g cos φ − m l φ′²",
-      "a disc released 0.3 rad beside the top of a fixed one and held to it; integration of order 8")
+      "a disc released 0.3 rad from the top of a fixed one, held to it; integration of order 8")
 def test_rolling_circles() -> Iterator[Check]:
     ra, rb, m, inertia, start = 0.05, 0.03, 1.0, 4.5e-4, 0.3
     arm = ra + rb

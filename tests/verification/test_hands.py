@@ -112,7 +112,8 @@ def test_grasp_states() -> Iterator[Check]:
     """A pose beyond the equilibrium curve slides to it, to a limit or off the tip."""
     for expected, theta, k_2 in (
             (GraspState.STABLE, (0.6, 0.8), 0.026), (GraspState.STABLE, (0.6, 1.1), 0.019),
-            (GraspState.EQUILIBRIUM, (0.6, 0.6), 0.010), (GraspState.EQUILIBRIUM, (0.9, 0.5), 0.006),
+            (GraspState.EQUILIBRIUM, (0.6, 0.6), 0.010),
+            (GraspState.EQUILIBRIUM, (0.9, 0.5), 0.006),
             (GraspState.STOP, (0.6, 1.1), 0.004), (GraspState.EJECTS, (0.6, 0.1), 0.0275)):
         start = Pose(theta, k_2)
         parts = links(theta, LENGTHS, [[{"type": "capsule", "end": (length, 0.0), "radius": RADIUS}]

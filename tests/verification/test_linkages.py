@@ -124,8 +124,8 @@ test_a02_1, test_a02_2, test_a02_10, test_a02_40 = map(four_bars, TIPS)
 
 
 @benchmark("Four-bar with point masses",
-           "Two masses of 3 kg at (0, 2) and (4, 5) m, on massless rods of 2, 5 and 5 m from (0, 0) "
-           "by both to (4, 0), both at 4 m/s along x, under their weight for 2 s.",
+           "Two masses of 3 kg at (0, 2) and (4, 5) m, on massless rods of 2, 5 and 5 m from (0, "
+           "0) by both to (4, 0), both at 4 m/s along x, under their weight for 2 s.",
            "EXUDYN's test fourBarMechanismTest. Digits by an integration of order 8. Differs: "
            "there the second mass starts with 10 m/s, which the coupler does not allow.",
            steps=(2e-3, 1e-3, 5e-4), fault={"bodies[p2].mass": 3.03})
@@ -199,8 +199,8 @@ def test_andrews() -> Problem:
            "A massless axle rocks about its left end, y_r = 0.1 sin 10 t at its right; two masses "
            "of 0.5 g, 1 m apart, stand on it on springs of 1 N/m, the left one guided along the "
            "axle's normal. A differential-algebraic problem of index 3.",
-           f"{IVP}. Digits at 3 s are the test set's, the others those of an integration of order 8 "
-           "that meets them to ten digits.",
+           f"{IVP}. Digits at 3 s are the test set's, the others those of an integration of order "
+           "8 that meets them to ten digits.",
            steps=(1e-3, 5e-4, 2.5e-4), fault={"bodies[right].mass": 1.01 * 5e-4})
 def test_car_axis() -> Problem:
     m, rate = 5e-4, (1.0 / 5e-4)**0.5
@@ -249,8 +249,8 @@ def crank_and_rod() -> list[Json]:
 
 
 @benchmark("Slider-crank without clearance",
-           "A crank of 153 mm at 150 rad/s, a rod of 306 mm, a slider on the x axis, nothing drives "
-           "it; weight, 0.2 s.",
+           "A crank of 153 mm at 150 rad/s, a rod of 306 mm, a slider on the x axis, nothing "
+           "drives it; weight, 0.2 s.",
            f"{FLORES}. Digits by an integration of order 8 in one coordinate. Differs: no "
            "clearance, so that the motion is smooth.",
            steps=(2e-4, 1e-4, 5e-5), fault={"bodies[slider].mass": 1.01 * MASSES[2]})
@@ -267,7 +267,8 @@ def test_slider_crank() -> Problem:
                 {"type": "slot", "name": "groove", "a": "ground", "b": "slider", "turns": False,
                  "start": [0.1, 0.0], "end": [0.6, 0.0]}],
         meters=[{"name": "turns", "value": "=crank.angle / tau", "unit": "1"}]), [
-            Criterion("turns of the crank", "1", [at("turns", t, x) for t, (x, _) in course.items()],
+            Criterion("turns of the crank", "1",
+                      [at("turns", t, x) for t, (x, _) in course.items()],
                       why, 3.0, fastest, floor=1e-9),
             Criterion("rate of the crank", "rad/s",
                       [at("crank.omega", t, x) for t, (_, x) in course.items()],
@@ -292,8 +293,8 @@ KEPT = "joints and motor keep it; the cubic between samples at the coarsest step
 @benchmark("Quick return",
            "A crank of 80 mm at 10 rad/s whose pin slides in a lever that turns about a pivot 200 "
            "mm below: the lever returns 1.71 times faster than it goes.",
-           "A textbook's mechanism with numbers of our own. Digits by the closed form tan φ = r cos "
-           "θ / (d + r sin θ), its derivatives, and statics.",
+           "A textbook's mechanism with numbers of our own. Digits by the closed form tan φ = r "
+           "cos θ / (d + r sin θ), its derivatives, and statics.",
            steps=(2e-3, 1e-3, 5e-4), fault={"bodies[lever].inertia": 1.01 * 2e-3})
 def test_quick_return() -> Problem:
     """Poses by the crank's angle [deg]: angle [deg], rate and acceleration of the lever, distance
@@ -381,8 +382,8 @@ def geneva(slots: int) -> Callable[[str], None]:
         f"Geneva wheel of {slots} slots",
         f"A wheel of {slots} slots, 50 mm from its driver, which turns at 10 rad/s: from where the "
         "peg enters to where it leaves.",
-        "A textbook's mechanism with numbers of our own; closed form λ (cos α − λ) / (1 − 2 λ cos α "
-        "+ λ²), λ = sin(π/n). The slot is a joint without play, and there is no locking disc.",
+        "A textbook's mechanism with numbers of our own; closed form λ (cos α − λ) / (1 − 2 λ cos "
+        "α + λ²), λ = sin(π/n). The slot is a joint without play, and there is no locking disc.",
         steps=(2e-3, 1e-3, 5e-4), fault={
             "parameters.radius": 1.01 * 0.05 * math.sin(math.pi / slots)})(define)
 
@@ -391,8 +392,8 @@ test_geneva_4, test_geneva_6 = map(geneva, (4, 6))
 
 
 @benchmark("String over a disc",
-           "Length of a string from (−0.10, −0.05) over the top of a disc of 30 mm at the origin to "
-           "(0.08, −0.12) m, whose right end is then led upwards.",
+           "Length of a string from (−0.10, −0.05) over the top of a disc of 30 mm at the origin "
+           "to (0.08, −0.12) m, whose right end is then led upwards.",
            "MuJoCo's tendon wrapping, which gives the same 15 digits, 0.3065998890546526 m; closed "
            "form: two tangents and the arc between them.",
            steps=(2e-3, 1e-3, 5e-4), fault={"tendons[string].guides[1].radius": 1.01 * 0.03})

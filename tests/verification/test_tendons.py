@@ -15,8 +15,8 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import verdicts
 from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.read.load import load_scene
-from tests.support.reference import integrate
 from tests.support.mechanisms import G, cord, fixed, guide, mass, pin, simulated, spring
+from tests.support.reference import integrate
 
 from .case import Check, case
 
@@ -71,7 +71,8 @@ def test_rocker_arms() -> Iterator[Check]:
             springs=[spring(f"damper{i}", "wall", "rocker", on_a=far, stiffness=0.0, damping=6.0)
                      for i, far in enumerate([(1.0, 0.5), (0.0, 1.5)])],
             tendons=[cord("main", ("rocker",), ("wall", (0.0, 1.0))),
-                     *(cord(name, ("rocker", (x, 0.0)), ("wall", (x, 0.0)), stiffness=k, damping=3.0)
+                     *(cord(name, ("rocker", (x, 0.0)), ("wall", (x, 0.0)), stiffness=k,
+                            damping=3.0)
                        for name, x, k in (("first", -a, 900.0), ("second", b, 700.0)))],
             drives=[{"type": "pull", "name": "pull", "tendon": "main", "value": pull}])
         x, y, angle = (float(run[f"rocker.{key}"][-1]) for key in ("x", "y", "angle"))
@@ -321,7 +322,8 @@ def test_pushed_wheel() -> Iterator[Check]:
             fixed("ground"), {"name": "wheel", "motion": "scheduled", "at": (0.0, 0.06),
                               "path": {"y": "=0.06 - 0.12 * sin(pi * t) ** 2"}}],
         tendons=[{"name": "cord", "stiffness": k, "pretension": start, "guides": [
-            guide("ground", (-half, 0.0)), guide("wheel", radius=r), guide("ground", (half, 0.0))]}])
+            guide("ground", (-half, 0.0)), guide("wheel", radius=r),
+            guide("ground", (half, 0.0))]}])
     y = 0.06 - 0.12 * np.sin(math.pi * run.time)**2
     away = np.hypot(half, y)
     phi = np.maximum(2 * (np.arcsin(r / away) - np.arctan2(y, half)), 0.0)
@@ -333,7 +335,7 @@ def test_pushed_wheel() -> Iterator[Check]:
 
 
 def interrupted(depth: float, start: float, duration: float) -> Recording:
-    """Pendulum of 0.5 m released at an angle [rad], a peg of 10 mm ``depth`` [m] below its pivot."""
+    """Pendulum of 0.5 m released at an angle [rad], a peg of 10 mm ``depth`` [m] below."""
     return simulated(
         duration, 2.5e-4, g=G, every_step=True, bodies=[
             fixed("ground"), mass("bob", 1.0, (0.5 * math.sin(start), -0.5 * math.cos(start)))],

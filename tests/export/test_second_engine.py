@@ -23,9 +23,8 @@ from sandbox.mechanics.grasp import disc_centre
 from sandbox.recording.recording import Recording
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.mechanism import Mechanism
-from sandbox.study.reference_fingers import SET_G, SET_G_TABLE, DiscRow
-
-from .machines import BODIES, HINGES, finger, fixed, mass, mechanism
+from tests.support.mechanisms import BODIES, HINGES, finger, fixed, mass, mechanism
+from tests.support.reference import SET_G, SET_G_TABLE, DiscRow
 
 pytestmark = pytest.mark.nightly
 mujoco = pytest.importorskip(

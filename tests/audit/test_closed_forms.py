@@ -16,9 +16,8 @@ from sandbox.audit.rest import Rest, beyond_joint, grip_of
 from sandbox.engine.simulate import simulate
 from sandbox.mechanics.statics import contact_forces
 from sandbox.recording.recording import Recording
-from sandbox.study.reference_fingers import SET_G, SET_G_TABLE
-
-from .machines import G, finger, fixed, mass, mechanism
+from tests.support.mechanisms import G, finger, fixed, mass, mechanism
+from tests.support.reference import SET_G, SET_G_TABLE
 
 H = 5e-4
 
