@@ -10,9 +10,8 @@ from benchmarks.measure import Figure
 from sandbox.engine.simulate import simulate
 from sandbox.mechanics.grasp import disc_centre
 from sandbox.recording.recording import Recording
-from sandbox.study import independent as reference
-from sandbox.study.reference_fingers import SET_G, SET_G_TABLE
-from tests.verification.machines import BODIES, HINGES, finger
+from tests.support.mechanisms import BODIES, HINGES, finger
+from tests.support.reference import SET_G, SET_G_TABLE, Chain
 
 STEPS = {5e-4: 0.006, 2.5e-4: 0.0015}
 """Steps [s] and the error of free closing that is allowed at each [deg]."""
@@ -28,8 +27,8 @@ def closing() -> list[Figure]:
     errors = []
     for step in (1e-3, *STEPS):
         run = simulate(finger(SET_G, pull=3.0, duration=0.06, step=step, stops=False))
-        truth = reference.integrate(SET_G, run.time, pull=3.0)
-        errors.append(float(np.abs(angles(run) - np.degrees(truth.angle)).max()))
+        truth = Chain(SET_G).integrate(run.time, 3.0)[:, :3]
+        errors.append(float(np.abs(angles(run) - np.degrees(truth)).max()))
     return [
         *(Figure(f"free closing, error at h = {1e3 * step:g} ms", error, "deg", most=most)
           for (step, most), error in zip(STEPS.items(), errors[1:], strict=True)),

@@ -29,8 +29,8 @@ from sandbox.export import export_mechanism
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
-from sandbox.study.reference_fingers import SET_G, SET_G_TABLE
 from sandbox.study.refine import at_instants
+from tests.support.reference import SET_G, SET_G_TABLE
 
 STEPS = (4e-3, 2e-3, 1.6e-3, 1e-3, 5e-4, 2.5e-4)
 """Of sandbox [s]."""

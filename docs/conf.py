@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import ast
 import re
+import sys
 from pathlib import Path
 
 from docutils import nodes
 from sphinx.application import Sphinx
 
 import sandbox
+
+sys.path.insert(0, str(Path(__file__).parent))
+import make_validation
 
 project = "sandbox"
 author = "The sandbox authors"
@@ -41,6 +45,7 @@ pygments_style, pygments_dark_style = "friendly", "github-dark"
 
 def setup(app: Sphinx) -> None:
     """Blocks of the docs have a second word, for the tests; docstrings have plain formulas."""
+    app.connect("builder-inited", lambda _app: make_validation.write())
     app.connect("source-read", _one_word)
     app.connect("autodoc-process-signature", _builder)
     app.connect("autodoc-process-docstring", _words, priority=2)

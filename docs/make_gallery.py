@@ -85,17 +85,6 @@ def figure(scene: str) -> Draw:
     return draw
 
 
-def verification(case: str) -> Draw:
-    """The picture of a case of ``sandbox verify``."""
-    def draw(work: Work, path: Path) -> None:
-        folder = work.folder / "verification"
-        if invoke(["verify", "--only", case, "--out", str(folder), "--quiet"]):
-            raise SystemExit(f"the case {case} failed")
-        shutil.copyfile(folder / path.name, path)
-
-    return draw
-
-
 def study(name: str, file: str) -> Draw:
     """A picture that ``sandbox study`` writes."""
     return lambda work, path: shutil.copyfile(work.study(name) / file, path) and None
@@ -264,7 +253,6 @@ PICTURES: dict[str, Draw] = {
                                        "parameters.load=0 N:1.5 N:21"),
     "held_disc_push.png": command("push", "held_disc", "--at", "0.15", "--set",
                                    "parameters.limit=0"),
-    "grasp_states.png": verification("grasp_states"),
     "least_pull.png": study("least-pull", "least_pull.png"),
     "ideal_pull.png": study("ideal-pull", "ideal_pull.png"),
     "redundancy.png": study("redundancy", "redundancy.png"),

@@ -18,6 +18,7 @@ import re
 import shlex
 import sys
 from dataclasses import fields
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -37,7 +38,7 @@ from .test_architecture import FLOORS
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted(page for page in (ROOT / "docs").rglob("*.md")
-                                     if page.parent.name != "verification")]
+                                     if page.name != "validation.md")]
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 KINDS = {"console", *WHOLE, "json piece", "json broken", "json study", "python", "sh"}
 RUN_ELSEWHERE = {
@@ -78,6 +79,8 @@ RUN_ELSEWHERE = {
 }
 """Every command of a ``sh`` block, and where it is run."""
 
+GENERATED = ROOT / "docs" / "validation.md"
+"""Page that the site build writes."""
 MEASURED = {ROOT / "docs" / f"work_precision_{name}.png" for name in ("pose", "forces")}
 """Pictures that ``python -m benchmarks --draw docs`` makes."""
 
@@ -182,10 +185,19 @@ def test_links_lead_somewhere(page: Path) -> None:
             continue
         name, _, anchor = target.partition("#")
         other = page.parent / name if name else page
+        if other == GENERATED:
+            assert not anchor or anchor in {_anchor(case.title) for case in validation_cases()}
+            continue
         assert other.exists(), target
         if anchor:
             heads = re.findall(r"^#+ (.+)$", other.read_text(encoding="utf-8"), re.MULTILINE)
             assert anchor in {_anchor(head) for head in heads}, target
+
+
+@cache
+def validation_cases() -> list[Any]:
+    generator = script("make_validation")
+    return [case for module in generator.MODULES for case in generator.cases(module)]
 
 
 def _anchor(head: str) -> str:

@@ -19,7 +19,7 @@ GROUPS = {
     "Results": {"plot": "plot", "render": "runs", "report": "runs"},
     "Questions": {
         "sweep": "sweep", "search": "search", "rest": "rest", "converge": "accuracy",
-        "bounds": "accuracy", "push": "push", "study": "study", "verify": "verify"},
+        "bounds": "accuracy", "push": "push", "study": "study"},
     "Exchange": {"export": "export"},
 }
 """The commands by group, each with its module in this package."""
@@ -30,6 +30,7 @@ REMOVED = {
     "completion": "Use _SANDBOX_COMPLETE=bash_source sandbox (or zsh_source, fish_source).",
     "expand": "Use 'sandbox check SCENE --expand'.",
     "schema": "Use 'sandbox check --schema'.",
+    "verify": "The validation cases are tests: run 'pytest tests/verification' in a checkout.",
 }
 """Commands of earlier versions, and what replaces each."""
 REMOVED_OPTIONS = {

@@ -5,13 +5,6 @@ computed here, and what was done about its misprints:
 
 | equation | function | note |
 |---|---|---|
-| (1) | `differential.pulley_ends` | first end of the cord |
-| (2) | `differential.pulley_ends` | second end of the cord |
-| (3) | `differential.pulley_turn` | `pulley_rotation` takes both ends: (3) with (4) |
-| (4) | `differential.pulley_axle` | any pulley; printed as (5) is, under another name |
-| (5) | `differential.pulley_axle` | the left pulley |
-| (6) | `differential.pulley_axle` | the right pulley |
-| (7) | `differential.main_displacement` | `tree_displacement` for rockers with unequal arms |
 | (8) | `tendon.guide_radius` | |
 | (9) | `tendon.guide_distance` | |
 | (10) | `tendon.hinge_angle_before` | two-argument atan2; at the hinge, unlike (14) |
@@ -36,17 +29,13 @@ computed here, and what was done about its misprints:
 | (29) | `springs.spring_length` | at delta; `SpringSet.lengths` for a finger |
 | (30) | `springs.SpringSet.elongations` | |
 | (31) | `chain.transforms` | any number of phalanges |
-| (32) | `dynamics.transmitted_actions` | with the change of frame that the paper leaves out |
-| (33) | `dynamics.external_action` | brackets and the transpose of W_g put right |
 
 Beyond the paper: `statics` (joint torques, J, contacts that let go, stops that
 act, which forces are determined), `transmission` (ratios, the two-phalanx
 equilibrium curve, isotropy), `grasp_state` (the grasp-state map and its slides),
 `grasp` (a finger round a disc), `closure` (force closure of an object, epsilon,
 isotropy), `grasp_stiffness` (what a push of it is answered with), `four_bar`
-(linkages, fingers that a crank closes), `motion` (accelerations of the
-phalanges), `reactions` (joint reactions of chains and
-trees from the world's numbers).
+(linkages, fingers that a crank closes).
 
 docs/mechanics.md has worked examples of the latter.
 

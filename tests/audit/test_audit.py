@@ -14,9 +14,9 @@ from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.recording.store import summary
 from sandbox.samples.outcome import Status
-from sandbox.study.reference_fingers import SET_G, SET_G_TABLE
 from tests.engine.machines import G, disc, fixed, mass, mechanism
-from tests.verification.machines import finger
+from tests.support.mechanisms import finger
+from tests.support.reference import SET_G, SET_G_TABLE
 
 MIDDLE = 2
 

@@ -17,9 +17,9 @@ import pytest
 from sandbox.audit.audit import audit
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from sandbox.study.reference_fingers import SET_G, SET_G_TABLE
 from tests.engine.machines import G, disc, fixed, mass, mechanism
-from tests.verification.machines import finger
+from tests.support.mechanisms import finger
+from tests.support.reference import SET_G, SET_G_TABLE
 
 MIDDLE, DISC, EVERY = 2, 4, slice(None)
 Plant = Callable[[Recording, float], Recording]

@@ -9,7 +9,7 @@ from sandbox.audit.audit import audit
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.scene.read.load import load_scene
-from sandbox.study.plain_mechanisms import fixed, mass, mechanism
+from tests.support.mechanisms import fixed, mass, mechanism
 
 from .still import figures
 

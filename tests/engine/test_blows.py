@@ -7,7 +7,7 @@ import pytest
 
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from sandbox.study.plain_mechanisms import G, fixed, mechanism
+from tests.support.mechanisms import G, fixed, mechanism
 
 FLOOR = {"type": "box", "size": (4.0, 0.2), "at": (0.0, -0.1)}
 

@@ -9,7 +9,7 @@ import pytest
 
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from sandbox.study.independent import trajectory
+from tests.support.reference import integrate
 
 from .machines import G, disc, fixed, mechanism, sound
 
@@ -141,9 +141,9 @@ def test_a_plane_that_tilts_lets_go_at_static_friction() -> None:
     lets_go = (np.arctan(mu) - np.arcsin(w * w * (start + mu * b) / G / np.hypot(1, mu))) / w
     way = np.cos(w * t) * run["block.x"] - np.sin(w * t) * run["block.y"]
     assert way[t < lets_go] == pytest.approx(start, abs=1e-9)
-    truth = trajectory(
-        t[t > lets_go] - lets_go, lambda u, s, v: G * np.sin(w * (u + lets_go)) + w * w * s
-        - 0.3 * (G * np.cos(w * (u + lets_go)) - 2 * w * v - w * w * b), start)[:, 0]
+    truth = integrate(lambda u, y: [y[1], G * np.sin(w * (u + lets_go)) + w * w * y[0] - 0.3 * (
+        G * np.cos(w * (u + lets_go)) - 2 * w * y[1] - w * w * b)], [start, 0.0],
+        t[t > lets_go] - lets_go)[:, 0]
     jump = 0.15 * G * np.cos(w * lets_go)
     assert way[t > lets_go] == pytest.approx(truth, abs=jump * h**2)
 

@@ -17,7 +17,7 @@ from sandbox.engine.simulate import simulate
 from sandbox.errors import SceneError
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
-from sandbox.study.independent import stick_slip
+from tests.support.reference import stick_slip
 
 from .machines import G, fixed, mechanism, sound
 

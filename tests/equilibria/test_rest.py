@@ -18,7 +18,7 @@ from sandbox.mechanics.tendon import route
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import read_scene
-from sandbox.study.reference_fingers import SET_G
+from tests.support.reference import SET_G
 
 G = 9.81
 RUN = {"duration": 1.0, "step": 1e-3}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sandbox.study.reference_fingers import FingerSet
+from tests.support.reference import FingerSet
 
 
 def frames(lengths: tuple, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -10,7 +10,7 @@ from sandbox.mechanics.embrace import ClosingFinger, Pull, close_on_discs
 from sandbox.mechanics.grasp import disc_centre
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
-from sandbox.study.reference_fingers import SET_G, SET_G_TABLE, DiscRow
+from tests.support.reference import SET_G, SET_G_TABLE, DiscRow
 
 
 @pytest.mark.parametrize("row", SET_G_TABLE)

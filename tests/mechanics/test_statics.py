@@ -10,11 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sandbox.mechanics import chain, statics
-from sandbox.mechanics import differential as d
-from sandbox.mechanics.reactions import joint_reactions
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
-from sandbox.study.reference_fingers import SET_A, SET_G, FingerSet
+from tests.support.reference import SET_A, SET_G, FingerSet
 
 from .coordinates import frames
 
@@ -209,46 +207,3 @@ def test_weight_by_potential_energy() -> None:
     slope = [(energy(theta + e * u) - energy(theta - e * u)) / (2 * e) for u in np.eye(3)]
     found = statics.gravity_torques(chain.transforms(theta, SET_G.lengths), masses, centres, g)
     np.testing.assert_allclose(found, -np.array(slope), rtol=0, atol=1e-11)
-
-
-# --- differentials and reactions
-
-arm = st.floats(0.005, 0.05)
-
-
-@given(st.floats(-0.02, 0.02), st.floats(-3, 3), arm)
-def test_pulley_keeps_its_cord(x_axle: float, theta: float, radius: float) -> None:
-    """(1)-(4): the cord over the wheel keeps its length, and (3), (4) undo (1), (2)."""
-    x_1, x_2 = d.pulley_ends(x_axle, theta, radius)
-    assert x_1 - x_axle == pytest.approx(-(x_2 - x_axle), abs=1e-15)
-    assert d.pulley_rotation(x_1, x_2, radius) == pytest.approx(theta, abs=1e-12)
-    assert d.pulley_axle(x_1, x_2) == pytest.approx(x_axle, abs=1e-15)
-    assert d.pulley_turn(x_1, x_axle, radius) == pytest.approx(theta, abs=1e-12)
-
-
-@given(arm, arm, arm, arm)
-def test_virtual_work_of_an_uneven_tree(a: float, b: float, c: float, e: float) -> None:
-    """F X_P = sum T_i x_i, the shares made by walking down the rockers by hand."""
-    tree = d.Split(first=d.Split(a=c, b=e), a=a, b=b)
-    top_1, top_2 = d.rocker_tensions(1.0, a, b)
-    low_1, low_2 = d.rocker_tensions(float(top_1), c, e)
-    np.testing.assert_allclose(d.tree_shares(tree), [low_1, low_2, top_2], rtol=1e-12)
-    x = np.array([3e-3, -1e-3, 4e-3])
-    by_hand = d.rocker_axle(d.rocker_axle(x[0], x[1], c, e), x[2], a, b)
-    assert d.tree_displacement(tree, x) == pytest.approx(float(by_hand), abs=1e-15)
-
-
-def test_tree_hangs_on_its_trunk() -> None:
-    """A trunk with two branches at rest under gravity: the trunk's joint holds all the weight, each
-    branch's its own, and moments are weight times arm, by hand.
-    """
-    g, m = 9.81, np.array([0.2, 0.05, 0.03])
-    joints = np.array([[0.0, 0.0], [0.1, 0.0], [0.1, 0.0]])
-    centres = np.array([[0.05, 0.0], [0.15, 0.02], [0.08, -0.04]])
-    weight = np.stack([np.zeros(3), -m * g], axis=-1)
-    found = joint_reactions(joints, centres, np.zeros((3, 2)), np.zeros(3), m, np.zeros(3),
-                            weight, np.zeros(3), parents=[-1, 0, 0])
-    np.testing.assert_allclose(found.force, np.stack([[0, 0, 0], [m.sum(), m[1], m[2]]], -1) * g)
-    arms = centres[:, 0] - joints[:, 0]
-    np.testing.assert_allclose(found.moment[1:], m[1:] * g * arms[1:])
-    assert found.moment[0] == pytest.approx(float(g * (m * centres[:, 0]).sum()))

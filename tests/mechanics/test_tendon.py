@@ -9,7 +9,7 @@ import pytest
 from hypothesis import strategies as st
 
 from sandbox.mechanics import springs, tendon
-from sandbox.study.reference_fingers import SET_A, SET_G, FingerSet
+from tests.support.reference import SET_A, SET_G, FingerSet
 
 from .coordinates import frames, straight_lines
 

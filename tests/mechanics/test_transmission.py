@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from sandbox.mechanics import statics, transmission
 from sandbox.mechanics.four_bar import FourBar, crank_torques
 from sandbox.mechanics.transmission import two_phalanx_forces
-from sandbox.study.reference_fingers import SET_G_TABLE, DiscRow
+from tests.support.reference import SET_G_TABLE, DiscRow
 
 
 @pytest.mark.parametrize("row", SET_G_TABLE)

@@ -18,7 +18,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.study import repeats as module
 from sandbox.study.certify import certify
 from sandbox.study.convergence import Kind
-from sandbox.study.plain_mechanisms import G, fixed, mass, mechanism
+from tests.support.mechanisms import G, fixed, mass, mechanism
 
 STIFF, LOAD, START = 200.0, 0.05, 0.01
 OMEGA = np.sqrt(STIFF / LOAD)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from sandbox.scene.elements.controllers import every
-from sandbox.study.plain_mechanisms import mass, mechanism
 from sandbox.study.refine import at_instants, refined
+from tests.support.mechanisms import mass, mechanism
 
 
 def test_refined_run() -> None:

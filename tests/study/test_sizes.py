@@ -7,8 +7,8 @@ import pytest
 
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from sandbox.study.plain_mechanisms import fixed, mass, mechanism
 from sandbox.study.sizes import SceneSizes, usual
+from tests.support.mechanisms import fixed, mass, mechanism
 
 
 def drifting(speed: float = 0.5) -> Recording:

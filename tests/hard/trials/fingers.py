@@ -8,10 +8,10 @@ from sandbox.recording.recording import Recording
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
-from sandbox.study.reference_fingers import SET_G
-from sandbox.verification.benchmarks.pieces import point
 from tests.hard.measures import late
 from tests.hard.trial import AtMost, Measure, Trial
+from tests.support.reference import SET_G
+from tests.verification.case import point
 
 
 def square(step: float) -> Mechanism:

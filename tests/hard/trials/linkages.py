@@ -9,11 +9,11 @@ import numpy as np
 
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
-from sandbox.verification.benchmarks.pieces import GROUND, body, pin, point
 from tests.hard.measures import GAP, closed, energy
 from tests.hard.trial import AtMost, Measure, Order, Trial, spell
 from tests.hard.trials.chains import SECOND_ORDER
 from tests.hard.truth.linkages import Linkage, elbow
+from tests.verification.case import GROUND, body, hinge, point
 
 
 def angle_error(names: tuple[str, ...], linkage: Linkage) -> Measure:
@@ -57,8 +57,8 @@ def four_bar(step: float, speed: float, duration: float, **more: Any) -> Mechani
                  velocity=point(complex(velocity[i])), angular_velocity=rate[i])
             for i, name in enumerate(("crank", "coupler", "rocker"))]
     return spell(duration, step, bodies=[GROUND, *bars], joints=[
-        pin("ground", "crank"), pin("crank", "coupler"), pin("ground", "rocker"),
-        pin("coupler", "rocker", BARS[2])], **more)
+        hinge("ground", "crank"), hinge("crank", "coupler"), hinge("ground", "rocker"),
+        hinge("coupler", "rocker", BARS[2])], **more)
 
 
 def _free_loop() -> Trial:

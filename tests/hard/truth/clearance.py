@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from sandbox.verification.benchmarks import slider_crank, slider_with_play
-from sandbox.verification.benchmarks.pieces import G
-from sandbox.verification.benchmarks.slider_crank import CRANK, ROD
 from tests.hard.truth.integrate import ATOL, RTOL
 from tests.hard.truth.linkages import Linkage
+from tests.support.mechanisms import G
+from tests.verification.test_clearance_benchmarks import PLAY, RESTITUTION
+from tests.verification.test_linkages import CRANK, INERTIAS, MASSES, RATES, ROD
 
 STILL = 3e-7
 """Speed after an impact [m/s] from which on the slider stays on the guide.
@@ -108,8 +108,8 @@ class SliderWithPlay:
 
 
 TRUTH = SliderWithPlay(
-    Linkage(masses=slider_crank.MASSES, inertias=slider_crank.INERTIAS[:2], gravity=G,
+    Linkage(masses=MASSES, inertias=INERTIAS[:2], gravity=G,
             arms=((CRANK / 2, 0.0), (CRANK, ROD / 2), (CRANK, ROD)), loops=(),
-            start=(0.0, 0.0), rate=slider_crank.RATES),
-    slider_with_play.PLAY, slider_with_play.RESTITUTION)
+            start=(0.0, 0.0), rate=RATES),
+    PLAY, RESTITUTION)
 """The mechanism of Flores, Leine and Glocker."""

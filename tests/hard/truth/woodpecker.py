@@ -11,26 +11,26 @@ from itertools import product
 
 import numpy as np
 
-from sandbox.verification.benchmarks.woodpecker import (
+from tests.support.mechanisms import G
+from tests.verification.test_clearance_benchmarks import (
     ARM,
     BEAK,
     FRICTION,
     HALF,
     HOLE,
-    INERTIAS,
-    MASSES,
+    PECK,
     POLE,
     RATE,
-    RESTITUTION,
     SPEED,
     STIFFNESS,
     TAIL,
-    G,
+    TOY_INERTIAS,
+    TOY_MASSES,
 )
 
 MODES = ("open", "stick", "left", "right")
 BACK, UP = -BEAK[0], BEAK[1]
-GIVES = np.array([RESTITUTION, 0.0, 0.0])
+GIVES = np.array([PECK, 0.0, 0.0])
 
 
 def arms(a: float, b: float, real: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -54,11 +54,11 @@ def mass_and_force(q: np.ndarray, v: np.ndarray, real: bool) -> tuple[np.ndarray
     """Of the centres x + i y and the angles, without contacts."""
     u, w = (np.exp(1j * q[1]), np.exp(1j * q[2])) if real else (1.0, 1.0)
     J = 1j * np.array([1.0, ARM * u, TAIL * w])
-    M = MASSES[1] * (J.conj()[:, None] * J).real + np.diag([MASSES[0], *INERTIAS])
+    M = TOY_MASSES[1] * (J.conj()[:, None] * J).real + np.diag([TOY_MASSES[0], *TOY_INERTIAS])
     turning = -ARM * u * v[1]**2 - TAIL * w * v[2]**2 if real else 0.0
     spring = STIFFNESS * (q[1] - q[2])
-    force = (J.conj() * MASSES[1] * (-1j * G - turning)).real
-    return M, force + np.array([-MASSES[0] * G, -spring, spring])
+    force = (J.conj() * TOY_MASSES[1] * (-1j * G - turning)).real
+    return M, force + np.array([-TOY_MASSES[0] * G, -spring, spring])
 
 
 def taken(G_: np.ndarray, u: np.ndarray, want: np.ndarray,

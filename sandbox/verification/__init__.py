@@ -1,1 +1,0 @@
-"""The engine held against equations, closed forms and independent solutions, as a report."""
