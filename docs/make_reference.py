@@ -22,6 +22,7 @@ from pydantic_core import PydanticUndefined
 import sandbox.mechanics as mechanics_package
 from sandbox.audit.words import ADVICE, ASKS
 from sandbox.build.stub import stub
+from sandbox.codes import CODES
 from sandbox.kinds.arrays import ARRAYS
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
 from sandbox.kinds.layers import LAYERS
@@ -456,6 +457,15 @@ def _first(text: str) -> str:
     return re.split(r"(?<=\.) (?=[A-Z`])|\n", text)[0]
 
 
+def codes() -> Iterator[str]:
+    """All codes of diagnostics, each with an anchor."""
+    yield "| code | meaning and remedy |"
+    yield "|---|---|"
+    for code, (meaning, page) in CODES.items():
+        more = f" [More]({page})." if page else ""
+        yield f'| <a id="{code}"></a>`{code}` | {meaning}{more} |'
+
+
 TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
     "scenes.md": {"layers": layers, "quantities": quantities},
     "elements.md": {"index": index},
@@ -463,6 +473,7 @@ TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
     "control.md": {"readable": readable},
     "files.md": {"arrays": arrays},
     "limits.md": {"ranges": ranges},
+    "messages.md": {"codes": codes},
     "mechanisms.md": {"mechanisms": mechanisms},
     "hands.md": {"hands": hands},
     "api/mechanics/index.md": {"equations": equations},

@@ -10,9 +10,9 @@ import click
 
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
+from sandbox.cli.failures import see
 from sandbox.cli.options import read_length
 from sandbox.cli.runs import file_option, open_run
-from sandbox.pages import page_of, read_on
 
 if TYPE_CHECKING:
     from sandbox.audit.bounds import Bounds, Interval
@@ -75,7 +75,7 @@ def bounds(
     if outside:
         console.error(f"outside of what mechanics allows: {', '.join(outside[:4])}"
                       + (f" and {len(outside) - 4} more" if len(outside) > 4 else ""))
-        console.warn(*read_on([page_of("outside of what mechanics allows")]))
+        console.warn(*see(["impossible-forces"]))
     console.say(*map(str, files))
     return code
 

@@ -11,12 +11,12 @@ import click
 from sandbox.cli.compiling import compilation_notices
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
+from sandbox.cli.failures import see
 from sandbox.cli.inspection import refuse_blocking
 from sandbox.cli.options import chosen_limits, limit_options, override_option
 from sandbox.cli.progress import Progress
 from sandbox.cli.scenes import complete_scene, load, scene_path
 from sandbox.errors import Problem, SceneError
-from sandbox.pages import page_of, read_on
 
 if TYPE_CHECKING:
     from sandbox.scene.read.load import Loaded
@@ -58,7 +58,7 @@ def certify(
         return code
     for each in found.diverged:
         console.error(f"error: {each.run}: {each.reason}")
-    console.warn(*read_on([page_of("the simulation diverged")] if found.diverged else []))
+    console.warn(*see(["diverged"] if found.diverged else []))
     console.say(*certificate_table(found), *_reasons(found), "", found.conclusion, *found.advice)
     return code
 
@@ -79,7 +79,7 @@ def _refuse(loaded: Loaded, limits: dict[str, Any]) -> None:
     if reason := unfit(mechanism):
         stops = any(event.stop for event in mechanism.events)
         place = "$.expect" if not mechanism.expect else "$.events" if stops else "$.run"
-        raise SceneError([Problem(reason, place)], loaded.name)
+        raise SceneError([Problem("nothing-to-certify", reason, place)], loaded.name)
     finest, allowed = variants(mechanism)[2], chosen_limits(limits)
     if problems := (check_limits(finest, allowed)
                     or list(look_over(finest).estimate.beyond(allowed))):

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import click
 
 from sandbox.cli.console import Console, StdoutError
 from sandbox.cli.exits import Exit
-from sandbox.errors import (
-    Interrupted,
-    Problem,
-    SandboxError,
-    SceneError,
-    SimulationDiverged,
-)
-from sandbox.pages import page_of, read_on
+from sandbox.errors import Interrupted, Problem, SandboxError, SceneError, SimulationDiverged
+from sandbox.wording import WrongValueError
+
+MOST_PAGES = 3
+"""Pages about codes, and pages about fields, that one line names."""
 
 
 def guard(work: Callable[[], int], console: Console) -> int:
@@ -45,16 +42,21 @@ def _guarded(work: Callable[[], int], console: Console) -> int:
     except click.ClickException as error:
         return report_usage(error, console)
     except (KeyboardInterrupt, click.Abort):
-        return report_problems(console, Exit.INTERRUPTED, [Problem("interrupted", path="")])
+        return report_problems(console, Exit.INTERRUPTED, [
+            Problem("interrupted", "interrupted", path="")])
     except MemoryError:
         return report_problems(
-            console, Exit.INPUT, [Problem("not enough memory for this", path="")])
+            console, Exit.INPUT, [Problem(
+                "out-of-memory", "not enough memory for this", path="")])
     except OSError as error:
-        return report_problems(console, Exit.INPUT, [Problem(os_message(error), path="")])
+        return report_problems(console, Exit.INPUT, [Problem(
+            "cannot-write", os_message(error), path="")])
     except RecursionError:
-        return report_problems(console, Exit.INPUT, [Problem("nested too deeply", path="")])
+        return report_problems(console, Exit.INPUT, [Problem(
+            "limit-exceeded", "nested too deeply", path="")])
     except Exception as error:
         return report_problems(console, Exit.BUG, [Problem(
+            "internal-error",
             f"a fault of sandbox itself ({type(error).__name__}: {first_line(error)}); "
             "please report it with the scene (SANDBOX_DEBUG=1 shows where)", path="")])
 
@@ -68,7 +70,7 @@ def report(error: SandboxError, console: Console, **more: Any) -> int:
         code = Exit.DIVERGED
     elif isinstance(error, Interrupted):
         code = Exit.INTERRUPTED
-    problems = [Problem(line, path="") for line in str(error).splitlines() or [""]]
+    problems = [Problem(error.code, line, path="") for line in str(error).splitlines() or [""]]
     return report_problems(console, code, problems, **more)
 
 
@@ -77,7 +79,9 @@ def report_usage(error: click.ClickException, console: Console) -> int:
     if isinstance(error, click.UsageError) and error.ctx is not None and not console.as_json:
         console.error(*error.ctx.get_usage().splitlines(),
                       f"Try '{error.ctx.command_path} --help' for help.", "")
-    return report_problems(console, Exit.INPUT, [Problem(error.format_message(), path="")])
+    cause = error.__cause__ or error.__context__
+    code = cause.code if isinstance(cause, SandboxError | WrongValueError) else "bad-option"
+    return report_problems(console, Exit.INPUT, [Problem(code, error.format_message(), path="")])
 
 
 def report_problems(
@@ -97,9 +101,15 @@ def report_problems(
 
 
 def pages_line(problems: list[Problem]) -> list[str]:
-    """Where to read on about problems: one line, or none."""
-    return read_on([page_of(each.message, each.allowed) for each in problems],
-                   [each.fields for each in problems])
+    """The line that names the pages of the docs about some problems, or none."""
+    return see((each.code for each in problems), [each.fields for each in problems])
+
+
+def see(codes: Iterable[str], fields: Iterable[str] = ()) -> list[str]:
+    """The line that names the pages of the docs about some codes and fields, or none."""
+    pages = [f"docs/messages.md#{code}" for code in dict.fromkeys(codes)][:MOST_PAGES]
+    pages += list(filter(None, dict.fromkeys(fields)))[:MOST_PAGES]
+    return [f"see {', '.join(pages)}"] if pages else []
 
 
 def one_line(problem: Problem, source: str = "") -> str:
@@ -112,10 +122,11 @@ def one_line(problem: Problem, source: str = "") -> str:
 
 def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:
     """A problem as JSON data; what is empty is left out."""
-    data = {"message": problem.text, "file": problem.file or source, "path": problem.path,
+    data = {"code": problem.code, "message": problem.text, "file": problem.file or source,
+            "path": problem.path,
             "line": problem.line, "column": problem.column, "element": problem.element,
             "allowed": problem.allowed, "hint": problem.hint,
-            "page": page_of(problem.message, problem.allowed), "fields": problem.fields}
+            "fields": problem.fields}
     return {key: value for key, value in data.items() if value or key == "message"}
 
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from sandbox.cli.failures import one_line
 from sandbox.errors import Problem, SceneError
-from sandbox.pages import page_of
 
 if TYPE_CHECKING:
     from sandbox.engine.inspect import Inspection
@@ -41,9 +40,10 @@ def inspection_lines(problems: list[Problem], loaded: Loaded) -> list[str]:
 
 def inspection_data(problems: list[Problem], loaded: Loaded) -> list[dict[str, Any]]:
     """Problems that do not block, with their places, as JSON data."""
-    return [{"severity": problem.severity, "element": problem.element, "message": problem.message,
-             "advice": problem.advice, "file": problem.file or loaded.name, "path": problem.path,
-             "line": problem.line, "column": problem.column, "page": page_of(problem.message)}
+    return [{"code": problem.code, "severity": problem.severity, "element": problem.element,
+             "message": problem.message, "advice": problem.advice,
+             "file": problem.file or loaded.name, "path": problem.path, "line": problem.line,
+             "column": problem.column}
             for problem in loaded.placed(problems)]
 
 

@@ -111,7 +111,7 @@ def _see_endings(paths: tuple[Path, ...], **asked: Any) -> None:
         except OutputError as error:
             wrong.append(str(error))
     if wrong:
-        raise OutputError("\n".join(wrong))
+        raise OutputError("\n".join(wrong), code="bad-picture")
 
 
 def _name(ending: str | None, at: tuple[str, ...], strip: bool | int) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from sandbox.audit.words import ASKS, advice_on
 from sandbox.cli.console import table
-from sandbox.pages import page_of, read_on
+from sandbox.cli.failures import see
 
 if TYPE_CHECKING:
     from sandbox.audit.audit import Figure
@@ -37,7 +37,7 @@ def expectation_table(judged: list[Verdict]) -> list[str]:
     where = "" if shown is judged else "; run.json has them all"
     count = f"{len(judged) - len(failed)} of {len(judged)} expectations hold"
     lines.append(f"{count}{where}")
-    lines += read_on([page_of(count)]) if failed else []
+    lines += see(["expectation-failed"] if failed else [])
     return lines
 
 

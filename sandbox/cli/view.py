@@ -14,11 +14,11 @@ import click
 from sandbox.cli.compiling import compilation_notices
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
+from sandbox.cli.failures import pages_line
 from sandbox.cli.inspection import inspection_lines, look_over, refuse_blocking
 from sandbox.cli.options import chosen_limits, limit_options, override_option
 from sandbox.cli.output import default_directory
 from sandbox.cli.scenes import complete_scene, load, scene_path
-from sandbox.pages import page_of, read_on
 
 if TYPE_CHECKING:
     from sandbox.show.server import Server
@@ -52,14 +52,14 @@ def view(
         loaded = load(path, overrides=dict(changed), limits=limits)
         problems = look_over(loaded, chosen_limits(limits)).problems
         refuse_blocking(problems, loaded)
-        return Found(loaded, inspection_lines(problems, loaded))
+        return Found(loaded, [*inspection_lines(problems, loaded), *pages_line(problems)])
 
     def session() -> Session:
         return Session(read, overrides, default_directory)
 
     with compilation_notices(console):
         first = session()
-    console.warn(*first.warnings, *read_on(map(page_of, first.warnings)))
+    console.warn(*first.warnings)
 
     def ready(server: Server) -> None:
         console.say(server.address, f"from another machine: {ssh_line(server.port)}",

@@ -53,7 +53,7 @@ def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
                 f", but with {bodies.inertia[light]:.4g} kg m^2 answers a push at "
                 f"{mm(float(reach[light]))} from its centre as {lightest[light]:.2g} kg would,")
             yield look(
-                f"$.bodies[{light}]", bodies.name[light],
+                "mass-ratio", f"$.bodies[{light}]", bodies.name[light],
                 f"has {bodies.mass[light]:.4g} kg{turned} where {quoted(bodies.name[heavy])} has "
                 f"{bodies.mass[heavy]:.4g} kg: in what hangs together masses are 1 : {ratio:.2g}, "
                 f"and beyond 1 : {UNLIKE:.0e} rounding shows",

@@ -50,7 +50,7 @@ def ringing_problems(model: Model) -> Iterator[Problem]:
     for cord, mode in sorted((later | ringing).items()):
         periods = -math.log(LEFT) / (2 * math.pi * mode.ratio)
         yield look(
-            f"$.tendons[{cord}]", model.tendons.name[cord],
+            "undamped", f"$.tendons[{cord}]", model.tendons.name[cord],
             f"rings at {mode.omega / (2 * math.pi):.3g} Hz"
             f"{'' if cord in ringing else ' once all cords are taut'}: of a jolt it has "
             f"{100 * LEFT:.0f} % left after {periods:.3g} periods, "

@@ -242,7 +242,7 @@ def elimination(
             raise SandboxError(
                 "joints and cords hang together in so many loops that they cannot be solved: "
                 f"more than {MOST} products in each step; fewer joints between the same bodies "
-                "may help")
+                "may help", code="too-complex")
         for j in others:
             graph[j] |= others
             graph[j] -= {i, j}

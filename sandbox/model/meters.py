@@ -37,6 +37,7 @@ def no_pair(
     second, _, quantity = rest.rpartition(".")
     sums = " or ".join(quoted(f"{body}.contact.{quantity}") for body in (first, second))
     return Problem(
+        "bad-quantity",
         f"'/' divides in an expression, so that {quoted(pair)} is no pair there", path,
         allowed=f"{sums}, the sums of all that touches one of them; {itself}")
 

@@ -114,13 +114,16 @@ def read(path: Path) -> Read:
             return _Reading(path, file, archive).whole()
     except FileNotFoundError:
         raise OutputError(
-            f"there is no recording in {path.parent}: {path.name} is missing") from None
+            f"there is no recording in {path.parent}: {path.name} is missing",
+            code="no-run") from None
     except OSError as error:
-        raise OutputError(f"cannot read {path}: {error.strerror or error}") from None
+        raise OutputError(f"cannot read {path}: {error.strerror or error}",
+                          code="run-damaged") from None
     except OutputError:
         raise
     except Exception as error:  # zip, zlib, numpy and json each raise their own on garbage
-        raise OutputError(f"{path} is not a recording, or damaged: {_line(error)}") from None
+        raise OutputError(f"{path} is not a recording, or damaged: {_line(error)}",
+                          code="run-damaged") from None
 
 
 class _Reading:
@@ -132,12 +135,13 @@ class _Reading:
 
     def damaged(self, what: str) -> OutputError:
         """The error that says what is wrong with the file."""
-        return OutputError(f"{self.path} is damaged: {what}")
+        return OutputError(f"{self.path} is damaged: {what}", code="run-damaged")
 
     def whole(self) -> Read:
         """Everything, in the order of the module's text."""
         if lacking := sorted({MECHANISM, INFO} - self.members.keys()):
-            raise OutputError(f"{self.path} is not a recording: it has no {lacking[0]!r}")
+            raise OutputError(f"{self.path} is not a recording: it has no {lacking[0]!r}",
+                              code="run-damaged")
         info = self._info()
         mechanism = self._mechanism()
         try:
@@ -212,7 +216,7 @@ class _Reading:
         if version > FORMAT:
             raise OutputError(
                 f"{self.path} has format {quoted(version)}; this version reads up to {FORMAT}: "
-                "use a newer sandbox")
+                "use a newer sandbox", code="unsupported-format")
         return dict(info)
 
     def _mechanism(self) -> Mechanism:
@@ -221,7 +225,7 @@ class _Reading:
         try:
             data = parse_source(text, limits=LIMITS).data
             if not isinstance(data, dict):
-                raise SceneError([Problem("it is no object", "$")])
+                raise SceneError([Problem("wrong-type", "it is no object", "$")])
             if problems := [*check_lists(data, LIMITS), *check_values(data, LIMITS)]:
                 raise SceneError(problems)
             mechanism = Mechanism.model_validate(data)

@@ -68,7 +68,7 @@ def find_scene(name_or_path: str | Path) -> Path:
     if text in scenes:
         return scenes[text]
     raise SceneError([Problem(
-        f"there is no file {quoted(text)} and no shipped scene of that name",
+        "file-not-found", f"there is no file {quoted(text)} and no shipped scene of that name",
         allowed=f"a path, or one of {listed(scenes)}",
         hint=near(path.name, _beside(path)) or near(path.stem, scenes))])
 

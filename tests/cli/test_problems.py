@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from sandbox.pages import ELEMENTS
+from sandbox.scene.read.models import ELEMENTS
 
 from .conftest import BALL
 
@@ -53,21 +53,19 @@ def test_what_blocks_and_has_a_name_is_told_by_both(sandbox, scene):
     (problem,) = json.loads(sandbox("check", path, "--json").out)["scenes"][0]["errors"]
     assert problem == {"message": told, "file": str(path), "path": "$.tendons[0]", "line": line,
                        "column": 3, "element": "cord",
-                       "page": "docs/messages.md#guides-that-coincide",
+                       "code": "coincident-points",
                        "fields": f"{ELEMENTS}#tendon"}
 
 
 def test_the_last_line_says_where_to_read_on(sandbox, scene):
     path = scene(tendons=[CORD], gravty=[0, 1])
     assert sandbox("check", path).pages == (
-        "docs/messages.md#unknown-key explains it; "
-        f"{ELEMENTS}#scene has the fields\n")
+        f"see docs/messages.md#unknown-key, {ELEMENTS}#scene\n")
     assert sandbox("run", path, "--quiet").pages == ""
     said = sandbox("check", scene(joints=[ROPE]), "--json")
     (warning,) = json.loads(said.out)["scenes"][0]["findings"]
-    assert warning["page"] == "docs/messages.md#not-assembled"
-    assert sandbox("check", scene(joints=[ROPE])).pages == (
-        "docs/messages.md#not-assembled explains it\n")
+    assert warning["code"] == "not-assembled"
+    assert sandbox("check", scene(joints=[ROPE])).pages == "see docs/messages.md#not-assembled\n"
 
 
 def test_warnings_of_copies_and_of_included_scenes_are_placed_too(sandbox, scene, tmp_path):

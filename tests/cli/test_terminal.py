@@ -32,7 +32,7 @@ def test_json_keeps_the_words_and_prints_none_of_them(capsys):
 
 
 def test_a_problem_is_one_line(capsys):
-    report(SceneError([Problem(HOSTILE, hint=HOSTILE)], "x\n\x1b.json"), Console())
+    report(SceneError([Problem("bad-option", HOSTILE, hint=HOSTILE)], "x\n\x1b.json"), Console())
     line, = PAGES.sub("", capsys.readouterr().err).splitlines()
     assert line.isprintable()
 

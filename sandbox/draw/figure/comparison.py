@@ -49,7 +49,7 @@ def draw(runs: Sequence[Compared], quantities: Sequence[str], drives: Sequence[s
     names = [name for name in dict.fromkeys(names) if any(name in one.run for one in runs)]
     if len(names) > MOST:
         raise OutputError(f"{len(names)} panels are too many for one figure: at most {MOST}; "
-                          "choose with --quantity")
+                          "choose with --quantity", code="bad-picture")
     columns = min(2, len(names))
     rows = math.ceil(len(names) / columns)
     figure = style.new_figure(ROW * rows + SURROUND)

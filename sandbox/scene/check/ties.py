@@ -31,10 +31,12 @@ def check_ties(
                 path = f"$.events[{i}].{field}[{j}]"
                 if name in others:
                     yield Problem(
+                        "not-releasable",
                         f"{quoted(name)} is a {NAMED[others[name]].one}, which cannot be let go",
                         path, allowed=listed(known) or none("nothing holds anything"))
                 elif name not in known and not assumed(name):
                     yield Problem(
+                        "name-not-found",
                         f"there is no joint, spring or tendon named {quoted(name)}", path,
                         allowed=listed(known) or none("nothing holds anything"),
                         hint=near(name, known))
@@ -50,7 +52,8 @@ def check_ties(
 
 
 def _no_mesh(name: str, path: str) -> Problem:
-    return Problem(f"{quoted(name)} joins wheels where they meet at t = 0; let go, they are never "
+    return Problem("not-releasable",
+                   f"{quoted(name)} joins wheels where they meet at t = 0; let go, they are never "
                    "taken up again", path, allowed="a joint that joins points")
 
 
@@ -60,6 +63,7 @@ def _vanes(mechanism: Mechanism) -> Iterator[Problem]:
     for i, line in enumerate(mechanism.lines):
         for j, chamber in enumerate(line.chambers):
             if isinstance(chamber, Vane) and chamber.joint in loose:
-                yield Problem(f"{quoted(chamber.joint)} may be let go, and what is in this chamber "
+                yield Problem("not-releasable",
+                              f"{quoted(chamber.joint)} may be let go, and what is in this chamber "
                               "with it", f"$.lines[{i}].chambers[{j}].joint",
                               allowed="a hinge that stays")

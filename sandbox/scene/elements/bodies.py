@@ -20,9 +20,9 @@ from pydantic_core import PydanticCustomError
 from sandbox.numeric import Array
 from sandbox.scene.elements.outlines import DiscCam, Drawing, SmoothCurve
 from sandbox.scene.elements.spec import Spec
-from sandbox.scene.outlines.cams import CamError, cam_nodes
+from sandbox.scene.outlines.cams import cam_nodes
 from sandbox.scene.outlines.curves import flattened, is_straight, turned
-from sandbox.scene.outlines.drawings import DrawingError, curves_of, own_file
+from sandbox.scene.outlines.drawings import curves_of, own_file
 from sandbox.scene.outlines.pieces import MOST_CORNERS as PIECE_CORNERS
 from sandbox.scene.outlines.pieces import CutError, pieces_of
 from sandbox.scene.outlines.rings import Ring, hole_fault, is_convex, ring_fault
@@ -42,9 +42,11 @@ from sandbox.scene.values.numbers import (
     Ratio,
     Share,
     Speed,
+    refusal,
 )
 from sandbox.scene.values.planes import Planes
 from sandbox.scene.values.signals import Path
+from sandbox.wording import WrongValueError
 
 
 class Circle(Spec):
@@ -88,16 +90,16 @@ def _checked_nodes(nodes: Nodes, rings: Sequence[Ring]) -> Nodes:
         PydanticCustomError: they do not.
     """
     if nodes and len(nodes) != len(rings):
-        raise PydanticCustomError("nodes", "there are {count} curves of 'nodes'", {
+        raise PydanticCustomError("bad-outline", "there are {count} curves of 'nodes'", {
             "count": len(nodes), "allowed": f"{len(rings)}, one for each outline, or none"})
     for number, (curve, ring) in enumerate(zip(nodes, rings, strict=False)):
         places, corners = np.array(curve).reshape(-1, 4)[:, :2], np.array(ring)
         size = float(np.ptp(corners, axis=0).max())
         apart = np.hypot(*(places[:, None] - corners).transpose(2, 0, 1)).min(axis=1)
         if len(np.unique(places, axis=0)) < 2 or apart.max() > AT_CORNER * size:
-            raise PydanticCustomError("nodes", "the nodes of curve {number} do not belong to its "
-                                      "outline", {"number": number, "allowed":
-                                                  "two or more nodes, each at a corner"})
+            raise PydanticCustomError(
+                "bad-outline", "the nodes of curve {number} are not on its outline", {
+                "number": number, "allowed": "two or more nodes, each at a corner"})
     return nodes
 
 
@@ -124,7 +126,7 @@ class Polygon(Spec):
     @classmethod
     def _outlined(cls, ring: Ring) -> Ring:
         if fault := ring_fault(ring):
-            raise PydanticCustomError("polygon", "{fault}", {"fault": fault, "allowed": SOUND})
+            raise PydanticCustomError("bad-outline", "{fault}", {"fault": fault, "allowed": SOUND})
         return ring
 
     @field_validator("holes")
@@ -138,7 +140,7 @@ class Polygon(Spec):
         found = next(((k, fault) for k, ring in enumerate(holes) if (fault := ring_fault(ring))),
                      None) or hole_fault(outer, holes)
         if found is not None:
-            raise PydanticCustomError("polygon", "hole {number}: {fault}", {
+            raise PydanticCustomError("bad-outline", "hole {number}: {fault}", {
                 "number": found[0], "fault": found[1], "allowed": SOUND})
         return holes
 
@@ -147,7 +149,7 @@ class Polygon(Spec):
         corners = len(self.points) + sum(map(len, self.holes))
         if corners > MOST_CORNERS:
             raise PydanticCustomError(
-                "polygon", "this outline and its holes have {corners} corners",
+                "bad-outline", "this outline and its holes have {corners} corners",
                 {"corners": corners, "allowed": f"at most {MOST_CORNERS}"})
         _checked_nodes(self.nodes, (self.points, *self.holes))
         if self.whole:
@@ -156,7 +158,7 @@ class Polygon(Spec):
             pieces_of(self.points, self.holes)
         except CutError as error:
             raise PydanticCustomError(
-                "polygon", "this outline cannot be cut into convex pieces: {reason}",
+                "bad-outline", "this outline cannot be cut into convex pieces: {reason}",
                 {"reason": str(error), "allowed": "sides further apart than rounding"}) from None
         return self
 
@@ -185,7 +187,7 @@ class Polyline(Spec):
     def _apart(cls, points: tuple[Point, ...]) -> tuple[Point, ...]:
         for i, (one, two) in enumerate(pairwise(points)):
             if one == two:
-                raise PydanticCustomError("polyline", "points {i} and {j} are the same point",
+                raise PydanticCustomError("bad-outline", "points {i} and {j} are the same point",
                                           {"i": i, "j": i + 1})
         return points
 
@@ -228,10 +230,8 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
             rings, turn = [shape.curve()], shape.angle
         else:
             rings, turn = _drawn(shape, info.context or {}), shape.angle
-    except (CamError, DrawingError) as error:
-        raise PydanticCustomError(shape.type, "{reason}", {
-            "reason": error.message, "allowed": error.allowed,
-            "hint": getattr(error, "hint", "")}) from None
+    except WrongValueError as error:
+        raise refusal(error) from None
     rings = [turned(nodes, turn, shape.at) for nodes in rings]
     closed = not isinstance(shape, SmoothCurve) or shape.closed
     flat = _flat(rings, shape.tolerance, closed=closed)
@@ -265,7 +265,7 @@ def _flat(curves: list[Array], tolerance: float, *, closed: bool) -> list[Ring]:
     while sum(map(len, flat(wider))) > MOST_CORNERS and wider < 1e3 * tolerance:
         wider *= 2
     raise PydanticCustomError(
-        "polygon", "within {tolerance} m this outline has {corners} corners; at most {most} may be",
+        "bad-outline", "the tolerance of {tolerance} m needs {corners} corners, more than {most}",
         {"tolerance": f"{tolerance:.3g}", "corners": corners, "most": MOST_CORNERS,
          "allowed": f"a tolerance of {wider:.3g} m"})
 
@@ -283,7 +283,7 @@ def _worked_out(rings: list[Ring], nodes: Nodes, *, closed: bool, radius: float)
     except ValidationError as error:
         wrong = error.errors(include_url=False)[0]
         # corners of chords are not those that the author wrote: the place is enough
-        raise PydanticCustomError("polygon", "{reason}", {
+        raise PydanticCustomError("bad-outline", "{reason}", {
             "reason": wrong["msg"].partition(", where")[0], "allowed": SOUND}) from None
 
 
@@ -356,22 +356,23 @@ class Body(Spec):
     def _complete(self) -> Self:
         if (self.motion == "scheduled") != (self.path is not None):
             raise PydanticCustomError(
-                "path", "'path' and \"motion\": \"scheduled\" belong together")
+                "conflicting-keys", "'path' and \"motion\": \"scheduled\" belong together")
         if any(isinstance(shape, Polyline) for shape in self.displaces):
             raise PydanticCustomError(
-                "displaces", "a polyline has no area that could keep a liquid away",
+                "bad-outline", "a polyline has no area that could keep a liquid away",
                 {"allowed": "shapes with an area for 'displaces'"})
         if self.motion == "dynamic":
             if any(isinstance(shape, Polyline) for shape in self.shapes):
                 raise PydanticCustomError(
-                    "polyline", "a polyline or an open curve has no area, so no body that moves "
+                    "bad-outline", "a polyline or an open curve has no area, so no body that moves "
                     "freely has one", {"allowed": '"motion": "fixed" or "scheduled"; or a polygon, '
                                        "a closed curve, capsules"})
             if (self.mass is None) == (self.density is None):
-                raise PydanticCustomError("mass", "a dynamic body has either 'mass' or 'density'")
+                raise PydanticCustomError(
+                    "conflicting-keys", "a dynamic body has either 'mass' or 'density'")
             if not self.shapes and (self.inertia is None or self.mass is None):
                 raise PydanticCustomError(
-                    "mass", "a dynamic body without shapes needs 'mass' and 'inertia'")
+                    "conflicting-keys", "a dynamic body without shapes needs 'mass' and 'inertia'")
         return self
 
 
@@ -398,5 +399,5 @@ class Material(Spec):
     @model_validator(mode="after")
     def _rubs(self) -> Self:
         if self.static > 1 and not self.friction:
-            raise PydanticCustomError("friction", STATIC_OF_NOTHING)
+            raise PydanticCustomError("conflicting-keys", STATIC_OF_NOTHING)
         return self

@@ -55,7 +55,7 @@ def bound(text: str, info: ValidationInfo) -> str:
 def _ordered(limits: Range | None) -> None:
     if limits is not None and limits[0] >= limits[1]:
         raise PydanticCustomError(
-            "limits", "limits are [lowest, highest], and {low} is not below {high}",
+            "out-of-range", "limits are [lowest, highest], and {low} is not below {high}",
             {"low": f"{limits[0]:g}", "high": f"{limits[1]:g}"})
 
 
@@ -133,7 +133,7 @@ class PidController(_Reader):
     def _tracking_is_used(self) -> Self:
         if self.tracking is not None and self.anti_windup != "back_calculation":
             raise PydanticCustomError(
-                "tracking", "'tracking' is for \"anti_windup\": \"back_calculation\"")
+                "conflicting-keys", "'tracking' is for \"anti_windup\": \"back_calculation\"")
         return self
 
 
@@ -178,7 +178,7 @@ class SwitchController(_Reader):
     @model_validator(mode="after")
     def _thresholds(self) -> Self:
         if self.below >= self.above:
-            raise PydanticCustomError("limits", "'below' must be less than 'above'")
+            raise PydanticCustomError("out-of-range", "'below' must be less than 'above'")
         return self
 
 
@@ -214,7 +214,7 @@ class RelayController(_Reader):
     @classmethod
     def _switches(cls, amplitude: float) -> float:
         if amplitude == 0:
-            raise PydanticCustomError("range", "must not be 0: the relay would not switch")
+            raise PydanticCustomError("out-of-range", "must not be 0: the relay would not switch")
         return amplitude
 
 
@@ -240,8 +240,8 @@ class _Several(_Controller):
         for key in ("limits", "slew"):
             given = getattr(self, key)
             if given is not None and len(given) != len(self.writes):
-                raise PydanticCustomError("count", "'{key}': expected {wanted} entries, one for "
-                                          "each drive of 'writes', got {got}", {
+                raise PydanticCustomError(
+                    "wrong-type", "'{key}': expected {wanted} entries, one a drive, got {got}", {
                     "key": key, "wanted": len(self.writes), "got": len(given)})
         return self
 
@@ -281,13 +281,13 @@ class StateFeedbackController(_Several):
                  and (len(given) != rows or any(len(row) != columns for row in given))]
         if wrong:
             raise PydanticCustomError(
-                "count", "'{key}': expected {rows} rows (drives) of {columns} numbers (readings)",
+                "wrong-type", "'{key}': expected {rows} rows (drives) and {columns} columns",
                 {"key": wrong[0], "rows": rows, "columns": columns})
         if len(self.targets) != columns:
-            raise PydanticCustomError("count", "'targets': expected {n} entries, one a reading",
-                                      {"n": columns})
+            raise PydanticCustomError(
+                "wrong-type", "'targets': expected {n} entries, one a reading", {"n": columns})
         if self.bias is not None and len(self.bias) != rows:
-            raise PydanticCustomError("count", "'bias': expected {n} entries, one a drive",
+            raise PydanticCustomError("wrong-type", "'bias': expected {n} entries, one a drive",
                                       {"n": rows})
         return self
 
@@ -311,7 +311,7 @@ class FingerGeometry(Spec):
                                    ("to", self.on_phalanx, n)):
             if len(given) != wanted:
                 raise PydanticCustomError(
-                    "count", "'{key}': a finger of {n} phalanges has {wanted}, got {got}",
+                    "wrong-type", "'{key}': a finger of {n} phalanges has {wanted}, got {got}",
                     {"key": key, "n": n, "wanted": wanted, "got": len(given)})
         return self
 
@@ -357,9 +357,9 @@ class EquilibriumController(_Several):
             counts["geometry"] = len(self.geometry.lengths)
         for key, got in counts.items():
             if got != n:
-                raise PydanticCustomError("count", "'{key}': expected {n} entries, one for each "
-                                          "drive of 'writes', got {got}",
-                                          {"key": key, "n": n, "got": got})
+                raise PydanticCustomError(
+                    "wrong-type", "'{key}': expected {n} entries, one a drive, got {got}",
+                    {"key": key, "n": n, "got": got})
         return self
 
 

@@ -60,7 +60,7 @@ class ForceDrive(Spec):
     @classmethod
     def _not_zero(cls, direction: tuple[float, float]) -> tuple[float, float]:
         if direction == (0.0, 0.0):
-            raise PydanticCustomError("direction", "[0, 0] is no direction")
+            raise PydanticCustomError("out-of-range", "[0, 0] is no direction")
         return direction
 
 
@@ -124,8 +124,7 @@ class StiffnessDrive(Spec):
     def _one_target(self) -> Self:
         if (self.spring is None) == (self.tendon is None):
             raise PydanticCustomError(
-                "stiffness", "a stiffness drive sets that of a 'spring' or of a 'tendon', {said}",
-                {"said": "and names neither" if self.spring is None else "not of both"})
+                "conflicting-keys", "a stiffness drive needs either 'spring' or 'tendon'")
         return self
 
 
@@ -161,14 +160,14 @@ class MotorDrive(Spec):
         if (self.stall is None) != (self.no_load is None):
             lacks = "stall" if self.stall is None else "no_load"
             raise PydanticCustomError(
-                "motor", "a motor's line goes from 'stall', its torque at rest, to 'no_load', its "
-                "speed without load: '{lacks}' is missing", {"lacks": lacks})
+                "missing-key", "'{lacks}' is missing: 'stall' (torque at rest) and 'no_load' "
+                "(speed without load) belong together", {"lacks": lacks})
         if self.stall is None:
             for field, what in (("value", "the speed that it is to keep"),
                                 ("torque", "the most that it can give")):
                 if getattr(self, field) is None:
                     raise PydanticCustomError(
-                        "motor", "a motor needs '{field}', {what}; or a line, 'stall' and "
+                        "missing-key", "a motor needs '{field}', {what}; or a line, 'stall' and "
                         "'no_load'", {"field": field, "what": what})
         return self
 
@@ -197,10 +196,10 @@ class _PlaceDrive(Spec):
         stiffness, damping, speed = (getattr(self, name) for name in (
             "stiffness", "damping", "speed"))
         if stiffness is None and damping:
-            raise PydanticCustomError("servo", "'damping' goes with 'stiffness'")
+            raise PydanticCustomError("conflicting-keys", "'damping' needs 'stiffness'")
         if stiffness is not None and speed is not None:
             raise PydanticCustomError(
-                "servo", "'speed' does not go with 'stiffness', whose 'damping' slows it")
+                "conflicting-keys", "'speed' and 'stiffness' exclude each other; use 'damping'")
         return self
 
 

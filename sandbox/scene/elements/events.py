@@ -64,14 +64,15 @@ class Event(Spec):
     @model_validator(mode="after")
     def _one_cause(self) -> Self:
         if (self.at is None) == (self.when is None):
-            raise PydanticCustomError("event", "give either 'at' or 'when'")
+            raise PydanticCustomError("conflicting-keys", "give either 'at' or 'when'")
         for key in ("after", "rate"):
             if self.at is not None and getattr(self, key):
-                raise PydanticCustomError("event", "'{key}' is for 'when', not for 'at'",
+                raise PydanticCustomError("conflicting-keys", "'{key}' needs 'when', not 'at'",
                                           {"key": key})
         if both := sorted(set(self.release) & set(self.take_up)):
             raise PydanticCustomError(
-                "event", "'{name}' is let go and taken up by one event", {"name": both[0]})
+                "conflicting-keys", "one event cannot release and take up '{name}'",
+                {"name": both[0]})
         return self
 
 

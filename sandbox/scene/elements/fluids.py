@@ -62,7 +62,7 @@ class Vane(Spec):
     def _something(self) -> Self:
         if abs(self.displacement) < 1e-24:
             raise PydanticCustomError(
-                "displacement", "a displacement of 0 turns nothing: give the volume per angle, "
+                "out-of-range", "a displacement of 0 turns nothing: give the volume per angle, "
                 "such as 2 ml/rad, negative to turn the other way")
         return self
 
@@ -105,17 +105,17 @@ class Line(Spec):
         most = self.least if self.relief is None else self.relief
         if self.least > 0 or self.least < -ATMOSPHERE:
             raise PydanticCustomError(
-                "least", "the least pressure must be from -101325 Pa, a vacuum, to 0")
+                "out-of-range", "the least pressure must be from -101325 Pa, a vacuum, to 0")
         if self.relief is not None and most <= 0:
-            raise PydanticCustomError("relief", "the relief must open at more than 0 Pa")
+            raise PydanticCustomError("out-of-range", "the relief must open at more than 0 Pa")
         if self.pressure < self.least or (self.relief is not None and self.pressure > most):
             raise PydanticCustomError(
-                "pressure", "the pressure at t = 0 must lie between least and relief")
+                "out-of-range", "the pressure at t = 0 must lie between least and relief")
         if self.gas is not None and self.modulus is not None:
             raise PydanticCustomError(
-                "modulus", "a gas has no modulus of its own: leave out gas or modulus")
+                "conflicting-keys", "a gas has no modulus of its own: leave out gas or modulus")
         if self.gas is not None and self.pressure <= -ATMOSPHERE:
-            raise PydanticCustomError("pressure", "there is no gas in a vacuum")
+            raise PydanticCustomError("out-of-range", "there is no gas in a vacuum")
         return self
 
 
@@ -147,8 +147,8 @@ class Valve(Spec):
     def _between(self) -> Self:
         if self.a == self.b:
             raise PydanticCustomError(
-                "valve", "a valve joins two lines, or a line and the tank: name a, b or both")
+                "conflicting-keys", "a valve needs a line: give 'a', 'b' or both")
         if self.resistance < 1e-12 and self.area is None:
             raise PydanticCustomError(
-                "valve", "a valve needs a resistance greater than 0, or the area of an orifice")
+                "conflicting-keys", "a valve needs 'area', or a 'resistance' greater than 0")
         return self

@@ -96,10 +96,10 @@ class LawLoad(Spec):
     def _something(self) -> Self:
         if self.force is not None and self.acceleration is not None:
             raise PydanticCustomError(
-                "load", "give 'force' or 'acceleration', the force per mass, not both")
+                "conflicting-keys", "give 'force' or 'acceleration', the force per mass, not both")
         if self.force is None and self.acceleration is None and self.torque is None:
             raise PydanticCustomError(
-                "load", "give a 'force', an 'acceleration' or a 'torque'")
+                "conflicting-keys", "give a 'force', an 'acceleration' or a 'torque'")
         return self
 
 
@@ -133,7 +133,7 @@ class DragLoad(Spec):
     def _something(self) -> Self:
         if self.area is None and not self.linear and not self.turning:
             raise PydanticCustomError(
-                "load", "nothing to act with: give 'linear', 'area' or 'turning'")
+                "conflicting-keys", "nothing to act with: give 'linear', 'area' or 'turning'")
         return self
 
 

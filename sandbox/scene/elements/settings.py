@@ -93,7 +93,7 @@ class ContactRule(Spec):
     @model_validator(mode="after")
     def _rubs(self) -> Self:
         if self.friction == 0 and (self.static or 1) > 1:
-            raise PydanticCustomError("friction", STATIC_OF_NOTHING)
+            raise PydanticCustomError("conflicting-keys", STATIC_OF_NOTHING)
         return self
 
 
@@ -197,12 +197,13 @@ class Looked(Spec):
     def _one_statistic(self) -> Self:
         if sum(getattr(self, name) is not None for name in (*STATISTICS, "of")) != 1:
             raise PydanticCustomError(
-                "expect", f"give exactly one of {', '.join(STATISTICS)}, or 'quantity' with 'at'")
+                "conflicting-keys",
+                f"give exactly one of {', '.join(STATISTICS)}, or 'quantity' with 'at'")
         if (self.of is None) != (self.at is None):
-            raise PydanticCustomError("expect", "'quantity' and 'at' go together")
+            raise PydanticCustomError("conflicting-keys", "'quantity' and 'at' go together")
         if self.at is not None and self.over != (0.0, None):
             raise PydanticCustomError(
-                "expect", "'at' is one instant and 'over' a window: give one of them")
+                "conflicting-keys", "'at' is one instant and 'over' a window: give one of them")
         return self
 
 
@@ -249,9 +250,10 @@ class Expect(Looked):
         if sum(x is not None for x in (self.value, self.between)) + (
             self.above is not None or self.below is not None
         ) != 1:
-            raise PydanticCustomError("expect", "give one of 'is', 'between', or 'above'/'below'")
+            raise PydanticCustomError(
+                "conflicting-keys", "give one of 'is', 'between', or 'above'/'below'")
         if self.between is not None and self.between[0] > self.between[1]:
-            raise PydanticCustomError("expect", "'between' is [lowest, highest]")
+            raise PydanticCustomError("out-of-range", "'between' is [lowest, highest]")
         return self
 
     def range(self) -> tuple[float, float]:
@@ -319,7 +321,7 @@ class ShownMeter(Spec):
     @model_validator(mode="after")
     def _rises(self) -> Self:
         if self.range is not None and not self.range[0] < self.range[1]:
-            raise PydanticCustomError("meter", "'range' is [lowest, highest]")
+            raise PydanticCustomError("out-of-range", "'range' is [lowest, highest]")
         return self
 
 

@@ -46,7 +46,7 @@ def _one_law(spring: AnySpring) -> AnySpring:
     law = getattr(spring, field)
     if (spring.stiffness is None) == (law is None):
         said = "not both" if law is not None else "one of them"
-        raise PydanticCustomError("law", "give 'stiffness' or '{field}', {said}",
+        raise PydanticCustomError("conflicting-keys", "give 'stiffness' or '{field}', {said}",
                                   {"field": field, "said": said})
     return spring
 

@@ -114,11 +114,10 @@ class Tendon(Spec):
     def _one_way(self) -> Self:
         if self.pretension is not None and (self.rest_length is not None or self.slack):
             raise PydanticCustomError(
-                "tendon", "a cord has a pretension, or a rest_length and slack, not both")
+                "conflicting-keys", "a cord has a pretension, or a rest_length and slack, not both")
         if self.closed and len(self.guides) == 2 and not any(g.radius for g in self.guides):
             raise PydanticCustomError(
-                "tendon", "a loop round two points without radii encloses nothing: give one of its "
-                "guides a radius")
+                "bad-tendon-path", "a loop of two guides encloses nothing: give one a radius")
         return self
 
     @property

@@ -27,7 +27,7 @@ from sandbox.scene.outlines.curves import (
     reversed_nodes,
 )
 from sandbox.scene.outlines.rings import inside, signed_area
-from sandbox.wording import listed, near, quoted
+from sandbox.wording import WrongValueError, listed, near, quoted
 
 MOST_BYTES = 1_000_000
 """Of a drawing: some seconds of reading."""
@@ -47,12 +47,11 @@ PIXEL = 0.0254 / 96
 """Of an SVG file without a unit of its own [m]."""
 
 
-class DrawingError(ValueError):
-    """A drawing that gives no outline: why, what would do, a near miss."""
+class DrawingError(WrongValueError):
+    """A drawing without a usable outline: message, allowed values, a similar name."""
 
     def __init__(self, message: str, allowed: str = "", hint: str = "") -> None:
-        super().__init__(message)
-        self.message, self.allowed, self.hint = message, allowed, hint
+        super().__init__("bad-drawing", message, allowed=allowed, hint=hint)
 
 
 @dataclass(frozen=True)

@@ -160,14 +160,15 @@ class Finger(Spec):
     @model_validator(mode="after")
     def _weighed(self) -> Self:
         if (self.masses is None) == (self.density is None):
-            raise PydanticCustomError("mass", "a finger has either 'masses' or 'density'")
+            raise PydanticCustomError(
+                "conflicting-keys", "a finger has either 'masses' or 'density'")
         return self
 
 
 def _check_count(given: Sequence[object], counts: tuple[int, ...], what: str) -> None:
     if len(given) not in counts:
         wanted = " or ".join(str(count) for count in dict.fromkeys(counts))
-        raise PydanticCustomError("count", "{what}: expected {wanted} entries, got {got}", {
+        raise PydanticCustomError("wrong-type", "{what}: expected {wanted} entries, got {got}", {
             "what": what, "wanted": wanted, "got": len(given)})
 
 

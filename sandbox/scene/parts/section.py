@@ -74,9 +74,9 @@ class Section(Spec):
     @model_validator(mode="after")
     def _whole(self) -> Self:
         if (self.square is None) != (self.rod is None):
-            raise PydanticCustomError("section", "'square' and 'rod' belong together")
+            raise PydanticCustomError("conflicting-keys", "'square' and 'rod' belong together")
         if self.rod is not None and self.rod[0] > self.rod[1]:
-            raise PydanticCustomError("section", "'rod' is a length or [shortest, longest]")
+            raise PydanticCustomError("wrong-type", "'rod' is a length or [shortest, longest]")
         return self
 
 

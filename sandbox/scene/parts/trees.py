@@ -88,7 +88,8 @@ class _TreeSpec(Spec):
         if self.shares is not None and (
             len(self.shares) != len(self.pulls) or min(self.shares) <= 0
         ):
-            raise PydanticCustomError("shares", "'shares' has a positive number for every leaf")
+            raise PydanticCustomError(
+                "out-of-range", "'shares' needs a positive number for each leaf")
         return self
 
 
@@ -151,6 +152,7 @@ def _leaf_ends(tree: _TreeSpec, known: Known) -> list[_End]:
     for i, (leaf, end) in enumerate(zip(tree.pulls, found, strict=True)):
         if end is None and not _begins(leaf.name, known.failed):
             problems.append(Problem(
+                "name-not-found",
                 f"no finger, tendon or body is named {leaf.name!r}", path=f".pulls[{i}]",
                 hint=near(leaf.name, names)))
     if problems or None in found:

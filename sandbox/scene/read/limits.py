@@ -81,7 +81,7 @@ def over(limits: Limits, name: str, asked: float, path: str, what: str) -> Itera
     most = getattr(limits, name)
     if asked > most:
         option = name.replace("_", "-")
-        yield Problem(what.format(count=_count(asked)), path, allowed=(
+        yield Problem("limit-exceeded", what.format(count=_count(asked)), path, allowed=(
             f"at most {_count(most)} (the limit '{name}', raised by --max-{option})"))
 
 

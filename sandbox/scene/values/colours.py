@@ -25,7 +25,7 @@ WORDS = f'{", ".join(COLOURS)} or "#rrggbb"'
 def _checked(text: str) -> str:
     if text in COLOURS or _HEX.fullmatch(text):
         return text
-    raise refusal(WrongValueError(f"{quoted(text)} is no colour", allowed=WORDS,
+    raise refusal(WrongValueError("not-allowed", f"{quoted(text)} is no colour", allowed=WORDS,
                                   hint=near(text, COLOURS)))
 
 

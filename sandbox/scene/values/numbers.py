@@ -48,14 +48,14 @@ def number_from(value: Any, dimension: str | None, parameters: Mapping[str, floa
 
 def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) -> float:
     if isinstance(value, bool) or not isinstance(value, (numbers.Real, str)):
-        raise WrongValueError(f"expected {wanted(dimension)}, got {kind_of(value)}")
+        raise WrongValueError("wrong-type", f"expected {wanted(dimension)}, got {kind_of(value)}")
     if isinstance(value, str):
         if value.lstrip().startswith("="):
             return _computed(value, parameters)
         try:
             return parse_quantity(value, dimension)
         except WrongValueError as error:
-            raise WrongValueError(error.message, allowed=error.allowed, hint=_meant(
+            raise WrongValueError(error.code, error.message, allowed=error.allowed, hint=_meant(
                 value, parameters) or error.hint) from None
     if isinstance(value, Measured) and dimension is None:  # read once already
         return value
@@ -64,7 +64,8 @@ def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) 
     except (OverflowError, ValueError):
         number = math.inf
     if not math.isfinite(number):
-        raise WrongValueError("must be finite (NaN and infinity are not numbers here)")
+        raise WrongValueError("out-of-range",
+                              "must be finite (NaN and infinity are not numbers here)")
     return number
 
 
@@ -127,6 +128,7 @@ def law_of(text: str, own: Sequence[str], whose: str, info: ValidationInfo) -> s
         for name in sorted(expression.names.intersection(own)):
             if name in parameters:
                 raise WrongValueError(
+                    "duplicate-name",
                     f"{quoted(name)} is a parameter, and here it would mean the {whose}'s own",
                     allowed="another name for the parameter")
         bound = expression.bind(parameters)
@@ -140,8 +142,8 @@ def law_of(text: str, own: Sequence[str], whose: str, info: ValidationInfo) -> s
 def refusal(error: ValueError) -> PydanticCustomError:
     """A wrong value as pydantic's own kind of error, with what is allowed and the near miss."""
     if not isinstance(error, WrongValueError):
-        return PydanticCustomError("value", "{reason}", {"reason": str(error)})
-    return PydanticCustomError("value", "{reason}", {
+        error = WrongValueError("wrong-type", str(error))
+    return PydanticCustomError(error.code, "{reason}", {
         "reason": error.message, "allowed": error.allowed, "hint": error.hint})
 
 
@@ -188,7 +190,7 @@ def _bound(test: Callable[[float], bool], message: str) -> AfterValidator:
     def check(value: float) -> float:
         if not test(value):
             raise PydanticCustomError(
-                "range", "must be {message}, got {value}",
+                "out-of-range", "must be {message}, got {value}",
                 {"message": message, "value": f"{value:.6g}"})
         return value
 

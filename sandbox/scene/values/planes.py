@@ -27,7 +27,8 @@ def _read(value: Any, info: ValidationInfo) -> tuple[int, ...] | Literal["all"]:
         return ALL
     numbers = tuple(value) if isinstance(value, (list, tuple)) else (value,)
     if not 0 < len(numbers) <= MANY:
-        raise refusal(WrongValueError(f"expected 1 to {MANY} planes, got {len(numbers)}"))
+        raise refusal(WrongValueError("wrong-type",
+                                      f"expected 1 to {MANY} planes, got {len(numbers)}"))
     try:
         return tuple(_plane(number, info) for number in numbers)
     except ValueError as error:
@@ -40,15 +41,17 @@ def _plane(written: Any, info: ValidationInfo) -> int:
         computed = number_from(written, None, parameters_of(info))
         if not computed.is_integer():
             raise WrongValueError(
+                "not-allowed",
                 f"{quoted(written)} is {number_text(computed)}, which is no plane", allowed=WORDS)
         number = int(computed)
     if isinstance(number, bool) or not isinstance(number, int):
         named = number if isinstance(number, str) else ""
-        raise WrongValueError(f"{quoted(named) if named else kind_of(number)} is no plane",
+        raise WrongValueError("not-allowed",
+                              f"{quoted(named) if named else kind_of(number)} is no plane",
                               allowed=WORDS, hint=near(named, [ALL]))
     if abs(number) > MOST:
         told = number if abs(number) < 1e9 else "so large a number"
-        raise WrongValueError(f"{told} is no plane",
+        raise WrongValueError("not-allowed", f"{told} is no plane",
                               allowed=f"whole numbers from {-MOST} to {MOST}")
     return number
 

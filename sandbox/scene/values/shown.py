@@ -24,7 +24,7 @@ SCHEMA = WithJsonSchema({"anyOf": [
 def _read(value: Any) -> dict[str, tuple[str, ...]]:
     try:
         if isinstance(value, str):
-            raise WrongValueError(f"{kind_of(value)} names no layers", allowed=FORMS)
+            raise WrongValueError("not-allowed", f"{kind_of(value)} names no layers", allowed=FORMS)
         return asked(value)
     except WrongValueError as error:
         raise refusal(error) from None

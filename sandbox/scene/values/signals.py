@@ -68,7 +68,7 @@ class Table(Spec):
     @classmethod
     def _in_order(cls, table: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
         if any(b[0] <= a[0] for a, b in pairwise(table)):
-            raise PydanticCustomError("table", "the times of a table must increase")
+            raise PydanticCustomError("bad-table", "the times of a table must increase")
         return table
 
 
@@ -251,5 +251,5 @@ class Path(Spec):
     @model_validator(mode="after")
     def _something(self) -> Self:
         if self.x is None and self.y is None and self.angle is None:
-            raise PydanticCustomError("path", "a path says at least one of x, y and angle")
+            raise PydanticCustomError("conflicting-keys", "a path needs 'x', 'y' or 'angle'")
         return self

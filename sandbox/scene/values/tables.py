@@ -60,13 +60,12 @@ class NamedTable(Spec):
         for i, (one, two) in enumerate(pairwise(points)):
             if two[0] <= one[0]:
                 raise PydanticCustomError(
-                    "table", "the x of a table rise from point to point: point {n} has "
-                    "{two}, the one before it {one}",
+                    "bad-table", "the x of a table must increase: point {n} has {two} after {one}",
                     {"n": i + 1, "one": f"{one[0]:g}", "two": f"{two[0]:g}"})
             if two[0] - one[0] < CLOSEST * span:
                 raise PydanticCustomError(
-                    "table", "points {m} and {n} are too close: {gap} apart, and {least} is the "
-                    "least", {"m": i, "n": i + 1, "gap": f"{two[0] - one[0]:g}",
+                    "bad-table", "points {m} and {n} are {gap} apart, less than {least}",
+                    {"m": i, "n": i + 1, "gap": f"{two[0] - one[0]:g}",
                               "least": f"{CLOSEST * span:g}"})
         for axis in (0, 1):
             numbers = (point[axis] for point in points)
@@ -74,7 +73,7 @@ class NamedTable(Spec):
                      if isinstance(number, Measured)}
             if len(kinds) > 1:
                 raise PydanticCustomError(
-                    "table", "all {axis} of a table are of one kind, and here are {kinds}",
+                    "bad-table", "all {axis} of a table are of one kind, and here are {kinds}",
                     {"axis": "xy"[axis], "kinds": " and ".join(sorted(kinds))})
         return points
 
@@ -85,15 +84,15 @@ class NamedTable(Spec):
         if self.beyond == "repeat":
             if abs(last - first) > CLOSES * (max(values) - min(values)):
                 raise PydanticCustomError(
-                    "table", "a table that repeats ends as it begins: its last y is {last}, its "
-                    "first {first}", {"last": f"{last:g}", "first": f"{first:g}"})
+                    "bad-table", "the ends of a table that repeats must be equal: {first}, {last}",
+                    {"last": f"{last:g}", "first": f"{first:g}"})
             if len(self.points) < 4 and self.between == "cubic":
                 raise PydanticCustomError(
-                    "table", "a cubic table that repeats has 4 points at least")
+                    "bad-table", "a cubic table that repeats needs at least 4 points")
         steepest = float(np.abs(function_of(self).pieces[:, 1]).max())
         if not steepest <= STEEPEST:
             raise PydanticCustomError(
-                "table", "the table is too steep: {slope}, and {most} is the most",
+                "bad-table", "the table is too steep: {slope}, and {most} is the most",
                 {"slope": f"{steepest:.3g}", "most": f"{STEEPEST:g}"})
         return self
 
@@ -101,7 +100,7 @@ class NamedTable(Spec):
 def _free(name: str) -> str:
     if name in RESERVED or "__" in name:
         raise PydanticCustomError(
-            "table", "{name} cannot be a table's name: it already means something in expressions",
+            "invalid-name", "a table cannot have the name {name}, which expressions reserve",
             {"name": quoted(name)})
     return name
 
