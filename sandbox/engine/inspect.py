@@ -104,10 +104,9 @@ def _drives(model: Model) -> Iterator[Problem]:
             continue
         moved = model.moved_by(i)
         if not model.bodies.free[moved].any():
-            yield look(
-                "no-effect", f"$.drives[{i}]", model.drives.name[i],
-                f"acts on {model.bodies.name[moved[0]]!r}, which cannot move freely",
-                "it changes nothing")
+            yield look("no-effect", f"$.drives[{i}]", model.drives.name[i],
+                       f"acts on {model.bodies.name[moved[0]]!r}, which cannot move freely",
+                       "it changes nothing")
 
 
 def _paths(mechanism: Mechanism) -> Iterator[Problem]:
@@ -122,11 +121,10 @@ def _paths(mechanism: Mechanism) -> Iterator[Problem]:
                 continue
             first = float(values(signal, np.zeros(1), mechanism.functions)[0])
             if abs(first - start) > NEGLIGIBLE:
-                yield look(
-                    "jump-at-start", f"$.bodies[{i}].path.{axis}", body.name,
-                    f"begins at {axis} = {show(start)}, its path at {show(first)}: it jumps there "
-                    "in the first step",
-                    "let 'at' and 'angle' be where the path begins")
+                yield look("jump-at-start", f"$.bodies[{i}].path.{axis}", body.name,
+                           f"begins at {axis} = {show(start)}, its path at {show(first)}: it jumps "
+                           "there in the first step", "let 'at' and 'angle' be where the path "
+                           "begins")
 
 
 def _sampling(mechanism: Mechanism) -> Iterator[Problem]:
@@ -134,22 +132,19 @@ def _sampling(mechanism: Mechanism) -> Iterator[Problem]:
     clock = make_clock(run.duration, run.step, run.sample_rate)
     actual = 1 / (clock.every * run.step)
     if abs(actual - run.sample_rate) > 1e-6 * run.sample_rate:
-        yield look("bad-rate",
-                   "$.run", "run", f"the step {run.step:g} s does not divide the sampling "
-                       f"interval {1 / run.sample_rate:g} s",
-                       f"samples come at {actual:.6g} Hz instead of {run.sample_rate:g} Hz")
+        yield look("bad-rate", "$.run", "run", f"the step {run.step:g} s does not divide the "
+                   f"sampling interval {1 / run.sample_rate:g} s", f"samples come at {actual:.6g} "
+                   f"Hz instead of {run.sample_rate:g} Hz")
     if run.duration < run.step:
-        yield look("bad-rate",
-                   "$.run", "run", f"the duration {run.duration:g} s is shorter than a step",
-                       "one step is made")
+        yield look("bad-rate", "$.run", "run", f"the duration {run.duration:g} s is shorter than a "
+                   "step", "one step is made")
 
 
 def _retired(mechanism: Mechanism) -> Iterator[Problem]:
     if given := mechanism.run.ignored:
         do, them = ("do", "them") if len(given) > 1 else ("does", "it")
-        yield look("no-effect",
-                   "$.run", "run", f"{' and '.join(map(quoted, given))} {do} nothing any more: "
-                   "each step is solved to rounding, and no overlap is left alone",
+        yield look("no-effect", "$.run", "run", f"{' and '.join(map(quoted, given))} {do} nothing "
+                   "any more: each step is solved to rounding, and no overlap is left alone",
                    f"leave {them} out")
 
 

@@ -72,11 +72,10 @@ def _powerless(mechanism: Mechanism) -> Iterator[Problem]:
             continue
         for name, joint in zip(spec.joints, joints, strict=True):
             if not joint.spring_moment(spec.guard) > 0:
-                yield Problem(
-                    "bad-control-law",
-                    f"the spring across {quoted(name)} resists nothing at the guard's rotation, "
-                    f"{math.degrees(spec.guard):.4g} deg", f"$.controllers[{i}].guard",
-                    allowed="a small rotation at which every spring is stretched and has an arm")
+                yield Problem("bad-control-law", f"the spring across {quoted(name)} resists "
+                              f"nothing at the guard's rotation, {math.degrees(spec.guard):.4g} "
+                              "deg", f"$.controllers[{i}].guard", allowed="a small rotation at "
+                              "which every spring is stretched and has an arm")
 
 
 @dataclass(frozen=True)
@@ -135,13 +134,11 @@ def _custom_problems(mechanism: Mechanism, customs: Sequence[Custom]) -> Iterato
             yield from unreadable(text, known, place)
         for name in custom.writes:
             if name not in drives:
-                yield Problem("name-not-found",
-                              f"there is no drive named {quoted(name)} to write", place,
-                              allowed=listed(drives), hint=near(name, drives))
+                yield Problem("name-not-found", f"there is no drive named {quoted(name)} to write",
+                              place, allowed=listed(drives), hint=near(name, drives))
             elif name in taken:
-                yield Problem("set-twice",
-                              f"the drive {quoted(name)} is written already, by another "
-                              "controller or an event", place)
+                yield Problem("set-twice", f"the drive {quoted(name)} is written already, by "
+                              "another controller or an event", place)
             taken.add(name)
 
 
@@ -209,14 +206,12 @@ def unreadable(text: str, known: LiveCatalogue, path: str) -> Iterator[Problem]:
             yield Problem("unknown-quantity", f"unknown quantity {quoted(name)}: {lacking}", path)
         elif name not in known:
             hint = known.hint(name)
-            yield Problem("unknown-quantity",
-                          f"unknown quantity {quoted(name)}", path, allowed=_offered(name, known),
-                          hint=quoted(hint) if hint else "")
+            yield Problem("unknown-quantity", f"unknown quantity {quoted(name)}", path,
+                          allowed=_offered(name, known), hint=quoted(hint) if hint else "")
     for name in known.late(names):
         kind = known.find(name).kind
-        yield Problem("quantity-not-live",
-                      f"{quoted(name)} is worked out after a run and cannot be read while it runs",
-                      path, allowed=f"of a {kind}: {listed(LIVE[kind])}")
+        yield Problem("quantity-not-live", f"{quoted(name)} is worked out after a run and cannot "
+                      "be read while it runs", path, allowed=f"of a {kind}: {listed(LIVE[kind])}")
 
 
 def _offered(name: str, known: Catalogue) -> str:
@@ -258,10 +253,9 @@ def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
             continue  # meters alone: told already
         members = members[(at := members.index(min(members))):] + members[:at]
         path = " → ".join(quoted(mechanism.controllers[i].name) for i in [*members, members[0]])
-        yield Problem("algebraic-loop",
-                      f"an algebraic loop: {path}; each reads what the next one writes",
-                      f"$.controllers[{members[0]}].value",
-                      allowed="a law with memory in the loop, such as a pid")
+        yield Problem("algebraic-loop", f"an algebraic loop: {path}; each reads what the next one "
+                      "writes", f"$.controllers[{members[0]}].value", allowed="a law with memory "
+                      "in the loop, such as a pid")
 
 
 _Node = tuple[str, int]
@@ -297,21 +291,19 @@ def beyond_stops(model: Model) -> Iterator[Problem]:
         for name, sign, value in _bounds(event.when or ""):
             low, high = stops.get(name, (-math.inf, math.inf))
             if (sign > 0 and value >= high) or (sign < 0 and value <= low):
-                yield Problem(
-                    "outside-limits",
-                    f"waits for {name} {'>' if sign > 0 else '<'} {value:.4g} rad, but its stops "
-                    f"are at {low:.4g} and {high:.4g} rad", f"$.events[{i}].when",
-                    element=event.name, advice="it can hardly ever happen", severity="warning")
+                yield Problem("outside-limits", f"waits for {name} {'>' if sign > 0 else '<'} "
+                              f"{value:.4g} rad, but its stops are at {low:.4g} and {high:.4g} rad",
+                              f"$.events[{i}].when", element=event.name, advice="it can hardly "
+                              "ever happen", severity="warning")
     for i, controller in enumerate(mechanism.controllers):
         for name, target in zip(readings_of(controller), targets_of(controller), strict=False):
             low, high = stops.get(name, (-math.inf, math.inf))
             goal = _last(target)
             if goal is not None and not low <= goal <= high:
-                yield Problem(
-                    "outside-limits",
-                    f"leads {name} to {goal:.4g} rad, but its stops are at {low:.4g} and "
-                    f"{high:.4g} rad", f"$.controllers[{i}]", element=controller.name,
-                    advice="it cannot get there", severity="warning")
+                yield Problem("outside-limits", f"leads {name} to {goal:.4g} rad, but its stops "
+                              f"are at {low:.4g} and {high:.4g} rad", f"$.controllers[{i}]",
+                              element=controller.name, advice="it cannot get there",
+                              severity="warning")
 
 
 def _last(target: AnySignal) -> float | None:

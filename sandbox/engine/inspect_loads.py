@@ -24,9 +24,8 @@ def load_problems(model: Model) -> Iterator[Problem]:
         path, law = f"$.loads[{loads.load[i]}]", loads.law[i]
         if law is None:
             if not len(loads.outline(i)) and body.name in load.bodies:
-                yield look("no-effect",
-                           path, load.name, f"{body.name!r} has no area that a liquid could lift",
-                           "give it a shape")
+                yield look("no-effect", path, load.name, f"{body.name!r} has no area that a liquid "
+                           "could lift", "give it a shape")
             continue
         motion = motion_of(model, i, *_start(model, int(loads.body[i])), np.zeros((3, 1)),
                            np.zeros(1))

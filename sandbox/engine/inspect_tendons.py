@@ -55,9 +55,8 @@ def _without_way(tendon: Tendon, path: str, points: list[Vec]) -> Iterator[Probl
         reach = ra + rb if crossed else abs(ra - rb)
         (small, inner), (large, outer) = sorted(((ra, k), (rb, after)))
         if gap < STRAIGHT:
-            yield error("coincident-points",
-                        path, tendon.name, f"its guides {k} and {after} coincide",
-                        "move one of them: the cord between has no direction")
+            yield error("coincident-points", path, tendon.name, f"its guides {k} and {after} "
+                        "coincide", "move one of them: the cord between has no direction")
         elif gap >= reach:
             continue
         elif not small:
@@ -66,17 +65,15 @@ def _without_way(tendon: Tendon, path: str, points: list[Vec]) -> Iterator[Probl
                         f"its centre and {mm(large - gap)} deep",
                         f"move guide {inner} so much further out, or make the wheel smaller")
         elif not crossed:
-            yield error("bad-tendon-path", path, tendon.name,
-                        f"the wheel of its guide {inner} lies in that of its guide {outer}: they "
-                        f"are {mm(gap)} apart, the cord between them needs {mm(reach)}",
-                        f"move one of them {mm(reach - gap)} further out, or make guide {outer} "
-                        "smaller")
+            yield error("bad-tendon-path", path, tendon.name, f"the wheel of its guide {inner} "
+                        f"lies in that of its guide {outer}: they are {mm(gap)} apart, the cord "
+                        f"between them needs {mm(reach)}", f"move one of them {mm(reach - gap)} "
+                        f"further out, or make guide {outer} smaller")
         else:
-            yield error("bad-tendon-path", path, tendon.name,
-                        f"the wheels of its guides {k} and {after} are {mm(gap)} apart, the cord "
-                        f"that crosses between them needs {mm(reach)}",
-                        f"put them {mm(reach - gap)} further apart, make one smaller, or give both "
-                        "the same 'side'")
+            yield error("bad-tendon-path", path, tendon.name, f"the wheels of its guides {k} and "
+                        f"{after} are {mm(gap)} apart, the cord that crosses between them needs "
+                        f"{mm(reach)}", f"put them {mm(reach - gap)} further apart, make one "
+                        "smaller, or give both the same 'side'")
 
 
 def _loop_problems(model: Model, i: int) -> Iterator[Problem]:
@@ -118,18 +115,15 @@ def _without_effect(model: Model, i: int) -> Iterator[Problem]:
                        f"its friction of {guide.friction:g} does nothing: no other guide holds the "
                        "loop, which goes round with this one", "friction at another guide, too")
         if guide.begins and k not in tendon.lifting:
-            yield look("no-effect", f"{path}.begins", tendon.name,
-                       f"its {guide.begins!r} does nothing: the cord cannot lift off there, only "
-                       "off a wheel between its ends that has no friction and no turns",
-                       f"to leave {guide.begins!r} out")
+            yield look("no-effect", f"{path}.begins", tendon.name, f"its {guide.begins!r} does "
+                       "nothing: the cord cannot lift off there, only off a wheel between its ends "
+                       "that has no friction and no turns", f"to leave {guide.begins!r} out")
         if guide.turns and not guide.radius:
-            yield look("no-effect", f"{path}.turns", tendon.name,
-                       f"its {guide.turns} turns do nothing: it goes round no wheel",
-                       "a radius, or no turns")
+            yield look("no-effect", f"{path}.turns", tendon.name, f"its {guide.turns} turns do "
+                       "nothing: it goes round no wheel", "a radius, or no turns")
         elif guide.turns and tied:
-            yield look("no-effect", f"{path}.turns", tendon.name,
-                       f"its {guide.turns} turns do nothing: the cord is tied there",
-                       "no turns")
+            yield look("no-effect", f"{path}.turns", tendon.name, f"its {guide.turns} turns do "
+                       "nothing: the cord is tied there", "no turns")
 
 
 def _off_wheels(model: Model, i: int, off: Flags, points: list[Vec]) -> Iterator[Problem]:
@@ -146,15 +140,13 @@ def _off_wheels(model: Model, i: int, off: Flags, points: list[Vec]) -> Iterator
             far = passes_by([points[j] for j in three], radii)
             path = f"$.tendons[{i}].guides[{k}]"
             if told == "off":
-                yield error("bad-tendon-path", f"{path}.begins", tendon.name,
-                            "cannot begin off its wheel, which the straight way past it would have "
-                            f"{mm(-far)} deep in it", "the wheel so much further out, or the "
-                            f"other side, {other!r}")
+                yield error("bad-tendon-path", f"{path}.begins", tendon.name, "cannot begin off "
+                            f"its wheel, which the straight way past it would have {mm(-far)} deep "
+                            "in it", f"the wheel so much further out, or the other side, {other!r}")
                 continue
-            yield look("bad-tendon-path", path, tendon.name,
-                       f"begins off its wheel: it goes straight past it, {mm(far)} away",
-                       f"\"begins\": \"off\", if it is to meet the wheel later; side {other!r}, if "
-                       "the wheel is to bend it")
+            yield look("bad-tendon-path", path, tendon.name, "begins off its wheel: it goes "
+                       f"straight past it, {mm(far)} away", "\"begins\": \"off\", if it is to meet "
+                       f"the wheel later; side {other!r}, if the wheel is to bend it")
 
 
 def _stretched(model: Model, i: int, length: float, rest: float) -> Iterator[Problem]:

@@ -130,9 +130,8 @@ class Live(Simulation):
         if name in self._hidden():
             raise SceneError([self._unknown(name)])
         if not _finite(value):
-            raise SceneError([Problem("bad-argument",
-                                      f"{value!r} is no value for {quoted(name)}", "give",
-                                      allowed="a finite number")])
+            raise SceneError([Problem("bad-argument", f"{value!r} is no value for {quoted(name)}",
+                                      "give", allowed="a finite number")])
         kind = next((kind_of(drive) for drive in self.scene.drives if drive.name == name), None)
         try:
             in_range(float(value), (kind.dimension or None) if kind else None)
@@ -144,9 +143,8 @@ class Live(Simulation):
         wrong = [problem for problem in check_control(alone, lambda name: False)
                  if parse_path(problem.path)[:1] == ("events",)]
         if wrong:
-            raise SceneError([Problem(wrong[0].code,
-                                      wrong[0].message, "give", allowed=wrong[0].allowed,
-                                      hint=wrong[0].hint)])
+            raise SceneError([Problem(wrong[0].code, wrong[0].message, "give",
+                                      allowed=wrong[0].allowed, hint=wrong[0].hint)])
         self.inputs.append(Setting(self.steps, name, float(value)))
         self._steering.add(event)
 
@@ -168,10 +166,9 @@ class Live(Simulation):
         place, strength = _pair(at, "at"), _pair(force, "force")
         free = [each.name for each in self.scene.bodies if each.motion == "dynamic"]
         if body not in free:
-            raise SceneError([Problem("name-not-found",
-                                      f"{quoted(body)} is no body that moves freely", "push",
-                                      allowed=listed(free) or "none: all bodies are held",
-                                      hint=near(body, free))])
+            raise SceneError([Problem(
+                "name-not-found", f"{quoted(body)} is no body that moves freely", "push",
+                allowed=listed(free) or "none: all bodies are held", hint=near(body, free))])
         push = Nudge(self.steps, body, place, strength)
         before = next((one for one in reversed(self.inputs) if isinstance(one, Nudge)), None)
         if before is not None and replace(before, step=push.step) == push:

@@ -172,10 +172,9 @@ class Simulation:
             except UnknownQuantityError:
                 raise
             except KeyError as error:
-                raise SceneError([Problem(
-                    "quantity-not-live",
-                    f"{quoted(error.args[0])} is worked out after a run and cannot be read while "
-                    "it runs", quantity)]) from None
+                raise SceneError([Problem("quantity-not-live", f"{quoted(error.args[0])} is worked "
+                                          "out after a run and cannot be read while it runs",
+                                          quantity)]) from None
             except WrongValueError as error:
                 raise SceneError([Problem.of(error, quantity)]) from None
         return self._read[quantity]()
@@ -238,9 +237,8 @@ class Simulation:
             self._failed = Interrupted(last, recording)
             raise self._failed from None
         except BaseException as error:
-            self._failed = SandboxError(
-                f"this simulation ended at t = {self.time:.6g} s: {type(error).__name__}: {error}",
-                code="run-ended")
+            self._failed = SandboxError(f"this simulation ended at t = {self.time:.6g} s: "
+                                        f"{type(error).__name__}: {error}", code="run-ended")
             raise
 
     def _loop(self, until: int, progress: Callable[[float], None] | None) -> None:
@@ -314,10 +312,9 @@ class Simulation:
         world, constants = self._world, self._tables.constants
         found = int(world.finder.table[0])
         if found > MOST_CONTACTS:
-            raise SandboxError(
-                f"{found} contacts at once at t = {self.time:.6g} s, more than the "
-                f"{MOST_CONTACTS} that can be solved together: fewer or simpler bodies may help",
-                code="too-complex")
+            raise SandboxError(f"{found} contacts at once at t = {self.time:.6g} s, more than the "
+                               f"{MOST_CONTACTS} that can be solved together: fewer or simpler "
+                               "bodies may help", code="too-complex")
         rows = rows_for(len(constants.limits), len(constants.motors), len(constants.slips),
                         len(constants.rubs), found)
         world.enlarge(4 * (rows + 1))
@@ -337,10 +334,9 @@ class Simulation:
                                       f"the run is over, at t = {self.time:.6g} s", "set")])
         known = self._model.names.drive
         if drive not in known:
-            raise SceneError([Problem("name-not-found",
-                                      f"there is no drive named {quoted(drive)}", "set",
-                                      allowed=listed(known) or "none: the scene has no drives",
-                                      hint=near(drive, known))])
+            raise SceneError([Problem(
+                "name-not-found", f"there is no drive named {quoted(drive)}", "set",
+                allowed=listed(known) or "none: the scene has no drives", hint=near(drive, known))])
         if value is not None and not (isinstance(value, Real) and math.isfinite(value)):
             raise SceneError([Problem("bad-argument",
                                       f"{value!r} is no value for {quoted(drive)}", "set",

@@ -102,9 +102,8 @@ def _check_meter_values(known: Catalogue) -> list[Problem]:
                 problems.append(unknown(known, "unknown quantity", name, path, len(problems)))
     for circle in meters.order(known.mechanism)[1]:
         ring = " → ".join(quoted(all_meters[i].name) for i in [*circle, circle[0]])
-        problems.append(Problem("circular-definition",
-                                f"meters depend on each other in a circle: {ring}",
-                                f"$.meters[{circle[0]}].value"))
+        problems.append(Problem("circular-definition", "meters depend on each other in a circle: "
+                                f"{ring}", f"$.meters[{circle[0]}].value"))
     return problems
 
 

@@ -113,9 +113,8 @@ def read(path: Path) -> Read:
         with _Pieces(path) as file, zipfile.ZipFile(file) as archive:
             return _Reading(path, file, archive).whole()
     except FileNotFoundError:
-        raise OutputError(
-            f"there is no recording in {path.parent}: {path.name} is missing",
-            code="no-run") from None
+        raise OutputError(f"there is no recording in {path.parent}: {path.name} is missing",
+                          code="no-run") from None
     except OSError as error:
         raise OutputError(f"cannot read {path}: {error.strerror or error}",
                           code="run-damaged") from None
@@ -214,9 +213,8 @@ class _Reading:
         if type(version) is not int or version < 1 or deep:
             raise self.damaged(f"{INFO!r} does not describe a run")
         if version > FORMAT:
-            raise OutputError(
-                f"{self.path} has format {quoted(version)}; this version reads up to {FORMAT}: "
-                "use a newer sandbox", code="unsupported-format")
+            raise OutputError(f"{self.path} has format {quoted(version)}; this version reads up to "
+                              f"{FORMAT}: use a newer sandbox", code="unsupported-format")
         return dict(info)
 
     def _mechanism(self) -> Mechanism:

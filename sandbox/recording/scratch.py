@@ -64,9 +64,8 @@ class Scratch:
 
     def full(self, size: int, error: OSError) -> OutputError:
         """What to say where there is no room for ``size`` bytes more."""
-        return OutputError(
-            f"no room for {size / 1e9:.3g} GB of samples in {self.path}: {error.strerror or error}",
-            code="out-of-memory")
+        return OutputError(f"no room for {size / 1e9:.3g} GB of samples in {self.path}: "
+                           f"{error.strerror or error}", code="out-of-memory")
 
 
 class Budget:

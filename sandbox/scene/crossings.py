@@ -85,17 +85,15 @@ class Fingers:
                 continue
             guides = _guides(tendons[spec.tendon], pins[name]) if spec.tendon in tendons else ()
             if guides is None or any(guide.radius for guide in guides):
-                yield Problem("bad-control-law",
-                              f"the tendon {quoted(spec.tendon)} does not run straight from a "
-                              f"guide on one side of {quoted(name)} to a guide on the other",
-                              f"{path}.joints[{i}]")
+                yield Problem("bad-control-law", f"the tendon {quoted(spec.tendon)} does not run "
+                              f"straight from a guide on one side of {quoted(name)} to a guide on "
+                              "the other", f"{path}.joints[{i}]")
             spring = self.spring_of(drive)
             if drive in self._drives and (
                     not isinstance(spring, LinearSpring)
                     or {spring.a, spring.b} != {pins[name].a, pins[name].b}):
-                yield Problem("bad-control-law",
-                              f"{quoted(drive)} does not set the stiffness of a linear spring "
-                              f"across {quoted(name)}", f"{path}.writes[{i}]",
+                yield Problem("bad-control-law", f"{quoted(drive)} does not set the stiffness of a "
+                              f"linear spring across {quoted(name)}", f"{path}.writes[{i}]",
                               allowed="a stiffness drive for each joint, in the joints' order")
 
 

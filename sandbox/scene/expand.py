@@ -164,9 +164,8 @@ def _pulled_twice(scene: Scene | Assembly) -> list[Problem]:
         for j, leaf in enumerate(part.pulls):
             key = (leaf.name.removesuffix(".tendon"), leaf.at)
             if key in seen:
-                problems.append(Problem(
-                    "set-twice", f"{leaf.name!r} is pulled already, by {seen[key]}",
-                    path=f"$.parts[{i}].pulls[{j}]"))
+                problems.append(Problem("set-twice", f"{leaf.name!r} is pulled already, by "
+                                        f"{seen[key]}", path=f"$.parts[{i}].pulls[{j}]"))
             seen.setdefault(key, f"$.parts[{i}].pulls[{j}]")
     return problems
 

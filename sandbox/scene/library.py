@@ -67,10 +67,9 @@ def find_scene(name_or_path: str | Path) -> Path:
     scenes = shipped_scenes()
     if text in scenes:
         return scenes[text]
-    raise SceneError([Problem(
-        "file-not-found", f"there is no file {quoted(text)} and no shipped scene of that name",
-        allowed=f"a path, or one of {listed(scenes)}",
-        hint=near(path.name, _beside(path)) or near(path.stem, scenes))])
+    raise SceneError([Problem("file-not-found", f"there is no file {quoted(text)} and no shipped "
+                              "scene of that name", allowed=f"a path, or one of {listed(scenes)}",
+                              hint=near(path.name, _beside(path)) or near(path.stem, scenes))])
 
 
 def _beside(path: Path) -> list[str]:

@@ -121,9 +121,8 @@ def is_still(path: Path, *, at: bool, strip: bool, transparent: bool,
                               f"{', '.join((*films, *STILLS))}, or none for a directory",
                               code="bad-picture")
     elif ending and ending not in STILLS:
-        raise OutputError(f"{path}: no picture can have the ending {path.suffix!r}; "
-                          f"allowed: {', '.join(ENDINGS)}, or none for a directory",
-                          code="bad-picture")
+        raise OutputError(f"{path}: no picture can have the ending {path.suffix!r}; allowed: "
+                          f"{', '.join(ENDINGS)}, or none for a directory", code="bad-picture")
     stills = ending in STILLS or at or strip
     if not stills and paper_of(size):
         raise OutputError(f"{path}: size={size!r} asks for paper: {NO_PAPER}", code="bad-picture")
@@ -201,10 +200,9 @@ def _prepare(
     rate, pace, (width, height) = view.fps, view.speed, view.size
     frames = (float(run.time[-1]) - view.start) / pace * rate
     if not frames <= most_frames:
-        raise OutputError(
-            f"at a speed of {pace:g} the film would have {frames:.3g} frames. Allowed: at most "
-            f"{most_frames} (the limit 'frames', raised by --max-frames or most_frames)",
-            code="limit-exceeded")
+        raise OutputError(f"at a speed of {pace:g} the film would have {frames:.3g} frames. "
+                          f"Allowed: at most {most_frames} (the limit 'frames', raised by "
+                          "--max-frames or most_frames)", code="limit-exceeded")
     if even:
         width, height = width // 2 * 2, height // 2 * 2
     note = "" if pace == 1 else f"{pace:g}× speed"
@@ -263,9 +261,8 @@ def _write_mp4(renderer: FrameRenderer, times: list[float], fps: int, path: Path
     try:
         import av  # noqa: F401
     except ImportError:
-        raise OutputError("an .mp4 needs the package 'av': "
-                          "pip install 'sandbox-mechanics[mp4]', or write a .gif",
-                          code="missing-package") from None
+        raise OutputError("an .mp4 needs the package 'av': pip install 'sandbox-mechanics[mp4]', "
+                          "or write a .gif", code="missing-package") from None
     import imageio.v3 as iio
 
     with iio.imopen(path, "w", plugin="pyav") as file:

@@ -47,9 +47,8 @@ def check_control(
         for j, name in enumerate(writes_of(controller)):
             place = f"{path}.writes" if alone else f"{path}.writes[{j}]"
             if name not in drives and not assumed(name):
-                yield Problem("name-not-found",
-                              f"there is no drive named {quoted(name)} to write", place,
-                              allowed=listed(drives) or "none: the scene has no drives",
+                yield Problem("name-not-found", f"there is no drive named {quoted(name)} to write",
+                              place, allowed=listed(drives) or "none: the scene has no drives",
                               hint=near(name, drives))
             elif name in owners:
                 yield Problem("set-twice", f"the drive {quoted(name)} is written already, by "
@@ -64,14 +63,12 @@ def check_control(
         for name, value in event.set.items():
             path = path_text(("events", i, "set", name))
             if name in owners:
-                yield Problem(
-                    "set-twice",
-                    f"{quoted(name)} is written by {owners[name]}, which would set it again",
-                    path, allowed="a drive without a controller, or <controller>.target or .active")
+                yield Problem("set-twice", f"{quoted(name)} is written by {owners[name]}, which "
+                              "would set it again", path, allowed="a drive without a controller, "
+                              "or <controller>.target or .active")
             elif name not in known and not assumed(name):
-                yield Problem("name-not-found",
-                              f"there is nothing named {quoted(name)} to set", path,
-                              allowed=listed(known) or "none: there are no drives",
+                yield Problem("name-not-found", f"there is nothing named {quoted(name)} to set",
+                              path, allowed=listed(known) or "none: there are no drives",
                               hint=near(name, known))
             elif name.endswith(".active") and name in settable and value not in (0.0, 1.0):
                 yield Problem("out-of-range", f"{quoted(name)} is 0 or 1, not {value:g}", path)
@@ -115,9 +112,8 @@ def _times(event: Event, mechanism: Mechanism, path: str) -> Iterator[Problem]:
     if event.when is not None:
         first += -first % every(event.rate, step)
     if start >= duration:
-        yield Problem("event-never-happens",
-                      f"this event can never happen: the run ends at {duration:g} s",
-                      f"{path}.{key}", allowed=f"less than {duration:g} s")
+        yield Problem("event-never-happens", "this event can never happen: the run ends at "
+                      f"{duration:g} s", f"{path}.{key}", allowed=f"less than {duration:g} s")
     elif first > 0 and first >= math.ceil(duration / step - 1e-9):
         yield Problem("event-never-happens",
                       f"this event can never happen: it would be due at {first * step:g} s, after "
@@ -128,14 +124,12 @@ def _times(event: Event, mechanism: Mechanism, path: str) -> Iterator[Problem]:
                       f"{path}.when", allowed="a condition of quantities or of the time t, such "
                       'as "=finger.mcp.angle > 0.5"')
     elif event.when is not None and _never(event.when, first, every(event.rate, step), mechanism):
-        yield Problem("event-never-happens",
-                      f"this event can never happen: {quoted(event.when)} is true at no time of "
-                      f"the run, which ends at {duration:g} s", f"{path}.when",
-                      allowed="a condition that becomes true")
+        yield Problem("event-never-happens", f"this event can never happen: {quoted(event.when)} "
+                      f"is true at no time of the run, which ends at {duration:g} s",
+                      f"{path}.when", allowed="a condition that becomes true")
     if event.lasts is not None and not (event.set or event.release or event.take_up):
-        yield Problem("conflicting-keys",
-                      "'lasts' needs something that was 'set', let go or taken up",
-                      f"{path}.lasts")
+        yield Problem("conflicting-keys", "'lasts' needs something that was 'set', let go or taken "
+                      "up", f"{path}.lasts")
 
 
 def _never(when: str, first: int, every_steps: int, mechanism: Mechanism) -> bool:

@@ -30,9 +30,8 @@ INSTANTS = 257
 def nothing_to_run(mechanism: Mechanism) -> Iterator[Problem]:
     """A mechanism without bodies: there is nothing that could be simulated."""
     if not mechanism.bodies:
-        yield Problem("nothing-to-simulate",
-                      "there are no bodies, so there is nothing to simulate", "$.bodies",
-                      allowed="at least one body, or a part that has some")
+        yield Problem("nothing-to-simulate", "there are no bodies, so there is nothing to simulate",
+                      "$.bodies", allowed="at least one body, or a part that has some")
 
 
 def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:

@@ -194,9 +194,8 @@ class _References:
                 head, quantity = ".".join(words[:count]), ".".join(words[count:])
                 if head in first and (quantity in taken[first[head][0]]
                                       or (head in objects and quantity in GRASP)):
-                    yield Problem("duplicate-name",
-                                  f"the name {quoted(name)} also means the quantity "
-                                  f"{quoted(quantity)} of {quoted(head)}", path,
+                    yield Problem("duplicate-name", f"the name {quoted(name)} also means the "
+                                  f"quantity {quoted(quantity)} of {quoted(head)}", path,
                                   allowed="another name")
 
     def joints(self) -> Iterator[Problem]:
@@ -240,10 +239,9 @@ class _References:
             return
         volume = volume_of(line, self.bodies)
         if fault := size_fault(volume, "volume"):
-            yield Problem(
-                "out-of-range",
-                f"its volume at t = 0 follows from the cylinders that push and is {fault}",
-                f"{path}.volume", allowed='the volume of its fluid, such as "0.1 l"')
+            yield Problem("out-of-range", "its volume at t = 0 follows from the cylinders that "
+                          f"push and is {fault}", f"{path}.volume",
+                          allowed='the volume of its fluid, such as "0.1 l"')
 
     def valves(self) -> Iterator[Problem]:
         for i, valve in enumerate(self.mechanism.valves):
@@ -267,9 +265,8 @@ class _References:
                                   f"would mean this load on {quoted(bodies[body].name)}",
                                   f"{path}.name", allowed="another name")
             if isinstance(load, BuoyancyLoad) and (gravity[0] or gravity[1] >= 0):
-                yield Problem("bad-fluid",
-                              "a liquid lifts against gravity, which has to point downwards here, "
-                              f"and it is [{gravity[0]:g}, {gravity[1]:g}]", path,
+                yield Problem("bad-fluid", "a liquid lifts against gravity, which has to point "
+                              f"downwards here, and it is [{gravity[0]:g}, {gravity[1]:g}]", path,
                               allowed='a scene with "gravity": [0, -9.81]')
 
     def _borne(self, pattern: str, path: str) -> Iterator[Problem]:
@@ -283,9 +280,8 @@ class _References:
             yield Problem("name-not-found", f"no body's name matches {quoted(pattern)}", path,
                           allowed=listed(free), hint=hint)
         elif not any(map(re.compile(fnmatch.translate(pattern)).match, free)):
-            yield Problem("name-not-found",
-                          f"{quoted(pattern)} means no body that moves freely", path,
-                          allowed=listed(free) or "none: no body moves freely")
+            yield Problem("name-not-found", f"{quoted(pattern)} means no body that moves freely",
+                          path, allowed=listed(free) or "none: no body moves freely")
 
     def materials(self) -> Iterator[Problem]:
         for i, body in enumerate(self.mechanism.bodies):
@@ -333,15 +329,13 @@ class _References:
                           f"{quoted(name)} has no stiffness to set: {quoted(pull)} pulls it, which "
                           "sets its tension", path, allowed="a tendon that no drive pulls")
         elif tendon is not None and tendon.gripping:
-            yield Problem("not-settable",
-                          f"the stiffness of {quoted(name)} cannot be set: its guide "
-                          f"{tendon.gripping[0]} holds it by friction, so that each of its spans "
-                          "has a tension of its own", path,
-                          allowed="a tendon whose guides have no 'friction'")
+            yield Problem("not-settable", f"the stiffness of {quoted(name)} cannot be set: its "
+                          f"guide {tendon.gripping[0]} holds it by friction, so that each of its "
+                          "spans has a tension of its own", path, allowed="a tendon whose guides "
+                          "have no 'friction'")
         elif tendon is not None and tendon.stiffness >= RIGID:
-            yield Problem("not-settable",
-                          f"{quoted(name)} has no stiffness to set: with {tendon.stiffness:g} N/m "
-                          "it stands for a cord without stretch", path,
+            yield Problem("not-settable", f"{quoted(name)} has no stiffness to set: with "
+                          f"{tendon.stiffness:g} N/m it stands for a cord without stretch", path,
                           allowed=f"a tendon with a 'stiffness' below {RIGID:g} N/m, which it has "
                           "until the drive sets another")
 
@@ -355,9 +349,8 @@ class _References:
         allowed = ", ".join(itertools.islice(circles, MOST_NAMED)) \
             or f"none: {quoted(drive.body)} has no circle"
         if drive.shape >= len(shapes):
-            yield Problem("not-settable",
-                          f"{quoted(drive.body)} has no shape {drive.shape} (they count from 0)",
-                          f"{path}.shape", allowed=allowed)
+            yield Problem("not-settable", f"{quoted(drive.body)} has no shape {drive.shape} (they "
+                          "count from 0)", f"{path}.shape", allowed=allowed)
         else:
             yield Problem("not-settable", f"shape {drive.shape} of {quoted(drive.body)} is a "
                           f"{shapes[drive.shape].type}; only a circle has a radius to set",
@@ -403,10 +396,9 @@ class _References:
         """A pattern of bodies that fits none."""
         if not self._maybe(pattern) and not self._fits(pattern):
             grouped = any(group.name == pattern for group in self.mechanism.groups)
-            yield Problem(
-                "name-not-found",
-                f"no body's name matches {quoted(pattern)}", path, allowed=listed(self.bodies),
-                hint=f"'{pattern}.*'" if grouped else self.near(pattern, self.bodies))
+            yield Problem("name-not-found", f"no body's name matches {quoted(pattern)}", path,
+                          allowed=listed(self.bodies),
+                          hint=f"'{pattern}.*'" if grouped else self.near(pattern, self.bodies))
 
     def _maybe(self, pattern: str) -> bool:
         """Whether a body that could not be read may fit."""

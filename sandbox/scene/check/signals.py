@@ -61,9 +61,8 @@ def _try_signal(
         yield Problem("out-of-range",
                       f"the radius is not greater than 0 at t = {first:.4g} s", path)
     elif count < len(t):
-        yield Problem("out-of-range",
-                      f"{_lacks(signal, t[count:count + 1], tables)} at t = {t[count]:.4g} s", path,
-                      allowed=f"a finite value from 0 to {duration:g} s")
+        yield Problem("out-of-range", f"{_lacks(signal, t[count:count + 1], tables)} at t = "
+                      f"{t[count]:.4g} s", path, allowed=f"a finite value from 0 to {duration:g} s")
 
 
 def _lacks(signal: AnySignal, t: Array, tables: Tables) -> str:

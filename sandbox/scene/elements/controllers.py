@@ -357,9 +357,8 @@ class EquilibriumController(_Several):
             counts["geometry"] = len(self.geometry.lengths)
         for key, got in counts.items():
             if got != n:
-                raise PydanticCustomError(
-                    "wrong-type", "'{key}': expected {n} entries, one a drive, got {got}",
-                    {"key": key, "n": n, "got": got})
+                raise PydanticCustomError("wrong-type", "'{key}': expected {n} entries, one a "
+                                          "drive, got {got}", {"key": key, "n": n, "got": got})
         return self
 
 

@@ -70,9 +70,8 @@ class Event(Spec):
                 raise PydanticCustomError("conflicting-keys", "'{key}' needs 'when', not 'at'",
                                           {"key": key})
         if both := sorted(set(self.release) & set(self.take_up)):
-            raise PydanticCustomError(
-                "conflicting-keys", "one event cannot release and take up '{name}'",
-                {"name": both[0]})
+            raise PydanticCustomError("conflicting-keys", "one event cannot release and take up "
+                                      "'{name}'", {"name": both[0]})
         return self
 
 

@@ -196,9 +196,8 @@ class Looked(Spec):
     @model_validator(mode="after")
     def _one_statistic(self) -> Self:
         if sum(getattr(self, name) is not None for name in (*STATISTICS, "of")) != 1:
-            raise PydanticCustomError(
-                "conflicting-keys",
-                f"give exactly one of {', '.join(STATISTICS)}, or 'quantity' with 'at'")
+            raise PydanticCustomError("conflicting-keys", "give exactly one of "
+                                      f"{', '.join(STATISTICS)}, or 'quantity' with 'at'")
         if (self.of is None) != (self.at is None):
             raise PydanticCustomError("conflicting-keys", "'quantity' and 'at' go together")
         if self.at is not None and self.over != (0.0, None):

@@ -149,10 +149,9 @@ def _closed(nodes: Array, tolerance: float, name: str) -> Array:
     apart = math.dist(nodes[0, :2], nodes[-1, :2])
     if apart > tolerance:
         (x0, y0), (x1, y1) = nodes[0, :2].tolist(), nodes[-1, :2].tolist()
-        raise DrawingError(
-            f"{quoted(name)}: an outline is open, from [{x0:.6g}, {y0:.6g}] to [{x1:.6g}, "
-            f"{y1:.6g}] m", f"ends that meet within the tolerance of {tolerance:g} m; their "
-            f"distance is {apart:.4g} m")
+        raise DrawingError(f"{quoted(name)}: an outline is open, from [{x0:.6g}, {y0:.6g}] to "
+                           f"[{x1:.6g}, {y1:.6g}] m", "ends that meet within the tolerance of "
+                           f"{tolerance:g} m; their distance is {apart:.4g} m")
     if len(flattened(nodes, tolerance, closed=False)) < 4:
         raise DrawingError(f"{quoted(name)}: an outline at [{nodes[0][0]:.6g}, "
                            f"{nodes[0][1]:.6g}] m has no area")

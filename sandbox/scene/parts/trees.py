@@ -151,10 +151,9 @@ def _leaf_ends(tree: _TreeSpec, known: Known) -> list[_End]:
     problems = []
     for i, (leaf, end) in enumerate(zip(tree.pulls, found, strict=True)):
         if end is None and not _begins(leaf.name, known.failed):
-            problems.append(Problem(
-                "name-not-found",
-                f"no finger, tendon or body is named {leaf.name!r}", path=f".pulls[{i}]",
-                hint=near(leaf.name, names)))
+            problems.append(Problem("name-not-found", "no finger, tendon or body is named "
+                                    f"{leaf.name!r}", path=f".pulls[{i}]",
+                                    hint=near(leaf.name, names)))
     if problems or None in found:
         raise PartError(problems)
     return [end for end in found if end is not None]

@@ -271,9 +271,8 @@ class _Composer(Writer):
         if "include" in merged:
             for name in [name for name in given if name not in defaults]:
                 self.problems.append(given[name][1].problem(
-                    "name-not-found",
-                    f"the included scene has no parameter {quoted(name)}", key=True,
-                    allowed=listed(defaults) or "none", hint=near(name, defaults)))
+                    "name-not-found", f"the included scene has no parameter {quoted(name)}",
+                    key=True, allowed=listed(defaults) or "none", hint=near(name, defaults)))
             given = {name: entry for name, entry in given.items() if name in defaults}
         for name, (value, place, _) in given.items():
             values[name] = (self.parameter(name, value, place, context, given)

@@ -49,11 +49,10 @@ class Library:
         folder = self.main.path.parent
         stem = name.removesuffix(".json")
         if not _NAME.fullmatch(stem) or set(stem) == {"."}:
-            raise WrongValueError(
-                "bad-include",
-                f"{quoted(name)} is not the name of a scene in this scene's own folder",
-                allowed="a plain name, without a path: files elsewhere are not read",
-                hint=near(re.split(r"[/\\]", stem)[-1], _beside(folder)))
+            raise WrongValueError("bad-include", f"{quoted(name)} is not the name of a scene in "
+                                  "this scene's own folder", allowed="a plain name, without a "
+                                  "path: files elsewhere are not read",
+                                  hint=near(re.split(r"[/\\]", stem)[-1], _beside(folder)))
         path = folder / f"{stem}.json"
         try:
             real = path.resolve(strict=True)
@@ -88,11 +87,10 @@ class Library:
         except OSError:
             size = 0  # reading it says why
         if self.size + size > self.limits.file_bytes:
-            raise WrongValueError(
-                "limit-exceeded",
-                f"with {quoted(path.name)} the files of this scene are larger than the limit "
-                f"'file_bytes' of {self.limits.file_bytes} bytes",
-                allowed="larger ones when the limit is raised")
+            raise WrongValueError("limit-exceeded", f"with {quoted(path.name)} the files of this "
+                                  "scene are larger than the limit 'file_bytes' of "
+                                  f"{self.limits.file_bytes} bytes", allowed="larger ones when the "
+                                  "limit is raised")
         try:
             found = read_source(path, limits=self.limits)
         except SceneError as error:

@@ -122,9 +122,8 @@ def read_scene(
                                   allowed='values by their paths, such as {"run.step": "1 ms"}')])
     found = _source(source, limits)
     if not isinstance(found.data, dict):
-        raise SceneError([Problem("wrong-type",
-                                  f"a scene is an object {{…}}, not {kind_of(found.data)}", "$",
-                                  *found.where(()))], found.name)
+        raise SceneError([Problem("wrong-type", f"a scene is an object {{…}}, not "
+                                  f"{kind_of(found.data)}", "$", *found.where(()))], found.name)
     loading = _Loading(found, limits, folder=_folder(source))
     loaded = loading.scene(found.data, overrides or {})
     if loading.problems or loaded is None:
@@ -175,9 +174,8 @@ def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) ->
     """A copy of Python data as a JSON file would give it."""
     if isinstance(value, (Mapping, list, tuple)) and len(path) >= nesting:
         if not problems:
-            problems.append(Problem(
-                "limit-exceeded",
-                f"nested deeper than the limit 'nesting' of {nesting}", shown_path(path)))
+            problems.append(Problem("limit-exceeded", "nested deeper than the limit 'nesting' of "
+                                    f"{nesting}", shown_path(path)))
         return None
     if isinstance(value, Mapping):
         for key in value:
@@ -402,16 +400,14 @@ def _twice(scene: Scene, readable: _Readable) -> Iterable[Problem]:
     for i, part in enumerate(scene.parts):
         if part.name in first:
             other = path_text(("parts", readable.kept["parts"][first[part.name]]))
-            yield readable.located(Problem(
-                "duplicate-name",
-                f"the name {quoted(part.name)} is taken by {other}", f"$.parts[{i}].name",
-                allowed="a name of its own for every part"))
+            yield readable.located(Problem("duplicate-name", f"the name {quoted(part.name)} is "
+                                           f"taken by {other}", f"$.parts[{i}].name",
+                                           allowed="a name of its own for every part"))
         first.setdefault(part.name, i)
 
 
 def _newer_format(data: dict[str, Any]) -> Iterable[Problem]:
     given = data.get("format")
     if isinstance(given, int) and not isinstance(given, bool) and given > FORMAT:
-        yield Problem("unsupported-format",
-                      f"this scene has format {given}; this version of sandbox reads "
-                      f"format {FORMAT}", "$.format")
+        yield Problem("unsupported-format", f"this scene has format {given}; this version of "
+                      f"sandbox reads format {FORMAT}", "$.format")

@@ -147,9 +147,8 @@ def _choice(
                            f"expected an object {{…}}, got {kind_of(error['input'])}", place)
         return Problem("missing-key", "'type' is missing", place, allowed=listed(choices))
     hint = near(given, choices) if isinstance(given, str) else ""
-    return Problem("unknown-type",
-                   f"unknown type {quoted(given)}", f"{place}.type", allowed=listed(choices),
-                   hint=hint)
+    return Problem("unknown-type", f"unknown type {quoted(given)}", f"{place}.type",
+                   allowed=listed(choices), hint=hint)
 
 
 def _tags(model: type[BaseModel], loc: tuple[int | str, ...]) -> list[str]:

@@ -43,9 +43,8 @@ def apply_overrides(
                 raise WrongValueError("invalid-json", half)
             paths.add(_set(result, steps, new))
         except WrongValueError as wrong:
-            problems.append(Problem(
-                wrong.code, f"cannot set {quoted(text)}: {wrong.message}", allowed=wrong.allowed,
-                hint=wrong.hint))
+            problems.append(Problem(wrong.code, f"cannot set {quoted(text)}: {wrong.message}",
+                                    allowed=wrong.allowed, hint=wrong.hint))
     return result, paths, problems
 
 
@@ -107,10 +106,9 @@ def _same_dimension(data: dict[str, Any], path: JsonPath, value: Any) -> None:
     before, after = (unit_in(each) for each in (
         own.get(path[1]) if isinstance(own, dict) and len(path) == 2 else None, value))
     if before and after and dimension_of(before) != dimension_of(after):
-        raise WrongValueError(
-            "wrong-unit",
-            f"{quoted(after)} is a unit of {dimension_of(after)}, and {quoted(path[1])} is in "
-            f"{quoted(before)}", allowed=", ".join(units_of(dimension_of(before))))
+        raise WrongValueError("wrong-unit", f"{quoted(after)} is a unit of {dimension_of(after)}, "
+                              f"and {quoted(path[1])} is in {quoted(before)}",
+                              allowed=", ".join(units_of(dimension_of(before))))
 
 
 def _inherited(data: dict[str, Any], taken: list[str | int]) -> Any:
@@ -136,9 +134,8 @@ def _key(holder: Any, step: str | int, taken: list[str | int]) -> str | int:
     if isinstance(holder, dict):
         return _key_of_object(holder, str(step), taken)
     if not isinstance(holder, list):
-        raise WrongValueError(
-            "bad-override",
-            f"{quoted(taken[-1])} is {kind_of(holder)} and has no {quoted(step)} in it")
+        raise WrongValueError("bad-override", f"{quoted(taken[-1])} is {kind_of(holder)} and has "
+                              f"no {quoted(step)} in it")
     if isinstance(step, int):
         if step < len(holder):
             return step

@@ -76,10 +76,9 @@ def resolve_parameters(
 def _named(name: str, parameters: Parameters) -> bool:
     if name in RESERVED:
         means = "the time" if name == "t" else "a constant, a function or a word of expressions"
-        parameters.problems.append(Problem(
-            "invalid-name",
-            f"{quoted(name)} cannot be a parameter's name: it already means {means}",
-            path_text(("parameters", name)), key=True))
+        parameters.problems.append(Problem("invalid-name", f"{quoted(name)} cannot be a "
+                                           f"parameter's name: it already means {means}",
+                                           path_text(("parameters", name)), key=True))
     elif not _IDENTIFIER.fullmatch(name) or "__" in name or len(name) > 100:
         parameters.problems.append(Problem(
             "invalid-name",

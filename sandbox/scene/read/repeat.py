@@ -53,9 +53,8 @@ class Copies:
                 f"an entry of {quoted(among)} lies nowhere by itself, so it has no line or circle",
                 allowed=f"entries of {listed(LYING)}; others use the index in their names")
         if "path" in entry:
-            raise WrongValueError(
-                "bad-repeat", "a body with a path is not moved by a line or circle",
-                allowed="the body in an assembly, and that repeated")
+            raise WrongValueError("bad-repeat", "a body with a path is not moved by a line or "
+                                  "circle", allowed="the body in an assembly, and that repeated")
         turn = math.tau * number / len(self.rows) if self.circle is not None else 0.0
         result = dict(entry)
         for key in _points(entry, among):
@@ -156,9 +155,8 @@ def _counted(value: Any, index: str, scope: Scope, limits: Limits, key: str) -> 
                                     allowed=_wanted(limits))
         raise RepeatError(wrong, path) from None
     if not (count == int(count) and count >= 1):
-        raise RepeatError(WrongValueError(
-            "bad-repeat",
-            f"{number_text(count)} is not a number of copies", allowed=_wanted(limits)), path)
+        raise RepeatError(WrongValueError("bad-repeat", f"{number_text(count)} is not a number of "
+                                          "copies", allowed=_wanted(limits)), path)
     _few_enough(count, limits, path)
     return [{index: float(i)} for i in range(int(count))]
 
@@ -170,11 +168,10 @@ def _wanted(limits: Limits) -> str:
 
 def _few_enough(count: float, limits: Limits, path: tuple[str, ...]) -> None:
     if count > limits.elements:
-        raise RepeatError(WrongValueError(
-            "limit-exceeded",
-            f"{number_text(count)} copies are more than a scene may have elements",
-            allowed=f"at most {limits.elements} (the limit 'elements', raised by --max-elements)",
-        ), path)
+        raise RepeatError(WrongValueError("limit-exceeded", f"{number_text(count)} copies are more "
+                                          "than a scene may have elements",
+                                          allowed=f"at most {limits.elements} (the limit "
+                                          "'elements', raised by --max-elements)"), path)
 
 
 def _listed(value: Any, index: str, scope: Scope, limits: Limits) -> list[Names]:
@@ -199,9 +196,8 @@ def _row(entry: Mapping[str, Any], index: str, scope: Scope, number: int) -> Nam
         path = ("list", number, name)
         if name == index:
             raise RepeatError(WrongValueError(
-                "duplicate-name",
-                f"the name {quoted(name)} is that of the index, which counts the entries",
-                allowed="another name, or another \"index\""), path, key=True)
+                "duplicate-name", f"the name {quoted(name)} is that of the index, which counts the "
+                "entries", allowed="another name, or another \"index\""), path, key=True)
         if wrong := wrong_index(name, scope, RESERVED):
             raise RepeatError(wrong, path, key=True)
         row[name] = _value(given, scope, path)

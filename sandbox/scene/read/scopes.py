@@ -99,9 +99,8 @@ def wrong_index(name: Any, scope: Scope, reserved: frozenset[str]) -> WrongValue
         return WrongValueError("invalid-name",
                                f"{quoted(name)} cannot be an index: it already means {means}")
     if name in scope.parameters:
-        return WrongValueError("duplicate-name",
-                               f"the name {quoted(name)} is that of a parameter already",
-                               allowed='another one for the index: "index": "j"')
+        return WrongValueError("duplicate-name", f"the name {quoted(name)} is that of a parameter "
+                               "already", allowed='another one for the index: "index": "j"')
     return None
 
 

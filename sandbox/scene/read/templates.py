@@ -67,17 +67,15 @@ def _chain(
             raise LikeError(at.problem("circular-definition",
                                        f"templates are like one another more than {DEEPEST} deep"))
         if name in seen:
-            raise LikeError(at.problem(
-                "circular-definition",
-                f"templates are like one another: {' → '.join([*seen, name])}"))
+            raise LikeError(at.problem("circular-definition", "templates are like one another: "
+                                       f"{' → '.join([*seen, name])}"))
         if name not in known:
             raise LikeError(at.problem(
                 "bad-template", f"there is no template {quoted(name)}", hint=near(name, known),
                 allowed=listed(known) or "none: the scene has no templates"))
         if not isinstance(known[name], dict):
-            raise LikeError(home.to(name).problem(
-                "bad-template",
-                f"the template {quoted(name)} is {kind_of(known[name])}, not an object {{…}}"))
+            raise LikeError(home.to(name).problem("bad-template", f"the template {quoted(name)} is "
+                                                  f"{kind_of(known[name])}, not an object {{…}}"))
         seen.append(name)
         place, layer = home.to(name).copied(place), known[name]
 

@@ -89,9 +89,8 @@ class Expression:
         except (TypeError, ValueError, OverflowError) as error:
             raise WrongValueError("bad-expression", f"{self} cannot be computed: {error}") from None
         if finite and not np.all(np.isfinite(result)):
-            raise WrongValueError(
-                "bad-expression",
-                f"{self} has no finite value (a division by zero, or out of range)")
+            raise WrongValueError("bad-expression", f"{self} has no finite value (a division by "
+                                  "zero, or out of range)")
         return float(result) if result.ndim == 0 else result
 
     def bind(
@@ -152,16 +151,13 @@ def parse_expression(text: str) -> Expression:
     """
     body = text.strip().removeprefix("=").strip()
     if len(body) > MAX_LENGTH:
-        raise WrongValueError(
-            "limit-exceeded",
-            f"an expression has at most {MAX_LENGTH} characters, this one has {len(body)}")
+        raise WrongValueError("limit-exceeded", f"an expression has at most {MAX_LENGTH} "
+                              f"characters, this one has {len(body)}")
     if not body:
         raise WrongValueError("bad-expression", "the expression is empty", allowed=_GRAMMAR)
     if strange := _STRANGE.search(body):
-        raise WrongValueError(
-            "bad-expression",
-            f"{quoted(strange.group())} has no place in the expression {quoted(body)}",
-            allowed=_GRAMMAR)
+        raise WrongValueError("bad-expression", f"{quoted(strange.group())} has no place in the "
+                              f"expression {quoted(body)}", allowed=_GRAMMAR)
     return _expression(body, _tree_of(body))
 
 
@@ -191,10 +187,9 @@ def _tree_of(body: str) -> ast.expr:
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         pass
     if unit := _UNIT_INSIDE.search(body):
-        raise WrongValueError(
-            "bad-expression",
-            f"{quoted(unit.group())} is not a number: inside an expression all is SI, "
-            "without units", allowed=_in_si(unit.group()))
+        raise WrongValueError("bad-expression", f"{quoted(unit.group())} is not a number: inside "
+                              "an expression all is SI, without units",
+                              allowed=_in_si(unit.group()))
     raise WrongValueError("bad-expression",
                           f"{quoted(body)} is not an expression", allowed=_GRAMMAR)
 
@@ -291,9 +286,8 @@ def _check_call(name: str, count: int) -> bool:
 def _unknown_function(name: str, values: Mapping[str, Any]) -> WrongValueError:
     """The refusal of what is neither a function nor a table among ``values``."""
     known = [*FUNCTIONS, *(each[:-2] for each in values if each.endswith("()"))]
-    return WrongValueError("bad-expression",
-                           f"unknown function {quoted(name)}", allowed=", ".join(known),
-                           hint=near(name, known))
+    return WrongValueError("bad-expression", f"unknown function {quoted(name)}",
+                           allowed=", ".join(known), hint=near(name, known))
 
 
 def _evaluate(node: ast.expr, values: Mapping[str, Any]) -> Any:

@@ -127,10 +127,9 @@ def law_of(text: str, own: Sequence[str], whose: str, info: ValidationInfo) -> s
         expression = checked_expression(text, info)
         for name in sorted(expression.names.intersection(own)):
             if name in parameters:
-                raise WrongValueError(
-                    "duplicate-name",
-                    f"{quoted(name)} is a parameter, and here it would mean the {whose}'s own",
-                    allowed="another name for the parameter")
+                raise WrongValueError("duplicate-name", f"{quoted(name)} is a parameter, and here "
+                                      f"it would mean the {whose}'s own", allowed="another name "
+                                      "for the parameter")
         bound = expression.bind(parameters)
         for name in sorted(bound.names.difference(own)):
             raise unknown_name(name, {**dict.fromkeys(own), **parameters})
@@ -189,9 +188,8 @@ def _schema(dimension: str | None) -> WithJsonSchema:
 def _bound(test: Callable[[float], bool], message: str) -> AfterValidator:
     def check(value: float) -> float:
         if not test(value):
-            raise PydanticCustomError(
-                "out-of-range", "must be {message}, got {value}",
-                {"message": message, "value": f"{value:.6g}"})
+            raise PydanticCustomError("out-of-range", "must be {message}, got {value}",
+                                      {"message": message, "value": f"{value:.6g}"})
         return value
 
     return AfterValidator(check)

@@ -99,9 +99,8 @@ class NamedTable(Spec):
 
 def _free(name: str) -> str:
     if name in RESERVED or "__" in name:
-        raise PydanticCustomError(
-            "invalid-name", "a table cannot have the name {name}, which expressions reserve",
-            {"name": quoted(name)})
+        raise PydanticCustomError("invalid-name", "a table cannot have the name {name}, which "
+                                  "expressions reserve", {"name": quoted(name)})
     return name
 
 

@@ -141,9 +141,8 @@ def parse_quantity(text: str, dimension: str | None) -> float:
     plain = text.replace("−", "-").strip()
     match = _QUANTITY.fullmatch(plain) if len(plain) <= MAX_LENGTH else None
     if match is None:
-        raise WrongValueError(
-            "wrong-unit",
-            f"{quoted(text)} is not a number with a unit", allowed=_example(dimension))
+        raise WrongValueError("wrong-unit", f"{quoted(text)} is not a number with a unit",
+                              allowed=_example(dimension))
     unit = normal_unit(match.group(2) or "")
     value = scaled(float(match.group(1)), factor_of(unit, dimension) if unit else 1.0)
     if not math.isfinite(value):
