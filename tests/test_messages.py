@@ -67,7 +67,7 @@ WRONG = r"""
 "name": "ball"|"like": "round", "name": "ball"|bad-template|$.bodies[2].like
 "name": "ball"|"repeat": "many", "name": "ball"|bad-repeat|$.bodies[2].repeat
 "expect"|"parts": [{"name": "jaw", "include": "jaw"}], "expect"|bad-include|$.parts[0].include
-"circle", "radius": 0.01|"polygon", "points": [[0, 0], [1, 0], [1, 0]]|bad-outline|$.bodies[1].shapes[0].points
+"circle", "radius": 0.01|"polyline", "points": [[0, 0], [1, 0]]|bad-outline|$.bodies[1]
 "circle", "radius": 0.01|"drawing", "file": "no.svg"|bad-drawing|$.bodies[1].shapes[0]
 "value": 0|"value": "=1 / (t - 0.5)"|out-of-range|$.drives[0].value
 "writes": "winch"|"writes": "wnch"|name-not-found|$.controllers[0].writes

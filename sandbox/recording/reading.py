@@ -37,6 +37,7 @@ from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_v
 from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.source import parse_source
 from sandbox.scene.read.tables import check_tables
+from sandbox.scene.values.numbers import message_of
 from sandbox.wording import quoted
 
 FORMAT = 1
@@ -237,7 +238,7 @@ class _Reading:
             first = error.errors(include_url=False, include_input=False)[0]
             where = ".".join(str(step) for step in first["loc"])
             raise self.damaged("its mechanism is not valid: "
-                               f"{quoted(where)[1:-1]}: {_line_of(first['msg'])}") from None
+                               f"{quoted(where)[1:-1]}: {_line_of(message_of(first))}") from None
         if problems:
             more = f", and {len(problems) - 1} more" if len(problems) > 1 else ""
             raise self.damaged(f"its mechanism is not valid: {_line_of(str(problems[0]))}{more}")

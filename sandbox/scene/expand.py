@@ -20,6 +20,7 @@ from sandbox.scene.parts.finger import Finger, expand_finger
 from sandbox.scene.parts.placement import Placement
 from sandbox.scene.parts.section import Section, expand_section
 from sandbox.scene.parts.trees import Known, PulleyTree, RockerTree, expand_tree
+from sandbox.scene.values.numbers import message_of
 from sandbox.wording import NearMisses, quoted
 
 LINE_WIDTH = 100  # of the printed mechanism
@@ -96,7 +97,7 @@ def _reasons(error: ValidationError | ArithmeticError) -> list[str]:
     """Why no mechanism can have an element of a part."""
     if isinstance(error, ArithmeticError):
         return ["its numbers are too large or too small"]
-    return [wrong["msg"] for wrong in error.errors(include_url=False, include_input=False)]
+    return [message_of(wrong) for wrong in error.errors(include_url=False, include_input=False)]
 
 
 def _tendons_of(scene: Scene | Assembly) -> Iterator[tuple[str, str]]:

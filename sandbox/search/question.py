@@ -16,6 +16,7 @@ from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.messages import explain
 from sandbox.scene.read.paths import parse_path, path_text
 from sandbox.scene.read.source import SceneSource, read_source
+from sandbox.scene.values.numbers import message_of
 from sandbox.search.space import Space
 from sandbox.sweeps.job import STEP
 from sandbox.sweeps.plan import Plan, make_plan, study_file
@@ -199,5 +200,5 @@ def _value(path: str, written: Any) -> Varied:
         found: Varied = TypeAdapter(Varied).validate_python(written)
         return found
     except ValidationError as error:
-        raise SceneError([Problem("bad-search", each["msg"], path_text(("vary", path)))
+        raise SceneError([Problem("bad-search", message_of(each), path_text(("vary", path)))
                           for each in error.errors()]) from None

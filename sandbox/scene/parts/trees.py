@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema, PydanticCustomError
+from pydantic_core import CoreSchema
 
 from sandbox.errors import Problem
 from sandbox.scene.elements.bodies import Body, Capsule, Circle, Shape
@@ -22,7 +22,7 @@ from sandbox.scene.geometry import Vec, pose_of, to_world
 from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.parts.plan import Node, nodes_of, plan_tree
 from sandbox.scene.values.numbers import Angle, Damping, Length, Mass, Name, Point, Ratio, Stiffness
-from sandbox.wording import NearMisses
+from sandbox.wording import NearMisses, WrongValueError
 
 LEAST_DISTANCE = 1e-6  # between the strings of two leaves that need no eyes [m]
 ACTUATOR_DISTANCE = 0.02  # from the root at the end of its travel to the actuator [m]
@@ -88,8 +88,7 @@ class _TreeSpec(Spec):
         if self.shares is not None and (
             len(self.shares) != len(self.pulls) or min(self.shares) <= 0
         ):
-            raise PydanticCustomError(
-                "out-of-range", "'shares' needs a positive number for each leaf")
+            raise WrongValueError("out-of-range", "'shares' needs a positive number for each leaf")
         return self
 
 

@@ -13,7 +13,8 @@ from sandbox.codes import CODES
 from sandbox.errors import Problem
 from sandbox.scene.read.models import bare, fields_page, type_at
 from sandbox.scene.read.paths import JsonPath, holds, path_text
-from sandbox.wording import MOST_NAMED, NearMisses, kind_of, listed, quoted
+from sandbox.scene.values.numbers import message_of
+from sandbox.wording import MOST_NAMED, NearMisses, WrongValueError, kind_of, listed, quoted
 
 COMPOSING = ("like", "repeat", "include", "parameters")
 """Words that an entry of a list may hold before the models see it: offered where they are meant."""
@@ -56,12 +57,14 @@ def _problem(
     if error["type"] in ("union_tag_invalid", "union_tag_not_found", "literal_error"):
         return _choice(error, path, model, near)
     context: Mapping[str, Any] = error.get("ctx", {})
-    kind = error["type"]
+    kind, on_key = error["type"], error["loc"][-1:] == ("[key]",)
+    if isinstance(wrong := context.get("error"), WrongValueError):
+        return Problem.of(wrong, path_text(path), key=on_key)
     translate = _WORDS.get(kind)
-    message = translate(error, context) if translate else _tidy(error["msg"])
+    message = translate(error, context) if translate else _tidy(message_of(error))
     code = kind if kind in CODES else _CODES.get(kind, "wrong-type")
     return Problem(code, message, path_text(path), allowed=str(context.get("allowed", "")),
-                   hint=str(context.get("hint", "")), key=error["loc"][-1:] == ("[key]",))
+                   hint=str(context.get("hint", "")), key=on_key)
 
 
 def locate(data: Any, loc: tuple[int | str, ...], wrong: Any, kind: str) -> JsonPath:

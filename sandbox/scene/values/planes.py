@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
 
-from sandbox.scene.values.numbers import number_from, parameters_of, refusal
+from sandbox.scene.values.numbers import number_from, parameters_of
 from sandbox.wording import WrongValueError, kind_of, near, number_text, quoted
 
 ALL: Literal["all"] = "all"
@@ -27,12 +27,8 @@ def _read(value: Any, info: ValidationInfo) -> tuple[int, ...] | Literal["all"]:
         return ALL
     numbers = tuple(value) if isinstance(value, (list, tuple)) else (value,)
     if not 0 < len(numbers) <= MANY:
-        raise refusal(WrongValueError("wrong-type",
-                                      f"expected 1 to {MANY} planes, got {len(numbers)}"))
-    try:
-        return tuple(_plane(number, info) for number in numbers)
-    except ValueError as error:
-        raise refusal(error) from None
+        raise WrongValueError("wrong-type", f"expected 1 to {MANY} planes, got {len(numbers)}")
+    return tuple(_plane(number, info) for number in numbers)
 
 
 def _plane(written: Any, info: ValidationInfo) -> int:
