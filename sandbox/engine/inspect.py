@@ -144,7 +144,7 @@ def _retired(mechanism: Mechanism) -> Iterator[Problem]:
     if given := mechanism.run.ignored:
         do, them = ("do", "them") if len(given) > 1 else ("does", "it")
         yield look("no-effect", "$.run", "run", f"{' and '.join(map(quoted, given))} {do} nothing "
-                   "any more: each step is solved to rounding, and no overlap is left alone",
+                   "now: each step is solved to rounding, and no overlap is left alone",
                    f"leave {them} out")
 
 

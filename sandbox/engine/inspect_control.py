@@ -67,15 +67,15 @@ def _powerless(mechanism: Mechanism) -> Iterator[Problem]:
             joints = joint_model(spec, fingers)
         except ValueError as error:
             yield Problem("bad-control-law",
-                          f"the law cannot reckon with this finger: {error}", f"$.controllers[{i}]",
+                          f"the law cannot use this finger: {error}", f"$.controllers[{i}]",
                           allowed="guides and springs' ends away from the hinges")
             continue
         for name, joint in zip(spec.joints, joints, strict=True):
             if not joint.spring_moment(spec.guard) > 0:
-                yield Problem("bad-control-law", f"the spring across {quoted(name)} resists "
-                              f"nothing at the guard's rotation, {math.degrees(spec.guard):.4g} "
-                              "deg", f"$.controllers[{i}].guard", allowed="a small rotation at "
-                              "which every spring is stretched and has an arm")
+                yield Problem("bad-control-law", f"the spring across {quoted(name)} has no moment "
+                              f"at the guard's rotation, {math.degrees(spec.guard):.4g} deg",
+                              f"$.controllers[{i}].guard", allowed="a small rotation at which "
+                              "every spring is stretched and has an arm")
 
 
 @dataclass(frozen=True)
@@ -210,8 +210,8 @@ def unreadable(text: str, known: LiveCatalogue, path: str) -> Iterator[Problem]:
                           allowed=_offered(name, known), hint=quoted(hint) if hint else "")
     for name in known.late(names):
         kind = known.find(name).kind
-        yield Problem("quantity-not-live", f"{quoted(name)} is worked out after a run and cannot "
-                      "be read while it runs", path, allowed=f"of a {kind}: {listed(LIVE[kind])}")
+        yield Problem("quantity-not-live", f"{quoted(name)} is computed after the run and cannot "
+                      "be read during it", path, allowed=f"of a {kind}: {listed(LIVE[kind])}")
 
 
 def _offered(name: str, known: Catalogue) -> str:
@@ -293,8 +293,8 @@ def beyond_stops(model: Model) -> Iterator[Problem]:
             if (sign > 0 and value >= high) or (sign < 0 and value <= low):
                 yield Problem("outside-limits", f"waits for {name} {'>' if sign > 0 else '<'} "
                               f"{value:.4g} rad, but its stops are at {low:.4g} and {high:.4g} rad",
-                              f"$.events[{i}].when", element=event.name, advice="it can hardly "
-                              "ever happen", severity="warning")
+                              f"$.events[{i}].when", element=event.name, advice="it will probably "
+                              "never happen", severity="warning")
     for i, controller in enumerate(mechanism.controllers):
         for name, target in zip(readings_of(controller), targets_of(controller), strict=False):
             low, high = stops.get(name, (-math.inf, math.inf))
@@ -302,7 +302,7 @@ def beyond_stops(model: Model) -> Iterator[Problem]:
             if goal is not None and not low <= goal <= high:
                 yield Problem("outside-limits", f"leads {name} to {goal:.4g} rad, but its stops "
                               f"are at {low:.4g} and {high:.4g} rad", f"$.controllers[{i}]",
-                              element=controller.name, advice="it cannot get there",
+                              element=controller.name, advice="it cannot reach this",
                               severity="warning")
 
 

@@ -26,8 +26,8 @@ def idle_problems(model: Model) -> Iterator[Problem]:
         target = int(model.drives.target[i])
         if kind.gives == "surface" and not model.mechanism.bodies[target].shapes:
             yield look("no-effect", f"$.drives[{i}].body", model.drives.name[i],
-                       f"{model.bodies.name[target]} has no shapes, and so no surface that could "
-                       "run", "a shape of that body")
+                       f"{model.bodies.name[target]} has no shapes, so it has no surface to drive",
+                       "a shape of that body")
         if kind.gives == "push" and kind.places:
             yield from _stroke(model, i)
         if kind.gives == "torque" and kind.places:
@@ -44,7 +44,7 @@ def _taken_up(model: Model) -> Iterator[Problem]:
         for j, name in enumerate(event.take_up):
             if name not in loose:
                 yield look("no-effect", f"$.events[{i}].take_up[{j}]", event.name,
-                           f"takes up {name}, which nothing lets go",
+                           f"takes up {name}, which no event releases",
                            "an event or drive that releases it, 'breaks_at' or 'released'")
 
 
@@ -71,7 +71,7 @@ def _stroke(model: Model, i: int) -> Iterator[Problem]:
                                        (asked.min(), shortest, -1.0, "least")):
         if beyond * (length - bound) > NEGLIGIBLE:
             yield look("outside-limits", f"$.drives[{i}].value", model.drives.name[i],
-                       f"asks {name} for {mm(length)}, it is {mm(bound)} long at {end}",
+                       f"sets {name} to {mm(length)}, but it is {mm(bound)} long at {end}",
                        "a length within its stroke")
 
 
@@ -84,7 +84,7 @@ def _turn(model: Model, i: int) -> Iterator[Problem]:
             unit = (f"; a number by itself is in rad: for degrees write \"{angle:.4g} deg\""
                     if abs(angle) > math.tau else "")
             yield look("outside-limits", f"$.drives[{i}].value", model.drives.name[i],
-                       f"asks {model.joints.name[joint]} for {deg(angle)}, its limits are "
+                       f"sets {model.joints.name[joint]} to {deg(angle)}, but its limits are "
                        f"[{deg(low)}, {deg(high)}]", f"an angle within them{unit}")
 
 

@@ -36,15 +36,14 @@ def shared_problems(model: Model) -> Iterator[Problem]:
     shared = sorted(shared_joints(model, model.bodies.pose).joints)
     if shared and all(_begins(model, j) for j in shared):
         names = listed([model.joints.name[j] for j in shared])
-        yield look("overconstrained", "$.joints", "", f"{names} hold more than can move: statics "
-                   "does not decide what each of them carries, and the smallest reactions that "
-                   "will do are recorded", "leave one out, or let one slide or turn, to know them")
+        yield look("overconstrained", "$.joints", "", f"{names} are overconstrained: statics does "
+                   "not determine each reaction; the smallest that balance are recorded",
+                   "remove one, or give it a degree of freedom, to determine them")
     for j in shared:
         if model.joints.rubbing[j] > 0:
-            yield look("overconstrained",
-                       f"$.joints[{j}].friction_coefficient", model.joints.name[j],
-                       "rubs by what it carries, which statics does not decide",
-                       "give 'friction' as a number, or leave out what else holds its bodies")
+            yield look("overconstrained", f"$.joints[{j}].friction_coefficient",
+                       model.joints.name[j], "its friction depends on a reaction that statics does "
+                       "not determine", "give 'friction' as a number, or remove redundant joints")
 
 
 def _begins(model: Model, joint: int) -> bool:

@@ -107,13 +107,13 @@ def _without_effect(model: Model, i: int) -> Iterator[Problem]:
         path = f"$.tendons[{i}].guides[{k}]"
         tied = not tendon.closed and k in (0, len(tendon.guides) - 1)
         if guide.friction and tied:
-            yield look("no-effect", f"{path}.friction", tendon.name,
-                       f"its friction of {guide.friction:g} does nothing: the cord is tied there",
+            yield look("no-effect", f"{path}.friction", tendon.name, "its friction of "
+                       f"{guide.friction:g} has no effect: the tendon is fixed there",
                        "friction where it slides, at a guide between its ends")
         elif guide.friction and tendon.closed and not tendon.gripping:
-            yield look("no-effect", f"{path}.friction", tendon.name,
-                       f"its friction of {guide.friction:g} does nothing: no other guide holds the "
-                       "loop, which goes round with this one", "friction at another guide, too")
+            yield look("no-effect", f"{path}.friction", tendon.name, "its friction of "
+                       f"{guide.friction:g} has no effect: no other guide holds the loop",
+                       "friction at another guide, too")
         if guide.begins and k not in tendon.lifting:
             yield look("no-effect", f"{path}.begins", tendon.name, f"its {guide.begins!r} does "
                        "nothing: the cord cannot lift off there, only off a wheel between its ends "

@@ -130,8 +130,8 @@ class Live(Simulation):
         if name in self._hidden():
             raise SceneError([self._unknown(name)])
         if not _finite(value):
-            raise SceneError([Problem("bad-argument", f"{value!r} is no value for {quoted(name)}",
-                                      "give", allowed="a finite number")])
+            raise SceneError([Problem("bad-argument", f"{value!r} is not a value for "
+                                      f"{quoted(name)}", "give", allowed="a finite number")])
         kind = next((kind_of(drive) for drive in self.scene.drives if drive.name == name), None)
         try:
             in_range(float(value), (kind.dimension or None) if kind else None)

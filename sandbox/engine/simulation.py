@@ -172,8 +172,8 @@ class Simulation:
             except UnknownQuantityError:
                 raise
             except KeyError as error:
-                raise SceneError([Problem("quantity-not-live", f"{quoted(error.args[0])} is worked "
-                                          "out after a run and cannot be read while it runs",
+                raise SceneError([Problem("quantity-not-live", f"{quoted(error.args[0])} is "
+                                          "computed after the run and cannot be read during it",
                                           quantity)]) from None
             except WrongValueError as error:
                 raise SceneError([Problem.of(error, quantity)]) from None
@@ -339,7 +339,7 @@ class Simulation:
                 allowed=listed(known) or "none: the scene has no drives", hint=near(drive, known))])
         if value is not None and not (isinstance(value, Real) and math.isfinite(value)):
             raise SceneError([Problem("bad-argument",
-                                      f"{value!r} is no value for {quoted(drive)}", "set",
+                                      f"{value!r} is not a value for {quoted(drive)}", "set",
                                       allowed="a finite number, or None for the drive's signal")])
         if owner := self._steering.writer(drive):
             raise SceneError([Problem("set-twice",

@@ -334,7 +334,7 @@ class Session:
             return self._give(name, value)
         if not isinstance(value, str | Real) or isinstance(value, bool):
             raise SceneError([Problem("bad-argument",
-                                      f"{quoted(value)} is no value for {quoted(name)}", "")])
+                                      f"{quoted(value)} is not a value for {quoted(name)}", "")])
         known = [f"{PARAMETER}{each}" for each in self.loaded.scene.parameters]
         if name not in known:
             raise SceneError([Problem("name-not-found", f"there is no parameter {quoted(name)}", "",

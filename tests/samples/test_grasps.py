@@ -529,7 +529,7 @@ def test_what_no_hand_can_touch_is_told(other, rules, fine, asked):
     told = [problem for problem in inspect(mechanism) if "is held" in problem.message]
     assert len(told) == (not fine)
     for problem in told:
-        assert problem.message == "asks how disc is held, but no part of a hand may touch it"
+        assert problem.message == "measures the grasp of disc, but no part of a hand can touch it"
         assert problem.path == ("$.expect[0].final" if "expect" in asked else "$.meters[0].value")
         assert not problem.blocks
 

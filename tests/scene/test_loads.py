@@ -126,11 +126,11 @@ def test_what_may_be_written(written: Any, meant: Any) -> None:
 
 
 @pytest.mark.parametrize(("written", "message", "hint"), [
-    ("al", "'al' is no plane", "'all'"),
-    (1.5, "the number 1.5 is no plane", ""), (True, "true is no plane", ""),
-    ([0, [1]], "a list […] is no plane", ""),
+    ("al", "'al' is not a plane", "'all'"),
+    (1.5, "the number 1.5 is not a plane", ""), (True, "true is not a plane", ""),
+    ([0, [1]], "a list […] is not a plane", ""),
     ([], "expected 1 to 64 planes, got 0", ""),
-    (1001, "1001 is no plane", ""), (10**400, "so large a number is no plane", "")])
+    (1001, "1001 is not a plane", ""), (10**400, "so large a number is not a plane", "")])
 def test_what_is_no_plane_is_refused_once(written: Any, message: str, hint: str) -> None:
     with pytest.raises(sandbox.SceneError) as refused:
         loaded(written)

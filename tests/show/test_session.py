@@ -269,7 +269,7 @@ def test_a_view_opens_with_the_meters_of_the_scene(tmp_path: Path) -> None:
         ("more than 2 N", (0.0, 2.0), 0), ("", None, 0), ("", None, 1)]
     tension, pressed, _, height = play(made, 0.1)["watched"]
     assert (tension, pressed, height) == pytest.approx((1.0, 0.05 * 9.81, -0.3), abs=1e-3)
-    reason = "'weight.contact.fx' is worked out after a run and cannot be read while it runs"
+    reason = "'weight.contact.fx' is computed after the run and cannot be read during it"
     assert made.status()["status"]["left_out"] == [
         f"a curve of a meter of the view is left out: {reason}"]
     assert "weight.contact.fx" in head["late"]

@@ -128,8 +128,8 @@ def _times(event: Event, mechanism: Mechanism, path: str) -> Iterator[Problem]:
                       f"is true at no time of the run, which ends at {duration:g} s",
                       f"{path}.when", allowed="a condition that becomes true")
     if event.lasts is not None and not (event.set or event.release or event.take_up):
-        yield Problem("conflicting-keys", "'lasts' needs something that was 'set', let go or taken "
-                      "up", f"{path}.lasts")
+        yield Problem("conflicting-keys", "'lasts' needs 'set', 'release' or 'take_up'",
+                      f"{path}.lasts")
 
 
 def _never(when: str, first: int, every_steps: int, mechanism: Mechanism) -> bool:

@@ -110,7 +110,7 @@ def _weight(body: Body, path: str) -> Iterator[Problem]:
             yield Problem("out-of-range", f"its {what} is {fault}", path)
             return
     if not all(abs(c) <= RANGES["length"].most for c in weight.centre):
-        yield Problem("out-of-range", "its centre of mass is nowhere near its shapes", path)
+        yield Problem("out-of-range", "its centre of mass is far from its shapes", path)
 
 
 def _signal(

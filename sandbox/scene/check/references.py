@@ -280,7 +280,7 @@ class _References:
             yield Problem("name-not-found", f"no body's name matches {quoted(pattern)}", path,
                           allowed=listed(free), hint=hint)
         elif not any(map(re.compile(fnmatch.translate(pattern)).match, free)):
-            yield Problem("name-not-found", f"{quoted(pattern)} means no body that moves freely",
+            yield Problem("name-not-found", f"{quoted(pattern)} matches no body that moves freely",
                           path, allowed=listed(free) or "none: no body moves freely")
 
     def materials(self) -> Iterator[Problem]:
@@ -316,7 +316,7 @@ class _References:
         spring = next((each for each in self.mechanism.springs if each.name == drive.spring), None)
         if spring is not None and spring.stiffness is None:
             yield Problem("not-settable",
-                          f"{quoted(spring.name)} has a law of its own and no stiffness to set",
+                          f"{quoted(spring.name)} follows a law and has no stiffness to set",
                           f"{path}.spring", allowed="a spring with a 'stiffness'")
 
     def _softened(self, name: str, path: str) -> Iterator[Problem]:
@@ -330,12 +330,11 @@ class _References:
                           "sets its tension", path, allowed="a tendon that no drive pulls")
         elif tendon is not None and tendon.gripping:
             yield Problem("not-settable", f"the stiffness of {quoted(name)} cannot be set: its "
-                          f"guide {tendon.gripping[0]} holds it by friction, so that each of its "
-                          "spans has a tension of its own", path, allowed="a tendon whose guides "
-                          "have no 'friction'")
+                          f"guide {tendon.gripping[0]} has friction, so each span has its own "
+                          "tension", path, allowed="a tendon whose guides have no 'friction'")
         elif tendon is not None and tendon.stiffness >= RIGID:
             yield Problem("not-settable", f"{quoted(name)} has no stiffness to set: with "
-                          f"{tendon.stiffness:g} N/m it stands for a cord without stretch", path,
+                          f"{tendon.stiffness:g} N/m it counts as inextensible", path,
                           allowed=f"a tendon with a 'stiffness' below {RIGID:g} N/m, which it has "
                           "until the drive sets another")
 

@@ -356,7 +356,7 @@ class Body(Spec):
                     "bad-outline", "a dynamic body cannot have a polyline or open curve: it has no "
                     "area", allowed='"motion": "fixed" or "scheduled"; or a closed shape')
             if (self.mass is None) == (self.density is None):
-                raise WrongValueError("conflicting-keys", "a dynamic body has either 'mass' or "
+                raise WrongValueError("conflicting-keys", "a dynamic body needs either 'mass' or "
                                       "'density'")
             if not self.shapes and (self.inertia is None or self.mass is None):
                 raise WrongValueError("conflicting-keys", "a dynamic body without shapes needs "

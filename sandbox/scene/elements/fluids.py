@@ -61,9 +61,8 @@ class Vane(Spec):
     @model_validator(mode="after")
     def _something(self) -> Self:
         if abs(self.displacement) < 1e-24:
-            raise WrongValueError("out-of-range", "a displacement of 0 turns nothing: give the "
-                                  "volume per angle, such as 2 ml/rad, negative to turn the other "
-                                  "way")
+            raise WrongValueError("out-of-range", "must not be 0: give a volume per angle such as "
+                                  "2 ml/rad; a negative one reverses the direction")
         return self
 
 
@@ -112,10 +111,9 @@ class Line(Spec):
             raise WrongValueError("out-of-range", "the pressure at t = 0 must lie between least "
                                   "and relief")
         if self.gas is not None and self.modulus is not None:
-            raise WrongValueError("conflicting-keys", "a gas has no modulus of its own: leave out "
-                                  "gas or modulus")
+            raise WrongValueError("conflicting-keys", "'gas' and 'modulus' exclude each other")
         if self.gas is not None and self.pressure <= -ATMOSPHERE:
-            raise WrongValueError("out-of-range", "there is no gas in a vacuum")
+            raise WrongValueError("out-of-range", "a line with gas needs a pressure above a vacuum")
         return self
 
 

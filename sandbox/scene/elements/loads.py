@@ -128,8 +128,7 @@ class DragLoad(Spec):
     @model_validator(mode="after")
     def _something(self) -> Self:
         if self.area is None and not self.linear and not self.turning:
-            raise WrongValueError("conflicting-keys", "nothing to act with: give 'linear', 'area' "
-                                  "or 'turning'")
+            raise WrongValueError("conflicting-keys", "give 'linear', 'area' or 'turning'")
         return self
 
 

@@ -160,7 +160,7 @@ class Finger(Spec):
     @model_validator(mode="after")
     def _weighed(self) -> Self:
         if (self.masses is None) == (self.density is None):
-            raise WrongValueError("conflicting-keys", "a finger has either 'masses' or 'density'")
+            raise WrongValueError("conflicting-keys", "a finger needs either 'masses' or 'density'")
         return self
 
 

@@ -95,9 +95,8 @@ def _callable(expression: Expression, parameters: Parameters) -> Mapping[str, An
     if not expression.tables:
         return parameters.values
     for name in sorted(expression.tables.intersection(parameters.others)):
-        raise WrongValueError("invalid-name",
-                              f"the table {quoted(name)} reads parameters itself, so that no "
-                              "parameter can call it", allowed="a table of plain numbers")
+        raise WrongValueError("invalid-name", f"the table {quoted(name)} reads parameters itself, "
+                              "so no parameter can use it", allowed="a table of plain numbers")
     return ChainMap(parameters.values, dict(parameters.tables))
 
 

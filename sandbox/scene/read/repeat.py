@@ -48,10 +48,10 @@ class Copies:
         if self.line is None and self.circle is None:
             return entry
         if among not in LYING:
-            raise WrongValueError(
-                "bad-repeat",
-                f"an entry of {quoted(among)} lies nowhere by itself, so it has no line or circle",
-                allowed=f"entries of {listed(LYING)}; others use the index in their names")
+            raise WrongValueError("bad-repeat", f"an entry of {quoted(among)} has no position, so "
+                                  "it cannot have 'line' or 'circle'",
+                                  allowed=f"entries of {listed(LYING)}; others use the index in "
+                                  "their names")
         if "path" in entry:
             raise WrongValueError("bad-repeat", "a body with a path is not moved by a line or "
                                   "circle", allowed="the body in an assembly, and that repeated")
@@ -117,7 +117,7 @@ def read_repeat(value: Any, scope: Scope, limits: Limits) -> Copies:
         raise RepeatError(wrong, ("index",) if "index" in value else ())
     if ("count" in value) == ("list" in value):
         raise RepeatError(WrongValueError("bad-repeat",
-                                          "a repeat has either 'count' or 'list'"), ())
+                                          "a repeat needs either 'count' or 'list'"), ())
     for key in ("line", "circle"):
         if key in value and not (isinstance(value[key], list) and len(value[key]) == 2):
             what = "the step from one copy to the next" if key == "line" else "the centre"
@@ -126,7 +126,7 @@ def read_repeat(value: Any, scope: Scope, limits: Limits) -> Copies:
                 allowed="two lengths [x, y]"), (key,))
     if "line" in value and "circle" in value:
         raise RepeatError(WrongValueError(
-            "bad-repeat", "copies lie on a line or on a circle, not on both"), ("circle",))
+            "bad-repeat", "'line' and 'circle' exclude each other"), ("circle",))
     rows = (_counted(value["count"], index, scope, limits, "count") if "count" in value
             else _listed(value["list"], index, scope, limits))
     return Copies(rows, index, _vector(value, "line", scope), _vector(value, "circle", scope),
@@ -151,7 +151,7 @@ def _counted(value: Any, index: str, scope: Scope, limits: Limits, key: str) -> 
         count = number_from(value, "ratio", scope.known)
     except WrongValueError as wrong:
         if not (isinstance(value, str) and value.lstrip().startswith("=")):
-            wrong = WrongValueError("bad-repeat", f"{kind_of(value)} does not say how many copies",
+            wrong = WrongValueError("bad-repeat", f"{kind_of(value)} is not a number of copies",
                                     allowed=_wanted(limits))
         raise RepeatError(wrong, path) from None
     if not (count == int(count) and count >= 1):

@@ -61,9 +61,8 @@ class Scope:
         except WrongValueError:
             return text  # the models say what is wrong with it
         for name in sorted(expression.names & set(self.words)):
-            raise WrongValueError("bad-expression",
-                                  f"{quoted(name)} is a text, which an expression cannot compute "
-                                  "with", allowed=f"{{{name}}} inside of a name")
+            raise WrongValueError("bad-expression", f"{quoted(name)} is text; an expression needs "
+                                  "numbers", allowed=f"{{{name}}} inside of a name")
         if self.renamed is not None:
             expression.check_tables(self.tables)
         if not (expression.names & set(self.numbers) or
@@ -82,7 +81,7 @@ class Scope:
         for name in sorted(expression.names):
             if name in self.words:
                 raise WrongValueError("bad-expression",
-                                      f"{quoted(name)} is a text, which cannot be computed with")
+                                      f"{quoted(name)} is text; an expression needs numbers")
             if name not in known:
                 raise unknown_name(name, {**known, **self.words})
         value = float(expression.evaluate({**self.tables, **known}))

@@ -24,7 +24,7 @@ WORDS = f'{", ".join(COLOURS)} or "#rrggbb"'
 def _checked(text: str) -> str:
     if text in COLOURS or _HEX.fullmatch(text):
         return text
-    raise WrongValueError("not-allowed", f"{quoted(text)} is no colour", allowed=WORDS,
+    raise WrongValueError("not-allowed", f"{quoted(text)} is not a colour", allowed=WORDS,
                           hint=near(text, COLOURS))
 
 

@@ -37,15 +37,15 @@ def _plane(written: Any, info: ValidationInfo) -> int:
         computed = number_from(written, None, parameters_of(info))
         if not computed.is_integer():
             raise WrongValueError("not-allowed", f"{quoted(written)} is {number_text(computed)}, "
-                                  "which is no plane", allowed=WORDS)
+                                  "which is not a plane", allowed=WORDS)
         number = int(computed)
     if isinstance(number, bool) or not isinstance(number, int):
         named = number if isinstance(number, str) else ""
-        raise WrongValueError("not-allowed", f"{quoted(named) if named else kind_of(number)} is no "
-                              "plane", allowed=WORDS, hint=near(named, [ALL]))
+        raise WrongValueError("not-allowed", f"{quoted(named) if named else kind_of(number)} is "
+                              "not a plane", allowed=WORDS, hint=near(named, [ALL]))
     if abs(number) > MOST:
         told = number if abs(number) < 1e9 else "so large a number"
-        raise WrongValueError("not-allowed", f"{told} is no plane",
+        raise WrongValueError("not-allowed", f"{told} is not a plane",
                               allowed=f"whole numbers from {-MOST} to {MOST}")
     return number
 
