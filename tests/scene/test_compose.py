@@ -77,7 +77,7 @@ class TestRepeat:
 
     @pytest.mark.parametrize(("repeat", "path", "told"), [
         (0, "", "0 is not a number of copies"),
-        (True, "", "true does not say"), ("forever", "", "'forever' does not say"),
+        (True, "", "true is not a number"), ("forever", "", "'forever' is not a number"),
         ("=1/0", "", "no finite value"), ("=m", "", "unknown name 'm'"),
         (1e9, "", "1e+09 copies are more"),
         ({}, "", "either 'count' or 'list'"),
