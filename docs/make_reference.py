@@ -17,6 +17,7 @@ from typing import Any
 import sandbox.mechanics as mechanics_package
 from sandbox.audit.words import ADVICE, ASKS
 from sandbox.build.stub import stub
+from sandbox.codes import CODES
 from sandbox.kinds.arrays import ARRAYS
 from sandbox.kinds.layers import LAYERS
 from sandbox.kinds.quantities import LIVE, TIED
@@ -227,6 +228,15 @@ def index() -> Iterator[str]:
             yield f"| [{name}](#{name.lower()}){kind_of} | {summary(model)} |"
 
 
+def codes() -> Iterator[str]:
+    """All codes of diagnostics, each with an anchor."""
+    yield "| code | meaning and remedy |"
+    yield "|---|---|"
+    for code, (meaning, page) in CODES.items():
+        more = f" [More]({page})." if page else ""
+        yield f'| <a id="{code}"></a>`{code}` | {meaning}{more} |'
+
+
 TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
     "scenes.md": {"layers": layers, "quantities": quantities},
     "elements.md": {"index": index},
@@ -234,6 +244,7 @@ TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
     "control.md": {"readable": readable},
     "files.md": {"arrays": arrays},
     "limits.md": {"ranges": ranges},
+    "messages.md": {"codes": codes},
     "mechanisms.md": {"mechanisms": mechanisms},
     "hands.md": {"hands": hands},
     "api/mechanics/index.md": {"equations": equations},

@@ -1,4 +1,4 @@
-"""Everything that can go wrong and be told to a user: one short tree."""
+"""Exceptions and diagnostics of the package, each with a code of :data:`sandbox.codes.CODES`."""
 
 from __future__ import annotations
 
@@ -6,27 +6,48 @@ import linecache
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from types import TracebackType
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
+
+from sandbox.codes import CODES
 
 if TYPE_CHECKING:
     from sandbox.recording.recording import Recording
+    from sandbox.wording import WrongValueError
 
 
 class SandboxError(Exception):
-    """Base of every error that sandbox raises on purpose."""
+    """Base class of all errors that sandbox raises deliberately.
+
+    ``code`` is the key of the error in :data:`sandbox.codes.CODES`; subclasses have a default.
+    """
+
+    code: str = "bad-argument"
+
+    def __init__(self, message: str = "", *, code: str = "") -> None:
+        super().__init__(message)
+        if code:
+            self.code = checked(code)
 
     def _render_traceback_(self) -> list[str]:
-        """What a notebook shows: the lines of its author that led here, and the message.
-
-        IPython asks for it. What went on inside of sandbox tells the author nothing.
-        """
+        """Return the traceback that IPython shows: lines outside the package, and the message."""
         led = [*_own_lines(self.__traceback__),
                *(_own_lines(self.__cause__.__traceback__) if self.__cause__ else ())]
         return [*dict.fromkeys(led), f"{type(self).__name__}: {self}"]
 
 
+def checked(code: str) -> str:
+    """Return a code of a diagnostic.
+
+    Raises:
+        KeyError: the table of codes does not have it.
+    """
+    if code not in CODES:
+        raise KeyError(f"no diagnostic has the code {code!r}")
+    return code
+
+
 def _own_lines(trace: TracebackType | None) -> Iterator[str]:
-    """The lines of a traceback that are neither of this package nor of the notebook."""
+    """Yield the lines of a traceback outside this package and IPython."""
     while trace is not None:
         frame = trace.tb_frame
         if frame.f_globals.get("__name__", "").partition(".")[0] not in ("sandbox", "IPython"):
@@ -37,49 +58,60 @@ def _own_lines(trace: TracebackType | None) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing wrong with an input, or questionable, with all that is needed to mend it.
+    """A diagnostic: one thing that is wrong with an input, or questionable.
 
-    It is made where it is found. Who knows more of where that is, the scene behind the
-    mechanism or the file behind the scene, gives it a nearer path, a line and a column.
+    Callers that know the scene or file behind the input add a path, a line and a column.
     """
 
+    code: str
+    """Its key in :data:`sandbox.codes.CODES`."""
     message: str
+    """What is wrong."""
     path: str = "$"
-    """JSON path, such as ``$.bodies[0].mass``, in what was looked at."""
+    """JSON path in the input, such as ``$.bodies[0].mass``."""
     line: int = 0
-    """From 1; 0 where it is not known, or the file has no such place."""
+    """From 1; 0 if unknown or not in a file."""
     column: int = 0
-    """From 1, or 0 as the line."""
+    """From 1; 0 if unknown."""
     allowed: str = ""
-    """What would be right."""
+    """The values that are allowed."""
     hint: str = ""
-    """The near miss of a name."""
+    """A similar name that exists."""
     key: bool = False
-    """Whether the key at ``path`` is wrong, and not its value."""
+    """Whether the key at ``path`` is wrong, not its value."""
     file: str = ""
-    """The file, where it is not the one that was asked for but one that this includes."""
+    """The included file, if the problem is not in the main file."""
     element: str = ""
-    """The element that it is about, whose name is told besides its place."""
+    """Name of the element, shown after its path."""
     advice: str = ""
-    """What to do, or what comes of it."""
+    """What to do, or the consequence."""
     fields: str = ""
-    """Where the docs have the fields of what it stands in, as ``docs/parts.md#leaf``."""
+    """Page that lists the fields of the element, such as ``docs/parts.md#leaf``."""
     severity: Literal["error", "warning"] = "error"
-    """An error is wrong input, with exit code 2 of every command; a warning deserves a look."""
+    """Errors are invalid input and end each command with exit code 2."""
+
+    def __post_init__(self) -> None:
+        checked(self.code)
+
+    @classmethod
+    def of(cls, error: WrongValueError, path: str, **more: Any) -> Problem:
+        """Return the problem of a wrong value at a path; ``more`` are further fields."""
+        return cls(**{"code": error.code, "message": error.message, "path": path,
+                      "allowed": error.allowed, "hint": error.hint, **more})
 
     @property
     def blocks(self) -> bool:
-        """Whether nothing can be simulated before it is mended: so it is with every error."""
+        """Whether it prevents a simulation, as all errors do."""
         return self.severity == "error"
 
     @property
     def text(self) -> str:
-        """The message and what to do about it."""
+        """The message and the advice."""
         return f"{self.message}; {self.advice}" if self.advice else self.message
 
     @property
     def where(self) -> str:
-        """Line, column and path, and the element's name; by itself where no text is known."""
+        """Line, column, path and element; only path or element without a file."""
         severity = "" if self.severity == "error" else f"{self.severity}: "
         if not self.line:
             return f"{severity}{self.element or self.path}"
@@ -96,10 +128,16 @@ class Problem:
 
 @dataclass(eq=False)
 class SceneError(SandboxError):
-    """A scene that cannot be used; carries every problem found, not the first."""
+    """A scene that cannot be used, with all problems found.
+
+    ``code`` is that of the first problem.
+    """
 
     problems: list[Problem]
     source: str = ""
+
+    def __post_init__(self) -> None:
+        self.code = self.problems[0].code
 
     def __str__(self) -> str:
         return "\n".join(f"{source}:{problem}" if (source := problem.file or self.source)
@@ -107,16 +145,19 @@ class SceneError(SandboxError):
 
 
 class OutputError(SandboxError):
-    """A file or directory that cannot be read or written."""
+    """A file or directory that cannot be read or written, or a picture that cannot be drawn."""
+
+    code = "cannot-write"
 
 
 @dataclass(eq=False)
 class SimulationDiverged(SandboxError):
-    """The numbers of a simulation stopped being numbers, or ran away.
+    """Values of a simulation became infinite, undefined or very large.
 
-    ``recording`` holds what was recorded before, marked incomplete.
+    ``recording`` holds the samples until then, marked incomplete.
     """
 
+    code = "diverged"
     time: float
     culprit: str
     reason: str
@@ -128,7 +169,9 @@ class SimulationDiverged(SandboxError):
 
 @dataclass(eq=False)
 class Jammed(SimulationDiverged):
-    """A body that moves on a schedule was driven against what cannot give way."""
+    """A scheduled body pushes against something that cannot move."""
+
+    code = "jammed"
 
     def __str__(self) -> str:
         return f"the mechanism jammed at t = {self.time:.6g} s: {self.reason}"
@@ -136,11 +179,12 @@ class Jammed(SimulationDiverged):
 
 @dataclass(eq=False)
 class RecordingFull(SandboxError):
-    """A run recorded more than it may, contacts included.
+    """A run exceeds the limit of recorded bytes, contacts included.
 
-    ``recording`` holds what was recorded before, marked incomplete.
+    ``recording`` holds the samples until then, marked incomplete.
     """
 
+    code = "limit-exceeded"
     time: float
     most: float
     recording: Recording | None = field(default=None, repr=False)
@@ -154,11 +198,12 @@ class RecordingFull(SandboxError):
 
 @dataclass(eq=False)
 class ControllerFailed(SandboxError):
-    """A controller in Python raised an exception, or returned what no drive can have.
+    """A Python controller raised an exception or returned invalid values.
 
-    ``recording`` holds what was recorded before, marked incomplete; ``__cause__`` is the exception.
+    ``recording`` holds the samples until then, marked incomplete; ``__cause__`` is the exception.
     """
 
+    code = "controller-failed"
     time: float
     controller: str
     reason: str
@@ -170,11 +215,12 @@ class ControllerFailed(SandboxError):
 
 @dataclass(eq=False)
 class Interrupted(SandboxError):
-    """Ctrl-C in the middle of a simulation.
+    """Ctrl-C during a simulation.
 
-    ``recording`` holds what was recorded before, marked incomplete.
+    ``recording`` holds the samples until then, marked incomplete.
     """
 
+    code = "interrupted"
     time: float
     recording: Recording | None = field(default=None, repr=False)
 

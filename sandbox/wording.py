@@ -25,15 +25,14 @@ MOST_HINTED = 50
 
 
 class WrongValueError(ValueError):
-    """A value that a scene cannot use.
+    """A value that a scene cannot use: code, message, allowed values, a similar name.
 
-    ``message`` says what is wrong; ``allowed`` what would be right; ``hint``
-    the near miss. The three end up in a :class:`sandbox.errors.Problem`.
+    It becomes a :class:`sandbox.errors.Problem` where its path is known.
     """
 
-    def __init__(self, message: str, *, allowed: str = "", hint: str = "") -> None:
-        super().__init__(message)
-        self.message, self.allowed, self.hint = message, allowed, hint
+    def __init__(self, code: str, message: str, *, allowed: str = "", hint: str = "") -> None:
+        super().__init__(code, message)
+        self.code, self.message, self.allowed, self.hint = code, message, allowed, hint
 
     def __str__(self) -> str:
         allowed = f" (allowed: {self.allowed})" if self.allowed else ""

@@ -31,6 +31,7 @@ from sandbox.cli.failures import Exit
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
+from sandbox.scene.read.models import fields_page
 from sandbox.scene.schema import descriptions, scene_schema
 
 from .golden.scenes import WHOLE
@@ -210,7 +211,15 @@ def test_the_tables_are_those_of_the_models() -> None:
 
 
 def test_every_model_of_a_scene_is_described() -> None:
-    assert script("make_reference").undescribed() == set()
+    reference = script("make_reference")
+    assert reference.undescribed() == set()
+    for page, groups in reference.PAGES.items():
+        text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+        heads = {_anchor(head) for head in re.findall(r"^#+ (.+)$", text, re.MULTILINE)}
+        for model in (model for group in groups.values() for model in group):
+            name, _, anchor = fields_page(model).removeprefix("docs/").partition("#")
+            assert name == page, model
+            assert anchor in heads, model
 
 
 def test_every_field_of_every_element_is_told() -> None:

@@ -1,84 +1,151 @@
-"""Messages lead to pages and sections of the docs that exist."""
+"""Wrong input gives a diagnostic with a code of the table, at the right place."""
 
 from __future__ import annotations
 
-import re
-import sys
+import ast
+import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from sandbox import pages
-from sandbox.pages import FAMILIES, MOST_TOLD, family_of, page_of, read_on
+import sandbox
+from sandbox.cli.entry import invoke
+from sandbox.codes import CODES
+from sandbox.errors import Problem
 from sandbox.scene.document import Scene
-from sandbox.scene.read.models import fields_at, fields_page
+from sandbox.scene.read.models import ELEMENTS, fields_at
 
-DOCS = Path(__file__).parent.parent / "docs"
+PACKAGE = Path(sandbox.__file__).parent
+SCENE = """{
+"run": {"duration": 1, "step": 0.001},
+"parameters": {"pull": 2},
+"tables": {"law": {"points": [[0, 0], [1, 1]]}},
+"materials": {"steel": {"friction": 0.2}},
+"bodies": [
+{"name": "frame", "motion": "fixed"},
+{"name": "disc", "mass": 1, "at": [0.1, 0], "shapes": [{"type": "circle", "radius": 0.01}]},
+{"name": "ball", "mass": 1, "at": [0.3, 0], "shapes": [{"type": "circle", "radius": 0.01}]}
+],
+"joints": [{"type": "pin", "name": "hinge", "a": "frame", "b": "disc", "on_b": [-0.1, 0]}],
+"springs": [{"type": "linear", "name": "back", "a": "disc", "b": "ball", "stiffness": 10}],
+"tendons": [{"name": "cord", "stiffness": 1e3, "guides": [{"body": "frame"}, {"body": "disc"}]}],
+"drives": [{"type": "pull", "name": "winch", "tendon": "cord", "value": 0}],
+"controllers": [{"type": "pid", "name": "law_1", "reads": "hinge.angle", "target": 0,
+"writes": "winch", "kp": 1}],
+"events": [{"name": "late", "at": "0.5 s", "set": {"law_1.target": 0.1}}],
+"meters": [{"name": "far", "value": "=2 * disc.x"}],
+"expect": [{"max": "disc.x", "below": 1}]
+}"""
+
+WRONG = r"""
+"below": 1}]|"below": 1,}]|invalid-json|$.expect[0]
+"run": {|"run": }|invalid-json|$.run
+"duration": 1|"duration": 1, "duration": 2|invalid-json|$.run.duration
+"duration": 1|"duration": NaN|invalid-json|$.run.duration
+"run": {"duration": 1|"format": 2, "run": {"duration": 1|unsupported-format|$.format
+"step": 0.001|"step": 1e-9|limit-exceeded|$.run.duration
+"step"|"stp"|unknown-key|$.run.stp
+"pull", "name": "winch"|"push", "name": "winch"|missing-key|$.drives[0]
+"type": "pin"|"type": "pni"|unknown-type|$.joints[0].type
+"radius": 0.01}]},|"size": 0.01}]},|missing-key|$.bodies[1].shapes[0]
+"duration": 1|"duration": [1, 2]|wrong-type|$.run.duration
+"at": [0.1, 0]|"at": [0.1]|missing-key|$.bodies[1].at
+"motion": "fixed"|"motion": "fxed"|not-allowed|$.bodies[0].motion
+"mass": 1, "at": [0.1|"mass": 1, "density": 1, "at": [0.1|conflicting-keys|$.bodies[1]
+"stiffness": 10|"stiffness": 10, "force": "=stretch"|conflicting-keys|$.springs[0]
+"step": 0.001|"step": 0|out-of-range|$.run.step
+"mass": 1, "at": [0.3|"mass": "1 mm", "at": [0.3|wrong-unit|$.bodies[2].mass
+"mass": 1, "at": [0.3|"mass": "=1 +", "at": [0.3|bad-expression|$.bodies[2].mass
+"mass": 1, "at": [0.3|"mass": "=pul", "at": [0.3|name-not-found|$.bodies[2].mass
+{"pull": 2}|{"pull": "=a", "a": "=pull"}|circular-definition|$.parameters.pull
+{"pull": 2}|{"pi": 2}|invalid-name|$.parameters.pi
+[1, 1]]|[0, 1]]|bad-table|$.tables.law.points
+"a": "disc"|"a": "dics"|name-not-found|$.springs[0].a
+"name": "ball"|"name": "disc"|duplicate-name|$.bodies[2].name
+"name": "ball"|"name": "2 balls"|invalid-name|$.bodies[2].name
+"name": "ball"|"like": "round", "name": "ball"|bad-template|$.bodies[2].like
+"name": "ball"|"repeat": "many", "name": "ball"|bad-repeat|$.bodies[2].repeat
+"expect"|"parts": [{"name": "jaw", "include": "jaw"}], "expect"|bad-include|$.parts[0].include
+"circle", "radius": 0.01|"polyline", "points": [[0, 0], [1, 0]]|bad-outline|$.bodies[1]
+"circle", "radius": 0.01|"drawing", "file": "no.svg"|bad-drawing|$.bodies[1].shapes[0]
+"value": 0|"value": "=1 / (t - 0.5)"|out-of-range|$.drives[0].value
+"writes": "winch"|"writes": "wnch"|name-not-found|$.controllers[0].writes
+"kp": 1|"kp": 1, "rate": 300|bad-rate|$.controllers[0].rate
+"kp": 1|"kp": 1, "limits": [1, 0]|out-of-range|$.controllers[0].limits
+"reads": "hinge.angle"|"reads": "cord.work"|quantity-not-live|$.controllers[0].reads
+"set": {"law_1.target": 0.1}|"set": {"winch": 1}|set-twice|$.events[0].set.winch
+"set": {"law_1.target": 0.1}|"release": ["winch"]|not-releasable|$.events[0].release[0]
+"at": "0.5 s"|"at": "5 s"|event-never-happens|$.events[0].at
+"value": "=2 * disc.x"|"value": "=far + 1"|circular-definition|$.meters[0].value
+"max": "disc.x"|"max": "disc.xx"|unknown-quantity|$.expect[0].max
+"max": "disc.x"|"quantity": "disc.x", "at": 3|bad-time|$.expect[0].at
+{"body": "frame"}|{"body": "disc"}|coincident-points|$.tendons[0]
+"on_b": [-0.1, 0]|"on_a": [0, 0], "on_b": [-0.2, 0]|not-assembled|$.joints[0]
+"at": [0.1, 0]|"at": [0.29, 0]|overlap|$.bodies[1]
+"stiffness": 10|"stiffness": 1e9|stiff-step|$.springs[0]
+"step": 0.001|"step": 0.001, "sample_rate": "300 Hz"|bad-rate|$.run
+"mass": 1, "at": [0.3|"mass": 1e-9, "at": [0.3|mass-ratio|$.bodies[2]
+"""
+"""Text of the scene, its replacement, and code and JSON path of the diagnostic."""
 
 
-def anchors(page: Path, level: str = "#+") -> set[str]:
-    heads = re.findall(rf"^{level} (.+)$", page.read_text(encoding="utf-8"), re.MULTILINE)
-    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
+def test_the_scene_itself_is_sound(tmp_path: Path, capsys: Any) -> None:
+    assert diagnostics(SCENE, tmp_path, capsys) == []
 
 
-def test_each_family_of_messages_has_its_section() -> None:
-    assert anchors(DOCS / "messages.md", "###") == set(FAMILIES)
+@pytest.mark.parametrize("row", WRONG.strip("\n").split("\n"))
+def test_wrong_input_has_a_code_and_a_place(row: str, tmp_path: Path, capsys: Any) -> None:
+    old, new, code, path = row.split("|")
+    line = SCENE[:SCENE.index(old)].count("\n") + 1
+    found = diagnostics(SCENE.replace(old, new, 1), tmp_path, capsys)
+    assert (code, path, line) in found
 
 
-def test_the_fields_of_every_model_have_their_section(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(str(DOCS))
-    import make_reference  # type: ignore[import-not-found]
-
-    models = [model for groups in make_reference.PAGES.values() for of in groups.values()
-              for model in of]
-    del sys.modules["make_reference"]
-    for address in [*map(fields_page, models), pages.STUDIES, pages.SEARCHES]:
-        name, _, anchor = address.removeprefix(pages.FOLDER).partition("#")
-        assert anchor in anchors(DOCS / name), address
+def diagnostics(text: str, folder: Path, capsys: Any) -> list[tuple[str, str, int]]:
+    """Code, path and line of all errors and warnings of a scene."""
+    (folder / "scene.json").write_text(text, encoding="utf-8")
+    invoke(["check", str(folder / "scene.json"), "--json"])
+    (scene,) = json.loads(capsys.readouterr().out)["scenes"]
+    return [(each["code"], each["path"], each.get("line", 0))
+            for each in (*scene["errors"], *scene["findings"])]
 
 
-@pytest.mark.parametrize(("message", "family"), [
-    ("unknown key 'motor'", "unknown-key"),
-    ("'is not JSON' is not allowed here", "is-not-allowed-here"),
-    ("the simulation diverged at t = 0.1 s: cart: it moves at 1e+13 m/s",
-     "the-simulation-diverged"),
-    ("Invalid value for '--vary': 'a' is varied twice", "what-a-study-varies-and-keeps"),
-    ("controller 'mine': act() at t = 0.2 s raised ValueError: no", "controller-act-at-t"),
-    ("renders/x/run.npz: No space left on device", "cannot-write"),
-    ("my own words", ""),
-])
-def test_what_an_author_wrote_says_nothing_of_the_family(message: str, family: str) -> None:
-    assert family_of(message) == family
-    assert page_of(message) == (family and f"{pages.MESSAGES}#{family}")
+def test_the_sources_raise_the_codes_of_the_table_and_no_others() -> None:
+    used, unknown = set(), []
+    raising = {"Problem", "WrongValueError", "PydanticCustomError", "problem", "look"}
+    for source in PACKAGE.rglob("*.py"):
+        if source.name == "codes.py":
+            continue
+        for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Constant) and node.value in CODES:
+                used.add(node.value)
+            if isinstance(node, ast.Call) and getattr(
+                    node.func, "id", getattr(node.func, "attr", "")) in raising:
+                first = node.args[0] if node.args else None
+                if isinstance(first, ast.JoinedStr) or (
+                        isinstance(first, ast.Constant) and first.value not in CODES):
+                    unknown.append(f"{source.name}:{node.lineno}")
+    assert used == set(CODES)
+    assert unknown == []
 
 
-def test_of_a_limit_what_is_allowed_says_so() -> None:
-    allowed = "at most 10 (the limit 'steps', raised by --limit steps=N)"
-    assert page_of("this has an outline", allowed) == f"{pages.MESSAGES}#larger-than-the-limit"
+def test_a_diagnostic_without_a_known_code_cannot_be_made() -> None:
+    with pytest.raises(KeyError, match="no diagnostic has the code 'my words'"):
+        Problem("my words", "$")
+    with pytest.raises(KeyError, match="no diagnostic has the code 'none'"):
+        sandbox.SandboxError("my words", code="none")
 
 
-def test_one_line_says_where_to_read_on() -> None:
-    page = "docs/messages.md#unknown-key"
-    assert read_on(["", ""]) == []
-    assert read_on([page, "", page]) == [f"{page} explains it"]
-    assert read_on([page, "b"], ["c", "", "c"]) == [f"{page}, b explain them; c has the fields"]
-    several = [str(i) for i in range(MOST_TOLD + 1)]
-    assert read_on(several, several[:2]) == [
-        "0, 1, 2 explain them, docs/messages.md the others; 0, 1 have the fields"]
-
-
-@pytest.mark.parametrize(("path", "address"), [
-    (("springs", 0, "stiffness"), "elements.md#linearspring"),
-    (("springs", 1), ""),
-    (("parts", 0, "joints", 0, "limits", 1), "elements.md#pin"),
-    (("materials", "steel", "friction"), "elements.md#material"),
-    (("bodis",), "elements.md#scene"),
-])
-def test_a_place_of_a_scene_leads_to_its_fields(path: tuple[str | int, ...], address: str) -> None:
+def test_a_place_of_a_scene_leads_to_its_fields() -> None:
     scene = {
         "springs": [{"type": "linear", "stiffness": 3}, {"stiffness": 3}],
         "parts": [{"type": "assembly", "name": "jaw",
                    "joints": [{"type": "pin", "limits": [0, 1]}]}],
         "materials": {"steel": {"friction": 1}}, "bodis": [],
     }
-    assert fields_at(Scene, scene, path) == (address and pages.FOLDER + address)
+    assert [fields_at(Scene, scene, path) for path in (
+        ("springs", 0, "stiffness"), ("springs", 1), ("parts", 0, "joints", 0, "limits", 1),
+        ("materials", "steel", "friction"), ("bodis",))] == [
+        f"{ELEMENTS}#linearspring", "", f"{ELEMENTS}#pin", f"{ELEMENTS}#material",
+        f"{ELEMENTS}#scene"]

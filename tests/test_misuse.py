@@ -138,7 +138,7 @@ def changed(**keys: Any) -> Mechanism:
     ({"mass": "heavy"}, "$.bodies[0].mass: 'heavy' is not a number"),
     ({"mass": 1e300}, "$.bodies[0].mass: 1e+300 is too large"),
     ({"mass": -1.0}, "$.bodies[0].mass: must be greater than 0"),
-    ({"mass": None}, "$.bodies[0]: a dynamic body has either"),
+    ({"mass": None}, "$.bodies[0]: a dynamic body needs either"),
     ({"mass": None, "density": 1e-9}, "$.bodies[0]: its mass is"),
     ({"at": None}, "$.bodies[0].at: expected a list"),
     ({"material": "rubber"}, "$.bodies[0].material: there is no material named 'rubber'"),

@@ -85,13 +85,13 @@ class EntryBuilder:
                               else "words for all, such as " + listed(self.fields, most=3))
         if given:
             words = {FIRST: given[0], **words}
-        problems = [Problem(f"there is no {quoted(word)}", self._where,
+        problems = [Problem("unknown-key", f"there is no {quoted(word)}", self._where,
                             allowed=listed(self.fields, most=len(self.fields)),
                             hint=near(word, self.fields))
                     for word in words if word not in self.fields]
         if not problems and (lacking := [word for word in self.required
                                          if words.get(word) is None]):
-            problems.append(Problem(f"{listed(lacking)} must be given", self._where))
+            problems.append(Problem("missing-key", f"{listed(lacking)} must be given", self._where))
         if problems:
             raise SceneError(problems)
         entry = {TAG: self._tag} if self._tag else {}
@@ -110,7 +110,7 @@ class EntryBuilder:
         return next(field for name, field in fields.items() if (field.alias or name) == key)
 
     def _wrong(self, what: str, allowed: str) -> SceneError:
-        return SceneError([Problem(what, self._where, allowed=allowed)])
+        return SceneError([Problem("bad-argument", what, self._where, allowed=allowed)])
 
 
 class Family:

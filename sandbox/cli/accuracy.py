@@ -11,7 +11,7 @@ import click
 
 from sandbox.cli.check import refuse_blocking
 from sandbox.cli.console import Console, Progress, compilation_notices, table
-from sandbox.cli.failures import Exit
+from sandbox.cli.failures import Exit, see
 from sandbox.cli.options import (
     json_option,
     limit_option,
@@ -22,7 +22,6 @@ from sandbox.cli.options import (
 from sandbox.cli.runs import file_option, open_run
 from sandbox.cli.scenes import load, scene_argument, scene_path
 from sandbox.errors import Problem, SceneError
-from sandbox.pages import page_of, read_on
 
 if TYPE_CHECKING:
     from sandbox.audit.bounds import Bounds, Interval
@@ -66,7 +65,7 @@ def converge(scene: str, overrides: dict[str, Any], as_json: bool, limits: Limit
         return code
     for each in found.diverged:
         console.error(f"error: {each.run}: {each.reason}")
-    console.warn(*read_on([page_of("the simulation diverged")] if found.diverged else []))
+    console.warn(*see(["diverged"] if found.diverged else []))
     console.say(*_certificate_table(found), *_reasons(found), "", found.conclusion, *found.advice)
     return code
 
@@ -87,7 +86,7 @@ def _refuse(loaded: Loaded, limits: Limits) -> None:
     if reason := unfit(mechanism):
         stops = any(event.stop for event in mechanism.events)
         place = "$.expect" if not mechanism.expect else "$.events" if stops else "$.run"
-        raise SceneError([Problem(reason, place)], loaded.name)
+        raise SceneError([Problem("nothing-to-certify", reason, place)], loaded.name)
     finest = variants(mechanism)[2]
     if problems := (check_limits(finest, limits)
                     or list(look_over(finest).estimate.beyond(limits))):
@@ -201,7 +200,7 @@ def bounds(
         more = f" and {len(outside) - MAX_NAMED} more" if len(outside) > MAX_NAMED else ""
         message = "outside of what mechanics allows"
         console.error(f"{message}: {', '.join(outside[:MAX_NAMED])}{more}")
-        console.warn(*read_on([page_of(message)]))
+        console.warn(*see(["impossible-forces"]))
     console.say(*map(str, files))
     return code
 

@@ -13,7 +13,6 @@ from sandbox.cli.failures import Exit, one_line, pages_line, problem_data
 from sandbox.cli.options import json_option, limit_option, override_option
 from sandbox.cli.scenes import complete_scene, load, scene_path
 from sandbox.errors import Problem, SceneError
-from sandbox.pages import page_of
 
 if TYPE_CHECKING:
     from sandbox.engine.estimate import Estimate
@@ -144,9 +143,10 @@ def inspection_lines(problems: list[Problem], loaded: Loaded) -> list[str]:
 
 def inspection_data(problems: list[Problem], loaded: Loaded) -> list[dict[str, Any]]:
     """Warnings with their places, as JSON data."""
-    return [{"severity": problem.severity, "element": problem.element, "message": problem.message,
-             "advice": problem.advice, "file": problem.file or loaded.name, "path": problem.path,
-             "line": problem.line, "column": problem.column, "page": page_of(problem.message)}
+    return [{"code": problem.code, "severity": problem.severity, "element": problem.element,
+             "message": problem.message, "advice": problem.advice,
+             "file": problem.file or loaded.name, "path": problem.path, "line": problem.line,
+             "column": problem.column}
             for problem in loaded.placed(problems)]
 
 

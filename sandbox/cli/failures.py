@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from enum import IntEnum
 from typing import Any
 
 import click
 
 from sandbox.cli.console import Console, StdoutError
-from sandbox.errors import (
-    Interrupted,
-    Problem,
-    SandboxError,
-    SceneError,
-    SimulationDiverged,
-)
-from sandbox.pages import page_of, read_on
+from sandbox.errors import Interrupted, Problem, SandboxError, SceneError, SimulationDiverged
+from sandbox.wording import WrongValueError
+
+MOST_PAGES = 3
+"""Pages about codes, and pages about fields, that one line names."""
 
 
 class Exit(IntEnum):
@@ -58,19 +55,23 @@ def _guarded(work: Callable[[], int], console: Console) -> int:
     except click.ClickException as error:
         return report_usage(error, console)
     except (KeyboardInterrupt, click.Abort):
-        return report_problems(console, Exit.INTERRUPTED, [Problem("interrupted", path="")])
+        return report_problems(console, Exit.INTERRUPTED, [
+            Problem("interrupted", "interrupted", path="")])
     except MemoryError:
         return report_problems(
-            console, Exit.INPUT, [Problem("not enough memory for this", path="")])
+            console, Exit.INPUT, [Problem(
+                "out-of-memory", "not enough memory for this", path="")])
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
-        return report_problems(
-            console, Exit.INPUT, [Problem(f"{where}{error.strerror or error}", path="")])
+        return report_problems(console, Exit.INPUT, [Problem(
+            "cannot-write", f"{where}{error.strerror or error}", path="")])
     except RecursionError:
-        return report_problems(console, Exit.INPUT, [Problem("nested too deeply", path="")])
+        return report_problems(console, Exit.INPUT, [Problem(
+            "limit-exceeded", "nested too deeply", path="")])
     except Exception as error:
         first = (str(error).splitlines() or [""])[0][:200]
         return report_problems(console, Exit.BUG, [Problem(
+            "internal-error",
             f"internal error ({type(error).__name__}: {first}); please report it with the scene "
             "(SANDBOX_DEBUG=1 shows the traceback)", path="")])
 
@@ -84,7 +85,7 @@ def report(error: SandboxError, console: Console, **more: Any) -> int:
         code = Exit.DIVERGED
     elif isinstance(error, Interrupted):
         code = Exit.INTERRUPTED
-    problems = [Problem(line, path="") for line in str(error).splitlines() or [""]]
+    problems = [Problem(error.code, line, path="") for line in str(error).splitlines() or [""]]
     return report_problems(console, code, problems, **more)
 
 
@@ -93,7 +94,9 @@ def report_usage(error: click.ClickException, console: Console) -> int:
     if isinstance(error, click.UsageError) and error.ctx is not None and not console.as_json:
         console.error(*error.ctx.get_usage().splitlines(),
                       f"Try '{error.ctx.command_path} --help' for help.", "")
-    return report_problems(console, Exit.INPUT, [Problem(error.format_message(), path="")])
+    cause = error.__cause__ or error.__context__
+    code = cause.code if isinstance(cause, SandboxError | WrongValueError) else "bad-option"
+    return report_problems(console, Exit.INPUT, [Problem(code, error.format_message(), path="")])
 
 
 def report_problems(
@@ -113,9 +116,15 @@ def report_problems(
 
 
 def pages_line(problems: list[Problem]) -> list[str]:
-    """The line that names the docs about some problems, if there are any."""
-    return read_on([page_of(each.message, each.allowed) for each in problems],
-                   [each.fields for each in problems])
+    """The line that names the pages of the docs about some problems, or none."""
+    return see((each.code for each in problems), [each.fields for each in problems])
+
+
+def see(codes: Iterable[str], fields: Iterable[str] = ()) -> list[str]:
+    """The line that names the pages of the docs about some codes and fields, or none."""
+    pages = [f"docs/messages.md#{code}" for code in dict.fromkeys(codes)][:MOST_PAGES]
+    pages += list(filter(None, dict.fromkeys(fields)))[:MOST_PAGES]
+    return [f"see {', '.join(pages)}"] if pages else []
 
 
 def one_line(problem: Problem, source: str = "") -> str:
@@ -128,8 +137,9 @@ def one_line(problem: Problem, source: str = "") -> str:
 
 def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:
     """A problem as JSON data, without empty values."""
-    data = {"message": problem.text, "file": problem.file or source, "path": problem.path,
+    data = {"code": problem.code, "message": problem.text, "file": problem.file or source,
+            "path": problem.path,
             "line": problem.line, "column": problem.column, "element": problem.element,
             "allowed": problem.allowed, "hint": problem.hint,
-            "page": page_of(problem.message, problem.allowed), "fields": problem.fields}
+            "fields": problem.fields}
     return {key: value for key, value in data.items() if value or key == "message"}

@@ -15,12 +15,11 @@ import click
 
 from sandbox.cli.check import inspect_scene, inspection_data, inspection_lines, refuse_blocking
 from sandbox.cli.console import Console, Progress, compilation_notices, table
-from sandbox.cli.failures import Exit, pages_line, report
+from sandbox.cli.failures import Exit, pages_line, report, see
 from sandbox.cli.options import OUT, json_option, limit_option, override_option, quiet_option
 from sandbox.cli.runs import default_directory, write_page, written
 from sandbox.cli.scenes import load, scene_argument, scene_path
 from sandbox.errors import Interrupted, Problem, RecordingFull, SimulationDiverged
-from sandbox.pages import page_of, read_on
 
 if TYPE_CHECKING:
     from sandbox.audit.audit import Figure
@@ -289,7 +288,7 @@ def expectation_lines(judged: list[Verdict]) -> list[str]:
     where = "" if shown is judged else "; run.json lists all"
     count = f"{len(judged) - len(failed)} of {len(judged)} expectations passed"
     lines.append(f"{count}{where}")
-    lines += read_on([page_of(count)]) if failed else []
+    lines += see(["expectation-failed"]) if failed else []
     return lines
 
 

@@ -75,10 +75,10 @@ def run_directory(word: str) -> Path:
         if (candidate / SWEEP).is_file():
             raise OutputError(
                 f"{str(candidate)!r} holds a sweep, many runs, and no single run: its table is "
-                f"{candidate / TABLE}; docs/howto/figure.md draws one")
+                f"{candidate / TABLE}; docs/howto/figure.md draws one", code="no-run")
     kept = sorted(found.parent.name for found in RENDERS.glob(f"*/{ARCHIVE}"))
     raise OutputError(f"there is no run in {word!r} nor in {str(by_scene)!r}{or_near(word, kept)}; "
-                      f"'sandbox run' makes one")
+                      f"'sandbox run' makes one", code="no-run")
 
 
 def open_run(word: str, console: Console) -> tuple[Path, Recording]:
@@ -94,7 +94,7 @@ def open_run(word: str, console: Console) -> tuple[Path, Recording]:
     recording = Recording.load(directory)
     if len(recording) < 2:
         raise OutputError(f"the run in {directory} holds {len(recording)} samples, "
-                          "at least 2 are needed")
+                          "at least 2 are needed", code="bad-time")
     if not recording.complete:
         console.warn(f"note: the run in {directory} {recording.info.status.value} at "
                      f"{recording.time[-1]:.6g} s, before its end")
@@ -260,7 +260,7 @@ def render(
         except OutputError as error:
             wrong.append(str(error))
     if wrong:
-        raise OutputError("\n".join(wrong))
+        raise OutputError("\n".join(wrong), code="bad-picture")
     for path in paths:
         with Progress("Drawing", shown=console.shows_progress) as progress:
             files = draw(recording, path, at=at or None, strip=strip, bare=labels == "none",

@@ -24,7 +24,6 @@ from sandbox.cli.options import OUT, crew_options, limit_option, override_option
 from sandbox.cli.runs import default_directory, prepare
 from sandbox.cli.scenes import complete_scene
 from sandbox.cli.typed import told_as_typed
-from sandbox.pages import page_of, read_on
 
 if TYPE_CHECKING:
     from sandbox.scene.read.limits import Limits
@@ -35,8 +34,6 @@ if TYPE_CHECKING:
 DESIGNS = ("grid", "paired", "latin_hypercube", "sobol", "halton", "random")
 RENDERS = Path("sweeps")
 MOST_REASONS = 5
-MOST_READ = 100
-"""Reasons whose pages are looked up."""
 
 
 def read_varied(
@@ -184,8 +181,6 @@ def _report(found: SweepTable, folder: Path, console: Console, seconds: float) -
         names = sorted({name for each in found.looks.values() for name in each})
         console.say(f"{looks} runs have an audit that asks for a look: {', '.join(names)}")
     console.say(f"{folder}: {', '.join(files)}  ({seconds:.1f} s)")
-    some = list(dict.fromkeys(found.reason.values()))[:MOST_READ]
-    console.warn(*read_on(map(page_of, some)))
     return Exit.DONE
 
 

@@ -13,11 +13,10 @@ import click
 
 from sandbox.cli.check import inspect_scene, inspection_lines, refuse_blocking
 from sandbox.cli.console import Console, compilation_notices
-from sandbox.cli.failures import Exit
+from sandbox.cli.failures import Exit, pages_line
 from sandbox.cli.options import limit_option, override_option
 from sandbox.cli.runs import default_directory
 from sandbox.cli.scenes import load, scene_argument, scene_path
-from sandbox.pages import page_of, read_on
 
 if TYPE_CHECKING:
     from sandbox.scene.read.limits import Limits
@@ -52,14 +51,14 @@ def view(
         loaded = load(path, overrides=dict(changed), limits=limits)
         problems = inspect_scene(loaded, limits).problems
         refuse_blocking(problems, loaded)
-        return Found(loaded, inspection_lines(problems, loaded))
+        return Found(loaded, [*inspection_lines(problems, loaded), *pages_line(problems)])
 
     def session() -> Session:
         return Session(read, overrides, default_directory)
 
     with compilation_notices(console):
         first = session()
-    console.warn(*first.warnings, *read_on(map(page_of, first.warnings)))
+    console.warn(*first.warnings)
 
     def ready(server: Server) -> None:
         console.say(server.address, f"from another machine: {ssh_line(server.port)}",

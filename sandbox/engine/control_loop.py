@@ -62,7 +62,8 @@ class Setpoint:
                 self._first, self._values = act, values(
                     self.signal, instants, self.tables).tolist()
             except ValueError as error:
-                raise SceneError([Problem(f"a controller's target: {error}")]) from None
+                raise SceneError([Problem("bad-argument",
+                                          f"a controller's target: {error}")]) from None
         return self._values[act - self._first]
 
 

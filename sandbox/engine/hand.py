@@ -134,7 +134,7 @@ def _place(numbers: Sequence[float]) -> tuple[float, float]:
     except (TypeError, ValueError) as error:
         said = error.message if isinstance(error, WrongValueError) else "it has other numbers"
         allowed = error.allowed if isinstance(error, WrongValueError) else "two finite numbers"
-        raise SceneError([Problem(f"{tuple(numbers)!r} is no place: {said}", "drag",
+        raise SceneError([Problem("bad-argument", f"{tuple(numbers)!r} is no place: {said}", "drag",
                                   allowed=allowed)]) from None
     return x, y
 

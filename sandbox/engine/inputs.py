@@ -169,7 +169,7 @@ class Inputs:
         try:
             return values(signal, times, self.mechanism.functions)
         except ValueError as error:
-            raise SceneError([Problem(f"{what}: {error}")]) from None
+            raise SceneError([Problem("bad-argument", f"{what}: {error}")]) from None
 
 
 Latch = Callable[[float], None]

@@ -104,10 +104,9 @@ def _drives(model: Model) -> Iterator[Problem]:
             continue
         moved = model.moved_by(i)
         if not model.bodies.free[moved].any():
-            yield look(
-                f"$.drives[{i}]", model.drives.name[i],
-                f"acts on {model.bodies.name[moved[0]]!r}, which cannot move freely",
-                "it changes nothing")
+            yield look("no-effect", f"$.drives[{i}]", model.drives.name[i],
+                       f"acts on {model.bodies.name[moved[0]]!r}, which cannot move freely",
+                       "it changes nothing")
 
 
 def _paths(mechanism: Mechanism) -> Iterator[Problem]:
@@ -122,11 +121,10 @@ def _paths(mechanism: Mechanism) -> Iterator[Problem]:
                 continue
             first = float(values(signal, np.zeros(1), mechanism.functions)[0])
             if abs(first - start) > NEGLIGIBLE:
-                yield look(
-                    f"$.bodies[{i}].path.{axis}", body.name,
-                    f"begins at {axis} = {show(start)}, its path at {show(first)}: it jumps there "
-                    "in the first step",
-                    "let 'at' and 'angle' be where the path begins")
+                yield look("jump-at-start", f"$.bodies[{i}].path.{axis}", body.name,
+                           f"begins at {axis} = {show(start)}, its path at {show(first)}: it jumps "
+                           "there in the first step", "let 'at' and 'angle' be where the path "
+                           "begins")
 
 
 def _sampling(mechanism: Mechanism) -> Iterator[Problem]:
@@ -134,26 +132,27 @@ def _sampling(mechanism: Mechanism) -> Iterator[Problem]:
     clock = make_clock(run.duration, run.step, run.sample_rate)
     actual = 1 / (clock.every * run.step)
     if abs(actual - run.sample_rate) > 1e-6 * run.sample_rate:
-        yield look("$.run", "run", f"the step {run.step:g} s does not divide the sampling "
-                       f"interval {1 / run.sample_rate:g} s",
-                       f"samples come at {actual:.6g} Hz instead of {run.sample_rate:g} Hz")
+        yield look("bad-rate", "$.run", "run", f"the step {run.step:g} s does not divide the "
+                   f"sampling interval {1 / run.sample_rate:g} s", f"samples come at {actual:.6g} "
+                   f"Hz instead of {run.sample_rate:g} Hz")
     if run.duration < run.step:
-        yield look("$.run", "run", f"the duration {run.duration:g} s is shorter than a step",
-                       "one step is made")
+        yield look("bad-rate", "$.run", "run", f"the duration {run.duration:g} s is shorter than a "
+                   "step", "one step is made")
 
 
 def _retired(mechanism: Mechanism) -> Iterator[Problem]:
     if given := mechanism.run.ignored:
         do, them = ("do", "them") if len(given) > 1 else ("does", "it")
-        yield look("$.run", "run", f"{' and '.join(map(quoted, given))} {do} nothing any more: "
-                   "each step is solved to rounding, and no overlap is left alone",
+        yield look("no-effect", "$.run", "run", f"{' and '.join(map(quoted, given))} {do} nothing "
+                   "now: each step is solved to rounding, and no overlap is left alone",
                    f"leave {them} out")
 
 
 def _window(mechanism: Mechanism) -> Iterator[Problem]:
     view = mechanism.view
     if view.start >= mechanism.run.duration:
-        yield look("$.view", "view", f"starts at {view.start:g} s, after the end of the run")
+        yield look("bad-view",
+                   "$.view", "view", f"starts at {view.start:g} s, after the end of the run")
     if view.centre is None or view.width is None or not mechanism.bodies:
         return
     half = (view.width / 2, view.width / 2 * view.size[1] / view.size[0])
@@ -163,5 +162,5 @@ def _window(mechanism: Mechanism) -> Iterator[Problem]:
         high = [max(p[k] for p in points or [body.at]) - view.centre[k] for k in (0, 1)]
         if all(low[k] <= half[k] and high[k] >= -half[k] for k in (0, 1)):
             return
-    yield look("$.view", "view", "no body lies in the window at t = 0",
+    yield look("bad-view", "$.view", "view", "no body lies in the window at t = 0",
                    "leave 'centre' or 'width' out to have it fitted")

@@ -66,15 +66,16 @@ def _powerless(mechanism: Mechanism) -> Iterator[Problem]:
         try:
             joints = joint_model(spec, fingers)
         except ValueError as error:
-            yield Problem(f"the law cannot reckon with this finger: {error}", f"$.controllers[{i}]",
+            yield Problem("bad-control-law",
+                          f"the law cannot use this finger: {error}", f"$.controllers[{i}]",
                           allowed="guides and springs' ends away from the hinges")
             continue
         for name, joint in zip(spec.joints, joints, strict=True):
             if not joint.spring_moment(spec.guard) > 0:
-                yield Problem(
-                    f"the spring across {quoted(name)} resists nothing at the guard's rotation, "
-                    f"{math.degrees(spec.guard):.4g} deg", f"$.controllers[{i}].guard",
-                    allowed="a small rotation at which every spring is stretched and has an arm")
+                yield Problem("bad-control-law", f"the spring across {quoted(name)} has no moment "
+                              f"at the guard's rotation, {math.degrees(spec.guard):.4g} deg",
+                              f"$.controllers[{i}].guard", allowed="a small rotation at which "
+                              "every spring is stretched and has an arm")
 
 
 @dataclass(frozen=True)
@@ -125,18 +126,19 @@ def _custom_problems(mechanism: Mechanism, customs: Sequence[Custom]) -> Iterato
     for custom in customs:
         place = f"controller {custom.name}"
         if custom.name in named:
-            yield Problem("another controller has this name", place, allowed="a name of its own")
+            yield Problem("duplicate-name",
+                          "another controller has this name", place, allowed="a name of its own")
         named.add(custom.name)
         yield from rate_problems(custom.rate, mechanism.run.step, place)
         for text in custom.reads:
             yield from unreadable(text, known, place)
         for name in custom.writes:
             if name not in drives:
-                yield Problem(f"there is no drive named {quoted(name)} to write", place,
-                              allowed=listed(drives), hint=near(name, drives))
+                yield Problem("name-not-found", f"there is no drive named {quoted(name)} to write",
+                              place, allowed=listed(drives), hint=near(name, drives))
             elif name in taken:
-                yield Problem(f"the drive {quoted(name)} is written already, by another "
-                              "controller or an event", place)
+                yield Problem("set-twice", f"the drive {quoted(name)} is written already, by "
+                              "another controller or an event", place)
             taken.add(name)
 
 
@@ -192,7 +194,8 @@ def unreadable(text: str, known: LiveCatalogue, path: str) -> Iterator[Problem]:
         WrongValueError: it is no expression.
     """
     if not text.startswith("=") and "/" not in text and dotted(parse_expression(text).tree) is None:
-        yield Problem(f"{quoted(text)} is an expression", path, allowed=quoted(f"={text}"))
+        yield Problem("bad-quantity",
+                      f"{quoted(text)} is an expression", path, allowed=quoted(f"={text}"))
     pairs = [] if text in known else [pair for pair in quotients(text) if pair in known]
     yield from (no_pair(pair, path, f"{quoted(pair)} without '=' and all else is read as the pair")
                 for pair in pairs)
@@ -200,15 +203,15 @@ def unreadable(text: str, known: LiveCatalogue, path: str) -> Iterator[Problem]:
     names = [name for name in _names(text, known) if name not in halves]
     for name in names:
         if lacking := known.lacking(name) if name not in known else "":
-            yield Problem(f"unknown quantity {quoted(name)}: {lacking}", path)
+            yield Problem("unknown-quantity", f"unknown quantity {quoted(name)}: {lacking}", path)
         elif name not in known:
             hint = known.hint(name)
-            yield Problem(f"unknown quantity {quoted(name)}", path, allowed=_offered(name, known),
-                          hint=quoted(hint) if hint else "")
+            yield Problem("unknown-quantity", f"unknown quantity {quoted(name)}", path,
+                          allowed=_offered(name, known), hint=quoted(hint) if hint else "")
     for name in known.late(names):
         kind = known.find(name).kind
-        yield Problem(f"{quoted(name)} is worked out after a run and cannot be read while it runs",
-                      path, allowed=f"of a {kind}: {listed(LIVE[kind])}")
+        yield Problem("quantity-not-live", f"{quoted(name)} is computed after the run and cannot "
+                      "be read during it", path, allowed=f"of a {kind}: {listed(LIVE[kind])}")
 
 
 def _offered(name: str, known: Catalogue) -> str:
@@ -250,9 +253,9 @@ def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
             continue  # meters alone: told already
         members = members[(at := members.index(min(members))):] + members[:at]
         path = " → ".join(quoted(mechanism.controllers[i].name) for i in [*members, members[0]])
-        yield Problem(f"an algebraic loop: {path}; each reads what the next one writes",
-                      f"$.controllers[{members[0]}].value",
-                      allowed="a law with memory in the loop, such as a pid")
+        yield Problem("algebraic-loop", f"an algebraic loop: {path}; each reads what the next one "
+                      "writes", f"$.controllers[{members[0]}].value", allowed="a law with memory "
+                      "in the loop, such as a pid")
 
 
 _Node = tuple[str, int]
@@ -288,19 +291,19 @@ def beyond_stops(model: Model) -> Iterator[Problem]:
         for name, sign, value in _bounds(event.when or ""):
             low, high = stops.get(name, (-math.inf, math.inf))
             if (sign > 0 and value >= high) or (sign < 0 and value <= low):
-                yield Problem(
-                    f"waits for {name} {'>' if sign > 0 else '<'} {value:.4g} rad, but its stops "
-                    f"are at {low:.4g} and {high:.4g} rad", f"$.events[{i}].when",
-                    element=event.name, advice="it can hardly ever happen", severity="warning")
+                yield Problem("outside-limits", f"waits for {name} {'>' if sign > 0 else '<'} "
+                              f"{value:.4g} rad, but its stops are at {low:.4g} and {high:.4g} rad",
+                              f"$.events[{i}].when", element=event.name, advice="it will probably "
+                              "never happen", severity="warning")
     for i, controller in enumerate(mechanism.controllers):
         for name, target in zip(readings_of(controller), targets_of(controller), strict=False):
             low, high = stops.get(name, (-math.inf, math.inf))
             goal = _last(target)
             if goal is not None and not low <= goal <= high:
-                yield Problem(
-                    f"leads {name} to {goal:.4g} rad, but its stops are at {low:.4g} and "
-                    f"{high:.4g} rad", f"$.controllers[{i}]", element=controller.name,
-                    advice="it cannot get there", severity="warning")
+                yield Problem("outside-limits", f"leads {name} to {goal:.4g} rad, but its stops "
+                              f"are at {low:.4g} and {high:.4g} rad", f"$.controllers[{i}]",
+                              element=controller.name, advice="it cannot reach this",
+                              severity="warning")
 
 
 def _last(target: AnySignal) -> float | None:

@@ -29,8 +29,8 @@ def grasp_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
         body, _, quantity = name.rpartition(".")
         for each in sorted(alone) if is_pattern(body) else [body] if body in alone else []:
             if fnmatchcase(each, body) and any(fnmatchcase(one, quantity) for one in GRASP):
-                yield look(path, each, f"asks how {each} is held, but no part of a hand may touch "
-                           "it", "a body that moves, or one with a role such as "
+                yield look("no-effect", path, each, f"measures the grasp of {each}, but no part of "
+                           "a hand can touch it", "a body that moves, or one with a role such as "
                            f"{listed(OF_HANDS[:2])}, and contact rules that let it")
                 break
 

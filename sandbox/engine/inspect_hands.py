@@ -96,7 +96,7 @@ def _too_short(model: Model, fingers: list[_Reaching]) -> Problem:
     others = [finger.name for finger in fingers if finger is not worst]
     lack, loose = mm(worst.distance - worst.reach), bool(model.bodies.free[worst.nearest])
     return look(
-        f"$.bodies[{worst.body}]", worst.name,
+        "no-effect", f"$.bodies[{worst.body}]", worst.name,
         f"reaches {mm(worst.reach)} from its first hinge, and the nearest object that it "
         f"may touch, {model.bodies.name[worst.nearest]!r}, is {mm(worst.distance)} from it"
         + (" and comes no nearer as it falls" if loose else "")

@@ -25,9 +25,9 @@ def idle_problems(model: Model) -> Iterator[Problem]:
     for i, kind in enumerate(model.drives.kind):
         target = int(model.drives.target[i])
         if kind.gives == "surface" and not model.mechanism.bodies[target].shapes:
-            yield look(f"$.drives[{i}].body", model.drives.name[i],
-                       f"{model.bodies.name[target]} has no shapes, and so no surface that could "
-                       "run", "a shape of that body")
+            yield look("no-effect", f"$.drives[{i}].body", model.drives.name[i],
+                       f"{model.bodies.name[target]} has no shapes, so it has no surface to drive",
+                       "a shape of that body")
         if kind.gives == "push" and kind.places:
             yield from _stroke(model, i)
         if kind.gives == "torque" and kind.places:
@@ -43,8 +43,8 @@ def _taken_up(model: Model) -> Iterator[Problem]:
     for i, event in enumerate(events):
         for j, name in enumerate(event.take_up):
             if name not in loose:
-                yield look(f"$.events[{i}].take_up[{j}]", event.name,
-                           f"takes up {name}, which nothing lets go",
+                yield look("no-effect", f"$.events[{i}].take_up[{j}]", event.name,
+                           f"takes up {name}, which no event releases",
                            "an event or drive that releases it, 'breaks_at' or 'released'")
 
 
@@ -58,7 +58,7 @@ def _let_go(model: Model) -> Iterator[Problem]:
             continue
         tie = int(ties.joint[drives.target[i]])
         if not ties.begins(tie) and ties.drive[tie] < 0 and ties.name[tie] not in taken:
-            yield look(f"$.drives[{i}]", drives.name[i],
+            yield look("no-effect", f"$.drives[{i}]", drives.name[i],
                        f"acts on {ties.name[tie]}, which is released from the start and never "
                        "taken up", "an event or a drive that takes it up")
 
@@ -70,8 +70,8 @@ def _stroke(model: Model, i: int) -> Iterator[Problem]:
     for length, bound, beyond, end in ((asked.max(), longest, 1.0, "most"),
                                        (asked.min(), shortest, -1.0, "least")):
         if beyond * (length - bound) > NEGLIGIBLE:
-            yield look(f"$.drives[{i}].value", model.drives.name[i],
-                       f"asks {name} for {mm(length)}, it is {mm(bound)} long at {end}",
+            yield look("outside-limits", f"$.drives[{i}].value", model.drives.name[i],
+                       f"sets {name} to {mm(length)}, but it is {mm(bound)} long at {end}",
                        "a length within its stroke")
 
 
@@ -83,8 +83,8 @@ def _turn(model: Model, i: int) -> Iterator[Problem]:
         if over > NEGLIGIBLE:
             unit = (f"; a number by itself is in rad: for degrees write \"{angle:.4g} deg\""
                     if abs(angle) > math.tau else "")
-            yield look(f"$.drives[{i}].value", model.drives.name[i],
-                       f"asks {model.joints.name[joint]} for {deg(angle)}, its limits are "
+            yield look("outside-limits", f"$.drives[{i}].value", model.drives.name[i],
+                       f"sets {model.joints.name[joint]} to {deg(angle)}, but its limits are "
                        f"[{deg(low)}, {deg(high)}]", f"an angle within them{unit}")
 
 

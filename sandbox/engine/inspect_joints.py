@@ -22,13 +22,13 @@ def joint_problems(model: Model) -> Iterator[Problem]:
             continue
         if message := _apart(model, i):
             told = error if directionless else look
-            yield told(f"$.joints[{i}]", name, f"not assembled at t = 0: {message}",
-                       f"move a body or an anchor, or {_advice(model, i)}")
+            yield told("not-assembled", f"$.joints[{i}]", name, "not assembled at t = 0: "
+                       f"{message}", f"move a body or an anchor, or {_advice(model, i)}")
         low, high = joints.stops[i].tolist()
         if joints.start[i] < low - 1e-9 or joints.start[i] > high + 1e-9:
-            yield look(
-                f"$.joints[{i}]", name, f"starts at {deg(joints.start[i])}, outside its limits "
-                f"[{deg(low)}, {deg(high)}]", "turn a body, or set 'zero'")
+            yield look("outside-limits", f"$.joints[{i}]", name,
+                       f"starts at {deg(joints.start[i])}, outside its limits [{deg(low)}, "
+                       f"{deg(high)}]", "turn a body, or set 'zero'")
 
 
 def shared_problems(model: Model) -> Iterator[Problem]:
@@ -36,14 +36,14 @@ def shared_problems(model: Model) -> Iterator[Problem]:
     shared = sorted(shared_joints(model, model.bodies.pose).joints)
     if shared and all(_begins(model, j) for j in shared):
         names = listed([model.joints.name[j] for j in shared])
-        yield look("$.joints", "", f"{names} hold more than can move: statics does not decide what "
-                   "each of them carries, and the smallest reactions that will do are recorded",
-                   "leave one out, or let one slide or turn, to know them")
+        yield look("overconstrained", "$.joints", "", f"{names} are overconstrained: statics does "
+                   "not determine each reaction; the smallest that balance are recorded",
+                   "remove one, or give it a degree of freedom, to determine them")
     for j in shared:
         if model.joints.rubbing[j] > 0:
-            yield look(f"$.joints[{j}].friction_coefficient", model.joints.name[j],
-                       "rubs by what it carries, which statics does not decide",
-                       "give 'friction' as a number, or leave out what else holds its bodies")
+            yield look("overconstrained", f"$.joints[{j}].friction_coefficient",
+                       model.joints.name[j], "its friction depends on a reaction that statics does "
+                       "not determine", "give 'friction' as a number, or remove redundant joints")
 
 
 def _begins(model: Model, joint: int) -> bool:

@@ -19,15 +19,15 @@ def line_problems(model: Model) -> Iterator[Problem]:
         path, chambers = f"$.lines[{i}]", lines.chambers(i)
         for k, n in enumerate(range(chambers.start, chambers.stop)):
             if lines.joint[n] == NONE and lines.start[n] < STRAIGHT:
-                yield error(f"{path}.chambers[{k}]", name,
+                yield error("coincident-points", f"{path}.chambers[{k}]", name,
                             f"the two points of its cylinder {k} coincide",
                             "move one of them: the force between has no direction")
         if model.bodies.free[lines.bodies[chambers]].any():
             continue
         joined = bool((model.valves.lines == i).any())
         if not joined:
-            yield look(path, name, "moves no body that can move freely",
+            yield look("no-effect", path, name, "moves no body that can move freely",
                        "it presses on nothing")
         if not joined and i in fed and not np.isfinite(lines.most[i]):
-            yield look(path, name, "is pumped, has no relief and no way out",
+            yield look("bad-fluid", path, name, "is pumped, has no relief and no way out",
                        "its pressure grows without end; give it a relief")

@@ -24,8 +24,8 @@ def load_problems(model: Model) -> Iterator[Problem]:
         path, law = f"$.loads[{loads.load[i]}]", loads.law[i]
         if law is None:
             if not len(loads.outline(i)) and body.name in load.bodies:
-                yield look(path, load.name, f"{body.name!r} has no area that a liquid could lift",
-                           "give it a shape")
+                yield look("no-effect", path, load.name, f"{body.name!r} has no area that a liquid "
+                           "could lift", "give it a shape")
             continue
         motion = motion_of(model, i, *_start(model, int(loads.body[i])), np.zeros((3, 1)),
                            np.zeros(1))
@@ -37,7 +37,7 @@ def load_problems(model: Model) -> Iterator[Problem]:
                 there = ", ".join(f"{name} = {float(motion[name][0]):.4g}"
                                   for name in sorted(part.names))
                 yield error(
-                    f"{path}.{field}{PLACES[k]}", load.name,
+                    "undefined-law", f"{path}.{field}{PLACES[k]}", load.name,
                     f"has no finite value on {body.name!r} at t = 0" + (there and f", {there}"),
                     "a division by zero, or out of range")
 

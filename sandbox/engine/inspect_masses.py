@@ -53,10 +53,10 @@ def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
                 f", but with {bodies.inertia[light]:.4g} kg m^2 answers a push at "
                 f"{mm(float(reach[light]))} from its centre as {lightest[light]:.2g} kg would,")
             yield look(
-                f"$.bodies[{light}]", bodies.name[light],
+                "mass-ratio", f"$.bodies[{light}]", bodies.name[light],
                 f"has {bodies.mass[light]:.4g} kg{turned} where {quoted(bodies.name[heavy])} has "
-                f"{bodies.mass[heavy]:.4g} kg: in what hangs together masses are 1 : {ratio:.2g}, "
-                f"and beyond 1 : {UNLIKE:.0e} rounding shows",
+                f"{bodies.mass[heavy]:.4g} kg: connected masses differ by 1 : {ratio:.2g}; "
+                f"rounding errors show beyond 1 : {UNLIKE:.0e}",
                 f"forces are right to {1e-15 * ratio:.0e} of the largest" if ratio < WRONG else
                 "forces may be wrong: make the two more alike")
 

@@ -57,12 +57,12 @@ def _problems(
 ) -> Iterator[Problem]:
     found = [(pair, depth) for pair, depth in sorted(depths.items()) if depth > NEGLIGIBLE]
     for (a, b), depth in found[:MOST_TOLD]:
-        yield look(f"$.bodies[{a}]", names[a], f"overlaps {names[b]!r} by {mm(depth)} at t = 0",
-                   "move one of them, or add a contact rule with \"collide\": false")
+        yield look("overlap", f"$.bodies[{a}]", names[a], f"overlaps {names[b]!r} by {mm(depth)} "
+                   "at t = 0", "move one of them, or add a contact rule with \"collide\": false")
     if len(found) > MOST_TOLD or not whole:
         more = f"{len(found) - MOST_TOLD} more bodies overlap" if whole \
             else "further bodies may overlap"
-        yield look("$.bodies", "bodies", f"{more} at t = 0",
+        yield look("overlap", "$.bodies", "bodies", f"{more} at t = 0",
                    "" if whole else f"{looked} pairs of shapes were looked at")
 
 

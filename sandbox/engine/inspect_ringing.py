@@ -49,13 +49,12 @@ def ringing_problems(model: Model) -> Iterator[Problem]:
     later = {} if (now == free).all() else _ringing(model, elements, free)
     for cord, mode in sorted((later | ringing).items()):
         periods = -math.log(LEFT) / (2 * math.pi * mode.ratio)
-        yield look(
-            f"$.tendons[{cord}]", model.tendons.name[cord],
-            f"rings at {mode.omega / (2 * math.pi):.3g} Hz"
-            f"{'' if cord in ringing else ' once all cords are taut'}: of a jolt it has "
-            f"{100 * LEFT:.0f} % left after {periods:.3g} periods, "
-            f"{2 * math.pi * periods / mode.omega:.2g} s",
-            f"with 'damping' {mode.damping:.3g} N s/m it would take {PERIODS}")
+        yield look("undamped", f"$.tendons[{cord}]", model.tendons.name[cord], "vibrates at "
+                   f"{mode.omega / (2 * math.pi):.3g} "
+                   f"Hz{'' if cord in ringing else ' once all cords are taut'}: of a jolt, "
+                   f"{100 * LEFT:.0f} % remain after {periods:.3g} periods, "
+                   f"{2 * math.pi * periods / mode.omega:.2g} s", "with 'damping' "
+                   f"{mode.damping:.3g} N s/m it would take {PERIODS}")
 
 
 def _ringing(model: Model, elements: list[_Element], taut: Flags) -> dict[int, _Mode]:

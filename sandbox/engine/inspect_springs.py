@@ -132,7 +132,7 @@ def _without_value(model: Model, spring: int, law: SpringLaw) -> Iterator[Proble
                                    float(model.springs.stiffness[spring])))
     if lacks.any():
         nearest = tried[lacks][np.argmin(np.abs(tried[lacks]))]
-        yield look(f"$.springs[{spring}]", model.springs.name[spring],
+        yield look("undefined-law", f"$.springs[{spring}]", model.springs.name[spring],
                    f"its law has no value at a {law.names[STRETCH]} of {nearest:.3g}",
                    "give it a value wherever the spring may come to")
 
@@ -144,17 +144,17 @@ def _against(
     if h * h * k * bound > SOFT:
         fine = min(COARSE / pace if pace else math.inf, math.sqrt(SOFT / (k * bound)))
         left = 1 / math.hypot(1, h * pace)
-        yield look(path, name, f"too stiff for the step: h w = {h * pace:.3g}, so it is solved at "
-                   f"the step's end and its vibration damped, to {100 * left:.0f} % in a step",
-                   f"a step of {fine:.2g} s shows it ring")
+        yield look("stiff-step", path, name, f"too stiff for the step: h w = {h * pace:.3g}, so it "
+                   f"is solved at the step's end and its vibration damped, to {100 * left:.0f} % "
+                   "in a step", f"a step of {fine:.2g} s shows it ring")
     elif h * pace > COARSE:
-        yield look(path, name, f"stiff for the step: h w = {h * pace:.3g}, its vibration "
-                              f"is over {100 * COARSE**2 / 24:.0f} % off above {COARSE:g}",
-                              f"a step of {COARSE / pace:.2g} s would do")
+        yield look("stiff-step", path, name, f"stiff for the step: h w = {h * pace:.3g}, its "
+                   f"vibration is over {100 * COARSE**2 / 24:.0f} % off above {COARSE:g}",
+                   f"a step of {COARSE / pace:.2g} s would do")
     if h * rate > OVERDAMPED:
-        yield look(path, name, "the damper is too strong for the step: alone it would "
-                              f"settle in {1 / rate:.2g} s, the step is {h:.2g} s",
-                              f"a step of {OVERDAMPED / rate:.2g} s would do")
+        yield look("stiff-step", path, name, "the damper is too strong for the step: alone it "
+                   f"would settle in {1 / rate:.2g} s, the step is {h:.2g} s",
+                   f"a step of {OVERDAMPED / rate:.2g} s would do")
 
 
 def without_arm(model: Model) -> Iterator[Problem]:
@@ -167,17 +167,15 @@ def without_arm(model: Model) -> Iterator[Problem]:
         at = [_place(model, body, point)
               for body, point in zip((a, b), springs.anchor[i], strict=True)]
         if math.dist(*at) < STRAIGHT and springs.rest[i]:
-            yield look(f"$.springs[{i}]", springs.name[i],
-                                  "its ends coincide at t = 0",
-                                  "it pushes in no direction until they part")
+            yield look("coincident-points", f"$.springs[{i}]", springs.name[i], "its ends coincide "
+                       "at t = 0", "it pushes in no direction until they part")
         hinge = hinges.get(frozenset((a, b)))
         if hinge is not None and (angle := over_centre(model, i, hinge)) is not None:
             bound = ("within its limits" if hinge in joints.stopped
                      else "the hinge has no limits")
-            yield look(
-                f"$.springs[{i}]", springs.name[i],
-                f"snaps over the centre of {joints.name[hinge]!r} at {deg(angle)} ({bound})",
-                "limit the hinge below that, or move the spring's ends")
+            yield look("snap-through", f"$.springs[{i}]", springs.name[i], "snaps over the centre "
+                       f"of {joints.name[hinge]!r} at {deg(angle)} ({bound})", "limit the hinge "
+                       "below that, or move the spring's ends")
 
 
 def over_centre(model: Model, spring: int, hinge: int) -> float | None:

@@ -40,7 +40,7 @@ def tendon_problems(model: Model) -> Iterator[Problem]:
         if tendon.closed:
             yield from _loop_problems(model, i)
         if not model.bodies.free[guided].any():
-            yield look(path, tendon.name, "passes no body that can move freely",
+            yield look("no-effect", path, tendon.name, "passes no body that can move freely",
                            "it pulls on nothing")
 
 
@@ -55,34 +55,32 @@ def _without_way(tendon: Tendon, path: str, points: list[Vec]) -> Iterator[Probl
         reach = ra + rb if crossed else abs(ra - rb)
         (small, inner), (large, outer) = sorted(((ra, k), (rb, after)))
         if gap < STRAIGHT:
-            yield error(path, tendon.name, f"its guides {k} and {after} coincide",
-                        "move one of them: the cord between has no direction")
+            yield error("coincident-points", path, tendon.name, f"its guides {k} and {after} "
+                        "coincide", "move one of them: the cord between has no direction")
         elif gap >= reach:
             continue
         elif not small:
-            yield error(path, tendon.name,
+            yield error("bad-tendon-path", path, tendon.name,
                         f"its guide {inner} lies in the wheel of its guide {outer}, {mm(gap)} from "
                         f"its centre and {mm(large - gap)} deep",
                         f"move guide {inner} so much further out, or make the wheel smaller")
         elif not crossed:
-            yield error(path, tendon.name,
-                        f"the wheel of its guide {inner} lies in that of its guide {outer}: they "
-                        f"are {mm(gap)} apart, the cord between them needs {mm(reach)}",
-                        f"move one of them {mm(reach - gap)} further out, or make guide {outer} "
-                        "smaller")
+            yield error("bad-tendon-path", path, tendon.name, f"the wheel of its guide {inner} "
+                        f"lies in that of its guide {outer}: they are {mm(gap)} apart, the cord "
+                        f"between them needs {mm(reach)}", f"move one of them {mm(reach - gap)} "
+                        f"further out, or make guide {outer} smaller")
         else:
-            yield error(path, tendon.name,
-                        f"the wheels of its guides {k} and {after} are {mm(gap)} apart, the cord "
-                        f"that crosses between them needs {mm(reach)}",
-                        f"put them {mm(reach - gap)} further apart, make one smaller, or give both "
-                        "the same 'side'")
+            yield error("bad-tendon-path", path, tendon.name, f"the wheels of its guides {k} and "
+                        f"{after} are {mm(gap)} apart, the cord that crosses between them needs "
+                        f"{mm(reach)}", f"put them {mm(reach - gap)} further apart, make one "
+                        "smaller, or give both the same 'side'")
 
 
 def _loop_problems(model: Model, i: int) -> Iterator[Problem]:
     """A loop that is pulled at an end that it has not, or that runs round its wheels inside out."""
     tendon, path = model.mechanism.tendons[i], f"$.tendons[{i}]"
     if (drive := int(model.tendons.drive[i])) != NONE:
-        yield error(f"$.drives[{drive}].tendon", model.drives.name[drive],
+        yield error("not-settable", f"$.drives[{drive}].tendon", model.drives.name[drive],
                     f"pulls {tendon.name}, a loop, which has no end to pull at",
                     "a torque or a motor at a wheel's hinge, or a cord that is not closed")
     sides = {guide.side for guide in tendon.guides}
@@ -92,7 +90,7 @@ def _loop_problems(model: Model, i: int) -> Iterator[Problem]:
         times = round(sum(wraps) / math.tau)
         if times > 1:
             other = "right" if sides == {"left"} else "left"
-            yield look(path, tendon.name,
+            yield look("bad-tendon-path", path, tendon.name,
                        f"crosses itself: on this path it goes {times} times round",
                        f"{other!r} as the side of its guides, or these in another order")
 
@@ -102,33 +100,30 @@ def _without_effect(model: Model, i: int) -> Iterator[Problem]:
     tendon = model.mechanism.tendons[i]
     wheels = [guide for guide in tendon.guides if guide.radius]
     if tendon.closed and wheels and not any(guide.friction for guide in tendon.guides):
-        yield look(f"$.tendons[{i}].guides", tendon.name,
+        yield look("no-effect", f"$.tendons[{i}].guides", tendon.name,
                    "it turns no wheel: the loop slides over all its guides without friction",
                    "friction at the wheels that are to turn with it")
     for k, guide in enumerate(tendon.guides):
         path = f"$.tendons[{i}].guides[{k}]"
         tied = not tendon.closed and k in (0, len(tendon.guides) - 1)
         if guide.friction and tied:
-            yield look(f"{path}.friction", tendon.name,
-                       f"its friction of {guide.friction:g} does nothing: the cord is tied there",
+            yield look("no-effect", f"{path}.friction", tendon.name, "its friction of "
+                       f"{guide.friction:g} has no effect: the tendon is fixed there",
                        "friction where it slides, at a guide between its ends")
         elif guide.friction and tendon.closed and not tendon.gripping:
-            yield look(f"{path}.friction", tendon.name,
-                       f"its friction of {guide.friction:g} does nothing: no other guide holds the "
-                       "loop, which goes round with this one", "friction at another guide, too")
+            yield look("no-effect", f"{path}.friction", tendon.name, "its friction of "
+                       f"{guide.friction:g} has no effect: no other guide holds the loop",
+                       "friction at another guide, too")
         if guide.begins and k not in tendon.lifting:
-            yield look(f"{path}.begins", tendon.name,
-                       f"its {guide.begins!r} does nothing: the cord cannot lift off there, only "
-                       "off a wheel between its ends that has no friction and no turns",
-                       f"to leave {guide.begins!r} out")
+            yield look("no-effect", f"{path}.begins", tendon.name, f"its {guide.begins!r} does "
+                       "nothing: the cord cannot lift off there, only off a wheel between its ends "
+                       "that has no friction and no turns", f"to leave {guide.begins!r} out")
         if guide.turns and not guide.radius:
-            yield look(f"{path}.turns", tendon.name,
-                       f"its {guide.turns} turns do nothing: it goes round no wheel",
-                       "a radius, or no turns")
+            yield look("no-effect", f"{path}.turns", tendon.name, f"its {guide.turns} turns do "
+                       "nothing: it goes round no wheel", "a radius, or no turns")
         elif guide.turns and tied:
-            yield look(f"{path}.turns", tendon.name,
-                       f"its {guide.turns} turns do nothing: the cord is tied there",
-                       "no turns")
+            yield look("no-effect", f"{path}.turns", tendon.name, f"its {guide.turns} turns do "
+                       "nothing: the cord is tied there", "no turns")
 
 
 def _off_wheels(model: Model, i: int, off: Flags, points: list[Vec]) -> Iterator[Problem]:
@@ -145,27 +140,25 @@ def _off_wheels(model: Model, i: int, off: Flags, points: list[Vec]) -> Iterator
             far = passes_by([points[j] for j in three], radii)
             path = f"$.tendons[{i}].guides[{k}]"
             if told == "off":
-                yield error(f"{path}.begins", tendon.name,
-                            "cannot begin off its wheel, which the straight way past it would have "
-                            f"{mm(-far)} deep in it", "the wheel so much further out, or the "
-                            f"other side, {other!r}")
+                yield error("bad-tendon-path", f"{path}.begins", tendon.name, "cannot begin off "
+                            f"its wheel, which the straight way past it would have {mm(-far)} deep "
+                            "in it", f"the wheel so much further out, or the other side, {other!r}")
                 continue
-            yield look(path, tendon.name,
-                       f"begins off its wheel: it goes straight past it, {mm(far)} away",
-                       f"\"begins\": \"off\", if it is to meet the wheel later; side {other!r}, if "
-                       "the wheel is to bend it")
+            yield look("bad-tendon-path", path, tendon.name, "begins off its wheel: it goes "
+                       f"straight past it, {mm(far)} away", "\"begins\": \"off\", if it is to meet "
+                       f"the wheel later; side {other!r}, if the wheel is to bend it")
 
 
 def _stretched(model: Model, i: int, length: float, rest: float) -> Iterator[Problem]:
     """A cord that its length at rest, or its pretension, stretches by more than cords can."""
     tendon, path = model.mechanism.tendons[i], f"$.tendons[{i}]"
     if rest <= 0.0 and tendon.pretension is not None:
-        yield error(path, tendon.name,
+        yield error("tendon-length", path, tendon.name,
                     f"a pretension of {tendon.pretension:g} N leaves nothing of a cord of "
                     f"{tendon.stiffness:g} N/m on a path of {mm(length)}",
                     f"less than {tendon.stiffness * length:.3g} N, or a stiffer cord")
     elif tendon.stiffness >= RIGID and length > (1 + MOST_STRETCH) * rest:
-        yield look(path, tendon.name,
+        yield look("tendon-length", path, tendon.name,
                    f"is shorter than its path, which is {mm(length)} long at t = 0: it begins with "
                    f"{tendon.stiffness * (length - rest):.3g} N",
                    f"a rest_length near {mm(length)}, or a pretension")

@@ -37,12 +37,12 @@ def wheel_problems(model: Model) -> Iterator[Problem]:
         whose = ("its rack at the gear" if model.joints.kind[i].keeps == "rack"
                  else "its wheels together")
         if not tied & set(model.joints.bodies[i].tolist()):
-            yield look(path, name, f"no joint holds {whose}: teeth push {_name(model, i, 0)} and "
-                       f"{_name(model, i, 1)} apart",
-                       "give each a bearing: a pin on the ground or on a carrier, of a rack a slot")
+            yield look("bad-mesh", path, name, f"no joint holds {whose}: teeth push "
+                       f"{_name(model, i, 0)} and {_name(model, i, 1)} apart", "give each a "
+                       "bearing: a pin on the ground or on a carrier, of a rack a slot")
         elif not model.joints.play[i] > 0:
-            yield look(path, name, f"only springs or cords hold {whose}: teeth without play are "
-                       "pulled back into mesh where they change over to the other flank",
+            yield look("bad-mesh", path, name, f"only springs or cords hold {whose}: teeth without "
+                       "play are pulled back into mesh where they change over to the other flank",
                        "give it a 'backlash', 0.01 mm say")
 
 
@@ -95,11 +95,11 @@ def _gear(model: Model, joint: int) -> Iterator[Problem]:
     apart = f"its centres are {mm(distance)} apart, its pitch circles touch at {mm(right)}"
     share = right * math.cos(model.joints.pressure[joint]) / max(distance, STRAIGHT)
     if share >= 1:
-        yield error(path, name, f"its teeth lie in one another at t = 0: {apart}",
+        yield error("bad-mesh", path, name, f"its teeth lie in one another at t = 0: {apart}",
                     _advice(model, joint))
         return
-    yield look(path, name, f"does not mesh as it should at t = 0: {apart}; teeth would push at "
-               f"{deg(math.acos(share))} instead of {deg(model.joints.pressure[joint])}",
+    yield look("bad-mesh", path, name, f"does not mesh as it should at t = 0: {apart}; teeth would "
+               f"push at {deg(math.acos(share))} instead of {deg(model.joints.pressure[joint])}",
                _advice(model, joint))
 
 
@@ -108,7 +108,7 @@ def _roll(model: Model, joint: int) -> Iterator[Problem]:
     if abs(distance - right) <= NEGLIGIBLE:
         return
     told = error if distance < STRAIGHT else look
-    yield told(f"$.joints[{joint}]", model.joints.name[joint],
+    yield told("not-assembled", f"$.joints[{joint}]", model.joints.name[joint],
                f"not assembled at t = 0: its centres are {mm(distance)} apart, its circles touch "
                f"at {mm(right)}", _advice(model, joint))
 
@@ -122,16 +122,14 @@ def _rack(model: Model, joint: int) -> Iterator[Problem]:
         move = ("" if abs(off - right) <= NEGLIGIBLE else
                 f", and move the rack or its 'on_b' by {fitting(abs(off - right))}")
         gx, gy = model.joints.along[joint].tolist()
-        yield look(f"{path}.along", name,
-                   f"its pitch line is turned by {deg(math.acos(min(abs(gx * x + gy * y), 1.0)))} "
-                   f"from the groove of {model.joints.name[slot]!r}, in which its rack slides: its "
-                   "teeth leave the gear, or jam",
-                   f"make 'along' [{x + 0.0:.6g}, {y + 0.0:.6g}]{move}")
+        yield look("bad-mesh", f"{path}.along", name, "its pitch line is turned by "
+                   f"{deg(math.acos(min(abs(gx * x + gy * y), 1.0)))} from the groove of "
+                   f"{model.joints.name[slot]!r}, in which its rack slides: its teeth leave the "
+                   "gear, or jam", f"make 'along' [{x + 0.0:.6g}, {y + 0.0:.6g}]{move}")
     elif abs(off - right) > NEGLIGIBLE:
         instead = f", or make 'radius' {fitting(off)}" if off > NEGLIGIBLE else ""
-        yield look(path, name,
-                   f"does not mesh at t = 0: its pitch line is {mm(off)} from the gear's centre, "
-                   f"the pitch circle has a radius of {mm(right)}",
+        yield look("bad-mesh", path, name, f"does not mesh at t = 0: its pitch line is {mm(off)} "
+                   f"from the gear's centre, the pitch circle has a radius of {mm(right)}",
                    f"move the rack or its 'on_b' by {fitting(abs(off - right))}{instead}")
 
 

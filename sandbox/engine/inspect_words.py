@@ -1,4 +1,4 @@
-"""What all inspections share: how a problem is reported, and how near counts as together."""
+"""Helpers of all inspections: diagnostics, tolerances, formatted numbers."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ STRAIGHT = 1e-9
 """Two points nearer than this are one [m]."""
 
 
-def error(path: str, element: str, message: str, advice: str) -> Problem:
-    """An error: no step can be made of what is found."""
-    return Problem(message, path, element=element, advice=advice)
+def error(code: str, path: str, element: str, message: str, advice: str) -> Problem:
+    """An error: the scene cannot be simulated."""
+    return Problem(code, message, path, element=element, advice=advice)
 
 
-def look(path: str, element: str, message: str, advice: str = "") -> Problem:
-    """A warning: it runs, but hardly as its author meant."""
-    return Problem(message, path, element=element, advice=advice, severity="warning")
+def look(code: str, path: str, element: str, message: str, advice: str = "") -> Problem:
+    """A warning: the scene can be simulated, but probably not as intended."""
+    return Problem(code, message, path, element=element, advice=advice, severity="warning")
 
 
 def mm(length: float) -> str:

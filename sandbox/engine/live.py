@@ -111,7 +111,7 @@ class Live(Simulation):
             SceneError: as :meth:`give`; None, since what is played with keeps its last value.
         """
         if value is None:
-            raise SceneError([Problem(f"{quoted(drive)} needs a value", "set",
+            raise SceneError([Problem("bad-argument", f"{quoted(drive)} needs a value", "set",
                                       allowed="a finite number")])
         self.give(drive, value)
 
@@ -130,21 +130,21 @@ class Live(Simulation):
         if name in self._hidden():
             raise SceneError([self._unknown(name)])
         if not _finite(value):
-            raise SceneError([Problem(f"{value!r} is no value for {quoted(name)}", "give",
-                                      allowed="a finite number")])
+            raise SceneError([Problem("bad-argument", f"{value!r} is not a value for "
+                                      f"{quoted(name)}", "give", allowed="a finite number")])
         kind = next((kind_of(drive) for drive in self.scene.drives if drive.name == name), None)
         try:
             in_range(float(value), (kind.dimension or None) if kind else None)
         except WrongValueError as error:
-            raise SceneError([Problem(f"as a value of {quoted(name)} {error.message}", "give",
-                                      allowed=error.allowed)]) from None
+            raise SceneError([Problem.of(
+                error, "give", message=f"value of {quoted(name)}: {error.message}")]) from None
         event = Event(name=PLAYED, at=self.time, set={name: float(value)})
         alone = self.scene.model_copy(update={"events": (event,), "run": self.mechanism.run})
         wrong = [problem for problem in check_control(alone, lambda name: False)
                  if parse_path(problem.path)[:1] == ("events",)]
         if wrong:
-            raise SceneError([Problem(wrong[0].message, "give", allowed=wrong[0].allowed,
-                                      hint=wrong[0].hint)])
+            raise SceneError([Problem(wrong[0].code, wrong[0].message, "give",
+                                      allowed=wrong[0].allowed, hint=wrong[0].hint)])
         self.inputs.append(Setting(self.steps, name, float(value)))
         self._steering.add(event)
 
@@ -166,9 +166,9 @@ class Live(Simulation):
         place, strength = _pair(at, "at"), _pair(force, "force")
         free = [each.name for each in self.scene.bodies if each.motion == "dynamic"]
         if body not in free:
-            raise SceneError([Problem(f"{quoted(body)} is no body that moves freely", "push",
-                                      allowed=listed(free) or "none: all bodies are held",
-                                      hint=near(body, free))])
+            raise SceneError([Problem(
+                "name-not-found", f"{quoted(body)} is no body that moves freely", "push",
+                allowed=listed(free) or "none: all bodies are held", hint=near(body, free))])
         push = Nudge(self.steps, body, place, strength)
         before = next((one for one in reversed(self.inputs) if isinstance(one, Nudge)), None)
         if before is not None and replace(before, step=push.step) == push:
@@ -204,7 +204,7 @@ class Live(Simulation):
 
     def _open(self, what: str) -> None:
         if self.finished:
-            raise SceneError([Problem(self.ending, what)])
+            raise SceneError([Problem("run-ended", self.ending, what)])
 
     @property
     def ending(self) -> str:
@@ -223,7 +223,7 @@ class Live(Simulation):
 
     def _unknown(self, name: str) -> Problem:
         known = [drive.name for drive in self.scene.drives]
-        return Problem(f"there is nothing named {quoted(name)} to set", "give",
+        return Problem("name-not-found", f"there is nothing named {quoted(name)} to set", "give",
                        allowed=listed(known) or "none: there are no drives")
 
     # -- once more --------------------------------------------------------------------------
@@ -295,7 +295,7 @@ def _pair(numbers: Sequence[float], what: str) -> tuple[float, float]:
     """
     found = tuple(numbers) if isinstance(numbers, Sequence | np.ndarray) else ()
     if len(found) != 2 or not all(map(_finite, found)):
-        raise SceneError([Problem(f"{numbers!r} is not [x, y]", f"push.{what}",
+        raise SceneError([Problem("bad-argument", f"{numbers!r} is not [x, y]", f"push.{what}",
                                   allowed="two finite numbers")])
     return float(found[0]) + 0.0, float(found[1]) + 0.0  # no -0.0
 

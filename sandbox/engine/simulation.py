@@ -163,7 +163,8 @@ class Simulation:
                 expression.
         """
         if not isinstance(quantity, str):
-            raise SceneError([Problem(f"{quantity!r} is not the name of a quantity", "simulation",
+            raise SceneError([Problem("bad-argument",
+                                      f"{quantity!r} is not the name of a quantity", "simulation",
                                       allowed="a name such as 'finger.tendon.tension'")])
         if quantity not in self._read:
             try:
@@ -171,12 +172,11 @@ class Simulation:
             except UnknownQuantityError:
                 raise
             except KeyError as error:
-                raise SceneError([Problem(
-                    f"{quoted(error.args[0])} is worked out after a run and cannot be read while "
-                    "it runs", quantity)]) from None
+                raise SceneError([Problem("quantity-not-live", f"{quoted(error.args[0])} is "
+                                          "computed after the run and cannot be read during it",
+                                          quantity)]) from None
             except WrongValueError as error:
-                raise SceneError([Problem(error.message, quantity, allowed=error.allowed,
-                                          hint=error.hint)]) from None
+                raise SceneError([Problem.of(error, quantity)]) from None
         return self._read[quantity]()
 
     # -- going on ---------------------------------------------------------------------
@@ -237,8 +237,8 @@ class Simulation:
             self._failed = Interrupted(last, recording)
             raise self._failed from None
         except BaseException as error:
-            self._failed = SandboxError(
-                f"this simulation ended at t = {self.time:.6g} s: {type(error).__name__}: {error}")
+            self._failed = SandboxError(f"this simulation ended at t = {self.time:.6g} s: "
+                                        f"{type(error).__name__}: {error}", code="run-ended")
             raise
 
     def _loop(self, until: int, progress: Callable[[float], None] | None) -> None:
@@ -312,9 +312,9 @@ class Simulation:
         world, constants = self._world, self._tables.constants
         found = int(world.finder.table[0])
         if found > MOST_CONTACTS:
-            raise SandboxError(
-                f"{found} contacts at once at t = {self.time:.6g} s, more than the "
-                f"{MOST_CONTACTS} that can be solved together: fewer or simpler bodies may help")
+            raise SandboxError(f"{found} contacts at once at t = {self.time:.6g} s, more than the "
+                               f"{MOST_CONTACTS} that can be solved together: fewer or simpler "
+                               "bodies may help", code="too-complex")
         rows = rows_for(len(constants.limits), len(constants.motors), len(constants.slips),
                         len(constants.rubs), found)
         world.enlarge(4 * (rows + 1))
@@ -330,17 +330,20 @@ class Simulation:
                 or an event of the scene sets, or a run that is over.
         """
         if self.finished:
-            raise SceneError([Problem(f"the run is over, at t = {self.time:.6g} s", "set")])
+            raise SceneError([Problem("run-ended",
+                                      f"the run is over, at t = {self.time:.6g} s", "set")])
         known = self._model.names.drive
         if drive not in known:
-            raise SceneError([Problem(f"there is no drive named {quoted(drive)}", "set",
-                                      allowed=listed(known) or "none: the scene has no drives",
-                                      hint=near(drive, known))])
+            raise SceneError([Problem(
+                "name-not-found", f"there is no drive named {quoted(drive)}", "set",
+                allowed=listed(known) or "none: the scene has no drives", hint=near(drive, known))])
         if value is not None and not (isinstance(value, Real) and math.isfinite(value)):
-            raise SceneError([Problem(f"{value!r} is no value for {quoted(drive)}", "set",
+            raise SceneError([Problem("bad-argument",
+                                      f"{value!r} is not a value for {quoted(drive)}", "set",
                                       allowed="a finite number, or None for the drive's signal")])
         if owner := self._steering.writer(drive):
-            raise SceneError([Problem(f"the drive {quoted(drive)} is set by {quoted(owner)}",
+            raise SceneError([Problem("set-twice",
+                                      f"the drive {quoted(drive)} is set by {quoted(owner)}",
                                       "set", allowed="a drive that nothing else sets")])
         self._set.append((self._done, drive, value))
         column = known[drive]
@@ -447,5 +450,5 @@ def _whole(number: object, path: str) -> int:
     """
     if isinstance(number, Integral) and int(number) >= 0:
         return int(number)
-    raise SceneError([Problem(f"{number!r} is no number of steps", path,
+    raise SceneError([Problem("bad-argument", f"{number!r} is no number of steps", path,
                               allowed="a whole number, 0 or more")])

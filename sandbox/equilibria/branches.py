@@ -87,7 +87,8 @@ def rest_along(
             values; a mechanism whose stiffness is not told, along which nothing leads on.
     """
     if not begin != end or not 2 <= count <= MOST_VALUES:
-        raise SceneError([Problem(f"{begin:g} to {end:g} in {count} values is no range", "along",
+        raise SceneError([Problem("bad-argument",
+                                  f"{begin:g} to {end:g} in {count} values is no range", "along",
                                   allowed=f"two different values and a count of 2 to {MOST_VALUES}"
                                   )])
     for value in (end, begin):  # what no field takes is told before anything is followed
@@ -100,10 +101,11 @@ def rest_along(
         search.follow(stages)
         first = _rest_of(search)
     except (Unsettled, SimulationDiverged) as error:
-        raise SceneError([Problem(f"it does not come to rest at {begin:g}: {error}",
+        raise SceneError([Problem("no-rest", f"it does not come to rest at {begin:g}: {error}",
                                   "along")]) from None
     if first.balance is None:
         raise SceneError([Problem(
+            "no-rest",
             f"it can't be followed along a value: its stiffness is not told, for {first.untold}",
             "along", allowed="--set, value by value")])
     return _Tracer(following, begin, end, count, heard).all(first.balance)

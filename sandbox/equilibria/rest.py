@@ -124,7 +124,8 @@ class AtRest:
         model = self.recording.model
         known_body(self.recording.mechanism, body)
         if self.untold:
-            raise SceneError([Problem(f"stiffness can't be told with {self.untold}", "body")])
+            raise SceneError([Problem("no-rest",
+                                      f"stiffness can't be told with {self.untold}", "body")])
         number = model.names.body[body]
         spec = self.recording.mechanism.bodies[number]
         size = reach_of(spec, centre_of(spec)) or self.size
@@ -192,7 +193,7 @@ def rest(
         if not any(_same(found, one) for one in rests):
             rests.append(found)
     if not rests:
-        raise SceneError([Problem(f"it does not come to rest{words}: {reason}", "rest")
+        raise SceneError([Problem("no-rest", f"it does not come to rest{words}: {reason}", "rest")
                           for words, reason in failed])
     return RestFound(tuple(rests), tuple(failed), tuple(remarks(mechanism, search, at)))
 
@@ -205,7 +206,8 @@ def known_body(mechanism: Mechanism, body: str) -> None:
     """
     free = [each.name for each in mechanism.bodies if each.motion == "dynamic"]
     if body not in free:
-        raise SceneError([Problem(f"{quoted(body)} is no body that moves freely", "body",
+        raise SceneError([Problem("name-not-found",
+                                  f"{quoted(body)} is no body that moves freely", "body",
                                   allowed=listed(free), hint=near(body, free))])
 
 
@@ -217,10 +219,10 @@ def sensible(mechanism: Mechanism, at: float | None, stages: int | None) -> None
     """
     duration = mechanism.run.duration
     if at is not None and not 0 <= at <= duration:
-        raise SceneError([Problem(f"{at:g} s is not within the run", "at",
+        raise SceneError([Problem("bad-time", f"{at:g} s is not within the run", "at",
                                   allowed=f"0 to {duration:g} s")])
     if stages is not None and not 1 <= stages <= MOST_STAGES:
-        raise SceneError([Problem(f"{stages} stages are not gone through", "stages",
+        raise SceneError([Problem("bad-argument", f"{stages} stages are not gone through", "stages",
                                   allowed=f"1 to {MOST_STAGES}")])
 
 

@@ -21,12 +21,14 @@ def refuse(mechanism: Mechanism) -> None:
     Raises:
         SceneError: controllers; events that act at a time.
     """
-    found = [Problem(f"the controller {quoted(each.name)} acts as the run goes on, and rest has no "
+    found = [Problem("no-rest",
+                     f"the controller {quoted(each.name)} acts as the run goes on, and rest has no "
                      "time", f"$.controllers[{i}]",
                      allowed="drives that hold the values it leads to: take the controller out and "
                              "set these")
              for i, each in enumerate(mechanism.controllers)]
-    found += [Problem(f"the event {quoted(each.name)} acts at t = {each.at:g} s, and rest has no "
+    found += [Problem("no-rest",
+                      f"the event {quoted(each.name)} acts at t = {each.at:g} s, and rest has no "
                       "time", f"$.events[{i}]", allowed="a scene in which it has happened")
               for i, each in enumerate(mechanism.events)
               if each.at is not None and each.at <= mechanism.run.duration

@@ -56,7 +56,8 @@ class Search:
         self.still, self.time = Still(mechanism), time
         self.model: Model = self.still.model
         if not self.model.bodies.free.any():
-            raise SceneError([Problem("nothing moves freely: there is nothing to come to rest",
+            raise SceneError([Problem("no-rest",
+                                      "nothing moves freely: there is nothing to come to rest",
                                       "bodies")])
         self.first = self.still.pose
         """Where the scene has all bodies, [nb, 3]."""

@@ -35,7 +35,8 @@ def placed(search: Search, start: Start) -> Array:
     """
     model, known = search.model, startable(search.model)
     if wrong := [name for name in start if name not in known]:
-        raise SceneError([Problem(f"{quoted(name)} can't be given at the start", "from",
+        raise SceneError([Problem("name-not-found",
+                                  f"{quoted(name)} can't be given at the start", "from",
                                   allowed=listed(known) or "nothing", hint=near(name, known))
                           for name in wrong])
     search.still.put(search.first)

@@ -64,7 +64,8 @@ def leave_out(
     unknown = [word for word in patterns if not any(fnmatchcase(name, word) for name in names)]
     if unknown:
         raise SceneError([
-            Problem(f"there is no element {quoted(word)} to leave out", path="--without",
+            Problem("name-not-found",
+                    f"there is no element {quoted(word)} to leave out", path="--without",
                     allowed=listed(names), hint=near(word, names))
             for word in unknown])
     gone = {name for name in names if any(fnmatchcase(name, word) for word in patterns)}

@@ -25,7 +25,8 @@ STATIC = "static friction above that of sliding"
 def without_counterpart(model: Model, tree: Tree) -> list[Problem]:
     """A problem for each element that a MuJoCo model cannot hold."""
     return [
-        Problem(f"MuJoCo has no counterpart of {what}; --without {name} leaves it out", path=name)
+        Problem("no-counterpart",
+                f"MuJoCo has no counterpart of {what}; --without {name} leaves it out", path=name)
         for name, what in [*_elements(model, tree), *_surfaces(model.mechanism)] if what
     ]
 

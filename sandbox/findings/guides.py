@@ -145,7 +145,7 @@ def sought(
 
     chosen = search.run(Where(directory, heard=heard, **crew))
     if not isinstance(chosen, Chosen):
-        raise SandboxError(f"{study} is no search for the best")
+        raise SandboxError(f"{study} is no search for the best", code="bad-search")
     values = chosen.best[0].values
     design = design_of(np.array(SET_G.guides[0]), np.array([float(values[path]) for path in PATHS]))
     low, high = (search.question.space.numbers([[end] * len(PATHS)])[0] for end in (0.0, 1.0))

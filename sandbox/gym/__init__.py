@@ -35,7 +35,8 @@ def make(scene: Any, *, render_mode: str | None = None, **words: Any) -> SceneEn
         SceneError: every problem of the scene, and every name that it does not have.
     """
     if find_spec("gymnasium") is None:
-        raise SandboxError("sandbox.gym needs Gymnasium: pip install 'sandbox-mechanics[gym]'")
+        raise SandboxError("sandbox.gym needs Gymnasium: pip install 'sandbox-mechanics[gym]'",
+                           code="missing-package")
     from gymnasium.envs.registration import EnvSpec
 
     from sandbox.gym.env import SceneEnv

@@ -39,7 +39,8 @@ def read_draws(
         SceneError: paths that the scene does not have, values that it cannot have, no distribution.
     """
     if not isinstance(randomise, Mapping):
-        raise SceneError([Problem(f"{randomise!r} does not say what is drawn", "randomise",
+        raise SceneError([Problem("bad-argument",
+                                  f"{randomise!r} does not say what is drawn", "randomise",
                                   allowed='values by path: {"parameters.m": "normal(1 kg, 0.1 kg)"}'
                                   )])
     try:

@@ -108,7 +108,7 @@ class SceneEnv(gymnasium.Env[Array, Array]):
                 observation or a reward that has no value.
         """
         if self._over:
-            raise SandboxError(f"{self._over}: reset() begins one")
+            raise SandboxError(f"{self._over}: reset() begins one", code="run-ended")
         simulation, chosen = self.simulation, _numbers(action)
         if chosen.shape != self._half.shape or not np.isfinite(chosen).all():
             raise SandboxError(f"{quoted(action)} is no action; allowed: {len(self._half)} finite "
@@ -140,14 +140,16 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         if not np.isfinite(found).all():
             bad = next(name for name, value in zip(self.task.observe, found, strict=True)
                        if not np.isfinite(value))
-            raise SandboxError(f"{bad!r} has no value at t = {simulation.time:.6g} s")
+            raise SandboxError(f"{bad!r} has no value at t = {simulation.time:.6g} s",
+                               code="diverged")
         return np.clip(found, self._low, self._high)
 
     def _reward(self) -> float:
         asked = self.task.reward
         value = float(asked(self.simulation) if callable(asked) else self.simulation[asked])
         if not np.isfinite(value):
-            raise SandboxError(f"the reward has no value at t = {self.simulation.time:.6g} s")
+            raise SandboxError(f"the reward has no value at t = {self.simulation.time:.6g} s",
+                               code="diverged")
         return value
 
     # -- what came of it ----------------------------------------------------------------------
@@ -201,13 +203,16 @@ def _set_of(options: Mapping[str, Any] | None) -> dict[str, Any]:
     """
     options = options or {}
     if not isinstance(options, Mapping):
-        raise SceneError([Problem(f"{quoted(options)} does not say what is changed", "options",
+        raise SceneError([Problem("bad-argument",
+                                  f"{quoted(options)} does not say what is changed", "options",
                                   allowed='{"set": values by path}')])
     if unknown := [name for name in options if name != "set"]:
-        raise SceneError([Problem(f"there is no option {quoted(unknown[0])}", "options",
+        raise SceneError([Problem("bad-argument",
+                                  f"there is no option {quoted(unknown[0])}", "options",
                                   allowed="'set'")])
     values = options.get("set", {})
     if not isinstance(values, Mapping):
-        raise SceneError([Problem(f"{quoted(values)} does not say what is changed", "options.set",
+        raise SceneError([Problem("bad-argument",
+                                  f"{quoted(values)} does not say what is changed", "options.set",
                                   allowed="values by path")])
     return dict(values)

@@ -79,7 +79,8 @@ class Task:
 
 def same_step() -> Problem:
     """What is wrong with episodes that have steps of their own."""
-    return Problem("the step is the same in all episodes: an action holds for a number of steps",
+    return Problem("bad-argument",
+                   "the step is the same in all episodes: an action holds for a number of steps",
                    STEP, allowed=f"set={{{STEP!r}: …}} when the environment is made")
 
 
@@ -188,7 +189,7 @@ class _TaskReader:
         try:
             problems = list(unreadable(text, self.known, path))
         except WrongValueError as error:
-            problems = [Problem(error.message, path, allowed=error.allowed, hint=error.hint)]
+            problems = [Problem.of(error, path)]
         self.problems += problems
         return not problems
 
@@ -267,7 +268,7 @@ class _TaskReader:
         return owners[0] if owners else ""
 
     def _wrong(self, message: str, path: str, allowed: str = "", hint: str = "") -> None:
-        self.problems.append(Problem(message, path, allowed=allowed, hint=hint))
+        self.problems.append(Problem("bad-argument", message, path, allowed=allowed, hint=hint))
 
 
 def _fitting(text: str, names: Sequence[str]) -> list[str]:

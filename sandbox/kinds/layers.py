@@ -100,7 +100,7 @@ def asked(value: Any) -> dict[str, tuple[str, ...]]:
         return found
     words = value.split(",") if isinstance(value, str) else value
     if not isinstance(words, list | tuple):
-        raise WrongValueError(f"{kind_of(value)} names no layers", allowed=FORMS)
+        raise WrongValueError("wrong-type", f"{kind_of(value)} names no layers", allowed=FORMS)
     for word in words:
         named = word.strip() if isinstance(word, str) else word
         away = isinstance(named, str) and named.startswith("-")
@@ -121,8 +121,8 @@ def _layers(word: Any) -> list[str]:
     if word in LAYERS:
         return [word]
     if not isinstance(word, str):
-        raise WrongValueError(f"{kind_of(word)} is no layer", allowed=_all())
-    raise WrongValueError(f"there is no layer named {quoted(word)}", allowed=_all(),
+        raise WrongValueError("wrong-type", f"{kind_of(word)} is no layer", allowed=_all())
+    raise WrongValueError("not-allowed", f"there is no layer named {quoted(word)}", allowed=_all(),
                           hint=near(word, [*LAYERS, WHOLE], cutoff=0.5))
 
 
@@ -135,11 +135,12 @@ def _patterns(layer: str, of: Any) -> tuple[str, ...]:
         return EVERY if of else ()
     patterns = (of,) if isinstance(of, str) else of
     if not isinstance(patterns, list | tuple) or not all(isinstance(p, str) for p in patterns):
-        raise WrongValueError(f"{kind_of(of)} does not say of what {quoted(layer)} is shown",
+        raise WrongValueError("wrong-type",
+                              f"{kind_of(of)} does not say of what {quoted(layer)} is shown",
                               allowed="true, false, or a list of names and patterns of bodies")
     if not LAYERS[layer].per_body and tuple(patterns) not in ((), EVERY):
         some = (name for name, row in LAYERS.items() if row.per_body)
-        raise WrongValueError(f"{quoted(layer)} is shown for all bodies or for none",
+        raise WrongValueError("wrong-type", f"{quoted(layer)} is shown for all bodies or for none",
                               allowed=f"true or false; of some bodies: {', '.join(some)}")
     return tuple(patterns)
 

@@ -27,7 +27,7 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
     units: dict[str, list[str]] = {}
     for i, expect in enumerate(mechanism.expect):
         if beyond := expect.past_end(mechanism.run.duration) if expect.at is not None else "":
-            problems.append(Problem(beyond, f"$.expect[{i}].at"))
+            problems.append(Problem("bad-time", beyond, f"$.expect[{i}].at"))
         if expect.quantity not in fits:
             fits[expect.quantity] = known.fits(expect.quantity)
         if fits[expect.quantity]:
@@ -57,8 +57,7 @@ def _check_units(
             try:
                 factor_of(number.unit, UNITS[unit][1] if unit in UNITS else "ratio")
             except WrongValueError as error:
-                yield Problem(error.message, f"{path}.{place}", allowed=error.allowed,
-                              hint=error.hint)
+                yield Problem.of(error, f"{path}.{place}")
                 break
 
 
@@ -83,9 +82,10 @@ def _numbers(expect: Expect) -> Iterator[tuple[str, object, str]]:
 def unknown(known: Catalogue, what: str, name: str, path: str, rank: int) -> Problem:
     """The refusal of a quantity; what it may be only of those of small ``rank``."""
     if lacking := known.lacking(name):
-        return Problem(f"{what} {quoted(name)}: {lacking}", path)
+        return Problem("unknown-quantity", f"{what} {quoted(name)}: {lacking}", path)
     near = known.near(name) if rank < MOST_HINTED else ""
-    return Problem(f"{what} {quoted(name)}", path, hint=quoted(near) if near else "",
+    return Problem("unknown-quantity",
+                   f"{what} {quoted(name)}", path, hint=quoted(near) if near else "",
                    allowed=known.allowed(name) if rank < MOST_HINTED else "")
 
 
@@ -102,8 +102,8 @@ def _check_meter_values(known: Catalogue) -> list[Problem]:
                 problems.append(unknown(known, "unknown quantity", name, path, len(problems)))
     for circle in meters.order(known.mechanism)[1]:
         ring = " → ".join(quoted(all_meters[i].name) for i in [*circle, circle[0]])
-        problems.append(Problem(f"meters depend on each other in a circle: {ring}",
-                                f"$.meters[{circle[0]}].value"))
+        problems.append(Problem("circular-definition", "meters depend on each other in a circle: "
+                                f"{ring}", f"$.meters[{circle[0]}].value"))
     return problems
 
 
@@ -118,5 +118,6 @@ def _check_meter_names(mechanism: Mechanism) -> list[Problem]:
             problem = "means something in expressions already"
         else:
             continue
-        problems.append(Problem(f"{quoted(meter.name)} {problem}", f"$.meters[{i}].name"))
+        problems.append(Problem("duplicate-name",
+                                f"{quoted(meter.name)} {problem}", f"$.meters[{i}].name"))
     return problems

@@ -45,6 +45,8 @@ MOST_QUANTITIES = len(QUANTITIES["body"]) + len(GRASP)
 class UnknownQuantityError(SandboxError, KeyError):
     """A name that is not in the catalogue."""
 
+    code = "unknown-quantity"
+
     def __init__(self, name: str, near: str = "", lacking: str = "") -> None:
         super().__init__(name)
         self.name, self.near, self.lacking = name, near, lacking

@@ -36,9 +36,9 @@ def no_pair(
     first, _, rest = pair.partition("/")
     second, _, quantity = rest.rpartition(".")
     sums = " or ".join(quoted(f"{body}.contact.{quantity}") for body in (first, second))
-    return Problem(
-        f"'/' divides in an expression, so that {quoted(pair)} is no pair there", path,
-        allowed=f"{sums}, the sums of all that touches one of them; {itself}")
+    return Problem("bad-quantity", f"'/' divides in an expression, so that {quoted(pair)} is no "
+                   "pair there", path, allowed=f"{sums}, the sums of all that touches one of them; "
+                   f"{itself}")
 
 
 def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:

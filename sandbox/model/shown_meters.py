@@ -75,9 +75,9 @@ def _missing(known: Catalogue, word: str, path: str, rank: int) -> Iterator[Prob
 def _together(known: Catalogue, meter: ShownMeter, path: str) -> Iterator[Problem]:
     names = curves(meter, known)
     if len(names) > MOST:
-        yield Problem(f"{len(names)} curves are too many for one meter: {listed(names)}", path,
-                      allowed=f"at most {MOST}")
+        yield Problem("bad-quantity", f"{len(names)} curves are too many for one meter: "
+                      f"{listed(names)}", path, allowed=f"at most {MOST}")
     units = sorted({known.find(name).unit for name in names if not is_expression(name)})
     if len(units) > 1:
-        yield Problem(f"the curves of one meter have one unit, these have {listed(units)}", path,
-                      allowed="a meter for each unit")
+        yield Problem("bad-quantity", "the curves of one meter have one unit, these have "
+                      f"{listed(units)}", path, allowed="a meter for each unit")

@@ -26,7 +26,7 @@ def plot(
     if not quantities:
         some = next(iter(run.names()), "finger.mcp.angle")
         raise OutputError(f"plot() needs quantities, such as {some!r} or '*.angle'; run.names() "
-                          "lists them")
+                          "lists them", code="bad-picture")
     names = list(dict.fromkeys(name for each in quantities for name in run.names(each)))
     label = run.mechanism.title or run.mechanism.name
     if x and x != TIME:
@@ -46,4 +46,5 @@ def _number(name: str, value: float | str, dimension: str) -> float:
         return number_from(value, dimension, {})
     except ValueError as error:
         said = error.message if isinstance(error, WrongValueError) else str(error)
-        raise OutputError(f"{name}={quoted(value)}: {said}; pass {FORMS[dimension]}") from None
+        raise OutputError(f"{name}={quoted(value)}: {said}; pass {FORMS[dimension]}",
+                          code="bad-picture") from None

@@ -41,7 +41,8 @@ class _Media:
         """
         file = place(path, "a picture")
         if file.suffix.lower() != self.ENDING:
-            raise OutputError(f"{file}: this is a {self.ENDING} file; sandbox.render makes others")
+            raise OutputError(f"{file}: this is a {self.ENDING} file; sandbox.render makes others",
+                              code="bad-picture")
         with written_whole(file) as aside:
             aside.write_bytes(self.data)
 
@@ -74,11 +75,11 @@ def picture(
 ) -> Picture:
     """See :meth:`sandbox.Recording.picture`."""
     if not len(run):
-        raise OutputError("nothing was recorded, so there is nothing to draw")
+        raise OutputError("nothing was recorded, so there is nothing to draw", code="bad-time")
     found = instants(run, at)
     if len(found) != 1:
         raise OutputError(f"a picture shows one moment, at={quoted(at)} are {len(found)}; "
-                          "sandbox.render draws several")
+                          "sandbox.render draws several", code="bad-picture")
     when = found[0].time
     data = _written(lambda path: save_picture(run, path, t=when, size=size), "picture.png")
     return Picture(data, f"{run.mechanism.name or 'a run'} at t = {when:.6g} s")
@@ -90,7 +91,7 @@ def film(run: Recording, options: Mapping[str, Any]) -> Film:
     for name in options:
         if name not in known:
             raise OutputError(f"film() has no option {quoted(name)}.{meant(name, known)} "
-                              f"Allowed: {listed(known, most=len(known))}.")
+                              f"Allowed: {listed(known, most=len(known))}.", code="bad-picture")
     chosen = {"size": FILM_SIZE, **options}
     data = _written(lambda path: render(run, path, **chosen), "film.gif")
     return Film(data, f"{run.mechanism.name or 'a run'} up to t = {run.time[-1]:.6g} s")

@@ -81,7 +81,8 @@ def draw(run: Recording, given: Mapping[str, float]) -> tuple[Any, dict[str, Res
     goals = targets(run, given)
     roles = roles_of(run, goals)
     if len(run) < 2:
-        raise OutputError(f"the recording has {len(run)} samples, a figure needs at least 2")
+        raise OutputError(f"the recording has {len(run)} samples, a figure needs at least 2",
+                          code="bad-time")
     used = 3 + len(roles.joints)
     rows, marks = math.ceil(used / 2), marks_of(run, width=WIDTH)
     figure = style.new_figure(ROW * rows + REST)
@@ -154,7 +155,7 @@ def roles_of(run: Recording, goals: Mapping[str, Any]) -> Roles:
                if (joints := _along(model, i))]
     if not fingers:
         raise OutputError("the figure 'finger-control' needs a tendon that passes hinges; "
-                          "this recording has none")
+                          "this recording has none", code="bad-picture")
 
     def rank(finger: Roles) -> tuple[bool, ...]:
         shortening = f"{finger.tendon}.shortening"

@@ -65,7 +65,7 @@ def read_id(path: Path) -> str:
         with zipfile.ZipFile(path) as archive:
             return archive.comment.decode("ascii", "replace")
     except (OSError, zipfile.BadZipFile) as error:
-        raise OutputError(f"cannot read {path}: {_line(error)}") from None
+        raise OutputError(f"cannot read {path}: {_line(error)}", code="run-damaged") from None
 
 
 def _id_of(archive: zipfile.ZipFile) -> str:

@@ -44,4 +44,5 @@ def _library(name: str) -> Any:
         return import_module(name)
     except ImportError:
         raise SandboxError(f"to_{name}() needs the package {name!r}, which is not installed: "
-                           f"pip install {name}; run[name] gives plain arrays without it") from None
+                           f"pip install {name}; run[name] gives plain arrays without it",
+                           code="missing-package") from None

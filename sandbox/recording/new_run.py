@@ -138,7 +138,7 @@ def writing(directory: Path) -> Iterator[NewRun]:
             directory.mkdir(parents=True, exist_ok=True)
             if held.enter_context(locked(directory)) is False:
                 raise OutputError(f"another run is being written into {directory}: wait for its "
-                                  "end, or name another directory")
+                                  "end, or name another directory", code="runs-in-use")
             tidy(directory)
             aside = own_part(directory / "run", held, directory=True)
         try:

@@ -37,6 +37,7 @@ from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_v
 from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.source import parse_source
 from sandbox.scene.read.tables import check_tables
+from sandbox.scene.values.numbers import message_of
 from sandbox.wording import quoted
 
 FORMAT = 1
@@ -113,14 +114,16 @@ def read(path: Path) -> Read:
         with _Pieces(path) as file, zipfile.ZipFile(file) as archive:
             return _Reading(path, file, archive).whole()
     except FileNotFoundError:
-        raise OutputError(
-            f"there is no recording in {path.parent}: {path.name} is missing") from None
+        raise OutputError(f"there is no recording in {path.parent}: {path.name} is missing",
+                          code="no-run") from None
     except OSError as error:
-        raise OutputError(f"cannot read {path}: {error.strerror or error}") from None
+        raise OutputError(f"cannot read {path}: {error.strerror or error}",
+                          code="run-damaged") from None
     except OutputError:
         raise
     except Exception as error:  # zip, zlib, numpy and json each raise their own on garbage
-        raise OutputError(f"{path} is not a recording, or damaged: {_line(error)}") from None
+        raise OutputError(f"{path} is not a recording, or damaged: {_line(error)}",
+                          code="run-damaged") from None
 
 
 class _Reading:
@@ -132,12 +135,13 @@ class _Reading:
 
     def damaged(self, what: str) -> OutputError:
         """The error that says what is wrong with the file."""
-        return OutputError(f"{self.path} is damaged: {what}")
+        return OutputError(f"{self.path} is damaged: {what}", code="run-damaged")
 
     def whole(self) -> Read:
         """Everything, in the order of the module's text."""
         if lacking := sorted({MECHANISM, INFO} - self.members.keys()):
-            raise OutputError(f"{self.path} is not a recording: it has no {lacking[0]!r}")
+            raise OutputError(f"{self.path} is not a recording: it has no {lacking[0]!r}",
+                              code="run-damaged")
         info = self._info()
         mechanism = self._mechanism()
         try:
@@ -210,9 +214,8 @@ class _Reading:
         if type(version) is not int or version < 1 or deep:
             raise self.damaged(f"{INFO!r} does not describe a run")
         if version > FORMAT:
-            raise OutputError(
-                f"{self.path} has format {quoted(version)}; this version reads up to {FORMAT}: "
-                "use a newer sandbox")
+            raise OutputError(f"{self.path} has format {quoted(version)}; this version reads up to "
+                              f"{FORMAT}: use a newer sandbox", code="unsupported-format")
         return dict(info)
 
     def _mechanism(self) -> Mechanism:
@@ -221,7 +224,7 @@ class _Reading:
         try:
             data = parse_source(text, limits=LIMITS).data
             if not isinstance(data, dict):
-                raise SceneError([Problem("it is no object", "$")])
+                raise SceneError([Problem("wrong-type", "it is no object", "$")])
             if problems := [*check_lists(data, LIMITS), *check_values(data, LIMITS)]:
                 raise SceneError(problems)
             mechanism = Mechanism.model_validate(data)
@@ -235,7 +238,7 @@ class _Reading:
             first = error.errors(include_url=False, include_input=False)[0]
             where = ".".join(str(step) for step in first["loc"])
             raise self.damaged("its mechanism is not valid: "
-                               f"{quoted(where)[1:-1]}: {_line_of(first['msg'])}") from None
+                               f"{quoted(where)[1:-1]}: {_line_of(message_of(first))}") from None
         if problems:
             more = f", and {len(problems) - 1} more" if len(problems) > 1 else ""
             raise self.damaged(f"its mechanism is not valid: {_line_of(str(problems[0]))}{more}")

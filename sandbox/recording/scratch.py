@@ -41,7 +41,8 @@ class Scratch:
             tidy(place)
             self.path = own_part(place / "sandbox", held, directory=True)
         except OSError as error:
-            raise OutputError(f"cannot make a temporary directory: {error.strerror}") from None
+            raise OutputError(f"cannot make a temporary directory: {error.strerror}",
+                              code="out-of-memory") from None
         self.remove = weakref.finalize(self, held.close)
         self._made = 0
 
@@ -63,8 +64,8 @@ class Scratch:
 
     def full(self, size: int, error: OSError) -> OutputError:
         """What to say where there is no room for ``size`` bytes more."""
-        return OutputError(
-            f"no room for {size / 1e9:.3g} GB of samples in {self.path}: {error.strerror or error}")
+        return OutputError(f"no room for {size / 1e9:.3g} GB of samples in {self.path}: "
+                           f"{error.strerror or error}", code="out-of-memory")
 
 
 class Budget:

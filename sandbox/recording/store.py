@@ -148,13 +148,14 @@ def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]
     """
     folder = Path(directory)
     if not folder.is_dir():
-        raise OutputError(f"there is no directory {folder}")
+        raise OutputError(f"there is no directory {folder}", code="no-run")
     mechanism, arrays, outcome, run_id = reading.read(folder / ARCHIVE)
     complete = (folder / SUMMARY).exists()
     summary = SUMMARY if complete else INCOMPLETE
     said = _said_id(folder / summary) if (folder / summary).exists() else ""
     if said and said != run_id:
-        raise OutputError(f"{folder} is damaged: {summary} and {ARCHIVE} are of different runs")
+        raise OutputError(f"{folder} is damaged: {summary} and {ARCHIVE} are of different runs",
+                          code="run-damaged")
     if run_id and not said and (folder / summary).exists():
         outcome = replace(outcome, notes=(*outcome.notes, f"{summary} {EDITED}"))
     if not complete and outcome.complete:
@@ -177,7 +178,8 @@ def _said_id(path: Path) -> str:
         with path.open("rb") as file:
             found = RUN_ID.search(file.read(HEAD))
     except OSError as error:
-        raise OutputError(f"cannot read {path}: {error.strerror or error}") from None
+        raise OutputError(f"cannot read {path}: {error.strerror or error}",
+                          code="run-damaged") from None
     return found[1].decode() if found else ""
 
 

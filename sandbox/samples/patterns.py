@@ -17,6 +17,8 @@ MOST_SHOWN = 4
 class MixedUnitsError(SandboxError, ValueError):
     """A pattern that fits quantities of several units, which are no columns of one array."""
 
+    code = "bad-quantity"
+
 
 def unit_of(catalogue: Catalogue, names: Sequence[str], pattern: str) -> str:
     """The one unit of the quantities that a pattern fits.

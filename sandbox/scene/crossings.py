@@ -72,26 +72,28 @@ class Fingers:
         """Joints, tendon and springs that are not there, or do not belong to each other."""
         tendons, pins, near = self.tendons, self.pins, self._near
         if spec.tendon not in tendons:
-            yield Problem(f"there is no tendon named {quoted(spec.tendon)}", f"{path}.tendon",
+            yield Problem("name-not-found",
+                          f"there is no tendon named {quoted(spec.tendon)}", f"{path}.tendon",
                           allowed=listed(tendons) or "none: the scene has no tendons",
                           hint=near(spec.tendon, tendons))
         for i, (name, drive) in enumerate(zip(spec.joints, spec.writes, strict=False)):
             if name not in pins:
-                yield Problem(f"there is no hinge named {quoted(name)}", f"{path}.joints[{i}]",
+                yield Problem("name-not-found",
+                              f"there is no hinge named {quoted(name)}", f"{path}.joints[{i}]",
                               allowed=listed(pins) or "none: the scene has no hinges",
                               hint=near(name, pins))
                 continue
             guides = _guides(tendons[spec.tendon], pins[name]) if spec.tendon in tendons else ()
             if guides is None or any(guide.radius for guide in guides):
-                yield Problem(f"the tendon {quoted(spec.tendon)} does not run straight from a "
-                              f"guide on one side of {quoted(name)} to a guide on the other",
-                              f"{path}.joints[{i}]")
+                yield Problem("bad-control-law", f"the tendon {quoted(spec.tendon)} does not run "
+                              f"straight from a guide on one side of {quoted(name)} to a guide on "
+                              "the other", f"{path}.joints[{i}]")
             spring = self.spring_of(drive)
             if drive in self._drives and (
                     not isinstance(spring, LinearSpring)
                     or {spring.a, spring.b} != {pins[name].a, pins[name].b}):
-                yield Problem(f"{quoted(drive)} does not set the stiffness of a linear spring "
-                              f"across {quoted(name)}", f"{path}.writes[{i}]",
+                yield Problem("bad-control-law", f"{quoted(drive)} does not set the stiffness of a "
+                              f"linear spring across {quoted(name)}", f"{path}.writes[{i}]",
                               allowed="a stiffness drive for each joint, in the joints' order")
 
 

@@ -20,6 +20,7 @@ from sandbox.scene.parts.finger import Finger, expand_finger
 from sandbox.scene.parts.placement import Placement
 from sandbox.scene.parts.section import Section, expand_section
 from sandbox.scene.parts.trees import Known, PulleyTree, RockerTree, expand_tree
+from sandbox.scene.values.numbers import message_of
 from sandbox.wording import NearMisses, quoted
 
 LINE_WIDTH = 100  # of the printed mechanism
@@ -38,7 +39,7 @@ def expand(scene: Scene) -> Mechanism:
             every such problem, with the part's path. What is no scene.
     """
     if not isinstance(scene, Scene):
-        raise SceneError([Problem(f"{quoted(scene)} is no scene", "scene",
+        raise SceneError([Problem("bad-argument", f"{quoted(scene)} is no scene", "scene",
                                   allowed="what sandbox.load_scene gives")])
     elements, problems = _spelled_out(scene, _Outside())
     if problems:
@@ -85,7 +86,8 @@ def _spelled_out(scene: Scene | Assembly, around: _Outside) -> tuple[Elements, l
             ]
         except (ValidationError, ArithmeticError) as error:
             failed.add(part.name)
-            problems += [Problem(f"this part cannot be built: {why}", path=f"$.parts[{i}]")
+            problems += [Problem("bad-part",
+                                 f"this part cannot be built: {why}", path=f"$.parts[{i}]")
                          for why in _reasons(error)]
     own = tuple(_resolved(drive, tendon_of) for drive in scene.drives)
     return dataclasses.replace(elements, drives=own + elements.drives), problems
@@ -95,7 +97,7 @@ def _reasons(error: ValidationError | ArithmeticError) -> list[str]:
     """Why no mechanism can have an element of a part."""
     if isinstance(error, ArithmeticError):
         return ["its numbers are too large or too small"]
-    return [wrong["msg"] for wrong in error.errors(include_url=False, include_input=False)]
+    return [message_of(wrong) for wrong in error.errors(include_url=False, include_input=False)]
 
 
 def _tendons_of(scene: Scene | Assembly) -> Iterator[tuple[str, str]]:
@@ -124,7 +126,7 @@ def _with_part(
         palm = None
         if part.on is not None and (palm := elements.body(part.on)) is None:
             raise PartError([Problem(
-                f"no body before this finger is named {part.on!r}", path=".on",
+                "name-not-found", f"no body before this finger is named {part.on!r}", path=".on",
                 hint=around.near(part.on, (body.name for body in elements.bodies)))])
         led_on = part.name in pulled or known.tendon_of[part.name] in pulled
         return elements + expand_finger(part, palm=palm, pulled=led_on)
@@ -163,9 +165,8 @@ def _pulled_twice(scene: Scene | Assembly) -> list[Problem]:
         for j, leaf in enumerate(part.pulls):
             key = (leaf.name.removesuffix(".tendon"), leaf.at)
             if key in seen:
-                problems.append(Problem(
-                    f"{leaf.name!r} is pulled already, by {seen[key]}",
-                    path=f"$.parts[{i}].pulls[{j}]"))
+                problems.append(Problem("set-twice", f"{leaf.name!r} is pulled already, by "
+                                        f"{seen[key]}", path=f"$.parts[{i}].pulls[{j}]"))
             seen.setdefault(key, f"$.parts[{i}].pulls[{j}]")
     return problems
 

@@ -89,7 +89,7 @@ def find_scene(name_or_path: str | Path) -> Path:
     wrong = f"{quoted(text)} is no scene: this is a directory" if text and path.is_dir() else \
         f"there is no file {quoted(text)} and no shipped scene of that name"
     raise SceneError([Problem(
-        wrong, path="", allowed=f"a path, or one of {listed(scenes)}",
+        "file-not-found", wrong, path="", allowed=f"a path, or one of {listed(scenes)}",
         hint=near(path.name, _beside(path)) or near(path.stem, scenes))])
 
 

@@ -14,6 +14,8 @@ QUARTERS = (0.25, 0.5, 0.75)
 class NoBracketError(SandboxError):
     """The two ends of a range have the same answer."""
 
+    code = "no-threshold"
+
 
 @dataclass(frozen=True)
 class Bracket:

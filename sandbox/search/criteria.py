@@ -25,6 +25,8 @@ _RELATION = re.compile(r"\s*(.+?)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
 class RefusedError(SandboxError):
     """What a search is asked for cannot be looked for; known before anything runs."""
 
+    code = "bad-search"
+
 
 @dataclass(frozen=True)
 class Condition:

@@ -155,7 +155,8 @@ def _possible(question: Question) -> None:
         raise RefusedError("a fit varies paths with ranges, as in '2 N:8 N'; "
                            f"{quoted((space.random + space.lists)[0])} has none")
     if find_spec("scipy") is None:
-        raise SandboxError("a fit needs scipy: pip install 'sandbox-mechanics[studies]'")
+        raise SandboxError("a fit needs scipy: pip install 'sandbox-mechanics[studies]'",
+                           code="missing-package")
 
 
 @dataclass
@@ -184,7 +185,8 @@ class _Fitting:
         for each, one in zip(measured, sought, strict=True):
             if one.keep != sought[0].keep:
                 raise SandboxError(f"{each.file} has not the times and columns of "
-                                   f"{measured[0].file}: they are not fitted together")
+                                   f"{measured[0].file}: they are not fitted together",
+                                   code="bad-measurements")
         if noise is not None and set(noise) != set(pairs):
             raise RefusedError("the noise of each column is said, or of none: "
                                f"{listed(list(pairs))}")
@@ -253,15 +255,17 @@ class _Sought:
                     data.append(float(value))
                     columns.append(k)
         if not data:
-            raise SandboxError(f"{measured.file} has no number in {listed(list(pairs))}")
+            raise SandboxError(f"{measured.file} has no number in {listed(list(pairs))}",
+                               code="bad-measurements")
         if len(data) > MOST:
             raise SandboxError(f"{measured.file} has {len(data)} numbers to be compared (allowed: "
-                               f"at most {MOST}); leave every other line out, or more")
+                               f"at most {MOST}); leave every other line out, or more",
+                               code="bad-measurements")
         end = question.plan.loaded.mechanism.run.duration
         if not (measured.time.min() >= 0 and measured.time.max() <= end + 1e-9):
             raise SandboxError(
                 f"{measured.file} has times from {measured.time.min():g} to "
-                f"{measured.time.max():g} s, the run from 0 to {end:g} s")
+                f"{measured.time.max():g} s, the run from 0 to {end:g} s", code="bad-measurements")
         return _Sought(keep, np.array(data), np.array(columns, dtype=np.int64))
 
     def columns_beside(self, names: Sequence[str], residuals: Array) -> dict[str, Array]:
@@ -311,7 +315,8 @@ def _start(work: Asking, sought: _Sought) -> Array:
                        for k in range(sought.columns.max() + 1)])[sought.columns]
     misfit = (((sought.model(work, shares) - sought.data) / spread) ** 2).sum(axis=1)
     if not np.isfinite(misfit).any():
-        raise SandboxError("no run of those at the start has all values that were measured")
+        raise SandboxError("no run of those at the start has all values that were measured",
+                           code="no-answer")
     return np.asarray(shares[int(np.nanargmin(misfit))])
 
 

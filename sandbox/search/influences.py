@@ -124,7 +124,7 @@ def find_sensitivity(
         sound = np.repeat(np.isfinite(values).all(axis=1).reshape(-1, size).all(axis=1), size)
         if sound.sum() < 4 * size:
             raise SandboxError(f"too few runs have an answer: {int(sound.sum())} of {len(values)} "
-                               f"can be used{why_nothing(rows)}")
+                               f"can be used{why_nothing(rows)}", code="no-answer")
         influences = {name: _influences(salib[1], problem, method, shares[sound],
                                         values[sound, k], seed) for k, name in enumerate(names)}
         certified, certificate = _certified(work, _inside(question, shares, method), values)
@@ -181,7 +181,7 @@ def _salib(method: str) -> tuple[Any, Any]:
                     import_module(f"SALib.analyze.{method}"))
     except ImportError:
         raise SandboxError("what matters needs SALib: pip install 'sandbox-mechanics[studies]'"
-                           ) from None
+                           , code="missing-package") from None
 
 
 def _inside(question: Question, shares: Array, method: str) -> Array:

@@ -133,7 +133,8 @@ def estimate(
         SandboxError: fewer numbers than parameters.
     """
     if len(data) <= len(start):
-        raise SandboxError(f"{len(data)} measured numbers cannot tell {len(start)} parameters")
+        raise SandboxError(f"{len(data)} measured numbers cannot tell {len(start)} parameters",
+                           code="no-answer")
     seen = _Differenced(model, difference)
     given = noise is not None
     sizes = noise if noise is not None else _spreads(data, columns)
@@ -167,7 +168,7 @@ class _Differenced:
             low, high = np.clip(shares - ways, 0, 1), np.clip(shares + ways, 0, 1)
             found = self._model(np.concatenate([shares[None], low, high]))
             if not np.isfinite(found).all():
-                raise SandboxError("a run on the way has no values")
+                raise SandboxError("a run on the way has no values", code="no-answer")
             width = np.diagonal(high - low)[:, None]
             p = len(shares)
             self._last = shares.tobytes(), found[0], ((found[p + 1:] - found[1:p + 1]) / width).T

@@ -211,7 +211,7 @@ def _study(question: Question, goals: Mapping[str, str], sampler: str, seed: int
     except ImportError as error:
         raise SandboxError(f"the sampler {sampler} needs {error.name}: pip install "
                            + ("torch" if sampler == "gp" else "'sandbox-mechanics[studies]'")
-                           ) from None
+                           , code="missing-package") from None
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     kinds: dict[str, Callable[[], Any]] = {
         "cmaes": lambda: optuna.samplers.CmaEsSampler(
@@ -306,7 +306,8 @@ class _Race:
             raise SandboxError(
                 f"no run of {len(self.excess)} meets all conditions; the nearest is beyond one by "
                 f"{100 * beyond:.3g} % of its limit" if math.isfinite(beyond) else
-                f"no run of {len(self.excess)} has an answer{why_nothing(self._mute)}")
+                f"no run of {len(self.excess)} has an answer{why_nothing(self._mute)}",
+                code="no-answer")
         single = len(self._names) == 1
         order = sound[np.argsort(self.costs[sound, 0], kind="stable")]
         _, first = np.unique(self.shares[order], axis=0, return_index=True)

@@ -16,6 +16,7 @@ from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.messages import explain
 from sandbox.scene.read.paths import parse_path, path_text
 from sandbox.scene.read.source import SceneSource, read_source
+from sandbox.scene.values.numbers import message_of
 from sandbox.search.space import Space
 from sandbox.sweeps.job import STEP
 from sandbox.sweeps.plan import Plan, make_plan, study_file
@@ -80,6 +81,7 @@ def asked(
         return asked_in(scene, limits)
     data = study_data(scene, vary=vary or {}, keep=keep, set=set)
     if counted := [Problem(
+            "bad-study",
             f"{quoted(path)} has a count, {each['count']}, and a search chooses its points itself",
             allowed="the range without its count") for group in data["vary"]
             for path, each in group["over"].items() if _spans(each) and each.get("count")]:
@@ -101,7 +103,7 @@ def asked_in(study: Scene, limits: Limits | None = None) -> Question:
 
 def _asked(source: SceneSource, limits: Limits | None, folder: Path, name: str) -> Question:
     if not isinstance(source.data, dict):
-        raise SceneError([Problem("a study is an object {…}")], source.name)
+        raise SceneError([Problem("bad-study", "a study is an object {…}")], source.name)
     if "vary" not in source.data:
         raise SceneError(_without_vary(source), source.name)
     over = _merged(source)
@@ -113,10 +115,12 @@ def _asked(source: SceneSource, limits: Limits | None, folder: Path, name: str) 
         raise SceneError([_as_written(each, source) for each in error.problems],
                          source.name) from None
     if STEP in over:
-        raise SceneError([Problem(f"a search does not vary {STEP}: it is halved to see whether "
+        raise SceneError([Problem("bad-search",
+                                  f"a search does not vary {STEP}: it is halved to see whether "
                                   "what was found hangs on it")], source.name)
     if MET in plan.job.keep:
-        raise SceneError([Problem(f"{quoted(MET)} is another column of the table", "$.keep",
+        raise SceneError([Problem("duplicate-name",
+                                  f"{quoted(MET)} is another column of the table", "$.keep",
                                   *source.where(("keep",)), allowed="another name")], source.name)
     spans = plan.spec.vary[0].over
     return Question(plan, Space(
@@ -146,7 +150,7 @@ def _without_vary(source: SceneSource) -> list[Problem]:
     except ValidationError as error:
         found = [each for each in explain(error, source.data, SweepSpec) if each.key]
     if not any("vary" in each.hint for each in found):
-        found.append(Problem("the search does not say what is varied", allowed=RANGES))
+        found.append(Problem("bad-study", "the search does not say what is varied", allowed=RANGES))
     return [replace(each, line=line, column=column) for each in found
             for line, column in [source.where(parse_path(each.path), key=each.key)]]
 
@@ -160,6 +164,7 @@ def _merged(source: SceneSource) -> dict[str, Any]:
         over = group.get("over") if isinstance(group, dict) else None
         if not isinstance(over, dict) or not over:
             raise SceneError([Problem(
+                "bad-study",
                 "the search does not say what is varied", "$.vary", *source.where(("vary",)),
                 allowed=RANGES)], source.name)
         found.update({path: _said(path, each, source) for path, each in over.items()})
@@ -171,9 +176,8 @@ def _said(path: str, written: Any, source: SceneSource) -> Any:
     try:
         return varied_from(written) if isinstance(written, str) else written
     except WrongValueError as error:
-        raise SceneError([_as_written(Problem(
-            error.message, path_text(("vary", 0, "over", path)), allowed=error.allowed,
-            hint=error.hint), source)], source.name) from None
+        raise SceneError([_as_written(Problem.of(
+            error, path_text(("vary", 0, "over", path))), source)], source.name) from None
 
 
 def _spans(written: Any) -> bool:
@@ -196,5 +200,5 @@ def _value(path: str, written: Any) -> Varied:
         found: Varied = TypeAdapter(Varied).validate_python(written)
         return found
     except ValidationError as error:
-        raise SceneError([Problem(each["msg"], path_text(("vary", path)))
+        raise SceneError([Problem("bad-search", message_of(each), path_text(("vary", path)))
                           for each in error.errors()]) from None

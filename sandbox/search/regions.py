@@ -67,7 +67,7 @@ def find_robustness(
                        coarse=coarse, levels=levels, most=runs)
         if not set(found.answers.values()) - {SILENT}:
             raise SandboxError(f"no run tells whether {ground.condition}; the first: "
-                               f"{ground.silent[0]}")
+                               f"{ground.silent[0]}", code="no-answer")
         told = _told(ground, found, form, probes, seed)
         if place.out:
             work.leave(place.out, "robustness", told.data(), wanted=wanted, holds=where,

@@ -167,7 +167,8 @@ class _OnePath:
             answer = holds(row, self._wanted)
             if answer is None:
                 raise SandboxError(f"with {self.path} = {point[self.path]} the run tells nothing "
-                                   f"of whether {self.condition}: {why_none(row)}")
+                                   f"of whether {self.condition}: {why_none(row)}",
+                                   code="no-answer")
             found.append(answer)
         return found
 

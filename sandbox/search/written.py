@@ -85,7 +85,7 @@ class WrittenSearch:
     def _wrong(self, told: list[tuple[str, tuple[str | int, ...]]]) -> SceneError:
         source = self.question.source
         paths = [(KEY, self.kind, *path) for _, path in told]
-        return SceneError([Problem(message, path_text(path), *source.where(path))
+        return SceneError([Problem("bad-search", message, path_text(path), *source.where(path))
                            for (message, _), path in zip(told, paths, strict=True)], source.name)
 
 
@@ -132,7 +132,7 @@ def only_of(search: WrittenSearch, kind: str) -> None:
     if search.kind not in ("", kind):
         source = search.question.source
         raise SceneError([Problem(
-            f"the study is a search of the kind {search.kind}, not {kind}",
+            "bad-search", f"the study is a search of the kind {search.kind}, not {kind}",
             path_text((KEY, search.kind)), *source.where((KEY, search.kind), key=True))],
             source.name)
 

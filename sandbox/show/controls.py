@@ -129,10 +129,11 @@ def read_value(name: str, text: str, mechanism: Mechanism, live: Live) -> float:
     try:  # of what has no dimension a text of any unit is Measured
         value = parse_quantity(text, dimension or None)
     except WrongValueError as error:
-        raise SceneError([Problem(f"{quoted(name)}: {error.message}", "", allowed=allowed,
-                                  hint=error.hint)]) from None
+        raise SceneError([Problem(error.code, f"{quoted(name)}: {error.message}", "",
+                                  allowed=allowed, hint=error.hint)]) from None
     if not dimension and isinstance(value, Measured):
-        raise SceneError([Problem(f"{quoted(name)} takes no unit", "", allowed=allowed)])
+        raise SceneError([Problem("wrong-unit",
+                                  f"{quoted(name)} takes no unit", "", allowed=allowed)])
     return value
 
 

@@ -38,7 +38,7 @@ class RunPage:
         """
         file = place(path, "a page")
         if file.suffix.lower() not in (".html", ".htm"):
-            raise OutputError(f"{file}: a page is an .html file")
+            raise OutputError(f"{file}: a page is an .html file", code="bad-picture")
         write_whole(file, self.text)
 
     def __repr__(self) -> str:
@@ -56,7 +56,7 @@ def page(run: Recording, quantities: Sequence[str], height: int) -> RunPage:
     """See :meth:`sandbox.Recording.page`."""
     if not isinstance(height, Integral) or not LOWEST <= height <= HIGHEST:
         raise OutputError(f"height={quoted(height)} is no height of a page; pass {LOWEST} to "
-                          f"{HIGHEST} pixels")
+                          f"{HIGHEST} pixels", code="bad-picture")
     plots = list(dict.fromkeys(name for each in quantities for name in run.names(each)))
     told = FoundOut(verdicts=run.verdicts, figures=run.audit)
     return RunPage(report([run], [told], plots), f"{run.mechanism.name or 'a run'} in motion",

@@ -67,9 +67,10 @@ def report(
         OutputError: no runs or too many, or one without samples.
     """
     if not runs:
-        raise OutputError("there is no run to show; pass at least one")
+        raise OutputError("there is no run to show; pass at least one", code="bad-picture")
     if len(runs) > MOST_RUNS:
-        raise OutputError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given")
+        raise OutputError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given",
+                          code="bad-picture")
     for run in runs:
         check_run(run)
     told = [_judged(run, found) for run, found in zip(

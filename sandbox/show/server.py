@@ -127,7 +127,7 @@ class Server:
                                  compression=None, max_size=MOST_BYTES, close_timeout=1)
         except OSError as error:
             raise OutputError(f"cannot listen on port {self.port}: {error.strerror}; "
-                              "without --port a free one is found") from None
+                              "without --port a free one is found", code="cannot-listen") from None
         self.port = next(iter(server.sockets)).getsockname()[1]
         try:
             yield
@@ -369,5 +369,6 @@ def needed() -> Any:
     try:
         from websockets.asyncio.server import serve
     except ImportError:
-        raise OutputError(f"the live view needs websockets 14 or newer: {INSTALL}") from None
+        raise OutputError(f"the live view needs websockets 14 or newer: {INSTALL}",
+                          code="missing-package") from None
     return serve

@@ -270,14 +270,16 @@ class Session:
                 return [{"said": "running it again, to save it"}, self._saver()]
             case {"do": str(what)}:
                 return self._do(what)
-        raise SceneError([Problem(f"there is nothing to do for {quoted(sorted(asked))}", "",
+        raise SceneError([Problem("bad-argument",
+                                  f"there is nothing to do for {quoted(sorted(asked))}", "",
                                   allowed="set, drag, drop, watch, layers, speed, save or do")])
 
     def _do(self, what: str) -> list[Answer]:
         acts = {"run": self._run, "pause": self._pause, "step": self._step, "back": self._back,
                 "reset": self._reset}
         if what not in acts:
-            raise SceneError([Problem(f"there is nothing to do called {quoted(what)}", "",
+            raise SceneError([Problem("bad-argument",
+                                      f"there is nothing to do called {quoted(what)}", "",
                                       allowed=listed(acts), hint=near(what, acts))])
         return acts[what]()
 
@@ -313,7 +315,7 @@ class Session:
             SandboxError: nobody waits for it any more.
         """
         if self.closed:
-            raise SandboxError("the page was closed")
+            raise SandboxError("the page was closed", code="interrupted")
 
     def _reset(self) -> list[Answer]:
         """To the beginning, with the parameters as they are."""
@@ -331,10 +333,11 @@ class Session:
         if not name.startswith(PARAMETER):
             return self._give(name, value)
         if not isinstance(value, str | Real) or isinstance(value, bool):
-            raise SceneError([Problem(f"{quoted(value)} is no value for {quoted(name)}", "")])
+            raise SceneError([Problem("bad-argument",
+                                      f"{quoted(value)} is not a value for {quoted(name)}", "")])
         known = [f"{PARAMETER}{each}" for each in self.loaded.scene.parameters]
         if name not in known:
-            raise SceneError([Problem(f"there is no parameter {quoted(name)}", "",
+            raise SceneError([Problem("name-not-found", f"there is no parameter {quoted(name)}", "",
                                       allowed=listed(known), hint=near(name, known))])
         wanted = {**self.overrides, name: value}
         found = self._read(wanted)
@@ -366,10 +369,11 @@ class Session:
         names = list(dict.fromkeys(each for name in map(str, names)
                                    for each in _of_pairs(name, known)))
         if len(names) > MOST_METERS:
-            raise SceneError([Problem(f"no more than {MOST_METERS} meters run at once", "")])
+            raise SceneError([Problem("limit-exceeded",
+                                      f"no more than {MOST_METERS} meters run at once", "")])
         for name in names:
             if not math.isfinite(self.live[name]) and name not in self.frames.units:
-                raise SceneError([Problem(f"{quoted(name)} has no value", "")])
+                raise SceneError([Problem("bad-argument", f"{quoted(name)} has no value", "")])
         self._watched = self.frames.watched = names
         units = self.frames.units
         return [{"watched": [{"name": name, "unit": units[name] if name in units
@@ -418,7 +422,7 @@ def _number(value: object) -> float:
     """
     if isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value):
         return float(value)
-    raise SceneError([Problem(f"{quoted(value)} is no finite number", "")])
+    raise SceneError([Problem("bad-argument", f"{quoted(value)} is no finite number", "")])
 
 
 def _possible(speed: float) -> float:
@@ -435,7 +439,7 @@ def _same_dimension(name: str, old: Mapping[str, float], new: Mapping[str, float
     key = name.removeprefix(PARAMETER)
     was, now = (getattr(values[key], "unit", "") for values in (old, new))
     if was and now and dimension_of(was) != dimension_of(now):
-        raise SceneError([Problem(f"{quoted(key)} is no {dimension_of(now)}", "",
+        raise SceneError([Problem("wrong-unit", f"{quoted(key)} is no {dimension_of(now)}", "",
                                   allowed=listed(units_of(dimension_of(was))))])
 
 

@@ -117,7 +117,8 @@ def pushes(
     grasp = Grasp(before, number)
     last = grasp.sample == len(before) - 1
     if not last.any():
-        raise SceneError([Problem(f"nothing touches {quoted(body)} at t = {before.time[-1]:.6g} s",
+        raise SceneError([Problem("not-held",
+                                  f"nothing touches {quoted(body)} at t = {before.time[-1]:.6g} s",
                                   "at", allowed="a time at which it is held")])
     finer = -(-FINE // count)
     around = 2 * np.pi * np.arange(count * finer) / (count * finer)
@@ -275,7 +276,8 @@ def _object(mechanism: Mechanism, name: str) -> int:
     free = [body.name for body in mechanism.bodies if body.motion == "dynamic"]
     if name not in free:
         what = "does not move freely" if name in names else "is no body"
-        raise SceneError([Problem(f"{quoted(name)} {what}", "body", hint=near(name, free),
+        raise SceneError([Problem("name-not-found",
+                                  f"{quoted(name)} {what}", "body", hint=near(name, free),
                                   allowed="a body that moves freely")])
     return names.index(name)
 

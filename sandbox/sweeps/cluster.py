@@ -80,7 +80,7 @@ class Cluster:
             distributed: Any = import_module("distributed")
         except ImportError:
             raise SandboxError("a cluster needs Dask: pip install "
-                               "'sandbox-mechanics[cluster]'") from None
+                               "'sandbox-mechanics[cluster]'", code="missing-package") from None
         where = {"scheduler_file": self._address} if self._address.endswith(".json") else \
             {"address": self._address}
         try:
@@ -94,7 +94,7 @@ class Cluster:
     def _unreached(self, error: Exception) -> SandboxError:
         return SandboxError(f"the cluster {quoted(self._address)} cannot be reached: "
                             f"{error or type(error).__name__}; give the address of a Dask "
-                            "scheduler, as in tcp://10.0.0.1:8786")
+                            "scheduler, as in tcp://10.0.0.1:8786", code="cluster-unreachable")
 
     def _place(self) -> None:
         """Put the job into the memory of the workers.
@@ -114,12 +114,14 @@ class Cluster:
         try:
             self._client.wait_for_workers(1, timeout=PATIENCE)
         except TimeoutError:
-            raise SandboxError(f"the cluster {quoted(self._address)} has no workers") from None
+            raise SandboxError(f"the cluster {quoted(self._address)} has no workers",
+                               code="cluster-unreachable") from None
         found: dict[str, str] = self._client.run(_version)
         for worker, version in sorted(found.items()):
             if version != __version__:
                 raise SandboxError(f"worker {worker} of the cluster has sandbox {version or 'not'},"
-                                   f" here it is {__version__}; install the same there")
+                                   f" here it is {__version__}; install the same there",
+                                   code="cluster-unreachable")
 
     def results(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
         """The rows of all tasks as they are done, in any order."""
@@ -158,7 +160,8 @@ class Cluster:
         """
         if lost.tries >= TRIES:
             raise SandboxError(f"the cluster {quoted(self._address)} lost the same runs {TRIES} "
-                               "times; what is done is kept, and the same command goes on")
+                               "times; what is done is kept, and the same command goes on",
+                               code="cluster-unreachable")
         if lost.placing == self._placings:
             self._place()
         self._send(lost.batch, sent, out, lost.tries + 1)

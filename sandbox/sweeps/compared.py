@@ -110,7 +110,8 @@ def read_kept(directory: Path) -> Kept:
         return Kept(directory, said["study"], paths, units, names, rows,
                     directory / str(scene) if scene else None)
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise OutputError(f"there is no sweep that can be read in {directory}: {error}") from None
+        raise OutputError(f"there is no sweep that can be read in {directory}: {error}",
+                          code="no-run") from None
 
 
 def _groups(study: Mapping[str, Any]) -> Iterable[Mapping[str, Any]]:
@@ -137,7 +138,7 @@ def compared(
     if not paths or not names:
         what = "no path is varied" if not paths else "nothing is kept"
         raise SandboxError(f"{what} in both {one.directory} and {other.directory}: there is "
-                           "nothing to compare")
+                           "nothing to compare", code="sweeps-differ")
     mine, theirs = _by_values(one, paths), _by_values(other, paths)
     both = [key for key in mine if key in theirs]
     ended = tuple((_where(mine[key], paths), mine[key]["status"], theirs[key]["status"])
@@ -159,7 +160,8 @@ def _by_values(kept: Kept, paths: Sequence[str]) -> dict[Key, Mapping[str, str]]
         key = tuple(_plain(row[path]) for path in paths)
         if key in found and any(row[name] != found[key][name] for name in kept.names):
             raise SandboxError(f"{kept.directory} has several rows with the same values of "
-                               f"{', '.join(paths)}, the paths that both sweeps vary")
+                               f"{', '.join(paths)}, the paths that both sweeps vary",
+                               code="sweeps-differ")
         found[key] = row
     return found
 
@@ -206,7 +208,7 @@ def halved(kept: Kept, count: int) -> dict[str, float]:
     """
     if STEP in kept.paths:
         raise SandboxError(f"{kept.directory} varies {STEP} itself: its own rows say what halving "
-                           "it does")
+                           "it does", code="sweeps-differ")
     scene = {"scene": str(kept.scene)} if kept.scene and kept.scene.is_file() else {}
     plan = plan_of({**kept.study, **scene})
     done = [number for number, row in enumerate(kept.rows) if row["status"] == DONE]
@@ -215,7 +217,8 @@ def halved(kept: Kept, count: int) -> dict[str, float]:
     digest = plan.job.digest
     if any(run_id(digest, plan.points[number]) != kept.rows[number]["id"] for number in chosen):
         raise SandboxError(f"the scene of {kept.directory}, or sandbox itself, is not what it was "
-                           "then: its runs cannot be made again with half the step")
+                           "then: its runs cannot be made again with half the step",
+                           code="sweeps-differ")
     job = replace(plan.job, set={**plan.job.set, STEP: plan.loaded.mechanism.run.step / 2},
                   audited=False)
     most: dict[str, float] = {}
@@ -227,5 +230,6 @@ def halved(kept: Kept, count: int) -> dict[str, float]:
                 if value is not None and text:
                     most[name] = max(most.get(name, 0.0), abs(value - float(text)))
     if not most:
-        raise SandboxError(f"no run of {kept.directory} came to its end with half its step")
+        raise SandboxError(f"no run of {kept.directory} came to its end with half its step",
+                           code="sweeps-differ")
     return most

@@ -27,5 +27,5 @@ def crew_of(workers: int) -> int:
     most = MOST_EACH * processors()
     if not 0 <= workers <= most:
         raise SandboxError(f"{workers} worker processes are not begun (allowed: 1 to {most}, "
-                           f"{MOST_EACH} for each processor)")
+                           f"{MOST_EACH} for each processor)", code="limit-exceeded")
     return workers or processors()

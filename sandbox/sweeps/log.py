@@ -49,7 +49,8 @@ class Log:
             mark = self.folder / ".lock"
             mark.touch()
             if self._held.enter_context(locked(mark)) is False:
-                raise OutputError(f"{self.folder.parent}: another process is at these runs")
+                raise OutputError(f"{self.folder.parent}: another process is at these runs",
+                                  code="runs-in-use")
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -120,7 +121,8 @@ def rows_in(folder: Path) -> Iterator[SweepRow]:
                     row = read_row(json.loads(line))
                 except (KeyError, TypeError, ValueError, AttributeError):
                     raise OutputError(f"{path}:{number}: this line is no row of a sweep; take it "
-                                      "away, and its run is done again") from None
+                                      "away, and its run is done again",
+                                      code="run-damaged") from None
                 yield row
 
 

@@ -137,7 +137,8 @@ def make_plan(found: SceneSource, limits: Limits, *, folder: Path, name: str = "
     """
     data = found.data
     if not isinstance(data, dict):
-        raise SceneError([Problem(f"a study is an object {{…}}, not {kind_of(data)}", "$",
+        raise SceneError([Problem("bad-study",
+                                  f"a study is an object {{…}}, not {kind_of(data)}", "$",
                                   *found.where(()))], found.name)
     making = _Making(found, limits, folder)
     scene = making.scene()
@@ -183,6 +184,7 @@ class _Making:
             return named
         if not isinstance(named, str) or not named.strip():
             self.problems.append(Problem(
+                "missing-key",
                 "the study does not say which scene it is of", "$.scene" if named else "$",
                 allowed='"scene": a file beside it, the name of a shipped scene, or a scene'))
             self.refuse()
@@ -215,7 +217,8 @@ class _Making:
             told = explain(error, data, SweepSpec)
             uncounted = sum(each["type"] == UNCOUNTED for each in error.errors())
             if "search" in data and uncounted == len(told):
-                told = [Problem("the study is a search, whose ranges have no points of their own: "
+                told = [Problem("bad-study",
+                                "the study is a search, whose ranges have no points of their own: "
                                 "'sandbox search' runs it", "$.search", key=True)]
             self.problems += told
             self.refuse()
@@ -248,7 +251,7 @@ class _Making:
                         continue
                     told.add(each.message)
                     own = each if each.message.startswith(SETTING) else Problem(
-                        f"with {here} the scene is wrong: {each}")
+                        "bad-study", f"with {here} the scene is wrong: {each}")
                     self.problems.append(replace(own, path=self._path_of(each, spec), line=0,
                                                  column=0, file=""))
         self.refuse()
@@ -265,7 +268,7 @@ class _Making:
         for name, each in spec.keep.items():
             beyond = "" if isinstance(each, str) else each.past_end(max(durations))
             if beyond:
-                self.problems.append(Problem(beyond, f'$.keep["{name}"]'))
+                self.problems.append(Problem("bad-time", beyond, f'$.keep["{name}"]'))
 
     def _path_of(self, problem: Problem, spec: SweepSpec) -> str:
         """Where in the study the path stands that a problem of the scene is about."""
@@ -298,7 +301,7 @@ class _Making:
             if not names:
                 hint = catalogue.near(each.quantity)
                 self.problems.append(Problem(
-                    f"no run has the quantity {quoted(each.quantity)}", path,
+                    "unknown-quantity", f"no run has the quantity {quoted(each.quantity)}", path,
                     allowed=catalogue.lacking(each.quantity) or catalogue.allowed(each.quantity),
                     hint=quoted(hint) if hint else ""))
             for quantity in names:
@@ -306,9 +309,11 @@ class _Making:
                     each.model_dump(exclude_defaults=True) | {each.key: quantity})
         for name in found:
             if name in COLUMNS or name in points.paths:
-                self.problems.append(Problem(f"{quoted(name)} is another column of the table",
+                self.problems.append(Problem("duplicate-name",
+                                             f"{quoted(name)} is another column of the table",
                                              "$.keep", allowed="another name"))
-        self.problems += [Problem(f"{len(found)} quantities of each run would be kept", "$.keep",
+        self.problems += [Problem("limit-exceeded",
+                                  f"{len(found)} quantities of each run would be kept", "$.keep",
                                   allowed=f"at most {MOST_COLUMNS}")] * (len(found) > MOST_COLUMNS)
         return found
 
@@ -316,12 +321,11 @@ class _Making:
         try:
             names = parse_expression(text).names
         except WrongValueError as error:
-            self.problems.append(Problem(error.message, path, allowed=error.allowed,
-                                         hint=error.hint))
+            self.problems.append(Problem.of(error, path))
             return
         for name in sorted(names - known):
             self.problems.append(Problem(
-                f"unknown name {quoted(name)} in an expression", path,
+                "name-not-found", f"unknown name {quoted(name)} in an expression", path,
                 hint=near(name, known),
                 allowed=f"parameters and what is kept before it: {listed(sorted(known))}"))
 

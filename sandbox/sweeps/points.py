@@ -141,7 +141,7 @@ def _shares(design: str, count: int, paths: int, seed: int) -> Array:
         from scipy.stats import qmc
     except ImportError:
         raise SandboxError(f"a design {design!r} needs scipy: pip install "
-                           "'sandbox-mechanics[studies]'") from None
+                           "'sandbox-mechanics[studies]'", code="missing-package") from None
     engine = {"latin_hypercube": qmc.LatinHypercube, "sobol": qmc.Sobol,
               "halton": qmc.Halton}[design](paths, rng=np.random.default_rng(seed))
     with warnings.catch_warnings():  # any count is a sample; powers of two are the balanced ones

@@ -122,12 +122,13 @@ class Pool:
         if worker.process.exitcode == UNGUARDED:
             raise SandboxError("a worker process loads the script that asks for it, which asks for "
                                "workers again: put what the script does under "
-                               "if __name__ == \"__main__\":") from None
+                               "if __name__ == \"__main__\":", code="worker-failed") from None
         if not worker.ready and (worker.process.exitcode or 0) >= 0:  # nobody killed it
             self._stillborn += 1
             if self._stillborn >= LIVES:
                 raise SandboxError(
-                    f"a worker process ended before it could begin ({how})") from None
+                    f"a worker process ended before it could begin ({how})",
+                    code="worker-failed") from None
             self._again.extend(worker.tasks)
         elif worker.tasks:
             yield from self._lost_with(worker, how)

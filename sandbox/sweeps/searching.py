@@ -32,7 +32,7 @@ def _several(value: Any) -> Any:
 
 def _positive(value: float) -> float:
     if value <= 0:
-        raise PydanticCustomError("search", "must be greater than 0")
+        raise PydanticCustomError("bad-search", "must be greater than 0")
     return value
 
 
@@ -95,7 +95,7 @@ class BestSearch(Spec):
     @model_validator(mode="after")
     def _sound(self) -> Self:
         if not self.least and not self.most:
-            raise PydanticCustomError("search", "say what is to be least or most, of what is kept",
+            raise PydanticCustomError("bad-search", "give 'least' or 'most', names of kept results",
                                       {"allowed": '"least": ["spread"], "most": ["force"]'})
         return self
 
@@ -115,7 +115,7 @@ class SensitivitySearch(Spec):
     def _sound(self) -> Self:
         if self.method == "sobol" and (powers := powers_around(self.count)):
             raise PydanticCustomError(
-                "search", "Sobol's points are a power of 2, not {count}",
+                "bad-search", "Sobol's points are a power of 2, not {count}",
                 {"count": str(self.count), "allowed": ", ".join(map(str, powers))})
         return self
 
@@ -164,7 +164,7 @@ class SearchSpec(Spec):
         given = [name for name in SEARCHES if getattr(self, name) is not None]
         if len(given) != 1:
             raise PydanticCustomError(
-                "search", "a study is one search" + (f", not {' and '.join(given)}" if given
+                "bad-search", "a study is one search" + (f", not {' and '.join(given)}" if given
                                                      else ""), {"allowed": ", ".join(SEARCHES)})
         return self
 

@@ -102,19 +102,19 @@ class Varying(Spec):
         design = self.laid_out
         if design not in EVEN:
             if self.count is None:
-                raise PydanticCustomError("sweep", "a design {design} needs a count of points",
+                raise PydanticCustomError("bad-study", "a design {design} needs a count of points",
                                           {"design": quoted(design)})
             self._uncounted(design)
             return self
         if self.count is not None:
             raise PydanticCustomError(
-                "sweep", "a design {design} has as many points as its lists and spans say, and no "
-                "count of its own", {"design": quoted(design)})
+                "bad-study", "a design {design} has no count: its lists and spans give all points",
+                {"design": quoted(design)})
         for path, each in self.over.items():
             if isinstance(each, Distributed):
                 raise PydanticCustomError(
-                    "sweep", "{path} has a distribution, whose numbers a design {design} cannot "
-                    "choose", {"path": quoted(path), "design": quoted(design),
+                    "bad-study", "{path} has a distribution, which a design {design} cannot use",
+                    {"path": quoted(path), "design": quoted(design),
                                "allowed": ", ".join(
                                    each for each in get_args(Design) if each not in EVEN)})
             if isinstance(each, Spanned) and each.count is None:
@@ -124,7 +124,7 @@ class Varying(Spec):
         lengths = {path: len_of(each) for path, each in self.over.items()}
         if design == "paired" and len(set(lengths.values())) > 1:
             raise PydanticCustomError(
-                "sweep", "paired paths have as many values each: {lengths}",
+                "bad-study", "paired paths have as many values each: {lengths}",
                 {"lengths": ", ".join(f"{quoted(path)} {n}" for path, n in lengths.items())})
         return self
 
@@ -133,7 +133,7 @@ class Varying(Spec):
         for path, each in self.over.items():
             if isinstance(each, Spanned) and each.count is not None:
                 raise PydanticCustomError(
-                    "sweep", "{path} has a count of its own, {own}, and a design {design} chooses "
+                    "bad-study", "{path} has a count, {own}, but a design {design} chooses "
                     "{count} points for all its paths together",
                     {"path": quoted(path), "own": each.count, "design": quoted(design),
                      "count": self.count, "allowed": "the range without its count; or, for each of "
@@ -194,7 +194,7 @@ class SweepSpec(Spec):
         for group in self.vary:
             for path in group.over:
                 if path in seen:
-                    raise PydanticCustomError("sweep", "{path} is given values twice",
+                    raise PydanticCustomError("bad-study", "{path} is given values twice",
                                               {"path": quoted(path)})
                 seen.add(path)
         return self

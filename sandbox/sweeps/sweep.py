@@ -73,7 +73,7 @@ def run_plan(
     crew_of(workers)  # refused before anything is written
     if directory is None:
         if plan.spec.recordings:
-            raise SandboxError("whole recordings need a directory to go to: out=")
+            raise SandboxError("whole recordings need a directory to go to: out=", code="bad-study")
         with tempfile.TemporaryDirectory(prefix="sandbox-sweep-") as folder:
             return _run(plan, Path(folder), workers, cluster, again, progress)
     return _run(plan, directory, workers, cluster, again, progress)
@@ -185,8 +185,7 @@ def study_data(
         try:
             return reader(value) if isinstance(value, str) else value
         except WrongValueError as error:
-            problems.append(Problem(error.message, path_text(path), allowed=error.allowed,
-                                    hint=error.hint))
+            problems.append(Problem.of(error, path_text(path)))
             return None
 
     def group(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -201,7 +200,8 @@ def study_data(
         dict(read(("keep", text), text, kept_from) or ("", "") for text in keep)
     if keep is not None and not problems and len(named) < len(keep):
         names = [kept_from(text)[0] for text in keep]
-        problems += [Problem(f"two results have the name {quoted(name)}", "$.keep",
+        problems += [Problem("duplicate-name",
+                             f"two results have the name {quoted(name)}", "$.keep",
                              allowed="another name for each") for name in named
                      if names.count(name) > 1]
     if problems:

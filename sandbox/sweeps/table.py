@@ -126,7 +126,7 @@ class SweepTable:
         except ImportError:
             raise SandboxError("to_pandas() needs the package 'pandas', which is not installed: "
                                "pip install pandas; table['name'] gives plain arrays without "
-                               "it") from None
+                               "it", code="missing-package") from None
         frame = pandas.DataFrame(self.columns()).set_index("run")
         frame.attrs["units"] = self.plan.units
         return frame

@@ -43,11 +43,11 @@ def common_unit(values: list[float]) -> str:
     bare = [value for value in values if not isinstance(value, Measured) and value != 0.0]
     if units and bare:
         raise PydanticCustomError(
-            "unit", "one number has the unit {unit}, another has none", {"unit": units[0]})
+            "wrong-unit", "one number has the unit {unit}, another has none", {"unit": units[0]})
     measures = dict.fromkeys(map(dimension_of, units))
     if len(measures) > 1:
         raise PydanticCustomError(
-            "unit", "these are a {one} and a {other}", dict(zip(("one", "other"), measures,
+            "wrong-unit", "these are a {one} and a {other}", dict(zip(("one", "other"), measures,
                                                                strict=False)))
     return units[0] if units else ""
 
@@ -68,13 +68,13 @@ class Spanned(Spec):
     def _sound(self) -> Self:
         _ = self.unit
         if self.scale == "log" and not (self.from_ > 0 and self.to > 0):
-            raise PydanticCustomError("span", "a log scale has numbers greater than 0 only")
+            raise PydanticCustomError("bad-study", "a log scale has numbers greater than 0 only")
         if self.count == 1 and self.from_ != self.to:
-            raise PydanticCustomError("span", "one number cannot be at both ends: count is 2 or "
-                                      "more, or a list with this number")
+            raise PydanticCustomError("bad-study", "one number cannot be at both ends: give a "
+                                      "count of 2 or more, or a list")
         if self.count != 1 and self.from_ == self.to:
             raise PydanticCustomError(
-                "span", "the range goes from {low} to {low}: there is nothing to vary",
+                "bad-study", "the range goes from {low} to {low}: there is nothing to vary",
                 {"low": f"{in_unit(self.to, self.unit):g} {self.unit}".strip(),
                  "allowed": "two ends that differ, or a list with this one value"})
         return self
@@ -137,10 +137,10 @@ class Distributed(Spec):
         needed, possible = NEEDS[self.distribution]
         given = {key for key in FIELDS if getattr(self, key) not in (None, ())}
         if lacking := [key for key in needed if key not in given]:
-            raise PydanticCustomError("distribution", "a {kind} distribution needs {keys}", {
+            raise PydanticCustomError("bad-study", "a {kind} distribution needs {keys}", {
                 "kind": self.distribution, "keys": " and ".join(map(_shown, lacking))})
         if beyond := sorted(given - {*needed, *possible}):
-            raise PydanticCustomError("distribution", "a {kind} distribution has no {key}", {
+            raise PydanticCustomError("bad-study", "a {kind} distribution has no {key}", {
                 "kind": self.distribution, "key": _shown(beyond[0]),
                 "allowed": ", ".join(map(_shown, (*needed, *possible)))})
         _ = self.unit
@@ -159,13 +159,13 @@ class Distributed(Spec):
             from scipy import stats
         except ImportError:
             raise PydanticCustomError(
-                "distribution", "distributions need scipy: pip install "
+                "bad-study", "distributions need scipy: pip install "
                 "'sandbox-mechanics[studies]'") from None
         known = {key: in_unit(value, self.unit) for key in FIELDS
                  if isinstance(value := getattr(self, key), float) and key != "sigma"}
         low, high = known.get("from_", -math.inf), known.get("to", math.inf)
         if low >= high:
-            raise PydanticCustomError("distribution", "'from' must be less than 'to'")
+            raise PydanticCustomError("bad-study", "'from' must be less than 'to'")
         match self.distribution:
             case "uniform":
                 return stats.uniform(low, high - low)
@@ -183,7 +183,7 @@ class Distributed(Spec):
             case "triangular":
                 peak = known["peak"]
                 if not low <= peak <= high:
-                    raise PydanticCustomError("distribution", "'peak' lies from 'from' to 'to'")
+                    raise PydanticCustomError("bad-study", "'peak' lies from 'from' to 'to'")
                 return stats.triang((peak - low) / (high - low), low, high - low)
             case "exponential":
                 return stats.expon(0, _positive("mean", known["mean"]))
@@ -215,7 +215,7 @@ def _shown(key: str) -> str:
 
 def _positive(key: str, value: float) -> float:
     if not value > 0:
-        raise PydanticCustomError("distribution", "{key} must be greater than 0", {"key": key})
+        raise PydanticCustomError("bad-study", "{key} must be greater than 0", {"key": key})
     return value
 
 
@@ -226,16 +226,16 @@ def _of_scipy(name: str, shapes: tuple[float, ...], loc: float, scale: float) ->
     if not isinstance(found, stats.rv_continuous):
         known = [each for each in dir(stats) if isinstance(getattr(stats, each),
                                                             stats.rv_continuous)]
-        raise PydanticCustomError("distribution", "scipy.stats has no continuous distribution "
+        raise PydanticCustomError("bad-study", "scipy.stats has no continuous distribution "
                                   "{name}", {"name": quoted(name), "hint": near(name, known)})
     if len(shapes) != found.numargs:
         raise PydanticCustomError(
-            "distribution", "{name} has {count} shape parameters ({which}), not {given}",
+            "bad-study", "{name} has {count} shape parameters ({which}), not {given}",
             {"name": name, "count": found.numargs, "which": found.shapes or "none",
              "given": len(shapes)})
     frozen = found(*shapes, loc=loc, scale=_positive("scale", scale))
     if not math.isfinite(frozen.ppf(0.5)):
-        raise PydanticCustomError("distribution", "{name} has no values with these shape "
+        raise PydanticCustomError("bad-study", "{name} has no values with these shape "
                                   "parameters", {"name": name})
     return frozen
 
@@ -263,7 +263,7 @@ def _finite(values: Any) -> Any:
     """A list, once its numbers are known to be some: one problem, and not one for each type."""
     if isinstance(values, (list, tuple)) and any(
             isinstance(value, float) and not math.isfinite(value) for value in values):
-        raise PydanticCustomError("list", "numbers must be finite (NaN and infinity are not "
+        raise PydanticCustomError("bad-study", "numbers must be finite (NaN and infinity are not "
                                   "numbers here)")
     return values
 

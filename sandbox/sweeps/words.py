@@ -30,11 +30,12 @@ def varied_from(text: str) -> Any:
         try:
             return json.loads(text, parse_constant=_no_number)
         except ValueError as error:
-            raise WrongValueError(f"{quoted(text)} is not JSON: {error}", allowed=WAYS) from None
+            raise WrongValueError("invalid-json",
+                                  f"{quoted(text)} is not JSON: {error}", allowed=WAYS) from None
     if ":" in text:
         return _span(text)
     if not text:
-        raise WrongValueError("there are no values", allowed=WAYS)
+        raise WrongValueError("bad-study", "there are no values", allowed=WAYS)
     return [_value(part) for part in text.split(",")]
 
 
@@ -44,19 +45,19 @@ def _span(text: str) -> dict[str, Any]:
     if more and more[-1] in ("log", "linear"):
         span["scale"] = more.pop()
     if len(more) > 1:
-        raise WrongValueError(f"{quoted(text)} has too many parts", allowed=WAYS)
+        raise WrongValueError("bad-study", f"{quoted(text)} has too many parts", allowed=WAYS)
     if more:
         try:
             span["count"] = int(more[0])
         except ValueError:
-            raise WrongValueError(f"{quoted(more[0])} does not say how many numbers",
+            raise WrongValueError("bad-study", f"{quoted(more[0])} does not say how many numbers",
                                   allowed=WAYS, hint=near(more[0], ["log"])) from None
     return span
 
 
 def _distribution(name: str, inside: str) -> dict[str, Any]:
     if name not in NEEDS:
-        raise WrongValueError(f"there is no distribution {quoted(name)}",
+        raise WrongValueError("bad-study", f"there is no distribution {quoted(name)}",
                               allowed=", ".join(NEEDS), hint=near(name, NEEDS))
     needed, possible = NEEDS[name]
     keys = [key.rstrip("_") for key in (*needed, *possible)]
@@ -65,7 +66,7 @@ def _distribution(name: str, inside: str) -> dict[str, Any]:
         key, equals, value = (each.strip() for each in part.partition("="))
         if not equals:
             if place >= len(keys):
-                raise WrongValueError(f"{name} takes no more than {', '.join(keys)}")
+                raise WrongValueError("bad-study", f"{name} takes no more than {', '.join(keys)}")
             key, value = keys[place], key
         found[key] = _value(value)
     return found
@@ -96,14 +97,14 @@ def looked_at(text: str) -> dict[str, Any]:
         return {"quantity": quantity.strip(), "at": instant.strip()}
     what, *windows = _OVER.split(text.strip())
     if len(windows) > 1:
-        raise WrongValueError(f"{quoted(text)} has more than one 'over'")
+        raise WrongValueError("bad-time", f"{quoted(text)} has more than one 'over'")
     head, _, rest = what.partition(" ")
     if not rest:
         statistic, quantity = "final", head
     elif head in STATISTICS:
         statistic, quantity = head, rest.strip()
     else:
-        raise WrongValueError(f"there is no statistic {quoted(head)}",
+        raise WrongValueError("bad-time", f"there is no statistic {quoted(head)}",
                               allowed=", ".join(STATISTICS), hint=near(head, STATISTICS))
     found: dict[str, Any] = {statistic: quantity}
     if windows:
@@ -129,7 +130,7 @@ def _window(text: str) -> Any:
         return text
     ends = [part.strip() for part in text.split(":")]
     if len(ends) != 2:
-        raise WrongValueError(f"{quoted(text)} is no window of time",
+        raise WrongValueError("bad-time", f"{quoted(text)} is no window of time",
                               allowed='"last 0.2 s", "0.5 s : 1 s"')
     return [number_from(end, "time", {}) for end in ends]
 
@@ -145,9 +146,9 @@ def kept_from(text: str) -> tuple[str, str]:
     if not equals:
         name, what = text.strip(), text.strip()
     elif not name:
-        raise WrongValueError(f"{quoted(text)} has no name", allowed="name==expression")
+        raise WrongValueError("bad-time", f"{quoted(text)} has no name", allowed="name==expression")
     if not what:
-        raise WrongValueError(f"{quoted(text)} does not say what is kept",
+        raise WrongValueError("bad-search", f"{quoted(text)} does not say what is kept",
                               allowed='"max finger.tip.x over last 0.2 s", "tip=max finger.tip.x", '
                                       '"ratio==tip / pull"')
     return name, what

@@ -181,7 +181,7 @@ def test_a_new_beginning_keeps_the_camera_and_a_divergence_is_told(crank):
 
 @nightly
 def test_meters_are_found_and_drives_typed_in_a_unit_of_their_own(crank):
-    reason = "'motor.work' is worked out after a run and cannot be read"
+    reason = "'motor.work' is computed after the run and cannot be read"
     assert reason in crank.locator("#absent").inner_text()
     for text, told in (("motor.work", reason), ("motor.wrk", "did you mean motor.work?")):
         crank.fill("#add", text)

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from sandbox.pages import ELEMENTS
+from sandbox.scene.read.models import ELEMENTS
 
 from .conftest import BALL
 
@@ -41,7 +41,7 @@ def test_a_warning_has_its_place_and_fails_with_strict(sandbox, scene):
     told = f"{path}:1:352: warning: $.joints[0]: rope: not assembled at t = 0"
     assert looked.err.startswith(told)
     assert ran.err.startswith(told)
-    assert looked.pages == "docs/messages.md#not-assembled explains it\n"
+    assert looked.pages == "see docs/messages.md#not-assembled\n"
     assert sandbox("check", path, "--strict").code == 2
     said = sandbox("check", path, "nothere.json", "--json")
     good, bad = json.loads(said.out)["scenes"]
@@ -60,10 +60,10 @@ def test_an_error_has_its_place_in_text_and_json(sandbox, scene):
     (problem,) = json.loads(sandbox("check", path, "--json").out)["scenes"][0]["errors"]
     assert problem == {"message": told, "file": str(path), "path": "$.tendons[0]", "line": line,
                        "column": 3, "element": "cord",
-                       "page": "docs/messages.md#guides-that-coincide",
+                       "code": "coincident-points",
                        "fields": f"{ELEMENTS}#tendon"}
     assert sandbox("check", scene(tendons=[CORD], gravty=[0, 1])).pages == (
-        f"docs/messages.md#unknown-key explains it; {ELEMENTS}#scene has the fields\n")
+        f"see docs/messages.md#unknown-key, {ELEMENTS}#scene\n")
 
 
 def test_warnings_of_copies_and_of_included_scenes_have_places(sandbox, scene, tmp_path):

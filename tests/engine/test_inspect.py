@@ -168,7 +168,7 @@ BELT: dict[str, Any] = {
 
 
 @pytest.mark.parametrize(("cord", "finding"), [
-    ({"guides": [{"body": "w", "friction": 0.2}, {"body": "ground"}]}, "the cord is tied there"),
+    ({"guides": [{"body": "w", "friction": 0.2}, {"body": "ground"}]}, "the tendon is fixed there"),
     ({"closed": True, "guides": [{"body": "ground", "radius": 0.05, "friction": 0.2},
                                  {"body": "w", "radius": 0.05}]}, "no other guide holds the loop"),
     ({"guides": [{"body": "w"}, {"body": "ground", "turns": 2}, {"body": "u"}]},
@@ -325,7 +325,7 @@ def test_joints_that_hold_what_is_held_are_named():
     second = {"type": "pin", "name": "second", "a": "ground", "b": "bar", "on_a": [L, 0]}
     severity, _, message = the_one(PINNED, joints=[*PINNED["joints"], second])
     assert severity == "warning"
-    assert message.startswith("'hinge', 'second' hold more than can move")
+    assert message.startswith("'hinge', 'second' are overconstrained")
     slides = {**second, "type": "slot", "start": [0, 0], "end": [2 * L, 0]}
     del slides["on_a"]
     assert not found(PINNED, joints=[*PINNED["joints"], {**slides, "on_b": [L, 0]}])

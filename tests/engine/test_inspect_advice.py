@@ -150,10 +150,10 @@ SERVO = {
 
 
 @pytest.mark.parametrize(("value", "words", "advice"), [
-    (90, "asks hinge for 5157 deg, its limits are [-30 deg, 100 deg]",
+    (90, "sets hinge to 5157 deg, but its limits are [-30 deg, 100 deg]",
      'for degrees write "90 deg"'),
-    ({"ramp": {"to": "120 deg", "over": 0.1}}, "asks hinge for 120 deg", "an angle within them"),
-    ({"table": [[0, 0], [0.05, "-45 deg"], [0.1, 0]]}, "asks hinge for -45 deg",
+    ({"ramp": {"to": "120 deg", "over": 0.1}}, "sets hinge to 120 deg", "an angle within them"),
+    ({"table": [[0, 0], [0.05, "-45 deg"], [0.1, 0]]}, "sets hinge to -45 deg",
      "an angle within them"),
 ])
 def test_a_servo_beyond_the_limits_of_its_hinge(value: object, words: str, advice: str) -> None:

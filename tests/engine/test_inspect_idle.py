@@ -33,16 +33,16 @@ def released(*joints: str) -> list[dict[str, Any]]:
 
 @pytest.mark.parametrize(("parts", "path", "words"), [
     ({"events": [{"name": "catch", "at": 0.05, "take_up": "axle"}]}, "$.events[0].take_up[0]",
-     "takes up axle, which nothing lets go"),
+     "takes up axle, which no event releases"),
     ({"joints": released("axle"), "drives": [
         {"type": "motor", "name": "spin", "joint": "axle", "value": 1, "torque": 1}]},
      "$.drives[0]", "acts on axle, which is released from the start and never taken up"),
     ({"drives": [{"type": "surface", "name": "belt", "body": "frame", "value": 1}]},
      "$.drives[0].body", "frame has no shapes"),
     ({"drives": [{**LIFT, "value": {"ramp": {"from": 0.5, "to": 0.7, "over": 0.1}}}]},
-     "$.drives[0].value", "asks cylinder for 700 mm, it is 600 mm long at most"),
+     "$.drives[0].value", "sets cylinder to 700 mm, but it is 600 mm long at most"),
     ({"drives": [{**LIFT, "value": 0.3}]}, "$.drives[0].value",
-     "asks cylinder for 300 mm, it is 400 mm long at least"),
+     "sets cylinder to 300 mm, but it is 400 mm long at least"),
 ])
 def test_what_does_nothing_is_told(parts: dict[str, Any], path: str, words: str) -> None:
     [found] = told(**parts)

@@ -35,7 +35,7 @@ def said(machine: Any) -> list[tuple[float, float, float, float]]:
     found = []
     for one in ringing_problems(compile_mechanism(machine)):
         assert (one.severity, one.blocks) == ("warning", False)
-        match = re.search(rf"rings at ({numbers}) Hz(?: once all cords are taut)?: .* after "
+        match = re.search(rf"vibrates at ({numbers}) Hz(?: once all cords are taut)?: .* after "
                           rf"({numbers}) periods, ({numbers}) s; with 'damping' ({numbers}) N s/m",
                           str(one))
         assert match is not None, str(one)

@@ -150,7 +150,7 @@ def test_what_law_no_spring_has() -> None:
         sandbox.load_scene(_linear(0.1, force="=rate") | {"parameters": {"rate": 2}})
     scene = _linear(0.1, force="=stretch")
     scene["drives"] = [{"type": "stiffness", "name": "d", "spring": "s", "value": 200}]
-    with pytest.raises(SceneError, match="has a law of its own and no stiffness to set"):
+    with pytest.raises(SceneError, match="follows a law and has no stiffness to set"):
         sandbox.load_scene(scene)
 
 

@@ -128,7 +128,7 @@ def test_it_keeps_its_last_steps_only() -> None:
     (lambda live: live.give("lfit", 1.0), "lift"),
     (lambda live: live.give("hand1.x", 1.0), "nothing named"),
     (lambda live: live.give("lift", math.nan), "finite"),
-    (lambda live: live.give("lift", 1e30), "as a value of 'lift'"),
+    (lambda live: live.give("lift", 1e30), "value of 'lift'"),
     (lambda live: live.set("lift", None), "needs a value"),
     (lambda live: live.push("flor", (0, 0), (1, 0)), "moves freely"),
     (lambda live: live.push("floor", (0, 0), (1, 0)), "moves freely"),

@@ -325,9 +325,9 @@ def _refused(load: dict[str, Any], **more: Any) -> str:
     ({"force": [0, 0], "acceleration": [0, 0]}, "not both"),
     ({"force": ["=1", 0], "bodies": "all"}, "'*', every body that moves freely"),
     ({"force": ["=1", 0], "bodies": "bal"}, "no body's name matches 'bal'"),
-    ({"force": ["=1", 0], "bodies": ["wall"]}, "'wall' means no body that moves freely"),
+    ({"force": ["=1", 0], "bodies": ["wall"]}, "'wall' matches no body that moves freely"),
     ({"force": [0, "=1 / x"]}, "has no finite value on 'ball' at t = 0, x = 0"),
-    ({"type": "drag"}, "nothing to act with: give 'linear', 'area' or 'turning'"),
+    ({"type": "drag"}, "give 'linear', 'area' or 'turning'"),
 ])
 def test_what_is_wrong_is_told(load: dict[str, Any], said: str) -> None:
     assert said in _refused(load)

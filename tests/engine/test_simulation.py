@@ -187,7 +187,7 @@ def test_what_cannot_be_asked_or_set() -> None:
     simulation = Simulation(weight())
     with pytest.raises(UnknownQuantityError, match=r"did you mean 'rope\.tension'"):
         simulation["rope.tensio"]
-    with pytest.raises(SceneError, match="worked out after a run"):
+    with pytest.raises(SceneError, match="computed after the run"):
         simulation["rope.work"]
     with pytest.raises(SceneError, match=r"no drive named 'winsh'.*Did you mean 'winch'"):
         simulation.set("winsh", 1.0)

@@ -189,13 +189,13 @@ def problems(**more: Any) -> list[str]:
 @pytest.mark.parametrize(("event", "said"), [
     ({"release": "hinges"}, "$.events[0].release[0]: there is no joint, spring or tendon named "
      "'hinges'. Did you mean 'hinge'? Allowed: 'hinge', 'mesh'."),
-    ({"release": ["hinge", "weight"]}, "$.events[0].release[1]: 'weight' is a body, which cannot "
-     "be let go"),
-    ({"take_up": "mesh"}, "'mesh' joins wheels where they meet at t = 0; let go, they are never "
-     "taken up again"),
+    ({"release": ["hinge", "weight"]}, "$.events[0].release[1]: 'weight' is a body, which events "
+     "cannot release"),
+    ({"take_up": "mesh"}, "'mesh' joins wheels where they meet at t = 0, so events cannot "
+     "take it up again"),
     ({"release": "mesh", "lasts": 0.1}, "$.events[0].lasts: 'mesh' joins wheels"),
-    ({"release": "hinge", "take_up": "hinge"}, "'hinge' is let go and taken up by one event"),
-    ({"lasts": 0.1, "stop": "pass"}, "'lasts' needs something that was 'set', let go or taken up"),
+    ({"release": "hinge", "take_up": "hinge"}, "one event cannot release and take up 'hinge'"),
+    ({"lasts": 0.1, "stop": "pass"}, "'lasts' needs 'set', 'release' or 'take_up'"),
 ])
 def test_what_cannot_be_let_go_is_told(event: dict[str, Any], said: str) -> None:
     found = problems(events=[{"name": "event", "at": 0.1, **event}])

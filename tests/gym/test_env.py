@@ -227,7 +227,7 @@ def spans(scene: Any, **more: Any) -> dict[str, tuple[float, float]]:
     ({"observe": ["pendulum.angel"]},
      r"observe[0]: unknown quantity 'pendulum.angel'. Did you mean 'pendulum.angle'?"),
     ({"observe": {"pendulum.rat": (0, 1)}}, "observe['pendulum.rat']: unknown quantity"),
-    ({"observe": ["motor.work"]}, "'motor.work' is worked out after a run"),
+    ({"observe": ["motor.work"]}, "'motor.work' is computed after the run"),
     ({"observe": ["=pendulum.angle +"]}, "observe[0]: "),
     ({"observe": []}, "nothing is observed"),
     ({"observe": {"pendulum.rate": (1, 1)}}, "(1, 1) is no range"),

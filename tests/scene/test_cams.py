@@ -100,7 +100,7 @@ def test_what_is_no_cam_is_told(lift, keys, words):
 
 
 @pytest.mark.parametrize(("table", "words"), [
-    ([[0, 0], [2, 0], [1, 0]], "57.2958 deg in entry 2 comes after 114.592 deg"),
+    ([[0, 0], [2, 0], [1, 0]], "entry 2 has 57.2958 deg after 114.592 deg"),
     ([[0, 0], [2, 0], ["360 deg", 0]], "cover 360 deg"),
     ([[0, 0], [1, 0]], "expected at least 3 entries"),
     ([[0, 0], [1, "3 N"], [2, 0]], "$.bodies[0].shapes[0].lift[1][1]"),

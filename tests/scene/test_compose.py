@@ -77,7 +77,7 @@ class TestRepeat:
 
     @pytest.mark.parametrize(("repeat", "path", "told"), [
         (0, "", "0 is not a number of copies"),
-        (True, "", "true does not say"), ("forever", "", "'forever' does not say"),
+        (True, "", "true is not a number"), ("forever", "", "'forever' is not a number"),
         ("=1/0", "", "no finite value"), ("=m", "", "unknown name 'm'"),
         (1e9, "", "1e+09 copies are more"),
         ({}, "", "either 'count' or 'list'"),
@@ -90,7 +90,7 @@ class TestRepeat:
         ({"count": 2, "lien": [0, 0]}, ".lien", "unknown key 'lien'"),
         ({"count": 2, "line": 3}, ".line", "the step from one copy"),
         ({"count": 2, "circle": [0, "3 kg"]}, ".circle[1]", "unit of mass"),
-        ({"count": 2, "circle": [0, 0], "line": [0, 0]}, ".circle", "not on both"),
+        ({"count": 2, "circle": [0, 0], "line": [0, 0]}, ".circle", "exclude each other"),
     ])
     def test_what_is_wrong_is_told_once(self, repeat: Any, path: str, told: str):
         scene = {"parameters": {"n": 1}, "bodies": [

@@ -61,7 +61,7 @@ def test_what_is_expanded_reads_the_same_again():
 @pytest.mark.parametrize(("change", "path", "words"), [
     ({"writes": "moter"}, "$.controllers[0].writes", "Did you mean 'motor'"),
     ({"reads": "elbow.angel"}, "$.controllers[0].reads", "Did you mean 'elbow.angle'"),
-    ({"reads": "elbow.damping"}, "$.controllers[0].reads", "cannot be read while it runs"),
+    ({"reads": "elbow.damping"}, "$.controllers[0].reads", "cannot be read during it"),
     ({"reads": "elbow.lenght"}, "$.controllers[0].reads", "of this joint: 'angle', 'rate'"),
     ({"limits": [1, -1]}, "$.controllers[0].limits", "1 is not below -1"),
     ({"rate": "300 Hz"}, "$.controllers[0].rate", "333.333 Hz or 285.714 Hz"),
@@ -85,15 +85,15 @@ def test_a_mistake_of_a_controller_is_told_with_its_place(change, path, words):
      "due at 1 s"),
     ({"when": "=1 > 2", "stop": "pass"}, "$.events[0].when", "reads nothing"),
     ({"when": "=t > 5", "stop": "pass"}, "$.events[0].when", "true at no time of the run"),
-    ({"at": 0.1, "after": 0.2, "stop": "pass"}, "$.events[0]", "'after' is for 'when'"),
-    ({"at": 0.1, "rate": "1 kHz", "stop": "pass"}, "$.events[0]", "'rate' is for 'when'"),
+    ({"at": 0.1, "after": 0.2, "stop": "pass"}, "$.events[0]", "'after' needs 'when'"),
+    ({"at": 0.1, "rate": "1 kHz", "stop": "pass"}, "$.events[0]", "'rate' needs 'when'"),
     ({"when": "=elbow.angle > 1", "after": "1 s", "stop": "pass"}, "$.events[0].after", "never"),
     ({"when": "=elbow.angel > 1", "stop": "pass"}, "$.events[0].when", "elbow.angle"),
     ({"at": 0.1, "set": {"loop.tarket": 1}}, '$.events[0].set["loop.tarket"]', "'loop.target'"),
     ({"at": 0.1, "set": {"motor": 1}}, "$.events[0].set.motor", "would set it again"),
     ({"at": 0.1, "set": {"loop.active": 2}}, '$.events[0].set["loop.active"]', "0 or 1"),
     ({"stop": "pass"}, "$.events[0]", "give either 'at' or 'when'"),
-    ({"at": 0.1, "stop": "fail", "lasts": 0.1}, "$.events[0].lasts", "something that was 'set'"),
+    ({"at": 0.1, "stop": "fail", "lasts": 0.1}, "$.events[0].lasts", "'lasts' needs 'set'"),
 ])
 def test_a_mistake_of_an_event_is_told_with_its_place(event, path, words):
     text = told(arm(PID, events=[{"name": "later", **event}]))

@@ -349,7 +349,7 @@ def test_retired_settings_do_nothing_and_are_told() -> None:
     assert run.model_dump() == Run(step=1e-3).model_dump()
     assert run.ignored == ("iterations", "slop")
     (found,) = inspect(read_scene(scene).mechanism)
-    assert str(found).startswith("warning: run: 'iterations' and 'slop' do nothing any more")
+    assert str(found).startswith("warning: run: 'iterations' and 'slop' do nothing now")
     old = Mechanism().model_dump_json(by_alias=True).replace(
         '"sample_rate"', '"iterations":40,"slop":1e-06,"sample_rate"')
     assert Mechanism.model_validate_json(old).model_dump() == Mechanism().model_dump()

@@ -82,12 +82,12 @@ def test_the_scene_itself_is_right() -> None:
      "'cm' is a unit of length", "cm^2"),
     ({"lines__0__chambers__1__displacement": 0}, "$.lines[0].chambers[1]", "2 ml/rad", ""),
     ({"lines__1__volume": None}, "$.lines[1].volume", "outside of", "0.1 l"),
-    ({"lines__1__modulus": 1e9}, "$.lines[1]", "a gas has no modulus", ""),
+    ({"lines__1__modulus": 1e9}, "$.lines[1]", "exclude each other", ""),
     ({"lines__0__least": 1}, "$.lines[0]", "a vacuum, to 0", ""),
     ({"lines__0__relief": -1}, "$.lines[0]", "more than 0 Pa", ""),
     ({"lines__0__pressure": "-2 bar"}, "$.lines[0]", "between least and relief", ""),
-    ({"valves__0__b": "oil"}, "$.valves[0]", "joins two lines", ""),
-    ({"valves__0__resistance": None}, "$.valves[0]", "a resistance greater than 0", ""),
+    ({"valves__0__b": "oil"}, "$.valves[0]", "a valve needs a line", ""),
+    ({"valves__0__resistance": None}, "$.valves[0]", "a 'resistance' greater than 0", ""),
     ({"valves__0__b": "airs"}, "$.valves[0].b", "no line named 'airs'", "air"),
     ({"drives__2__valve": "tip"}, "$.drives[2].valve", "no valve named 'tip'", "tap"),
     ({"drives__0__value": "1 bar"}, "$.drives[0].value", "'bar' is a unit of pressure", "l/min"),
@@ -126,11 +126,11 @@ def test_what_may_be_written(written: Any, meant: Any) -> None:
 
 
 @pytest.mark.parametrize(("written", "message", "hint"), [
-    ("al", "'al' is no plane", "'all'"),
-    (1.5, "the number 1.5 is no plane", ""), (True, "true is no plane", ""),
-    ([0, [1]], "a list […] is no plane", ""),
+    ("al", "'al' is not a plane", "'all'"),
+    (1.5, "the number 1.5 is not a plane", ""), (True, "true is not a plane", ""),
+    ([0, [1]], "a list […] is not a plane", ""),
     ([], "expected 1 to 64 planes, got 0", ""),
-    (1001, "1001 is no plane", ""), (10**400, "so large a number is no plane", "")])
+    (1001, "1001 is not a plane", ""), (10**400, "so large a number is not a plane", "")])
 def test_what_is_no_plane_is_refused_once(written: Any, message: str, hint: str) -> None:
     with pytest.raises(sandbox.SceneError) as refused:
         loaded(written)

@@ -43,7 +43,7 @@ def test_a_view_shows_what_is_there(view: Any, path: str, message: str) -> None:
     ({"drives": [{"type": "stiffness", "name": "d", "tendon": "hinge", "value": 1}]},
      "$.drives[0].tendon", "no tendon named 'hinge'"),
     ({"drives": [{"type": "stiffness", "name": "d", "tendon": "cord", "value": 1}]},
-     "$.drives[0].tendon", "with 100000 N/m it stands for a cord without stretch"),
+     "$.drives[0].tendon", "with 100000 N/m it counts as inextensible"),
     ({"tendons": [{**CORD, "stiffness": 500}],
       "drives": [{"type": "stiffness", "name": "d", "tendon": "cord", "value": 1},
                  {"type": "pull", "name": "p", "tendon": "cord", "value": 1}]},
@@ -51,7 +51,7 @@ def test_a_view_shows_what_is_there(view: Any, path: str, message: str) -> None:
     ({"tendons": [{**CORD, "stiffness": 500, "guides": [
         {"body": "wall"}, {"body": "disc", "friction": 0.2}, {"body": "wall", "at": (1, 0)}]}],
       "drives": [{"type": "stiffness", "name": "d", "tendon": "cord", "value": 1}]},
-     "$.drives[0].tendon", "its guide 1 holds it by friction"),
+     "$.drives[0].tendon", "its guide 1 has friction"),
     ({"drives": [{"type": "motor", "name": "d", "joint": "cord", "value": 1, "torque": 1}]},
      "$.drives[0].joint", "no pin joint named 'cord'"),
     ({"drives": [{"type": "brake", "name": "d", "joint": "cord", "value": 1}]},

@@ -62,10 +62,10 @@ def test_one_that_repeats_is_the_spline_of_cams() -> None:
 
 
 @pytest.mark.parametrize(("points", "more", "said"), [
-    ([[0, 1], [0, 2]], {}, "rise from point to point: point 1 has 0, the one before it 0"),
-    ([[0, 1], [1, 2], [1 + 1e-12, 3]], {}, "too close"),
+    ([[0, 1], [0, 2]], {}, "must increase: point 1 has 0 after 0"),
+    ([[0, 1], [1, 2], [1 + 1e-12, 3]], {}, "apart, less than"),
     ([[i, 1] for i in range(1001)], {}, "at most 1000"),
-    ([[0, 1], [1, 2]], {"beyond": "repeat"}, "ends as it begins: its last y is 2, its first 1"),
+    ([[0, 1], [1, 2]], {"beyond": "repeat"}, "must be equal: 1, 2"),
     ([[0, 1], [1, 1]], {"beyond": "repeat", "between": "cubic"}, "4 points"),
     ([["0 mm", 1], ["1 s", 2]], {}, "all x of a table are of one kind, and here are length and "),
     ([[0, 0], [1e-12, 1e9]], {}, "too steep"),
@@ -182,6 +182,6 @@ def test_signal_refusals(written: Any, place: tuple[str | int, ...], words: str)
 
 
 def test_a_path_says_something() -> None:
-    with pytest.raises(ValidationError, match="at least one of x, y and angle"):
+    with pytest.raises(ValidationError, match="a path needs 'x', 'y' or 'angle'"):
         Path.model_validate({})
     assert Path.model_validate({"angle": "90 deg"}).angle is not None

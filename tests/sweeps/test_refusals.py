@@ -167,7 +167,7 @@ def test_a_slip_on_the_command_line_is_told_as_it_was_typed(
     assert invoke([*words[:place], "puck.json", *words[place:]]) == 2
     said, page = capsys.readouterr().err.splitlines()
     assert said.startswith(told)
-    assert page.startswith("docs/messages.md#")
+    assert page.startswith("see docs/messages.md#")
 
 
 def test_what_misses_expectations_is_counted(tmp_path, capsys):

@@ -67,7 +67,8 @@ class Window:
             OutputError: it is, or at the same time.
         """
         if not self.end > self.begin:
-            raise OutputError(f"{self.end:g} s is not after the beginning, {self.begin:g} s")
+            raise OutputError(f"{self.end:g} s is not after the beginning, {self.begin:g} s",
+                              code="bad-time")
 
     def of(self, time: Array) -> slice:
         """The samples in it."""
@@ -161,7 +162,7 @@ def _wide(width: float | None) -> float:
     wide = style.WIDTH if width is None else 1e3 * width
     if not WIDTHS[0] <= wide <= WIDTHS[1]:
         raise OutputError(f"a figure cannot be {wide:g} mm wide; allowed: {WIDTHS[0]:g} to "
-                          f"{WIDTHS[1]:g} mm")
+                          f"{WIDTHS[1]:g} mm", code="bad-picture")
     return wide
 
 
@@ -172,7 +173,7 @@ def _refuse_few(runs: Sequence[Plotted], window: Window) -> None:
             raise OutputError(
                 f"the recording has {len(time)} samples, a plot needs at least 2" if len(time) < 2
                 else f"{one.label} has fewer than 2 samples there: the first is at {time[0]:g} s, "
-                f"the last at {time[-1]:g} s")
+                f"the last at {time[-1]:g} s", code="bad-time")
 
 
 def _panels(runs: Sequence[Plotted], quantities: Sequence[str], x: str) -> list[list[str]]:
@@ -182,15 +183,15 @@ def _panels(runs: Sequence[Plotted], quantities: Sequence[str], x: str) -> list[
         having = next((one.run for one in runs if name in one.run), runs[0].run)
         unit = having.unit(name)  # says what there is where there is none
         if x and not any(name in one.run and x in one.run for one in runs):
-            raise OutputError(f"no run has both {name!r} and {x!r}")
+            raise OutputError(f"no run has both {name!r} and {x!r}", code="bad-picture")
         by_unit.setdefault(unit if len(runs) == 1 else name, []).append(name)
     for unit, names in by_unit.items():
         if len(names) > MOST:
             raise OutputError(f"{len(names)} quantities in {unit or '1'} are too many for one "
-                              f"panel: at most {MOST}")
+                              f"panel: at most {MOST}", code="bad-picture")
     if len(by_unit) > MOST_PANELS:
         raise OutputError(f"{len(by_unit)} panels are too many for one figure: at most "
-                          f"{MOST_PANELS}; name fewer quantities")
+                          f"{MOST_PANELS}; name fewer quantities", code="bad-picture")
     return list(by_unit.values())
 
 

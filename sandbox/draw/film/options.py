@@ -64,7 +64,7 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
             key = problem.path.removeprefix("$.").partition("[")[0]
             told[key] = (f"{key}={quoted(given.get(key))}: {problem.message}; "
                          f"pass {OPTIONS.get(key, 'what a view may have')}")
-        raise OutputError("\n".join(told.values())) from None
+        raise OutputError("\n".join(told.values()), code="bad-picture") from None
 
 
 def _plain(value: Any) -> Any:
@@ -87,7 +87,7 @@ def _asked(show: Any) -> dict[str, tuple[str, ...]]:
     try:
         return asked(show)
     except WrongValueError as error:
-        raise OutputError(f"show={quoted(show)}: {error}") from None
+        raise OutputError(f"show={quoted(show)}: {error}", code="bad-picture") from None
 
 
 def check_view(run: Metered, view: View) -> None:
@@ -113,7 +113,7 @@ def check_view(run: Metered, view: View) -> None:
                         f"{or_near(name, words)} (allowed: {listed(words)})")
     told += _of_meters(run.catalogue, view)
     if told:
-        raise OutputError("\n".join(told))
+        raise OutputError("\n".join(told), code="bad-time")
 
 
 def meters_view(meters: Sequence[str], known: Catalogue) -> View:
@@ -124,7 +124,7 @@ def meters_view(meters: Sequence[str], known: Catalogue) -> View:
     """
     view = view_of(View(), {"meters": list(meters)})
     if told := _of_meters(known, view):
-        raise OutputError("\n".join(told))
+        raise OutputError("\n".join(told), code="bad-picture")
     return view
 
 
@@ -143,6 +143,6 @@ def check_run(run: Metered) -> None:
     """
     if not (hasattr(run, "mechanism") and hasattr(run, "arrays")):
         raise OutputError(f"{quoted(run)} is no recording; pass what sandbox.simulate or "
-                          "sandbox.Recording.load gives")
+                          "sandbox.Recording.load gives", code="bad-picture")
     if not len(run.time):
-        raise OutputError("the recording has no samples: there is nothing to draw")
+        raise OutputError("the recording has no samples: there is nothing to draw", code="bad-time")

@@ -73,5 +73,5 @@ def paper_of(size: Any) -> PrintSize | None:
     paper = PrintSize(width, None if second is None else float(second) * scale)
     if any(not LEAST <= side <= MOST for side in (paper.width, paper.height or LEAST)):
         raise OutputError(f"{quoted(size)}: a picture on paper is {LEAST:g} to {MOST:g} mm "
-                          "wide and high")
+                          "wide and high", code="bad-picture")
     return paper

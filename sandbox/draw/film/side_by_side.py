@@ -102,7 +102,8 @@ def _check(recordings: Sequence[Metered], labels: Sequence[str],
                          f"got {len(labels)} and {len(marks)}")
     for run, signs in zip(recordings, marks, strict=True):
         if not len(run.time):
-            raise OutputError("a recording has no samples: there is nothing to draw")
+            raise OutputError("a recording has no samples: there is nothing to draw",
+                              code="bad-time")
         if unknown := sorted(set(signs) - set(run.model.springs.name)):
             raise ValueError(f"marks name springs that are not there: {', '.join(unknown)}")
 

@@ -59,7 +59,8 @@ def instants(run: Metered, at: Instants) -> list[Instant]:
         except WrongValueError as error:
             told.append(f"at={quoted(each)}: {error}")
     if told or not asked:
-        raise OutputError("\n".join(told) or 'at is an empty list: pass times, "start" or "end"')
+        raise OutputError("\n".join(told) or 'at is an empty list: pass times, "start" or "end"',
+                          code="bad-time")
     return found
 
 
@@ -76,12 +77,13 @@ def _instant(run: Metered, asked: Any) -> Instant:
     except ValueError as error:
         hint = near(asked, ENDS) if isinstance(asked, str) else ""
         told = error.message if isinstance(error, WrongValueError) else str(error)
-        raise WrongValueError(told, allowed='a time such as 0.8 or "0.8 s", "start", "end"',
+        raise WrongValueError("bad-time",
+                              told, allowed='a time such as 0.8 or "0.8 s", "start", "end"',
                               hint=hint) from None
     most = max(last, run.mechanism.run.duration) if run.mechanism.run.duration - last <= 2 * apart \
         else last
     if not least <= time <= most:
-        raise WrongValueError(f"the run lasts from {least:g} s to {most:g} s")
+        raise WrongValueError("bad-time", f"the run lasts from {least:g} s to {most:g} s")
     return Instant(time, f"{time:.6g}s")
 
 
@@ -139,9 +141,10 @@ def _moments(run: Metered, view: View, at: Instants | None, strip: bool | int) -
         count = KEYS if strip else 1
     elif at is not None:
         raise OutputError(f"strip={strip} and at say both which pictures a strip has: "
-                          "pass strip=True with at, or a number without")
+                          "pass strip=True with at, or a number without", code="bad-picture")
     elif not 2 <= strip <= MOST:
-        raise OutputError(f"strip={quoted(strip)}: a strip has 2 to {MOST} pictures")
+        raise OutputError(f"strip={quoted(strip)}: a strip has 2 to {MOST} pictures",
+                          code="bad-picture")
     else:
         count = strip
     end = float(run.time[-1])

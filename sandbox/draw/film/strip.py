@@ -146,7 +146,7 @@ def _fitted(box: Rectangle, count: int, size: tuple[int, int], around: _Surround
     if found is None:
         raise OutputError(f"size={size[0]}x{size[1]}: a strip of {count} pictures has no room "
                           f"there; allowed: pictures of {SMALLEST} by {SMALLEST} pixels or more "
-                          "besides title, times, meters and legend")
+                          "besides title, times, meters and legend", code="bad-picture")
     return found
 
 

@@ -118,13 +118,14 @@ def is_still(path: Path, *, at: bool, strip: bool, transparent: bool,
             what, films = ("a see-through ground", (".gif",)) if word == "transparent" else (
                 "single moments", ())
             raise OutputError(f"{path}: {word} asks for {what}, which no {ending} has; allowed: "
-                              f"{', '.join((*films, *STILLS))}, or none for a directory")
+                              f"{', '.join((*films, *STILLS))}, or none for a directory",
+                              code="bad-picture")
     elif ending and ending not in STILLS:
-        raise OutputError(f"{path}: no picture can have the ending {path.suffix!r}; "
-                          f"allowed: {', '.join(ENDINGS)}, or none for a directory")
+        raise OutputError(f"{path}: no picture can have the ending {path.suffix!r}; allowed: "
+                          f"{', '.join(ENDINGS)}, or none for a directory", code="bad-picture")
     stills = ending in STILLS or at or strip
     if not stills and paper_of(size):
-        raise OutputError(f"{path}: size={size!r} asks for paper: {NO_PAPER}")
+        raise OutputError(f"{path}: size={size!r} asks for paper: {NO_PAPER}", code="bad-picture")
     return stills
 
 
@@ -139,7 +140,8 @@ def write_animation(
     ending = path.suffix.lower()
     if ending not in FILMS:
         raise OutputError(f"{path}: no film can have the ending {ending!r}; "
-                          f"allowed: {', '.join(ENDINGS)}, or none for a directory of frames")
+                          f"allowed: {', '.join(ENDINGS)}, or none for a directory of frames",
+                          code="bad-picture")
     renderer, times, rate = _prepare(run, size, fps, speed, view, most_frames,
                                      even=ending == ".mp4", bare=bare, scales=scales)
     with written_whole(path) as aside:
@@ -200,7 +202,8 @@ def _prepare(
     if not frames <= most_frames:
         raise OutputError(
             f"at a speed of {pace:g} the film would have {frames:.3g} frames. Allowed: at most "
-            f"{most_frames} (the limit 'frames', raised by --limit frames=N or most_frames)")
+            f"{most_frames} (the limit 'frames', raised by --limit frames=N or most_frames)",
+            code="limit-exceeded")
     if even:
         width, height = width // 2 * 2, height // 2 * 2
     note = "" if pace == 1 else f"{pace:g}× speed"
@@ -259,8 +262,8 @@ def _write_mp4(renderer: FrameRenderer, times: list[float], fps: int, path: Path
     try:
         import av  # noqa: F401
     except ImportError:
-        raise OutputError("an .mp4 needs the package 'av': "
-                          "pip install 'sandbox-mechanics[mp4]', or write a .gif") from None
+        raise OutputError("an .mp4 needs the package 'av': pip install 'sandbox-mechanics[mp4]', "
+                          "or write a .gif", code="missing-package") from None
     import imageio.v3 as iio
 
     with iio.imopen(path, "w", plugin="pyav") as file:

@@ -47,11 +47,11 @@ def check_control(
         for j, name in enumerate(writes_of(controller)):
             place = f"{path}.writes" if alone else f"{path}.writes[{j}]"
             if name not in drives and not assumed(name):
-                yield Problem(f"there is no drive named {quoted(name)} to write", place,
-                              allowed=listed(drives) or "none: the scene has no drives",
+                yield Problem("name-not-found", f"there is no drive named {quoted(name)} to write",
+                              place, allowed=listed(drives) or "none: the scene has no drives",
                               hint=near(name, drives))
             elif name in owners:
-                yield Problem(f"the drive {quoted(name)} is written already, by "
+                yield Problem("set-twice", f"the drive {quoted(name)} is written already, by "
                               f"{owners[name]}", place, allowed="one controller for each drive")
             owners.setdefault(name, f"the controller {quoted(controller.name)}")
         if isinstance(controller, EquilibriumController):
@@ -63,15 +63,15 @@ def check_control(
         for name, value in event.set.items():
             path = path_text(("events", i, "set", name))
             if name in owners:
-                yield Problem(
-                    f"{quoted(name)} is written by {owners[name]}, which would set it again",
-                    path, allowed="a drive without a controller, or <controller>.target or .active")
+                yield Problem("set-twice", f"{quoted(name)} is written by {owners[name]}, which "
+                              "would set it again", path, allowed="a drive without a controller, "
+                              "or <controller>.target or .active")
             elif name not in known and not assumed(name):
-                yield Problem(f"there is nothing named {quoted(name)} to set", path,
-                              allowed=listed(known) or "none: there are no drives",
+                yield Problem("name-not-found", f"there is nothing named {quoted(name)} to set",
+                              path, allowed=listed(known) or "none: there are no drives",
                               hint=near(name, known))
             elif name.endswith(".active") and name in settable and value not in (0.0, 1.0):
-                yield Problem(f"{quoted(name)} is 0 or 1, not {value:g}", path)
+                yield Problem("out-of-range", f"{quoted(name)} is 0 or 1, not {value:g}", path)
 
 
 def _settable(controllers: tuple[Controller, ...]) -> list[str]:
@@ -89,15 +89,16 @@ def rate_problems(rate: float | None, step: float, path: str) -> Iterator[Proble
     if rate is None:
         return
     if fault := size_fault(rate, "frequency"):
-        yield Problem(f"as a rate this is {fault}", path)
+        yield Problem("bad-rate", f"as a rate this is {fault}", path)
         return
     count = 1 / (rate * step)
     if count < 1 - WHOLE:
-        yield Problem(f"{rate:g} Hz is more often than every step of {step:g} s", path,
+        yield Problem("bad-rate", f"{rate:g} Hz is more often than every step of {step:g} s", path,
                       allowed=f"at most {1 / step:g} Hz")
     elif abs(count - round(count)) > WHOLE * count:
         below, above = 1 / (step * (int(count) + 1)), 1 / (step * int(count))
-        yield Problem(f"{rate:g} Hz is no whole number of steps: one act every {count:.6g} steps "
+        yield Problem("bad-rate",
+                      f"{rate:g} Hz is no whole number of steps: one act every {count:.6g} steps "
                       f"of {step:g} s", path, allowed=f"{above:.6g} Hz or {below:.6g} Hz")
 
 
@@ -111,21 +112,23 @@ def _times(event: Event, mechanism: Mechanism, path: str) -> Iterator[Problem]:
     if event.when is not None:
         first += -first % every(event.rate, step)
     if start >= duration:
-        yield Problem(f"this event can never happen: the run ends at {duration:g} s",
-                      f"{path}.{key}", allowed=f"less than {duration:g} s")
+        yield Problem("event-never-happens", "this event can never happen: the run ends at "
+                      f"{duration:g} s", f"{path}.{key}", allowed=f"less than {duration:g} s")
     elif first > 0 and first >= math.ceil(duration / step - 1e-9):
-        yield Problem(f"this event can never happen: it would be due at {first * step:g} s, after "
+        yield Problem("event-never-happens",
+                      f"this event can never happen: it would be due at {first * step:g} s, after "
                       "the run's last step has begun", f"{path}.{key}", allowed="an earlier time")
     if event.when is not None and not parse_expression(event.when).names:
-        yield Problem(f"the condition {quoted(event.when)} reads nothing, so it never changes",
+        yield Problem("event-never-happens",
+                      f"the condition {quoted(event.when)} reads nothing, so it never changes",
                       f"{path}.when", allowed="a condition of quantities or of the time t, such "
                       'as "=finger.mcp.angle > 0.5"')
     elif event.when is not None and _never(event.when, first, every(event.rate, step), mechanism):
-        yield Problem(f"this event can never happen: {quoted(event.when)} is true at no time of "
-                      f"the run, which ends at {duration:g} s", f"{path}.when",
-                      allowed="a condition that becomes true")
+        yield Problem("event-never-happens", f"this event can never happen: {quoted(event.when)} "
+                      f"is true at no time of the run, which ends at {duration:g} s",
+                      f"{path}.when", allowed="a condition that becomes true")
     if event.lasts is not None and not (event.set or event.release or event.take_up):
-        yield Problem("'lasts' needs something that was 'set', let go or taken up",
+        yield Problem("conflicting-keys", "'lasts' needs 'set', 'release' or 'take_up'",
                       f"{path}.lasts")
 
 

@@ -30,8 +30,8 @@ INSTANTS = 257
 def nothing_to_run(mechanism: Mechanism) -> Iterator[Problem]:
     """A mechanism without bodies: there is nothing that could be simulated."""
     if not mechanism.bodies:
-        yield Problem("there are no bodies, so there is nothing to simulate", "$.bodies",
-                      allowed="at least one body, or a part that has some")
+        yield Problem("nothing-to-simulate", "there are no bodies, so there is nothing to simulate",
+                      "$.bodies", allowed="at least one body, or a part that has some")
 
 
 def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:
@@ -58,12 +58,12 @@ def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:
             try:
                 in_range(event.set[name], drive_dimension(drives[name]))
             except WrongValueError as error:
-                yield Problem(error.message, f"$.events[{i}].set.{name}", allowed=error.allowed)
+                yield Problem.of(error, f"$.events[{i}].set.{name}")
 
 
 def _direction(direction: tuple[float, float], path: str) -> Iterator[Problem]:
     if fault := size_fault(math.hypot(*direction), "ratio"):
-        yield Problem(f"as a direction its length is {fault}", path,
+        yield Problem("out-of-range", f"as a direction its length is {fault}", path,
                       allowed="a direction such as [1, 0]; its length does not count")
 
 
@@ -86,7 +86,7 @@ def _corners(body: Body, path: str) -> Iterator[Problem]:
             continue
         for ends, field in sides:
             if fault := size_fault(min(math.dist(p, q) for p, q in ends), "length"):
-                yield Problem(f"the shortest side of this {shape.type} is {fault}",
+                yield Problem("out-of-range", f"the shortest side of this {shape.type} is {fault}",
                               f"{path}.{place}.{field}")
 
 
@@ -102,14 +102,15 @@ def _weight(body: Body, path: str) -> Iterator[Problem]:
     try:
         weight = mass_properties(body)
     except ArithmeticError:
-        yield Problem("mass and inertia cannot be computed from shapes so large or so small", path)
+        yield Problem("out-of-range",
+                      "mass and inertia cannot be computed from shapes so large or so small", path)
         return
     for what, value in (("mass", weight.mass), ("inertia", weight.inertia)):
         if fault := size_fault(value, what):
-            yield Problem(f"its {what} is {fault}", path)
+            yield Problem("out-of-range", f"its {what} is {fault}", path)
             return
     if not all(abs(c) <= RANGES["length"].most for c in weight.centre):
-        yield Problem("its centre of mass is nowhere near its shapes", path)
+        yield Problem("out-of-range", "its centre of mass is far from its shapes", path)
 
 
 def _signal(
@@ -127,4 +128,4 @@ def _signal(
     try:
         in_range(float(found[worst]), dimension)
     except WrongValueError as error:
-        yield Problem(f"{error.message}, at t = {t[worst]:.4g} s", path, allowed=error.allowed)
+        yield Problem.of(error, path, message=f"{error.message}, at t = {t[worst]:.4g} s")

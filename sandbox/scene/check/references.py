@@ -109,7 +109,7 @@ def _named(
 
 def _taken(name: str, kind: str, first: str, path: str) -> Problem:
     """A name that an element of a kind has, and one of the ``first`` kind before it."""
-    return Problem(f"the name {quoted(name)} is already that of "
+    return Problem("duplicate-name", f"the name {quoted(name)} is already that of "
                    f"{'another' if first == kind else 'a'} {NAMED[first].one}", path,
                    allowed="a name of its own for every element")
 
@@ -135,7 +135,7 @@ class _References:
                  also: Collection[str] = ()) -> Iterator[Problem]:
         """A name that is none of the known ones; ``also`` is meant only to be offered."""
         if name not in known and not self._assumed(name):
-            yield Problem(f"there is no {what} named {quoted(name)}", path,
+            yield Problem("name-not-found", f"there is no {what} named {quoted(name)}", path,
                           allowed=listed(known) or self._none(f"there is no {what}"),
                           hint=self.near(name, itertools.chain(known, also)))
 
@@ -168,7 +168,7 @@ class _References:
             self.actuators, "a hinge", "an actuator")
         twin = DRIVES[element.type].twin if element.type in DRIVES else ""
         return Problem(
-            f"{quoted(name)} is {one}, and '{element.type}' acts on {acts}", path,
+            "name-not-found", f"{quoted(name)} is {one}, and '{element.type}' acts on {acts}", path,
             allowed=listed(known) or f"none: there is no {acts.split()[1]}",
             hint=f"a drive of type '{twin}', which acts on {one}" if twin else "")
 
@@ -194,8 +194,8 @@ class _References:
                 head, quantity = ".".join(words[:count]), ".".join(words[count:])
                 if head in first and (quantity in taken[first[head][0]]
                                       or (head in objects and quantity in GRASP)):
-                    yield Problem(f"the name {quoted(name)} also means the quantity "
-                                  f"{quoted(quantity)} of {quoted(head)}", path,
+                    yield Problem("duplicate-name", f"the name {quoted(name)} also means the "
+                                  f"quantity {quoted(quantity)} of {quoted(head)}", path,
                                   allowed="another name")
 
     def joints(self) -> Iterator[Problem]:
@@ -204,7 +204,8 @@ class _References:
             yield from self._unknown(joint.b, self.bodies, "body", f"$.joints[{i}].b")
             ends = [self.bodies.get(joint.a), self.bodies.get(joint.b)]
             if all(body is not None and body.motion != "dynamic" for body in ends):
-                yield Problem(f"neither {quoted(joint.a)} nor {quoted(joint.b)} can move freely",
+                yield Problem("no-effect",
+                              f"neither {quoted(joint.a)} nor {quoted(joint.b)} can move freely",
                               f"$.joints[{i}]", allowed="a joint of at least one dynamic body")
 
     def springs(self) -> Iterator[Problem]:
@@ -238,9 +239,9 @@ class _References:
             return
         volume = volume_of(line, self.bodies)
         if fault := size_fault(volume, "volume"):
-            yield Problem(
-                f"its volume at t = 0 follows from the cylinders that push and is {fault}",
-                f"{path}.volume", allowed='the volume of its fluid, such as "0.1 l"')
+            yield Problem("out-of-range", "its volume at t = 0 follows from the cylinders that "
+                          f"push and is {fault}", f"{path}.volume",
+                          allowed='the volume of its fluid, such as "0.1 l"')
 
     def valves(self) -> Iterator[Problem]:
         for i, valve in enumerate(self.mechanism.valves):
@@ -259,12 +260,13 @@ class _References:
                 yield from self._borne(pattern, f"{path}.bodies[{j}]")
             for body in borne(load, bodies):
                 if (both := f"{load.name}.{bodies[body].name}") in named:
-                    yield Problem(f"{quoted(both)} is the name of another element, and here it "
+                    yield Problem("duplicate-name",
+                                  f"{quoted(both)} is the name of another element, and here it "
                                   f"would mean this load on {quoted(bodies[body].name)}",
                                   f"{path}.name", allowed="another name")
             if isinstance(load, BuoyancyLoad) and (gravity[0] or gravity[1] >= 0):
-                yield Problem("a liquid lifts against gravity, which has to point downwards here, "
-                              f"and it is [{gravity[0]:g}, {gravity[1]:g}]", path,
+                yield Problem("bad-fluid", "a liquid lifts against gravity, which has to point "
+                              f"downwards here, and it is [{gravity[0]:g}, {gravity[1]:g}]", path,
                               allowed='a scene with "gravity": [0, -9.81]')
 
     def _borne(self, pattern: str, path: str) -> Iterator[Problem]:
@@ -275,11 +277,11 @@ class _References:
         if not self._fits(pattern):
             hint = "'*', every body that moves freely" if pattern == "all" else (
                 self.near(pattern, self.bodies))
-            yield Problem(f"no body's name matches {quoted(pattern)}", path,
+            yield Problem("name-not-found", f"no body's name matches {quoted(pattern)}", path,
                           allowed=listed(free), hint=hint)
         elif not any(map(re.compile(fnmatch.translate(pattern)).match, free)):
-            yield Problem(f"{quoted(pattern)} means no body that moves freely", path,
-                          allowed=listed(free) or "none: no body moves freely")
+            yield Problem("name-not-found", f"{quoted(pattern)} matches no body that moves freely",
+                          path, allowed=listed(free) or "none: no body moves freely")
 
     def materials(self) -> Iterator[Problem]:
         for i, body in enumerate(self.mechanism.bodies):
@@ -302,7 +304,7 @@ class _References:
             else:
                 owned, path = (kind.sole, name), f"{path}.{kind.target.field}"
             if kind.sole and owned in owners:
-                yield Problem(f"the {kind.sole} of {quoted(name)} is set already, by "
+                yield Problem("set-twice", f"the {kind.sole} of {quoted(name)} is set already, by "
                               f"{owners[owned]}", path, allowed="one drive for each")
             owners.setdefault(owned, quoted(drive.name))
 
@@ -313,7 +315,8 @@ class _References:
             return
         spring = next((each for each in self.mechanism.springs if each.name == drive.spring), None)
         if spring is not None and spring.stiffness is None:
-            yield Problem(f"{quoted(spring.name)} has a law of its own and no stiffness to set",
+            yield Problem("not-settable",
+                          f"{quoted(spring.name)} follows a law and has no stiffness to set",
                           f"{path}.spring", allowed="a spring with a 'stiffness'")
 
     def _softened(self, name: str, path: str) -> Iterator[Problem]:
@@ -322,16 +325,16 @@ class _References:
         pull = next((each.name for each in self.mechanism.drives
                      if isinstance(each, PullDrive) and each.tendon == name), None)
         if pull is not None:
-            yield Problem(f"{quoted(name)} has no stiffness to set: {quoted(pull)} pulls it, which "
+            yield Problem("not-settable",
+                          f"{quoted(name)} has no stiffness to set: {quoted(pull)} pulls it, which "
                           "sets its tension", path, allowed="a tendon that no drive pulls")
         elif tendon is not None and tendon.gripping:
-            yield Problem(f"the stiffness of {quoted(name)} cannot be set: its guide "
-                          f"{tendon.gripping[0]} holds it by friction, so that each of its spans "
-                          "has a tension of its own", path,
-                          allowed="a tendon whose guides have no 'friction'")
+            yield Problem("not-settable", f"the stiffness of {quoted(name)} cannot be set: its "
+                          f"guide {tendon.gripping[0]} has friction, so each span has its own "
+                          "tension", path, allowed="a tendon whose guides have no 'friction'")
         elif tendon is not None and tendon.stiffness >= RIGID:
-            yield Problem(f"{quoted(name)} has no stiffness to set: with {tendon.stiffness:g} N/m "
-                          "it stands for a cord without stretch", path,
+            yield Problem("not-settable", f"{quoted(name)} has no stiffness to set: with "
+                          f"{tendon.stiffness:g} N/m it counts as inextensible", path,
                           allowed=f"a tendon with a 'stiffness' below {RIGID:g} N/m, which it has "
                           "until the drive sets another")
 
@@ -345,10 +348,10 @@ class _References:
         allowed = ", ".join(itertools.islice(circles, MOST_NAMED)) \
             or f"none: {quoted(drive.body)} has no circle"
         if drive.shape >= len(shapes):
-            yield Problem(f"{quoted(drive.body)} has no shape {drive.shape} (they count from 0)",
-                          f"{path}.shape", allowed=allowed)
+            yield Problem("not-settable", f"{quoted(drive.body)} has no shape {drive.shape} (they "
+                          "count from 0)", f"{path}.shape", allowed=allowed)
         else:
-            yield Problem(f"shape {drive.shape} of {quoted(drive.body)} is a "
+            yield Problem("not-settable", f"shape {drive.shape} of {quoted(drive.body)} is a "
                           f"{shapes[drive.shape].type}; only a circle has a radius to set",
                           f"{path}.shape", allowed=allowed)
 
@@ -384,16 +387,17 @@ class _References:
             yield from self._fitting(pattern, path)
         elif not self.assumed and not meant([pattern], self.mechanism.bodies):
             roles = dict.fromkeys(BY_ROLE + body.role for body in self.mechanism.bodies)
-            yield Problem(f"no body has the role {quoted(pattern.removeprefix(BY_ROLE))}", path,
+            yield Problem("name-not-found",
+                          f"no body has the role {quoted(pattern.removeprefix(BY_ROLE))}", path,
                           allowed=listed(roles), hint=self.near(pattern, roles))
 
     def _fitting(self, pattern: str, path: str) -> Iterator[Problem]:
         """A pattern of bodies that fits none."""
         if not self._maybe(pattern) and not self._fits(pattern):
             grouped = any(group.name == pattern for group in self.mechanism.groups)
-            yield Problem(
-                f"no body's name matches {quoted(pattern)}", path, allowed=listed(self.bodies),
-                hint=f"'{pattern}.*'" if grouped else self.near(pattern, self.bodies))
+            yield Problem("name-not-found", f"no body's name matches {quoted(pattern)}", path,
+                          allowed=listed(self.bodies),
+                          hint=f"'{pattern}.*'" if grouped else self.near(pattern, self.bodies))
 
     def _maybe(self, pattern: str) -> bool:
         """Whether a body that could not be read may fit."""

@@ -58,10 +58,11 @@ def _try_signal(
         range(1, len(t) + 1), True, key=lambda n: _lacks(signal, t[:n], tables) != "")
     if positive and count and np.any((found := values(signal, t[:count], tables)) <= 0):
         first = t[int(np.argmax(found <= 0))]
-        yield Problem(f"the radius is not greater than 0 at t = {first:.4g} s", path)
+        yield Problem("out-of-range",
+                      f"the radius is not greater than 0 at t = {first:.4g} s", path)
     elif count < len(t):
-        yield Problem(f"{_lacks(signal, t[count:count + 1], tables)} at t = {t[count]:.4g} s", path,
-                      allowed=f"a finite value from 0 to {duration:g} s")
+        yield Problem("out-of-range", f"{_lacks(signal, t[count:count + 1], tables)} at t = "
+                      f"{t[count]:.4g} s", path, allowed=f"a finite value from 0 to {duration:g} s")
 
 
 def _lacks(signal: AnySignal, t: Array, tables: Tables) -> str:

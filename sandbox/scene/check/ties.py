@@ -30,14 +30,14 @@ def check_ties(
             for j, name in enumerate(getattr(event, field)):
                 path = f"$.events[{i}].{field}[{j}]"
                 if name in others:
-                    yield Problem(
-                        f"{quoted(name)} is a {NAMED[others[name]].one}, which cannot be let go",
-                        path, allowed=listed(known) or none("nothing holds anything"))
+                    yield Problem("not-releasable", f"{quoted(name)} is a "
+                                  f"{NAMED[others[name]].one}, which events cannot release", path,
+                                  allowed=listed(known) or none("nothing holds anything"))
                 elif name not in known and not assumed(name):
-                    yield Problem(
-                        f"there is no joint, spring or tendon named {quoted(name)}", path,
-                        allowed=listed(known) or none("nothing holds anything"),
-                        hint=near(name, known))
+                    yield Problem("name-not-found", "there is no joint, spring or tendon named "
+                                  f"{quoted(name)}", path,
+                                  allowed=listed(known) or none("nothing holds anything"),
+                                  hint=near(name, known))
                 elif name in wheels and (field == "take_up" or event.lasts is not None):
                     yield _no_mesh(name, path if field == "take_up" else f"$.events[{i}].lasts")
     for i, drive in enumerate(mechanism.drives):
@@ -50,8 +50,8 @@ def check_ties(
 
 
 def _no_mesh(name: str, path: str) -> Problem:
-    return Problem(f"{quoted(name)} joins wheels where they meet at t = 0; let go, they are never "
-                   "taken up again", path, allowed="a joint that joins points")
+    return Problem("not-releasable", f"{quoted(name)} joins wheels where they meet at t = 0, so "
+                   "events cannot take it up again", path, allowed="a joint that joins points")
 
 
 def _vanes(mechanism: Mechanism) -> Iterator[Problem]:
@@ -60,6 +60,6 @@ def _vanes(mechanism: Mechanism) -> Iterator[Problem]:
     for i, line in enumerate(mechanism.lines):
         for j, chamber in enumerate(line.chambers):
             if isinstance(chamber, Vane) and chamber.joint in loose:
-                yield Problem(f"{quoted(chamber.joint)} may be let go, and what is in this chamber "
-                              "with it", f"$.lines[{i}].chambers[{j}].joint",
+                yield Problem("not-releasable", f"{quoted(chamber.joint)} can be released, but "
+                              "this chamber needs it", f"$.lines[{i}].chambers[{j}].joint",
                               allowed="a hinge that stays")

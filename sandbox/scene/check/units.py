@@ -55,7 +55,7 @@ def check_units(mechanism: Mechanism) -> Iterator[Problem]:
         try:
             factor_of(value.unit, dimension)
         except WrongValueError as error:
-            yield Problem(error.message, path, allowed=error.allowed, hint=error.hint)
+            yield Problem.of(error, path)
 
 
 class _Dimensions:

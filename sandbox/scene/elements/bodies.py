@@ -15,14 +15,13 @@ from pydantic import (
     field_validator,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
 
 from sandbox.numeric import Array
 from sandbox.scene.elements.outlines import DiscCam, Drawing, SmoothCurve
 from sandbox.scene.elements.spec import Spec
-from sandbox.scene.outlines.cams import CamError, cam_nodes
+from sandbox.scene.outlines.cams import cam_nodes
 from sandbox.scene.outlines.curves import flattened, is_straight, turned
-from sandbox.scene.outlines.drawings import DrawingError, curves_of, own_file
+from sandbox.scene.outlines.drawings import curves_of, own_file
 from sandbox.scene.outlines.pieces import MOST_CORNERS as PIECE_CORNERS
 from sandbox.scene.outlines.pieces import CutError, pieces_of
 from sandbox.scene.outlines.rings import Ring, hole_fault, is_convex, ring_fault
@@ -42,9 +41,11 @@ from sandbox.scene.values.numbers import (
     Ratio,
     Share,
     Speed,
+    message_of,
 )
 from sandbox.scene.values.planes import Planes
 from sandbox.scene.values.signals import Path
+from sandbox.wording import WrongValueError
 
 
 class Circle(Spec):
@@ -85,19 +86,18 @@ def _checked_nodes(nodes: Nodes, rings: Sequence[Ring]) -> Nodes:
     """Nodes that belong to these outlines: each lies at one of its outline's corners.
 
     Raises:
-        PydanticCustomError: they do not.
+        WrongValueError: they do not.
     """
     if nodes and len(nodes) != len(rings):
-        raise PydanticCustomError("nodes", "there are {count} curves of 'nodes'", {
-            "count": len(nodes), "allowed": f"{len(rings)}, one for each outline, or none"})
+        raise WrongValueError("bad-outline", f"there are {len(nodes)} curves of 'nodes'",
+                              allowed=f"{len(rings)}, one for each outline, or none")
     for number, (curve, ring) in enumerate(zip(nodes, rings, strict=False)):
         places, corners = np.array(curve).reshape(-1, 4)[:, :2], np.array(ring)
         size = float(np.ptp(corners, axis=0).max())
         apart = np.hypot(*(places[:, None] - corners).transpose(2, 0, 1)).min(axis=1)
         if len(np.unique(places, axis=0)) < 2 or apart.max() > AT_CORNER * size:
-            raise PydanticCustomError("nodes", "the nodes of curve {number} do not belong to its "
-                                      "outline", {"number": number, "allowed":
-                                                  "two or more nodes, each at a corner"})
+            raise WrongValueError("bad-outline", f"the nodes of curve {number} are not on its "
+                                  "outline", allowed="two or more nodes, each at a corner")
     return nodes
 
 
@@ -124,7 +124,7 @@ class Polygon(Spec):
     @classmethod
     def _outlined(cls, ring: Ring) -> Ring:
         if fault := ring_fault(ring):
-            raise PydanticCustomError("polygon", "{fault}", {"fault": fault, "allowed": SOUND})
+            raise WrongValueError("bad-outline", f"{fault}", allowed=SOUND)
         return ring
 
     @field_validator("holes")
@@ -138,26 +138,24 @@ class Polygon(Spec):
         found = next(((k, fault) for k, ring in enumerate(holes) if (fault := ring_fault(ring))),
                      None) or hole_fault(outer, holes)
         if found is not None:
-            raise PydanticCustomError("polygon", "hole {number}: {fault}", {
-                "number": found[0], "fault": found[1], "allowed": SOUND})
+            raise WrongValueError("bad-outline", f"hole {found[0]}: {found[1]}", allowed=SOUND)
         return holes
 
     @model_validator(mode="after")
     def _cut(self) -> Self:
         corners = len(self.points) + sum(map(len, self.holes))
         if corners > MOST_CORNERS:
-            raise PydanticCustomError(
-                "polygon", "this outline and its holes have {corners} corners",
-                {"corners": corners, "allowed": f"at most {MOST_CORNERS}"})
+            raise WrongValueError("bad-outline", f"this outline and its holes have {corners} "
+                                  "corners", allowed=f"at most {MOST_CORNERS}")
         _checked_nodes(self.nodes, (self.points, *self.holes))
         if self.whole:
             return self
         try:
             pieces_of(self.points, self.holes)
         except CutError as error:
-            raise PydanticCustomError(
-                "polygon", "this outline cannot be cut into convex pieces: {reason}",
-                {"reason": str(error), "allowed": "sides further apart than rounding"}) from None
+            raise WrongValueError("bad-outline", "this outline cannot be cut into convex pieces: "
+                                  f"{error!s}", allowed="sides further apart than "
+                                  "rounding") from None
         return self
 
     @property
@@ -185,8 +183,7 @@ class Polyline(Spec):
     def _apart(cls, points: tuple[Point, ...]) -> tuple[Point, ...]:
         for i, (one, two) in enumerate(pairwise(points)):
             if one == two:
-                raise PydanticCustomError("polyline", "points {i} and {j} are the same point",
-                                          {"i": i, "j": i + 1})
+                raise WrongValueError("bad-outline", f"points {i} and {i + 1} are the same point")
         return points
 
     @model_validator(mode="after")
@@ -221,17 +218,12 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
     """The polygon or polyline of what is one once it is worked out; any other shape as it is."""
     if not isinstance(shape, DiscCam | Drawing | SmoothCurve):
         return shape
-    try:
-        if isinstance(shape, DiscCam):
-            rings, turn = [cam_nodes(shape.curve())], 0.0
-        elif isinstance(shape, SmoothCurve):
-            rings, turn = [shape.curve()], shape.angle
-        else:
-            rings, turn = _drawn(shape, info.context or {}), shape.angle
-    except (CamError, DrawingError) as error:
-        raise PydanticCustomError(shape.type, "{reason}", {
-            "reason": error.message, "allowed": error.allowed,
-            "hint": getattr(error, "hint", "")}) from None
+    if isinstance(shape, DiscCam):
+        rings, turn = [cam_nodes(shape.curve())], 0.0
+    elif isinstance(shape, SmoothCurve):
+        rings, turn = [shape.curve()], shape.angle
+    else:
+        rings, turn = _drawn(shape, info.context or {}), shape.angle
     rings = [turned(nodes, turn, shape.at) for nodes in rings]
     closed = not isinstance(shape, SmoothCurve) or shape.closed
     flat = _flat(rings, shape.tolerance, closed=closed)
@@ -253,7 +245,7 @@ def _flat(curves: list[Array], tolerance: float, *, closed: bool) -> list[Ring]:
     """Corners of curves, chords within a tolerance [m].
 
     Raises:
-        PydanticCustomError: there are too many.
+        WrongValueError: there are too many.
     """
     def flat(within: float) -> list[Ring]:
         return [flattened(nodes, within, closed=closed) for nodes in curves]
@@ -264,27 +256,25 @@ def _flat(curves: list[Array], tolerance: float, *, closed: bool) -> list[Ring]:
     wider = tolerance
     while sum(map(len, flat(wider))) > MOST_CORNERS and wider < 1e3 * tolerance:
         wider *= 2
-    raise PydanticCustomError(
-        "polygon", "within {tolerance} m this outline has {corners} corners; at most {most} may be",
-        {"tolerance": f"{tolerance:.3g}", "corners": corners, "most": MOST_CORNERS,
-         "allowed": f"a tolerance of {wider:.3g} m"})
+    raise WrongValueError("bad-outline", f"the tolerance of {tolerance:.3g} m needs {corners} "
+                          f"corners, more than {MOST_CORNERS}", allowed="a tolerance of "
+                          f"{wider:.3g} m")
 
 
 def _worked_out(rings: list[Ring], nodes: Nodes, *, closed: bool, radius: float) -> Shape:
     """A polygon or polyline that was worked out, if it is sound.
 
     Raises:
-        PydanticCustomError: it is not.
+        WrongValueError: it is not.
     """
     try:
         if not closed:
             return Polyline(type="polyline", points=rings[0], radius=radius, nodes=nodes)
         return Polygon(type="polygon", points=rings[0], holes=tuple(rings[1:]), nodes=nodes)
     except ValidationError as error:
-        wrong = error.errors(include_url=False)[0]
+        wrong = message_of(error.errors(include_url=False)[0])
         # corners of chords are not those that the author wrote: the place is enough
-        raise PydanticCustomError("polygon", "{reason}", {
-            "reason": wrong["msg"].partition(", where")[0], "allowed": SOUND}) from None
+        raise WrongValueError("bad-outline", wrong.partition(", where")[0], allowed=SOUND) from None
 
 
 if TYPE_CHECKING:
@@ -355,23 +345,22 @@ class Body(Spec):
     @model_validator(mode="after")
     def _complete(self) -> Self:
         if (self.motion == "scheduled") != (self.path is not None):
-            raise PydanticCustomError(
-                "path", "'path' and \"motion\": \"scheduled\" belong together")
+            raise WrongValueError("conflicting-keys", "'path' and \"motion\": \"scheduled\" belong "
+                                  "together")
         if any(isinstance(shape, Polyline) for shape in self.displaces):
-            raise PydanticCustomError(
-                "displaces", "a polyline has no area that could keep a liquid away",
-                {"allowed": "shapes with an area for 'displaces'"})
+            raise WrongValueError("bad-outline", "a polyline has no area that could keep a liquid "
+                                  "away", allowed="shapes with an area for 'displaces'")
         if self.motion == "dynamic":
             if any(isinstance(shape, Polyline) for shape in self.shapes):
-                raise PydanticCustomError(
-                    "polyline", "a polyline or an open curve has no area, so no body that moves "
-                    "freely has one", {"allowed": '"motion": "fixed" or "scheduled"; or a polygon, '
-                                       "a closed curve, capsules"})
+                raise WrongValueError(
+                    "bad-outline", "a dynamic body cannot have a polyline or open curve: it has no "
+                    "area", allowed='"motion": "fixed" or "scheduled"; or a closed shape')
             if (self.mass is None) == (self.density is None):
-                raise PydanticCustomError("mass", "a dynamic body has either 'mass' or 'density'")
+                raise WrongValueError("conflicting-keys", "a dynamic body needs either 'mass' or "
+                                      "'density'")
             if not self.shapes and (self.inertia is None or self.mass is None):
-                raise PydanticCustomError(
-                    "mass", "a dynamic body without shapes needs 'mass' and 'inertia'")
+                raise WrongValueError("conflicting-keys", "a dynamic body without shapes needs "
+                                      "'mass' and 'inertia'")
         return self
 
 
@@ -398,5 +387,5 @@ class Material(Spec):
     @model_validator(mode="after")
     def _rubs(self) -> Self:
         if self.static > 1 and not self.friction:
-            raise PydanticCustomError("friction", STATIC_OF_NOTHING)
+            raise WrongValueError("conflicting-keys", STATIC_OF_NOTHING)
         return self

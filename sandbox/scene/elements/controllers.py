@@ -15,7 +15,6 @@ import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
-from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import (
@@ -31,9 +30,9 @@ from sandbox.scene.values.numbers import (
     Quantity,
     checked_expression,
     parameters_of,
-    refusal,
 )
 from sandbox.scene.values.signals import AngleSignal, AnySignal, Signal
+from sandbox.wording import WrongValueError
 
 RATE = 1000.0
 """How often a controller acts by default [Hz]; the nearest whole number of steps is used."""
@@ -45,18 +44,14 @@ Matrix = tuple[tuple[Quantity, ...], ...]
 
 def bound(text: str, info: ValidationInfo) -> str:
     """An expression of quantities with the scene's parameters put in; a plain name stays."""
-    try:
-        expression = checked_expression(text, info).bind(parameters_of(info))
-    except ValueError as error:
-        raise refusal(error) from None
+    expression = checked_expression(text, info).bind(parameters_of(info))
     return f"={expression.text}" if text.lstrip().startswith("=") else text.strip()
 
 
 def _ordered(limits: Range | None) -> None:
     if limits is not None and limits[0] >= limits[1]:
-        raise PydanticCustomError(
-            "limits", "limits are [lowest, highest], and {low} is not below {high}",
-            {"low": f"{limits[0]:g}", "high": f"{limits[1]:g}"})
+        raise WrongValueError("out-of-range", f"limits are [lowest, highest], and {limits[0]:g} is "
+                              f"not below {limits[1]:g}")
 
 
 class _Controller(Spec):
@@ -132,8 +127,8 @@ class PidController(_Reader):
     @model_validator(mode="after")
     def _tracking_is_used(self) -> Self:
         if self.tracking is not None and self.anti_windup != "back_calculation":
-            raise PydanticCustomError(
-                "tracking", "'tracking' is for \"anti_windup\": \"back_calculation\"")
+            raise WrongValueError("conflicting-keys", "'tracking' is for \"anti_windup\": "
+                                  "\"back_calculation\"")
         return self
 
 
@@ -178,7 +173,7 @@ class SwitchController(_Reader):
     @model_validator(mode="after")
     def _thresholds(self) -> Self:
         if self.below >= self.above:
-            raise PydanticCustomError("limits", "'below' must be less than 'above'")
+            raise WrongValueError("out-of-range", "'below' must be less than 'above'")
         return self
 
 
@@ -214,7 +209,7 @@ class RelayController(_Reader):
     @classmethod
     def _switches(cls, amplitude: float) -> float:
         if amplitude == 0:
-            raise PydanticCustomError("range", "must not be 0: the relay would not switch")
+            raise WrongValueError("out-of-range", "must not be 0: the relay would not switch")
         return amplitude
 
 
@@ -240,9 +235,8 @@ class _Several(_Controller):
         for key in ("limits", "slew"):
             given = getattr(self, key)
             if given is not None and len(given) != len(self.writes):
-                raise PydanticCustomError("count", "'{key}': expected {wanted} entries, one for "
-                                          "each drive of 'writes', got {got}", {
-                    "key": key, "wanted": len(self.writes), "got": len(given)})
+                raise WrongValueError("wrong-type", f"'{key}': expected {len(self.writes)} "
+                                      f"entries, one a drive, got {len(given)}")
         return self
 
 
@@ -280,15 +274,13 @@ class StateFeedbackController(_Several):
                  if (given := getattr(self, key)) is not None
                  and (len(given) != rows or any(len(row) != columns for row in given))]
         if wrong:
-            raise PydanticCustomError(
-                "count", "'{key}': expected {rows} rows (drives) of {columns} numbers (readings)",
-                {"key": wrong[0], "rows": rows, "columns": columns})
+            raise WrongValueError("wrong-type", f"'{wrong[0]}': expected {rows} rows (drives) and "
+                                  f"{columns} columns")
         if len(self.targets) != columns:
-            raise PydanticCustomError("count", "'targets': expected {n} entries, one a reading",
-                                      {"n": columns})
+            raise WrongValueError("wrong-type", f"'targets': expected {columns} entries, one a "
+                                  "reading")
         if self.bias is not None and len(self.bias) != rows:
-            raise PydanticCustomError("count", "'bias': expected {n} entries, one a drive",
-                                      {"n": rows})
+            raise WrongValueError("wrong-type", f"'bias': expected {rows} entries, one a drive")
         return self
 
 
@@ -310,9 +302,8 @@ class FingerGeometry(Spec):
         for key, given, wanted in (("guides", self.guides, n + 1), ("from", self.on_previous, n),
                                    ("to", self.on_phalanx, n)):
             if len(given) != wanted:
-                raise PydanticCustomError(
-                    "count", "'{key}': a finger of {n} phalanges has {wanted}, got {got}",
-                    {"key": key, "n": n, "wanted": wanted, "got": len(given)})
+                raise WrongValueError("wrong-type", f"'{key}': a finger of {n} phalanges has "
+                                      f"{wanted}, got {len(given)}")
         return self
 
 
@@ -357,9 +348,8 @@ class EquilibriumController(_Several):
             counts["geometry"] = len(self.geometry.lengths)
         for key, got in counts.items():
             if got != n:
-                raise PydanticCustomError("count", "'{key}': expected {n} entries, one for each "
-                                          "drive of 'writes', got {got}",
-                                          {"key": key, "n": n, "got": got})
+                raise WrongValueError("wrong-type", f"'{key}': expected {n} entries, one a drive, "
+                                      f"got {got}")
         return self
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
-from pydantic_core import PydanticCustomError
 
 from sandbox.kinds.elements import DRIVES, ON_TENDON, DriveKind
 from sandbox.scene.elements.joints import Turn
@@ -36,6 +35,7 @@ from sandbox.scene.values.signals import (
     StiffnessSignal,
     TorqueSignal,
 )
+from sandbox.wording import WrongValueError
 
 
 class ForceDrive(Spec):
@@ -60,7 +60,7 @@ class ForceDrive(Spec):
     @classmethod
     def _not_zero(cls, direction: tuple[float, float]) -> tuple[float, float]:
         if direction == (0.0, 0.0):
-            raise PydanticCustomError("direction", "[0, 0] is no direction")
+            raise WrongValueError("out-of-range", "[0, 0] is no direction")
         return direction
 
 
@@ -123,9 +123,8 @@ class StiffnessDrive(Spec):
     @model_validator(mode="after")
     def _one_target(self) -> Self:
         if (self.spring is None) == (self.tendon is None):
-            raise PydanticCustomError(
-                "stiffness", "a stiffness drive sets that of a 'spring' or of a 'tendon', {said}",
-                {"said": "and names neither" if self.spring is None else "not of both"})
+            raise WrongValueError("conflicting-keys", "a stiffness drive needs either 'spring' or "
+                                  "'tendon'")
         return self
 
 
@@ -160,16 +159,14 @@ class MotorDrive(Spec):
     def _whole(self) -> Self:
         if (self.stall is None) != (self.no_load is None):
             lacks = "stall" if self.stall is None else "no_load"
-            raise PydanticCustomError(
-                "motor", "a motor's line goes from 'stall', its torque at rest, to 'no_load', its "
-                "speed without load: '{lacks}' is missing", {"lacks": lacks})
+            raise WrongValueError("missing-key", f"'{lacks}' is missing: 'stall' (torque at rest) "
+                                  "and 'no_load' (speed without load) belong together")
         if self.stall is None:
             for field, what in (("value", "the speed that it is to keep"),
                                 ("torque", "the most that it can give")):
                 if getattr(self, field) is None:
-                    raise PydanticCustomError(
-                        "motor", "a motor needs '{field}', {what}; or a line, 'stall' and "
-                        "'no_load'", {"field": field, "what": what})
+                    raise WrongValueError("missing-key", f"a motor needs '{field}', {what}; or a "
+                                          "line, 'stall' and 'no_load'")
         return self
 
 
@@ -197,10 +194,10 @@ class _PlaceDrive(Spec):
         stiffness, damping, speed = (getattr(self, name) for name in (
             "stiffness", "damping", "speed"))
         if stiffness is None and damping:
-            raise PydanticCustomError("servo", "'damping' goes with 'stiffness'")
+            raise WrongValueError("conflicting-keys", "'damping' needs 'stiffness'")
         if stiffness is not None and speed is not None:
-            raise PydanticCustomError(
-                "servo", "'speed' does not go with 'stiffness', whose 'damping' slows it")
+            raise WrongValueError("conflicting-keys", "'speed' and 'stiffness' exclude each other; "
+                                  "use 'damping'")
         return self
 
 

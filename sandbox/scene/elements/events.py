@@ -6,11 +6,11 @@ import math
 from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
-from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.controllers import bound
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import Duration, Frequency, Instant, Name, Quantity
+from sandbox.wording import WrongValueError
 
 
 def _listed(value: object) -> object:
@@ -64,14 +64,13 @@ class Event(Spec):
     @model_validator(mode="after")
     def _one_cause(self) -> Self:
         if (self.at is None) == (self.when is None):
-            raise PydanticCustomError("event", "give either 'at' or 'when'")
+            raise WrongValueError("conflicting-keys", "give either 'at' or 'when'")
         for key in ("after", "rate"):
             if self.at is not None and getattr(self, key):
-                raise PydanticCustomError("event", "'{key}' is for 'when', not for 'at'",
-                                          {"key": key})
+                raise WrongValueError("conflicting-keys", f"'{key}' needs 'when', not 'at'")
         if both := sorted(set(self.release) & set(self.take_up)):
-            raise PydanticCustomError(
-                "event", "'{name}' is let go and taken up by one event", {"name": both[0]})
+            raise WrongValueError("conflicting-keys", "one event cannot release and take up "
+                                  f"'{both[0]}'")
         return self
 
 

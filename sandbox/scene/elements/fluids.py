@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
-from pydantic_core import PydanticCustomError
 
 from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.scene.elements.spec import Spec
@@ -26,6 +25,7 @@ from sandbox.scene.values.numbers import (
     Pressure,
     Volume,
 )
+from sandbox.wording import WrongValueError
 
 
 class Cylinder(Spec):
@@ -61,9 +61,8 @@ class Vane(Spec):
     @model_validator(mode="after")
     def _something(self) -> Self:
         if abs(self.displacement) < 1e-24:
-            raise PydanticCustomError(
-                "displacement", "a displacement of 0 turns nothing: give the volume per angle, "
-                "such as 2 ml/rad, negative to turn the other way")
+            raise WrongValueError("out-of-range", "must not be 0: give a volume per angle such as "
+                                  "2 ml/rad; a negative one reverses the direction")
         return self
 
 
@@ -104,18 +103,17 @@ class Line(Spec):
     def _in_order(self) -> Self:
         most = self.least if self.relief is None else self.relief
         if self.least > 0 or self.least < -ATMOSPHERE:
-            raise PydanticCustomError(
-                "least", "the least pressure must be from -101325 Pa, a vacuum, to 0")
+            raise WrongValueError("out-of-range", "the least pressure must be from -101325 Pa, a "
+                                  "vacuum, to 0")
         if self.relief is not None and most <= 0:
-            raise PydanticCustomError("relief", "the relief must open at more than 0 Pa")
+            raise WrongValueError("out-of-range", "the relief must open at more than 0 Pa")
         if self.pressure < self.least or (self.relief is not None and self.pressure > most):
-            raise PydanticCustomError(
-                "pressure", "the pressure at t = 0 must lie between least and relief")
+            raise WrongValueError("out-of-range", "the pressure at t = 0 must lie between least "
+                                  "and relief")
         if self.gas is not None and self.modulus is not None:
-            raise PydanticCustomError(
-                "modulus", "a gas has no modulus of its own: leave out gas or modulus")
+            raise WrongValueError("conflicting-keys", "'gas' and 'modulus' exclude each other")
         if self.gas is not None and self.pressure <= -ATMOSPHERE:
-            raise PydanticCustomError("pressure", "there is no gas in a vacuum")
+            raise WrongValueError("out-of-range", "a line with gas needs a pressure above a vacuum")
         return self
 
 
@@ -146,9 +144,8 @@ class Valve(Spec):
     @model_validator(mode="after")
     def _between(self) -> Self:
         if self.a == self.b:
-            raise PydanticCustomError(
-                "valve", "a valve joins two lines, or a line and the tank: name a, b or both")
+            raise WrongValueError("conflicting-keys", "a valve needs a line: give 'a', 'b' or both")
         if self.resistance < 1e-12 and self.area is None:
-            raise PydanticCustomError(
-                "valve", "a valve needs a resistance greater than 0, or the area of an orifice")
+            raise WrongValueError("conflicting-keys", "a valve needs 'area', or a 'resistance' "
+                                  "greater than 0")
         return self

@@ -6,7 +6,6 @@ import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
-from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import (
@@ -25,6 +24,7 @@ from sandbox.scene.values.numbers import (
     Stiffness,
     Torque,
 )
+from sandbox.wording import WrongValueError
 
 Turn = Literal["counterclockwise", "clockwise"]
 
@@ -53,9 +53,9 @@ class _JointSpec(Spec):
     @model_validator(mode="after")
     def _anchored(self) -> Self:
         if self.a == self.b:
-            raise PydanticCustomError("joint", "'a' and 'b' must be two bodies")
+            raise WrongValueError("conflicting-keys", "'a' and 'b' must be two bodies")
         if self.on_a is None and self.on_b is None:
-            raise PydanticCustomError("joint", "give 'on_a' or 'on_b'")
+            raise WrongValueError("conflicting-keys", "give 'on_a' or 'on_b'")
         return self
 
 
@@ -87,12 +87,11 @@ class _RubbingSpec(_Closing):
     def _rubbing(self) -> Self:
         constant = self.constant_friction
         if constant and self.friction_coefficient:
-            raise PydanticCustomError(
-                "friction", "give 'friction' or 'friction_coefficient', not both")
+            raise WrongValueError("conflicting-keys", "give 'friction' or 'friction_coefficient', "
+                                  "not both")
         if self.static > 1 and not self.rubs:
-            raise PydanticCustomError(
-                "friction", "'static' is a multiple of friction that is not given: give 'friction' "
-                "or 'friction_coefficient', too")
+            raise WrongValueError("conflicting-keys", "'static' needs 'friction' or "
+                                  "'friction_coefficient'")
         return self
 
 
@@ -123,15 +122,12 @@ class Pin(_RubbingSpec):
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         if self.limits is not None and self.limits[0] >= self.limits[1]:
-            raise PydanticCustomError("limits", "limits are [lowest, highest]")
+            raise WrongValueError("out-of-range", "limits are [lowest, highest]")
         if self.friction_coefficient and self.pin_radius is None:
-            raise PydanticCustomError(
-                "friction", "the 'friction_coefficient' of a pin needs a 'pin_radius': its torque "
-                "is coefficient times radius times reaction")
+            raise WrongValueError("conflicting-keys", "the 'friction_coefficient' of a pin needs a "
+                                  "'pin_radius'")
         if self.pin_radius is not None and not self.friction_coefficient:
-            raise PydanticCustomError(
-                "friction", "'pin_radius' is where a 'friction_coefficient' rubs, and there is "
-                "none")
+            raise WrongValueError("conflicting-keys", "'pin_radius' needs a 'friction_coefficient'")
         return self
 
 
@@ -194,7 +190,7 @@ class Rope(_JointSpec):
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         if self.shortest > self.longest:
-            raise PydanticCustomError("limits", "'shortest' is larger than 'longest'")
+            raise WrongValueError("out-of-range", "'shortest' must not be greater than 'longest'")
         return self
 
 
@@ -218,7 +214,7 @@ class Actuator(_JointSpec):
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         if self.longest is not None and self.shortest >= self.longest:
-            raise PydanticCustomError("limits", "'shortest' has to be less than 'longest'")
+            raise WrongValueError("out-of-range", "'shortest' must be less than 'longest'")
         return self
 
 
@@ -256,7 +252,7 @@ class Gear(_JointSpec):
     @model_validator(mode="after")
     def _different(self) -> Self:
         if self.inside and self.radius_a == self.radius_b:
-            raise PydanticCustomError("gear", "a gear and the ring that it runs in have two radii")
+            raise WrongValueError("out-of-range", "the radii of gear and ring must differ")
         return self
 
 
@@ -286,7 +282,7 @@ class Rack(_JointSpec):
     @classmethod
     def _not_zero(cls, along: tuple[float, float]) -> tuple[float, float]:
         if along == (0.0, 0.0):
-            raise PydanticCustomError("direction", "[0, 0] is no direction")
+            raise WrongValueError("out-of-range", "[0, 0] is no direction")
         return along
 
 
@@ -311,7 +307,7 @@ class Roll(_JointSpec):
     @model_validator(mode="after")
     def _different(self) -> Self:
         if self.inside and self.radius_a == self.radius_b:
-            raise PydanticCustomError("roll", "a circle and the one it rolls in have two radii")
+            raise WrongValueError("out-of-range", "the radii of both circles must differ")
         return self
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
-from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import (
@@ -21,8 +20,8 @@ from sandbox.scene.values.numbers import (
     law_of,
     number_from,
     parameters_of,
-    refusal,
 )
+from sandbox.wording import WrongValueError
 
 MOTION = ("x", "y", "angle", "vx", "vy", "omega", "speed", "ax", "ay", "alpha", "t", "mass",
           "inertia")
@@ -35,10 +34,7 @@ def _law(dimension: str) -> Any:
     def read(value: Any, info: ValidationInfo) -> str:
         if isinstance(value, str) and value.lstrip().startswith("="):
             return law_of(value, MOTION, "body", info)
-        try:
-            return f"={number_from(value, dimension, parameters_of(info))!r}"
-        except ValueError as error:
-            raise refusal(error) from None
+        return f"={number_from(value, dimension, parameters_of(info))!r}"
 
     return BeforeValidator(read)
 
@@ -95,11 +91,11 @@ class LawLoad(Spec):
     @model_validator(mode="after")
     def _something(self) -> Self:
         if self.force is not None and self.acceleration is not None:
-            raise PydanticCustomError(
-                "load", "give 'force' or 'acceleration', the force per mass, not both")
+            raise WrongValueError("conflicting-keys", "give 'force' or 'acceleration', the force "
+                                  "per mass, not both")
         if self.force is None and self.acceleration is None and self.torque is None:
-            raise PydanticCustomError(
-                "load", "give a 'force', an 'acceleration' or a 'torque'")
+            raise WrongValueError("conflicting-keys", "give a 'force', an 'acceleration' or a "
+                                  "'torque'")
         return self
 
 
@@ -132,8 +128,7 @@ class DragLoad(Spec):
     @model_validator(mode="after")
     def _something(self) -> Self:
         if self.area is None and not self.linear and not self.turning:
-            raise PydanticCustomError(
-                "load", "nothing to act with: give 'linear', 'area' or 'turning'")
+            raise WrongValueError("conflicting-keys", "give 'linear', 'area' or 'turning'")
         return self
 
 

@@ -8,7 +8,6 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
-from pydantic_core import PydanticCustomError
 
 from sandbox.numeric import Array
 from sandbox.scene.elements.spec import Spec
@@ -16,6 +15,7 @@ from sandbox.scene.outlines.cams import CamCurve, tried_turns
 from sandbox.scene.outlines.curves import through
 from sandbox.scene.outlines.spline import PeriodicSpline
 from sandbox.scene.values.numbers import Angle, Coordinate, Distance, Flag, Length, Point
+from sandbox.wording import WrongValueError
 
 
 class SmoothCurve(Spec):
@@ -46,31 +46,31 @@ class SmoothCurve(Spec):
     @model_validator(mode="after")
     def _sound(self) -> Self:
         if self.closed and self.radius:
-            raise PydanticCustomError("curve", "'radius' belongs to an open curve", {
-                "allowed": "'\"closed\": false', or no 'radius'"})
+            raise WrongValueError("conflicting-keys", "'radius' belongs to an open curve",
+                                  allowed="'\"closed\": false', or no 'radius'")
         if self.corners and max(self.corners) >= len(self.points):
-            raise PydanticCustomError("curve", "there is no point {number}", {
-                "number": max(self.corners), "allowed": f"0 to {len(self.points) - 1}"})
+            raise WrongValueError("out-of-range", f"there is no point {max(self.corners)}",
+                                  allowed=f"0 to {len(self.points) - 1}")
         for i, one in enumerate(self.points):
             j = (i + 1) % len(self.points)
             if one == self.points[j] and (self.closed or j):
-                raise PydanticCustomError("curve", "points {i} and {j} are the same point", {
-                    "i": i, "j": j,
-                    "allowed": "each point once; a closed curve goes on to the first by itself"})
+                raise WrongValueError("bad-outline", f"points {i} and {j} are the same point",
+                                      allowed="each point once; a closed curve goes on to the "
+                                      "first by itself")
         return self
 
     def curve(self) -> Array:
         """Its nodes, [n, 4].
 
         Raises:
-            PydanticCustomError: it turns back on itself, because its points lie in one line.
+            WrongValueError: it turns back on itself, because its points lie in one line.
         """
         with np.errstate(invalid="ignore", divide="ignore"):
             nodes = through(np.array(self.points), closed=self.closed,
                             corners=tuple(sorted(set(self.corners))))
         if not np.isfinite(nodes).all():
-            raise PydanticCustomError("curve", "this curve turns back on itself at a point", {
-                "allowed": "points round an area, or a corner where it turns back"})
+            raise WrongValueError("bad-outline", "this curve turns back on itself at a point",
+                                  allowed="points round an area, or a corner where it turns back")
         return nodes
 
 
@@ -107,24 +107,22 @@ class DiscCam(Spec):
     @model_validator(mode="after")
     def _whole(self) -> Self:
         if self.follower == "roller" and self.roller is None:
-            raise PydanticCustomError("cam", "'roller' is missing, the radius of the roller", {
-                "allowed": "a 'roller', or '\"follower\": \"flat\"'"})
+            raise WrongValueError("missing-key", "'roller' is missing (its radius)",
+                                  allowed="a 'roller', or '\"follower\": \"flat\"'")
         if self.follower == "flat" and self.roller is not None:
-            raise PydanticCustomError("cam", "a flat follower has no 'roller'", {
-                "allowed": "no 'roller', or '\"follower\": \"roller\"'"})
+            raise WrongValueError("conflicting-keys", "a flat follower has no 'roller'",
+                                  allowed="no 'roller', or '\"follower\": \"roller\"'")
         angles = [angle for angle, _ in self.lift]
         for i, (one, two) in enumerate(pairwise(angles)):
             if two - one < 1e-6:
-                raise PydanticCustomError(
-                    "cam", "the angles of 'lift' must rise: {two} deg in entry {i} comes after "
-                    "{one} deg", {"one": f"{math.degrees(one):.6g}",
-                                  "two": f"{math.degrees(two):.6g}", "i": i + 1})
+                raise WrongValueError("bad-outline", "the angles of 'lift' must increase: entry "
+                                      f"{i + 1} has {math.degrees(two):.6g} deg after "
+                                      f"{math.degrees(one):.6g} deg")
         if angles[-1] - angles[0] > math.tau - 1e-6:
-            raise PydanticCustomError(
-                "cam", "the angles of 'lift' cover {turn} deg; plain numbers are radians",
-                {"turn": f"{math.degrees(angles[-1] - angles[0]):.6g}",
-                 "allowed": "less than a whole turn, without the first entry again at its end; "
-                 "'15 deg' for degrees"})
+            raise WrongValueError("bad-outline", "the angles of 'lift' cover "
+                                  f"{math.degrees(angles[-1] - angles[0]):.6g} deg; plain numbers "
+                                  "are radians", allowed="less than a whole turn, without the "
+                                  "first entry again at its end; '15 deg' for degrees")
         return self
 
     def curve(self) -> CamCurve:

@@ -17,7 +17,7 @@ from pydantic import (
     model_validator,
 )
 from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema, PydanticCustomError
+from pydantic_core import CoreSchema
 
 from sandbox.scene.elements.bodies import STATIC_OF_NOTHING
 from sandbox.scene.elements.spec import Spec
@@ -36,9 +36,9 @@ from sandbox.scene.values.numbers import (
     checked_expression,
     number_from,
     parameters_of,
-    refusal,
 )
 from sandbox.scene.values.shown import ShownLayers
+from sandbox.wording import WrongValueError
 
 RETIRED = ("iterations", "slop")
 """Settings of :class:`Run` that older scenes and recordings hold; nothing reads them."""
@@ -93,7 +93,7 @@ class ContactRule(Spec):
     @model_validator(mode="after")
     def _rubs(self) -> Self:
         if self.friction == 0 and (self.static or 1) > 1:
-            raise PydanticCustomError("friction", STATIC_OF_NOTHING)
+            raise WrongValueError("conflicting-keys", STATIC_OF_NOTHING)
         return self
 
 
@@ -110,20 +110,13 @@ class Meter(Spec):
     @field_validator("value")
     @classmethod
     def _bind(cls, text: str, info: ValidationInfo) -> str:
-        try:
-            expression = checked_expression(text, info).bind(parameters_of(info))
-        except ValueError as error:
-            raise refusal(error) from None
-        return f"={expression.text}"
+        return f"={checked_expression(text, info).bind(parameters_of(info)).text}"
 
 
 def _window(value: object, info: ValidationInfo) -> object:
     if isinstance(value, str) and value.startswith("last "):
         parameters = (info.context or {}).get("parameters", {})
-        try:
-            return (-number_from(value.removeprefix("last "), "time", parameters), None)
-        except ValueError as error:
-            raise refusal(error) from None
+        return (-number_from(value.removeprefix("last "), "time", parameters), None)
     return value
 
 
@@ -196,13 +189,13 @@ class Looked(Spec):
     @model_validator(mode="after")
     def _one_statistic(self) -> Self:
         if sum(getattr(self, name) is not None for name in (*STATISTICS, "of")) != 1:
-            raise PydanticCustomError(
-                "expect", f"give exactly one of {', '.join(STATISTICS)}, or 'quantity' with 'at'")
+            raise WrongValueError("conflicting-keys", "give exactly one of "
+                                  f"{', '.join(STATISTICS)}, or 'quantity' with 'at'")
         if (self.of is None) != (self.at is None):
-            raise PydanticCustomError("expect", "'quantity' and 'at' go together")
+            raise WrongValueError("conflicting-keys", "'quantity' and 'at' go together")
         if self.at is not None and self.over != (0.0, None):
-            raise PydanticCustomError(
-                "expect", "'at' is one instant and 'over' a window: give one of them")
+            raise WrongValueError("conflicting-keys", "'at' is one instant and 'over' a window: "
+                                  "give one of them")
         return self
 
 
@@ -232,11 +225,8 @@ class Expect(Looked):
     @classmethod
     def _tolerance(cls, value: object, info: ValidationInfo) -> object:
         fraction = isinstance(value, str) and value.strip().endswith("%")
-        try:
-            number = number_from(
-                value, "ratio" if fraction else None, (info.context or {}).get("parameters", {}))
-        except ValueError as error:
-            raise refusal(error) from None
+        number = number_from(
+            value, "ratio" if fraction else None, (info.context or {}).get("parameters", {}))
         return value if fraction else number
 
     @field_serializer("within")
@@ -249,9 +239,10 @@ class Expect(Looked):
         if sum(x is not None for x in (self.value, self.between)) + (
             self.above is not None or self.below is not None
         ) != 1:
-            raise PydanticCustomError("expect", "give one of 'is', 'between', or 'above'/'below'")
+            raise WrongValueError("conflicting-keys", "give one of 'is', 'between', or "
+                                  "'above'/'below'")
         if self.between is not None and self.between[0] > self.between[1]:
-            raise PydanticCustomError("expect", "'between' is [lowest, highest]")
+            raise WrongValueError("out-of-range", "'between' is [lowest, highest]")
         return self
 
     def range(self) -> tuple[float, float]:
@@ -309,17 +300,14 @@ class ShownMeter(Spec):
     @field_validator("of")
     @classmethod
     def _bind(cls, words: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
-        try:
-            return tuple(
-                f"={checked_expression(word, info).bind(parameters_of(info)).text}"
-                if word.lstrip().startswith("=") else word for word in words)
-        except ValueError as error:
-            raise refusal(error) from None
+        return tuple(
+            f"={checked_expression(word, info).bind(parameters_of(info)).text}"
+            if word.lstrip().startswith("=") else word for word in words)
 
     @model_validator(mode="after")
     def _rises(self) -> Self:
         if self.range is not None and not self.range[0] < self.range[1]:
-            raise PydanticCustomError("meter", "'range' is [lowest, highest]")
+            raise WrongValueError("out-of-range", "'range' is [lowest, highest]")
         return self
 
 

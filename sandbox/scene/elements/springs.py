@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Annotated, Literal, TypeVar
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
-from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import (
@@ -23,6 +22,7 @@ from sandbox.scene.values.numbers import (
     Torque,
     law_of,
 )
+from sandbox.wording import WrongValueError
 
 TakenUp = Literal["natural", "as_is"]
 AnySpring = TypeVar("AnySpring", "LinearSpring", "RotarySpring")
@@ -46,8 +46,7 @@ def _one_law(spring: AnySpring) -> AnySpring:
     law = getattr(spring, field)
     if (spring.stiffness is None) == (law is None):
         said = "not both" if law is not None else "one of them"
-        raise PydanticCustomError("law", "give 'stiffness' or '{field}', {said}",
-                                  {"field": field, "said": said})
+        raise WrongValueError("conflicting-keys", f"give 'stiffness' or '{field}', {said}")
     return spring
 
 

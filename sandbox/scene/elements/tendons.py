@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
-from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.elements.springs import TakenUp
@@ -22,6 +21,7 @@ from sandbox.scene.values.numbers import (
     Ratio,
     Stiffness,
 )
+from sandbox.wording import WrongValueError
 
 RIGID = 1e5
 """Stiffness [N/m] that stands for a cord without stretch: 0.04 mm under the pull of a finger."""
@@ -113,12 +113,11 @@ class Tendon(Spec):
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         if self.pretension is not None and (self.rest_length is not None or self.slack):
-            raise PydanticCustomError(
-                "tendon", "a cord has a pretension, or a rest_length and slack, not both")
+            raise WrongValueError("conflicting-keys", "a cord has a pretension, or a rest_length "
+                                  "and slack, not both")
         if self.closed and len(self.guides) == 2 and not any(g.radius for g in self.guides):
-            raise PydanticCustomError(
-                "tendon", "a loop round two points without radii encloses nothing: give one of its "
-                "guides a radius")
+            raise WrongValueError("bad-tendon-path", "a loop of two guides encloses nothing: give "
+                                  "one a radius")
         return self
 
     @property

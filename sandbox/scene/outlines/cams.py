@@ -25,6 +25,7 @@ import numpy as np
 from sandbox.numeric import Array
 from sandbox.scene.outlines.curves import nodes_along
 from sandbox.scene.outlines.spline import PeriodicSpline
+from sandbox.wording import WrongValueError
 
 TRIED = 3600
 """Angles at which undercut is looked for, besides 8 between neighbours in the table."""
@@ -34,14 +35,6 @@ FINE = 1e-9
 """How far the outline's spans may be from the envelope [m]."""
 LARGEST = 1e6
 """The largest radius that is told [m]."""
-
-
-class CamError(ValueError):
-    """A cam that cannot be, and what would do."""
-
-    def __init__(self, message: str, allowed: str = "") -> None:
-        super().__init__(message)
-        self.message, self.allowed = message, allowed
 
 
 @dataclass(frozen=True)
@@ -105,13 +98,14 @@ def cam_nodes(curve: CamCurve) -> Array:
     """Nodes of the outline, counter-clockwise, with one at every angle of the lift's table, [n, 4].
 
     Raises:
-        CamError: undercut, with what would do.
+        WrongValueError: undercut; with the allowed radii.
     """
     lowest = float(curve.lift(curve.tried)[0].min())
     if curve.base + lowest <= 0:
-        raise CamError(f"the curve through the lift's entries goes down to {lowest:.6g} m, below "
-                       "the cam's centre", f"a base radius above {-lowest:.6g} m, or more entries "
-                       "where the curve swings between them")
+        raise WrongValueError(
+            "bad-outline", f"the curve through the entries of 'lift' goes down to {lowest:.6g} m, "
+            "below the cam's centre", allowed=f"a base radius above {-lowest:.6g} m, or more "
+            "entries where the curve swings between them")
     if not curve.fits():
         raise _undercut(curve)
     first = curve.lift.angles[0]
@@ -122,7 +116,7 @@ def cam_nodes(curve: CamCurve) -> Array:
     return nodes_along(lambda at: curve.nodes(-curve.sense * at), np.sort(turns), FINE)[:-1]
 
 
-def _undercut(curve: CamCurve) -> CamError:
+def _undercut(curve: CamCurve) -> WrongValueError:
     radius = curve.radius(curve.tried)
     worst = int(radius.argmin())
     low, high = curve.base, LARGEST
@@ -142,7 +136,8 @@ def _undercut(curve: CamCurve) -> CamError:
         if low > 0:
             allowed += f", or a roller of at most {low:.3g} m"
     turn = math.degrees(float(curve.tried[worst]))
-    return CamError(f"this cam is undercut at a turn of {turn:.4g} deg: {what}", allowed)
+    return WrongValueError("bad-outline", f"this cam is undercut at a turn of {turn:.4g} deg: "
+                           f"{what}", allowed=allowed)
 
 
 def _up(value: float) -> float:

@@ -27,7 +27,7 @@ from sandbox.scene.outlines.curves import (
     reversed_nodes,
 )
 from sandbox.scene.outlines.rings import inside, signed_area
-from sandbox.wording import listed, near, quoted
+from sandbox.wording import WrongValueError, listed, near, quoted
 
 MOST_BYTES = 1_000_000
 """Of a drawing: some seconds of reading."""
@@ -47,12 +47,11 @@ PIXEL = 0.0254 / 96
 """Of an SVG file without a unit of its own [m]."""
 
 
-class DrawingError(ValueError):
-    """A drawing that gives no outline: why, what would do, a near miss."""
+class DrawingError(WrongValueError):
+    """A drawing without a usable outline: message, allowed values, a similar name."""
 
     def __init__(self, message: str, allowed: str = "", hint: str = "") -> None:
-        super().__init__(message)
-        self.message, self.allowed, self.hint = message, allowed, hint
+        super().__init__("bad-drawing", message, allowed=allowed, hint=hint)
 
 
 @dataclass(frozen=True)
@@ -150,10 +149,9 @@ def _closed(nodes: Array, tolerance: float, name: str) -> Array:
     apart = math.dist(nodes[0, :2], nodes[-1, :2])
     if apart > tolerance:
         (x0, y0), (x1, y1) = nodes[0, :2].tolist(), nodes[-1, :2].tolist()
-        raise DrawingError(
-            f"{quoted(name)}: an outline is open, from [{x0:.6g}, {y0:.6g}] to [{x1:.6g}, "
-            f"{y1:.6g}] m", f"ends that meet within the tolerance of {tolerance:g} m; their "
-            f"distance is {apart:.4g} m")
+        raise DrawingError(f"{quoted(name)}: an outline is open, from [{x0:.6g}, {y0:.6g}] to "
+                           f"[{x1:.6g}, {y1:.6g}] m", "ends that meet within the tolerance of "
+                           f"{tolerance:g} m; their distance is {apart:.4g} m")
     if len(flattened(nodes, tolerance, closed=False)) < 4:
         raise DrawingError(f"{quoted(name)}: an outline at [{nodes[0][0]:.6g}, "
                            f"{nodes[0][1]:.6g}] m has no area")

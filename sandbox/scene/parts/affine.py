@@ -38,6 +38,7 @@ def added(one: AnySignal, other: AnySignal) -> AnySignal:
         return _tables(one, other)
     if isinstance(one, Table) or isinstance(other, Table):
         raise PartError([Problem(
+            "bad-part",
             "a path with a table for one of x and y and something else for the other cannot be "
             "turned", path="", allowed="tables for both, expressions for both, or a quarter turn")])
     return Formula(expression=f"={_text(one)} + {_text(other)}")

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import Any, Literal, Self, TypeVar
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
-from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.bodies import Body, Box, Capsule
 from sandbox.scene.elements.joints import Joint, Pin, Turn
@@ -47,6 +46,7 @@ from sandbox.scene.values.numbers import (
     Stiffness,
 )
 from sandbox.scene.values.planes import Planes
+from sandbox.wording import WrongValueError
 
 ANCHOR_DISTANCE = 0.015  # from V_0 back to where a finger's tendon ends by default [m]
 PALM_MARGIN = 0.003  # of the palm's block around what it carries [m]
@@ -160,15 +160,14 @@ class Finger(Spec):
     @model_validator(mode="after")
     def _weighed(self) -> Self:
         if (self.masses is None) == (self.density is None):
-            raise PydanticCustomError("mass", "a finger has either 'masses' or 'density'")
+            raise WrongValueError("conflicting-keys", "a finger needs either 'masses' or 'density'")
         return self
 
 
 def _check_count(given: Sequence[object], counts: tuple[int, ...], what: str) -> None:
     if len(given) not in counts:
         wanted = " or ".join(str(count) for count in dict.fromkeys(counts))
-        raise PydanticCustomError("count", "{what}: expected {wanted} entries, got {got}", {
-            "what": what, "wanted": wanted, "got": len(given)})
+        raise WrongValueError("wrong-type", f"{what}: expected {wanted} entries, got {len(given)}")
 
 
 @dataclass(frozen=True)

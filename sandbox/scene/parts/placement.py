@@ -176,8 +176,8 @@ class Mover:
     def _outside(self, name: str, path: str) -> Body:
         body = self.outside(name)
         if body is None:
-            raise PartError([Problem(f"no body of this assembly or before it is named {name!r}",
-                                     path=path, hint=near(name, self.own))])
+            raise PartError([Problem("name-not-found", "no body of this assembly or before it is "
+                                     f"named {name!r}", path=path, hint=near(name, self.own))])
         return body
 
     def _ruled(self, rule: Rule, value: Any) -> Any:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, WithJsonSchema, model_validator
-from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.bodies import Body, Box, Circle
 from sandbox.scene.elements.joints import Joint, Pin, Rod, Rope, Slot
@@ -25,6 +24,7 @@ from sandbox.scene.values.numbers import (
     Stiffness,
 )
 from sandbox.scene.values.planes import Planes
+from sandbox.wording import WrongValueError
 
 ARM_FRACTION = 0.2  # of the square's mass, for the body that carries the rod's angle
 
@@ -74,9 +74,9 @@ class Section(Spec):
     @model_validator(mode="after")
     def _whole(self) -> Self:
         if (self.square is None) != (self.rod is None):
-            raise PydanticCustomError("section", "'square' and 'rod' belong together")
+            raise WrongValueError("conflicting-keys", "'square' and 'rod' belong together")
         if self.rod is not None and self.rod[0] > self.rod[1]:
-            raise PydanticCustomError("section", "'rod' is a length or [shortest, longest]")
+            raise WrongValueError("wrong-type", "'rod' is a length or [shortest, longest]")
         return self
 
 

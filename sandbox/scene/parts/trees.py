@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema, PydanticCustomError
+from pydantic_core import CoreSchema
 
 from sandbox.errors import Problem
 from sandbox.scene.elements.bodies import Body, Capsule, Circle, Shape
@@ -22,7 +22,7 @@ from sandbox.scene.geometry import Vec, pose_of, to_world
 from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.parts.plan import Node, nodes_of, plan_tree
 from sandbox.scene.values.numbers import Angle, Damping, Length, Mass, Name, Point, Ratio, Stiffness
-from sandbox.wording import NearMisses
+from sandbox.wording import NearMisses, WrongValueError
 
 LEAST_DISTANCE = 1e-6  # between the strings of two leaves that need no eyes [m]
 ACTUATOR_DISTANCE = 0.02  # from the root at the end of its travel to the actuator [m]
@@ -88,7 +88,7 @@ class _TreeSpec(Spec):
         if self.shares is not None and (
             len(self.shares) != len(self.pulls) or min(self.shares) <= 0
         ):
-            raise PydanticCustomError("shares", "'shares' has a positive number for every leaf")
+            raise WrongValueError("out-of-range", "'shares' needs a positive number for each leaf")
         return self
 
 
@@ -150,9 +150,9 @@ def _leaf_ends(tree: _TreeSpec, known: Known) -> list[_End]:
     problems = []
     for i, (leaf, end) in enumerate(zip(tree.pulls, found, strict=True)):
         if end is None and not _begins(leaf.name, known.failed):
-            problems.append(Problem(
-                f"no finger, tendon or body is named {leaf.name!r}", path=f".pulls[{i}]",
-                hint=near(leaf.name, names)))
+            problems.append(Problem("name-not-found", "no finger, tendon or body is named "
+                                    f"{leaf.name!r}", path=f".pulls[{i}]",
+                                    hint=near(leaf.name, names)))
     if problems or None in found:
         raise PartError(problems)
     return [end for end in found if end is not None]

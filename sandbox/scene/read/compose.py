@@ -110,7 +110,7 @@ class _Composer(Writer):
         self.grow(CONTAINER if isinstance(value, (dict, list)) else 2)
         if len(trail) > self.limits.nesting:
             self.problems.append(place.problem(
-                f"spelled out, this is nested deeper than the limit 'nesting' of "
+                "limit-exceeded", f"spelled out, this is nested deeper than the limit 'nesting' of "
                 f"{self.limits.nesting}"))
             raise TooLargeError
         if isinstance(value, str):
@@ -262,7 +262,7 @@ class _Composer(Writer):
             value, place, deeper = merged["parameters"]
             if not isinstance(value, dict):
                 self.problems.append(place.problem(
-                    f"expected an object {{…}}, got {kind_of(value)}"))
+                    "wrong-type", f"expected an object {{…}}, got {kind_of(value)}"))
                 return None
             given = value if deeper else own(value, place)
         known = context.scope.known
@@ -271,8 +271,8 @@ class _Composer(Writer):
         if "include" in merged:
             for name in [name for name in given if name not in defaults]:
                 self.problems.append(given[name][1].problem(
-                    f"the included scene has no parameter {quoted(name)}", key=True,
-                    allowed=listed(defaults) or "none", hint=near(name, defaults)))
+                    "name-not-found", f"the included scene has no parameter {quoted(name)}",
+                    key=True, allowed=listed(defaults) or "none", hint=near(name, defaults)))
             given = {name: entry for name, entry in given.items() if name in defaults}
         for name, (value, place, _) in given.items():
             values[name] = (self.parameter(name, value, place, context, given)
@@ -312,12 +312,12 @@ class _Composer(Writer):
         self.places.put(out, "type", here)
         try:
             if "type" in merged and merged["type"][0] != "assembly":
-                raise WrongValueError("only an assembly includes a scene",
+                raise WrongValueError("bad-include", "only an assembly includes a scene",
                                       allowed='"type": "assembly", or no type')
             value = self.text(value, place, context) if isinstance(value, str) else value
             path = self.library.find(value)
             if path in context.files:
-                raise WrongValueError("a scene that includes itself has no end: "
+                raise WrongValueError("bad-include", "a scene that includes itself has no end: "
                                       + " → ".join(each.name for each in (*context.files, path)))
             source = self.library.open(path, _shown(self.library.main, path))
             self.content(out, source, path, merged, here, context, trail)
@@ -347,7 +347,7 @@ class _Composer(Writer):
             return scope
         if not isinstance(tables, dict):
             self.problems.append(root.to("tables").problem(
-                f"expected an object {{…}}, got {kind_of(tables)}"))
+                "wrong-type", f"expected an object {{…}}, got {kind_of(tables)}"))
             return scope
         renamed: dict[str, str] = {}
         for name, entry in tables.items():
@@ -378,7 +378,7 @@ class _Composer(Writer):
         defaults = data.get("parameters", {})
         if not isinstance(defaults, dict):
             self.problems.append(root.to("parameters").problem(
-                f"expected an object {{…}}, got {kind_of(defaults)}"))
+                "wrong-type", f"expected an object {{…}}, got {kind_of(defaults)}"))
             return
         plain = plain_tables(data.get("tables"))
         own_values = resolve_parameters(defaults, plain, others_of(data.get("tables"), plain))

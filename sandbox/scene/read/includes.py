@@ -40,31 +40,35 @@ class Library:
             WrongValueError: no name of a scene in the folder of the scene's file.
         """
         if not isinstance(name, str):
-            raise WrongValueError(f"'include' is the name of a scene, not {kind_of(name)}")
+            raise WrongValueError("bad-include",
+                                  f"'include' is the name of a scene, not {kind_of(name)}")
         if self.main.path is None:
-            raise WrongValueError("a scene that comes from no file has no folder to include from",
+            raise WrongValueError("bad-include",
+                                  "a scene that comes from no file has no folder to include from",
                                   allowed="the path of a scene's file in place of its data")
         folder = self.main.path.parent
         stem = name.removesuffix(".json")
         if not _NAME.fullmatch(stem) or set(stem) == {"."}:
-            raise WrongValueError(
-                f"{quoted(name)} is not the name of a scene in this scene's own folder",
-                allowed="a plain name, without a path: files elsewhere are not read",
-                hint=near(re.split(r"[/\\]", stem)[-1], _beside(folder)))
+            raise WrongValueError("bad-include", f"{quoted(name)} is not the name of a scene in "
+                                  "this scene's own folder", allowed="a plain name, without a "
+                                  "path: files elsewhere are not read",
+                                  hint=near(re.split(r"[/\\]", stem)[-1], _beside(folder)))
         path = folder / f"{stem}.json"
         try:
             real = path.resolve(strict=True)
             if real.parent != folder.resolve(strict=True):
-                raise WrongValueError(f"{quoted(path.name)} is a link that leads out of this "
+                raise WrongValueError("bad-include",
+                                      f"{quoted(path.name)} is a link that leads out of this "
                                       "scene's folder", allowed="a file of the folder itself")
             if not stat.S_ISREG(real.stat().st_mode):
-                raise WrongValueError(f"{quoted(path.name)} is no file that holds a scene")
+                raise WrongValueError("bad-include",
+                                      f"{quoted(path.name)} is no file that holds a scene")
         except (OSError, RuntimeError):
             others = _beside(folder)
             copied = (f"; 'sandbox new {stem}' copies the shipped one"
                       if stem in shipped_scenes() else "")
             raise WrongValueError(
-                f"there is no scene {quoted(stem)} beside this one{copied}",
+                "bad-include", f"there is no scene {quoted(stem)} beside this one{copied}",
                 hint=near(stem, others),
                 allowed=listed(others) or "none: no other scene is in the folder") from None
         return real
@@ -83,10 +87,10 @@ class Library:
         except OSError:
             size = 0  # reading it says why
         if self.size + size > self.limits.file_bytes:
-            raise WrongValueError(
-                f"with {quoted(path.name)} the files of this scene are larger than the limit "
-                f"'file_bytes' of {self.limits.file_bytes} bytes",
-                allowed="larger ones when the limit is raised")
+            raise WrongValueError("limit-exceeded", f"with {quoted(path.name)} the files of this "
+                                  "scene are larger than the limit 'file_bytes' of "
+                                  f"{self.limits.file_bytes} bytes", allowed="larger ones when the "
+                                  "limit is raised")
         try:
             found = read_source(path, limits=self.limits)
         except SceneError as error:
@@ -94,7 +98,8 @@ class Library:
                               for problem in error.problems], name) from None
         found = dataclasses.replace(found, name=name)
         if not isinstance(found.data, dict):
-            raise SceneError([Problem(f"a scene is an object {{…}}, not {kind_of(found.data)}", "$",
+            raise SceneError([Problem("wrong-type",
+                                      f"a scene is an object {{…}}, not {kind_of(found.data)}", "$",
                                       *found.where(()), file=name)], name)
         self.size += size
         self.read[path] = found

@@ -80,7 +80,7 @@ def over(limits: Limits, name: str, asked: float, path: str, what: str) -> Itera
     """The problem of what asks for more than a limit allows; ``what`` has ``{count}`` in it."""
     most = getattr(limits, name)
     if asked > most:
-        yield Problem(what.format(count=_count(asked)), path, allowed=(
+        yield Problem("limit-exceeded", what.format(count=_count(asked)), path, allowed=(
             f"at most {_count(most)} (the limit '{name}', raised by --limit {name}=N)"))
 
 

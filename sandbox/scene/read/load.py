@@ -113,16 +113,17 @@ def read_scene(
         SceneError: every problem of the scene, each with its place.
     """
     if limits is not None and not isinstance(limits, Limits):
-        raise SceneError([Problem(f"{quoted(limits)} are no limits", "limits",
+        raise SceneError([Problem("bad-argument", f"{quoted(limits)} are no limits", "limits",
                                   allowed="sandbox.scene.read.limits.Limits(steps=10_000_000)")])
     limits = limits or Limits()
     if overrides is not None and not isinstance(overrides, Mapping):
-        raise SceneError([Problem(f"{quoted(overrides)} does not say what to replace", "overrides",
+        raise SceneError([Problem("bad-argument",
+                                  f"{quoted(overrides)} does not say what to replace", "overrides",
                                   allowed='values by their paths, such as {"run.step": "1 ms"}')])
     found = _source(source, limits)
     if not isinstance(found.data, dict):
-        raise SceneError([Problem(f"a scene is an object {{…}}, not {kind_of(found.data)}", "$",
-                                  *found.where(()))], found.name)
+        raise SceneError([Problem("wrong-type", f"a scene is an object {{…}}, not "
+                                  f"{kind_of(found.data)}", "$", *found.where(()))], found.name)
     loading = _Loading(found, limits, folder=_folder(source))
     loaded = loading.scene(found.data, overrides or {})
     if loading.problems or loaded is None:
@@ -139,7 +140,8 @@ def _source(source: str | os.PathLike[str] | Mapping[str, Any], limits: Limits) 
         return SceneSource(data)
     text = os.fspath(source) if isinstance(source, os.PathLike) else source
     if not isinstance(text, str):
-        raise SceneError([Problem(f"{quoted(source)} is no scene", "source", allowed="a path, the "
+        raise SceneError([Problem("bad-argument",
+                                  f"{quoted(source)} is no scene", "source", allowed="a path, the "
                                   "name of a shipped scene, or a mapping of what a file holds")])
     path = _path(Path(text))
     found = read_source(path, limits=limits)
@@ -172,21 +174,22 @@ def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) ->
     """A copy of Python data as a JSON file would give it."""
     if isinstance(value, (Mapping, list, tuple)) and len(path) >= nesting:
         if not problems:
-            problems.append(Problem(
-                f"nested deeper than the limit 'nesting' of {nesting}", shown_path(path)))
+            problems.append(Problem("limit-exceeded", "nested deeper than the limit 'nesting' of "
+                                    f"{nesting}", shown_path(path)))
         return None
     if isinstance(value, Mapping):
         for key in value:
             if not isinstance(key, str):
-                problems.append(Problem(f"a key is text, not {kind_of(key)}", shown_path(path)))
+                problems.append(Problem("wrong-type",
+                                        f"a key is text, not {kind_of(key)}", shown_path(path)))
             elif half := half_character(key):
-                problems.append(Problem(half, shown_path((*path, key)), key=True))
+                problems.append(Problem("invalid-json", half, shown_path((*path, key)), key=True))
         return {key: _plain(entry, (*path, key), nesting, problems)
                 for key, entry in value.items() if isinstance(key, str)}
     if isinstance(value, (list, tuple)):
         return [_plain(entry, (*path, i), nesting, problems) for i, entry in enumerate(value)]
     if isinstance(value, str) and (half := half_character(value)):
-        problems.append(Problem(half, shown_path(path)))
+        problems.append(Problem("invalid-json", half, shown_path(path)))
     if isinstance(value, numbers.Real) and not isinstance(value, (bool, int, float)):
         return float(value)
     return value
@@ -246,7 +249,8 @@ class _Loading:
             scene = Scene.model_validate(data, context=context)
         except ValidationError as error:
             if (count := error.error_count()) > MOST_WRONG:
-                self.report([Problem(f"{count} values are wrong, and no more than {MOST_WRONG} "
+                self.report([Problem("limit-exceeded",
+                                     f"{count} values are wrong, and no more than {MOST_WRONG} "
                                      "are looked into"), *explain(error, data, Scene, MOST_WRONG)])
                 return None
             problems = explain(error, data, Scene)
@@ -396,14 +400,14 @@ def _twice(scene: Scene, readable: _Readable) -> Iterable[Problem]:
     for i, part in enumerate(scene.parts):
         if part.name in first:
             other = path_text(("parts", readable.kept["parts"][first[part.name]]))
-            yield readable.located(Problem(
-                f"the name {quoted(part.name)} is taken by {other}", f"$.parts[{i}].name",
-                allowed="a name of its own for every part"))
+            yield readable.located(Problem("duplicate-name", f"the name {quoted(part.name)} is "
+                                           f"taken by {other}", f"$.parts[{i}].name",
+                                           allowed="a name of its own for every part"))
         first.setdefault(part.name, i)
 
 
 def _newer_format(data: dict[str, Any]) -> Iterable[Problem]:
     given = data.get("format")
     if isinstance(given, int) and not isinstance(given, bool) and given > FORMAT:
-        yield Problem(f"this scene has format {given}; this version of sandbox reads "
-                      f"format {FORMAT}", "$.format")
+        yield Problem("unsupported-format", f"this scene has format {given}; this version of "
+                      f"sandbox reads format {FORMAT}", "$.format")

@@ -1,4 +1,4 @@
-"""The models' complaints in plain words: where, what, what is allowed, what was meant."""
+"""Translation of pydantic's validation errors to problems."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from sandbox.codes import CODES
 from sandbox.errors import Problem
 from sandbox.scene.read.models import bare, fields_page, type_at
 from sandbox.scene.read.paths import JsonPath, holds, path_text
-from sandbox.wording import MOST_NAMED, NearMisses, kind_of, listed, quoted
+from sandbox.scene.values.numbers import message_of
+from sandbox.wording import MOST_NAMED, NearMisses, WrongValueError, kind_of, listed, quoted
 
 COMPOSING = ("like", "repeat", "include", "parameters")
 """Words that an entry of a list may hold before the models see it: offered where they are meant."""
@@ -55,10 +57,14 @@ def _problem(
     if error["type"] in ("union_tag_invalid", "union_tag_not_found", "literal_error"):
         return _choice(error, path, model, near)
     context: Mapping[str, Any] = error.get("ctx", {})
-    translate = _WORDS.get(error["type"])
-    message = translate(error, context) if translate else _tidy(error["msg"])
-    return Problem(message, path_text(path), allowed=str(context.get("allowed", "")),
-                   hint=str(context.get("hint", "")), key=error["loc"][-1:] == ("[key]",))
+    kind, on_key = error["type"], error["loc"][-1:] == ("[key]",)
+    if isinstance(wrong := context.get("error"), WrongValueError):
+        return Problem.of(wrong, path_text(path), key=on_key)
+    translate = _WORDS.get(kind)
+    message = translate(error, context) if translate else _tidy(message_of(error))
+    code = kind if kind in CODES else _CODES.get(kind, "wrong-type")
+    return Problem(code, message, path_text(path), allowed=str(context.get("allowed", "")),
+                   hint=str(context.get("hint", "")), key=on_key)
 
 
 def locate(data: Any, loc: tuple[int | str, ...], wrong: Any, kind: str) -> JsonPath:
@@ -107,7 +113,7 @@ def _unknown_key(
     known = isinstance(kind, type) and issubclass(kind, BaseModel)
     keys = _keys(kind) if known else []
     words = COMPOSING if len(path) > 1 and isinstance(path[-2], int) else ()
-    return Problem(f"unknown key {quoted(key)}", path_text(path),
+    return Problem("unknown-key", f"unknown key {quoted(key)}", path_text(path),
                    allowed=_few(kind) if known else "", hint=near(key, [*keys, *words]), key=True)
 
 
@@ -131,20 +137,21 @@ def _choice(
     if error["type"] == "literal_error":
         given, choices = error["input"], _QUOTED.findall(str(context["expected"]))
         if not choices:
-            return Problem(f"{quoted(given)} is not allowed here", place,
+            return Problem("not-allowed", f"{quoted(given)} is not allowed here", place,
                            allowed=str(context["expected"]))
         hint = near(given, choices) if isinstance(given, str) else ""
-        return Problem(f"{quoted(given)} is not allowed here", place,
+        return Problem("not-allowed", f"{quoted(given)} is not allowed here", place,
                        allowed=listed(choices), hint=hint)
     given = error["input"].get("type") if isinstance(error["input"], dict) else None
     choices = _tags(model, error["loc"])
     if error["type"] == "union_tag_not_found" or given is None:
         if not isinstance(error["input"], dict):
-            return Problem(f"expected an object {{…}}, got {kind_of(error['input'])}", place)
-        return Problem("'type' is missing", place, allowed=listed(choices))
+            return Problem("wrong-type",
+                           f"expected an object {{…}}, got {kind_of(error['input'])}", place)
+        return Problem("missing-key", "'type' is missing", place, allowed=listed(choices))
     hint = near(given, choices) if isinstance(given, str) else ""
-    return Problem(f"unknown type {quoted(given)}", f"{place}.type", allowed=listed(choices),
-                   hint=hint)
+    return Problem("unknown-type", f"unknown type {quoted(given)}", f"{place}.type",
+                   allowed=listed(choices), hint=hint)
 
 
 def _tags(model: type[BaseModel], loc: tuple[int | str, ...]) -> list[str]:
@@ -187,6 +194,13 @@ def _bound(words: str, key: str) -> Callable[[ErrorDetails, Mapping[str, Any]], 
         f"must be {words} {context[key]:g}, got {kind_of(error['input'])}")
 
 
+_CODES = {
+    "missing": "missing-key", "string_pattern_mismatch": "invalid-name",
+    "string_too_long": "limit-exceeded", "string_unicode": "invalid-json",
+    **dict.fromkeys(("greater_than", "greater_than_equal", "less_than", "less_than_equal"),
+                    "out-of-range"),
+}
+"""Codes of pydantic's own types of errors; all others are of a wrong type."""
 _LIST, _OBJECT = _expected("a list […]"), _expected("an object {…}")
 _TRUTH, _WHOLE = _expected("true or false"), _expected("a whole number")
 _WORDS: dict[str, Callable[[ErrorDetails, Mapping[str, Any]], str]] = {

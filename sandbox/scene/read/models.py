@@ -7,8 +7,12 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag
 
-from sandbox.pages import ELEMENTS, PARTS, SEARCHES, STUDIES
 from sandbox.scene.read.paths import JsonPath, holds
+
+ELEMENTS, PARTS = "docs/elements.md", "docs/parts.md"
+"""Pages with the fields of all elements and parts."""
+STUDIES = "docs/sweeps.md#a-study-as-a-file"
+SEARCHES = "docs/searches.md#a-search-as-a-file"
 
 
 def fields_page(model: type[BaseModel]) -> str:

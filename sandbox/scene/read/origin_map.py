@@ -34,9 +34,9 @@ class Origin:
         """The same place in the copy that another place is of."""
         return replace(self, copy=other.copy)
 
-    def problem(self, message: str, **more: Any) -> Problem:
-        """A problem of what stands here."""
-        return self.located(Problem(message, **more))
+    def problem(self, code: str, message: str, **more: Any) -> Problem:
+        """A problem of the value here."""
+        return self.located(Problem(code, message, **more))
 
     def located(self, problem: Problem) -> Problem:
         """A problem with this place: path, line and column, file, which copy, whose fields."""

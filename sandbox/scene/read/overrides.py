@@ -35,18 +35,16 @@ def apply_overrides(
     for text, value in overrides.items():
         try:
             if not isinstance(text, str):
-                raise WrongValueError("it is not the text of a path")
+                raise WrongValueError("bad-override", "it is not the text of a path")
             steps, new = parse_path(text), _value(value, nesting)
             if steps[:1] == ("parameters",):
                 _same_dimension(result, steps, new)
             if half := next(filter(None, map(half_character, _texts([*steps, new]))), ""):
-                raise WrongValueError(half)
+                raise WrongValueError("invalid-json", half)
             paths.add(_set(result, steps, new))
-        except ValueError as error:
-            wrong = error if isinstance(error, WrongValueError) else WrongValueError(str(error))
-            problems.append(Problem(
-                f"cannot set {quoted(text)}: {wrong.message}", allowed=wrong.allowed,
-                hint=wrong.hint))
+        except WrongValueError as wrong:
+            problems.append(Problem(wrong.code, f"cannot set {quoted(text)}: {wrong.message}",
+                                    allowed=wrong.allowed, hint=wrong.hint))
     return result, paths, problems
 
 
@@ -73,7 +71,7 @@ def _value(value: Any, nesting: int) -> Any:
     if not isinstance(value, str):
         return value
     if sum(map(value.count, "[{")) > 10 * nesting:
-        raise WrongValueError("the value has too many brackets")
+        raise WrongValueError("limit-exceeded", "the value has too many brackets")
     try:
         return json.loads(value, parse_constant=lambda constant: constant)
     except ValueError:
@@ -83,7 +81,7 @@ def _value(value: Any, nesting: int) -> Any:
 def _set(data: dict[str, Any], path: JsonPath, value: Any) -> JsonPath:
     """Set one value; the path with names turned into indices."""
     if not path:
-        raise WrongValueError("the whole scene cannot be replaced")
+        raise WrongValueError("bad-override", "the whole scene cannot be replaced")
     holder: Any = data
     taken: list[str | int] = []
     for step, following in zip(path, (*path[1:], None), strict=True):
@@ -108,9 +106,9 @@ def _same_dimension(data: dict[str, Any], path: JsonPath, value: Any) -> None:
     before, after = (unit_in(each) for each in (
         own.get(path[1]) if isinstance(own, dict) and len(path) == 2 else None, value))
     if before and after and dimension_of(before) != dimension_of(after):
-        raise WrongValueError(
-            f"{quoted(after)} is a unit of {dimension_of(after)}, and {quoted(path[1])} is in "
-            f"{quoted(before)}", allowed=", ".join(units_of(dimension_of(before))))
+        raise WrongValueError("wrong-unit", f"{quoted(after)} is a unit of {dimension_of(after)}, "
+                              f"and {quoted(path[1])} is in {quoted(before)}",
+                              allowed=", ".join(units_of(dimension_of(before))))
 
 
 def _inherited(data: dict[str, Any], taken: list[str | int]) -> Any:
@@ -127,7 +125,7 @@ def _inherited(data: dict[str, Any], taken: list[str | int]) -> Any:
                 value = plain(layered(
                     value, _NOWHERE, data.get("templates"), _NOWHERE, NearMisses()))
     if not isinstance(value, list):
-        raise WrongValueError(f"there is no list {quoted(taken[-1])} there")
+        raise WrongValueError("bad-override", f"there is no list {quoted(taken[-1])} there")
     return _copy(value)
 
 
@@ -136,25 +134,25 @@ def _key(holder: Any, step: str | int, taken: list[str | int]) -> str | int:
     if isinstance(holder, dict):
         return _key_of_object(holder, str(step), taken)
     if not isinstance(holder, list):
-        raise WrongValueError(
-            f"{quoted(taken[-1])} is {kind_of(holder)} and has no {quoted(step)} in it")
+        raise WrongValueError("bad-override", f"{quoted(taken[-1])} is {kind_of(holder)} and has "
+                              f"no {quoted(step)} in it")
     if isinstance(step, int):
         if step < len(holder):
             return step
         raise WrongValueError(
-            f"{quoted(taken[-1])} has no entry {step}",
+            "bad-override", f"{quoted(taken[-1])} has no entry {step}",
             allowed=f"0 to {len(holder) - 1}" if holder else "none, the list is empty")
     names = {entry["name"]: i for i, entry in enumerate(holder)
              if isinstance(entry, dict) and isinstance(entry.get("name"), str)}
     if step in names:
         return names[step]
-    raise WrongValueError(f"nothing in {quoted(taken[-1])} is named {quoted(step)}",
+    raise WrongValueError("bad-override", f"nothing in {quoted(taken[-1])} is named {quoted(step)}",
                           allowed=listed(names) or "an index", hint=near(step, names))
 
 
 def _key_of_object(holder: dict[str, Any], key: str, taken: list[str | int]) -> str:
     if len(taken) == 1 and taken[0] in CLOSED and key not in holder:
         what = str(taken[0]).removesuffix("s")
-        raise WrongValueError(f"the scene has no {what} {quoted(key)}",
+        raise WrongValueError("bad-override", f"the scene has no {what} {quoted(key)}",
                               allowed=listed(holder) or "none", hint=near(key, holder))
     return key

@@ -76,11 +76,12 @@ def resolve_parameters(
 def _named(name: str, parameters: Parameters) -> bool:
     if name in RESERVED:
         means = "the time" if name == "t" else "a constant, a function or a word of expressions"
-        parameters.problems.append(Problem(
-            f"{quoted(name)} cannot be a parameter's name: it already means {means}",
-            path_text(("parameters", name)), key=True))
+        parameters.problems.append(Problem("invalid-name", f"{quoted(name)} cannot be a "
+                                           f"parameter's name: it already means {means}",
+                                           path_text(("parameters", name)), key=True))
     elif not _IDENTIFIER.fullmatch(name) or "__" in name or len(name) > 100:
         parameters.problems.append(Problem(
+            "invalid-name",
             f"{quoted(name)} is not a parameter's name", path_text(("parameters", name)),
             allowed="a letter, then letters, digits and single _", key=True))
     else:
@@ -94,8 +95,8 @@ def _callable(expression: Expression, parameters: Parameters) -> Mapping[str, An
     if not expression.tables:
         return parameters.values
     for name in sorted(expression.tables.intersection(parameters.others)):
-        raise WrongValueError(f"the table {quoted(name)} reads parameters itself, so that no "
-                              "parameter can call it", allowed="a table of plain numbers")
+        raise WrongValueError("invalid-name", f"the table {quoted(name)} reads parameters itself, "
+                              "so no parameter can use it", allowed="a table of plain numbers")
     return ChainMap(parameters.values, dict(parameters.tables))
 
 
@@ -110,9 +111,11 @@ def _resolve(
     try:
         if name in chain:
             cycle = " → ".join([*chain[chain.index(name):], name])
-            raise WrongValueError(f"parameters that depend on each other: {cycle}")
+            raise WrongValueError("circular-definition",
+                                  f"parameters that depend on each other: {cycle}")
         if len(chain) > 100:
-            raise WrongValueError("parameters depend on each other more than 100 deep")
+            raise WrongValueError("circular-definition",
+                                  "parameters depend on each other more than 100 deep")
         if isinstance(value, str) and value.lstrip().startswith("="):
             expression = parse_expression(value)
             known = _callable(expression, parameters)
@@ -128,9 +131,7 @@ def _resolve(
     except WrongValueError as error:
         number = PLACEHOLDER
         if not parameters.reads_failed(value):
-            parameters.problems.append(Problem(
-                error.message, path_text(("parameters", name)), allowed=error.allowed,
-                hint=error.hint))
+            parameters.problems.append(Problem.of(error, path_text(("parameters", name))))
     parameters.values[name] = number
     if failed:
         parameters.failed.add(name)

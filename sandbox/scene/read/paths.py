@@ -7,6 +7,8 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
+from sandbox.wording import WrongValueError
+
 JsonPath = tuple[str | int, ...]
 SHOWN = 100
 """Characters of a key that are shown to a person: as many as a name may have."""
@@ -39,7 +41,7 @@ def parse_path(text: str) -> JsonPath:
     """The steps of a path; a leading ``$`` may be left out, and ``[finger1]`` is a name.
 
     Raises:
-        ValueError: not a path.
+        WrongValueError: not a path.
     """
     body = text.strip()
     if body == "$" or body.startswith(("$.", "$[")):
@@ -49,7 +51,8 @@ def parse_path(text: str) -> JsonPath:
     while at < len(body):
         match = _STEP.match(body, at)
         if match is None:
-            raise ValueError(f"{text[:80]!r} is not a path such as bodies[0].mass or run.step")
+            raise WrongValueError("bad-override", f"{text[:80]!r} is not a path such as "
+                                  "bodies[0].mass or run.step")
         steps.append(_step(match))
         at = match.end()
     return tuple(steps)

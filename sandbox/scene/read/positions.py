@@ -53,6 +53,7 @@ class Fault:
     offset: int
     path: JsonPath
     other: int | None = None
+    code: str = "invalid-json"
 
 
 @dataclass
@@ -65,9 +66,10 @@ class Scan:
 
 
 class _FormError(Exception):
-    def __init__(self, message: str, offset: int, other: int | None = None) -> None:
+    def __init__(self, message: str, offset: int, other: int | None = None,
+                 code: str = "invalid-json") -> None:
         super().__init__(message)
-        self.message, self.offset, self.other = message, offset, other
+        self.message, self.offset, self.other, self.code = message, offset, other, code
 
 
 def scan(text: str, nesting: int, most: int = sys.maxsize) -> Scan:
@@ -77,7 +79,7 @@ def scan(text: str, nesting: int, most: int = sys.maxsize) -> Scan:
         scanner.run()
     except _FormError as error:
         scanner.found.faults.append(
-            Fault(error.message, error.offset, scanner.path, error.other))
+            Fault(error.message, error.offset, scanner.path, error.other, error.code))
     return scanner.found
 
 
@@ -113,12 +115,13 @@ class _Scanner:
         """Read the value at the offset; a container is opened and filled later."""
         self.found.places[self.path] = place
         if len(self.found.places) > self.most:
-            raise _FormError(f"more values than the limit 'values' of {self.most}", self.at)
+            raise _FormError(f"more values than the limit 'values' of {self.most}", self.at,
+                             code="limit-exceeded")
         char = self.text[self.at:self.at + 1]
         if char in ("{", "["):
             if len(self.open) >= self.nesting:
-                raise _FormError(
-                    f"nested deeper than the limit 'nesting' of {self.nesting}", self.at)
+                raise _FormError(f"nested deeper than the limit 'nesting' of {self.nesting}",
+                                 self.at, code="limit-exceeded")
             value: dict[str, Any] | list[Any] = {} if char == "{" else []
             self.open.append((value, self.path, self.at))
             self.at += 1

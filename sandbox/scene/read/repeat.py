@@ -48,13 +48,13 @@ class Copies:
         if self.line is None and self.circle is None:
             return entry
         if among not in LYING:
-            raise WrongValueError(
-                f"an entry of {quoted(among)} lies nowhere by itself, so it has no line or circle",
-                allowed=f"entries of {listed(LYING)}; others use the index in their names")
+            raise WrongValueError("bad-repeat", f"an entry of {quoted(among)} has no position, so "
+                                  "it cannot have 'line' or 'circle'",
+                                  allowed=f"entries of {listed(LYING)}; others use the index in "
+                                  "their names")
         if "path" in entry:
-            raise WrongValueError(
-                "a body with a path is not moved by a line or circle",
-                allowed="the body in an assembly, and that repeated")
+            raise WrongValueError("bad-repeat", "a body with a path is not moved by a line or "
+                                  "circle", allowed="the body in an assembly, and that repeated")
         turn = math.tau * number / len(self.rows) if self.circle is not None else 0.0
         result = dict(entry)
         for key in _points(entry, among):
@@ -116,16 +116,17 @@ def read_repeat(value: Any, scope: Scope, limits: Limits) -> Copies:
     if wrong := wrong_index(index, scope, RESERVED):
         raise RepeatError(wrong, ("index",) if "index" in value else ())
     if ("count" in value) == ("list" in value):
-        raise RepeatError(WrongValueError("a repeat has either 'count' or 'list'"), ())
+        raise RepeatError(WrongValueError("bad-repeat",
+                                          "a repeat needs either 'count' or 'list'"), ())
     for key in ("line", "circle"):
         if key in value and not (isinstance(value[key], list) and len(value[key]) == 2):
             what = "the step from one copy to the next" if key == "line" else "the centre"
             raise RepeatError(WrongValueError(
-                f"{what} is expected here, got {kind_of(value[key])}",
+                "wrong-type", f"{what} is expected here, got {kind_of(value[key])}",
                 allowed="two lengths [x, y]"), (key,))
     if "line" in value and "circle" in value:
         raise RepeatError(WrongValueError(
-            "copies lie on a line or on a circle, not on both"), ("circle",))
+            "bad-repeat", "'line' and 'circle' exclude each other"), ("circle",))
     rows = (_counted(value["count"], index, scope, limits, "count") if "count" in value
             else _listed(value["list"], index, scope, limits))
     return Copies(rows, index, _vector(value, "line", scope), _vector(value, "circle", scope),
@@ -136,11 +137,10 @@ class RepeatError(Exception):
     """What is wrong with a ``repeat``, and where in it."""
 
     def __init__(
-        self, error: ValueError, path: tuple[str | int, ...], *, key: bool = False,
+        self, error: WrongValueError, path: tuple[str | int, ...], *, key: bool = False,
     ) -> None:
         super().__init__(str(error))
-        self.error = error if isinstance(error, WrongValueError) else WrongValueError(str(error))
-        self.path, self.key = path, key
+        self.error, self.path, self.key = error, path, key
 
 
 def _counted(value: Any, index: str, scope: Scope, limits: Limits, key: str) -> list[Names]:
@@ -149,15 +149,14 @@ def _counted(value: Any, index: str, scope: Scope, limits: Limits, key: str) -> 
         raise RepeatError(wrong, path)
     try:
         count = number_from(value, "ratio", scope.known)
-    except ValueError as error:
-        wrong = error if isinstance(error, WrongValueError) else WrongValueError(str(error))
+    except WrongValueError as wrong:
         if not (isinstance(value, str) and value.lstrip().startswith("=")):
-            wrong = WrongValueError(f"{kind_of(value)} does not say how many copies",
+            wrong = WrongValueError("bad-repeat", f"{kind_of(value)} is not a number of copies",
                                     allowed=_wanted(limits))
         raise RepeatError(wrong, path) from None
     if not (count == int(count) and count >= 1):
-        raise RepeatError(WrongValueError(
-            f"{number_text(count)} is not a number of copies", allowed=_wanted(limits)), path)
+        raise RepeatError(WrongValueError("bad-repeat", f"{number_text(count)} is not a number of "
+                                          "copies", allowed=_wanted(limits)), path)
     _few_enough(count, limits, path)
     return [{index: float(i)} for i in range(int(count))]
 
@@ -170,6 +169,7 @@ def _wanted(limits: Limits) -> str:
 def _few_enough(count: float, limits: Limits, path: tuple[str, ...]) -> None:
     if count > limits.elements:
         raise RepeatError(WrongValueError(
+            "limit-exceeded",
             f"{number_text(count)} copies are more than a scene may have elements",
             allowed=f"at most {limits.elements} (the limit 'elements', raised by "
             "--limit elements=N)",
@@ -179,7 +179,7 @@ def _few_enough(count: float, limits: Limits, path: tuple[str, ...]) -> None:
 def _listed(value: Any, index: str, scope: Scope, limits: Limits) -> list[Names]:
     if not isinstance(value, list) or not value:
         raise RepeatError(WrongValueError(
-            f"expected a list with an entry for each copy, got {kind_of(value)}"
+            "wrong-type", f"expected a list with an entry for each copy, got {kind_of(value)}"
             + (" without entries" if value == [] else "")), ("list",))
     _few_enough(len(value), limits, ("list",))
     rows: list[Names] = []
@@ -198,8 +198,8 @@ def _row(entry: Mapping[str, Any], index: str, scope: Scope, number: int) -> Nam
         path = ("list", number, name)
         if name == index:
             raise RepeatError(WrongValueError(
-                f"the name {quoted(name)} is that of the index, which counts the entries",
-                allowed="another name, or another \"index\""), path, key=True)
+                "duplicate-name", f"the name {quoted(name)} is that of the index, which counts the "
+                "entries", allowed="another name, or another \"index\""), path, key=True)
         if wrong := wrong_index(name, scope, RESERVED):
             raise RepeatError(wrong, path, key=True)
         row[name] = _value(given, scope, path)
@@ -210,7 +210,7 @@ def _value(given: Any, scope: Scope, path: tuple[str | int, ...]) -> float | str
     """A number, or else a word."""
     try:
         return float(number_from(given, None, scope.known))
-    except ValueError as error:
+    except WrongValueError as error:
         if isinstance(given, str) and given.isidentifier():
             return given
         raise RepeatError(error, path) from None
@@ -223,6 +223,6 @@ def _vector(value: Mapping[str, Any], key: str, scope: Scope) -> Vec | None:
     for i, each in enumerate(value[key]):
         try:
             found.append(number_from(each, "length", scope.known))
-        except ValueError as error:
+        except WrongValueError as error:
             raise RepeatError(error, (key, i)) from None
     return found[0], found[1]

@@ -61,8 +61,8 @@ class Scope:
         except WrongValueError:
             return text  # the models say what is wrong with it
         for name in sorted(expression.names & set(self.words)):
-            raise WrongValueError(f"{quoted(name)} is a text, which an expression cannot compute "
-                                  "with", allowed=f"{{{name}}} inside of a name")
+            raise WrongValueError("bad-expression", f"{quoted(name)} is text; an expression needs "
+                                  "numbers", allowed=f"{{{name}}} inside of a name")
         if self.renamed is not None:
             expression.check_tables(self.tables)
         if not (expression.names & set(self.numbers) or
@@ -80,7 +80,8 @@ class Scope:
         expression = parse_expression(inner)
         for name in sorted(expression.names):
             if name in self.words:
-                raise WrongValueError(f"{quoted(name)} is a text, which cannot be computed with")
+                raise WrongValueError("bad-expression",
+                                      f"{quoted(name)} is text; an expression needs numbers")
             if name not in known:
                 raise unknown_name(name, {**known, **self.words})
         value = float(expression.evaluate({**self.tables, **known}))
@@ -90,18 +91,19 @@ class Scope:
 def wrong_index(name: Any, scope: Scope, reserved: frozenset[str]) -> WrongValueError | None:
     """Why a name cannot be that of an index, or None."""
     if not isinstance(name, str) or not _NAME.fullmatch(name) or "__" in name or len(name) > 100:
-        return WrongValueError(f"{quoted(name)} is not the name of an index",
+        return WrongValueError("invalid-name", f"{quoted(name)} is not the name of an index",
                                allowed="a letter, then letters, digits and single _")
     if name in reserved:
         means = "the time" if name == "t" else "a constant, a function or a word of expressions"
-        return WrongValueError(f"{quoted(name)} cannot be an index: it already means {means}")
+        return WrongValueError("invalid-name",
+                               f"{quoted(name)} cannot be an index: it already means {means}")
     if name in scope.parameters:
-        return WrongValueError(f"the name {quoted(name)} is that of a parameter already",
-                               allowed='another one for the index: "index": "j"')
+        return WrongValueError("duplicate-name", f"the name {quoted(name)} is that of a parameter "
+                               "already", allowed='another one for the index: "index": "j"')
     return None
 
 
 def misspelt(key: str, known: tuple[str, ...]) -> WrongValueError:
     """The refusal of a key that is none of those known."""
-    return WrongValueError(f"unknown key {quoted(key)}", allowed=", ".join(known),
+    return WrongValueError("unknown-key", f"unknown key {quoted(key)}", allowed=", ".join(known),
                            hint=near(key, known))

@@ -32,7 +32,7 @@ def sound(scene: Scene | Mechanism) -> Mechanism:
         SceneError: every problem, by its place in the scene or the mechanism; or no scene at all.
     """
     if not isinstance(scene, Mechanism):
-        raise SceneError([Problem(f"{quoted(scene)} is no scene", "scene",
+        raise SceneError([Problem("bad-argument", f"{quoted(scene)} is no scene", "scene",
                                   allowed=WANTED)])
     _validate(scene)
     mechanism = expand(scene) if isinstance(scene, Scene) else scene

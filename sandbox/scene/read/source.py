@@ -97,7 +97,8 @@ def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> 
     """
     limits = limits or Limits()
     if not text.strip():
-        raise SceneError([Problem("the file is empty; a scene is an object {…}")], name)
+        raise SceneError([Problem("invalid-json",
+                                  "the file is empty; a scene is an object {…}")], name)
     if _depth(text) <= limits.nesting and not _HUGE.search(text) and not _HALF.search(text):
         try:
             data = json.loads(text, object_pairs_hook=_unique, parse_constant=_refuse)
@@ -134,7 +135,8 @@ def first_problems(problems: Sequence[Problem], most: int) -> list[Problem]:
     """The first ``most`` problems, and how many more there are."""
     if len(problems) <= most:
         return list(problems)
-    return [*problems[:most], Problem(f"and {len(problems) - most} more problems")]
+    return [*problems[:most], Problem("limit-exceeded",
+                                      f"and {len(problems) - most} more problems")]
 
 
 def _problems(found: Scan, text: str) -> list[Problem]:
@@ -146,7 +148,7 @@ def _problems(found: Scan, text: str) -> list[Problem]:
             line, column = line_and_column(starts, fault.other)
             message = message.replace("{place}", f"line {line}, column {column}")
         line, column = line_and_column(starts, fault.offset)
-        problems.append(Problem(message, shown_path(fault.path), line, column))
+        problems.append(Problem(fault.code, message, shown_path(fault.path), line, column))
     return problems
 
 
@@ -154,7 +156,7 @@ def _read(path: Path, limits: Limits, name: str) -> bytes:
     try:
         status = path.stat()
         if stat.S_ISDIR(status.st_mode):
-            raise SceneError([Problem("this is a directory, not a scene's file",
+            raise SceneError([Problem("file-not-found", "this is a directory, not a scene's file",
                                       hint=_neighbour(path / "scene.json"))], name)
         if status.st_size <= limits.file_bytes:
             with path.open("rb") as file:
@@ -162,13 +164,16 @@ def _read(path: Path, limits: Limits, name: str) -> bytes:
             if len(content) <= limits.file_bytes:
                 return content
     except (FileNotFoundError, NotADirectoryError):
-        raise SceneError([Problem("there is no such file", hint=_neighbour(path))],
+        raise SceneError([Problem("file-not-found",
+                                  "there is no such file", hint=_neighbour(path))],
                          name) from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise SceneError([Problem(f"the file cannot be read: {reason}")], name) from None
+        raise SceneError([Problem("file-not-found",
+                                  f"the file cannot be read: {reason}")], name) from None
     raise SceneError(
-        [Problem(f"the file is larger than the limit 'file_bytes' of {limits.file_bytes} bytes",
+        [Problem("limit-exceeded",
+                 f"the file is larger than the limit 'file_bytes' of {limits.file_bytes} bytes",
                  allowed="a larger one when the limit is raised")], name)
 
 
@@ -193,4 +198,4 @@ def _decode(content: bytes, name: str) -> str:
         what = f"the file is not UTF-8 text (byte 0x{content[error.start]:02x})"
         if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
             what = "the file is UTF-16 text; save it as UTF-8"
-        raise SceneError([Problem(what, "$", line, column)], name) from None
+        raise SceneError([Problem("invalid-json", what, "$", line, column)], name) from None

@@ -77,7 +77,7 @@ def _called(value: Any, known: Mapping[str, Any], path: str) -> list[Problem]:
         try:
             parse_expression(value).check_tables(known)
         except WrongValueError as error:
-            return [Problem(error.message, path, allowed=error.allowed, hint=error.hint)]
+            return [Problem.of(error, path)]
         return []
     if isinstance(value, Spec):
         return [problem for name in type(value).model_fields

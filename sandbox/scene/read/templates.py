@@ -61,19 +61,21 @@ def _chain(
             return
         name, at = layer["like"], place.to("like")
         if not isinstance(name, str):
-            raise LikeError(at.problem(f"'like' is the name of a template, not {kind_of(name)}"))
+            raise LikeError(at.problem("bad-template",
+                                       f"'like' is the name of a template, not {kind_of(name)}"))
         if len(seen) >= DEEPEST:
-            raise LikeError(at.problem(f"templates are like one another more than {DEEPEST} deep"))
+            raise LikeError(at.problem("circular-definition",
+                                       f"templates are like one another more than {DEEPEST} deep"))
         if name in seen:
-            raise LikeError(at.problem(
-                f"templates are like one another: {' → '.join([*seen, name])}"))
+            raise LikeError(at.problem("circular-definition", "templates are like one another: "
+                                       f"{' → '.join([*seen, name])}"))
         if name not in known:
             raise LikeError(at.problem(
-                f"there is no template {quoted(name)}", hint=near(name, known),
+                "bad-template", f"there is no template {quoted(name)}", hint=near(name, known),
                 allowed=listed(known) or "none: the scene has no templates"))
         if not isinstance(known[name], dict):
-            raise LikeError(home.to(name).problem(
-                f"the template {quoted(name)} is {kind_of(known[name])}, not an object {{…}}"))
+            raise LikeError(home.to(name).problem("bad-template", f"the template {quoted(name)} is "
+                                                  f"{kind_of(known[name])}, not an object {{…}}"))
         seen.append(name)
         place, layer = home.to(name).copied(place), known[name]
 

@@ -99,14 +99,14 @@ class Writer:
         most = getattr(self.limits, name)
         if count > most:
             self.problems.append(place.problem(
-                f"with these copies there are {count} {among or 'entries'}",
+                "limit-exceeded", f"with these copies there are {count} {among or 'entries'}",
                 allowed=f"at most {most} (the limit '{name}', raised by --limit {name}=N)"))
             raise TooLargeError
 
     def too_large(self, place: Origin) -> None:
         """Tell that what is written out, from a place on, takes more than a file may."""
         self.problems.append(place.problem(
-            "spelled out, the scene is larger than the limit 'file_bytes' of "
+            "limit-exceeded", "spelled out, the scene is larger than the limit 'file_bytes' of "
             f"{self.limits.file_bytes} bytes", allowed="a larger one when the limit is raised"))
 
     def count(self, place: Origin) -> None:
@@ -114,7 +114,7 @@ class Writer:
         self.copies_made += 1
         if self.copies_made > self.limits.elements:
             self.problems.append(place.problem(
-                f"here the scene's repeats and templates come to more than "
+                "limit-exceeded", f"here the scene's repeats and templates come to more than "
                 f"{self.limits.elements} copies", allowed=f"at most {self.limits.elements} (the "
                 "limit 'elements', raised by --limit elements=N)"))
             raise TooLargeError
@@ -122,8 +122,7 @@ class Writer:
     def tell(self, place: Origin, error: WrongValueError, *, key: bool = False) -> None:
         """Add what is wrong at a place, once for all copies of it."""
         if self.places.first(place):
-            self.problems.append(place.problem(
-                error.message, allowed=error.allowed, hint=error.hint, key=key))
+            self.problems.append(place.located(Problem.of(error, "$", key=key)))
 
     def append(self, out: list[Any], value: Any, place: Origin) -> None:
         """Put an entry into a list that may have others before it than the text has."""

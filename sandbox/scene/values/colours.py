@@ -7,7 +7,6 @@ from typing import Annotated
 
 from pydantic import AfterValidator, WithJsonSchema
 
-from sandbox.scene.values.numbers import refusal
 from sandbox.wording import WrongValueError, near, quoted
 
 RGB = tuple[int, int, int]
@@ -25,8 +24,8 @@ WORDS = f'{", ".join(COLOURS)} or "#rrggbb"'
 def _checked(text: str) -> str:
     if text in COLOURS or _HEX.fullmatch(text):
         return text
-    raise refusal(WrongValueError(f"{quoted(text)} is no colour", allowed=WORDS,
-                                  hint=near(text, COLOURS)))
+    raise WrongValueError("not-allowed", f"{quoted(text)} is not a colour", allowed=WORDS,
+                          hint=near(text, COLOURS))
 
 
 SCHEMA = WithJsonSchema({"anyOf": [

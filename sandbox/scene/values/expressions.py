@@ -87,10 +87,10 @@ class Expression:
         except WrongValueError:
             raise
         except (TypeError, ValueError, OverflowError) as error:
-            raise WrongValueError(f"{self} cannot be computed: {error}") from None
+            raise WrongValueError("bad-expression", f"{self} cannot be computed: {error}") from None
         if finite and not np.all(np.isfinite(result)):
-            raise WrongValueError(
-                f"{self} has no finite value (a division by zero, or out of range)")
+            raise WrongValueError("bad-expression", f"{self} has no finite value (a division by "
+                                  "zero, or out of range)")
         return float(result) if result.ndim == 0 else result
 
     def bind(
@@ -151,14 +151,13 @@ def parse_expression(text: str) -> Expression:
     """
     body = text.strip().removeprefix("=").strip()
     if len(body) > MAX_LENGTH:
-        raise WrongValueError(
-            f"an expression has at most {MAX_LENGTH} characters, this one has {len(body)}")
+        raise WrongValueError("limit-exceeded", f"an expression has at most {MAX_LENGTH} "
+                              f"characters, this one has {len(body)}")
     if not body:
-        raise WrongValueError("the expression is empty", allowed=_GRAMMAR)
+        raise WrongValueError("bad-expression", "the expression is empty", allowed=_GRAMMAR)
     if strange := _STRANGE.search(body):
-        raise WrongValueError(
-            f"{quoted(strange.group())} has no place in the expression {quoted(body)}",
-            allowed=_GRAMMAR)
+        raise WrongValueError("bad-expression", f"{quoted(strange.group())} has no place in the "
+                              f"expression {quoted(body)}", allowed=_GRAMMAR)
     return _expression(body, _tree_of(body))
 
 
@@ -188,10 +187,11 @@ def _tree_of(body: str) -> ast.expr:
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         pass
     if unit := _UNIT_INSIDE.search(body):
-        raise WrongValueError(
-            f"{quoted(unit.group())} is not a number: inside an expression all is SI, "
-            "without units", allowed=_in_si(unit.group()))
-    raise WrongValueError(f"{quoted(body)} is not an expression", allowed=_GRAMMAR)
+        raise WrongValueError("bad-expression", f"{quoted(unit.group())} is not a number: inside "
+                              "an expression all is SI, without units",
+                              allowed=_in_si(unit.group()))
+    raise WrongValueError("bad-expression",
+                          f"{quoted(body)} is not an expression", allowed=_GRAMMAR)
 
 
 def _in_si(text: str) -> str:
@@ -215,12 +215,13 @@ def dotted(node: ast.expr) -> str | None:
 
 def _check(node: ast.expr, names: set[str], depth: int) -> None:
     if depth > MAX_DEPTH:
-        raise WrongValueError(f"an expression nests at most {MAX_DEPTH} deep")
+        raise WrongValueError("limit-exceeded", f"an expression nests at most {MAX_DEPTH} deep")
     children: Iterable[ast.expr]
     name = dotted(node)
     if name is not None:
         if "__" in name:
-            raise WrongValueError(f"{quoted(name)} is not a name that a scene can use")
+            raise WrongValueError("invalid-name",
+                                  f"{quoted(name)} is not a name that a scene can use")
         names.add(name)
         children = ()
     elif isinstance(node, ast.Constant):
@@ -241,20 +242,21 @@ def _check(node: ast.expr, names: set[str], depth: int) -> None:
             names.add(call(node.func.id))
         children = node.args
     else:
-        raise WrongValueError(f"{_words(node)} has no place in an expression", allowed=_GRAMMAR)
+        raise WrongValueError("bad-expression",
+                              f"{_words(node)} has no place in an expression", allowed=_GRAMMAR)
     for child in children:
         _check(child, names, depth + 1)
 
 
 def _check_constant(value: object) -> None:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise WrongValueError(f"{quoted(value)} is not a number")
+        raise WrongValueError("bad-expression", f"{quoted(value)} is not a number")
     try:
         finite = math.isfinite(float(value))
     except OverflowError:
         finite = False
     if not finite:
-        raise WrongValueError("a number of the expression is too large")
+        raise WrongValueError("out-of-range", "a number of the expression is too large")
 
 
 def _words(node: ast.expr) -> str:
@@ -277,15 +279,15 @@ def _check_call(name: str, count: int) -> bool:
     wanted = FUNCTIONS[name][1]
     if (wanted is None and count < 2) or (wanted is not None and count != wanted):
         many = {None: "two or more arguments", 1: "one argument"}.get(wanted, f"{wanted} arguments")
-        raise WrongValueError(f"the function {name} takes {many}, not {count}")
+        raise WrongValueError("bad-expression", f"the function {name} takes {many}, not {count}")
     return False
 
 
 def _unknown_function(name: str, values: Mapping[str, Any]) -> WrongValueError:
     """The refusal of what is neither a function nor a table among ``values``."""
     known = [*FUNCTIONS, *(each[:-2] for each in values if each.endswith("()"))]
-    return WrongValueError(f"unknown function {quoted(name)}", allowed=", ".join(known),
-                           hint=near(name, known))
+    return WrongValueError("bad-expression", f"unknown function {quoted(name)}",
+                           allowed=", ".join(known), hint=near(name, known))
 
 
 def _evaluate(node: ast.expr, values: Mapping[str, Any]) -> Any:
@@ -301,7 +303,7 @@ def _evaluate(node: ast.expr, values: Mapping[str, Any]) -> Any:
     if isinstance(node, ast.BinOp):
         left, right = _evaluate(node.left, values), _evaluate(node.right, values)
         if isinstance(node.op, ast.Pow) and np.any(np.abs(right) > MAX_EXPONENT):
-            raise WrongValueError(f"an exponent is at most {MAX_EXPONENT:g}")
+            raise WrongValueError("limit-exceeded", f"an exponent is at most {MAX_EXPONENT:g}")
         return _BINARY[type(node.op)](left, right)
     if isinstance(node, ast.UnaryOp):
         operand = _evaluate(node.operand, values)
@@ -325,7 +327,7 @@ def _evaluate(node: ast.expr, values: Mapping[str, Any]) -> Any:
                 raise _unknown_function(node.func.id, values)
             return values[call(node.func.id)](*arguments)
         return _call(node.func.id, arguments)
-    raise WrongValueError(f"{_words(node)} has no place in an expression")
+    raise WrongValueError("bad-expression", f"{_words(node)} has no place in an expression")
 
 
 def _one_or_zero(true: Any) -> Any:
@@ -366,6 +368,6 @@ def unknown_name(
     others = itertools.chain((each for each in known if each != but), [also] if also else [])
     allowed = ", ".join(filter(None, (known.listed if len(known) > (but in known) else "",
                                       quoted(also) if also else "")))
-    return WrongValueError(f"unknown name {quoted(name)} in an expression",
+    return WrongValueError("name-not-found", f"unknown name {quoted(name)} in an expression",
                            allowed=allowed or "the scene has no parameters",
                            hint=known.near(name, others))

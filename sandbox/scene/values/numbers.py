@@ -24,7 +24,7 @@ from pydantic import (
     WithJsonSchema,
     WrapValidator,
 )
-from pydantic_core import PydanticCustomError
+from pydantic_core import ErrorDetails, PydanticCustomError
 
 from sandbox.scene.values.expressions import Expression, parse_expression, unknown_name
 from sandbox.scene.values.ranges import in_range, range_of, with_unit
@@ -48,14 +48,14 @@ def number_from(value: Any, dimension: str | None, parameters: Mapping[str, floa
 
 def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) -> float:
     if isinstance(value, bool) or not isinstance(value, (numbers.Real, str)):
-        raise WrongValueError(f"expected {wanted(dimension)}, got {kind_of(value)}")
+        raise WrongValueError("wrong-type", f"expected {wanted(dimension)}, got {kind_of(value)}")
     if isinstance(value, str):
         if value.lstrip().startswith("="):
             return _computed(value, parameters)
         try:
             return parse_quantity(value, dimension)
         except WrongValueError as error:
-            raise WrongValueError(error.message, allowed=error.allowed, hint=_meant(
+            raise WrongValueError(error.code, error.message, allowed=error.allowed, hint=_meant(
                 value, parameters) or error.hint) from None
     if isinstance(value, Measured) and dimension is None:  # read once already
         return value
@@ -64,7 +64,8 @@ def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) 
     except (OverflowError, ValueError):
         number = math.inf
     if not math.isfinite(number):
-        raise WrongValueError("must be finite (NaN and infinity are not numbers here)")
+        raise WrongValueError("out-of-range",
+                              "must be finite (NaN and infinity are not numbers here)")
     return number
 
 
@@ -118,45 +119,42 @@ def law_of(text: str, own: Sequence[str], whose: str, info: ValidationInfo) -> s
     """A law, ``"=..."``, with all but what it reads of its element, ``own``, put in.
 
     Raises:
-        PydanticCustomError: not an expression, one that reads something else, or one in which a
+        WrongValueError: not an expression, one that reads something else, or one in which a
             parameter has the name of the element's own; ``whose`` says what that is of.
     """
     parameters = parameters_of(info)
-    try:
-        expression = checked_expression(text, info)
-        for name in sorted(expression.names.intersection(own)):
-            if name in parameters:
-                raise WrongValueError(
-                    f"{quoted(name)} is a parameter, and here it would mean the {whose}'s own",
-                    allowed="another name for the parameter")
-        bound = expression.bind(parameters)
-        for name in sorted(bound.names.difference(own)):
-            raise unknown_name(name, {**dict.fromkeys(own), **parameters})
-    except ValueError as error:
-        raise refusal(error) from None
+    expression = checked_expression(text, info)
+    for name in sorted(expression.names.intersection(own)):
+        if name in parameters:
+            raise WrongValueError("duplicate-name", f"{quoted(name)} is a parameter, and here "
+                                  f"it would mean the {whose}'s own", allowed="another name "
+                                  "for the parameter")
+    bound = expression.bind(parameters)
+    for name in sorted(bound.names.difference(own)):
+        raise unknown_name(name, {**dict.fromkeys(own), **parameters})
     return f"={bound.text}"
 
 
 def refusal(error: ValueError) -> PydanticCustomError:
-    """A wrong value as pydantic's own kind of error, with what is allowed and the near miss."""
+    """A wrong value as pydantic's own type of error, for use outside validators."""
     if not isinstance(error, WrongValueError):
-        return PydanticCustomError("value", "{reason}", {"reason": str(error)})
-    return PydanticCustomError("value", "{reason}", {
+        error = WrongValueError("wrong-type", str(error))
+    return PydanticCustomError(error.code, "{reason}", {
         "reason": error.message, "allowed": error.allowed, "hint": error.hint})
 
 
-def _read(value: Any, dimension: str | None, info: ValidationInfo) -> float:
-    try:
-        return number_from(value, dimension, parameters_of(info))
-    except ValueError as error:
-        raise refusal(error) from None
+def message_of(error: ErrorDetails) -> str:
+    """The message of a validation error, without pydantic's prefix or the allowed values."""
+    wrong = error.get("ctx", {}).get("error")
+    return wrong.message if isinstance(wrong, WrongValueError) else str(wrong or error["msg"])
 
 
 _DIMENSIONS: dict[BeforeValidator, str] = {}
 
 
 def _reader(dimension: str) -> BeforeValidator:
-    reader = BeforeValidator(lambda value, info: _read(value, dimension, info))
+    reader = BeforeValidator(
+        lambda value, info: number_from(value, dimension, parameters_of(info)))
     _DIMENSIONS[reader] = dimension
     return reader
 
@@ -169,7 +167,7 @@ def dimension_read(metadata: Iterable[Any]) -> str:
 
 def _read_any(value: Any, check: ValidatorFunctionWrapHandler, info: ValidationInfo) -> float:
     """A number of any dimension; pydantic's own check of a float would take its unit away."""
-    number = _read(value, None, info)
+    number = number_from(value, None, parameters_of(info))
     plain: float = check(number)
     return number if isinstance(number, Measured) else plain
 
@@ -187,9 +185,7 @@ def _schema(dimension: str | None) -> WithJsonSchema:
 def _bound(test: Callable[[float], bool], message: str) -> AfterValidator:
     def check(value: float) -> float:
         if not test(value):
-            raise PydanticCustomError(
-                "range", "must be {message}, got {value}",
-                {"message": message, "value": f"{value:.6g}"})
+            raise WrongValueError("out-of-range", f"must be {message}, got {value:.6g}")
         return value
 
     return AfterValidator(check)

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
 
-from sandbox.scene.values.numbers import number_from, parameters_of, refusal
+from sandbox.scene.values.numbers import number_from, parameters_of
 from sandbox.wording import WrongValueError, kind_of, near, number_text, quoted
 
 ALL: Literal["all"] = "all"
@@ -27,11 +27,8 @@ def _read(value: Any, info: ValidationInfo) -> tuple[int, ...] | Literal["all"]:
         return ALL
     numbers = tuple(value) if isinstance(value, (list, tuple)) else (value,)
     if not 0 < len(numbers) <= MANY:
-        raise refusal(WrongValueError(f"expected 1 to {MANY} planes, got {len(numbers)}"))
-    try:
-        return tuple(_plane(number, info) for number in numbers)
-    except ValueError as error:
-        raise refusal(error) from None
+        raise WrongValueError("wrong-type", f"expected 1 to {MANY} planes, got {len(numbers)}")
+    return tuple(_plane(number, info) for number in numbers)
 
 
 def _plane(written: Any, info: ValidationInfo) -> int:
@@ -39,16 +36,16 @@ def _plane(written: Any, info: ValidationInfo) -> int:
     if isinstance(written, str) and written.lstrip().startswith("="):
         computed = number_from(written, None, parameters_of(info))
         if not computed.is_integer():
-            raise WrongValueError(
-                f"{quoted(written)} is {number_text(computed)}, which is no plane", allowed=WORDS)
+            raise WrongValueError("not-allowed", f"{quoted(written)} is {number_text(computed)}, "
+                                  "which is not a plane", allowed=WORDS)
         number = int(computed)
     if isinstance(number, bool) or not isinstance(number, int):
         named = number if isinstance(number, str) else ""
-        raise WrongValueError(f"{quoted(named) if named else kind_of(number)} is no plane",
-                              allowed=WORDS, hint=near(named, [ALL]))
+        raise WrongValueError("not-allowed", f"{quoted(named) if named else kind_of(number)} is "
+                              "not a plane", allowed=WORDS, hint=near(named, [ALL]))
     if abs(number) > MOST:
         told = number if abs(number) < 1e9 else "so large a number"
-        raise WrongValueError(f"{told} is no plane",
+        raise WrongValueError("not-allowed", f"{told} is not a plane",
                               allowed=f"whole numbers from {-MOST} to {MOST}")
     return number
 

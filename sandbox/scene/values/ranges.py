@@ -72,7 +72,7 @@ def in_range(value: float, dimension: str | None) -> float:
     most = range_of(dimension).most
     if not abs(value) <= most:  # nor is that of nan
         raise WrongValueError(
-            f"{float(value):.6g} is too large to be computed with",
+            "out-of-range", f"{float(value):.6g} is too large to be computed with",
             allowed=f"a magnitude of at most {with_unit(most, dimension)}")
     return value
 

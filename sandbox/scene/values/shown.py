@@ -7,7 +7,6 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, WithJsonSchema
 
 from sandbox.kinds.layers import FORMS, LAYERS, WHOLE, asked
-from sandbox.scene.values.numbers import refusal
 from sandbox.wording import WrongValueError, kind_of
 
 WORDS = "list of layers, or object of layer: true, false or bodies"
@@ -22,12 +21,9 @@ SCHEMA = WithJsonSchema({"anyOf": [
 
 
 def _read(value: Any) -> dict[str, tuple[str, ...]]:
-    try:
-        if isinstance(value, str):
-            raise WrongValueError(f"{kind_of(value)} names no layers", allowed=FORMS)
-        return asked(value)
-    except WrongValueError as error:
-        raise refusal(error) from None
+    if isinstance(value, str):
+        raise WrongValueError("not-allowed", f"{kind_of(value)} names no layers", allowed=FORMS)
+    return asked(value)
 
 
 ShownLayers = Annotated[dict[str, tuple[str, ...]], BeforeValidator(_read), SCHEMA]

@@ -25,7 +25,7 @@ from pydantic import (
     model_validator,
 )
 from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError
+from pydantic_core import CoreSchema, InitErrorDetails
 
 from sandbox.numeric import Array
 from sandbox.scene.elements.spec import Spec
@@ -40,6 +40,7 @@ from sandbox.scene.values.numbers import (
 )
 from sandbox.scene.values.tables import NONE, Tables
 from sandbox.scene.values.units import units_of
+from sandbox.wording import WrongValueError
 
 
 class Ramp(Spec):
@@ -68,7 +69,7 @@ class Table(Spec):
     @classmethod
     def _in_order(cls, table: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
         if any(b[0] <= a[0] for a, b in pairwise(table)):
-            raise PydanticCustomError("table", "the times of a table must increase")
+            raise WrongValueError("bad-table", "the times of a table must increase")
         return table
 
 
@@ -82,12 +83,9 @@ class Formula(Spec):
     @classmethod
     def _bind(cls, text: str, info: ValidationInfo) -> str:
         parameters = parameters_of(info)
-        try:
-            bound = checked_expression(text, info).bind(parameters)
-            if unknown := sorted(bound.names - {"t"}):
-                raise unknown_name(unknown[0], parameters, also="t")
-        except ValueError as error:
-            raise refusal(error) from None
+        bound = checked_expression(text, info).bind(parameters)
+        if unknown := sorted(bound.names - {"t"}):
+            raise unknown_name(unknown[0], parameters, also="t")
         return f"={bound.text}"
 
 
@@ -251,5 +249,5 @@ class Path(Spec):
     @model_validator(mode="after")
     def _something(self) -> Self:
         if self.x is None and self.y is None and self.angle is None:
-            raise PydanticCustomError("path", "a path says at least one of x, y and angle")
+            raise WrongValueError("conflicting-keys", "a path needs 'x', 'y' or 'angle'")
         return self

@@ -20,7 +20,6 @@ from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, Field, field_validator, model_validator
-from pydantic_core import PydanticCustomError
 
 from sandbox.numeric import Array
 from sandbox.scene.elements.spec import Spec
@@ -28,7 +27,7 @@ from sandbox.scene.outlines.spline import PeriodicSpline, natural
 from sandbox.scene.values.expressions import RESERVED, call
 from sandbox.scene.values.numbers import Quantity
 from sandbox.scene.values.units import Measured, dimension_of
-from sandbox.wording import quoted
+from sandbox.wording import WrongValueError, quoted
 
 MOST_POINTS = 1000
 """Of one table."""
@@ -59,23 +58,18 @@ class NamedTable(Spec):
         span = abs(points[-1][0] - points[0][0])
         for i, (one, two) in enumerate(pairwise(points)):
             if two[0] <= one[0]:
-                raise PydanticCustomError(
-                    "table", "the x of a table rise from point to point: point {n} has "
-                    "{two}, the one before it {one}",
-                    {"n": i + 1, "one": f"{one[0]:g}", "two": f"{two[0]:g}"})
+                raise WrongValueError("bad-table", f"the x of a table must increase: point {i + 1} "
+                                      f"has {two[0]:g} after {one[0]:g}")
             if two[0] - one[0] < CLOSEST * span:
-                raise PydanticCustomError(
-                    "table", "points {m} and {n} are too close: {gap} apart, and {least} is the "
-                    "least", {"m": i, "n": i + 1, "gap": f"{two[0] - one[0]:g}",
-                              "least": f"{CLOSEST * span:g}"})
+                raise WrongValueError("bad-table", f"points {i} and {i + 1} are "
+                                      f"{two[0] - one[0]:g} apart, less than {CLOSEST * span:g}")
         for axis in (0, 1):
             numbers = (point[axis] for point in points)
             kinds = {dimension_of(number.unit) for number in numbers
                      if isinstance(number, Measured)}
             if len(kinds) > 1:
-                raise PydanticCustomError(
-                    "table", "all {axis} of a table are of one kind, and here are {kinds}",
-                    {"axis": "xy"[axis], "kinds": " and ".join(sorted(kinds))})
+                raise WrongValueError("bad-table", f"all {'xy'[axis]} of a table are of one kind, "
+                                      f"and here are {' and '.join(sorted(kinds))}")
         return points
 
     @model_validator(mode="after")
@@ -84,25 +78,22 @@ class NamedTable(Spec):
         values = [y for _, y in self.points]
         if self.beyond == "repeat":
             if abs(last - first) > CLOSES * (max(values) - min(values)):
-                raise PydanticCustomError(
-                    "table", "a table that repeats ends as it begins: its last y is {last}, its "
-                    "first {first}", {"last": f"{last:g}", "first": f"{first:g}"})
+                raise WrongValueError("bad-table", "the ends of a table that repeats must be "
+                                      f"equal: {first:g}, {last:g}")
             if len(self.points) < 4 and self.between == "cubic":
-                raise PydanticCustomError(
-                    "table", "a cubic table that repeats has 4 points at least")
+                raise WrongValueError("bad-table", "a cubic table that repeats needs at least 4 "
+                                      "points")
         steepest = float(np.abs(function_of(self).pieces[:, 1]).max())
         if not steepest <= STEEPEST:
-            raise PydanticCustomError(
-                "table", "the table is too steep: {slope}, and {most} is the most",
-                {"slope": f"{steepest:.3g}", "most": f"{STEEPEST:g}"})
+            raise WrongValueError("bad-table", f"the table is too steep: {steepest:.3g}, and "
+                                  f"{STEEPEST:g} is the most")
         return self
 
 
 def _free(name: str) -> str:
     if name in RESERVED or "__" in name:
-        raise PydanticCustomError(
-            "table", "{name} cannot be a table's name: it already means something in expressions",
-            {"name": quoted(name)})
+        raise WrongValueError("invalid-name", f"a table cannot have the name {quoted(name)}, which "
+                              "expressions reserve")
     return name
 
 

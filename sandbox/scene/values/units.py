@@ -141,12 +141,12 @@ def parse_quantity(text: str, dimension: str | None) -> float:
     plain = text.replace("−", "-").strip()
     match = _QUANTITY.fullmatch(plain) if len(plain) <= MAX_LENGTH else None
     if match is None:
-        raise WrongValueError(
-            f"{quoted(text)} is not a number with a unit", allowed=_example(dimension))
+        raise WrongValueError("wrong-unit", f"{quoted(text)} is not a number with a unit",
+                              allowed=_example(dimension))
     unit = normal_unit(match.group(2) or "")
     value = scaled(float(match.group(1)), factor_of(unit, dimension) if unit else 1.0)
     if not math.isfinite(value):
-        raise WrongValueError(f"{quoted(text)} is too large a number")
+        raise WrongValueError("out-of-range", f"{quoted(text)} is too large a number")
     return Measured(value, unit) if unit and dimension is None else value
 
 
@@ -179,10 +179,10 @@ def factor_of(unit: str, dimension: str | None) -> float:
         hint = near(unit, names, cutoff=0.55)
         if not hint and not any(_other_prefix(unit, name) for name in names):
             hint = near(unit, UNITS, cutoff=0.75)
-        raise WrongValueError(f"unknown unit {quoted(unit)}", allowed=allowed,
+        raise WrongValueError("wrong-unit", f"unknown unit {quoted(unit)}", allowed=allowed,
                               hint="" if _other_prefix(unit, hint.strip("'")) else hint)
     raise WrongValueError(
-        f"{quoted(unit)} is a unit of {UNITS[unit][1]}, but this is "
+        "wrong-unit", f"{quoted(unit)} is a unit of {UNITS[unit][1]}, but this is "
         f"{_with_article(str(dimension))}", allowed=allowed, hint=near(unit, names, cutoff=0.75))
 
 
