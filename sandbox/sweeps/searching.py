@@ -95,8 +95,8 @@ class BestSearch(Spec):
     @model_validator(mode="after")
     def _sound(self) -> Self:
         if not self.least and not self.most:
-            raise PydanticCustomError("bad-search", "give 'least' or 'most', names of kept results",
-                                      {"allowed": '"least": ["spread"], "most": ["force"]'})
+            raise PydanticCustomError("bad-search", "say what is to be least or most, of what is "
+                                      "kept", {"allowed": '"least": ["spread"], "most": ["force"]'})
         return self
 
 

@@ -29,7 +29,7 @@ Design = Literal["grid", "paired", "latin_hypercube", "sobol", "halton", "random
 EVEN = ("grid", "paired")
 """Designs whose points are those that lists and spans say; the others choose their own."""
 MOST_PATHS = 50
-UNCOUNTED = "uncounted"
+UNCOUNTED = "missing-key"
 """What is wrong with a range of which a sweep cannot take points, and a search can."""
 NAME = r"^[A-Za-z_][A-Za-z0-9_ .:/*?\[\]-]*$"
 
@@ -107,13 +107,14 @@ class Varying(Spec):
             self._uncounted(design)
             return self
         if self.count is not None:
-            raise PydanticCustomError(
-                "bad-study", "a design {design} has no count: its lists and spans give all points",
-                {"design": quoted(design)})
+            raise PydanticCustomError("bad-study", "a design {design} has as many points as its "
+                                      "lists and spans say, and no count of its own",
+                                      {"design": quoted(design)})
         for path, each in self.over.items():
             if isinstance(each, Distributed):
                 raise PydanticCustomError(
-                    "bad-study", "{path} has a distribution, which a design {design} cannot use",
+                    "bad-study", "{path} has a distribution, whose numbers a design {design} "
+                    "cannot choose",
                     {"path": quoted(path), "design": quoted(design),
                                "allowed": ", ".join(
                                    each for each in get_args(Design) if each not in EVEN)})
@@ -133,8 +134,8 @@ class Varying(Spec):
         for path, each in self.over.items():
             if isinstance(each, Spanned) and each.count is not None:
                 raise PydanticCustomError(
-                    "bad-study", "{path} has a count, {own}, but a design {design} chooses "
-                    "{count} points for all its paths together",
+                    "bad-study", "{path} has a count of its own, {own}, and a design {design} "
+                    "chooses {count} points for all its paths together",
                     {"path": quoted(path), "own": each.count, "design": quoted(design),
                      "count": self.count, "allowed": "the range without its count; or, for each of "
                      "its values with every other point, a group of its own in a study file: "

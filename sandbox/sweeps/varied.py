@@ -46,9 +46,8 @@ def common_unit(values: list[float]) -> str:
             "wrong-unit", "one number has the unit {unit}, another has none", {"unit": units[0]})
     measures = dict.fromkeys(map(dimension_of, units))
     if len(measures) > 1:
-        raise PydanticCustomError(
-            "wrong-unit", "these are a {one} and a {other}", dict(zip(("one", "other"), measures,
-                                                               strict=False)))
+        raise PydanticCustomError("wrong-unit", "these are a {one} and a {other}",
+                                  dict(zip(("one", "other"), measures, strict=False)))
     return units[0] if units else ""
 
 
@@ -70,8 +69,8 @@ class Spanned(Spec):
         if self.scale == "log" and not (self.from_ > 0 and self.to > 0):
             raise PydanticCustomError("bad-study", "a log scale has numbers greater than 0 only")
         if self.count == 1 and self.from_ != self.to:
-            raise PydanticCustomError("bad-study", "one number cannot be at both ends: give a "
-                                      "count of 2 or more, or a list")
+            raise PydanticCustomError("bad-study", "one number cannot be at both ends: count is 2 "
+                                      "or more, or a list with this number")
         if self.count != 1 and self.from_ == self.to:
             raise PydanticCustomError(
                 "bad-study", "the range goes from {low} to {low}: there is nothing to vary",
@@ -158,9 +157,8 @@ class Distributed(Spec):
         try:
             from scipy import stats
         except ImportError:
-            raise PydanticCustomError(
-                "bad-study", "distributions need scipy: pip install "
-                "'sandbox-mechanics[studies]'") from None
+            raise PydanticCustomError("missing-package", "distributions need scipy: pip install "
+                                      "'sandbox-mechanics[studies]'") from None
         known = {key: in_unit(value, self.unit) for key in FIELDS
                  if isinstance(value := getattr(self, key), float) and key != "sigma"}
         low, high = known.get("from_", -math.inf), known.get("to", math.inf)

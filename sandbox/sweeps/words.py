@@ -97,14 +97,14 @@ def looked_at(text: str) -> dict[str, Any]:
         return {"quantity": quantity.strip(), "at": instant.strip()}
     what, *windows = _OVER.split(text.strip())
     if len(windows) > 1:
-        raise WrongValueError("bad-time", f"{quoted(text)} has more than one 'over'")
+        raise WrongValueError("bad-study", f"{quoted(text)} has more than one 'over'")
     head, _, rest = what.partition(" ")
     if not rest:
         statistic, quantity = "final", head
     elif head in STATISTICS:
         statistic, quantity = head, rest.strip()
     else:
-        raise WrongValueError("bad-time", f"there is no statistic {quoted(head)}",
+        raise WrongValueError("bad-study", f"there is no statistic {quoted(head)}",
                               allowed=", ".join(STATISTICS), hint=near(head, STATISTICS))
     found: dict[str, Any] = {statistic: quantity}
     if windows:
@@ -130,7 +130,7 @@ def _window(text: str) -> Any:
         return text
     ends = [part.strip() for part in text.split(":")]
     if len(ends) != 2:
-        raise WrongValueError("bad-time", f"{quoted(text)} is no window of time",
+        raise WrongValueError("bad-study", f"{quoted(text)} is no window of time",
                               allowed='"last 0.2 s", "0.5 s : 1 s"')
     return [number_from(end, "time", {}) for end in ends]
 
@@ -146,9 +146,10 @@ def kept_from(text: str) -> tuple[str, str]:
     if not equals:
         name, what = text.strip(), text.strip()
     elif not name:
-        raise WrongValueError("bad-time", f"{quoted(text)} has no name", allowed="name==expression")
+        raise WrongValueError("bad-study", f"{quoted(text)} has no name",
+                              allowed="name==expression")
     if not what:
-        raise WrongValueError("bad-search", f"{quoted(text)} does not say what is kept",
+        raise WrongValueError("bad-study", f"{quoted(text)} does not say what is kept",
                               allowed='"max finger.tip.x over last 0.2 s", "tip=max finger.tip.x", '
                                       '"ratio==tip / pull"')
     return name, what

@@ -82,7 +82,7 @@ def test_random_numbers_have_their_distribution(written, theirs):
 
 @pytest.mark.parametrize(("vary", "more", "said"), [
     ({"a": {"from": 1, "to": 2}}, {}, "does not say how many"),
-    ({"a": {"from": 1, "to": 2, "count": 3}}, {"count": 3, "design": "grid"}, "has no count"),
+    ({"a": {"from": 1, "to": 2, "count": 3}}, {"count": 3, "design": "grid"}, "no count of its"),
     ({"a": [1, 2], "b": [1]}, {"design": "paired"}, "as many values each: 'a' 2, 'b' 1"),
     ({"a": {"from": "1 N", "to": "2 mm", "count": 2}}, {}, "a force and a length"),
     ({"a": {"from": "1 N", "to": 2, "count": 2}}, {}, "another has none"),
@@ -94,7 +94,7 @@ def test_random_numbers_have_their_distribution(written, theirs):
     ({"a": {"distribution": "exponential", "mean": 1, "peak": 2}}, {"count": 3}, "has no 'peak'"),
     ({"a": {"distribution": "scipy", "name": "gama"}}, {"count": 3}, "no continuous distribution"),
     ({"a": {"distribution": "scipy", "name": "gamma"}}, {"count": 3}, "1 shape parameters (a)"),
-    ({"a": {"distribution": "uniform", "from": 0, "to": 1}}, {"design": "grid"}, "cannot use"),
+    ({"a": {"distribution": "uniform", "from": 0, "to": 1}}, {"design": "grid"}, "cannot choose"),
     ({"a": [1]}, {"design": "sobol"}, "needs a count"),
     ({"a": []}, {}, "at least 1"),
     ({"a": ["=b"]}, {}, "unknown name 'b'"),
