@@ -180,7 +180,6 @@ FAMILIES: dict[str, tuple[str, ...]] = {
         "come to rest", "is given twice; several", "rest has no time", "along a value",
         "values is no range", "stiffness can't be told", "at the start", "stages are not",
         "can't go with", "there is no --along", "PATH=FROM:TO:COUNT", "PATH=VALUE", "combinations"),
-    "nothing-touches": ("nothing touches", "bodies with the role"),
     "outside-of-what-mechanics-allows": ("outside of what mechanics allows",),
     "mujoco-has-no-counterpart": ("MuJoCo has no counterpart", "no format to export"),
     "cannot-listen-on-port": ("cannot listen on port",),

@@ -30,8 +30,8 @@ FLOORS = {
     "recording": 6,
     "draw": 7, "engine": 7, "export": 7,
     "equilibria": 8, "study": 8, "show": 8, "notebook": 8, "sweeps": 8,
-    "paper": 9, "gym": 9, "search": 9,
-    "verification": 10, "findings": 10,
+    "gym": 9, "search": 9,
+    "verification": 10,
     "cli": 11,
 }
 """The layer of each package: it imports from itself and from the layers below."""

@@ -17,11 +17,17 @@ from sandbox.wording import meant
 COMMANDS = {
     **{name: name for name in (
         "bounds", "certify", "check", "compare", "completion", "expand", "export", "new", "plot",
-        "push", "render", "report", "rest", "run", "schema", "search", "study", "sweep", "verify",
-        "view")},
+        "render", "report", "rest", "run", "schema", "search", "sweep", "verify", "view")},
     "list": "scenes",
 }
 """The module of each command in this package, which has it under the name that users type."""
+REMOVED = {
+    "push": "search for the force at which the object moves: 'sandbox search threshold SCENE' "
+            "(docs/howto/push.md)",
+    "robustness": "run a grid of values: 'sandbox sweep SCENE --vary …'",
+    "study": "studies are scripts now: python docs/studies/guides.py",
+}
+"""Commands of earlier versions, and what to do instead."""
 
 
 class _Commands(click.Group):
@@ -47,6 +53,8 @@ class _Commands(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         name = args[0]
         if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:
+            if name in REMOVED:
+                raise click.UsageError(f"No such command {name!r}: {REMOVED[name]}", ctx)
             known = self.list_commands(ctx)
             raise click.UsageError(f"No such command {name!r}.{meant(name, known)} "
                                    f"Commands: {', '.join(known)}.", ctx)

@@ -1,4 +1,4 @@
-"""``sandbox plot``: saved runs, figures by name or of chosen quantities."""
+"""``sandbox plot``: chosen quantities of saved runs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.console import Console, table
+from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.options import read_length, read_time
 from sandbox.cli.runs import (
@@ -24,10 +24,8 @@ from sandbox.cli.runs import (
     target_option,
     target_values,
 )
-from sandbox.wording import meant
 
 if TYPE_CHECKING:
-    from sandbox.paper.figures import FigureKind
     from sandbox.recording.recording import Recording
     from sandbox.samples.response import Response
 
@@ -35,7 +33,7 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("run")
 @click.argument("quantities", nargs=-1, metavar="[QUANTITY]...")
-@click.option("--figure", metavar="NAME", help="A figure by name; '?' tells the names.")
+@click.option("--figure", hidden=True)
 @click.option("--with", "others", multiple=True, metavar="RUN",
               help="Another run in the same picture, in a colour of its own. May be given several "
                    "times.")
@@ -48,7 +46,7 @@ if TYPE_CHECKING:
               help="Of the figure on paper, as in '85mm'; 120 mm by default.")
 @click.option("--no-title", "untitled", is_flag=True, help="Without the scene's title.")
 @target_option
-@file_option(PICTURES, "A .png, .svg or .pdf file; NAME.png (plot.png) in the run's directory by "
+@file_option(PICTURES, "A .png, .svg or .pdf file; plot.png in the run's directory by "
              "default. May be given several times.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
@@ -57,7 +55,7 @@ def plot(
     across: str, begin: float | None, end: float | None, width: float | None, untitled: bool,
     targets: dict[str, str], files: tuple[Path, ...], as_json: bool, quiet: bool,
 ) -> int:
-    """Plot a saved run: any quantities, or a figure by name.
+    """Plot quantities of a saved run.
 
     RUN is the directory of a run, or the name of a scene whose run lies in
     renders/. A QUANTITY is a name such as finger.mcp.angle, or a pattern such
@@ -65,23 +63,26 @@ def plot(
     is simulated.
     """
     console = Console(as_json=as_json, quiet=quiet)
-    if figure == "?":
-        return _list_figures(console)
+    if figure is not None:
+        raise click.UsageError("figures by name are scripts now: python docs/studies/"
+                               "finger_control.py; or name quantities: 'sandbox plot RUN "
+                               "finger.tendon.shortening finger.mcp.angle'")
     wish = _Wish(others, across, begin, end, width, untitled)
-    kind = _chosen(figure, quantities, wish)
+    if wish and not quantities:
+        raise click.UsageError("name the quantities to draw; 'sandbox plot RUN' lists them")
     directory, recording = open_run(run, console)
-    if kind is None and not quantities:
+    if not quantities:
         return _list_quantities(console, recording, run)
     opened = [(directory, recording), *(open_run(word, console) for word in others)]
     recordings = [each for _, each in opened]
     given = target_values(targets, recordings)
-    drawing, found, idle = _drawn(opened, kind, quantities, given, wish)
-    files = files or (directory / f"{kind.name if kind else 'plot'}.png",)
+    drawing, found, idle = _drawn(opened, quantities, given, wish)
+    files = files or (directory / "plot.png",)
     _save(drawing, files)
     if as_json:
         console.result_json({
             "status": "done", "exit_code": int(Exit.DONE), "run": str(directory),
-            "figure": kind.name if kind else None, "files": [str(file) for file in files],
+            "files": [str(file) for file in files],
             "left_out": idle,
             "responses": {name: response_data(answer) for name, answer in found.items()}})
         return Exit.DONE
@@ -136,44 +137,6 @@ def response_data(answer: Response) -> dict[str, float | None]:
             for key, value in dataclasses.asdict(answer).items()}
 
 
-def _chosen(figure: str | None, quantities: tuple[str, ...], wish: _Wish) -> FigureKind | None:
-    """The figure that is asked for; None for quantities.
-
-    Raises:
-        BadParameter: no figure of that name, with a near miss.
-        UsageError: both, or what concerns quantities only without any.
-    """
-    from sandbox.paper.figures import FIGURES
-
-    if figure is None:
-        if wish and not quantities:
-            raise click.UsageError("name the quantities that are to be drawn; 'sandbox plot RUN' "
-                                   "lists those that there are")
-        return None
-    if quantities:
-        raise click.UsageError("give either quantities or --figure")
-    if wish:
-        raise click.UsageError("--with, --x, --from, --to, --width and --no-title are of "
-                               "quantities: a figure by name has its own")
-    if figure not in FIGURES:
-        raise click.BadParameter(f"no figure is named {figure!r}.{meant(figure, FIGURES)} "
-                                 f"Figures: {', '.join(FIGURES)}.",
-                                 param_hint="--figure")
-    return FIGURES[figure]
-
-
-def _list_figures(console: Console) -> int:
-    from sandbox.paper.figures import FIGURES
-
-    if console.as_json:
-        console.result_json({"figures": [{"name": kind.name, "about": kind.about}
-                                         for kind in FIGURES.values()]})
-    else:
-        console.result(*table(["figure", ""], [[kind.name, kind.about]
-                                               for kind in FIGURES.values()]))
-    return Exit.DONE
-
-
 def _list_quantities(console: Console, recording: Recording, word: str) -> int:
     """Say what the run can be asked for, and by which commands."""
     from sandbox.cli.quantities import quantity_data, quantity_lines
@@ -186,13 +149,11 @@ def _list_quantities(console: Console, recording: Recording, word: str) -> int:
 
 
 def _drawn(
-    opened: Sequence[tuple[Path, Recording]], kind: FigureKind | None,
-    quantities: tuple[str, ...], given: dict[str, float], wish: _Wish,
+    opened: Sequence[tuple[Path, Recording]], quantities: tuple[str, ...],
+    given: dict[str, float], wish: _Wish,
 ) -> tuple[Any, dict[str, Response], list[str]]:
     """The figure, how quantities with a target answer, and what was left out of it."""
     recordings = [each for _, each in opened]
-    if kind is not None:
-        return *kind.draw(recordings[0], given), []
     from sandbox.draw.figure.signals import Plotted, Window, draw
     from sandbox.samples.targets import responses, targets
 

@@ -9,7 +9,7 @@ import click
 import pytest
 
 import sandbox as package
-from sandbox.cli.entry import COMMANDS, commands
+from sandbox.cli.entry import COMMANDS, REMOVED, commands
 from sandbox.cli.options import LIMITS
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
@@ -125,6 +125,13 @@ def test_every_command_helps(sandbox, command):
     assert command in sandbox("--help").out
 
 
+@pytest.mark.parametrize(("name", "told"), REMOVED.items())
+def test_a_removed_command_says_what_to_do(sandbox, name, told):
+    said = sandbox(name, "x")
+    assert said.code == 2
+    assert told in said.err
+
+
 def test_every_limit_is_an_option():
     assert list(LIMITS) == [field.name for field in dataclasses.fields(Limits)]
 
@@ -164,7 +171,7 @@ def test_check_tells_what_a_run_would_take_and_both_refuse_what_is_too_much(sand
 
 @pytest.mark.parametrize("words", [
     ["run", "single_finger"], ["render", "x"], ["export", "single_finger"], ["schema"],
-    ["study", "all"], ["verify"], ["plot", "x"], ["compare", "x", "y"], ["bounds", "x"]])
+    ["verify"], ["plot", "x"], ["compare", "x", "y"], ["bounds", "x"]])
 @pytest.mark.parametrize("empty", ["", "  "])
 def test_no_path_is_not_the_working_directory(sandbox, words, empty):
     said = sandbox(*words, "--out", empty)

@@ -7,11 +7,13 @@ from scipy.optimize import brentq
 
 from sandbox.draw.figure.panels import Curve, Panel
 from sandbox.engine.simulate import simulate
-from sandbox.paper import ideal_pull, least_pull
-from sandbox.paper.finger_plant import HINGES, TARGET, Plant
+from sandbox.mechanics.springs import spring_set
+from sandbox.mechanics.tendon import route
+from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.scene.read.load import load_scene
 from sandbox.study.plain_mechanisms import fixed, mechanism
+from sandbox.study.reference_fingers import SET_A
 from sandbox.verification.cases.case import Case, Check, Findings
 
 REST = 12.0
@@ -28,8 +30,30 @@ def _at_rest(scene: str, **overrides: float) -> Recording:
         **{f"parameters.{key}": value for key, value in overrides.items()}}))
 
 
+HINGES, TARGET = ("mcp", "pip", "dip"), np.radians([5.0, 10.0, 15.0])
+LIMITS = (0.5, 6.0)
+"""Of the controlled stiffness, in shares of Set A's."""
+TENDON, SPRINGS = route(SET_A.guides, SET_A.lengths), spring_set(SET_A.before, SET_A.after)
+
+
+def _per_pull(theta: Array) -> Array:
+    """H / (dlm hm): the stiffness per pull that holds a pose [1/m], shape [..., 3]."""
+    return np.asarray(TENDON.arms(theta) / (SPRINGS.elongations(theta) * SPRINGS.arms(theta)))
+
+
+def _rest(pull: float) -> Array:
+    """Where Set A's springs hold a pull, below the folds [rad], shape [3]."""
+    def torque(angle: float, joint: int) -> float:
+        theta = np.full(3, angle)
+        back = SPRINGS.elongations(theta) * SPRINGS.arms(theta)
+        return float((pull * TENDON.arms(theta) - np.array(SET_A.stiffness) * back)[joint])
+
+    return np.array([brentq(torque, 0.0, np.radians(30.0), args=(joint,), xtol=1e-14)
+                     for joint in range(3)])
+
+
 def _stiffness() -> Findings:
-    plant, checks = Plant(), []
+    checks: list[Check] = []
     pulls, found = (8.0, 10.0, 15.0, 20.0), []
     for pull in pulls:
         run = _at_rest("finger_stiffness_15N", pull=pull)
@@ -38,9 +62,9 @@ def _stiffness() -> Findings:
         checks += [
             Check(f"stiffness over the {hinge} at {pull:g} N", "N/m", float(k), end,
                   LEFT * float(k), f"the integral after {REST:g} s: e^-16 and rounding")
-            for hinge, k, end in zip(HINGES, plant.stiffness(pull, TARGET), ends, strict=True)]
-    fine = np.linspace(*plant.pull_range(TARGET), 60)
-    lines = plant.stiffness(fine, TARGET)
+            for hinge, k, end in zip(HINGES, pull * _per_pull(TARGET), ends, strict=True)]
+    fine = np.linspace(7.0, 22.5, 60)
+    lines = fine[:, None] * _per_pull(TARGET)
     curves = []
     for i, hinge in enumerate(HINGES):
         curves += [Curve(f"{hinge}, T h / (Δlm hm)", fine, lines[:, i]),
@@ -50,20 +74,17 @@ def _stiffness() -> Findings:
 
 
 def _pull() -> Findings:
-    """The pull and pose at which the tendon is 2.971 mm shorter, by halving."""
-    plant, checks = Plant(), []
-    shortening = float(plant.shortening(TARGET))
-    low, high = 0.0, 5.0  # at 5 N it is 3.56 mm shorter; the end joint has its fold above
-    for _ in range(60):
-        middle = (low + high) / 2
-        pose = plant.rest(middle, plant.finger.stiffness)
-        low, high = (middle, high) if plant.shortening(pose) < shortening else (low, middle)
-    pose = plant.rest(low, plant.finger.stiffness)
+    """The pull and pose at which the tendon is as much shorter as at the target."""
+    checks = []
+    shortening = float(TENDON.shortening(TARGET))
+    pull = brentq(lambda pull: float(TENDON.shortening(_rest(pull))) - shortening, 3.0, 4.9,
+                  xtol=1e-12)
+    pose = _rest(pull)
     run = simulate(load_scene("finger_force_control", overrides={
         "run.duration": REST, "run.step": 4e-4, "run.sample_rate": 50, "expect": [],
         "controllers[0].target": shortening}))
     why = f"the integral after {REST:g} s"
-    checks.append(Check("pull", "N", low, float(run["pull.value"][-1]), LEFT * low, why))
+    checks.append(Check("pull", "N", pull, float(run["pull.value"][-1]), LEFT * pull, why))
     checks += [Check(f"rotation of the {hinge}", "deg", float(np.degrees(angle)),
                      float(np.degrees(run[f"finger.{hinge}.angle"][-1])),
                      LEFT * float(np.degrees(angle)), why)
@@ -72,26 +93,20 @@ def _pull() -> Findings:
 
 
 def _least() -> Findings:
-    low, high = least_pull.bisect()
-    predicted, _ = Plant().pull_range(TARGET)
-    return Findings([Check("least pull", "N", predicted, (low + high) / 2, (high - low) / 2,
-                           "half of the last interval of the halving")])
-
-
-def _slow() -> Findings:
-    pulls, checks, found = (7.5, 10.0, 15.0, 22.0), [], []
-    for pull in pulls:
-        slowest = float(ideal_pull.simulated(pull).max())
-        found.append(slowest)
-        checks.append(Check(
-            f"settling at {pull:g} N", "s", float(ideal_pull.predicted(pull).max()), slowest, 0.1,
-            "the first swings, which the slow motion leaves out, last 0.1 s"))
-    low, high = Plant().pull_range(TARGET)
-    fine = np.linspace(low, high, 82)[1:-1]
-    times = np.array([ideal_pull.predicted(float(pull)).max() for pull in fine])
-    return Findings(checks, [Panel("The slowest joint is settled", "pull [N]", "time [s]", [
-        Curve("∫ (Kp − T g′)/(KI e) de", fine, times),
-        Curve("engine", np.array(pulls), np.array(found), "points")])])
+    """Bisection between a pull that does not lead all joints to the target and one that does."""
+    low, high = 6.5, 7.2
+    while high - low > 0.01:
+        middle = (low + high) / 2
+        run = simulate(load_scene("finger_stiffness_15N", overrides={
+            "parameters.pull": middle, "run.duration": 6.0, "run.step": 4e-4,
+            "run.sample_rate": 100, "expect": []}))
+        ends = np.array([run[f"finger.{hinge}.angle"][-1] for hinge in HINGES])
+        reached = bool((np.abs(ends / TARGET - 1) < 1e-3).all())
+        low, high = (low, middle) if reached else (middle, high)
+    least = float((LIMITS[0] * np.array(SET_A.stiffness) / _per_pull(TARGET)).max())
+    return Findings([Check(
+        "least pull", "N", least, (low + high) / 2, (high - low) / 2 + 0.006,
+        "half of the last interval, and 1e-3 of 5 deg at 0.92 deg/N")])
 
 
 def _brake() -> Findings:
@@ -145,11 +160,7 @@ CASES = (
          "kᵢ = T hᵢ / (Δlmᵢ hmᵢ)", "finger_stiffness_15N at 8 to 20 N, h = 0.4 ms",
          "stiffnesses at rest with the closed form's", _stiffness),
     Case("least_pull", "The least pull that holds a pose", "T_min = maxᵢ kᵢ,min Δlmᵢ hmᵢ / hᵢ",
-         "finger_stiffness_15N, halving between 4 and 9 N", "with the closed form", _least),
-    Case("slow_motion", "When controlled stiffness has settled",
-         "ė = −KI e / (Kp − T g′), g = h/(Δlm hm)",
-         "finger_stiffness_10N at 7.5 to 22 N, h = 0.4 ms",
-         "the slowest joint's settling time with a quadrature", _slow),
+         "finger_stiffness_15N, halving between 6.5 and 7.2 N", "with the closed form", _least),
     Case("brake", "A brake holds, or slips", "I α = max(0, τ − τ_brake)",
          "an arm under 0.05 N m with brakes of 0 to 0.06 N m, h = 0.5 ms",
          "acceleration and the brake's torque", _brake),
