@@ -29,7 +29,7 @@ FLOORS = {
     "audit": 5,
     "recording": 6,
     "draw": 7, "engine": 7, "export": 7,
-    "equilibria": 8, "study": 8, "show": 8, "notebook": 8, "sweeps": 8,
+    "convergence": 8, "equilibria": 8, "study": 8, "show": 8, "notebook": 8, "sweeps": 8,
     "gym": 9, "search": 9,
     "verification": 10,
     "cli": 11,

@@ -19,9 +19,9 @@ from sandbox.errors import Problem, SceneError
 from sandbox.pages import page_of, read_on
 
 if TYPE_CHECKING:
+    from sandbox.convergence.certificate import Certificate
+    from sandbox.convergence.judgement import Trust
     from sandbox.scene.read.load import Loaded
-    from sandbox.study.certificate import Certificate
-    from sandbox.study.convergence import Trust
 
 
 @click.command()
@@ -40,8 +40,8 @@ def certify(
     at; and what it would take. Exits 1 if the scene cannot be certified, 3 if
     one of the runs diverged. Writes no files.
     """
+    from sandbox.convergence.certificate import certify as check_convergence
     from sandbox.engine.inspect import inspect
-    from sandbox.study.certify import certify as run_study
 
     loaded = load(scene_path(scene), overrides=overrides, limits=limits)
     mechanism = loaded.mechanism
@@ -50,7 +50,7 @@ def certify(
     console = Console(as_json=as_json)
     with (compilation_notices(console),
           Progress("certify", shown=console.shows_progress) as progress):
-        found = run_study(mechanism, progress=progress)
+        found = check_convergence(mechanism, progress=progress)
     code = (Exit.DIVERGED if found.diverged else Exit.DONE if found.certified else Exit.FAILED)
     if as_json:
         console.result_json({"status": code.name.lower(), "exit_code": int(code),
@@ -70,17 +70,17 @@ def _refuse(loaded: Loaded, limits: dict[str, Any]) -> None:
         SceneError: a scene that expects nothing, that an event may stop or that is too
             short; one whose finest run is larger than allowed.
     """
+    from sandbox.convergence.certificate import unfit
+    from sandbox.convergence.runs import refined
     from sandbox.engine.inspect import look_over
     from sandbox.scene.read.limits import check_limits
-    from sandbox.study.certify import unfit
-    from sandbox.study.repeats import variants
 
     mechanism = loaded.mechanism
     if reason := unfit(mechanism):
         stops = any(event.stop for event in mechanism.events)
         place = "$.expect" if not mechanism.expect else "$.events" if stops else "$.run"
         raise SceneError([Problem(reason, place)], loaded.name)
-    finest, allowed = variants(mechanism)[2], chosen_limits(limits)
+    finest, allowed = refined(mechanism, 4), chosen_limits(limits)
     if problems := (check_limits(finest, allowed)
                     or list(look_over(finest).estimate.beyond(allowed))):
         raise SceneError([dataclasses.replace(

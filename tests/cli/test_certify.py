@@ -48,7 +48,7 @@ def test_a_run_that_diverges_exits_3(
             raise gone
         return simulate(mechanism, **more)
 
-    monkeypatch.setattr("sandbox.study.repeats.simulate", away)
+    monkeypatch.setattr("sandbox.convergence.runs.simulate", away)
     said = sandbox("certify", scene())
     assert said.code == 3
     assert said.err.splitlines()[0] == (

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.convergence.runs import at_instants
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import SimulationDiverged
@@ -23,7 +24,6 @@ from sandbox.recording.recording import Recording
 from sandbox.scene.document import Scene
 from sandbox.scene.read.load import load_scene
 from sandbox.study.orders import EXACT
-from sandbox.study.refine import at_instants
 from sandbox.verification.cases.case import Check
 
 Json = dict[str, Any]

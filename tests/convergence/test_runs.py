@@ -5,19 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sandbox.convergence.runs import at_instants, refined
 from sandbox.scene.elements.controllers import every
 from sandbox.study.plain_mechanisms import mass, mechanism
-from sandbox.study.refine import at_instants, refined
 
 
 def test_refined_run() -> None:
     plain = mechanism(duration=0.1, step=5e-4, bodies=[mass("load", 1.0, (0, 0))])
-    quarter = refined(plain, parts=4)
+    quarter = refined(plain, 4)
     assert quarter.run.step == 1.25e-4
     assert quarter.run.sample_rate == pytest.approx(8000)
-    same = refined(plain)
-    assert (same.run.step, same.run.sample_rate) == (5e-4, plain.run.sample_rate)
-    assert same.bodies == plain.bodies
+    same = refined(plain, 1)
+    assert (same.run.step, same.bodies) == (5e-4, plain.bodies)
 
 
 def test_controllers_keep_their_rate() -> None:
@@ -27,7 +26,7 @@ def test_controllers_keep_their_rate() -> None:
         duration=0.1, step=4e-4, bodies=[mass("load", 1.0, (0, 0))], controllers=[law],
         drives=[{"type": "force", "name": "push", "body": "load", "direction": [1, 0], "value": 0}])
     for parts in (2, 4):
-        found = refined(plain, parts=parts)
+        found = refined(plain, parts)
         assert every(found.controllers[0].rate, found.run.step) == 2 * parts
 
 

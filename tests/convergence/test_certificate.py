@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from sandbox.audit.figures import Figure
+from sandbox.convergence import runs as module
+from sandbox.convergence.certificate import certify, mean_size, scene_size
+from sandbox.convergence.judgement import Kind
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import SimulationDiverged
 from sandbox.recording.recording import Recording
 from sandbox.scene.elements.events import Event
 from sandbox.scene.mechanism import Mechanism
-from sandbox.study import repeats as module
-from sandbox.study.certify import certify
-from sandbox.study.convergence import Kind
 from sandbox.study.plain_mechanisms import G, fixed, mass, mechanism
 
 STIFF, LOAD, START = 200.0, 0.05, 0.01
@@ -277,3 +277,20 @@ def test_what_stays_inside_its_range_is_counted(count: int, told: str) -> None:
     found = certify(spring([{"max": "load.vx", "below": 1.0}, *[wide] * count], duration=1.0))
     assert {trust.kind for trust in found.quantities[1:]} == {Kind.WITHIN}
     assert told in found.conclusion
+
+
+def test_the_size_of_a_quantity_is_a_mean() -> None:
+    assert mean_size(np.array([1.0] * 99 + [101.0])) == 2.0
+    assert mean_size(np.array([np.nan, 3.0, np.inf])) == 3.0
+    assert mean_size(np.array([])) == 0.0
+
+
+def test_mass_length_and_time_give_a_size_where_all_quantities_are_zero() -> None:
+    runs = [simulate(mechanism(duration=2.0, step=1e-2, bodies=[
+        fixed("wall"), mass("heavy", 3.0, (0.1, 0.0)),
+        mass("light", 1.0, (0.4, 0.0), velocity=(0.5, 0.0))]))]
+    length = scene_size(runs, "m")
+    assert scene_size(runs, "N") == pytest.approx(3.0 * length / 2.0**2)
+    assert scene_size(runs, "J") == pytest.approx(3.0 * length**2 / 2.0**2)
+    assert scene_size(runs, "rad") == scene_size(runs, "1") == 1.0
+    assert scene_size(runs, "furlong") == 0.0

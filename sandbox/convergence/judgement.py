@@ -1,15 +1,14 @@
-"""The verdict on one expected quantity, from its values at h, h/2, h/4.
+"""The verdict on one expected quantity, from its values at h, h/2 and h/4.
 
-A quantity q that follows from the step h as q(h) = q_0 + C h^p shows by three runs its order p
-and its limit q_0, and so what is left of its error at h (Richardson; P. J. Roache,
-*Verification and Validation in Computational Science and Engineering*, 1998, chapter 5):
+If a quantity depends on the step as q(h) = q_0 + C h^p, three runs give its order p and its limit
+q_0, and with them the error at h (Richardson extrapolation; P. J. Roache, *Verification and
+Validation in Computational Science and Engineering*, 1998, chapter 5):
 
     p = log2( (q(h) - q(h/2)) / (q(h/2) - q(h/4)) )
     q_0 = q(h/4) - (q(h/2) - q(h/4)) / (2^p - 1)
 
-Differences of unlike sign, or that hardly fall, show neither. Whether an error is small is asked of
-the scene: it is held against what the expectation allows (:func:`tolerance`), never against
-the width of a range that says nothing.
+Differences of unlike sign, or that hardly fall, give neither. An error counts as small if it is
+a tenth of what the expectation allows (:func:`tolerance`).
 """
 
 from __future__ import annotations
@@ -22,98 +21,91 @@ import numpy as np
 
 from sandbox.samples.expectations import Verdict
 
-ROUNDING = 1e-9
-"""Differences below this fraction of the quantity's size say nothing of the step."""
-SHARE = 0.1
-"""Of a tolerance, that an error may take: as with measuring instruments, one part in ten."""
-WIDE = 0.1
-"""A range wider than this fraction of the quantity is no tolerance; so much of it is taken."""
-SLIGHT = 1e-3
-"""What is smaller than this fraction of the largest quantity of its unit has no size of its own."""
-LEAST_ORDER = 0.5
-"""Differences that fall more slowly show no limit, those that grow faster that there is none."""
-SCHEME_ORDER = 2.0
-"""The engine's order: differences that fall faster do so by chance, not by the scheme."""
-MOST_HALVINGS = 7
-"""A step finer than h/128 is not named as one that would do: so far no order can be trusted."""
+ROUNDING = 1e-9  # differences below this share of the quantity's size are rounding
+SHARE = 0.1  # of a tolerance, that an error may take
+WIDE = 0.1  # a range wider than this share of the quantity is no tolerance
+SLIGHT = 1e-3  # smaller than this share of the largest quantity of its unit: no size of its own
+LEAST_ORDER = 0.5  # differences that fall more slowly show no limit
+SCHEME_ORDER = 2.0  # of the engine; differences that fall faster do so by chance
+MAX_HALVINGS = 7  # no step finer than h/128 is suggested
 
 
 class Kind(StrEnum):
-    """What can be said of a quantity."""
+    """The verdict on a quantity."""
 
     EXACT = "exact to rounding"
     CONVERGED = "converged"
     WITHIN = "within its range"
-    """It has not settled on one number, but every run has it in its range, and the last halving
-    changed it by less than its distance from the range's ends."""
+    """Not converged, but every run is in the range, and the last halving changes the value by less
+    than its distance from the ends of the range."""
     STEP = "depends on the step"
-    """It settles on a number, but at the end of its range: another step, another verdict."""
+    """It converges to a value outside its range: another step gives another verdict."""
     OPEN = "not converged"
-    """Halving the step changes it by more than the scene allows."""
+    """Halving the step changes it by more than is allowed."""
     DIVERGES = "diverges"
-    """Halving the step changes it the more, the finer the step is."""
+    """The changes grow as the step is halved."""
     FAILS = "fails"
-    """Its expectation does not hold to begin with, or it has no value."""
+    """The expectation does not hold, or the quantity has no value."""
 
 
 @dataclass(frozen=True)
 class Sizes:
-    """How large a quantity is, in its own unit; see :mod:`sandbox.study.sizes`."""
+    """How large a quantity is, in its own unit."""
 
     peak: float
-    """Its largest value over the window, against which rounding is measured."""
+    """Largest absolute value over the window; rounding is relative to it."""
     own: float
-    """Its usual size over the window."""
+    """Mean absolute value over the window."""
     scene: float
-    """Usual size of the largest quantity of its unit in the scene, at least ``own``."""
+    """Mean absolute value of the largest quantity of its unit in the scene, at least ``own``."""
 
 
 @dataclass(frozen=True)
 class Trust:
-    """An expected quantity at three steps, and how far it can be trusted."""
+    """An expected quantity at three steps, and the verdict on it."""
 
     quantity: str
     statistic: str
     unit: str
     low: float
-    """Least value that passes; minus infinity where open."""
+    """Lowest value that passes; minus infinity if there is none."""
     high: float
     values: tuple[float, float, float]
-    """At h, h/2, h/4; nan where the run did not get so far."""
+    """At h, h/2, h/4; nan if the run ended before."""
     allowed: float
-    """What may be left of the error for it to have converged: a share of the tolerance."""
+    """Largest error of a quantity that has converged."""
     order: float
-    """Observed order of convergence; nan where the differences are rounding or show none."""
+    """Observed order of convergence; nan if the differences show none."""
     limit: float
-    """What it tends to as the step goes to nothing; nan where that cannot be told."""
+    """Extrapolated value for a step of zero; nan if the differences show none."""
     error: float
-    """What is left of the error at h: to the limit where it has one, else twice the spread."""
+    """Estimated error at h: the distance from the limit, or else twice the spread."""
     kind: Kind
     reason: str = ""
-    """What the kind rests on, in numbers."""
+    """Numbers that explain the verdict."""
     finer: int = 0
-    """h through this would do; 0 where no step can be named, or none is needed."""
+    """h divided by this would be fine enough; 0 if unknown or not needed."""
 
     @property
     def differences(self) -> tuple[float, float]:
-        """By how much the first and the second halving of the step changed it."""
+        """Changes by the first and the second halving of the step."""
         return abs(self.values[1] - self.values[0]), abs(self.values[2] - self.values[1])
 
     @property
     def settled(self) -> bool:
-        """Whether the quantity is one number, whatever the step."""
+        """Whether the value does not depend on the step."""
         return self.kind in (Kind.EXACT, Kind.CONVERGED)
 
     @property
     def certified(self) -> bool:
-        """Whether its expectation can be relied on."""
+        """Whether the expectation can be relied on."""
         return self.settled or self.kind is Kind.WITHIN
 
 
 def judge(
     verdict: Verdict, values: tuple[float, float, float], sizes: Sizes, *, given: bool = False,
 ) -> Trust:
-    """What the values of three runs say of an expectation.
+    """The verdict on an expectation from the values of three runs.
 
     Args:
         verdict: on the run at h.
@@ -135,17 +127,16 @@ def judge(
     kind = _kind(trust, verdict.ok, sizes, noise)
     finer = _finer(trust, noise) if kind in (Kind.OPEN, Kind.FAILS) else 0
     trust = replace(trust, kind=kind, finer=finer)
-    told = "" if verdict.reason and kind is Kind.FAILS else _reason(trust)
-    return replace(trust, reason="; ".join(filter(None, (verdict.reason, told))))
+    text = "" if verdict.reason and kind is Kind.FAILS else _reason(trust)
+    return replace(trust, reason="; ".join(filter(None, (verdict.reason, text))))
 
 
 def tolerance(verdict: Verdict, value: float, sizes: Sizes, *, given: bool) -> float:
-    """How far a value may be off by what its expectation says.
+    """Largest deviation that an expectation allows.
 
-    A tolerance that is given (``is`` … ``within``) is taken, unless it is wider than a tenth of
-    anything of that unit in the scene. Two bounds allow half their distance, one bound the value's
-    distance from it. A wide range is mostly there to catch nonsense, and what explodes stays within
-    it, too: of bounds no more than a tenth of the quantity itself counts.
+    A given tolerance (``is`` with ``within``) counts up to a tenth of the largest quantity of its
+    unit in the scene. Two bounds allow half their distance, one bound the value's distance from
+    it, but not more than a tenth of the quantity itself: wide bounds only catch nonsense.
     """
     half = (verdict.high - verdict.low) / 2
     if given:
@@ -156,7 +147,7 @@ def tolerance(verdict: Verdict, value: float, sizes: Sizes, *, given: bool) -> f
 
 
 def _richardson(values: tuple[float, float, float], noise: float) -> tuple[float, float]:
-    """Order and limit, nan where they cannot be told."""
+    """Order and limit; nan if the differences show none."""
     coarse, fine = values[0] - values[1], values[1] - values[2]
     if abs(fine) <= noise:
         return math.nan, values[2]
@@ -188,12 +179,12 @@ def _kind(trust: Trust, met: bool, sizes: Sizes, noise: float) -> Kind:
 
 
 def _distance(trust: Trust, values: np.ndarray) -> float:
-    """Of the nearest of the values from the nearest end of the range, negative outside it."""
+    """Smallest distance of the values from an end of the range, negative outside."""
     return float(np.minimum(values - trust.low, trust.high - values).min())
 
 
 def _finer(trust: Trust, noise: float) -> int:
-    """Through which power of two h has to go to have converged, if its limit lies in its range."""
+    """Power of two by which h has to be divided to converge; 0 if the limit is out of range."""
     if not math.isfinite(trust.limit) or not trust.low <= trust.limit <= trust.high:
         return 0
     order = min(trust.order, SCHEME_ORDER) if math.isfinite(trust.order) else SCHEME_ORDER
@@ -201,27 +192,27 @@ def _finer(trust: Trust, noise: float) -> int:
     if trust.allowed <= 0:
         return 0
     halvings = max(1, 2 + math.ceil(math.log2(left / trust.allowed) / order))
-    return 2**halvings if halvings <= MOST_HALVINGS else 0
+    return 2**halvings if halvings <= MAX_HALVINGS else 0
 
 
 def _reason(trust: Trust) -> str:
-    """What a verdict rests on, in numbers; nothing where the table says it all."""
-    def told(value: float) -> str:
+    """Numbers that explain a verdict; empty if the table has them all."""
+    def text(value: float) -> str:
         return f"{value:.2g}{'' if trust.unit in ('', '1') else f' {trust.unit}'}"
 
-    coarse, fine = (told(each) for each in trust.differences)
+    coarse, fine = (text(each) for each in trust.differences)
     halved = f"halving the step changes it by {coarse}, then by {fine}"
-    allowed = f"{told(trust.allowed)} is allowed"
+    allowed = f"{text(trust.allowed)} is allowed"
     match trust.kind:
         case Kind.WITHIN:
-            return (f"{halved}, inside its range; to have converged at most {told(trust.allowed)} "
+            return (f"{halved}, inside its range; to have converged at most {text(trust.allowed)} "
                     "may be left")
         case Kind.STEP if _distance(trust, np.array(trust.values)) >= 0:
             return f"it tends to {trust.limit:.6g}, outside its range"
         case Kind.STEP:
             return f"at h/4 it is {trust.values[2]:.6g}, outside its range"
         case Kind.OPEN if math.isfinite(trust.order):
-            return (f"{told(trust.error)} is left of its error and falls with order "
+            return (f"{text(trust.error)} is left of its error and falls with order "
                     f"{trust.order:.1f}; {allowed}")
         case Kind.OPEN:
             return f"{halved}; {allowed}"

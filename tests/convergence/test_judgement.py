@@ -6,8 +6,8 @@ import math
 
 import pytest
 
+from sandbox.convergence.judgement import Kind, Sizes, Trust, judge, tolerance
 from sandbox.samples.expectations import Verdict
-from sandbox.study.convergence import Kind, Sizes, Trust, judge, tolerance
 
 
 def verdict_of(values: tuple[float, float, float], low: float, high: float, *,
