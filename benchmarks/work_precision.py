@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.measure import Figure, mechanism
+from sandbox.convergence.runs import at_instants
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
@@ -29,7 +30,6 @@ from sandbox.export import export_mechanism
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
-from sandbox.study.refine import at_instants
 from tests.support.reference import SET_G, SET_G_TABLE
 
 STEPS = (4e-3, 2e-3, 1.6e-3, 1e-3, 5e-4, 2.5e-4)

@@ -9,6 +9,7 @@ import re
 import runpy
 import shlex
 import shutil
+import subprocess
 import sys
 import tempfile
 import tomllib
@@ -22,9 +23,7 @@ from PIL import Image
 
 import sandbox
 from sandbox.cli.entry import invoke
-from sandbox.draw.figure.style import save_figure
 from sandbox.draw.film.palette import PUSH, TENSION
-from sandbox.paper.figures import FIGURES
 from sandbox.scene.library import shipped_scenes, wholes
 
 FOLDER = Path(__file__).parent.parent / "renders" / "gallery"
@@ -35,25 +34,16 @@ HOW: dict[str, dict[str, Any]] = tomllib.loads(
 
 @dataclass
 class Work:
-    """What several pictures share: runs by scene, studies by name, and a place for their files."""
+    """What several pictures share: runs by scene, and a place for their files."""
 
     folder: Path
     runs: dict[str, sandbox.Recording] = field(default_factory=dict)
-    studied: set[str] = field(default_factory=set)
-    """Studies of many runs that were gone over."""
 
     def run(self, scene: str) -> sandbox.Recording:
         """The run of a shipped scene."""
         if scene not in self.runs:
             self.runs[scene] = sandbox.simulate(sandbox.load_scene(scene))
         return self.runs[scene]
-
-    def study(self, name: str) -> Path:
-        """The directory that a study filled."""
-        folder = self.folder / "studies" / name
-        if not folder.is_dir() and invoke(["study", name, "--out", str(folder), "--quiet"]):
-            raise SystemExit(f"the study {name} failed")
-        return folder
 
 
 Draw = Callable[[Work, Path], None]
@@ -77,33 +67,20 @@ def small(scene: str) -> Draw:
     return draw
 
 
-def figure(scene: str) -> Draw:
-    """The figure of a finger under control."""
+def study(name: str) -> Draw:
+    """A picture that a script of docs/studies writes under the name of the picture."""
     def draw(work: Work, path: Path) -> None:
-        save_figure(FIGURES["finger-control"].draw(work.run(scene), {})[0], path)
-
-    return draw
-
-
-def study(name: str, file: str) -> Draw:
-    """A picture that ``sandbox study`` writes."""
-    return lambda work, path: shutil.copyfile(work.study(name) / file, path) and None
-
-
-def many(name: str, file: str) -> Draw:
-    """A picture of a study of many runs, whose runs are kept in renders/studies for next time."""
-    def draw(work: Work, path: Path) -> None:
-        folder = FOLDER.parent / "studies" / name
-        if name not in work.studied and invoke(["study", name, "--out", str(folder), "--quiet"]):
-            raise SystemExit(f"the study {name} failed")
-        work.studied.add(name)
-        shutil.copyfile(folder / file, path)
+        folder = work.folder / "studies" / name
+        if not folder.is_dir():
+            script = Path(__file__).parent / "studies" / f"{name}.py"
+            subprocess.run([sys.executable, script, "--out", folder], check=True)
+        shutil.copyfile(folder / path.name, path)
 
     return draw
 
 
 def command(name: str, scene: str, *words: str) -> Draw:
-    """The picture that ``sandbox push`` or ``sandbox rest`` writes."""
+    """The picture that ``sandbox rest`` writes."""
     def draw(work: Work, path: Path) -> None:
         folder = work.folder / name / scene
         if invoke([name, scene, *words, "--out", str(folder), "--quiet"]):
@@ -120,7 +97,7 @@ def robustness_map(*words: str) -> Draw:
         scene = work.folder / "incline.json"
         scene.write_text(page.partition("```json scene\n")[2].partition("```")[0])
         folder = work.folder / "robustness"
-        if invoke(["study", "robustness", str(scene), *words, "--out", str(folder), "--quiet"]):
+        if invoke(["search", "robustness", str(scene), *words, "--out", str(folder), "--quiet"]):
             raise SystemExit("the map of the incline failed")
         shutil.copyfile(folder / "search.png", path)
 
@@ -208,7 +185,25 @@ HOWTO: dict[str, dict[str, Any]] = {
 LARGE = 80_000
 """Pictures of more bytes are kept with fewer colours."""
 
+STUDIES = {
+    "finger_control": ("finger_force_control", "finger_stiffness_15N", "finger_stiffness_10N",
+                       "finger_stiffness_too_weak", "finger_dual_control", "finger_model_control",
+                       "least_pull"),
+    "proposals": ("proposals_maps", "proposals_pulls"),
+    "hand_stiffness": ("hand_stiffness",), "soft_vs_adaptive": ("soft_hands", "soft_tensions"),
+    "gripping_force": ("study_gripping_forces", "study_gripping_places", "study_gripping_hand"),
+    "differential": ("study_differential_tensions", "study_differential_spread",
+                     "study_differential_hands"),
+    "survival": ("study_survival_ejection", "study_survival_adaptive", "study_survival_opposed"),
+    "guides": ("study_guides_forces", "study_guides_pulls", "study_guides_search",
+               "study_guides_fingers"),
+    "sheaths": ("study_sheath_share", "study_sheath_spread", "study_sheath_loop"),
+    "identification": ("study_identification_motion", "study_identification_intervals"),
+}
+"""The pictures of each script of docs/studies."""
+
 PICTURES: dict[str, Draw] = {
+    **{f"{picture}.png": study(name) for name, pictures in STUDIES.items() for picture in pictures},
     **{f"{name}.png": film(name, at=HOW.get(name, {}).get("at"))
        for folder in ("hands", "mechanisms") for name in wholes(folder)},
     **{f"scenes/{name}.png": small(name) for name in shipped_scenes()},
@@ -222,12 +217,6 @@ PICTURES: dict[str, Draw] = {
     "planetary.png": film("planetary", size=(640, 430)),
     "rolling_finger.png": film("rolling_finger", size=(600, 420)),
     "finger_joint_locks.png": film("finger_joint_locks", at=2.5),
-    "finger_force_control.png": figure("finger_force_control"),
-    "finger_stiffness_15N.png": figure("finger_stiffness_15N"),
-    "finger_stiffness_10N.png": figure("finger_stiffness_10N"),
-    "finger_stiffness_too_weak.png": figure("finger_stiffness_too_weak"),
-    "finger_dual_control.png": figure("finger_dual_control"),
-    "finger_model_control.png": figure("finger_model_control"),
     "held_disc.png": film("held_disc", at=0.6),
     "start_stronger.png": page_file("start.md", "stronger.png"),
     "scenes_first.png": page_scene("scenes.md", size=(640, 360)),
@@ -251,27 +240,7 @@ PICTURES: dict[str, Draw] = {
     "tutorial_hand_sweep.png": page_file("tutorial/hand.md", "pull/sweep.png"),
     "snap_through_rest.png": command("rest", "snap_through", "--along",
                                        "parameters.load=0 N:1.5 N:21"),
-    "held_disc_push.png": command("push", "held_disc", "--at", "0.15", "--set",
-                                   "parameters.limit=0"),
-    "least_pull.png": study("least-pull", "least_pull.png"),
-    "ideal_pull.png": study("ideal-pull", "ideal_pull.png"),
-    "redundancy.png": study("redundancy", "redundancy.png"),
-    "controllers.png": study("controllers", "controllers.png"),
-    "controllers_motion.png": study("controllers", "controllers_motion.png"),
-    "hand_stiffness.png": study("hand-stiffness", "hand_stiffness.png"),
-    "soft_hands.png": study("soft-vs-adaptive", "soft_hands.png"),
-    "soft_tensions.png": study("soft-vs-adaptive", "soft_tensions.png"),
     "sheathed_hand.png": film("sheathed_hand", at=1.9),
-    "study_sheath_share.png": many("sheaths", "sheath_share.png"),
-    "study_sheath_spread.png": many("sheaths", "sheath_spread.png"),
-    "study_sheath_loop.png": many("sheaths", "sheath_loop.png"),
-    "study_identification_motion.png": many("identification", "identification_motion.png"),
-    "study_identification_intervals.png": many("identification", "identification_intervals.png"),
-    "study_identification_coverage.png": many("identification", "identification_coverage.png"),
-    **{f"study_gripping_{name}.png": many("gripping-force", f"{name}.png")
-       for name in ("forces", "closed_form", "where", "places", "pulls", "hand")},
-    **{f"study_differential_{name}.png": many("differential", f"{name}.png")
-       for name in ("tensions", "spread", "closed_form", "hands")},
     **{f"howto_{name}.png": page_scene(f"howto/{name}.md", **how) for name, how in HOWTO.items()},
     "coming_from_working_model.png": page_scene(
         "coming_from/working_model.md", at=0.9, size=(640, 400)),
@@ -279,15 +248,9 @@ PICTURES: dict[str, Draw] = {
     "howto_figure.png": page_file("howto/figure.md", "closing.png"),
     "howto_figure_sweep.png": page_file("howto/figure.md", "masses.png", python=True),
     "howto_sweep.png": page_file("howto/sweep.md", "throw/sweep.png"),
-    "proposals_maps.png": study("proposals", "proposals_maps.png"),
-    "proposals_pulls.png": study("proposals", "proposals_pulls.png"),
     "robustness.png": robustness_map(
         "--over", "parameters.angle=0 deg:45 deg,parameters.mu=0.1:1.1", "--keep", "v=block.vx",
         "--holds", "v > -0.01 mm/s", "--boundary", "mu - tan(angle)"),
-    **{f"study_{name}": many("survival", name) for name in (
-        "survival_ejection.png", "survival_adaptive.png", "survival_opposed.png")},
-    **{f"study_guides_{name}.png": many("guides", f"guides_{name}.png")
-       for name in ("forces", "pulls", "search", "fingers")},
 }
 
 

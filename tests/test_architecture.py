@@ -29,9 +29,8 @@ FLOORS = {
     "audit": 5,
     "recording": 6,
     "draw": 7, "engine": 7, "export": 7,
-    "equilibria": 8, "study": 8, "show": 8, "notebook": 8, "sweeps": 8,
-    "paper": 9, "gym": 9, "search": 9,
-    "findings": 10,
+    "convergence": 8, "equilibria": 8, "show": 8, "notebook": 8, "sweeps": 8,
+    "gym": 9, "search": 9,
     "cli": 11,
 }
 """The layer of each package: it imports from itself and from the layers below."""

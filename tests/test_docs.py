@@ -43,7 +43,6 @@ PAGES = [ROOT / "README.md", *sorted(page for page in (ROOT / "docs").rglob("*.m
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 KINDS = {"console", *WHOLE, "json piece", "json broken", "json study", "python", "sh"}
 RUN_ELSEWHERE = {
-    "sandbox study guides": "tests/findings/test_guides.py, in parts",
     'python3 -m venv .venv && .venv/bin/pip install . && '
     '.venv/bin/sandbox run scenes/adaptive_grasp.json': ".ci/run",
     'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/pytest -n 2': ".ci/run",
@@ -55,8 +54,6 @@ RUN_ELSEWHERE = {
     ".venv/bin/pytest -q tests/test_architecture.py tests/show/test_parts.py tests/export "
     "tests/scene/test_schema.py": "tests/test_drill.py",
     ".ci/release 0.2.0": "by hand",
-    "sandbox study gripping-force": "tests/findings/test_hands.py, a few of its points",
-    "sandbox study differential": "tests/findings/test_hands.py, a few of its points",
     ".venv/bin/ruff check . && .venv/bin/mypy": "developers",
     "python -m tests.golden check": "tests/golden/test_golden.py, scene by scene",
     "python -m benchmarks": "tests/test_benchmarks.py, quickly",
@@ -67,16 +64,18 @@ RUN_ELSEWHERE = {
     "python -m tests.fuzz --recordings --count 200": "tests/fuzz/test_fuzz.py, a share of them",
     "dask scheduler --port 8786 &": "tests/sweeps/test_cluster.py, with a scheduler of its own",
     "dask worker tcp://127.0.0.1:8786 --nworkers 4 --nthreads 1 &": "tests/sweeps/test_cluster.py",
-    "sandbox study sheaths": "tests/findings/test_sheaths.py, some of its points",
-    "sandbox study identification": "tests/findings/test_identification.py, some of its runs",
-    "sandbox search fit identification --data measured.csv": "tests/search/test_search_command.py",
+    "sandbox search fit docs/studies/identification.json --data measured.csv":
+        "tests/search/test_search_command.py",
     "python docs/make_reference.py": "test_the_tables_are_those_of_the_models",
     "python docs/make_scenes.py": "test_the_page_of_all_scenes_is_that_of_the_scenes",
     "python docs/make_gallery.py": "test_the_gallery_holds_what_the_docs_show",
-    "sandbox study survival": "tests/findings/test_survival.py, and its maps one by one",
-    'sandbox study robustness survival_opposed --holds "moved < 5 mm" --coarse 6 --within 0.0417':
-        "tests/search/test_robustness.py, with quicker scenes",
     ".ci/run": "the project's checks",
+    **{f"python docs/studies/{path.stem}.py --out renders/gallery": "tests/test_studies.py, quickly"
+       for path in (ROOT / "docs" / "studies").glob("*.py")},
+    'sandbox search threshold held_disc --vary "drives[pushed].value=0.5 N:2 N" --keep "x=disc.x" '
+    '--keep "y=disc.y" --keep "way==hypot(x, y)" --where "way < 0.2 mm" --within "0.01 N" --set '
+    '"expect=[]" --set run.duration=0.4s --set "drives[pushed].direction=[0,1]"':
+        "the same along x, above it",
 }
 """Every command of a ``sh`` block, and where it is run."""
 
@@ -150,7 +149,7 @@ def test_what_a_page_says_is_so(
     monkeypatch.chdir(tmp_path)
     run_page(page, capsys)
     if page.stem in ("README", "scenes", "parts", "files", "limits", "extending", "control",
-                     "proposals", "mechanics"):
+                     "mechanics"):
         assert blocks(page)
 
 

@@ -25,10 +25,10 @@ from sandbox.errors import Problem, SceneError
 
 if TYPE_CHECKING:
     from sandbox.audit.bounds import Bounds, Interval
+    from sandbox.convergence.certificate import Certificate
     from sandbox.recording.recording import Recording
     from sandbox.scene.read.limits import Limits
     from sandbox.scene.read.load import Loaded
-    from sandbox.study.certificate import Certificate
 
 MAX_NAMED = 4
 """Forces outside their bounds that are named."""
@@ -47,8 +47,8 @@ def converge(scene: str, overrides: dict[str, Any], as_json: bool, limits: Limit
     warnings of the consistency checks; and what to change. Exits 1 if the scene
     has not converged, 3 if a run diverged. Writes no files.
     """
+    from sandbox.convergence.certificate import certify
     from sandbox.engine.inspect import inspect
-    from sandbox.study.certify import certify
 
     loaded = load(scene_path(scene), overrides=overrides, limits=limits)
     mechanism = loaded.mechanism
@@ -77,17 +77,17 @@ def _refuse(loaded: Loaded, limits: Limits) -> None:
         SceneError: a scene that expects nothing, that an event may stop or that is too
             short; one whose finest run exceeds a limit.
     """
+    from sandbox.convergence.certificate import unfit
+    from sandbox.convergence.runs import refined
     from sandbox.engine.inspect import look_over
     from sandbox.scene.read.limits import check_limits
-    from sandbox.study.certify import unfit
-    from sandbox.study.repeats import variants
 
     mechanism = loaded.mechanism
     if reason := unfit(mechanism):
         stops = any(event.stop for event in mechanism.events)
         place = "$.expect" if not mechanism.expect else "$.events" if stops else "$.run"
         raise SceneError([Problem("nothing-to-certify", reason, place)], loaded.name)
-    finest = variants(mechanism)[2]
+    finest = refined(mechanism, 4)
     if problems := (check_limits(finest, limits)
                     or list(look_over(finest).estimate.beyond(limits))):
         raise SceneError([dataclasses.replace(

@@ -19,7 +19,7 @@ GROUPS = {
     "Results": {"plot": "plot", "render": "runs", "report": "runs"},
     "Questions": {
         "sweep": "sweep", "search": "search", "rest": "rest", "converge": "accuracy",
-        "bounds": "accuracy", "push": "push", "study": "study"},
+        "bounds": "accuracy"},
     "Exchange": {"export": "export"},
 }
 """The commands by group, each with its module in this package."""
@@ -29,7 +29,10 @@ REMOVED = {
     "compare": "Use 'sandbox plot RUN --with RUN'.",
     "completion": "Use _SANDBOX_COMPLETE=bash_source sandbox (or zsh_source, fish_source).",
     "expand": "Use 'sandbox check SCENE --expand'.",
+    "push": "Search for the force that moves the object with 'sandbox search threshold SCENE'.",
+    "robustness": "Use 'sandbox sweep SCENE --vary …' with a grid of values.",
     "schema": "Use 'sandbox check --schema'.",
+    "study": "Studies are scripts: run 'python docs/studies/guides.py' in a checkout.",
     "verify": "The validation cases are tests: run 'pytest tests/verification' in a checkout.",
 }
 """Commands of earlier versions, and what replaces each."""

@@ -1,4 +1,4 @@
-"""``sandbox study robustness``: what holds over two values of a scene, as a map."""
+"""``sandbox search robustness``: what holds over two values of a scene, as a map."""
 
 from __future__ import annotations
 

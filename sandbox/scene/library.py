@@ -1,4 +1,4 @@
-"""The shipped scenes and studies: in the wheel inside the package, in a checkout beside it."""
+"""The shipped scenes: in the wheel inside the package, in a checkout beside it."""
 
 from __future__ import annotations
 
@@ -11,9 +11,6 @@ from typing import NamedTuple
 from sandbox.errors import Problem, SceneError
 from sandbox.wording import listed, near, quoted
 
-STUDIES = "studies"
-"""The folder of study files among the scenes."""
-
 
 def shipped_scenes() -> dict[str, Path]:
     """Name and file of every shipped scene: first those of the folder itself, each by name.
@@ -24,14 +21,7 @@ def shipped_scenes() -> dict[str, Path]:
     return {} if directory is None else {
         path.stem: path for path in [*sorted(directory.glob("*.json")),
                                      *sorted(directory.glob("*/*.json"))]
-        if not path.name.endswith(".schema.json") and path.parent.name != STUDIES}
-
-
-def shipped_studies() -> dict[str, Path]:
-    """Name and file of every shipped study: what sweeps and searches are given."""
-    directory = _directory()
-    return {} if directory is None else {
-        path.stem: path for path in sorted((directory / STUDIES).glob("*.json"))}
+        if not path.name.endswith(".schema.json")}
 
 
 class Topic(NamedTuple):

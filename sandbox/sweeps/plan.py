@@ -20,7 +20,7 @@ from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue
 from sandbox.samples.samples import TIME
 from sandbox.scene.elements.settings import Expect, Looked
-from sandbox.scene.library import find_scene, shipped_scenes, shipped_studies
+from sandbox.scene.library import find_scene, shipped_scenes
 from sandbox.scene.read.limits import Limits, over
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.read.messages import explain
@@ -104,7 +104,7 @@ def written_unit(base: Loaded, path: str) -> str:
 
 
 def read_plan(source: str | os.PathLike[str], limits: Limits | None = None) -> Plan:
-    """The plan of a study: a file, or a shipped one by its name.
+    """The plan of a study file.
 
     Raises:
         SceneError: every problem of the file, or of the scene.
@@ -364,7 +364,7 @@ def _column(name: str, pattern: str, quantity: str) -> str:
 
 
 def study_file(word: str, limits: Limits | None = None) -> Path | None:
-    """The study file that a word names, or a shipped study's name.
+    """The study file that a word names; None for a scene.
 
     It varies or searches, or its ``scene`` is a name, which no scene has: so one whose ``vary`` is
     misspelt is read as a study, and told so.
@@ -374,7 +374,7 @@ def study_file(word: str, limits: Limits | None = None) -> Path | None:
     """
     path = Path(word)
     if path.suffix != ".json" or not path.is_file():
-        return shipped_studies().get(word)
+        return None
     data = read_source(path, limits=limits).data
     if not isinstance(data, dict):
         return None

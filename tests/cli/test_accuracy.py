@@ -45,7 +45,7 @@ def test_a_run_that_diverges_exits_3(sandbox, scene, monkeypatch):
             raise gone
         return simulate(mechanism, **more)
 
-    monkeypatch.setattr("sandbox.study.repeats.simulate", away)
+    monkeypatch.setattr("sandbox.convergence.runs.simulate", away)
     said = sandbox("converge", scene())
     assert said.code == 3
     assert said.err.splitlines()[0] == (

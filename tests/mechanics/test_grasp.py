@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from sandbox.mechanics import grasp, statics
-from sandbox.mechanics.embrace import ClosingFinger, Pull, close_on_discs
-from sandbox.mechanics.grasp import disc_centre
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
 from tests.support.reference import SET_G, SET_G_TABLE, DiscRow
@@ -40,32 +38,3 @@ def test_impossible_grasps_are_refused() -> None:
     with pytest.raises(ValueError, match=r"disc_radius must be greater than 0, got -0.01 m"):
         grasp.disc_grasp((0.02, -0.03), -0.01, SET_G.lengths, SET_G.radii)
 
-
-LIMITS = np.radians([[0.0, 85.0], [0.0, 88.0], [0.0, 75.0]])
-
-
-@pytest.fixture(scope="module")
-def finger() -> ClosingFinger:
-    return ClosingFinger(route(SET_G.guides, SET_G.lengths), spring_set(SET_G.before, SET_G.after),
-                   np.full(3, SET_G.stiffness), LIMITS, np.array(SET_G.lengths),
-                   np.array(SET_G.radii), np.array([4e-3, 1.2e-3, 3e-4]))
-
-
-def test_closing_gives_the_set_g_table(finger: ClosingFinger) -> None:
-    """All rows at once, from the straight finger: the table's digits of angles and forces."""
-    centres = np.array([disc_centre(np.radians(35.0), 0.031, row.disc_radius, SET_G.radii[0])
-                        for row in SET_G_TABLE])
-    discs = np.array([row.disc_radius for row in SET_G_TABLE])
-    tension = np.array([row.tension for row in SET_G_TABLE])
-    found = close_on_discs(finger, centres, discs, Pull(tension), 0.5)
-    np.testing.assert_allclose(np.degrees(found.theta), [row.degrees for row in SET_G_TABLE],
-                               rtol=0, atol=5.1e-4)
-    np.testing.assert_allclose(found.forces, [row.forces for row in SET_G_TABLE], rtol=0,
-                               atol=5.1e-5)
-    assert found.residual.max() < 1e-9
-    # the same rests where a cord is drawn by as much as they take up and it stretches
-    stiff = 300.0
-    drawn = finger.tendon.shortening(found.theta) + tension / stiff
-    again = close_on_discs(finger, centres, discs, Pull(drawn, stiff), 0.5)
-    np.testing.assert_allclose(again.tension, tension, rtol=1e-6)
-    np.testing.assert_allclose(again.forces, found.forces, rtol=0, atol=1e-6)

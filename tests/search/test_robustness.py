@@ -130,8 +130,8 @@ def puck(tmp_path, monkeypatch):
     return "puck.json"
 
 
-def test_the_command_beside_the_shipped_studies(puck, capsys, tmp_path):
-    words = ["study", "robustness", puck, "--over",
+def test_the_command(puck, capsys, tmp_path):
+    words = ["search", "robustness", puck, "--over",
              "parameters.push=1 N:6 N,parameters.m=0.5 kg:1.5 kg", "--coarse", "2", "--within",
              "0.125", "--boundary", "push * 0.0995 - 0.25 * m", "--probes", "2"]
     assert invoke(words) == 0

@@ -153,7 +153,7 @@ def test_a_range_without_width_is_refused(words):
      "--keep 'v=mx puck.vx': there is no statistic 'mx'"),
     (["search", "threshold", "--vary", "parameters.push=1:x"],
      "--vary parameters.push=1:x: 'x' is not a number with a unit"),
-    (["study", "robustness", "--over", "parameters.pusch=1:4"],
+    (["search", "robustness", "--over", "parameters.pusch=1:4"],
      "--over parameters.pusch=1:4: cannot set"),
     (["sweep", "--vary", "parameters.push=1:4:3", "--set", "run.stp=1"],
      "puck.json:$.run.stp: unknown key"),

@@ -20,11 +20,11 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
+from sandbox.convergence.runs import at_instants
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SimulationDiverged
 from sandbox.recording.recording import Recording
 from sandbox.scene.read.load import load_scene
-from sandbox.study.refine import at_instants
 from tests.support.mechanisms import Json
 
 STEPS = (1e-3, 5e-4, 2.5e-4)

@@ -43,8 +43,6 @@ BLUE, ORANGE, GREEN, VIOLET = "#2f6690", "#d1742f", "#4f8a6b", "#8a5a9e"
 OCHRE, SLATE, RED = "#9a7b3f", "#5b6673", "#b5485d"
 COLOURS = (BLUE, ORANGE, GREEN, VIOLET, OCHRE, SLATE, RED)
 """Of curves, in this order. Calm, and apart in lightness as well as in hue."""
-PALE_GREEN = "#9dbdab"
-"""Of a variant of what is green."""
 INK, QUIET, GREY, FAINT, BAND = "#222831", SLATE, "#a9b1bb", "#e3e6ea", "#dfe5ec"
 """Of type, of notes, of lines that mark an instant, of the grid, of what is shaded."""
 GOOD, BAD = "#3d6b52", "#a63f4d"
@@ -258,14 +256,6 @@ def name_above(axes: Any, curves: Sequence[tuple[str, str, Any]], columns: int) 
                for _, colour, dash in curves]
     legend(axes, samples, [plain(label) for label, _, _ in curves], loc="lower left", ncols=columns,
            bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, borderpad=0.2, columnspacing=1.2)
-
-
-def remark(axes: Any, text: str, colour: str) -> None:
-    """Short lines between the panel's title, which is there already, and its axes."""
-    rise = LINES * SMALL * (1 + text.count("\n"))
-    axes.set_title(axes.get_title(loc="left"), fontsize=PLAIN, color=INK, loc="left", pad=5 + rise)
-    axes.annotate(text, (0.0, 1.0), xycoords="axes fraction", xytext=(0, 4), color=colour,
-                  textcoords="offset points", va="bottom", fontsize=SMALL)
 
 
 def roomy(axes: Any, *rows: Array, least: float = 0.0) -> None:

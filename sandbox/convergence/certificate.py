@@ -1,0 +1,302 @@
+"""The convergence check of a scene: three runs, the verdicts on its expectations, and advice."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from sandbox.audit.audit import Figure
+from sandbox.convergence.judgement import Kind, Sizes, Trust, judge
+from sandbox.convergence.runs import LABELS, Progress, Repeat, at_instants, simulate_all
+from sandbox.engine.clock import make_clock
+from sandbox.numeric import Array
+from sandbox.recording.recording import Recording
+from sandbox.samples.expectations import Verdict, among, number_of, verdicts, window
+from sandbox.samples.outcome import Status
+from sandbox.scene.elements.settings import Expect
+from sandbox.scene.mechanism import Mechanism
+
+PEAKS = ("max", "min")
+OF_THE_MECHANISM = ("contact.shared", "tendon.slack")
+"""Audit figures that describe the mechanism and not the accuracy of a run."""
+DIMENSIONS = {
+    "1": (0, 0, 0), "": (0, 0, 0), "rad": (0, 0, 0), "rad/s": (0, 0, -1), "rad/s^2": (0, 0, -2),
+    "m": (0, 1, 0), "m/s": (0, 1, -1), "m/s^2": (0, 1, -2), "N": (1, 1, -2),
+    "N m": (1, 2, -2), "J": (1, 2, -2), "N/m": (1, 0, -2), "N m/rad": (1, 2, -2),
+}
+"""Exponents of mass, length and time of a unit."""
+CAUSES = ("light parts that carry heavy ones, springs that are stiff for the masses on them, or "
+          "chance, as in chaotic motion ('sandbox check' names what it can see)")
+
+
+@dataclass(frozen=True)
+class Look:
+    """A warning of the audit."""
+
+    runs: tuple[str, ...]
+    """The runs that have it, of :data:`sandbox.convergence.runs.LABELS`."""
+    figure: Figure
+    """Of the run that exceeds the threshold most."""
+
+
+@dataclass(frozen=True)
+class Diverged:
+    """A run that diverged."""
+
+    run: str
+    time: float
+    """Of its last sample [s]."""
+    reason: str
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """The verdicts on all expectations of a scene."""
+
+    steps: tuple[float, float, float]
+    """h, h/2, h/4 [s]."""
+    quantities: tuple[Trust, ...]
+    """In the order of the scene's expectations."""
+    looks: tuple[Look, ...] = ()
+    diverged: tuple[Diverged, ...] = ()
+
+    @property
+    def doubtful(self) -> tuple[Trust, ...]:
+        """The expectations that cannot be relied on."""
+        return tuple(trust for trust in self.quantities if not trust.certified)
+
+    @property
+    def objections(self) -> tuple[Look, ...]:
+        """Warnings of the audit on the accuracy of the run at h."""
+        return tuple(look for look in self.looks
+                     if "h" in look.runs and look.figure.name not in OF_THE_MECHANISM)
+
+    @property
+    def certified(self) -> bool:
+        """Whether every expectation holds, would hold at any finer step, and the audit passes."""
+        return not (self.doubtful or self.objections or self.diverged)
+
+    @property
+    def conclusion(self) -> str:
+        """A summary in a sentence or two."""
+        if not self.certified:
+            return f"Not certified: {'; '.join(self._objections())}."
+        total, settled = len(self.quantities), sum(t.settled for t in self.quantities)
+        also = f" The audits ask for a look at {_names(self.looks)}." if self.looks else ""
+        base = f"Certified at h = {1e3 * self.steps[0]:g} ms:"
+        if settled == total:
+            return f"{base} all {total} expected quantities have converged.{also}"
+        rest = ("one hangs on the step but stays inside its range" if total - settled == 1 else
+                f"{total - settled} hang on the step but stay inside their ranges")
+        return f"{base} {settled} of {total} expected quantities have converged; {rest}.{also}"
+
+    def _objections(self) -> Iterator[str]:
+        if self.diverged:
+            yield f"the simulation diverged at {', '.join(each.run for each in self.diverged)}"
+        if self.doubtful:
+            named = ", ".join(dict.fromkeys(t.quantity for t in self.doubtful))
+            yield (f"{len(self.doubtful)} of {len(self.quantities)} expectations cannot be relied "
+                   f"on at this step: {named}")
+        if self.objections:
+            so_far = "" if self.doubtful else "the expectations would hold, but "
+            yield f"{so_far}the audit at h asks for a look at {_names(self.objections)}"
+
+    @property
+    def advice(self) -> tuple[str, ...]:
+        """What to change, a sentence each; empty if it is certified."""
+        return (*_divergence_advice(self), *_error_advice(self))
+
+
+def unfit(mechanism: Mechanism) -> str:
+    """Why the convergence of a mechanism cannot be checked; empty if it can."""
+    run = mechanism.run
+    if not mechanism.expect:
+        return "the scene expects nothing, so there is nothing to certify"
+    if any(event.stop for event in mechanism.events):
+        return "an event may stop the run, at another time for every step"
+    if run.duration < 4 * run.step:
+        return f"a run of {run.duration:g} s has fewer than four steps of {run.step:g} s"
+    return ""
+
+
+def certify(mechanism: Mechanism, *, progress: Progress | None = None) -> Certificate:
+    """Simulate a mechanism at h, h/2 and h/4 and judge each of its expectations.
+
+    Args:
+        mechanism: with at least one expectation.
+        progress: called with the fraction done, 0 to 1.
+
+    Raises:
+        ValueError: a mechanism for which :func:`unfit` has a reason.
+        Interrupted: Ctrl-C.
+    """
+    if reason := unfit(mechanism):
+        raise ValueError(reason)
+    found, step = simulate_all(mechanism, progress or (lambda _: None)), mechanism.run.step
+    gone = [repeat for repeat in found if repeat.recording.info.status is Status.DIVERGED]
+    return Certificate(
+        (step, step / 2, step / 4), tuple(_Comparison(mechanism, found).judged()),
+        tuple(_looks(found)),
+        tuple(Diverged(repeat.label, float(np.append(0.0, repeat.recording.time)[-1]),
+                       repeat.recording.info.reason.partition("; ")[0]) for repeat in gone))
+
+
+def _looks(found: Sequence[Repeat]) -> Iterator[Look]:
+    """Each audit figure with a warning: the run where it is worst, and the runs it is in."""
+    def excess(figure: Figure) -> float:
+        ratio = figure.value / figure.threshold if figure.threshold else math.inf
+        return ratio if math.isfinite(ratio) else math.inf
+
+    warned = [(repeat.label, figure) for repeat in found for figure in repeat.figures
+              if figure.verdict == "look"]
+    for name in dict.fromkeys(figure.name for _, figure in warned):
+        same = [each for each in warned if each[1].name == name]
+        yield Look(tuple(label for label, _ in same), max((f for _, f in same), key=excess))
+
+
+class _Comparison:
+    """Expected quantities of three runs of a mechanism, at the instants of the scene's samples."""
+
+    def __init__(self, mechanism: Mechanism, found: Sequence[Repeat]) -> None:
+        self._mechanism = mechanism
+        self._runs = [repeat.recording for repeat in found]
+        self._size = cache(lambda unit: scene_size(
+            [run for run in self._runs if run.complete], unit))
+        run = mechanism.run
+        clock = make_clock(run.duration, run.step, run.sample_rate)
+        self._every = clock.every
+        self._instants = clock.force_time(clock.sample_step(np.arange(clock.samples)))
+        base = self._runs[0]
+        self._base = base.pick(np.arange(self._every - 1, len(base), self._every))
+
+    def judged(self) -> Iterator[Trust]:
+        """The verdict on each quantity of each expectation, in order."""
+        base = self._base
+        for expect in self._mechanism.expect:
+            alone = self._mechanism.model_copy(update={"expect": (expect,)})
+            for verdict in verdicts(Recording(alone, base.arrays, base.info,
+                                              catalogue=base.catalogue)):
+                yield self._trust(verdict, expect)
+
+    def _trust(self, verdict: Verdict, expect: Expect) -> Trust:
+        if verdict.quantity not in self._base or math.isnan(verdict.low):
+            return judge(verdict, (math.nan,) * 3, Sizes(0.0, 0.0, 0.0))
+        series = [self._series(run, verdict, expect) for run in self._runs]
+        time = self._instants[among(self._instants, expect)]
+        a, b, c = (number_of(expect, time, one) if len(one) else math.nan for one in series)
+        own = min((max(abs(value), mean_size(one)) for value, one in zip(
+            (a, b, c), series, strict=True) if math.isfinite(value)), default=0.0)
+        peak = max((float(np.abs(one).max()) for one in series if len(one)), default=0.0)
+        trust = judge(_between_samples(verdict, a), (a, b, c),
+                      Sizes(peak, own, max(own, self._size(verdict.unit))),
+                      given=expect.value is not None)
+        missing = [(label, run.info.status) for label, run, value in zip(
+            LABELS, self._runs, trust.values, strict=True) if not math.isfinite(value)]
+        gone = [label for label, status in missing if status is Status.DIVERGED]
+        if gone:
+            return replace(trust, kind=Kind.DIVERGES, reason=(
+                f"the simulation diverged at {', '.join(gone)}, before the window ended"))
+        if missing and not trust.reason:
+            labels = ", ".join(label for label, _ in missing)
+            return replace(trust, reason=f"it has no value at {labels}")
+        return trust
+
+    def _series(self, run: Recording, verdict: Verdict, expect: Expect) -> Array:
+        """The samples of a statistic; none if the run ended before the window did."""
+        chosen, unreached = window(run, expect)
+        if unreached or not len(run):
+            return np.empty(0)
+        if verdict.statistic in PEAKS:
+            return run.within(verdict.quantity, chosen)
+        values, wanted = run[verdict.quantity], among(self._instants, expect)
+        if run.info.step == self._runs[0].info.step:
+            return values[self._every - 1::self._every][wanted]
+        return at_instants(run.time, values, self._instants[wanted])
+
+
+def _between_samples(verdict: Verdict, value: float) -> Verdict:
+    """A verdict on a peak from all steps instead of the scene's samples."""
+    if verdict.statistic not in PEAKS or not math.isfinite(value):
+        return verdict
+    inside = verdict.low <= value <= verdict.high
+    reason = verdict.reason
+    if verdict.ok and not inside:
+        reason = f"between two samples of the scene it is {value:.6g}, outside its range"
+    return replace(verdict, value=value, ok=verdict.ok and inside, reason=reason)
+
+
+def scene_size(runs: Sequence[Recording], unit: str) -> float:
+    """Size of the largest quantity of a unit in a scene: mean over time, least of the runs.
+
+    At least as much as masses, lengths and the duration of the scene give: a radian for an angle,
+    M L / T^2 for a force.
+    """
+    def measured(unit: str) -> float:
+        return min((max((mean_size(run[name]) for name in run.names() if run.unit(name) == unit),
+                        default=0.0) for run in runs), default=0.0)
+
+    if unit not in DIMENSIONS or not runs:
+        return measured(unit)
+    masses, (mass, length, time) = runs[0].arrays["body_mass"], DIMENSIONS[unit]
+    natural = (float(masses[np.isfinite(masses)].max(initial=0.0)) ** mass
+               * measured("m") ** length * runs[0].mechanism.run.duration ** time)
+    return max(measured(unit), natural)
+
+
+def mean_size(values: Array) -> float:
+    """Mean absolute value of the finite values; 0 if there is none."""
+    sizes = np.abs(values[np.isfinite(values)])
+    return float(sizes.mean()) if len(sizes) else 0.0
+
+
+def _names(looks: Sequence[Look]) -> str:
+    return ", ".join(look.figure.name for look in looks)
+
+
+def _divergence_advice(found: Certificate) -> Iterator[str]:
+    if not found.diverged:
+        return
+    times = {each.run: each.time for each in found.diverged}
+    if "h/4" not in times:
+        yield f"The run at h/4 came to its end: certify from there, {_at(found.steps[2])}."
+    elif "h/2" in times and times["h/4"] < times["h/2"] < times.get("h", math.inf):
+        yield ("The finer the step, the sooner it ran away, so no step will do. Look for "
+               f"{CAUSES}.")
+    else:
+        yield f"Look for {CAUSES}."
+
+
+def _error_advice(found: Certificate) -> Iterator[str]:
+    valued = [t for t in found.doubtful if not math.isnan(t.error)]
+    grown = [t for t in valued if t.kind is Kind.DIVERGES]
+    unsettled = [t for t in valued if t.kind is Kind.OPEN or (
+        t.kind is Kind.FAILS and t.low <= t.values[2] <= t.high)]
+    if grown:
+        impacts = [t for t in grown if t.unit == "N" and t.statistic in ("max", "min", "std")]
+        if len(impacts) == len(grown) and not found.objections:
+            yield ("The peak of a blow has no limit, for its momentum is taken within one step: if "
+                   f"that of {impacts[0].quantity} is one, expect its mean over a window instead.")
+        else:
+            yield (f"What changes the more, the finer the step, is decided by {CAUSES}. Certify "
+                   f"over a shorter time, or from h/4 on, {_at(found.steps[2])}: if it grows "
+                   "there, too, no step will do.")
+    elif unsettled and all(t.finer for t in unsettled):
+        finer = max(t.finer for t in unsettled)
+        yield f"If the orders hold, h/{finer} would do: {_at(found.steps[0] / finer)}."
+    elif unsettled:
+        yield ("Which step would do, these three cannot tell: certify from h/4 on, "
+               f"{_at(found.steps[2])}.")
+    if any(t.kind is Kind.STEP for t in valued):
+        yield ("Where a quantity tends to a value outside its range, no step helps: the range or "
+               "the mechanism has to change.")
+    if found.objections and not found.diverged:
+        yield ("What the audit looks at is explained in docs/audit.md; only a run whose audit "
+               "passes is certified.")
+
+
+def _at(step: float) -> str:
+    return f"--set run.step={step:.6g}"

@@ -1,1 +1,0 @@
-"""The shipped studies: each computes, draws and says what came out."""

@@ -1,1 +1,0 @@
-"""Studies: runs compared with one another, and with closed forms and independent solutions."""

@@ -1,0 +1,136 @@
+"""The verdict on a quantity, from made-up values at three steps."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from sandbox.convergence.judgement import Kind, Sizes, Trust, judge, tolerance
+from sandbox.samples.expectations import Verdict
+
+
+def verdict_of(values: tuple[float, float, float], low: float, high: float, *,
+               own: float = 1.0, scene: float = 1.0,
+               peak: float | None = None, given: bool = False) -> Trust:
+    verdict = Verdict("q", "mean", low, high, values[0], low <= values[0] <= high, "N")
+    return judge(verdict, values, Sizes(own if peak is None else peak, own, scene), given=given)
+
+
+def power(p: float, error: float) -> tuple[float, float, float]:
+    """A quantity that is 1 in the limit and off by ``error`` at h, of order p."""
+    return 1 + error, 1 + error / 2**p, 1 + error / 4**p
+
+
+@pytest.mark.parametrize("p", [0.8, 1.0, 2.0])
+def test_richardson_finds_order_limit_and_error(p: float) -> None:
+    trust = verdict_of(power(p, 0.008), 0.0, 2.0)
+    assert trust.order == pytest.approx(p, abs=1e-9)
+    assert trust.limit == pytest.approx(1.0, rel=1e-12)
+    assert trust.error == pytest.approx(0.008, rel=1e-9)
+    assert trust.kind is Kind.CONVERGED
+
+
+def test_an_order_beyond_the_scheme_s_is_shown_and_not_trusted() -> None:
+    """Of order 3 the change by the last halving is 7/8 of 1e-3 / 8: a third of it is left then."""
+    trust = verdict_of(power(3, 0.008), 0.0, 2.0)
+    assert trust.order == pytest.approx(3.0)
+    assert trust.limit == pytest.approx(1 + 0.008 / 64 - 0.008 / 8 * 7 / 8 / 3)
+    assert trust.error == pytest.approx(1.008 - trust.limit)
+
+
+def test_rounding_has_no_order() -> None:
+    trust = verdict_of((1.0, 1.0 + 2e-12, 1.0 - 3e-12), 0.9, 1.1)
+    assert math.isnan(trust.order)
+    assert trust.kind is Kind.EXACT
+
+
+# -- what the scene allows ------------------------------------------------------------
+
+EXPLODED = [
+    pytest.param((-3.62438, 11.6082, -28.8975), 3.6, id="angle of a light link under a heavy one"),
+    pytest.param((-0.302777, -0.297622, -0.0688837), 0.2, id="tip of a chain of 20 links"),
+    pytest.param((44.3328, 183.27, 479.904), 5.0, id="reaction at the top of the chain"),
+]
+"""Values at h, h/2, h/4 of runs that were once called converged, since a range of ±1000 is wide,
+and the usual size of the quantity."""
+
+
+@pytest.mark.parametrize(("values", "own"), EXPLODED)
+@pytest.mark.parametrize("given", [False, True], ids=["between", "within"])
+@pytest.mark.parametrize("low", [-1e3, -1e6, -math.inf])
+def test_a_wide_range_excuses_nothing(
+    values: tuple[float, float, float], own: float, given: bool, low: float,
+) -> None:
+    high = 1e3 if given or math.isinf(low) else -low
+    trust = verdict_of(values, -high if given else low, high, own=own, scene=own, given=given)
+    assert trust.kind is Kind.DIVERGES
+    assert not trust.certified
+    assert "the finer the step, the more" in trust.reason
+    first, second = trust.differences
+    assert f"by {first:.2g} N, then by {second:.2g} N" in trust.reason
+
+
+def allowed(low: float, high: float, *, value: float = 1.0, own: float = 1.0, scene: float = 1.0,
+            given: bool = False) -> float:
+    return tolerance(Verdict("q", "mean", low, high, value, True), value, Sizes(own, own, scene),
+                     given=given)
+
+
+def test_a_tolerance_is_half_the_width() -> None:
+    assert allowed(0.98, 1.02) == pytest.approx(0.02)
+    assert allowed(0.98, 1.02, given=True) == pytest.approx(0.02)
+
+
+def test_one_bound_allows_the_distance_from_it() -> None:
+    assert allowed(-math.inf, 1.03) == pytest.approx(0.03)
+    assert allowed(0.96, math.inf) == pytest.approx(0.04)
+    assert allowed(-math.inf, 0.97) == pytest.approx(0.03)  # it fails, and by that much
+
+
+def test_of_a_wide_range_a_tenth_of_the_quantity_counts() -> None:
+    assert allowed(-1e3, 1e3, own=2.0, scene=50.0) == pytest.approx(0.2)
+    assert allowed(-1e3, math.inf, own=2.0, scene=50.0) == pytest.approx(0.2)
+
+
+# -- what does not settle -------------------------------------------------------------
+
+
+def test_no_limit_but_inside_its_range() -> None:
+    trust = verdict_of((1.0, 1.2, 0.9), 0.2, 1.5)
+    assert trust.kind is Kind.WITHIN
+    assert trust.certified
+    assert not trust.settled
+
+
+def test_drifting_toward_its_range_s_end() -> None:
+    assert verdict_of((1.0, 1.2, 1.6), 0.2, 1.9).kind is Kind.DIVERGES
+    assert verdict_of((1.0, 1.3, 1.6), 0.2, 1.9).kind is Kind.WITHIN
+    assert verdict_of((1.0, 1.3, 1.6), 0.2, 1.8).kind is Kind.OPEN
+
+
+def test_the_step_that_would_do() -> None:
+    """Of order 2, with an error of 0.04 where 0.002 is allowed: a factor of 20, so h/8, not h/4."""
+    trust = verdict_of(power(2, 0.04), -9.0, 9.0, own=0.2)
+    assert trust.kind is Kind.OPEN
+    assert trust.allowed == pytest.approx(0.002)
+    assert trust.finer == 8
+    assert "falls with order 2.0" in trust.reason
+    assert verdict_of(power(1, 0.04), -9.0, 9.0, own=0.2).finer == 32
+    assert verdict_of(power(1, 0.04), -9.0, 9.0, own=1e-3).finer == 0  # finer than h/128
+    assert verdict_of(power(2, 0.04), 0.96, 1.03).finer == 4  # it fails at h, and not by itself
+
+
+def test_failing_at_h() -> None:
+    trust = verdict_of((3.0, 1.0, 1.0), 0.0, 2.0)
+    assert trust.kind is Kind.FAILS
+    assert trust.reason == "it is outside its range at h, but not at h/4"
+    assert verdict_of((3.0, 3.1, 3.12), 0.0, 2.0).reason == "it tends to 3.12667, outside 0 to 2"
+    assert verdict_of((3.0, 3.1, 3.0), 0.0, math.inf).reason != ""
+    assert verdict_of((-3.0, -3.1, -3.0), 0.0, math.inf).reason == "it is outside at least 0"
+
+
+def test_equal_at_h_and_half_is_no_convergence() -> None:
+    trust = verdict_of((1.0, 1.0, 1.2), 0.5, 1.3)
+    assert math.isnan(trust.order)
+    assert trust.kind is Kind.DIVERGES
