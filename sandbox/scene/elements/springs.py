@@ -7,7 +7,7 @@ from typing import Annotated, Literal, TypeVar
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.spec import TYPE, Spec
 from sandbox.scene.values.numbers import (
     POSITIVE,
     Angle,
@@ -56,7 +56,7 @@ class LinearSpring(Spec):
 
     LOCAL = ("force",)
 
-    type: Literal["linear"]
+    type: Literal["linear"] = TYPE
     name: Name
     """Its name; quantities are ``<name>.force`` and so on."""
     a: Name
@@ -100,7 +100,7 @@ class RotarySpring(Spec):
 
     LOCAL = ("torque",)
 
-    type: Literal["rotary"]
+    type: Literal["rotary"] = TYPE
     name: Name
     """Its name; quantities are ``<name>.torque`` and so on."""
     joint: Name
