@@ -22,7 +22,6 @@ from sandbox.scene.elements.tendons import Tendon
 from sandbox.scene.values.numbers import Acceleration, Items, Name, Pair
 from sandbox.scene.values.signals import AnySignal, Constant
 from sandbox.scene.values.tables import NamedTable, TableName, Tables, tables_of
-from sandbox.upper import upper
 
 
 class Mechanism(Spec):
@@ -87,7 +86,9 @@ class Mechanism(Spec):
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        return str(upper("card_of_scene")(self))
+        from sandbox.notebook.cards import card_of_scene
+
+        return card_of_scene(self)
 
     @property
     def counted(self) -> str:
