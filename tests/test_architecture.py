@@ -22,7 +22,7 @@ from sandbox.scene.read.load import load_scene
 PACKAGE = Path(sandbox.__file__).parent
 FLOORS = {
     "errors": 0, "wording": 0, "numeric": 0, "pages": 0, "comma": 0,
-    "kinds": 1, "whole_files": 1,
+    "atomic_files": 1, "kinds": 1,
     "scene": 2, "mechanics": 2,
     "model": 3, "control": 3, "build": 3,
     "samples": 4,

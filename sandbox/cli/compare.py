@@ -206,14 +206,14 @@ def _write(
     file: Path, compared: Sequence[Compared], names: Sequence[str], drives: Sequence[str],
     answers: Sequence[Answer], costs: Sequence[Cost],
 ) -> None:
+    from sandbox.atomic_files import write_atomic
     from sandbox.draw.figure import comparison
     from sandbox.draw.figure.style import save_figure
-    from sandbox.whole_files import write_whole
 
     if file.suffix.lower() != ".csv":
         save_figure(comparison.draw(compared, names, drives), file)
         return
-    write_whole(file, csv_text(answers, costs))
+    write_atomic(file, csv_text(answers, costs))
 
 
 def csv_text(answers: Sequence[Answer], costs: Sequence[Cost]) -> str:

@@ -7,11 +7,11 @@ from typing import Any
 
 import click
 
+from sandbox.atomic_files import write_atomic
 from sandbox.cli.console import Console
 from sandbox.cli.options import OUT, limit_options, override_option
 from sandbox.cli.scenes import complete_scene, load, scene_path
 from sandbox.errors import SceneError
-from sandbox.whole_files import write_whole
 
 
 def read_format(ctx: click.Context, param: click.Parameter, word: str) -> str:
@@ -57,7 +57,7 @@ def export(
     if out is None:
         console.document(made.text.rstrip("\n"))
     else:
-        write_whole(out, made.text)
+        write_atomic(out, made.text)
     for note in made.notes:
         console.warn(f"note: {note}")
     if made.left_out:

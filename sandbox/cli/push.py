@@ -225,15 +225,15 @@ def _data(found: Pushes) -> dict[str, Any]:
 
 def _save(found: Pushes, folder: Path, mechanism: Mechanism) -> list[Path]:
     """The table and the picture; their paths."""
+    from sandbox.atomic_files import write_atomic
     from sandbox.draw.figure.polar import save_pushes
-    from sandbox.whole_files import write_whole
 
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
     writer.writerows([f"{value:.9g}" for value in row] for row in _rows(found))
     paths = [folder / "push.csv", folder / "push.png"]
-    write_whole(paths[0], text.getvalue())
+    write_atomic(paths[0], text.getvalue())
     save_pushes(paths[1], title=f"Pushes of {found.body}: {mechanism.title or mechanism.name}",
                 around=found.around, bounds=found.bounds, directions=found.directions,
                 found=found.found, most=found.most, limit=f"{1e3 * found.limit:.3g} mm")

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import click
 
+from sandbox.atomic_files import write_atomic
 from sandbox.cli.console import Console
 from sandbox.cli.options import OUT
-from sandbox.whole_files import write_whole
 
 
 @click.command()
@@ -32,4 +32,4 @@ def schema(study: bool, out: Path | None) -> None:
     if out is None:
         Console().document(text)
         return
-    write_whole(out, text + "\n")
+    write_atomic(out, text + "\n")

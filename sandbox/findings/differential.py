@@ -20,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sandbox.atomic_files import write_atomic
 from sandbox.comma import comma_separated
 from sandbox.draw.figure import style
 from sandbox.draw.figure.populations import (
@@ -48,7 +49,6 @@ from sandbox.mechanics.embrace import ClosingFinger, Embraced, Pull, close_on_di
 from sandbox.numeric import Array, Flags
 from sandbox.scene.read.load import load_scene
 from sandbox.sweeps.table import SweepTable
-from sandbox.whole_files import write_whole
 from sandbox.wording import percent
 
 SWEEPS = {"rockers": "differential_rockers", "bar": "differential_bar"}
@@ -114,7 +114,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None, wor
          for name in SCENES], ["A tree of rockers", "Tied rigidly to one bar"], [{}, {}],
         directory / "hands.png", note=f"the same object, {PULL:g} N for all four in both",
         width=640, columns=1)
-    write_whole(directory / "ties.csv", ties_csv(ties))
+    write_atomic(directory / "ties.csv", ties_csv(ties))
     return summary(ties, predicted, tables)
 
 

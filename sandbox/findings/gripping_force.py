@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.atomic_files import write_atomic
 from sandbox.comma import comma_separated
 from sandbox.draw.figure import style
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
@@ -46,7 +47,6 @@ from sandbox.mechanics.embrace import ClosingFinger, Embraced, Pull, close_on_di
 from sandbox.numeric import Array, Flags
 from sandbox.scene.read.load import load_scene
 from sandbox.sweeps.table import SweepTable
-from sandbox.whole_files import write_whole
 
 SWEEPS = {"discs": "gripping_force_discs", "squares": "gripping_force_squares"}
 CLAIM = (1.0, 2.0)
@@ -123,8 +123,8 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None, wor
     draw_ends([simulate(load_scene("four_discs", overrides={
         f"parameters.{name}": value for name, value in SHOWN.items()}))], [""], [{}],
         directory / "hand.png", width=640, columns=1)
-    write_whole(directory / "shares.csv", shares_csv(cases))
-    write_whole(directory / "pulls.csv", comma_separated(
+    write_atomic(directory / "shares.csv", shares_csv(cases))
+    write_atomic(directory / "pulls.csv", comma_separated(
         ["pull_N", "largest_1_to_2", "each_1_to_2"], shares))
     return summary(cases, discs, predicted, tables)
 

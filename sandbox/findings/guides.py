@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.atomic_files import write_atomic
 from sandbox.comma import comma_separated
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.draw.film.side_by_side import draw_ends
@@ -37,7 +38,6 @@ from sandbox.search.optimum import Chosen
 from sandbox.search.written import read_search
 from sandbox.study.reference_fingers import SET_G
 from sandbox.sweeps.table import SweepTable
-from sandbox.whole_files import write_whole
 
 SEARCHED = {"one pull": ("guides_one_pull", (3.75,)),
             "three pulls": ("guides_any_pull", (2.5, 3.75, 7.5))}
@@ -114,9 +114,9 @@ def run(
                         **crew)
     designs = designs_of(tables[DISCS])
     rows, costs = summary(tables), costs_of(designs)
-    write_whole(directory / TABLE, _table(rows))
-    write_whole(directory / COSTS, _table(costs))
-    write_whole(directory / FOUND, _table(told_of(found)))
+    write_atomic(directory / TABLE, _table(rows))
+    write_atomic(directory / COSTS, _table(costs))
+    write_atomic(directory / FOUND, _table(told_of(found)))
     save_panels(directory / FORCES, [
         forces_panel(tables[DISCS], name, designs[name], k)
         for k, name in enumerate(DESIGNS) if k])  # the first never has three that press

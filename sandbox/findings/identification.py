@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.atomic_files import write_atomic
 from sandbox.comma import comma_separated
 from sandbox.draw.figure.intervals import Intervals, save_intervals
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
@@ -28,7 +29,6 @@ from sandbox.search.logistic import wilson
 from sandbox.search.measured import Measurements
 from sandbox.search.question import Question, asked
 from sandbox.sweeps.job import ReadAt
-from sandbox.whole_files import write_whole
 
 STUDY, SCENE = "identification", "finger_swing"
 ANGLES = ("finger.mcp.angle", "finger.pip.angle", "finger.dip.angle")
@@ -104,8 +104,8 @@ def run(
         further(0.85 + 0.15 * len(blind) / len(BLIND))
     truth = truth_of(question)
     _draw(directory, question, surface, fits, white, lasting)
-    write_whole(directory / COVERED, covered_table(truth, white, lasting))
-    write_whole(directory / ESTIMATES, estimates_table(truth, fits))
+    write_atomic(directory / COVERED, covered_table(truth, white, lasting))
+    write_atomic(directory / ESTIMATES, estimates_table(truth, fits))
     return summary(question, surface, fits, white, lasting, blind)
 
 
@@ -227,7 +227,7 @@ def blind_fit(
         rows = np.arange(len(surface.value))
     values = noisy(surface.only(rows), 0, independent, size, len(columns))
     data = directory / f"measured_{name}.csv"
-    write_whole(data, comma_separated(
+    write_atomic(data, comma_separated(
         ["time", *columns], np.column_stack([at, *values.reshape(len(columns), -1)])))
     return find_fit(other, data, place=replace(place, out=directory / name))
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sandbox.atomic_files import write_atomic
 from sandbox.comma import comma_separated
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
@@ -28,7 +29,6 @@ from sandbox.mechanics.closure import force_spread
 from sandbox.numeric import Array
 from sandbox.scene.read.load import load_scene
 from sandbox.sweeps.table import SweepTable
-from sandbox.whole_files import write_whole
 
 SHARE, HAND, PULLEYS = "sheath_share", "sheath_hand", "sheath_pulleys"
 SWEPT = 0.9
@@ -107,7 +107,7 @@ def run(
         if progress is not None:
             progress(SWEPT + (1 - SWEPT) * len(loops) / len(LOOPS))
     grips = grips_of(tables[SHARE])
-    write_whole(directory / TABLE, table(grips))
+    write_atomic(directory / TABLE, table(grips))
     _draw(directory, grips, loops, tables)
     return summary(grips, loops, tables)
 

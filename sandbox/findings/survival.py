@@ -22,6 +22,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from sandbox.atomic_files import write_atomic
 from sandbox.comma import comma_separated
 from sandbox.draw.figure.regions import draw_regions
 from sandbox.scene.library import shipped_studies
@@ -30,7 +31,6 @@ from sandbox.search.question import asked
 from sandbox.search.regions import find_robustness
 from sandbox.search.regions_figure import region_panels
 from sandbox.search.regions_found import RobustnessFound
-from sandbox.whole_files import write_whole
 
 STAYS = "k2 - h2 / (h1 - h2) * l1 * (cos(second) - mu * sin(second)) + mu * thick"
 """The pose stays where this is above 0."""
@@ -88,7 +88,7 @@ def run(
         if progress:
             progress((done + 1) / len(MAPS))
     _draw(found, directory)
-    write_whole(directory / TABLE, survival_table(found))
+    write_atomic(directory / TABLE, survival_table(found))
     return "\n".join(conclusions(found)) + "\n"
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from sandbox.atomic_files import atomic_file, output_path
 from sandbox.draw.figure import signals
 from sandbox.draw.film.stills import instants
 from sandbox.draw.film.video import render, save_picture
@@ -21,7 +22,6 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.samples import TIME
 from sandbox.samples.targets import targets
 from sandbox.scene.values.numbers import number_from
-from sandbox.whole_files import place, written_whole
 from sandbox.wording import WrongValueError, listed, meant, quoted
 
 FILM_SIZE = (640, 480)
@@ -47,10 +47,10 @@ class _Media:
         Raises:
             OutputError: another ending than its own, or it cannot be written.
         """
-        file = place(path, "a picture")
+        file = output_path(path, "a picture")
         if file.suffix.lower() != self.ENDING:
             raise OutputError(f"{file}: this is a {self.ENDING} file; sandbox.render makes others")
-        with written_whole(file) as aside:
+        with atomic_file(file) as aside:
             aside.write_bytes(self.data)
 
     def __repr__(self) -> str:

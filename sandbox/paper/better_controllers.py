@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sandbox.atomic_files import write_atomic
 from sandbox.comma import comma_separated
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
@@ -44,7 +45,6 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.response import BAND
 from sandbox.scene.read.load import load_scene
 from sandbox.study.reference_fingers import SET_A
-from sandbox.whole_files import write_whole
 
 PICTURE, MOTION = "controllers.png", "controllers_motion.png"
 NUMBERS, TABLE = "controllers.csv", "controllers.md"
@@ -178,7 +178,7 @@ def soonest(pull: float) -> float:
 
 
 def _write(path: Path, text: str) -> None:
-    write_whole(path, text)
+    write_atomic(path, text)
 
 
 def _markdown(tried: Sequence[Tried], bounds: dict[float, float]) -> str:

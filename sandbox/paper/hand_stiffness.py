@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sandbox.atomic_files import write_atomic
 from sandbox.comma import comma_separated
 from sandbox.draw.film.side_by_side import Mark, draw_ends
 from sandbox.engine.simulate import simulate
@@ -27,7 +28,6 @@ from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.scene.read.load import load_scene
-from sandbox.whole_files import write_whole
 
 SCENES = ("stiffness_uniform", "stiffness_varied")
 PICTURE, NUMBERS, TABLE = "hand_stiffness.png", "hand_stiffness.csv", "hand_stiffness.md"
@@ -202,7 +202,7 @@ def _stiffness_of(rows: list[Row]) -> Mapping[Mark, float]:
 
 
 def _write(path: Path, text: str) -> None:
-    write_whole(path, text)
+    write_atomic(path, text)
 
 
 def _csv(rows: list[Row]) -> str:

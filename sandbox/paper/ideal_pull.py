@@ -24,6 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sandbox.atomic_files import write_atomic
 from sandbox.comma import comma_separated
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
@@ -35,7 +36,6 @@ from sandbox.scene.document import Scene
 from sandbox.scene.elements.controllers import PidController
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
-from sandbox.whole_files import write_whole
 
 SCENE = "finger_stiffness_10N"
 PICTURE, NUMBERS = "ideal_pull.png", "ideal_pull.csv"
@@ -140,7 +140,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
     pulls = np.linspace(low, high, 161)[1:-1]
     curves = np.array([predicted(float(pull)) for pull in pulls])
     slowest = curves.max(axis=1)
-    write_whole(directory / NUMBERS, _table(runs))
+    write_atomic(directory / NUMBERS, _table(runs))
     best = int(np.argmin(slowest))
     save_panels(directory / PICTURE, [_panel(pulls, curves, runs, float(pulls[best]))])
     off = float(np.max(np.abs(runs.max(axis=1) - [predicted(pull).max() for pull in PULLS])))

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sandbox.atomic_files import write_atomic
 from sandbox.comma import comma_separated
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
@@ -20,7 +21,6 @@ from sandbox.numeric import Array
 from sandbox.paper.finger_plant import HINGES, TARGET, Plant
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.load import load_scene
-from sandbox.whole_files import write_whole
 
 SCENE = "finger_stiffness_15N"
 PICTURE, NUMBERS = "least_pull.png", "least_pull.csv"
@@ -107,7 +107,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
         keep(reach(float(pull)))
     low, high = bisect(report=keep)
     predicted, _ = Plant().pull_range(TARGET)
-    write_whole(directory / NUMBERS, _table(points))
+    write_atomic(directory / NUMBERS, _table(points))
     save_panels(directory / PICTURE, _panels(points, predicted))
     rows = ", ".join(f"{hinge} {pull:.3f} N" for hinge, pull in zip(
         HINGES, Plant().least_pulls(TARGET), strict=True))

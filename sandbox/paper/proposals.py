@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.atomic_files import write_atomic
 from sandbox.draw.figure import style
 from sandbox.draw.figure.maps import Bar, MapRow, Plane, Region, save_bars, save_maps
 from sandbox.numeric import Array
@@ -24,7 +25,6 @@ from sandbox.paper.finger_plant import HINGES, TARGET
 from sandbox.paper.reach import PoseBox, PoseCurve, Reach, common, reach_of
 from sandbox.paper.reach_runs import LOOSE, finger_scene, settle
 from sandbox.study.reference_fingers import SET_A
-from sandbox.whole_files import write_whole
 
 PULLS = (5.0, 10.0, 15.0)
 """[N]"""
@@ -90,7 +90,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
         "at_pull": [_numbers(each) for each in sets], "pulls_N": _pulls(reach),
         "simulated": checks,
     }
-    write_whole(directory / "proposals.json", json.dumps(summary, indent=1) + "\n")
+    write_atomic(directory / "proposals.json", json.dumps(summary, indent=1) + "\n")
     return "\n".join([*(_line(each) for each in sets), _pull_line(reach), _check_line(checks)])
 
 

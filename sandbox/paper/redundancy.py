@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sandbox.atomic_files import write_atomic
 from sandbox.comma import comma_separated
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
@@ -23,7 +24,6 @@ from sandbox.paper.finger_plant import HINGES, NAMES, SOFTEST, STIFFEST, TARGET,
 from sandbox.paper.reach_runs import finger_scene, settle
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.load import load_scene
-from sandbox.whole_files import write_whole
 
 PICTURE, NUMBERS = "redundancy.png", "redundancy.csv"
 CONFIRMED = 6
@@ -71,7 +71,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
         if progress is not None:
             progress((i + 1) / (CONFIRMED + 1))
     end = dual_end()
-    write_whole(directory / NUMBERS, _table([*points, end]))
+    write_atomic(directory / NUMBERS, _table([*points, end]))
     save_panels(directory / PICTURE, [_panel(points, end, least, most)])
     off = max(float(np.abs(point.angles - TARGET).max()) for point in points)
     aside_of_line = float(np.abs(end.stiffness / line(np.array([end.pull]))[0] - 1).max())

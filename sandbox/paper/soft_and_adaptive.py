@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.atomic_files import write_atomic
 from sandbox.comma import comma_separated
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.draw.film.side_by_side import draw_ends
@@ -32,7 +33,6 @@ from sandbox.paper.hand_stiffness import FreeFinger, free_fingers
 from sandbox.recording.recording import Recording
 from sandbox.scene.document import Scene
 from sandbox.scene.read.load import load_scene
-from sandbox.whole_files import write_whole
 
 SOFT, ADAPTIVE = "elastic_tendons", "sliding_pulleys"
 PULL = 20.0
@@ -176,8 +176,8 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
     for ending in ("png", "svg", "pdf"):
         save_panels(directory / f"{TENSIONS}.{ending}", [_panel(name, found) for name in OBJECTS])
     rows = [row for group in found.values() for row in group]
-    write_whole(directory / NUMBERS, _csv(rows))
-    write_whole(directory / TABLE, markdown(found))
+    write_atomic(directory / NUMBERS, _csv(rows))
+    write_atomic(directory / TABLE, markdown(found))
     return summary(found)
 
 

@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, Self
 
+from sandbox.atomic_files import output_path
 from sandbox.audit.audit import Figure, audit
 from sandbox.recording import frames, store
 from sandbox.samples.expectations import Verdict, verdicts
 from sandbox.samples.samples import Samples
-from sandbox.whole_files import place
 
 
 class Recording(Samples):
@@ -38,7 +38,7 @@ class Recording(Samples):
         Raises:
             OutputError: no path, or it cannot be written, or another run is being written there.
         """
-        folder = place(directory, "a recording")
+        folder = output_path(directory, "a recording")
         store.save(self, folder, verdicts=self.verdicts, figures=self.audit,
                    parameters=parameters)
 
@@ -49,7 +49,7 @@ class Recording(Samples):
         Raises:
             OutputError: no path, or there is none, it cannot be read, or its files are of two runs.
         """
-        return cls(*store.load(place(directory, "a recording")))
+        return cls(*store.load(output_path(directory, "a recording")))
 
     # -- for people who look at it --------------------------------------------------------
 

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.atomic_files import write_atomic
 from sandbox.draw.figure.panels import save_panels
 from sandbox.verification.cases import CASES, Case
 from sandbox.verification.cases.case import CaseResult, carry_out
 from sandbox.verification.writing import anchor, cell, check_data, each, versions
-from sandbox.whole_files import write_whole
 
 INDEX, NUMBERS = "index.md", "results.json"
 ABLE = """# Verification
@@ -60,7 +60,7 @@ def write_report(results: Sequence[CaseResult], directory: Path) -> list[str]:
             save_panels(directory / picture(result.case), result.panels)
             files.append(picture(result.case))
     for name, text in ((INDEX, report(results)), (NUMBERS, numbers(results))):
-        write_whole(directory / name, text)
+        write_atomic(directory / name, text)
     return [INDEX, NUMBERS, *files]
 
 

@@ -14,6 +14,7 @@ import pygame
 from numpy.typing import NDArray
 from PIL import Image
 
+from sandbox.atomic_files import atomic_file
 from sandbox.draw.film import legend
 from sandbox.draw.film.bounds import body_box, whole_box
 from sandbox.draw.film.camera import MARGIN, Rectangle, width_shown
@@ -29,7 +30,6 @@ from sandbox.draw.film.typesetter import Typesetter, ellipsis
 from sandbox.errors import OutputError
 from sandbox.numeric import Array, Flags
 from sandbox.scene.elements.settings import View
-from sandbox.whole_files import written_whole
 
 Pixels = NDArray[np.uint8]
 SIZES = (0.35, 1.5)
@@ -88,7 +88,7 @@ def draw_ends(
     for pane, signs in zip(panes, marks, strict=True):
         pane.sign(signs)
     picture = _Spread(panes, width, columns).compose(labels, note, key)
-    with written_whole(Path(path)) as aside:
+    with atomic_file(Path(path)) as aside:
         Image.frombytes("RGB", picture.get_size(), pygame.image.tobytes(picture, "RGB")).save(
             aside, format="PNG")
 

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.atomic_files import write_atomic
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.study.orders import EXACT
 from sandbox.verification.benchmarks import BENCHMARKS, Benchmark
 from sandbox.verification.benchmarks.benchmark import BenchmarkRuns, carry_out, spoken
 from sandbox.verification.writing import anchor, as_number, cell, check_data, each, versions
-from sandbox.whole_files import write_whole
 
 PAGE, NUMBERS, PICTURE = "benchmarks.md", "benchmarks.json", "benchmarks.png"
 ABLE = """# Published benchmarks
@@ -63,7 +63,7 @@ def write_page(results: Sequence[BenchmarkRuns], directory: Path) -> list[str]:
     if panel.curves:
         save_panels(directory / PICTURE, [panel])
     for name, text in ((PAGE, page(results)), (NUMBERS, numbers(results))):
-        write_whole(directory / name, text)
+        write_atomic(directory / name, text)
     return [PAGE, NUMBERS, *([PICTURE] if panel.curves else [])]
 
 
