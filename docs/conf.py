@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ast
-import re
 import sys
 from pathlib import Path
 
@@ -47,8 +45,6 @@ def setup(app: Sphinx) -> None:
     """Blocks of the docs have a second word, for the tests; docstrings have plain formulas."""
     app.connect("builder-inited", lambda _app: make_validation.write())
     app.connect("source-read", _one_word)
-    app.connect("autodoc-process-signature", _builder)
-    app.connect("autodoc-process-docstring", _words, priority=2)
     app.connect("doctree-read", _fields)
     app.connect("autodoc-process-docstring", _formulas, priority=1)
     app.connect("autodoc-process-docstring", _colons, priority=999)
@@ -101,42 +97,3 @@ def _strokes(line: str) -> str:
     pieces = line.split("``")
     pieces[::2] = [piece.replace("|", "\\|") for piece in pieces[::2]]
     return "``".join(pieces)
-
-
-def _builders() -> dict[str, ast.arguments]:
-    """The words of each builder, with the types that editors see, by its name."""
-    found: dict[str, ast.arguments] = {}
-    for part in ast.parse(Path(sandbox.__file__).with_name("build").joinpath(
-            "__init__.pyi").read_text(encoding="utf-8")).body:
-        if isinstance(part, ast.FunctionDef):
-            found[part.name] = part.args
-        elif isinstance(part, ast.ClassDef):
-            found |= {f"{part.name[1:].lower()}.{each.name}": each.args for each in part.body
-                      if isinstance(each, ast.FunctionDef)}
-    return found
-
-
-BUILDERS = _builders()
-
-
-def _builder(_app: Sphinx, _kind: str, name: str, _of: object, _how: object,
-             _signature: str | None, _returned: str | None) -> tuple[str, str] | None:
-    """A builder with the words that it must have; all that it may have stand below."""
-    words = BUILDERS.get(name.removeprefix("sandbox.build."))
-    if words is None:
-        return None
-    named = [each.arg for each, default in zip(words.kwonlyargs, words.kw_defaults, strict=True)
-             if default is None]
-    return f"({', '.join([each.arg for each in words.args] + ['*'] + named + ['...'])})", "Entry"
-
-
-def _words(_app: Sphinx, _kind: str, name: str, _of: object, _how: object,
-           lines: list[str]) -> None:
-    """Each word of a builder has its type before its sentence."""
-    words = BUILDERS.get(name.removeprefix("sandbox.build."))
-    if words is None:
-        return
-    types = {each.arg: ast.unparse(each.annotation).removesuffix(" | None")
-             for each in (*words.args, *words.kwonlyargs) if each.annotation is not None}
-    lines[:] = [re.sub(r"^    (\w+): ", lambda of: f"    {of[1]} ({types[of[1]]}): "
-                       if of[1] in types else of[0], line) for line in lines]

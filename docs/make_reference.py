@@ -16,7 +16,6 @@ from typing import Any
 
 import sandbox.mechanics as mechanics_package
 from sandbox.audit.words import ADVICE, ASKS
-from sandbox.build.stub import stub
 from sandbox.codes import CODES
 from sandbox.kinds.arrays import ARRAYS
 from sandbox.kinds.layers import LAYERS
@@ -44,7 +43,6 @@ from sandbox.scene.values.units import units_of
 
 DOCS = Path(__file__).parent
 SCHEMA = DOCS.parent / "scenes" / "scene.schema.json"
-STUB = DOCS.parent / "sandbox" / "build" / "__init__.pyi"
 
 
 PAGES = {"elements.md": ELEMENTS, "parts.md": PARTS}
@@ -295,7 +293,6 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--check", action="store_true", help="write nothing; exit 1 if outdated")
     check = parser.parse_args(words).check
     texts = {DOCS / page: written(page) for page in sorted({*PAGES, *TABLES})}
-    texts[STUB] = stub()
     texts[SCHEMA] = json.dumps(scene_schema(), indent=2, ensure_ascii=False) + "\n"
     outdated = [path for path, text in texts.items() if text != path.read_text(encoding="utf-8")]
     for path in outdated:

@@ -1,9 +1,8 @@
-"""What a good refusal carries besides its message: what is allowed, and a near miss."""
+"""Parts of messages: suggestions, lists of allowed values, quoted and printable text."""
 
 from __future__ import annotations
 
 import difflib
-import heapq
 import itertools
 import re
 from collections.abc import Collection, Iterable, Sequence
@@ -11,17 +10,13 @@ from typing import Any
 
 _WILD = re.compile(r"[*?\[]")
 MOST_NAMED = 8
-"""Names of a list in a message; of a longer one it says how many there are more."""
+"""Names listed in a message; the rest is counted."""
 LONGEST = 100
-"""Characters of a name that a near miss looks at: as many as a name may have."""
-MOST_COMPARED = 2_000
-"""Choices that a near miss is looked for among; further ones are left aside."""
-CLOSELY = 12
-"""Of these, how many are compared letter by letter, which takes long."""
-LEAST_BEGUN = 3
-"""Letters of a word that say which of the choices was begun."""
+"""Characters of a name that are compared: the maximum length of a name."""
+MOST_COMPARED = 1_000
+"""Choices that are compared with a word; the rest is ignored."""
 MOST_HINTED = 50
-"""Problems of one kind that are given a near miss."""
+"""Problems of one kind that get a suggestion."""
 
 
 class WrongValueError(ValueError):
@@ -40,86 +35,51 @@ class WrongValueError(ValueError):
         return f"{self.message}{hint}{allowed}"
 
 
-TOLD = 100
-"""Letters of the line that stands for a result."""
-
-
 def near(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
-    """What :func:`nearest` finds, quoted, or ``""``."""
+    """The choice closest to ``word``, quoted, or ``""``."""
     found = nearest(word, choices, cutoff=cutoff)
     return quoted(found) if found else ""
 
 
 def meant(word: str, choices: Iterable[str]) -> str:
-    """The near miss as a sentence to go on with, `` Did you mean 'mass'?``, or ``""``."""
+    """A suggestion as a sentence, `` Did you mean 'mass'?``, or ``""``."""
     hint = near(word, choices)
     return f" Did you mean {hint}?" if hint else ""
 
 
 def or_near(word: str, choices: Iterable[str]) -> str:
-    """The near miss behind what is wrong, ``; did you mean 'mass'?``, or ``""``."""
+    """A suggestion as the end of a sentence, ``; did you mean 'mass'?``, or ``""``."""
     hint = near(word, choices)
     return f"; did you mean {hint}?" if hint else ""
 
 
 def nearest(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
-    """The choice most like ``word``, or ``""``; letter case counts for nothing.
+    """The choice closest to ``word``, or ``""``; letter case is ignored.
 
-    What begins with the whole word comes first, the shortest of it: who writes ``rest`` means
-    ``rest_length`` and not ``breaks_at``, which has more letters in common. One letter, such as a
-    joint's ``a``, is no near miss of a word with another: it is half of any word of two.
-
-    Of many choices the most :func:`alike` are compared, so that it takes no longer than
-    :data:`MOST_COMPARED` and :data:`CLOSELY` allow, however many there are.
+    A choice that begins with a word of three letters or more comes first, the shortest of them:
+    ``rest`` suggests ``rest_length``, not ``breaks_at``. A choice of one letter is suggested for
+    that letter only.
     """
+    word = word[:LONGEST].lower()
     folded: dict[str, str] = {}
     for choice in itertools.islice(choices, MOST_COMPARED):
-        folded.setdefault(choice[:LONGEST].lower(), choice)
-    word = word[:LONGEST].lower()
+        if len(choice) > 1 or {choice.lower()} == {*word}:
+            folded.setdefault(choice[:LONGEST].lower(), choice)
     longer = [choice for choice in folded if choice.startswith(word)]
-    if len(word) >= LEAST_BEGUN and longer:
+    if len(word) >= 3 and longer:
         return folded[min(longer, key=len)]
-    close = [choice for choice in alike(word, folded) if len(choice) > 1 or {*choice} == {*word}]
-    found = difflib.get_close_matches(word, close, n=1, cutoff=cutoff)
+    found = difflib.get_close_matches(word, folded, n=1, cutoff=cutoff)
     return folded[found[0]] if found else ""
 
 
-def alike(word: str, choices: Iterable[str], *, most: int = CLOSELY) -> list[str]:
-    """Those of the choices that begin and end most like a word, in their own order.
-
-    A slip of the pen leaves most of what is before and behind it as it was.
-    """
-    some = list(itertools.islice(choices, MOST_COMPARED))
-    if len(some) <= most:
-        return some
-    drow = word[::-1]
-    best = heapq.nlargest(most, range(len(some)), key=lambda i: min(
-        _begin_alike(word, some[i]) + _begin_alike(drow, some[i][::-1]), len(word), len(some[i])))
-    return [some[i] for i in sorted(best)]
-
-
-def _begin_alike(one: str, other: str) -> int:
-    """How many letters two words begin with alike."""
-    low, high = 0, min(len(one), len(other))
-    if one[:1] != other[:1]:
-        return 0
-    while low < high:
-        middle = (low + high + 1) // 2
-        low, high = (middle, high) if one[:middle] == other[:middle] else (low, middle - 1)
-    return low
-
-
 class NearMisses:
-    """Near misses for the first :data:`MOST_HINTED` unknown names; later ones get none.
-
-    Somebody has to read them: a file in which every name is wrong is no slip of the pen.
-    """
+    """Suggestions for the first :data:`MOST_HINTED` unknown names of an input."""
 
     def __init__(self, most: int = MOST_HINTED) -> None:
         self._left = most
 
     def __call__(self, word: str, choices: Iterable[str]) -> str:
-        """What :func:`near` finds, as long as there is somebody to read it."""
+        """As :func:`near`; ``""`` after the first ones."""
         self._left -= 1
         return near(word, choices) if self._left >= 0 else ""
 
@@ -130,62 +90,51 @@ def is_pattern(text: str) -> bool:
 
 
 def listed(choices: Iterable[str], *, most: int = MOST_NAMED) -> str:
-    """The choices as ``'a', 'b', 'c'``, cut short when there are many."""
+    """The choices as ``'a', 'b', 'c'``; long lists are cut."""
     names = choices if isinstance(choices, Collection) else list(choices)
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(quoted(name) for name in itertools.islice(names, most)) + more
 
 
 def quoted(value: object, *, most: int = 60) -> str:
-    """A value as it may stand in a one-line message: escaped, and cut when long."""
+    """The ``repr`` of a value for a one-line message: escaped, long values are cut."""
     text = ascii(value) if isinstance(value, str) and not value.isprintable() else repr(value)
     return text if len(text) <= most else f"{text[:most]}…"
 
 
 def counted(number: int, noun: str) -> str:
-    """A number of things: ``1 spring``, ``3 springs``.
+    """A number and its noun: ``1 spring``, ``3 springs``.
 
-    >>> print(counted(1, "body|bodies"), counted(2, "body|bodies"))
-    1 body 2 bodies
-
-    Args:
-        number: of them.
-        noun: what one is; after a bar what several are, where that is not ``s`` more.
+    ``noun`` may give the plural: ``"body|bodies"``; by default the plural adds an ``s``.
     """
     one, _, several = noun.partition("|")
     return f"{number} {one if number == 1 else several or f'{one}s'}"
 
 
 class Count(int):
-    """A number that text is formatted with by what it counts: ``"{count:body|bodies}"``."""
+    """An integer whose format is a noun: ``"{count:body|bodies}"``."""
 
     def __format__(self, noun: str) -> str:
         return counted(int(self), noun) if noun else str(int(self))
 
 
 def told_of(thing: object, lines: Sequence[str]) -> str:
-    """A result in a line: what it is and the first of what it says."""
+    """The ``repr`` of a result: its class and its first line."""
     first = lines[0].strip() if lines else "nothing"
-    first = first if len(first) <= TOLD else f"{first[:TOLD]}…"
+    first = first if len(first) <= 100 else f"{first[:100]}…"
     return f"<{type(thing).__name__}: {first}>"
 
 
 def printable(text: str) -> str:
-    r"""A text on one line of a terminal, or in a picture: what does not print is spelled out.
+    r"""A text for a terminal or a picture, with escapes (``\r``) for characters that do not print.
 
-    Line breaks, what moves the cursor or begins a command of the terminal (ESC), what turns the
-    direction of writing (U+202E) or takes no room, and halves of characters.
-
-    >>> print(printable("ok\rFAIL"))
-    ok\rFAIL
+    These include line breaks, terminal commands, changes of the writing direction and surrogates.
     """
-    if text.isprintable():
-        return text
     return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
 
 
 def kind_of(value: Any) -> str:
-    """What a value is, in the words of a scene's author."""
+    """The kind of a value in terms of JSON, for messages."""
     if value is None:
         return "null"
     if isinstance(value, bool):
@@ -202,7 +151,7 @@ def kind_of(value: Any) -> str:
 
 
 def number_text(value: float) -> str:
-    """A number short enough for a message, however long its digits are."""
+    """A number with six digits, for messages."""
     try:
         return f"{value:.6g}"
     except OverflowError:
@@ -210,6 +159,6 @@ def number_text(value: float) -> str:
 
 
 def percent(share: float) -> str:
-    """A share in percent, to two digits below 10 %: ``0.0016`` is ``"0.16 %"``."""
+    """A fraction in percent, to two digits below 10 %: ``0.0016`` is ``"0.16 %"``."""
     hundred = 100 * share
     return f"{hundred:.0f} %" if hundred == 0 or hundred >= 9.95 else f"{hundred:.2g} %"

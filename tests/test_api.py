@@ -32,7 +32,7 @@ def test_the_public_names_resolve_to_documented_objects() -> None:
 @pytest.mark.parametrize(("statement", "unwanted"), [
     ("import sandbox, sandbox.errors", HEAVY),
     ("import sandbox.cli.entry", HEAVY),
-    ("import sandbox; sandbox.build.body('a')", ("numba", "pymunk")),
+    ("import sandbox; sandbox.build.Body(name='a', motion='fixed')", ("numba", "pymunk")),
     ("import sandbox.show.page, sandbox.show.server", ("pygame", "matplotlib")),
 ])
 def test_importing_loads_nothing_heavy(statement: str, unwanted: tuple[str, ...]) -> None:

@@ -21,8 +21,8 @@ from sandbox.scene.read.load import load_scene
 
 PACKAGE = Path(sandbox.__file__).parent
 FLOORS = {
-    "errors": 0, "wording": 0, "numeric": 0, "upper": 0, "codes": -1, "comma": 0,
-    "kinds": 1, "whole_files": 1,
+    "errors": 0, "wording": 0, "numeric": 0, "codes": -1, "comma": 0,
+    "atomic_files": 1, "kinds": 1,
     "scene": 2, "mechanics": 2,
     "model": 3, "control": 3, "build": 3,
     "samples": 4,
@@ -38,6 +38,8 @@ OWNERS = {"pymunk": "engine", "numba": "engine", "pygame": "draw", "matplotlib":
           "imageio": "draw", "PIL": "draw", "click": "cli", "websockets": "show",
           "gymnasium": "gym"}
 """The one package that may import a library."""
+SHOWING = ("_repr_html_", "plot", "picture", "film", "page")
+"""Methods of scenes and recordings that import the layers which draw them."""
 FRONT = {"__init__", "__main__"}
 """Above every layer."""
 
@@ -48,7 +50,8 @@ class Import(NamedTuple):
     line: int
     module: str
     names: tuple[str, ...]
-    for_types: bool
+    exempt: bool
+    """Under ``TYPE_CHECKING``, or in a function that shows a scene or a run."""
 
     @property
     def loaded(self) -> set[str]:
@@ -59,17 +62,18 @@ class Import(NamedTuple):
 def imports(text: str) -> list[Import]:
     """All imports of a source, those inside functions too."""
     tree = ast.parse(text)
-    for_types = {id(node) for test in ast.walk(tree)
-                 if isinstance(test, ast.If) and "TYPE_CHECKING" in ast.unparse(test.test)
-                 for child in test.body for node in ast.walk(child)}
+    exempt = {id(node) for block in ast.walk(tree)
+              if (isinstance(block, ast.If) and "TYPE_CHECKING" in ast.unparse(block.test))
+              or (isinstance(block, ast.FunctionDef) and block.name in SHOWING)
+              for child in block.body for node in ast.walk(child)}
     found = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
-            found += [Import(node.lineno, alias.name, (), id(node) in for_types)
+            found += [Import(node.lineno, alias.name, (), id(node) in exempt)
                       for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             found.append(Import(node.lineno, str(node.module),
-                                (*(alias.name for alias in node.names),), id(node) in for_types))
+                                (*(alias.name for alias in node.names),), id(node) in exempt))
     return found
 
 
@@ -91,14 +95,14 @@ def package_of(module: str) -> str:
 def faults(package: str, found: list[Import]) -> list[str]:
     """The imports of a module that its layer forbids."""
     wrong = []
-    for line, module, names, for_types in found:
+    for line, module, names, exempt in found:
         top, *rest = module.split(".")
         if OWNERS.get(top, package) != package:
             wrong.append(f"{line}: {top} belongs to sandbox/{OWNERS[top]}")
         for below in (rest[:1] or names if top == "sandbox" else []):
             if below not in {*FLOORS, "__version__"}:
                 wrong.append(f"{line}: {below} is a name of the front")
-            elif below != package and not for_types and FLOORS.get(below, -1) >= FLOORS[package]:
+            elif below != package and not exempt and FLOORS.get(below, -1) >= FLOORS[package]:
                 wrong.append(f"{line}: sandbox.{below} is no lower layer")
     return wrong
 
@@ -127,7 +131,7 @@ def test_imports_go_to_lower_layers() -> None:
 
 def test_there_are_no_import_cycles() -> None:
     graph = {name: {one if one in modules() else each.module
-                    for each in found if not each.for_types for one in each.loaded}
+                    for each in found if not each.exempt for one in each.loaded}
              & (modules().keys() - {name}) for name, found in modules().items()}
     assert sum(map(len, graph.values())) > 500
     assert cycles(graph) == []

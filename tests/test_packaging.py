@@ -25,13 +25,13 @@ def test_the_wheel_holds_all_that_it_needs_and_runs(tmp_path: Path) -> None:
         names = set(archive.namelist())
         archive.extractall(tmp_path / "site")
     wanted = {path.relative_to(ROOT).as_posix() for path in (ROOT / "sandbox").rglob("*.*")
-              if path.suffix in (".py", ".pyi", ".typed", ".js", ".css", ".LICENSE")}
+              if path.suffix in (".py", ".typed", ".js", ".css", ".LICENSE")}
     scenes = {f"sandbox/_scenes/{path.relative_to(ROOT / 'scenes').as_posix()}"
               for path in (ROOT / "scenes").rglob("*.json")}
     assert wanted | scenes <= names
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert {name.rpartition(".")[2] for name in names if name.startswith("sandbox/")} == {
-        "py", "pyi", "typed", "json", "toml", "svg", "dxf", "js", "css", "LICENSE"}
+        "py", "typed", "json", "toml", "svg", "dxf", "js", "css", "LICENSE"}
     assert wheel.stat().st_size < 2_000_000
 
     def printed(*words: str) -> str:

@@ -21,13 +21,13 @@ SPRING = ("name", "a", "b", "stiffness", "damping", "rest_length", "breaks_at", 
     ("st", ""),  # two letters are not enough to tell what was begun
     ("colour", ""),
 ])
-def test_what_was_begun_comes_before_what_is_alike(word: str, choice: str) -> None:
+def test_suggestions(word: str, choice: str) -> None:
     assert nearest(word, SPRING) == choice
     assert near(word, SPRING) == (repr(choice) if choice else "")
     assert meant(word, SPRING) == (f" Did you mean {choice!r}?" if choice else "")
 
 
-def test_of_several_that_were_begun_the_shortest_is_meant() -> None:
+def test_the_shortest_completion_is_suggested() -> None:
     assert nearest("spring", ["springs_of_steel", "springs"]) == "springs"
 
 

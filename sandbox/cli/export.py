@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sandbox.atomic_files import write_atomic
 from sandbox.cli.console import Console
 from sandbox.cli.options import OUT, limit_option, override_option
 from sandbox.cli.scenes import load, scene_argument, scene_path
 from sandbox.errors import SceneError
-from sandbox.whole_files import write_whole
 
 if TYPE_CHECKING:
     from sandbox.scene.read.limits import Limits
@@ -63,7 +63,7 @@ def export(
     if out is None:
         console.document(made.text.rstrip("\n"))
     else:
-        write_whole(out, made.text)
+        write_atomic(out, made.text)
     for note in made.notes:
         console.warn(f"{loaded.name}: note: {note}")
     if made.left_out:

@@ -253,16 +253,16 @@ def _write(
     answers: Sequence[Answer], costs: Sequence[Cost], **how: Any,
 ) -> None:
     """Write the figures and tables."""
+    from sandbox.atomic_files import write_atomic
     from sandbox.draw.figure.signals import draw
     from sandbox.draw.figure.style import save_figure
     from sandbox.recording.new_run import made
-    from sandbox.whole_files import write_whole
 
     drawing = draw(plotted, names, **how) \
         if any(file.suffix.lower() != ".csv" for file in files) else None
     for file in files:
         if file.suffix.lower() == ".csv":
-            write_whole(file, csv_text(answers, costs))
+            write_atomic(file, csv_text(answers, costs))
         else:
             save_figure(drawing, file)
         made(file)

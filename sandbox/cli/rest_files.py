@@ -137,13 +137,13 @@ def _moving_most(first: AtRest, rests: list[AtRest]) -> str:
 def _numbers(
     folder: Path, data: dict[str, Any], head: list[str], rows: list[list[str]],
 ) -> list[Path]:
-    from sandbox.whole_files import write_whole
+    from sandbox.atomic_files import write_atomic
 
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(head)
     writer.writerows(rows)
     paths = [folder / "rest.json", folder / "rest.csv"]
-    write_whole(paths[0], json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-    write_whole(paths[1], text.getvalue())
+    write_atomic(paths[0], json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    write_atomic(paths[1], text.getvalue())
     return paths

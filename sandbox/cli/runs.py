@@ -364,10 +364,10 @@ def write_page(
     Raises:
         OutputError: it cannot be written.
     """
+    from sandbox.atomic_files import write_atomic
     from sandbox.recording.new_run import made
     from sandbox.show.header import FoundOut
     from sandbox.show.page import report as page_of_runs
-    from sandbox.whole_files import write_whole
 
     found = judged or [() for _ in recordings]
     told = [FoundOut(verdicts=v, figures=f, source=source, parameters=p)
@@ -376,6 +376,6 @@ def write_page(
     text = page_of_runs(recordings, told, plots)
     if not path.parent.is_dir():
         raise OutputError(f"there is no directory {path.parent}")
-    write_whole(path, text)
+    write_atomic(path, text)
     made(path)
     return len(text.encode())

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.shell_completion import CompletionItem
 
+from sandbox.atomic_files import output_path, write_atomic
 from sandbox.cli.console import Console
 from sandbox.cli.options import json_option
 from sandbox.errors import OutputError
-from sandbox.whole_files import place, write_whole
 
 if TYPE_CHECKING:
     from sandbox.scene.read.limits import Limits
@@ -98,7 +98,7 @@ def new(name: str, out: str | None) -> None:
     from sandbox.scene.read.load import read_scene
 
     source = _shipped(name)
-    target = place(out, "a scene") if out is not None else Path()
+    target = output_path(out, "a scene") if out is not None else Path()
     target = target / source.name if target.is_dir() else target
     included = read_scene(source).files
     beside = [*included, *(path for scene in (source, *included) for path in _drawings(scene))]
@@ -113,7 +113,7 @@ def new(name: str, out: str | None) -> None:
             raise OutputError(f"{path} exists already and is not overwritten; "
                               "--out FILE gives the scene another place")
     for path, text in reversed(missing.items()):  # the scene last, after all that it includes
-        write_whole(path, text)
+        write_atomic(path, text)
     console = Console()
     console.say(*(f"wrote {path}" for path in missing))
     console.say(f"next: sandbox run {target}")

@@ -122,9 +122,9 @@ def searched(
 
 def _own_folder(asked: WrittenSearch, kind: str, beside: Mapping[str, Any]) -> Path:
     """The directory of this question: the first of its name that has no runs of another one."""
+    from sandbox.atomic_files import write_atomic
     from sandbox.search.asking import plain_data
     from sandbox.sweeps.log import FOLDER, files_in
-    from sandbox.whole_files import write_whole
 
     words = {name: str(word) if isinstance(word, Path) else word
              for name, word in {**beside, **asked.words}.items() if name not in EXTENT}
@@ -135,7 +135,7 @@ def _own_folder(asked: WrittenSearch, kind: str, beside: Mapping[str, Any]) -> P
         file = folder / ASKED
         if not file.is_file() or not any(files_in(folder / FOLDER)):
             prepare(folder)
-            write_whole(file, question + "\n")
+            write_atomic(file, question + "\n")
             return folder
         if file.read_text(encoding="utf-8", errors="replace").strip() == question:
             return folder

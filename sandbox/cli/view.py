@@ -87,12 +87,12 @@ def redirect_to(address: str) -> Iterator[Path]:
     import html
     import tempfile
 
-    from sandbox.whole_files import write_whole
+    from sandbox.atomic_files import write_atomic
 
     link = html.escape(address, quote=True)
     with tempfile.TemporaryDirectory(prefix="sandbox-") as folder:
         file = Path(folder, "view.html")
-        write_whole(file, (
+        write_atomic(file, (
             '<!doctype html><meta charset="utf-8"><meta name="referrer" content="no-referrer">'
             f'<meta http-equiv="refresh" content="0; url={link}"><title>sandbox view</title>'
             f'<a href="{link}">to the view</a>\n'))

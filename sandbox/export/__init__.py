@@ -1,10 +1,10 @@
-"""A mechanism in the formats of other programs, to go on there; reads nothing but the mechanism."""
+"""A mechanism as a model for another program; reads nothing but the mechanism."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from sandbox.export.exported import Export
 from sandbox.export.mjcf import write_mjcf
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, or_near, quoted
@@ -12,23 +12,36 @@ from sandbox.wording import listed, or_near, quoted
 __all__ = ["FORMATS", "Export", "export_mechanism"]
 
 FORMATS = {"mjcf": write_mjcf}
-"""Each format's name and its writer."""
+"""Each format's name and its writer: text, notes and names of elements left out."""
+
+
+@dataclass(frozen=True)
+class Export:
+    """A model in another program's format."""
+
+    text: str
+    notes: tuple[str, ...] = ()
+    """Differences from the scene, a sentence each."""
+    left_out: tuple[str, ...] = ()
+    """Names of the elements that the model lacks."""
 
 
 def export_mechanism(
     mechanism: Mechanism, *, format: str = "mjcf", without: Sequence[str] = (),
 ) -> Export:
-    """``mechanism`` as the text of another program's model.
+    """Write a mechanism as a model for another program.
 
-    ``without`` names elements (or patterns of names, ``tree.*``) to leave out,
-    with all that hangs on them.
+    Args:
+        mechanism: what is exported.
+        format: a name in :data:`FORMATS`.
+        without: names and patterns (``tree.*``) of elements to leave out, with all elements that
+            need them.
 
     Raises:
-        ValueError: a format that is not in :data:`FORMATS`.
-        SceneError: a name in ``without`` that fits nothing, or elements that
-            have no counterpart in that format, each of them named.
+        ValueError: an unknown format.
+        SceneError: a name in ``without`` that fits no element; every element without a counterpart.
     """
     if format not in FORMATS:
         raise ValueError(f"there is no export format {quoted(format)} (allowed: {listed(FORMATS)})"
                          f"{or_near(format, FORMATS)}")
-    return FORMATS[format](mechanism, without=without)
+    return Export(*FORMATS[format](mechanism, without))

@@ -1,23 +1,26 @@
 """The kinematic tree of a mechanism: which joint carries which body, and which close loops.
 
-A body that slides in a groove, is welded or pinned to a body of the tree
-becomes its child; a body that nothing carries moves freely. Grooves come
-first, since a groove can't close a loop in MuJoCo, then welds, then pins, each
-in the order of the scene. Rods and ropes carry nothing: they are tendons.
+A body in a groove, welded or pinned to a body of the tree becomes its child; a body without such a
+joint moves freely. Grooves come first, since a groove cannot close a loop in MuJoCo, then welds,
+then pins, each in the order of the scene. Rods and ropes carry no body: they are tendons.
 
-Bodies and joints are the model's numbers; the world is ``NONE``.
+A coordinate is the number that a recording shows: a pin's angle in its positive sense minus its
+zero, a slot's displacement from the start of the groove, x, y (of the centre of mass) and angle of
+a free body. Bodies and joints are the model's indices; the world is ``NONE``.
 """
 
 from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from sandbox.model.model import NONE, Model
+from sandbox.model.starts import sliding, turning
 from sandbox.numeric import Array
 from sandbox.scene.geometry import Pose, Vec, to_body, to_world
 
@@ -30,9 +33,9 @@ class Link:
     parent: int
     """``NONE`` for the world."""
     pose: Pose
-    """In its parent's frame at t = 0, with the joint assembled: x, y [m], angle [rad]."""
+    """Pose in the parent's frame at t = 0, with the joint assembled: x, y [m], angle [rad]."""
     joint: int = NONE
-    """What carries it; ``NONE`` for a body that is fixed or free."""
+    """The joint that carries it; ``NONE`` for a body that is fixed or free."""
     backwards: bool = False
     """Whether the body is the joint's ``a``, its parent ``b``."""
 
@@ -52,7 +55,7 @@ class Tree:
 
 
 def _rank(model: Model, joint: int) -> int | None:
-    """The lower, the sooner a joint carries a body; None if it never does."""
+    """Priority of a joint, low first; None for one that carries no body."""
     kind = model.joints.kind[joint]
     if kind.along_line:
         return None
@@ -62,7 +65,7 @@ def _rank(model: Model, joint: int) -> int | None:
 
 
 def grow(model: Model) -> Tree:
-    """The tree of a mechanism; one that nothing fixes hangs on its first free body."""
+    """Build the tree of a mechanism; without fixed bodies the first free one is a root."""
     ends: list[list[int]] = model.joints.bodies.tolist()
     ranks = {joint: rank for joint in range(len(ends))
              if (rank := _rank(model, joint)) is not None}
@@ -105,7 +108,7 @@ def _carried(model: Model, joint: int, *, backwards: bool) -> Link:
 
 
 def pose(model: Model, body: int) -> Pose:
-    """Of a body's frame at t = 0: x, y [m], angle [rad]."""
+    """Pose of a body at t = 0: x, y [m], angle [rad]."""
     x, y, angle = model.bodies.pose[body].tolist()
     return x, y, angle
 
@@ -117,13 +120,13 @@ def vec(row: Array) -> Vec:
 
 
 def anchors(model: Model, joint: int) -> tuple[Vec, Vec]:
-    """The points of ``a`` and ``b`` that a joint holds, in their frames [m]."""
+    """Anchors of a joint on ``a`` and ``b``, in their frames [m]."""
     on_a, on_b = model.joints.anchor[joint]
     return vec(on_a), vec(on_b)
 
 
 def meeting_points(model: Model, joint: int) -> tuple[Vec, Vec]:
-    """Where ``a`` and ``b`` meet at t = 0: a point of each, in its own frame [m]."""
+    """The points of ``a`` and ``b`` that coincide at t = 0, in their frames [m]."""
     on_a, on_b = anchors(model, joint)
     if model.joints.kind[joint].keeps == "groove":
         (x, y), (along, _) = vec(model.joints.groove[joint, 0]), groove(model, joint)
@@ -142,7 +145,7 @@ def groove(model: Model, joint: int) -> tuple[Vec, float]:
 
 
 def displacement(model: Model, joint: int) -> float:
-    """How far from its groove's start a point is at t = 0 [m], never beyond the groove's ends."""
+    """Distance from the start of a groove at t = 0 [m], within the groove."""
     along, length = groove(model, joint)
     start = vec(model.joints.groove[joint, 0])
     a, b = model.joints.bodies[joint].tolist()
@@ -150,3 +153,129 @@ def displacement(model: Model, joint: int) -> float:
     x, y = to_body(pose(model, a), to_world(pose(model, b), on_b))
     s = (x - start[0]) * along[0] + (y - start[1]) * along[1]
     return min(max(s, 0.0), length)
+
+
+Vec3 = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Freedom:
+    """One coordinate of a body; point and axis in the body's frame."""
+
+    name: str
+    kind: Literal["hinge", "slide"]
+    axis: Vec3
+    at: Vec = (0.0, 0.0)
+    """A point of its axis [m]."""
+    start: float = 0.0
+    """Value at t = 0 [rad or m]."""
+    rate: float = 0.0
+    """Rate at t = 0 [rad/s or m/s]."""
+    limits: tuple[float, float] | None = None
+    """Hard stops [rad or m]."""
+    joint: int = NONE
+    """Index of the hinge, if it is one."""
+    loss: float = 0.0
+    """Dry friction of a slide [N]."""
+    made: bool = False
+    """Whether the name is not that of an element of the scene."""
+
+
+def freedoms(model: Model, link: Link) -> list[Freedom]:
+    """The coordinates of a body, from parent to child; none for a fixed body."""
+    if not model.bodies.free[link.body]:
+        return []
+    if link.joint == NONE:
+        return _free(model, link.body)
+    return CARRIERS[model.mechanism.joints[link.joint].type](model, link)
+
+
+def _free(model: Model, body: int) -> list[Freedom]:
+    name, spec = model.bodies.name[body], model.mechanism.bodies[body]
+    place, centre = pose(model, body), vec(model.bodies.centre[body])
+    x, y = to_world(place, centre)
+    c, s = math.cos(place[2]), math.sin(place[2])
+    return [
+        Freedom(f"{name}.x", "slide", (c, -s, 0.0), start=x, rate=spec.velocity[0], made=True),
+        Freedom(f"{name}.y", "slide", (s, c, 0.0), start=y, rate=spec.velocity[1], made=True),
+        Freedom(f"{name}.angle", "hinge", (0.0, 0.0, 1.0), at=centre, start=place[2],
+                rate=spec.angular_velocity, made=True),
+    ]
+
+
+def _hinge(model: Model, link: Link) -> list[Freedom]:
+    joints, joint = model.joints, link.joint
+    sense = float(joints.sense[joint])
+    on_a, on_b = anchors(model, joint)
+    return [Freedom(
+        joints.name[joint], "hinge", (0.0, 0.0, -sense if link.backwards else sense),
+        at=on_a if link.backwards else on_b, start=float(joints.start[joint]),
+        rate=sense * turning(model, joint), limits=stops(model, joint), joint=joint)]
+
+
+def stops(model: Model, joint: int) -> tuple[float, float] | None:
+    """Lowest and highest angle of a hinge [rad], if it has stops."""
+    return vec(model.joints.stops[joint]) if joint in model.joints.stopped else None
+
+
+def _slide(model: Model, link: Link) -> list[Freedom]:
+    joint, backwards = link.joint, link.backwards
+    name = model.joints.name[joint]
+    a, b = model.joints.bodies[joint].tolist()
+    at_a, at_b = pose(model, a), pose(model, b)
+    along, length = groove(model, joint)
+    points = meeting_points(model, joint)
+    hinge = Freedom(
+        f"{name}.turn", "hinge", (0.0, 0.0, -1.0 if backwards else 1.0),
+        at=points[0] if backwards else points[1], start=at_b[2] - at_a[2],
+        rate=turning(model, joint), made=True)
+    ahead = along if backwards else to_body((0.0, 0.0, at_b[2] - at_a[2]), along)
+    side = -1.0 if backwards else 1.0
+    slide = Freedom(
+        name, "slide", (side * ahead[0], side * ahead[1], 0.0),
+        start=displacement(model, joint), limits=(0.0, length),
+        loss=float(model.joints.friction[joint]), rate=sliding(model, joint))
+    if not model.joints.turns[joint]:
+        return [slide]
+    return [hinge, slide] if backwards else [slide, hinge]
+
+
+def _none(model: Model, link: Link) -> list[Freedom]:
+    return []
+
+
+CARRIERS: Mapping[str, Callable[[Model, Link], list[Freedom]]] = {
+    "pin": _hinge, "slot": _slide, "weld": _none}
+"""Coordinates of a body by the type of the joint that carries it."""
+
+
+@dataclass(frozen=True)
+class AngleSum:
+    """The angle of a pin that closes a loop, as a sum over hinges of the tree.
+
+    ``angle = offset + sum(factor * coordinate)`` [rad].
+    """
+
+    factors: tuple[tuple[str, float], ...]
+    """Names of coordinates with whole factors."""
+    offset: float
+
+
+def angle_sum(
+    model: Model, joint: int, tree: Tree, moves: Mapping[int, Sequence[Freedom]],
+) -> AngleSum:
+    """The angle of a pin from the hinges that carry its bodies; ``moves`` are all coordinates."""
+    sense = float(model.joints.sense[joint])
+    a, b = model.joints.bodies[joint].tolist()
+    factors: dict[str, float] = {}
+    start: dict[str, float] = {}
+    for body, side in ((b, sense), (a, -sense)):
+        for link in tree.line(body):
+            for freedom in moves[link.body]:
+                if freedom.kind == "hinge":
+                    start[freedom.name] = freedom.start
+                    factors[freedom.name] = factors.get(freedom.name, 0.0) + side * freedom.axis[2]
+    factors = {name: factor for name, factor in factors.items() if factor}
+    offset = float(model.joints.start[joint])
+    offset -= sum(factor * start[name] for name, factor in factors.items())
+    return AngleSum(tuple(factors.items()), offset)

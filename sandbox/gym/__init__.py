@@ -1,7 +1,7 @@
-"""A scene as an environment of Gymnasium: what is seen, what acts, what is worth how much.
+"""A scene as an environment of Gymnasium.
 
-``sandbox.gym.make`` builds one; ``gymnasium.make("sandbox.gym:sandbox/Scene-v0", scene=…, …)`` is
-the same with Gymnasium's own wrappers. The package that it needs is loaded with the first of them.
+``sandbox.gym.make`` makes one, and ``gymnasium.make("sandbox.gym:sandbox/Scene-v0", scene=…, …)``
+adds Gymnasium's wrappers. Gymnasium is imported on first use.
 """
 
 from __future__ import annotations
@@ -17,22 +17,22 @@ if TYPE_CHECKING:
 __all__ = ["ID", "make"]
 
 ID = "sandbox/Scene-v0"
-"""Under which Gymnasium knows :func:`make`."""
+"""The identifier of :func:`make` in Gymnasium."""
 HERE = f"{__name__}:make"
 
 
 def make(scene: Any, *, render_mode: str | None = None, **words: Any) -> SceneEnv:
-    """An environment that steers a scene.
+    """Make an environment of a scene.
 
     Args:
-        scene: a file, the name of a shipped scene, or a mapping of what a file holds.
-        render_mode: ``"rgb_array"`` for pictures by ``render()``; None for none.
+        scene: a file, the name of a shipped scene, or a mapping.
+        render_mode: ``"rgb_array"`` for pictures by ``render()``, or None.
         words: ``observe``, ``act``, ``reward``, ``every``, ``randomise``, ``set``, ``lost``,
             ``limits``: see :func:`sandbox.gym.task.read_task`.
 
     Raises:
         SandboxError: Gymnasium is not installed.
-        SceneError: every problem of the scene, and every name that it does not have.
+        SceneError: every problem of the scene and of the arguments.
     """
     if find_spec("gymnasium") is None:
         raise SandboxError("sandbox.gym needs Gymnasium: pip install 'sandbox-mechanics[gym]'",

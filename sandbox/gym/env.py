@@ -1,4 +1,4 @@
-"""A scene as an environment: actions set drives, observations are quantities, an episode is a run.
+"""A scene as an environment: actions set drives, observations are quantities, episodes are runs.
 
 The interface is that of Gymnasium (Towers et al., Gymnasium: A Standard Interface for Reinforcement
 Learning Environments, 2024).
@@ -14,14 +14,18 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
+from sandbox.draw.film.frames import FrameRenderer
+from sandbox.draw.film.scales import force_scale
 from sandbox.engine.inspect_control import Checked
+from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SandboxError, SceneError, SimulationDiverged
-from sandbox.gym.pictures import Pictures
 from sandbox.gym.task import Task
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
+from sandbox.scene.elements.settings import View
+from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, quoted
 
 Info = dict[str, Any]
@@ -29,10 +33,10 @@ SEEDS = 2**63 - 1
 
 
 class SceneEnv(gymnasium.Env[Array, Array]):
-    """One run of a scene after the other, steered from outside.
+    """An environment of Gymnasium whose episodes are runs of a scene.
 
     Args:
-        task: what is seen and what acts.
+        task: observations, actions and reward.
         render_mode: ``"rgb_array"`` or None.
 
     Raises:
@@ -56,32 +60,30 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         self._least, most = np.array(list(task.act.values())).T
         self._half = (most - self._least) / 2
         self._values: dict[str, Any] = {}
-        self._pictures: Pictures | None = None
+        self._view: View | None = None
         self.simulation = Simulation(Checked(task.mechanism))
-        """The run of this episode, to look at; who sets or steps it goes beside the environment."""
-        self.simulation.step()  # what has to be compiled is compiled now, and once for all forks
+        """The simulation of this episode, to read; do not set or step it."""
+        self.simulation.step()  # compile before any process forks
         self._last: Array = self._low
         self._acted: list[Array] = []
         self._over = "no episode has begun"
 
-    # -- episodes -----------------------------------------------------------------------------
-
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None,
     ) -> tuple[Array, Info]:
-        """Begin another episode; the observation at t = 0, and what was drawn for it.
+        """Begin an episode; return the observation at t = 0 and the values that were drawn.
 
         Args:
-            seed: of all that is drawn from now on.
-            options: ``{"set": {path: value}}`` changes the scene for this episode alone.
+            seed: of the random values from now on.
+            options: ``{"set": {path: value}}`` changes the scene for this episode.
 
         Raises:
-            SceneError: values that make no scene; an option that there is none of.
+            SceneError: invalid values, or an unknown option.
         """
         super().reset(seed=seed)
         values: dict[str, Any] = {}
-        if self.task.draws is not None:
-            values |= self.task.draws.drawn(int(self.np_random.integers(SEEDS)))
+        if self.task.random is not None:
+            values |= self.task.draw(int(self.np_random.integers(SEEDS)))
         values |= _set_of(options)
         if values == self._values:
             self.simulation.restart()
@@ -93,19 +95,18 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         return self._last.copy(), {"time": 0.0, "set": dict(values)}
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, Info]:
-        """Let an action hold for an interval.
+        """Apply an action for an interval.
 
         Args:
-            action: for each drive -1 (its lowest value) to 1 (its highest), [na]; what is beyond
-                counts as -1 or 1.
+            action: -1 (minimum) to 1 (maximum) for each drive, [na]; other values are clipped.
 
         Returns:
-            The observation [no], the reward, whether it was ended by an event or a divergence,
-            whether the run's time is over, and what else there is to know.
+            Observation [no], reward, whether an event or a divergence ended the episode, whether
+            its time is over, and a dictionary with details.
 
         Raises:
-            SandboxError: the episode is over; an action of another shape or without a value; an
-                observation or a reward that has no value.
+            SandboxError: the episode is over, the action has another shape or is not finite, or an
+                observation or the reward is not finite.
         """
         if self._over:
             raise SandboxError(f"{self._over}: reset() begins one", code="run-ended")
@@ -134,7 +135,7 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         return self._last.copy(), reward, stop is not None, over and stop is None, info
 
     def _seen(self) -> Array:
-        """The observation now."""
+        """The current observation."""
         simulation = self.simulation
         found: Array = np.array([simulation[name] for name in self.task.observe])
         if not np.isfinite(found).all():
@@ -152,30 +153,33 @@ class SceneEnv(gymnasium.Env[Array, Array]):
                                code="diverged")
         return value
 
-    # -- what came of it ----------------------------------------------------------------------
-
     def render(self) -> NDArray[np.uint8] | None:
-        """The picture now, as films draw it: [height, width, 3], red, green, blue."""
+        """A picture of the current state, [height, width, 3], RGB, as in films but without text.
+
+        All pictures have one camera, which fits a run of the scene as it is, or the scene's view.
+        """
         if self.render_mode is None:
             return None
-        if self._pictures is None:
-            self._pictures = Pictures(self.task.mechanism)
-        return self._pictures.now(self.simulation)
+        if self._view is None:
+            self._view = _fixed_view(self.task.mechanism)
+        run = self.simulation.recording()
+        run = run if len(run) else _first_sample(self.simulation.mechanism)
+        frame = FrameRenderer(run, view=self._view, bare=True).draw(float(run.time[-1]))
+        return np.ascontiguousarray(frame)
 
     def recording(self) -> Recording:
-        """The run of this episode so far, to plot, to save, to film."""
+        """The recording of this episode so far."""
         return self.simulation.recording()
 
     def played(self) -> dict[str, Any]:
-        """The actions of this episode as values of the scene, by path, for ``--set``.
+        """The actions of this episode as tables over time, with the drawn values, by path.
 
-        With them a run of the scene is this episode, to the last bit. Values of each drive are a
-        table of time; what was drawn stands beside them.
+        A run of the scene with these overrides is bit-identical to the episode.
         """
         clock, model = self.task.clock, compile_mechanism(self.simulation.mechanism)
         found = {**self.task.set, **self._values}
         for column, name in enumerate(self._drives):
-            # between the instants for which the last step before and the first one after ask
+            # between the last step before and the first step after the change
             first = 0.25 + float(model.drives.late[model.names.drive[name]])
             found[f"drives[{name}].value"] = {"between": "step", "table": [
                 [(k * self.task.every + first) * clock.step, float(row[column])]
@@ -183,12 +187,11 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         return found
 
     def close(self) -> None:
-        """Nothing is left open."""
-        self._pictures = None
+        """Do nothing: no resources are open."""
 
 
 def _numbers(action: object) -> Array:
-    """An action as numbers; none where it has no such."""
+    """An action as numbers; empty if it has none."""
     try:
         return np.asarray(action, dtype=np.float64)
     except (TypeError, ValueError):
@@ -196,10 +199,10 @@ def _numbers(action: object) -> Array:
 
 
 def _set_of(options: Mapping[str, Any] | None) -> dict[str, Any]:
-    """What an episode's options change.
+    """The changes in the options of an episode.
 
     Raises:
-        SceneError: anything else.
+        SceneError: other options.
     """
     options = options or {}
     if not isinstance(options, Mapping):
@@ -216,3 +219,25 @@ def _set_of(options: Mapping[str, Any] | None) -> dict[str, Any]:
                                   f"{quoted(values)} does not say what is changed", "options.set",
                                   allowed="values by path")])
     return dict(values)
+
+
+def _fixed_view(mechanism: Mechanism) -> View:
+    """A view with the camera and the scale of forces of a run of the scene, without text."""
+    view = mechanism.view.model_copy(update={
+        "meters": (), "show": {**mechanism.view.show, "names": ()}})
+    try:
+        run = simulate(Checked(mechanism))
+    except SimulationDiverged as error:
+        run = error.recording or _first_sample(mechanism)
+    camera = FrameRenderer(run, view=view, bare=True).camera
+    width = view.size[0] / camera.scale
+    return view.model_copy(update={
+        "centre": camera.centre, "width": width,
+        "force_scale": force_scale(run, width, view).metres})
+
+
+def _first_sample(mechanism: Mechanism) -> Recording:
+    simulation = Simulation(Checked(mechanism))
+    while not len(run := simulation.recording()):
+        simulation.step()
+    return run

@@ -1,72 +1,97 @@
-"""What an environment is made of: names checked against the scene, with a range for each.
-
-All that can be wrong is told at once, before anything runs.
-"""
+"""The task of an environment: observations, actions, reward and random values, all checked."""
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from typing import Any
+
+import numpy as np
 
 from sandbox.engine.clock import Clock, make_clock
 from sandbox.engine.inspect_control import LiveCatalogue, control_problems, unreadable
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
-from sandbox.gym.draws import Draws, read_draws
-from sandbox.gym.spans import Span, acted, observed
+from sandbox.kinds.quantities import is_yes_no
+from sandbox.model.catalogue import Catalogue, Source
 from sandbox.model.compile import compile_mechanism
+from sandbox.model.model import Model
 from sandbox.scene.elements.controllers import writes_of
-from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.elements.drives import MotorDrive
+from sandbox.scene.mechanism import Mechanism, signal_of
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.values.numbers import number_from
-from sandbox.scene.values.units import unfit
+from sandbox.scene.values.ranges import range_of
+from sandbox.scene.values.signals import values
+from sandbox.scene.values.units import UNITS, unfit
 from sandbox.sweeps.job import STEP
+from sandbox.sweeps.plan import plan_of
+from sandbox.sweeps.points import Override, Points
+from sandbox.sweeps.spec import SweepSpec
+from sandbox.sweeps.sweep import study_data
 from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
 
+Span = tuple[float, float]
+"""Minimum and maximum, SI."""
 Reward = Callable[[Simulation], float]
 Asked = str | Sequence[str] | Mapping[str, Sequence[float] | None]
 Scene = str | os.PathLike[str] | Mapping[str, Any]
-WORTH = 1e-6
-"""By how much of a step an interval may miss a whole number of them."""
+ROUNDING = 1e-6
+"""Tolerance of a whole number of steps, relative to a step."""
+DRAWN = 64
+"""Samples that are checked when the environment is made."""
+INSTANTS = 1001
+"""Instants at which the range of a signal is determined."""
+NOT_NEGATIVE = {("tendon", "tension"), ("tendon", "length"), ("body", "contact.normal"),
+                ("group", "contact.normal"), ("group", "contact.count"), ("pair", "normal"),
+                ("joint", "reaction"), ("joint", "length"), ("line", "volume")}
+FRACTIONS = ("hold", "opening")
+"""Quantities of drives from 0 to 1."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """What an environment does, all of it checked."""
+    """A checked task."""
 
     scene: Scene
     set: Mapping[str, Any]
-    """What is changed in the scene, in all episodes."""
+    """Changes of the scene by path, for all episodes."""
     limits: Limits | None
     mechanism: Mechanism
-    """The scene with that, before anything is drawn."""
+    """The scene with these changes."""
     observe: Mapping[str, Span]
-    """Quantities and expressions, each with the least and largest value that it is given as."""
+    """Range of each observed quantity or expression."""
     act: Mapping[str, Span]
-    """Drives, each with what an action of -1 and of 1 sets it to, in SI."""
+    """Values of each drive for actions of -1 and 1, SI."""
     reward: str | Reward
     every: int
-    """Steps between two actions."""
+    """Time steps for each action."""
     lost: float
-    """The reward of the step in which a motion stopped being finite."""
-    draws: Draws | None
-    """What is drawn anew for each episode."""
+    """Reward of a step in which the simulation diverges."""
+    random: SweepSpec | None
+    """Distributions of the values that are drawn for each episode."""
 
     @property
     def clock(self) -> Clock:
-        """That of a run of the scene."""
+        """The clock of a run of the scene."""
         run = self.mechanism.run
         return make_clock(run.duration, run.step, run.sample_rate)
+
+    def draw(self, seed: int) -> dict[str, Override]:
+        """Random values by path; the same for the same seed."""
+        if self.random is None:
+            return {}
+        return Points(self.random.model_copy(update={"seed": seed}))[0]
 
     def loaded(self, values: Mapping[str, Any]) -> Mechanism:
         """The scene with other values by path.
 
         Raises:
-            SceneError: they make no scene.
+            SceneError: the values are invalid, or change the time step.
         """
         if not values:
             return self.mechanism
@@ -78,7 +103,7 @@ class Task:
 
 
 def same_step() -> Problem:
-    """What is wrong with episodes that have steps of their own."""
+    """The problem of an episode with another time step."""
     return Problem("bad-argument",
                    "the step is the same in all episodes: an action holds for a number of steps",
                    STEP, allowed=f"set={{{STEP!r}: …}} when the environment is made")
@@ -89,21 +114,21 @@ def read_task(
     every: str | float = "20 ms", randomise: Mapping[str, Any] | None = None,
     set: Mapping[str, Any] | None = None, lost: float = 0.0, limits: Limits | None = None,
 ) -> Task:
-    """Look over what an environment shall be made of.
+    """Check the arguments of an environment.
 
     Args:
         scene: a file, the name of a shipped scene, or a mapping of what a file holds.
-        observe: quantities, patterns and expressions (``"=a.x - b.x"``); or a mapping of such to
-            their (least, largest) value, None for what the scene says.
-        act: drives and patterns of drives; or a mapping of such to what actions of -1 and 1 set
-            them to, in SI, None for what the scene says.
-        reward: a quantity or an expression, whose value at a step's end is its reward; or a
-            function that is given the :class:`sandbox.Simulation`, which it reads.
-        every: how long an action holds, ``"20 ms"`` or in seconds.
-        randomise: what paths of the scene are given in each episode, as ``vary`` of a sweep has it.
-        set: what else is changed in the scene, by path.
-        lost: the reward of the step in which the motion diverged.
-        limits: how large the scene may be.
+        observe: quantities, patterns and expressions (``"=a.x - b.x"``), or a mapping of these to
+            (minimum, maximum); None takes the range from the scene.
+        act: drives and patterns of drives, or a mapping of these to their values for actions of -1
+            and 1, SI; None takes the range from the scene.
+        reward: a quantity or an expression, read at the end of a step, or a function of the
+            :class:`sandbox.Simulation`.
+        every: duration of an action, ``"20 ms"`` or in seconds.
+        randomise: values to draw for each episode by path, as ``vary`` of a sweep.
+        set: other changes of the scene by path.
+        lost: reward of a step in which the simulation diverges.
+        limits: the largest scene that is accepted.
 
     Raises:
         SceneError: every problem of these and of the scene.
@@ -112,18 +137,18 @@ def read_task(
     base: Loaded = read_scene(scene, overrides=set, limits=limits)
     if isinstance(randomise, Mapping) and STEP in randomise:
         raise SceneError([same_step()])
-    draws = read_draws(scene, randomise, set or {}, limits) if randomise else None
+    random = _random(scene, randomise, set or {}, limits) if randomise else None
     reading = _TaskReader(base)
     task = Task(scene, dict(set or {}), limits, base.mechanism,
                 reading.observed(observe, reading.acted(act)), reading.actions,
-                reading.reward(reward), reading.every(every), reading.number(lost, "lost"), draws)
+                reading.reward(reward), reading.every(every), reading.number(lost, "lost"), random)
     reading.refuse()
     return task
 
 
 @dataclass
 class _TaskReader:
-    """A task on its way, and what is wrong with it so far."""
+    """Reads the arguments and collects all problems."""
 
     base: Loaded
     problems: list[Problem] = field(default_factory=list)
@@ -136,12 +161,12 @@ class _TaskReader:
         self.problems += self.base.placed(control_problems(self.mechanism))
 
     def refuse(self) -> None:
-        """Stop here if anything is wrong."""
+        """Raise all problems."""
         if self.problems:
             raise SceneError(self.problems, self.base.name)
 
     def acted(self, asked: Asked) -> Mapping[str, Span]:
-        """Ranges of drives."""
+        """Ranges of the drives."""
         drives = [drive.name for drive in self.mechanism.drives]
         for path, name, given in self._each(asked, "act"):
             found = _fitting(name, drives)
@@ -152,7 +177,7 @@ class _TaskReader:
                 if owner := self._writer(drive):
                     self._wrong(f"the drive {quoted(drive)} is set by {quoted(owner)}", path,
                                 "a drive that no controller and no event sets")
-                span = acted(self.model, drive) if given is None else self._span(
+                span = drive_range(self.model, drive) if given is None else self._span(
                     given, path, self.known.find(f"{drive}.value").unit)
                 if span is None and given is None:
                     self._wrong(f"the scene does not say between which values {quoted(drive)} "
@@ -163,11 +188,11 @@ class _TaskReader:
         return self.actions
 
     def observed(self, asked: Asked, actions: Mapping[str, Span]) -> dict[str, Span]:
-        """Ranges of what is seen."""
+        """Ranges of the observed quantities."""
         found: dict[str, Span] = {}
         for path, text, given in self._each(asked, "observe"):
             for name in self._quantities(text, path):
-                span = observed(self.model, self.known, name, actions) if given is None else \
+                span = quantity_range(self.model, self.known, name, actions) if given is None else \
                     self._span(given, path, self.known.find(name).unit if name in self.known
                                else "")
                 found[name] = span or (0.0, 1.0)
@@ -194,7 +219,7 @@ class _TaskReader:
         return not problems
 
     def reward(self, asked: object) -> str | Reward:
-        """A function, or a text that a simulation can read."""
+        """The reward: a function, a quantity or an expression."""
         if callable(asked):
             return asked
         if not isinstance(asked, str) or not asked.strip():
@@ -207,7 +232,7 @@ class _TaskReader:
         return text
 
     def every(self, asked: object) -> int:
-        """Steps of an interval."""
+        """Time steps for each action."""
         step = self.mechanism.run.step
         try:
             seconds = float(number_from(asked, "time", {}))
@@ -215,7 +240,7 @@ class _TaskReader:
             self._wrong(error.message, "every", error.allowed, error.hint)
             return 1
         steps = round(seconds / step)
-        if steps < 1 or abs(steps * step - seconds) > WORTH * step:
+        if steps < 1 or abs(steps * step - seconds) > ROUNDING * step:
             self._wrong(f"{seconds:g} s is no whole number of steps of {step:g} s", "every",
                         f"such as {max(1, steps) * step:g} s")
         elif seconds > self.mechanism.run.duration:
@@ -232,7 +257,7 @@ class _TaskReader:
             return 0.0
 
     def _span(self, given: object, path: str, unit: str) -> Span | None:
-        """The (lowest, highest) that was given, of something in this SI unit."""
+        """A range that was given, in an SI unit."""
         try:
             low, high = (number_from(one, None, {}) for one in given)  # type: ignore[attr-defined]
         except (TypeError, ValueError):
@@ -246,7 +271,7 @@ class _TaskReader:
         return float(low), float(high)
 
     def _each(self, asked: Asked, what: str) -> Iterator[tuple[str, str, object]]:
-        """Place, text and range of each of several names."""
+        """Path, name and range of each entry."""
         if isinstance(asked, Mapping):
             pairs = [(f"{what}[{name!r}]", name, span) for name, span in asked.items()]
         elif isinstance(asked, str):
@@ -272,5 +297,100 @@ class _TaskReader:
 
 
 def _fitting(text: str, names: Sequence[str]) -> list[str]:
-    """The names that are a text, or fit it as a pattern."""
+    """The names that match a name or pattern."""
     return [name for name in names if fnmatchcase(name, text)]
+
+
+def _random(
+    scene: Scene, randomise: object, set: Mapping[str, Any], limits: Limits,
+) -> SweepSpec:
+    """Check the distributions with :data:`DRAWN` samples of the scene."""
+    if not isinstance(randomise, Mapping):
+        raise SceneError([Problem("bad-argument",
+                                  f"{randomise!r} does not say what is drawn", "randomise",
+                                  allowed='values by path: {"parameters.m": "normal(1 kg, 0.1 kg)"}'
+                                  )])
+    try:
+        plan = plan_of(study_data(
+            scene, vary=[{"over": dict(randomise), "design": "random", "count": DRAWN}],
+            set=set, keep={"t": "=0"}), limits)
+    except SceneError as error:
+        raise SceneError([replace(each, path=_here(each.path)) for each in error.problems],
+                         error.source) from None
+    group = plan.spec.vary[0].model_copy(update={"count": 1})
+    return plan.spec.model_copy(update={"vary": (group,)})
+
+
+def _here(path: str) -> str:
+    """The path in ``randomise`` for a path of a sweep."""
+    for begin in ("$.vary[0].over", "$.vary[0]", "$.vary"):
+        if path.startswith(begin):
+            return f"randomise{path.removeprefix(begin)}"
+    return "randomise" if path == "$" else path
+
+
+def drive_range(model: Model, drive: str) -> Span | None:
+    """The range of a drive; None if the scene does not define it.
+
+    It is that of the stops of a servo's hinge, of an actuator's stroke, of a motor's no-load
+    speeds, or 0 to 1 for a valve; for other drives that of 0 and the drive's own signal.
+    """
+    index = model.names.drive[drive]
+    spec, kind = model.mechanism.drives[index], model.drives.kind[index]
+    if kind.gives in FRACTIONS:
+        return 0.0, 1.0
+    if kind.places:
+        joint = int(model.drives.target[index])
+        return _whole(*(model.joints.stops if kind.dimension == "angle" else model.joints.reach)
+                      [joint].tolist())
+    if isinstance(spec, MotorDrive) and spec.no_load is not None:
+        return -float(spec.no_load), float(spec.no_load)
+    try:
+        found = values(signal_of(spec, model.mechanism),
+                       np.linspace(0.0, model.mechanism.run.duration, INSTANTS),
+                       model.mechanism.functions)
+    except (ValueError, SceneError):
+        return None
+    low, high = min(0.0, float(found.min())), max(0.0, float(found.max()))
+    return _whole(max(low, kind.floor), high)
+
+
+def quantity_range(model: Model, known: Catalogue, name: str, actions: Mapping[str, Span]) -> Span:
+    """The range of a quantity in the scene, or else of all numbers with its unit."""
+    if name.startswith("=") or name not in known:
+        return _any("")
+    source = known.find(name)
+    if is_yes_no(source.kind, source.quantity):
+        return 0.0, 1.0
+    if source.kind == "drive" and source.quantity == "value":
+        drive = model.drives.name[source.index]
+        if span := actions.get(drive) or drive_range(model, drive):
+            return span
+    if span := _of_joint(model, source):
+        return span
+    low, high = _any(source.unit)
+    return (0.0 if (source.kind, source.quantity) in NOT_NEGATIVE else low), high
+
+
+def _of_joint(model: Model, source: Source) -> Span | None:
+    """Stops of a hinge or ends of a stroke."""
+    if source.kind == "spring" and source.quantity == "angle":
+        joint = int(model.springs.joint[source.index])
+    elif source.kind == "joint":
+        joint = source.index
+    else:
+        return None
+    joints = model.joints
+    if source.quantity == "angle":
+        return _whole(*joints.stops[joint].tolist())
+    return _whole(*joints.reach[joint].tolist()) if source.quantity == "length" else None
+
+
+def _any(unit: str) -> Span:
+    """The range of numbers with a unit."""
+    most = range_of(UNITS[unit][1] if unit in UNITS else None).most
+    return -most, most
+
+
+def _whole(low: float, high: float) -> Span | None:
+    return (low, high) if math.isfinite(low) and math.isfinite(high) and low < high else None

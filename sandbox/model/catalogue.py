@@ -35,7 +35,7 @@ from sandbox.kinds.quantities import (
 )
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.mechanism import Mechanism
-from sandbox.wording import alike, is_pattern, listed, nearest, quoted
+from sandbox.wording import MOST_COMPARED, is_pattern, listed, nearest, quoted
 
 PAIR = quantities_of("pair")
 MOST_QUANTITIES = len(QUANTITIES["body"]) + len(GRASP)
@@ -181,7 +181,7 @@ class Catalogue:
             if close := nearest(name[len(head) + 1:], element.quantities):
                 return f"{head}.{close}"
         for head, tail in _tails(name):
-            heads = alike(head, self.elements)
+            heads = itertools.islice(self.elements, MOST_COMPARED)
             for close_head in difflib.get_close_matches(head, heads, n=3, cutoff=0.7):
                 candidate = f"{close_head}.{tail}" if tail else close_head
                 if self._plain(candidate) is not None:

@@ -10,12 +10,19 @@ import html
 import math
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+
 from sandbox.audit.audit import Figure
 from sandbox.errors import SandboxError
+from sandbox.model.anchors import apart
+from sandbox.model.compile import compile_mechanism
 from sandbox.notebook.media import Picture, picture
-from sandbox.notebook.start import at_start
+from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
+from sandbox.samples.cords import lengths_at_start
 from sandbox.samples.expectations import Verdict
+from sandbox.samples.outcome import Status, planned
+from sandbox.samples.targets import initial
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
@@ -139,3 +146,28 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]], count: int) -> st
     more = _line(f"and {count - len(rows)} more", QUIET) if count > len(rows) else ""
     return (f'<table style="border-collapse:collapse;margin:6px 0;font:inherit">'
             f"<thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>{more}")
+
+
+def at_start(mechanism: Mechanism) -> Recording:
+    """A recording with one sample at t = 0, for a picture of the scene; forces are 0.
+
+    No step is simulated, so the solver need not be compiled.
+    """
+    model = compile_mechanism(mechanism)
+    lengths = lengths_at_start(model)
+    builder = RecordingBuilder(mechanism, 1, {
+        "body_centre": model.bodies.centre, "body_mass": model.bodies.mass,
+        "body_inertia": model.bodies.inertia, "tendon_initial": lengths, "tendon_rest": lengths,
+    }, model=model)
+    arrays = {key: np.zeros_like(array) for key, array in builder.blank(1).items()}
+    arrays["body_pose"][0] = model.bodies.pose
+    arrays["tendon_length"][0] = lengths
+    joints = np.arange(len(model.joints.name))
+    arrays["joint_length"][0] = np.hypot(*apart(model, joints, model.bodies.pose))
+    arrays["held"][0] = [not each.released for each in mechanism.holding
+                         if each.name in mechanism.releasable]
+    builder.put(0, arrays)
+    run = builder.finish(np.zeros(1), planned(mechanism.run, Status.UNFINISHED))
+    values = np.array([[initial(run, drive.name) for drive in mechanism.drives]])
+    return Recording(mechanism, {**run.arrays, "drive_value": values.reshape(1, -1)}, run.info,
+                     model=model)

@@ -1,10 +1,11 @@
-"""Pictures and films of a run as values that a notebook shows and that can be saved."""
+"""Pictures, films and plots of a run, which a notebook shows."""
 
 from __future__ import annotations
 
 import base64
 import html
 import inspect
+import math
 import os
 import tempfile
 from collections.abc import Mapping
@@ -12,15 +13,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from sandbox.atomic_files import atomic_file, output_path
+from sandbox.draw.figure import signals
 from sandbox.draw.film.stills import instants
 from sandbox.draw.film.video import render, save_picture
 from sandbox.errors import OutputError
 from sandbox.recording.recording import Recording
-from sandbox.whole_files import place, written_whole
-from sandbox.wording import listed, meant, quoted
+from sandbox.samples.samples import TIME
+from sandbox.samples.targets import targets
+from sandbox.scene.values.numbers import number_from
+from sandbox.wording import WrongValueError, listed, meant, quoted
 
 FILM_SIZE = (640, 480)
-"""Of a film that nobody gave a size: a notebook's cell, and a file of some hundred kB."""
+"""Default size of a film [pixels]: fits a cell of a notebook, some 100 kB."""
+FORMS = {"time": "seconds, or a time such as '0.8 s'",
+         "length": "metres, or a length such as '85 mm'"}
+"""Accepted values by dimension."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -39,11 +47,11 @@ class _Media:
         Raises:
             OutputError: another ending than its own, or it cannot be written.
         """
-        file = place(path, "a picture")
+        file = output_path(path, "a picture")
         if file.suffix.lower() != self.ENDING:
             raise OutputError(f"{file}: this is a {self.ENDING} file; sandbox.render makes others",
                               code="bad-picture")
-        with written_whole(file) as aside:
+        with atomic_file(file) as aside:
             aside.write_bytes(self.data)
 
     def __repr__(self) -> str:
@@ -103,3 +111,35 @@ def _written(write: Any, name: str) -> bytes:
         path = Path(folder, name)
         write(path)
         return path.read_bytes()
+
+
+def plot(
+    run: Recording, quantities: tuple[str, ...], x: str = "", begin: float | str = 0.0,
+    end: float | str = math.inf, width: float | str | None = None, title: bool = True,
+) -> Any:
+    """See :meth:`sandbox.Recording.plot`."""
+    if not quantities:
+        some = next(iter(run.names()), "finger.mcp.angle")
+        raise OutputError(f"plot() needs quantities, such as {some!r} or '*.angle'; run.names() "
+                          "lists them", code="bad-picture")
+    names = list(dict.fromkeys(name for each in quantities for name in run.names(each)))
+    label = run.mechanism.title or run.mechanism.name
+    if x and x != TIME:
+        run.catalogue.find(x)
+    return signals.draw([signals.Plotted(label, run, targets(run))], names,
+                        x="" if x == TIME else x, window=signals.Window(
+                            _number("begin", begin, "time"), _number("end", end, "time")),
+                        width=None if width is None else _number("width", width, "length"),
+                        titled=title)
+
+
+def _number(name: str, value: float | str, dimension: str) -> float:
+    """A number in SI."""
+    if isinstance(value, float | int):
+        return float(value)
+    try:
+        return number_from(value, dimension, {})
+    except ValueError as error:
+        said = error.message if isinstance(error, WrongValueError) else str(error)
+        raise OutputError(f"{name}={quoted(value)}: {said}; pass {FORMS[dimension]}",
+                          code="bad-picture") from None

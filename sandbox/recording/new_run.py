@@ -20,8 +20,15 @@ import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from sandbox.atomic_files import (
+    flush,
+    locked,
+    output_errors,
+    remove_stale,
+    temporary_path,
+    write_atomic,
+)
 from sandbox.errors import OutputError
-from sandbox.whole_files import flush, locked, own_part, plainly, tidy, write_whole
 
 SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, IMPACTS, BOUNDS = (
     "run.json", "run.incomplete.json", "run.npz", "contacts.csv", "impacts.csv",
@@ -99,7 +106,7 @@ class NewRun:
             if name.parts[0] != FRAMES:  # pictures can be made again
                 flush(self.aside / name)
         if Path(SUMMARY) in names:
-            write_whole(self.aside / INCOMPLETE, json.dumps(MARK, indent=2) + "\n")
+            write_atomic(self.aside / INCOMPLETE, json.dumps(MARK, indent=2) + "\n")
         flush(self.aside)
         return names
 
@@ -139,8 +146,8 @@ def writing(directory: Path) -> Iterator[NewRun]:
             if held.enter_context(locked(directory)) is False:
                 raise OutputError(f"another run is being written into {directory}: wait for its "
                                   "end, or name another directory", code="runs-in-use")
-            tidy(directory)
-            aside = own_part(directory / "run", held, directory=True)
+            remove_stale(directory)
+            aside = temporary_path(directory / "run", held, directory=True)
         try:
             yield NewRun(directory, aside)
         except OutputError as error:  # of a file aside: where it was to be is what is known outside
@@ -203,11 +210,11 @@ def made(path: Path) -> None:
     directory = path.parent
     if path.name in OWN or not path.is_file() or not (directory / ARCHIVE).is_file():
         return
-    with plainly(directory / MADE), locked(directory) as ours:
+    with output_errors(directory / MADE), locked(directory) as ours:
         if ours is False:  # a new run is on its way, and what is here goes or stays without it
             return
         names = sorted({*_made(directory), path.name})
-        write_whole(directory / MADE, json.dumps(names, indent=1) + "\n")
+        write_atomic(directory / MADE, json.dumps(names, indent=1) + "\n")
 
 
 def _own(directory: Path) -> set[Path]:

@@ -8,12 +8,11 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, Self
 
+from sandbox.atomic_files import output_path
 from sandbox.audit.audit import Figure, audit
 from sandbox.recording import frames, store
 from sandbox.samples.expectations import Verdict, verdicts
 from sandbox.samples.samples import Samples
-from sandbox.upper import upper
-from sandbox.whole_files import place
 
 
 class Recording(Samples):
@@ -39,7 +38,7 @@ class Recording(Samples):
         Raises:
             OutputError: no path, or it cannot be written, or another run is being written there.
         """
-        folder = place(directory, "a recording")
+        folder = output_path(directory, "a recording")
         store.save(self, folder, verdicts=self.verdicts, figures=self.audit,
                    parameters=parameters)
 
@@ -50,7 +49,7 @@ class Recording(Samples):
         Raises:
             OutputError: no path, or there is none, it cannot be read, or its files are of two runs.
         """
-        return cls(*store.load(place(directory, "a recording")))
+        return cls(*store.load(output_path(directory, "a recording")))
 
     # -- for people who look at it --------------------------------------------------------
 
@@ -96,7 +95,9 @@ class Recording(Samples):
                 curves for one panel.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
-        return upper("plot")(self, quantities, x, begin, end, width, title)
+        from sandbox.notebook.media import plot
+
+        return plot(self, quantities, x, begin, end, width, title)
 
     def picture(self, at: float | str = "end", *, size: tuple[int, int] | None = None) -> Any:
         """A :class:`~sandbox.notebook.media.Picture` of one moment, which a notebook shows.
@@ -108,7 +109,9 @@ class Recording(Samples):
         Raises:
             OutputError: nothing was recorded, or an instant that is not in the run.
         """
-        return upper("picture")(self, at, size)
+        from sandbox.notebook.media import picture
+
+        return picture(self, at, size)
 
     def film(self, **options: Any) -> Any:
         """A :class:`~sandbox.notebook.media.Film` of the run, a GIF, which a notebook shows.
@@ -119,7 +122,9 @@ class Recording(Samples):
         Raises:
             OutputError: nothing was recorded, or what no view can have.
         """
-        return upper("film")(self, options)
+        from sandbox.notebook.media import film
+
+        return film(self, options)
 
     def page(self, *quantities: str, height: int = 760) -> Any:
         """A :class:`~sandbox.show.inline.RunPage` that plays the run, as ``sandbox report`` does.
@@ -135,7 +140,9 @@ class Recording(Samples):
             OutputError: nothing was recorded, or what is no height.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
-        return upper("page")(self, quantities, height)
+        from sandbox.show.inline import page
+
+        return page(self, quantities, height)
 
     def __repr__(self) -> str:
         samples = f"{len(self)} sample{'s' * (len(self) != 1)}"
@@ -144,4 +151,6 @@ class Recording(Samples):
                 f"{self.info.status.value}>")
 
     def _repr_html_(self) -> str:
-        return str(upper("card_of_run")(self))
+        from sandbox.notebook.cards import card_of_run
+
+        return card_of_run(self)

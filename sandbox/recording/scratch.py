@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sandbox.atomic_files import remove_stale, temporary_path
 from sandbox.errors import OutputError
-from sandbox.whole_files import own_part, tidy
 
 PIECE = 1 << 20
 """Bytes that are copied at a time."""
@@ -38,8 +38,8 @@ class Scratch:
         held = contextlib.ExitStack()
         try:
             place = Path(directory or tempfile.gettempdir())
-            tidy(place)
-            self.path = own_part(place / "sandbox", held, directory=True)
+            remove_stale(place)
+            self.path = temporary_path(place / "sandbox", held, directory=True)
         except OSError as error:
             raise OutputError(f"cannot make a temporary directory: {error.strerror}",
                               code="out-of-memory") from None

@@ -18,6 +18,7 @@ from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
+from sandbox.atomic_files import atomic_file, write_atomic
 from sandbox.audit.bounds import Bounds
 from sandbox.audit.figures import Figure, figure_data
 from sandbox.errors import OutputError
@@ -28,7 +29,6 @@ from sandbox.samples.expectations import Verdict
 from sandbox.samples.outcome import Outcome, Status, outcome_data
 from sandbox.samples.samples import Samples
 from sandbox.scene.mechanism import Mechanism
-from sandbox.whole_files import write_whole, written_whole
 
 RUN_ID = re.compile(rb'"run_id": "([0-9a-f]{32})"')
 EDITED = ("is not as it was written: it does not say which run it is of, and what it tells of the "
@@ -88,7 +88,7 @@ def save_summary(
     path = directory / (SUMMARY if run.complete else INCOMPLETE)
     content = summary(run, verdicts=verdicts, figures=figures, parameters=parameters,
                       derived=derived, wall_s=wall_s, run_id=archive.read_id(directory / ARCHIVE))
-    write_whole(path, json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n")
+    write_atomic(path, json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n")
     return path
 
 
@@ -98,7 +98,7 @@ def save_bounds(run: Samples, found: Mapping[int, Sequence[Bounds]], path: Path)
     Raises:
         OutputError: it cannot be written.
     """
-    write_whole(path, "".join(tables.bound_rows(run, found)))
+    write_atomic(path, "".join(tables.bound_rows(run, found)))
 
 
 def summary(
@@ -239,7 +239,7 @@ def _figure(row: Mapping[str, Any]) -> Figure:
 
 
 def _write(path: Path, content: Callable[[IO[bytes]], None]) -> None:
-    with written_whole(path, lasting=False) as part, part.open("wb") as file:
+    with atomic_file(path, durable=False) as part, part.open("wb") as file:
         content(file)
 
 

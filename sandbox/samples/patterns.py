@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from sandbox.errors import SandboxError
 from sandbox.model.catalogue import Catalogue
-from sandbox.wording import alike, is_pattern
+from sandbox.wording import MOST_COMPARED, is_pattern
 
 MOST_SHOWN = 4
 """Units that a refusal gives an example of."""
@@ -46,7 +46,7 @@ def near_pattern(catalogue: Catalogue, pattern: str) -> str:
     words = pattern.split(".")
     for i, word in enumerate(words):
         for close in [] if is_pattern(word) else difflib.get_close_matches(
-                word, alike(word, known)):
+                word, itertools.islice(known, MOST_COMPARED)):
             mended = ".".join([*words[:i], close, *words[i + 1:]])
             if catalogue.fits(mended):
                 return mended

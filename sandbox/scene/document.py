@@ -14,7 +14,7 @@ from sandbox.scene.elements.fluids import Line, Valve
 from sandbox.scene.elements.joints import Joint
 from sandbox.scene.elements.loads import Load
 from sandbox.scene.elements.settings import ContactRule, Group, Meter
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.spec import TYPE, Spec
 from sandbox.scene.elements.springs import Spring
 from sandbox.scene.elements.tendons import Tendon
 from sandbox.scene.mechanism import Mechanism
@@ -22,7 +22,7 @@ from sandbox.scene.parts.finger import Finger
 from sandbox.scene.parts.placement import Mirror
 from sandbox.scene.parts.section import Section
 from sandbox.scene.parts.trees import PulleyTree, RockerTree
-from sandbox.scene.values.numbers import POSITIVE, Angle, Name, Number, Point, Quantity
+from sandbox.scene.values.numbers import POSITIVE, Angle, Items, Name, Number, Point, Quantity
 
 
 class Assembly(Spec):
@@ -33,7 +33,7 @@ class Assembly(Spec):
     scene's. It is scaled first, then mirrored, then turned, then moved.
     """
 
-    type: Literal["assembly"]
+    type: Literal["assembly"] = TYPE
     name: Name
     """Of the assembly; the names of its elements begin with it and a dot."""
     at: Point = (0.0, 0.0)
@@ -48,35 +48,35 @@ class Assembly(Spec):
     forces, areas of pistons and volumes stay as they are written, and so does ``thickness``."""
     materials: dict[Name, Material] = Field(default_factory=dict)
     """Its own contact surfaces, by name."""
-    bodies: tuple[Body, ...] = ()
+    bodies: Items[Body] = ()
     """Its bodies."""
-    joints: tuple[Joint, ...] = ()
+    joints: Items[Joint] = ()
     """Its joints; one of the two bodies may be the scene's."""
-    springs: tuple[Spring, ...] = ()
+    springs: Items[Spring] = ()
     """Its springs."""
-    tendons: tuple[Tendon, ...] = ()
+    tendons: Items[Tendon] = ()
     """Its tendons."""
-    lines: tuple[Line, ...] = ()
+    lines: Items[Line] = ()
     """Its lines of fluid."""
-    valves: tuple[Valve, ...] = ()
+    valves: Items[Valve] = ()
     """Its valves."""
-    loads: tuple[Load, ...] = ()
+    loads: Items[Load] = ()
     """Its loads. Their expressions, components and levels are of the world, however the assembly is
     turned."""
-    drives: tuple[Drive, ...] = ()
+    drives: Items[Drive] = ()
     """Its drives."""
-    controllers: tuple[Controller, ...] = ()
+    controllers: Items[Controller] = ()
     """Its controllers. They read quantities as they are: in a mirror those of hinges stay the
     same, a body's ``x`` and ``angle`` do not."""
-    events: tuple[Event, ...] = ()
+    events: Items[Event] = ()
     """Its events."""
-    contacts: tuple[ContactRule, ...] = ()
+    contacts: Items[ContactRule] = ()
     """Rules among its bodies, and between them and the scene's; the scene's own come later."""
-    groups: tuple[Group, ...] = ()
+    groups: Items[Group] = ()
     """Its groups. All its bodies together are a group of the assembly's name."""
-    meters: tuple[Meter, ...] = ()
+    meters: Items[Meter] = ()
     """Its meters."""
-    parts: tuple[Part, ...] = ()
+    parts: Items[Part] = ()
     """Its parts, assemblies among them."""
 
 
@@ -91,7 +91,7 @@ class Scene(Mechanism):
     elements, and ``like`` removed, before a scene is validated.
     """
 
-    schema_: str | None = Field(None, alias="$schema")
+    schema_: Annotated[str | None, Field(alias="$schema")] = None
     """Where an editor finds the JSON Schema of scenes."""
     parameters: dict[Name, Quantity] = Field(default_factory=dict)
     """Named numbers, for expressions such as ``"=pull / 4"``: SI once read, whatever unit they were
@@ -100,7 +100,7 @@ class Scene(Mechanism):
     """What elements have in common, by name: ``{"digit": {"type": "finger", ...}}``. An entry with
     ``"like": "digit"`` takes all keys of that template and puts its own over them, object by
     object; lists are replaced whole. A template may itself be ``like`` another one."""
-    parts: tuple[Part, ...] = ()
+    parts: Items[Part] = ()
     """Assemblies of several elements each, such as fingers and trees; ``sandbox check --expand``
     shows what they stand for."""
 

@@ -7,8 +7,6 @@ import json
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from pydantic import ValidationError
-
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import Assembly, Part, Scene
 from sandbox.scene.elements.bodies import Body
@@ -20,7 +18,6 @@ from sandbox.scene.parts.finger import Finger, expand_finger
 from sandbox.scene.parts.placement import Placement
 from sandbox.scene.parts.section import Section, expand_section
 from sandbox.scene.parts.trees import Known, PulleyTree, RockerTree, expand_tree
-from sandbox.scene.values.numbers import message_of
 from sandbox.wording import NearMisses, quoted
 
 LINE_WIDTH = 100  # of the printed mechanism
@@ -84,7 +81,7 @@ def _spelled_out(scene: Scene | Assembly, around: _Outside) -> tuple[Elements, l
                 dataclasses.replace(problem, path=f"$.parts[{i}]{problem.path}")
                 for problem in error.problems
             ]
-        except (ValidationError, ArithmeticError) as error:
+        except (SceneError, ArithmeticError) as error:
             failed.add(part.name)
             problems += [Problem("bad-part",
                                  f"this part cannot be built: {why}", path=f"$.parts[{i}]")
@@ -93,11 +90,11 @@ def _spelled_out(scene: Scene | Assembly, around: _Outside) -> tuple[Elements, l
     return dataclasses.replace(elements, drives=own + elements.drives), problems
 
 
-def _reasons(error: ValidationError | ArithmeticError) -> list[str]:
-    """Why no mechanism can have an element of a part."""
+def _reasons(error: SceneError | ArithmeticError) -> list[str]:
+    """Why an element of a part is invalid."""
     if isinstance(error, ArithmeticError):
         return ["its numbers are too large or too small"]
-    return [message_of(wrong) for wrong in error.errors(include_url=False, include_input=False)]
+    return [problem.message for problem in error.problems]
 
 
 def _tendons_of(scene: Scene | Assembly) -> Iterator[tuple[str, str]]:

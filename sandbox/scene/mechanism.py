@@ -19,16 +19,15 @@ from sandbox.scene.elements.settings import ContactRule, Expect, Group, Meter, R
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.elements.springs import Spring
 from sandbox.scene.elements.tendons import Tendon
-from sandbox.scene.values.numbers import Acceleration, Name
+from sandbox.scene.values.numbers import Acceleration, Items, Name, Pair
 from sandbox.scene.values.signals import AnySignal, Constant
 from sandbox.scene.values.tables import NamedTable, TableName, Tables, tables_of
-from sandbox.upper import upper
 
 
 class Mechanism(Spec):
     """All elements by kind, in order. It is itself a valid scene without parts."""
 
-    format: int = Field(1, ge=1, le=1)
+    format: int = Field(default=1, ge=1, le=1)
     """Version of the format of scenes, always 1."""
     name: str = ""
     """What the run's folder and files are called; by default the file's name without its ending."""
@@ -39,7 +38,7 @@ class Mechanism(Spec):
     people."""
     run: Run = Run()
     """How long the run lasts, with which time step, and how often it is sampled."""
-    gravity: tuple[Acceleration, Acceleration] = (0.0, 0.0)
+    gravity: Pair[Acceleration] = (0.0, 0.0)
     """Acceleration [x, y] of everything that falls, in the world [m/s^2]; none by default: the
     plane lies flat. ``[0, -9.81]`` is gravity in an upright plane."""
     tables: dict[TableName, NamedTable] = Field(default_factory=dict)
@@ -47,36 +46,36 @@ class Mechanism(Spec):
     ``"=profile(hinge.angle)"``."""
     materials: dict[Name, Material] = Field(default_factory=dict)
     """Contact surfaces by name, for the ``material`` of bodies."""
-    bodies: tuple[Body, ...] = ()
+    bodies: Items[Body] = ()
     """The rigid bodies, those that stay where they are included."""
-    joints: tuple[Joint, ...] = ()
+    joints: Items[Joint] = ()
     """What ties two bodies together rigidly: pins, slots, welds, rods, ropes; gears, racks and
     circles that roll."""
-    springs: tuple[Spring, ...] = ()
+    springs: Items[Spring] = ()
     """Springs with dampers, between two points or about a hinge."""
-    tendons: tuple[Tendon, ...] = ()
+    tendons: Items[Tendon] = ()
     """Elastic cords that run through guides and only pull."""
-    lines: tuple[Line, ...] = ()
+    lines: Items[Line] = ()
     """Fluid under pressure, in chambers that move bodies."""
-    valves: tuple[Valve, ...] = ()
+    valves: Items[Valve] = ()
     """What lets fluid from line to line."""
-    loads: tuple[Load, ...] = ()
+    loads: Items[Load] = ()
     """Forces on bodies by laws of their own motion: drag, buoyancy, fields."""
-    drives: tuple[Drive, ...] = ()
+    drives: Items[Drive] = ()
     """What is set from outside over time: forces, torques, pulls, speeds, stiffnesses, radii, flows
     and pressures of fluid, openings of valves, surfaces that run."""
-    controllers: tuple[Controller, ...] = ()
+    controllers: Items[Controller] = ()
     """What reads quantities while the run goes on, and sets drives by a law."""
-    events: tuple[Event, ...] = ()
+    events: Items[Event] = ()
     """What happens once, at a time or on a condition."""
-    contacts: tuple[ContactRule, ...] = ()
+    contacts: Items[ContactRule] = ()
     """Which bodies may touch, and with what friction; of two rules for a pair the later one
     counts."""
-    groups: tuple[Group, ...] = ()
+    groups: Items[Group] = ()
     """Bodies that are counted together, by a name of their own."""
-    meters: tuple[Meter, ...] = ()
+    meters: Items[Meter] = ()
     """Quantities made of others by expressions."""
-    expect: tuple[Expect, ...] = ()
+    expect: Items[Expect] = ()
     """What has to hold of the recorded quantities; a run whose expectations do not hold fails."""
     view: View = View()
     """What the picture shows, how large and how fast."""
@@ -87,7 +86,9 @@ class Mechanism(Spec):
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        return str(upper("card_of_scene")(self))
+        from sandbox.notebook.cards import card_of_scene
+
+        return card_of_scene(self)
 
     @property
     def counted(self) -> str:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from sandbox import __version__
+from sandbox.atomic_files import write_atomic
 from sandbox.draw.figure.sweeps import FoundLine
 from sandbox.errors import SceneError
 from sandbox.numeric import Array, Integers
@@ -26,7 +27,6 @@ from sandbox.sweeps.log import Log
 from sandbox.sweeps.points import Axis, Override
 from sandbox.sweeps.searching import KEY, MOST_SEED
 from sandbox.sweeps.table import SweepTable, table_of
-from sandbox.whole_files import write_whole
 
 RESULT, FIGURE, FOUND = "search.json", "search.png", "found.png"
 Point = Mapping[str, Override]
@@ -146,7 +146,7 @@ class Asking:
             draw(table, directory / FIGURE, held=held(table, wanted), found=line,
                  condition=" and ".join(each.text for each in wanted))
         plan = self.question.plan
-        write_whole(directory / RESULT, json.dumps({
+        write_atomic(directory / RESULT, json.dumps({
             "search": kind, "study": self._study(kind, words),
             "versions": {"sandbox": __version__},
             "units": plan.units, "found": plain_data(result)}, indent=2, ensure_ascii=False) + "\n")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sandbox.atomic_files import write_atomic
 from sandbox.comma import comma_separated
 from sandbox.errors import SandboxError
 from sandbox.model.catalogue import Catalogue
@@ -21,7 +22,6 @@ from sandbox.search.least_squares import DIFFERENCE, Estimated, estimate, follow
 from sandbox.search.measured import Measurements, read_measured
 from sandbox.search.question import Question
 from sandbox.sweeps.job import Asked, ReadAt, SweepRow
-from sandbox.whole_files import write_whole
 from sandbox.wording import listed, quoted, told_of
 
 COMPARED = "fit.csv"
@@ -203,7 +203,7 @@ class _Fitting:
     def leave(self, directory: Path, residuals: Array) -> None:
         """Write what was measured beside what the fitted scene does, as a table and a figure."""
         columns = self.sought[0].columns_beside(list(self.pairs), residuals)
-        write_whole(directory / COMPARED, comma_separated(
+        write_atomic(directory / COMPARED, comma_separated(
             ["column", "time_s", "measured", "fitted"],
             ((name, *row) for name, rows in columns.items() for row in rows.tolist())))
         draw_fit(directory / FOUND, [FittedColumn(name, self.units[name], *rows.T)

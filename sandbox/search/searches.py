@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from sandbox.atomic_files import output_path
 from sandbox.scene.read.limits import Limits
 from sandbox.search.asking import Where
 from sandbox.search.criteria import RefusedError
@@ -20,7 +21,6 @@ from sandbox.search.regions_found import RobustnessFound
 from sandbox.search.thresholds import ThresholdFound, find_threshold
 from sandbox.search.written import Found, read_search
 from sandbox.sweeps.searching import COARSE, PROBES, RUNS, WITHIN
-from sandbox.whole_files import place
 
 Keep = Mapping[str, Any] | list[str] | None
 
@@ -235,5 +235,5 @@ def _texts(given: Sequence[str] | str) -> Sequence[str]:
 
 
 def _place(out: str | os.PathLike[str] | None, workers: int, cluster: str) -> Where:
-    directory: Path | None = None if out is None else place(out, "a search")
+    directory: Path | None = None if out is None else output_path(out, "a search")
     return Where(directory, workers, cluster)

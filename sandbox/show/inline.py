@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Integral
 
+from sandbox.atomic_files import output_path, write_atomic
 from sandbox.errors import OutputError
 from sandbox.recording.recording import Recording
 from sandbox.show.header import FoundOut
 from sandbox.show.page import report
-from sandbox.whole_files import place, write_whole
 from sandbox.wording import quoted
 
 HEIGHT = 760
@@ -36,10 +36,10 @@ class RunPage:
         Raises:
             OutputError: another ending than .html or .htm, or it cannot be written.
         """
-        file = place(path, "a page")
+        file = output_path(path, "a page")
         if file.suffix.lower() not in (".html", ".htm"):
             raise OutputError(f"{file}: a page is an .html file", code="bad-picture")
-        write_whole(file, self.text)
+        write_atomic(file, self.text)
 
     def __repr__(self) -> str:
         return f"<RunPage of {self.about}, {len(self.text) / 1000:.0f} kB>"

@@ -15,9 +15,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO
 
+from sandbox.atomic_files import locked, output_errors
 from sandbox.errors import OutputError
 from sandbox.sweeps.job import SweepRow, read_row, row_data
-from sandbox.whole_files import locked, plainly
 
 LINES = 10_000
 """Of one file."""
@@ -44,7 +44,7 @@ class Log:
         self._flushed = 0.0
 
     def __enter__(self) -> Log:
-        with plainly(self.folder):
+        with output_errors(self.folder):
             self.folder.mkdir(parents=True, exist_ok=True)
             mark = self.folder / ".lock"
             mark.touch()
@@ -64,13 +64,13 @@ class Log:
     def clear(self) -> None:
         """Take away all rows."""
         self._close()
-        with plainly(self.folder):
+        with output_errors(self.folder):
             for path in files_in(self.folder):
                 path.unlink()
 
     def add(self, row: SweepRow) -> None:
         """Add a finished run."""
-        with plainly(self.folder):
+        with output_errors(self.folder):
             if self._file is None:
                 self._open()
             assert self._file is not None
@@ -113,7 +113,7 @@ def rows_in(folder: Path) -> Iterator[SweepRow]:
         OutputError: it cannot be read, or a line that is whole is no row.
     """
     for path in files_in(folder):
-        with plainly(path), path.open("rb") as file:
+        with output_errors(path), path.open("rb") as file:
             for number, line in enumerate(file, start=1):
                 if not line.endswith(b"\n"):
                     break  # being written, or cut off

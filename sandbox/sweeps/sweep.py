@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from sandbox.atomic_files import output_path
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.paths import JsonPath, path_text
@@ -20,7 +21,6 @@ from sandbox.sweeps.log import Log
 from sandbox.sweeps.plan import Plan, plan_of, read_plan
 from sandbox.sweeps.table import SweepTable, table_of, write_spec
 from sandbox.sweeps.words import kept_from, varied_from
-from sandbox.whole_files import place
 from sandbox.wording import WrongValueError, quoted
 
 RECORDINGS = "runs"
@@ -159,7 +159,7 @@ def sweep(
         OutputError: the directory cannot be written.
         SandboxError: a cluster that cannot be used; what needs a package that is not installed.
     """
-    directory = None if out is None else place(out, "a sweep")
+    directory = None if out is None else output_path(out, "a sweep")
     if vary is None and not isinstance(scene, Mapping):
         plan = read_plan(scene, limits)
     else:

@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 
 from sandbox import __version__
+from sandbox.atomic_files import atomic_file, write_atomic
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array
 from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.sweeps.plan import Plan
 from sandbox.sweeps.points import number_of
-from sandbox.whole_files import write_whole, written_whole
 from sandbox.wording import counted, listed, or_near
 
 CSV, PARQUET, SPEC = "table.csv", "table.parquet", "sweep.json"
@@ -140,7 +140,7 @@ class SweepTable:
             OutputError: it cannot be written.
         """
         columns = self.columns()
-        with written_whole(directory / CSV) as part, part.open("w", encoding="utf-8",
+        with atomic_file(directory / CSV) as part, part.open("w", encoding="utf-8",
                                                                newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(columns)
@@ -178,7 +178,7 @@ def _parquet(columns: Mapping[str, list[Any]], plan: Plan, path: Path) -> bool:
                        metadata={"unit": plan.units.get(name, "")})
               for name, values in plain.items()]
     schema = pa.schema(fields)
-    with written_whole(path) as part, parquet.ParquetWriter(part, schema) as writer:
+    with atomic_file(path) as part, parquet.ParquetWriter(part, schema) as writer:
         for begin in range(0, len(plain["run"]), CHUNK):
             writer.write_table(pa.table({name: values[begin:begin + CHUNK]
                                          for name, values in plain.items()}, schema=schema))
@@ -245,4 +245,4 @@ def write_spec(plan: Plan, directory: Path, told: Mapping[str, Any]) -> None:
     """Write ``sweep.json``: the study as it was run, units of columns, how it ended."""
     data = {"study": dict(plan.written), "versions": {"sandbox": __version__},
             "scene_file": _from_here(plan.loaded.name, directory), "units": plan.units, **told}
-    write_whole(directory / SPEC, json.dumps(data, indent=2, ensure_ascii=False) + "\n")
+    write_atomic(directory / SPEC, json.dumps(data, indent=2, ensure_ascii=False) + "\n")

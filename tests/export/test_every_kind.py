@@ -10,21 +10,21 @@ import pytest
 
 from sandbox.errors import SceneError
 from sandbox.export import export_mechanism
-from sandbox.export.freedoms import CARRIERS
-from sandbox.export.mjcf_cords import SPRINGS as SPRING_WRITERS
-from sandbox.export.mjcf_drives import DRIVES as DRIVE_WRITERS
-from sandbox.export.mjcf_joints import LINKS
+from sandbox.export.elements import DRIVES as DRIVE_WRITERS
+from sandbox.export.elements import LINKS
+from sandbox.export.elements import SPRINGS as SPRING_WRITERS
+from sandbox.export.tree import CARRIERS
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS
 from sandbox.scene.mechanism import Mechanism
 
 TABLES: list[tuple[str, Mapping[str, Any], Iterable[str]]] = [
-    ("export/freedoms.py: CARRIERS", CARRIERS,
+    ("export/tree.py: CARRIERS", CARRIERS,
      [tag for tag, kind in JOINTS.items() if not kind.mujoco and not kind.along_line]),
-    ("export/mjcf_joints.py: LINKS", LINKS,
+    ("export/elements.py: LINKS", LINKS,
      [tag for tag, kind in JOINTS.items() if not kind.mujoco and not kind.mujoco_loop]),
-    ("export/mjcf_cords.py: SPRINGS", SPRING_WRITERS,
+    ("export/elements.py: SPRINGS", SPRING_WRITERS,
      [tag for tag, kind in SPRINGS.items() if not kind.mujoco]),
-    ("export/mjcf_drives.py: DRIVES", DRIVE_WRITERS,
+    ("export/elements.py: DRIVES", DRIVE_WRITERS,
      [tag for tag, kind in DRIVES.items() if not kind.mujoco]),
 ]
 

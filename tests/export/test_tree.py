@@ -8,11 +8,9 @@ from typing import Any
 import pytest
 
 from sandbox.engine.simulate import simulate
-from sandbox.export.freedoms import Freedom, angle_sum, freedoms
-from sandbox.export.mjcf_cords import path_length
-from sandbox.export.mjcf_document import Draft
-from sandbox.export.tree import Link, Tree, grow
-from sandbox.export.wheels import wrap_round
+from sandbox.export.document import Draft
+from sandbox.export.elements import path_length, wrap_round
+from sandbox.export.tree import Freedom, Link, Tree, freedoms, grow
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import NONE, Model
 from sandbox.scene.mechanism import Mechanism
@@ -109,20 +107,6 @@ def test_a_groove_counts_from_its_start(backwards: bool) -> None:
     assert move.limits == pytest.approx((0.0, 0.2))
     ahead = (-1.0, 0.0) if backwards else (math.cos(0.3), -math.sin(0.3))
     assert move.axis[:2] == pytest.approx(ahead, abs=1e-15)
-
-
-def test_the_angle_of_a_closing_pin_is_a_sum_of_others() -> None:
-    model = machine(
-        [FRAME, body("crank", angle=0.4), body("rod", angle=-0.3), body("lever", angle=0.9)],
-        [pin("a", "frame", "crank"), pin("b", "crank", "rod", positive="clockwise"),
-         pin("c", "frame", "lever"), pin("d", "rod", "lever", zero=0.2)])
-    draft = Draft(model, grow(model))
-    closing, = draft.tree.loops
-    total = angle_sum(model, closing, draft.tree, draft.moves)
-    start = {move.name: move.start for move in draft.coordinates()}
-    assert dict(total.factors) == {"c": 1.0, "b": 1.0, "a": -1.0}
-    angle = total.offset + sum(factor * start[name] for name, factor in total.factors)
-    assert angle == pytest.approx(0.9 + 0.3 - 0.2, abs=1e-15)
 
 
 # --- cords round wheels

@@ -9,7 +9,7 @@ import pytest
 import sandbox
 from sandbox.errors import SceneError
 from sandbox.export import export_mechanism
-from sandbox.export.omission import leave_out, needs
+from sandbox.export.selection import leave_out, needs
 from sandbox.scene.elements.bodies import Material
 from sandbox.scene.mechanism import Mechanism
 

@@ -13,7 +13,7 @@ from sandbox.draw.film.drives import DRIVES
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.symbols import SYMBOLS
 from sandbox.engine.simulate import simulate
-from sandbox.notebook.start import at_start
+from sandbox.notebook.cards import at_start
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 from sandbox.show.header import COLOURS, drawing

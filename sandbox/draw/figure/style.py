@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.atomic_files import atomic_file
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from sandbox.whole_files import written_whole
 from sandbox.wording import printable
 
 WIDTH = 120.0
@@ -343,5 +343,5 @@ def save_figure(figure: Any, path: Path) -> None:
     metadata = {".png": {"Software": None}, ".svg": {"Date": None},
                 ".pdf": {"CreationDate": None, "Producer": None, "Creator": None}}[suffix]
     with matplotlib.rc_context({"svg.hashsalt": "sandbox", "pdf.fonttype": 42}), \
-            written_whole(path) as aside:
+            atomic_file(path) as aside:
         figure.savefig(aside, metadata=metadata)

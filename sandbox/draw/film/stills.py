@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
+from sandbox.atomic_files import atomic_file, output_path
 from sandbox.draw.film.canvas import TYPE
 from sandbox.draw.film.filmed import Metered
 from sandbox.draw.film.frames import FrameRenderer
@@ -20,7 +21,6 @@ from sandbox.draw.film.vector import SCREEN_PER_INCH, save_vector
 from sandbox.errors import OutputError
 from sandbox.scene.elements.settings import View
 from sandbox.scene.values.numbers import number_from
-from sandbox.whole_files import place, written_whole
 from sandbox.wording import WrongValueError, near, quoted
 
 ENDINGS = (".png", ".svg", ".pdf")
@@ -166,12 +166,12 @@ def still_paths(path: Path, moments: Sequence[Instant], *, several: bool) -> lis
 
 
 def _save(sheet: Sheet, path: Path, *, transparent: bool, paper: PrintSize | None) -> None:
-    path = place(path, "a picture")
+    path = output_path(path, "a picture")
     per_inch = paper.per_inch(sheet.size[0]) if paper else SCREEN_PER_INCH
     if path.suffix.lower() != ".png":
         save_vector(sheet, path, transparent=transparent, per_inch=per_inch)
         return
     pixels = sheet.see_through() if transparent else sheet.painted()
-    with written_whole(path) as aside:
+    with atomic_file(path) as aside:
         Image.fromarray(pixels).save(aside, format="PNG",
                                      **({"dpi": (per_inch, per_inch)} if paper else {}))

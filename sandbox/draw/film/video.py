@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from sandbox.atomic_files import atomic_file, output_path, remove_stale
 from sandbox.draw.film.filmed import Metered, frame_times
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.gif import GifWriter, Words, covered_words, shared_palette
@@ -22,7 +23,6 @@ from sandbox.errors import OutputError
 from sandbox.recording.new_run import FRAME
 from sandbox.scene.elements.settings import View
 from sandbox.scene.read.limits import Limits
-from sandbox.whole_files import place, tidy, written_whole
 
 Drawn = TypeVar("Drawn")
 Progress = Callable[[float], None]
@@ -85,7 +85,7 @@ def render(
             a time that the run does not reach, too many frames, or a file that cannot be written.
     """
     check_run(run)
-    path = place(path, WHAT)
+    path = output_path(path, WHAT)
     paper = paper_of(size)
     view = view_of(run.mechanism.view, {
         "size": None if paper else size, "fps": fps, "speed": speed, "centre": centre,
@@ -136,7 +136,7 @@ def write_animation(
     scales: bool = False,
 ) -> None:
     """Draw the run as a film, .gif or .mp4; see :func:`render`."""
-    path = place(path, WHAT)
+    path = output_path(path, WHAT)
     ending = path.suffix.lower()
     if ending not in FILMS:
         raise OutputError(f"{path}: no film can have the ending {ending!r}; "
@@ -144,7 +144,7 @@ def write_animation(
                           code="bad-picture")
     renderer, times, rate = _prepare(run, size, fps, speed, view, most_frames,
                                      even=ending == ".mp4", bare=bare, scales=scales)
-    with written_whole(path) as aside:
+    with atomic_file(path) as aside:
         if ending == ".gif":
             write = _write_see_through_gif if transparent else _write_gif
             write(renderer, times, rate, aside, progress)
@@ -159,18 +159,18 @@ def write_frames(
     transparent: bool = False, bare: bool = False, scales: bool = False,
 ) -> None:
     """Draw the run as ``frame_00000.png`` and so on; frames of an earlier film are removed."""
-    directory = place(directory, WHAT)
+    directory = output_path(directory, WHAT)
     renderer, times, _ = _prepare(run, size, fps, speed, view, most_frames, bare=bare,
                                   scales=scales)
 
     def save(item: tuple[int, NDArray[np.uint8]]) -> None:
-        with written_whole(directory / f"frame_{item[0]:05d}.png", lasting=False) as aside:
+        with atomic_file(directory / f"frame_{item[0]:05d}.png", durable=False) as aside:
             Image.fromarray(item[1]).save(aside, format="PNG", compress_level=3)
 
     def draw(t: float) -> NDArray[np.uint8]:
         return renderer.sheet(t).see_through() if transparent else _rgb(renderer.draw_packed(t))
 
-    tidy(directory)
+    remove_stale(directory)
     side_by_side(enumerate(_drawn(draw, times, progress)), save)
     kept = {f"frame_{k:05d}.png" for k in range(len(times))}
     for old in directory.glob(FRAME):
@@ -186,7 +186,7 @@ def save_picture(
     check_run(run)
     paper = paper_of(size)
     view = view_of(view or run.mechanism.view, {"size": None if paper else size})
-    save_stills(run, place(path, WHAT), view=view, at=t, paper=paper)
+    save_stills(run, output_path(path, WHAT), view=view, at=t, paper=paper)
 
 
 def _prepare(

@@ -10,15 +10,15 @@ import numpy as np
 from pydantic import (
     AfterValidator,
     Field,
-    ValidationError,
     ValidationInfo,
     field_validator,
     model_validator,
 )
 
+from sandbox.errors import SceneError
 from sandbox.numeric import Array
 from sandbox.scene.elements.outlines import DiscCam, Drawing, SmoothCurve
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.spec import TYPE, Spec
 from sandbox.scene.outlines.cams import cam_nodes
 from sandbox.scene.outlines.curves import flattened, is_straight, turned
 from sandbox.scene.outlines.drawings import curves_of, own_file
@@ -34,14 +34,15 @@ from sandbox.scene.values.numbers import (
     Distance,
     Flag,
     Inertia,
+    Items,
     Length,
     Mass,
     Name,
+    Pair,
     Point,
     Ratio,
     Share,
     Speed,
-    message_of,
 )
 from sandbox.scene.values.planes import Planes
 from sandbox.scene.values.signals import Path
@@ -51,7 +52,7 @@ from sandbox.wording import WrongValueError
 class Circle(Spec):
     """A disc."""
 
-    type: Literal["circle"]
+    type: Literal["circle"] = TYPE
     radius: Length
     """Its radius [m]."""
     at: Point = (0.0, 0.0)
@@ -61,8 +62,8 @@ class Circle(Spec):
 class Box(Spec):
     """A rectangle about ``at``, turned by ``angle`` in the body's frame."""
 
-    type: Literal["box"]
-    size: tuple[Length, Length]
+    type: Literal["box"] = TYPE
+    size: Pair[Length]
     """[width, height] along its own x and y [m]."""
     at: Point = (0.0, 0.0)
     """Its middle in the body's frame [m]."""
@@ -74,7 +75,7 @@ SHAPES = ("shapes", "displaces")
 """Of a body the fields that hold outlines."""
 MOST_CORNERS = 2000
 """Of a polygon, those of its holes among them; of a polyline."""
-Outline = Annotated[tuple[Point, ...], Field(min_length=3, max_length=MOST_CORNERS)]
+Outline = Annotated[Items[Point], Field(min_length=3, max_length=MOST_CORNERS)]
 
 
 Nodes = tuple[tuple[tuple[Coordinate, Coordinate, float, float], ...], ...]
@@ -109,11 +110,11 @@ class Polygon(Spec):
     among them.
     """
 
-    type: Literal["polygon"]
+    type: Literal["polygon"] = TYPE
     points: Outline
     """Its corners in the body's frame [m], one after the other, clockwise or counter-clockwise; the
     outline may not touch or cross itself."""
-    holes: Annotated[tuple[Outline, ...], Field(max_length=MOST_CORNERS)] = ()
+    holes: Annotated[Items[Outline], Field(max_length=MOST_CORNERS)] = ()
     """Outlines of holes in it, each by itself within the outline; corners as in ``points``."""
     nodes: Nodes = ()
     """The true curves of the outline and of each hole, if it was worked out from a curve, a cam or
@@ -170,8 +171,8 @@ class Polyline(Spec):
     What slides along it is not caught at its joints. Both of its sides can be touched.
     """
 
-    type: Literal["polyline"]
-    points: Annotated[tuple[Point, ...], Field(min_length=2, max_length=MOST_CORNERS)]
+    type: Literal["polyline"] = TYPE
+    points: Annotated[Items[Point], Field(min_length=2, max_length=MOST_CORNERS)]
     """Where it bends, and its ends; where the last point is the first it is closed."""
     radius: Distance = 0.0
     """How far its surface lies from the line through its points."""
@@ -195,7 +196,7 @@ class Polyline(Spec):
 class Capsule(Spec):
     """A segment from ``start`` to ``end`` with a radius: a phalanx."""
 
-    type: Literal["capsule"]
+    type: Literal["capsule"] = TYPE
     start: Point = (0.0, 0.0)
     """Middle of its one round end, in the body's frame [m]."""
     end: Point
@@ -269,12 +270,12 @@ def _worked_out(rings: list[Ring], nodes: Nodes, *, closed: bool, radius: float)
     """
     try:
         if not closed:
-            return Polyline(type="polyline", points=rings[0], radius=radius, nodes=nodes)
-        return Polygon(type="polygon", points=rings[0], holes=tuple(rings[1:]), nodes=nodes)
-    except ValidationError as error:
-        wrong = message_of(error.errors(include_url=False)[0])
+            return Polyline(points=rings[0], radius=radius, nodes=nodes)
+        return Polygon(points=rings[0], holes=tuple(rings[1:]), nodes=nodes)
+    except SceneError as error:
         # corners of chords are not those that the author wrote: the place is enough
-        raise WrongValueError("bad-outline", wrong.partition(", where")[0], allowed=SOUND) from None
+        raise WrongValueError("bad-outline", error.problems[0].message.partition(", where")[0],
+                              allowed=SOUND) from None
 
 
 if TYPE_CHECKING:
@@ -303,10 +304,10 @@ class Body(Spec):
     ``path`` whatever the forces on it."""
     path: Path | None = None
     """Pose over time; for ``"motion": "scheduled"`` only, which needs it."""
-    shapes: tuple[BodyShape, ...] = ()
+    shapes: Items[BodyShape] = ()
     """What it consists of, in its frame: its outline for contacts and pictures and, unless given,
     its mass's spread. One without shapes touches nothing."""
-    displaces: tuple[BodyShape, ...] = ()
+    displaces: Items[BodyShape] = ()
     """What of it keeps a liquid away (a load ``buoyancy``), in its frame; by default its
     ``shapes``. A bin of three walls floats by the outline round it, one polygon. It touches and
     weighs nothing."""
@@ -321,7 +322,7 @@ class Body(Spec):
     inertia: Inertia | None = None
     """Moment of inertia about the centre of mass [kg m^2]; by default the mass spread evenly over
     the shapes' area."""
-    velocity: tuple[Speed, Speed] = (0.0, 0.0)
+    velocity: Pair[Speed] = (0.0, 0.0)
     """Velocity [x, y] of the centre of mass at t = 0, in the world [m/s]."""
     angular_velocity: AngularSpeed = 0.0
     """Angular velocity at t = 0 [rad/s], counter-clockwise."""
@@ -375,7 +376,7 @@ class Material(Spec):
 
     friction: Ratio = 0.5
     """Coulomb coefficient, 0 or more, of two surfaces of this material."""
-    static: Ratio = Field(1.0, ge=1)
+    static: Ratio = Field(default=1.0, ge=1)
     """How many times as much as it rubs with while it slides it holds with while it does not, 1 or
     more, as of a joint; by default just as much."""
     restitution: Share = 0.0

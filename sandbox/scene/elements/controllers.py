@@ -16,7 +16,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.spec import TYPE, Spec
 from sandbox.scene.values.numbers import (
     POSITIVE,
     Angle,
@@ -24,8 +24,10 @@ from sandbox.scene.values.numbers import (
     Flag,
     Frequency,
     Instant,
+    Items,
     Length,
     Name,
+    Pair,
     Point,
     Quantity,
     checked_expression,
@@ -37,9 +39,9 @@ from sandbox.wording import WrongValueError
 RATE = 1000.0
 """How often a controller acts by default [Hz]; the nearest whole number of steps is used."""
 
-Range = tuple[Quantity, Quantity]
+Range = Pair[Quantity]
 Positive = Annotated[Quantity, POSITIVE]
-Matrix = tuple[tuple[Quantity, ...], ...]
+Matrix = Items[Items[Quantity]]
 
 
 def bound(text: str, info: ValidationInfo) -> str:
@@ -100,7 +102,7 @@ class PidController(_Reader):
     Gains may be negative, where more of the input makes the reading less.
     """
 
-    type: Literal["pid"]
+    type: Literal["pid"] = TYPE
     target: Signal
     """What the reading shall be over time, in the reading's unit; an event may set
     ``<name>.target``."""
@@ -135,7 +137,7 @@ class PidController(_Reader):
 class ScheduleController(_Single):
     """Sets a drive to a value over time, at its own rate and within limits."""
 
-    type: Literal["schedule"]
+    type: Literal["schedule"] = TYPE
     value: Signal
     """What the drive is set to over time, in its unit."""
 
@@ -143,7 +145,7 @@ class ScheduleController(_Single):
 class FeedbackController(_Single):
     """Sets a drive to an expression of quantities and of the time ``t``."""
 
-    type: Literal["feedback"]
+    type: Literal["feedback"] = TYPE
     value: str
     """What the drive is set to, in its unit: an expression of quantities, of parameters and of the
     time ``t`` [s], such as ``"=0.2 * cos(axle.angle)"``."""
@@ -160,7 +162,7 @@ class SwitchController(_Reader):
     In between the drive keeps what it has; at the start of a run that is ``value_below``.
     """
 
-    type: Literal["switch"]
+    type: Literal["switch"] = TYPE
     below: Quantity
     """The reading under which ``value_below`` is set, in the reading's unit."""
     above: Quantity
@@ -186,7 +188,7 @@ class RelayController(_Reader):
     the first give the gains. What was found stands in ``run.json``.
     """
 
-    type: Literal["relay"]
+    type: Literal["relay"] = TYPE
     target: Signal
     """What the reading shall swing about, and then be, in the reading's unit."""
     amplitude: Quantity
@@ -194,7 +196,7 @@ class RelayController(_Reader):
     the input makes the reading less."""
     hysteresis: Annotated[Quantity, Field(ge=0)] = 0.0
     """How far the reading passes the target before the relay switches, in the reading's unit."""
-    cycles: int = Field(4, ge=2, le=100)
+    cycles: int = Field(default=4, ge=2, le=100)
     """How often the reading goes round before gains are worked out; the first time is not
     measured."""
     rule: Literal["ziegler_nichols_pi", "ziegler_nichols_pid", "tyreus_luyben_pi",
@@ -216,11 +218,11 @@ class RelayController(_Reader):
 class _Several(_Controller):
     """A controller of several drives."""
 
-    writes: tuple[Name, ...] = Field(min_length=1, max_length=32)
+    writes: Items[Name] = Field(min_length=1, max_length=32)
     """Names of the drives that it sets."""
-    limits: tuple[Range, ...] | None = None
+    limits: Items[Range] | None = None
     """[lowest, highest] of each drive, in its unit; none by default."""
-    slew: tuple[Positive, ...] | None = None
+    slew: Items[Positive] | None = None
     """Largest change a second of each drive, either way, in its unit; none by default."""
 
     @field_validator("limits")
@@ -248,17 +250,17 @@ class StateFeedbackController(_Several):
     The gains come from a design such as a linear-quadratic one.
     """
 
-    type: Literal["state_feedback"]
-    reads: tuple[str, ...] = Field(min_length=1, max_length=64)
+    type: Literal["state_feedback"] = TYPE
+    reads: Items[str] = Field(min_length=1, max_length=64)
     """Quantities, or expressions of them, in the order of the columns of ``gains``."""
-    targets: tuple[Signal, ...]
+    targets: Items[Signal]
     """What each reading shall be over time, in the reading's unit."""
     gains: Matrix
     """A row for each drive, a column for each reading [drive's unit per reading's unit]."""
     integral_gains: Matrix | None = None
     """Gains of the errors' integrals, in the shape of ``gains``; none by default. Where a row's
     drive is at its limit, that row's integral is held."""
-    bias: tuple[Quantity, ...] | None = None
+    bias: Items[Quantity] | None = None
     """What is added for each drive, in its unit; by default the drives' values when the controller
     begins."""
 
@@ -287,13 +289,13 @@ class StateFeedbackController(_Several):
 class FingerGeometry(Spec):
     """A finger's tendon and springs as the paper's section 4 gives them; slack at rotation 0."""
 
-    lengths: tuple[Length, ...] = Field(min_length=1, max_length=32)
+    lengths: Items[Length] = Field(min_length=1, max_length=32)
     """Lengths of the phalanges, the proximal one first [m]."""
-    guides: tuple[Point, ...]
+    guides: Items[Point]
     """V_0 in the palm's frame from the first hinge, V_1 ... V_n in their phalanges' frames [m]."""
-    on_previous: tuple[Point, ...] = Field(alias="from")
+    on_previous: Annotated[Items[Point], Field(alias="from")]
     """M'' of each spring, on the body before the hinge, from the hinge [m]."""
-    on_phalanx: tuple[Point, ...] = Field(alias="to")
+    on_phalanx: Annotated[Items[Point], Field(alias="to")]
     """M' of each spring, in the frame of the body after the hinge [m]."""
 
     @model_validator(mode="after")
@@ -315,22 +317,22 @@ class EquilibriumController(_Several):
     rotations. h is the tendon's arm, dlm the spring's elongation and hm its arm.
     """
 
-    type: Literal["equilibrium"]
+    type: Literal["equilibrium"] = TYPE
     tendon: Name
     """Name of the tendon that turns the joints."""
-    joints: tuple[Name, ...] = Field(min_length=1, max_length=32)
+    joints: Items[Name] = Field(min_length=1, max_length=32)
     """Names of the hinges; ``writes`` are the stiffness drives of the springs across them, in this
     order."""
-    targets: tuple[AngleSignal, ...]
+    targets: Items[AngleSignal]
     """Of the joints' rotations over time [rad], each in its hinge's sense."""
     pull: Positive | None = None
     """T that is reckoned with [N]; by default the tension that the tendon has."""
-    kp: tuple[Quantity, ...]
+    kp: Items[Quantity]
     """Torque per error of rotation, one for each joint [N m/rad]."""
-    ki: tuple[Quantity, ...] | None = None
+    ki: Items[Quantity] | None = None
     """Torque per integral of the error, one for each joint [N m/(rad s)]; none by default. The
     integral begins once ``rise`` is over."""
-    kd: tuple[Quantity, ...] | None = None
+    kd: Items[Quantity] | None = None
     """Torque per rate of rotation, one for each joint [N m s/rad]; none by default."""
     rise: Instant = 0.0
     """Time in which the reference goes from where the joints are to the targets [s]."""

@@ -8,7 +8,7 @@ from pydantic import Field, field_validator, model_validator
 
 from sandbox.kinds.elements import DRIVES, ON_TENDON, DriveKind
 from sandbox.scene.elements.joints import Turn
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.spec import TYPE, Spec
 from sandbox.scene.values.numbers import (
     AngularSpeed,
     Damping,
@@ -16,6 +16,7 @@ from sandbox.scene.values.numbers import (
     Force,
     Name,
     Number,
+    Pair,
     Point,
     RotaryDamping,
     RotaryStiffness,
@@ -41,14 +42,14 @@ from sandbox.wording import WrongValueError
 class ForceDrive(Spec):
     """A force on a point of a body, along a fixed direction."""
 
-    type: Literal["force"]
+    type: Literal["force"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``."""
     body: Name
     """Name of the body that is pushed."""
     at: Point = (0.0, 0.0)
     """The point that the force acts on, in the body's frame [m]; it moves with the body."""
-    direction: tuple[Number, Number]
+    direction: Pair[Number]
     """[x, y] of any length but zero: only its direction counts, and a negative value pushes the
     other way."""
     frame: Literal["world", "body"] = "world"
@@ -67,7 +68,7 @@ class ForceDrive(Spec):
 class TorqueDrive(Spec):
     """A torque between the two bodies of a hinge, positive as the hinge turns."""
 
-    type: Literal["torque"]
+    type: Literal["torque"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``."""
     joint: Name
@@ -80,7 +81,7 @@ class TorqueDrive(Spec):
 class PullDrive(Spec):
     """Sets the tension of a tendon: an actuator at its last guide. Below 0 counts as 0."""
 
-    type: Literal["pull"]
+    type: Literal["pull"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``."""
     tendon: Name
@@ -92,12 +93,12 @@ class PullDrive(Spec):
 class RadiusDrive(Spec):
     """Sets the radius of a body's circle over time: an object that swells or shrinks."""
 
-    type: Literal["radius"]
+    type: Literal["radius"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``."""
     body: Name
     """Name of the body; mass and inertia stay as they are."""
-    shape: int = Field(0, ge=0)
+    shape: int = Field(default=0, ge=0)
     """Which of the body's shapes, counted from 0; it has to be a circle."""
     value: LengthSignal
     """The radius over time [m]."""
@@ -106,7 +107,7 @@ class RadiusDrive(Spec):
 class StiffnessDrive(Spec):
     """Sets the stiffness of a spring or of a tendon over time. Below 0 counts as 0."""
 
-    type: Literal["stiffness"]
+    type: Literal["stiffness"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``."""
     spring: Name | None = None
@@ -137,7 +138,7 @@ class MotorDrive(Spec):
     against u; where u is below 0, all of it the other way round.
     """
 
-    type: Literal["motor"]
+    type: Literal["motor"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.torque``."""
     joint: Name
@@ -146,12 +147,12 @@ class MotorDrive(Spec):
     """The speed of ``b`` against ``a`` over time [rad/s], in the hinge's own sense. Of a motor with
     a line it is that at which it gives no torque, by default ``no_load``: half of it is half the
     voltage, minus it the full voltage backwards."""
-    torque: Torque | None = Field(None, gt=0)
+    torque: Torque | None = Field(default=None, gt=0)
     """The most that it can give, either way [N m]; may be left out of a motor with a line, which
     then gives whatever the line says."""
-    stall: Torque | None = Field(None, gt=0)
+    stall: Torque | None = Field(default=None, gt=0)
     """Of a motor with a line: its torque at rest [N m], while ``value`` is ``no_load``."""
-    no_load: AngularSpeed | None = Field(None, gt=0)
+    no_load: AngularSpeed | None = Field(default=None, gt=0)
     """Of a motor with a line: the speed at which its torque is 0 [rad/s], while ``value`` is this,
     as it is by default."""
 
@@ -176,7 +177,7 @@ class BrakeDrive(Spec):
     Friction that a hinge always has is its own ``friction``.
     """
 
-    type: Literal["brake"]
+    type: Literal["brake"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``, what it holds with as
     ``<name>.torque``."""
@@ -210,7 +211,7 @@ class ServoDrive(_PlaceDrive):
     brakes in time so as not to overshoot, and holds it exactly as long as ``torque`` suffices.
     """
 
-    type: Literal["servo"]
+    type: Literal["servo"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.torque``."""
     joint: Name
@@ -220,18 +221,18 @@ class ServoDrive(_PlaceDrive):
     ``zero``."""
     torque: Torque = Field(gt=0)
     """The most that it can give, either way [N m]."""
-    stiffness: RotaryStiffness | None = Field(None, gt=0)
+    stiffness: RotaryStiffness | None = Field(default=None, gt=0)
     """Torque for each radian that is missing [N m/rad]; without, the default, it is rigid."""
     damping: RotaryDamping = 0.0
     """With ``stiffness``: torque against the hinge's rate, per rate [N m s/rad]."""
-    speed: AngularSpeed | None = Field(None, gt=0)
+    speed: AngularSpeed | None = Field(default=None, gt=0)
     """Of a rigid one the most that it turns at [rad/s]; no limit by default."""
 
 
 class PushDrive(Spec):
     """A force between the two points of an actuator, along the line through them."""
 
-    type: Literal["push"]
+    type: Literal["push"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``."""
     joint: Name
@@ -243,7 +244,7 @@ class PushDrive(Spec):
 class ExtendDrive(Spec):
     """Lengthens an actuator at a set speed, with no more than a given force."""
 
-    type: Literal["extend"]
+    type: Literal["extend"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.force``."""
     joint: Name
@@ -262,7 +263,7 @@ class LengthDrive(_PlaceDrive):
     overshoot, and holds it exactly as long as ``force`` suffices.
     """
 
-    type: Literal["length"]
+    type: Literal["length"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.force``."""
     joint: Name
@@ -271,18 +272,18 @@ class LengthDrive(_PlaceDrive):
     """The distance of the actuator's two points to go to over time [m]."""
     force: Force = Field(gt=0)
     """The most that it can give, either way [N]."""
-    stiffness: Stiffness | None = Field(None, gt=0)
+    stiffness: Stiffness | None = Field(default=None, gt=0)
     """Force for each metre that is missing [N/m]; without, the default, it is rigid."""
     damping: Damping = 0.0
     """With ``stiffness``: force against the actuator's speed, per speed [N s/m]."""
-    speed: Speed | None = Field(None, gt=0)
+    speed: Speed | None = Field(default=None, gt=0)
     """Of a rigid one the fastest that its length changes [m/s]; no limit by default."""
 
 
 class FlowDrive(Spec):
     """Pumps fluid into a line, however high the pressure: the line's ``relief`` bounds it."""
 
-    type: Literal["flow"]
+    type: Literal["flow"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``, the work on the fluid as
     ``<name>.work``."""
@@ -296,7 +297,7 @@ class FlowDrive(Spec):
 class PressureDrive(Spec):
     """A source of pressure that a line is fed from, and that takes fluid back."""
 
-    type: Literal["pressure"]
+    type: Literal["pressure"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.flow``."""
     line: Name
@@ -312,7 +313,7 @@ class PressureDrive(Spec):
 class OpeningDrive(Spec):
     """Opens and shuts a valve."""
 
-    type: Literal["opening"]
+    type: Literal["opening"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``."""
     valve: Name
@@ -327,7 +328,7 @@ class SurfaceDrive(Spec):
     What touches it is carried along by friction.
     """
 
-    type: Literal["surface"]
+    type: Literal["surface"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``, friction times speed as
     ``<name>.power``."""
@@ -347,7 +348,7 @@ class HoldDrive(Spec):
     has been 0.5 or less and rises again.
     """
 
-    type: Literal["hold"]
+    type: Literal["hold"] = TYPE
     name: Name
     """Its name; its value is recorded as ``<name>.value``, and whether the element holds as
     ``<element>.held``."""

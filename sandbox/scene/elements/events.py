@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, mo
 
 from sandbox.scene.elements.controllers import bound
 from sandbox.scene.elements.spec import Spec
-from sandbox.scene.values.numbers import Duration, Frequency, Instant, Name, Quantity
+from sandbox.scene.values.numbers import Duration, Frequency, Instant, Items, Name, Quantity
 from sandbox.wording import WrongValueError
 
 
@@ -17,7 +17,7 @@ def _listed(value: object) -> object:
     return [value] if isinstance(value, str) else value
 
 
-Names = Annotated[tuple[Name, ...], BeforeValidator(_listed, json_schema_input_type=(
+Names = Annotated[Items[Name], BeforeValidator(_listed, json_schema_input_type=(
     Name | tuple[Name, ...]))]
 """One name or several."""
 

@@ -11,13 +11,14 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from sandbox.kinds.elements import ATMOSPHERE
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.spec import TYPE, Spec
 from sandbox.scene.values.numbers import (
     Area,
     Density,
     Displacement,
     Flag,
     FlowResistance,
+    Items,
     Modulus,
     Name,
     Number,
@@ -31,7 +32,7 @@ from sandbox.wording import WrongValueError
 class Cylinder(Spec):
     """A chamber between a point of ``a`` and a point of ``b``: area times distance."""
 
-    type: Literal["cylinder"]
+    type: Literal["cylinder"] = TYPE
     a: Name
     """The body that its tube is tied to."""
     b: Name
@@ -51,7 +52,7 @@ class Cylinder(Spec):
 class Vane(Spec):
     """A chamber on a hinge, such as a vane or a bellows: a volume for each angle."""
 
-    type: Literal["vane"]
+    type: Literal["vane"] = TYPE
     joint: Name
     """Name of the pin that it turns."""
     displacement: Displacement
@@ -78,7 +79,7 @@ class Line(Spec):
 
     name: Name
     """Its name; quantities are ``<name>.pressure``, ``<name>.volume`` and so on."""
-    chambers: tuple[Chamber, ...] = Field((), max_length=64)
+    chambers: Items[Chamber] = Field(default=(), max_length=64)
     """What the fluid moves; none where the line only stores some, as an accumulator does."""
     volume: Volume | None = None
     """Of all the fluid at t = 0, in chambers and hoses [m^3]; by default that of its cylinders that
@@ -86,7 +87,7 @@ class Line(Spec):
     modulus: Modulus | None = None
     """Pressure per share by which the fluid is pressed together, walls of hoses included [Pa]; by
     default 1.4 GPa, that of oil. Not of a gas."""
-    gas: Number | None = Field(None, ge=1, le=2)
+    gas: Number | None = Field(default=None, ge=1, le=2)
     """The line is filled with gas: (pressure + 101325 Pa) * volume^gas stays the same while nothing
     comes in, with 1 where it is slow and stays as warm as its surroundings, 1.4 where air has no
     time for that. By default it is a liquid."""

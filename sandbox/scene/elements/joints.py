@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.spec import TYPE, Spec
 from sandbox.scene.values.numbers import (
     POSITIVE,
     Angle,
@@ -18,6 +18,7 @@ from sandbox.scene.values.numbers import (
     Length,
     Name,
     Number,
+    Pair,
     Point,
     Ratio,
     RotaryDamping,
@@ -69,7 +70,7 @@ class _RubbingSpec(_Closing):
     friction_coefficient: Ratio = 0.0
     """Of dry friction that hangs on what the joint carries: it rubs with this times its reaction;
     none by default."""
-    static: Ratio = Field(1.0, ge=1)
+    static: Ratio = Field(default=1.0, ge=1)
     """How many times as much as it rubs with while it slides it holds with while it does not, 1 or
     more; by default just as much."""
 
@@ -101,18 +102,18 @@ class Pin(_RubbingSpec):
     Its angle is that of ``b`` against ``a``, in its own sense.
     """
 
-    type: Literal["pin"]
+    type: Literal["pin"] = TYPE
     positive: Turn = "counterclockwise"
     """The turn of ``b`` against ``a``, as seen, that counts as positive: of angle, rate, limits,
     springs, torques and motors of this hinge."""
     zero: Angle = 0.0
     """Subtracted from the angle between the two frames [rad] once that is counted in the positive
     sense: where it is clockwise, the hinge's angle is minus the frames' angle, minus ``zero``."""
-    limits: tuple[Angle, Angle] | None = None
+    limits: Pair[Angle] | None = None
     """Hard stops [lowest, highest] of the hinge's angle [rad]; none by default."""
     damping: RotaryDamping = 0.0
     """Viscous friction of the hinge [N m s/rad]: torque against the rate, per rate."""
-    friction: Torque = Field(0.0, ge=0)
+    friction: Torque = Field(default=0.0, ge=0)
     """Dry friction of the hinge [N m]: it holds against torques up to this, and slips against this
     one; none by default."""
     pin_radius: Length | None = None
@@ -134,7 +135,7 @@ class Pin(_RubbingSpec):
 class Slot(_RubbingSpec):
     """A point of ``b`` slides along a groove of ``a`` that runs from ``start`` to ``end``."""
 
-    type: Literal["slot"]
+    type: Literal["slot"] = TYPE
     start: Point
     """One end of the groove, in the frame of ``a`` [m]."""
     end: Point
@@ -146,7 +147,7 @@ class Slot(_RubbingSpec):
     """Not used: ``start`` and ``end`` say where the groove is."""
     on_b: Point | None = (0.0, 0.0)
     """The point of ``b`` that stays on the groove, in its frame [m]."""
-    friction: Force = Field(0.0, ge=0)
+    friction: Force = Field(default=0.0, ge=0)
     """Dry friction along the groove [N]: it holds against forces up to this, and slides against
     this one; none by default."""
 
@@ -154,13 +155,13 @@ class Slot(_RubbingSpec):
 class Weld(_Closing):
     """Two bodies held rigidly together."""
 
-    type: Literal["weld"]
+    type: Literal["weld"] = TYPE
 
 
 class Rod(_Closing):
     """A massless rigid rod between two points."""
 
-    type: Literal["rod"]
+    type: Literal["rod"] = TYPE
     length: Length | None = None
     """Distance that the two points keep [m]; by default what it is at t = 0."""
     on_a: Point | None = (0.0, 0.0)
@@ -177,7 +178,7 @@ class Rope(_JointSpec):
     on at one speed along it, at any step. A tendon is elastic.
     """
 
-    type: Literal["rope"]
+    type: Literal["rope"] = TYPE
     longest: Length
     """Largest distance of the two points [m]."""
     shortest: Distance = 0.0
@@ -201,7 +202,7 @@ class Actuator(_JointSpec):
     force, ``extend`` the speed at which it grows longer, ``length`` its length.
     """
 
-    type: Literal["actuator"]
+    type: Literal["actuator"] = TYPE
     shortest: Distance = 0.0
     """Distance of the two points with the rod drawn in [m]: a hard stop; none by default."""
     longest: Length | None = None
@@ -230,7 +231,7 @@ class Gear(_JointSpec):
     which the bearings carry.
     """
 
-    type: Literal["gear"]
+    type: Literal["gear"] = TYPE
     radius_a: Length
     """Of the pitch circle of ``a``, whose centre is ``on_a``."""
     radius_b: Length
@@ -241,7 +242,7 @@ class Gear(_JointSpec):
     """Between the line of action and the common tangent of the pitch circles, up to 45 deg."""
     backlash: Distance = 0.0
     """Play of the teeth along the pitch circles; at t = 0 they stand in its middle."""
-    stiffness: Stiffness = Field(1e9, gt=0)
+    stiffness: Stiffness = Field(default=1e9, gt=0)
     """Of teeth without play, along the line of action [N/m]: by this several planets share a
     load. Of steel teeth about 1.4e10 N/m per metre of their width."""
     on_a: Point = (0.0, 0.0)
@@ -262,16 +263,16 @@ class Rack(_JointSpec):
     The pitch line has no ends: a rack that is drawn shorter goes on meshing beyond what is drawn.
     """
 
-    type: Literal["rack"]
+    type: Literal["rack"] = TYPE
     radius: Length
     """Of the pitch circle of ``a``, whose centre is ``on_a``."""
-    along: tuple[Number, Number] = (1.0, 0.0)
+    along: Pair[Number] = (1.0, 0.0)
     """Direction of the rack's pitch line in the frame of ``b``; its length does not count."""
     pressure_angle: PressureAngle = math.radians(20.0)
     """Between the line of action and the pitch line, up to 45 deg."""
     backlash: Distance = 0.0
     """Play of the teeth along the pitch line; at t = 0 they stand in its middle."""
-    stiffness: Stiffness = Field(1e9, gt=0)
+    stiffness: Stiffness = Field(default=1e9, gt=0)
     """Of teeth without play, along the line of action [N/m]."""
     on_a: Point = (0.0, 0.0)
     """Centre of the gear in the frame of ``a`` [m]."""
@@ -292,7 +293,7 @@ class Roll(_JointSpec):
     Crossed bands hold such a joint together; here it can be pulled as well as pressed.
     """
 
-    type: Literal["roll"]
+    type: Literal["roll"] = TYPE
     radius_a: Length
     """Of the circle of ``a``, whose centre is ``on_a``."""
     radius_b: Length

@@ -6,17 +6,20 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.spec import TYPE, Spec
 from sandbox.scene.values.numbers import (
     Area,
     Coordinate,
     Damping,
     Density,
+    Items,
     Name,
+    Pair,
     Point,
     Ratio,
     RotaryDamping,
     Speed,
+    Written,
     law_of,
     number_from,
     parameters_of,
@@ -43,12 +46,12 @@ _SCHEMA = WithJsonSchema({
     "anyOf": [{"type": "number"}, {"type": "string"}],
     "description": 'A number, a string with a unit, or an expression of the body\'s motion such as '
                    '"=-2 * vx".'})
-ForceLaw = Annotated[str, _law("force"), _SCHEMA]
-TorqueLaw = Annotated[str, _law("torque"), _SCHEMA]
-AccelerationLaw = Annotated[str, _law("acceleration"), _SCHEMA]
+ForceLaw = Annotated[Written[str], _law("force"), _SCHEMA]
+TorqueLaw = Annotated[Written[str], _law("torque"), _SCHEMA]
+AccelerationLaw = Annotated[Written[str], _law("acceleration"), _SCHEMA]
 _PATTERN = {"type": "string", "minLength": 1, "maxLength": 100}
 Patterns = Annotated[
-    tuple[Annotated[str, Field(min_length=1, max_length=100)], ...],
+    Items[Annotated[str, Field(min_length=1, max_length=100)]],
     Field(min_length=1, max_length=MOST_PATTERNS),
     BeforeValidator(lambda value: (value,) if isinstance(value, str) else value),
     WithJsonSchema({"anyOf": [_PATTERN, {"type": "array", "items": _PATTERN, "minItems": 1,
@@ -66,16 +69,16 @@ class LawLoad(Spec):
 
     LOCAL = ("force", "acceleration", "torque")
 
-    type: Literal["law"]
+    type: Literal["law"] = TYPE
     name: Name
     """Its name; quantities are ``<name>.<body>.fx`` and so on."""
     bodies: Patterns = EVERY
     """The bodies that it acts on, each by its own motion: a name, a pattern such as ``"ball*"``, or
     a list of them. By default every body that moves freely; what a pattern fits and does not move
     freely is left out."""
-    force: tuple[ForceLaw, ForceLaw] | None = None
+    force: Pair[ForceLaw] | None = None
     """The force [x, y] at the point ``at`` [N]: ``["=-0.2 * vx", "=-0.2 * vy"]``."""
-    acceleration: tuple[AccelerationLaw, AccelerationLaw] | None = None
+    acceleration: Pair[AccelerationLaw] | None = None
     """In place of ``force`` the force [x, y] per mass of the body [m/s^2], as a field has it:
     ``[0, "-1.62 m/s^2"]``."""
     torque: TorqueLaw | None = None
@@ -105,7 +108,7 @@ class DragLoad(Spec):
     F = -(linear + density / 2 * coefficient * area * |v|) v, v against the medium.
     """
 
-    type: Literal["drag"]
+    type: Literal["drag"] = TYPE
     name: Name
     """Its name; quantities are ``<name>.<body>.fx`` and so on."""
     bodies: Patterns = EVERY
@@ -122,7 +125,7 @@ class DragLoad(Spec):
     """Of the medium [kg/m^3]; by default that of air."""
     turning: RotaryDamping = 0.0
     """Torque per angular speed [N m s/rad], against it."""
-    flow: tuple[Speed, Speed] = (0.0, 0.0)
+    flow: Pair[Speed] = (0.0, 0.0)
     """The velocity [x, y] of the medium in the world, such as wind [m/s]; none by default."""
 
     @model_validator(mode="after")
@@ -143,7 +146,7 @@ class BuoyancyLoad(Spec):
     energy; a ``drag`` beside it does.
     """
 
-    type: Literal["buoyancy"]
+    type: Literal["buoyancy"] = TYPE
     name: Name
     """Its name; quantities are ``<name>.<body>.fy`` and so on."""
     bodies: Patterns = EVERY

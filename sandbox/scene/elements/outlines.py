@@ -10,11 +10,11 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from sandbox.numeric import Array
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.spec import TYPE, Spec
 from sandbox.scene.outlines.cams import CamCurve, tried_turns
 from sandbox.scene.outlines.curves import through
 from sandbox.scene.outlines.spline import PeriodicSpline
-from sandbox.scene.values.numbers import Angle, Coordinate, Distance, Flag, Length, Point
+from sandbox.scene.values.numbers import Angle, Coordinate, Distance, Flag, Items, Length, Point
 from sandbox.wording import WrongValueError
 
 
@@ -26,12 +26,12 @@ class SmoothCurve(Spec):
     Between the points lies a cubic spline.
     """
 
-    type: Literal["curve"]
-    points: Annotated[tuple[Point, ...], Field(min_length=3, max_length=1000)]
+    type: Literal["curve"] = TYPE
+    points: Annotated[Items[Point], Field(min_length=3, max_length=1000)]
     """Points that it passes through, in order [m]; the last of a closed one is not the first."""
     closed: Flag = True
     """Whether it goes on from the last point to the first, and is the outline of a solid."""
-    corners: tuple[Annotated[int, Field(ge=0)], ...] = ()
+    corners: Items[Annotated[int, Field(ge=0)]] = ()
     """Numbers of the points at which it has a corner, counted from 0; elsewhere it is smooth."""
     radius: Distance = 0.0
     """Of an open one, how far its surface lies from the curve."""
@@ -82,10 +82,10 @@ class DiscCam(Spec):
     is a polygon with nodes.
     """
 
-    type: Literal["cam"]
+    type: Literal["cam"] = TYPE
     base: Length
     """Radius of the outline where the lift is 0."""
-    lift: Annotated[tuple[tuple[Angle, Coordinate], ...], Field(min_length=3, max_length=720)]
+    lift: Annotated[Items[tuple[Angle, Coordinate]], Field(min_length=3, max_length=720)]
     """How far the follower is raised, by how far the cam has turned: `[angle, lift]`.
 
     Angles rise over less than a whole turn; the curve goes on from the last to the first.
@@ -139,7 +139,7 @@ class Drawing(Spec):
     Once read, it is a polygon: what is saved needs the file no more.
     """
 
-    type: Literal["drawing"]
+    type: Literal["drawing"] = TYPE
     file: Annotated[str, Field(min_length=1, max_length=200)]
     """Name of a `.svg` or `.dxf` file in the scene's own folder or below it."""
     unit: Length | None = None

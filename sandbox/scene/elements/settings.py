@@ -27,12 +27,15 @@ from sandbox.scene.values.numbers import (
     Flag,
     Frequency,
     Instant,
+    Items,
     Length,
     Name,
     Number,
+    Pair,
     Point,
     Quantity,
     Ratio,
+    Written,
     checked_expression,
     number_from,
     parameters_of,
@@ -78,7 +81,7 @@ class Run(Spec):
 class ContactRule(Spec):
     """What two sets of bodies do when they meet; later rules win over earlier ones."""
 
-    between: tuple[str, str]
+    between: Pair[str]
     """Two names or patterns: ``finger*`` stands for all bodies whose name begins so."""
     collide: Flag = True
     """False lets the two pass through each other, true lets them touch again that an earlier rule
@@ -86,7 +89,7 @@ class ContactRule(Spec):
     friction: Ratio | None = None
     """Coulomb coefficient of this pair, 0 or more; by default the geometric mean of the two
     materials'."""
-    static: Ratio | None = Field(None, ge=1)
+    static: Ratio | None = Field(default=None, ge=1)
     """How many times as much as the pair rubs with while it slides it holds with while it does not,
     1 or more; by default the geometric mean of the two materials'."""
 
@@ -122,7 +125,7 @@ def _window(value: object, info: ValidationInfo) -> object:
 
 _NUMBER = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 Window = Annotated[
-    tuple[Quantity, Quantity | None],
+    Written[tuple[Quantity, Quantity | None]],
     BeforeValidator(_window),
     WithJsonSchema({"anyOf": [
         {"type": "string", "pattern": "^last "},
@@ -154,7 +157,7 @@ class Looked(Spec):
     """Quantity, or pattern of quantities, whose last sample of the window is looked at."""
     over: Window = (0.0, None)
     """Window of time: ``"last 0.2 s"`` or ``[from, to]`` [s]; the whole run by default."""
-    of: str | None = Field(None, alias="quantity")
+    of: Annotated[str | None, Field(alias="quantity")] = None
     """Quantity, or pattern of quantities, whose value at the instant ``at`` is looked at."""
     at: Instant | None = None
     """Instant at which ``quantity`` is looked at [s], on the straight line between the two samples
@@ -207,12 +210,12 @@ class Expect(Looked):
     ``above`` or ``below`` says what it must be.
     """
 
-    value: Quantity | None = Field(None, alias="is")
+    value: Annotated[Quantity | None, Field(alias="is")] = None
     """What it must be, in the quantity's unit, up to ``within``."""
     within: str | Quantity = WITHIN
     """How far it may be from ``is``, to either side: a fraction of it as ``"0.1 %"``, the default,
     or an absolute quantity. By default 0 of what is 1 or 0, such as ``held``."""
-    between: tuple[Quantity, Quantity] | None = None
+    between: Pair[Quantity] | None = None
     """[lowest, highest] that it may be, both included."""
     above: Quantity | None = None
     """The least that it may be, this value included; may stand together with ``below``."""
@@ -280,14 +283,14 @@ class ShownMeter(Spec):
     A text stands for the meter ``of`` it alone.
     """
 
-    of: Annotated[tuple[str, ...], _ONE_OR_MORE] = Field(min_length=1, max_length=32)
+    of: Annotated[Items[str], _ONE_OR_MORE] = Field(min_length=1, max_length=32)
     """Names or patterns of quantities, or expressions of them (SI) such as
     ``"=finger1.tendon.tension - 2"``, one or a list: curves of one meter, in one unit."""
     title: str = ""
     """What stands above it; by default the quantity's name."""
     unit: str = ""
     """Unit of expressions, which stands beside their values; a quantity has its own."""
-    range: tuple[Quantity, Quantity] | None = None
+    range: Pair[Quantity] | None = None
     """[lowest, highest] value of the plot, SI; by default what the run needs."""
     style: Literal["plot", "number"] = "plot"
     """``"plot"`` has the curve below the value, ``"number"`` is the value alone."""
@@ -333,30 +336,29 @@ class View(Spec):
     width: Length | None = None
     """Width of the world that is shown [m]; by default as much as the motion needs. The height
     follows from ``size``."""
-    size: tuple[Annotated[int, Field(ge=64, le=8192)], Annotated[int, Field(ge=64, le=8192)]] = (
-        800, 600)
+    size: Pair[Annotated[int, Field(ge=64, le=8192)]] = (800, 600)
     """Width and height of the picture [pixels]."""
     fps: Literal[20, 25, 50] = 25
     """Frames per second of film."""
-    speed: Number = Field(1.0, gt=0)
+    speed: Number = Field(default=1.0, gt=0)
     """Seconds of motion per second of film: 0.1 is ten times slower, 2 twice as fast."""
     force_scale: Distance = 0.0
     """Length in the world at which a contact force of 1 N is drawn [m]; 0, the default, fits it to
     the largest lasting force of the run. It changes pictures only, no number."""
     start: Instant = 0.0
     """Time of the run at which the film begins [s]."""
-    traces: tuple[Trace, ...] = Field((), max_length=64)
+    traces: Items[Trace] = Field(default=(), max_length=64)
     """Points whose ways are drawn, such as that of a coupler's point or of a projectile."""
-    meters: tuple[Annotated[ShownMeter, BeforeValidator(_lift), _TextToo()], ...] = Field(
-        (), max_length=12)
+    meters: Items[Annotated[ShownMeter, BeforeValidator(_lift), _TextToo()]] = Field(
+        default=(), max_length=12)
     """Meters beside or below the motion, wherever that leaves it larger: quantities, patterns,
     expressions, or objects that say more."""
-    show: ShownLayers = Field({})
+    show: ShownLayers = Field(default={})
     """Layers shown besides the usual ones; one with a minus, such as ``"-contacts"``, is left out,
     and ``"all"`` means every one. Or an object that says of each layer ``true``, ``false`` or the
     bodies (names, patterns, roles) that it is shown of. The layers stand in the table of
     docs/scenes.md and in ``sandbox render --help``."""
-    bodies: tuple[str, ...] = Field((), max_length=64)
+    bodies: Items[str] = Field(default=(), max_length=64)
     """Names and patterns of the bodies or groups that the picture is fitted to, or roles, as in
     ``"role:object"``; what else lies around is drawn as far as it is in sight. By default all, but
     such as fall or fly off for good only while they are near what stays. ``["*"]`` means all,
@@ -375,5 +377,5 @@ class Group(Spec):
     """Its name; quantities are ``<name>.contact.count`` and ``<name>.contact.normal``."""
     kind: Literal["finger", "section", "rocker_tree", "pulley_tree", "group"] = "group"
     """What it is, for the audit and the pictures; ``"group"`` for bodies of one's own choice."""
-    bodies: tuple[Name, ...] = ()
+    bodies: Items[Name] = ()
     """Names of its bodies; a finger's are its phalanges, the proximal one first."""

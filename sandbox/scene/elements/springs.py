@@ -6,7 +6,7 @@ from typing import Annotated, Literal, TypeVar
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.spec import TYPE, Spec
 from sandbox.scene.values.numbers import (
     POSITIVE,
     Angle,
@@ -55,7 +55,7 @@ class LinearSpring(Spec):
 
     LOCAL = ("force",)
 
-    type: Literal["linear"]
+    type: Literal["linear"] = TYPE
     name: Name
     """Its name; quantities are ``<name>.force`` and so on."""
     a: Name
@@ -99,7 +99,7 @@ class RotarySpring(Spec):
 
     LOCAL = ("torque",)
 
-    type: Literal["rotary"]
+    type: Literal["rotary"] = TYPE
     name: Name
     """Its name; quantities are ``<name>.torque`` and so on."""
     joint: Name

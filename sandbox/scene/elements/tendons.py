@@ -15,6 +15,7 @@ from sandbox.scene.values.numbers import (
     Distance,
     Flag,
     Force,
+    Items,
     Length,
     Name,
     Point,
@@ -48,7 +49,7 @@ class Guide(Spec):
     round a wheel on its ``left`` the cord bends counter-clockwise, round one on its ``right``
     clockwise. An end on the ``left`` is wound up by turning counter-clockwise at the last guide,
     clockwise at the first. Of no effect on an eye."""
-    turns: int = Field(0, ge=0, le=1000)
+    turns: int = Field(default=0, ge=0, le=1000)
     """Whole turns that the cord goes round the wheel at t = 0, besides the arc that its ends make:
     of a capstan. Of no effect on an eye, or where the cord is tied."""
     begins: Literal["on", "off"] | None = None
@@ -79,12 +80,12 @@ class Tendon(Spec):
 
     name: Name
     """Its name; quantities are ``<name>.tension``, ``<name>.length`` and so on."""
-    guides: tuple[Guide, ...] = Field(min_length=2, max_length=64)
+    guides: Items[Guide] = Field(min_length=2, max_length=64)
     """Where the cord runs, from end to end; a pull drive acts at the last one."""
     closed: Flag = False
     """True: a loop, such as a belt. From the last guide it runs on to the first, and it is tied
     nowhere."""
-    stiffness: Stiffness = Field(RIGID, gt=0)
+    stiffness: Stiffness = Field(default=RIGID, gt=0)
     """Tension per stretch of the whole cord [N/m]; from 100 kN/m on, the default, the cord stands
     for one without stretch and is solved at the end of the step."""
     damping: Damping = 0.0

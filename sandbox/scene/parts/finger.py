@@ -12,14 +12,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Self, TypeVar
+from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from sandbox.scene.elements.bodies import Body, Box, Capsule
 from sandbox.scene.elements.joints import Joint, Pin, Turn
 from sandbox.scene.elements.settings import ContactRule, Group
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.spec import TYPE, Spec
 from sandbox.scene.elements.springs import LinearSpring, Spring
 from sandbox.scene.elements.tendons import RIGID, Guide, Tendon
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_world
@@ -38,6 +38,7 @@ from sandbox.scene.values.numbers import (
     Angle,
     Damping,
     Density,
+    Items,
     Length,
     Mass,
     Name,
@@ -59,10 +60,10 @@ class FingerSprings(Spec):
 
     stiffness: Stiffnesses
     """Stiffness of each spring [N/m], 0 or more."""
-    on_previous: Points = Field(alias="from")
+    on_previous: Annotated[Points, Field(alias="from")]
     """M'', where it is tied on the body before the hinge, relative to the hinge at rotation 0
     [m]."""
-    on_phalanx: Points = Field(alias="to")
+    on_phalanx: Annotated[Points, Field(alias="to")]
     """M', where it is tied on the phalanx, in the phalanx's frame [m]."""
     damping: Dampings = (0.0,)
     """Damping of each spring [N s/m]."""
@@ -73,7 +74,7 @@ class FingerSprings(Spec):
 class FingerTendon(Spec):
     """The finger's cord."""
 
-    stiffness: Stiffness = Field(RIGID, gt=0)
+    stiffness: Stiffness = Field(default=RIGID, gt=0)
     """Tension per stretch [N/m]; the default stands for a cord without stretch."""
     damping: Damping = 0.0
     """Tension per rate of stretch [N s/m]."""
@@ -86,7 +87,7 @@ class FingerTendon(Spec):
 class Finger(Spec):
     """A finger of ``n = len(lengths)`` phalanges, from the palm to the tip."""
 
-    type: Literal["finger"]
+    type: Literal["finger"] = TYPE
     name: Name
     """Its name, with which those of its elements begin: ``<name>.proximal``, ``<name>.mcp``,
     ``<name>.tendon``."""
@@ -100,18 +101,18 @@ class Finger(Spec):
     ``below``, the whole finger is mirrored with ``above``."""
     on: Name | None = None
     """A body that serves as the palm; by default the finger has a fixed one of its own."""
-    lengths: tuple[Length, ...] = Field(min_length=1, max_length=32)
+    lengths: Items[Length] = Field(min_length=1, max_length=32)
     """Lengths of the phalanges [m], the proximal one first; the last reaches to the middle of the
     round tip."""
-    radii: tuple[Length, ...]
+    radii: Items[Length]
     """Half the thickness of each phalanx [m]."""
-    masses: tuple[Mass, ...] | None = None
+    masses: Items[Mass] | None = None
     """Mass of each phalanx [kg]; either these or ``density``."""
     density: Density | None = None
     """Mass per volume of all phalanges [kg/m^3], instead of ``masses``."""
     thickness: Length = 0.01
     """Depth across the plane [m], used with ``density`` only."""
-    guides: tuple[Point, ...]
+    guides: Items[Point]
     """V_0 in the palm's frame, then V_1 ... V_n, each in its phalanx's frame [m]."""
     springs: FingerSprings | None = None
     """Extensor springs over the backs of the hinges; none by default."""
@@ -124,7 +125,7 @@ class Finger(Spec):
     """Rotations at t = 0 [rad], closing counted positive; one for all or one each."""
     tendon: FingerTendon = FingerTendon()
     """How much the finger's cord gives, and its friction."""
-    tendon_to: tuple[Guide, ...] = ()
+    tendon_to: Items[Guide] = ()
     """Further guides of the cord after V_0, on its way to what pulls it."""
     anchor: Point | None = None
     """Where the tendon ends when nothing else pulls it, in the palm's frame [m]; by default 15 mm

@@ -7,7 +7,15 @@ from typing import Annotated, Any, TypeVar
 
 from pydantic import BeforeValidator, WithJsonSchema
 
-from sandbox.scene.values.numbers import Angle, Coordinate, Damping, Point, RotaryDamping, Stiffness
+from sandbox.scene.values.numbers import (
+    Angle,
+    Coordinate,
+    Damping,
+    Items,
+    Point,
+    RotaryDamping,
+    Stiffness,
+)
 
 _NUMBER: dict[str, Any] = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 _PAIR: dict[str, Any] = {"type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2}
@@ -40,13 +48,13 @@ def _schema(item: dict[str, Any], *, single: bool = True) -> WithJsonSchema:
     return WithJsonSchema({"anyOf": [item, several]} if single else several)
 
 
-Stiffnesses = Annotated[tuple[Stiffness, ...], BeforeValidator(_lift), _schema(_NUMBER)]
-Dampings = Annotated[tuple[Damping, ...], BeforeValidator(_lift), _schema(_NUMBER)]
-RotaryDampings = Annotated[tuple[RotaryDamping, ...], BeforeValidator(_lift), _schema(_NUMBER)]
-Coordinates = Annotated[tuple[Coordinate, ...], BeforeValidator(_lift), _schema(_NUMBER)]
-Angles = Annotated[tuple[Angle, ...], BeforeValidator(_lift), _schema(_NUMBER)]
-Points = Annotated[tuple[Point, ...], BeforeValidator(_lift_point), _schema(_PAIR)]
+Stiffnesses = Annotated[Items[Stiffness], BeforeValidator(_lift), _schema(_NUMBER)]
+Dampings = Annotated[Items[Damping], BeforeValidator(_lift), _schema(_NUMBER)]
+RotaryDampings = Annotated[Items[RotaryDamping], BeforeValidator(_lift), _schema(_NUMBER)]
+Coordinates = Annotated[Items[Coordinate], BeforeValidator(_lift), _schema(_NUMBER)]
+Angles = Annotated[Items[Angle], BeforeValidator(_lift), _schema(_NUMBER)]
+Points = Annotated[Items[Point], BeforeValidator(_lift_point), _schema(_PAIR)]
 Limits = Annotated[
-    tuple[tuple[Angle, Angle], ...], BeforeValidator(_lift_limit),
+    Items[tuple[Angle, Angle]], BeforeValidator(_lift_limit),
     _schema({"anyOf": [*_NUMBER["anyOf"], _PAIR]}),
 ]

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, WithJsonSchema, model_validator
 from sandbox.scene.elements.bodies import Body, Box, Circle
 from sandbox.scene.elements.joints import Joint, Pin, Rod, Rope, Slot
 from sandbox.scene.elements.settings import Group
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.spec import TYPE, Spec
 from sandbox.scene.elements.springs import LinearSpring, RotarySpring, Spring
 from sandbox.scene.geometry import pose_of, to_world
 from sandbox.scene.parts.expansion import Elements
@@ -22,6 +22,7 @@ from sandbox.scene.values.numbers import (
     Name,
     Point,
     Stiffness,
+    Written,
 )
 from sandbox.scene.values.planes import Planes
 from sandbox.wording import WrongValueError
@@ -35,7 +36,7 @@ def _lift(value: Any) -> Any:
 
 _NUMBER: dict[str, Any] = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 RodLengths = Annotated[
-    tuple[Distance, Length], BeforeValidator(_lift),
+    Written[tuple[Distance, Length]], BeforeValidator(_lift),
     WithJsonSchema({"anyOf": [*_NUMBER["anyOf"], {
         "type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2}]}),
 ]
@@ -44,7 +45,7 @@ RodLengths = Annotated[
 class Section(Spec):
     """A fixed circle; with ``square``, also a square held out from its centre by a rod."""
 
-    type: Literal["section"]
+    type: Literal["section"] = TYPE
     name: Name
     """Its name, with which those of its elements begin: ``<name>.circle``, ``<name>.square``."""
     at: Point = (0.0, 0.0)

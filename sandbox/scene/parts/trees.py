@@ -16,12 +16,22 @@ from sandbox.errors import Problem
 from sandbox.scene.elements.bodies import Body, Capsule, Circle, Shape
 from sandbox.scene.elements.joints import Rope, Slot
 from sandbox.scene.elements.settings import ContactRule, Group
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.spec import TYPE, Spec
 from sandbox.scene.elements.tendons import RIGID, Guide, Tendon
 from sandbox.scene.geometry import Vec, pose_of, to_world
 from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.parts.plan import Node, nodes_of, plan_tree
-from sandbox.scene.values.numbers import Angle, Damping, Length, Mass, Name, Point, Ratio, Stiffness
+from sandbox.scene.values.numbers import (
+    Angle,
+    Damping,
+    Items,
+    Length,
+    Mass,
+    Name,
+    Point,
+    Ratio,
+    Stiffness,
+)
 from sandbox.wording import NearMisses, WrongValueError
 
 LEAST_DISTANCE = 1e-6  # between the strings of two leaves that need no eyes [m]
@@ -57,13 +67,13 @@ class _TreeSpec(Spec):
     name: Name
     """Its name, with which those of its elements begin; a pull drive that names it pulls
     ``<name>.tendon``."""
-    pulls: tuple[LeafOrName, ...] = Field(min_length=2, max_length=4096)
+    pulls: Items[LeafOrName] = Field(min_length=2, max_length=4096)
     """Names of fingers, tendons or bodies, in the order in which they lie side by side."""
-    shares: tuple[Ratio, ...] | None = None
+    shares: Items[Ratio] | None = None
     """Of the pull, one for each leaf in any measure; by default all equal."""
     direction: Angle = math.pi
     """Direction of the pull in the world [rad], counter-clockwise from +x; by default along -x."""
-    pitch: Length | None = Field(None, ge=LEAST_DISTANCE)
+    pitch: Length | None = Field(default=None, ge=LEAST_DISTANCE)
     """Between neighbouring strings, across the pull [m]; by default they lie as the leaves do. With
     it each string is led over two eyes of the tree's frame, ``gap`` behind the rearmost leaf, from
     its leaf's line to its own, so that wheels and rockers may be smaller, or larger, than the
@@ -78,7 +88,7 @@ class _TreeSpec(Spec):
     slot ends."""
     mass: Mass = 0.005
     """Of each wheel or rocker [kg]."""
-    stiffness: Stiffness = Field(RIGID, gt=0)
+    stiffness: Stiffness = Field(default=RIGID, gt=0)
     """Tension per stretch of the strings [N/m]; the default stands for strings without stretch."""
     damping: Damping = 0.0
     """Tension per rate of stretch of the strings [N s/m]."""
@@ -95,7 +105,7 @@ class _TreeSpec(Spec):
 class RockerTree(_TreeSpec):
     """Rockers on sliding pivots; a string at each end of a rocker."""
 
-    type: Literal["rocker_tree"]
+    type: Literal["rocker_tree"] = TYPE
     radius: Length = 0.003
     """Half the thickness of a rocker [m]; it is drawn with it, and its inertia follows from it."""
     links: Literal["tendon", "rope"] = "tendon"
@@ -106,7 +116,7 @@ class RockerTree(_TreeSpec):
 class PulleyTree(_TreeSpec):
     """Wheels on sliding centres; strings wound on their rims, equations (1)-(7)."""
 
-    type: Literal["pulley_tree"]
+    type: Literal["pulley_tree"] = TYPE
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from sandbox.scene.check.ranges import check_ranges
 from sandbox.scene.check.references import check_references, check_unread
 from sandbox.scene.check.units import check_units
 from sandbox.scene.document import Scene
+from sandbox.scene.elements.spec import Spec
 from sandbox.scene.expand import expand
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.mechanism import Mechanism
@@ -89,8 +90,8 @@ def load_scene(
     """Load a scene from a file, or from data as a file would hold it.
 
     Args:
-        source: a path, the name of a shipped scene (``"adaptive_grasp"``), or
-            a mapping.
+        source: a path, the name of a shipped scene (``"adaptive_grasp"``), or a mapping, which may
+            hold elements of :mod:`sandbox.build`.
         overrides: values that replace those of the scene, by path:
             ``{"run.step": "1 ms", "parts[finger1].lengths[0]": 0.045}``.
         limits: how large a scene may be.
@@ -172,11 +173,13 @@ def _path(path: Path) -> Path:
 
 def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) -> Any:
     """A copy of Python data as a JSON file would give it."""
-    if isinstance(value, (Mapping, list, tuple)) and len(path) >= nesting:
+    if isinstance(value, (Mapping, Spec, list, tuple)) and len(path) >= nesting:
         if not problems:
             problems.append(Problem("limit-exceeded", "nested deeper than the limit 'nesting' of "
                                     f"{nesting}", shown_path(path)))
         return None
+    if isinstance(value, Spec):
+        value = value.model_dump(by_alias=True, exclude_unset=True)
     if isinstance(value, Mapping):
         for key in value:
             if not isinstance(key, str):

@@ -12,7 +12,7 @@ import math
 import numbers
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -31,6 +31,19 @@ from sandbox.scene.values.ranges import in_range, range_of, with_unit
 from sandbox.scene.values.units import Measured, parse_quantity, units_of
 from sandbox.wording import WrongValueError, kind_of, quoted
 
+T = TypeVar("T")
+if TYPE_CHECKING:  # validation accepts more than the type of its result: "50 g", lists, arrays
+    Written: TypeAlias = T | Any
+    Items: TypeAlias = tuple[T, ...] | Any
+    Pair: TypeAlias = tuple[T, T] | Any
+else:
+    class Written:  # noqa: D101
+        def __class_getitem__(cls, kind: Any) -> Any:
+            return kind
+
+    Items = tuple[T, ...]
+    Pair = tuple[T, T]
+Float: TypeAlias = Written[float]
 _PRODUCT = re.compile(r"^([0-9.]+)\s*([A-Za-z_])")
 
 
@@ -201,46 +214,46 @@ POSITIVE = _bound(lambda v: v > 0, "greater than 0")
 NOT_NEGATIVE = _bound(lambda v: v >= 0, "0 or more")
 AT_MOST_ONE = _bound(lambda v: v <= 1, "at most 1")
 
-Quantity = Annotated[float, WrapValidator(_read_any), _schema(None)]
+Quantity = Annotated[Float, WrapValidator(_read_any), _schema(None)]
 """Of any dimension: what it has to be is not known before all elements are there."""
-Number = Annotated[float, _reader("ratio"), _schema("ratio")]
+Number = Annotated[Float, _reader("ratio"), _schema("ratio")]
 Ratio = Annotated[Number, NOT_NEGATIVE]
 Share = Annotated[Ratio, AT_MOST_ONE]
-Coordinate = Annotated[float, _reader("length"), _schema("length")]
+Coordinate = Annotated[Float, _reader("length"), _schema("length")]
 Length = Annotated[Coordinate, POSITIVE, _size("length")]
 Distance = Annotated[Coordinate, NOT_NEGATIVE]
-Angle = Annotated[float, _reader("angle"), _schema("angle")]
-Mass = Annotated[float, _reader("mass"), _schema("mass"), POSITIVE, _size("mass")]
-Inertia = Annotated[float, _reader("inertia"), _schema("inertia"), POSITIVE, _size("inertia")]
-Density = Annotated[float, _reader("density"), _schema("density"), POSITIVE, _size("density")]
-Instant = Annotated[float, _reader("time"), _schema("time"), NOT_NEGATIVE]
-Duration = Annotated[float, _reader("time"), _schema("time"), POSITIVE, _size("time")]
+Angle = Annotated[Float, _reader("angle"), _schema("angle")]
+Mass = Annotated[Float, _reader("mass"), _schema("mass"), POSITIVE, _size("mass")]
+Inertia = Annotated[Float, _reader("inertia"), _schema("inertia"), POSITIVE, _size("inertia")]
+Density = Annotated[Float, _reader("density"), _schema("density"), POSITIVE, _size("density")]
+Instant = Annotated[Float, _reader("time"), _schema("time"), NOT_NEGATIVE]
+Duration = Annotated[Float, _reader("time"), _schema("time"), POSITIVE, _size("time")]
 Frequency = Annotated[
-    float, _reader("frequency"), _schema("frequency"), POSITIVE, _size("frequency")
+    Float, _reader("frequency"), _schema("frequency"), POSITIVE, _size("frequency")
 ]
-Force = Annotated[float, _reader("force"), _schema("force")]
-Torque = Annotated[float, _reader("torque"), _schema("torque")]
-Stiffness = Annotated[float, _reader("stiffness"), _schema("stiffness"), NOT_NEGATIVE]
+Force = Annotated[Float, _reader("force"), _schema("force")]
+Torque = Annotated[Float, _reader("torque"), _schema("torque")]
+Stiffness = Annotated[Float, _reader("stiffness"), _schema("stiffness"), NOT_NEGATIVE]
 RotaryStiffness = Annotated[
-    float, _reader("rotary stiffness"), _schema("rotary stiffness"), NOT_NEGATIVE
+    Float, _reader("rotary stiffness"), _schema("rotary stiffness"), NOT_NEGATIVE
 ]
-Damping = Annotated[float, _reader("damping"), _schema("damping"), NOT_NEGATIVE]
-RotaryDamping = Annotated[float, _reader("rotary damping"), _schema("rotary damping"), NOT_NEGATIVE]
-Speed = Annotated[float, _reader("speed"), _schema("speed")]
-AngularSpeed = Annotated[float, _reader("angular speed"), _schema("angular speed")]
-Acceleration = Annotated[float, _reader("acceleration"), _schema("acceleration")]
+Damping = Annotated[Float, _reader("damping"), _schema("damping"), NOT_NEGATIVE]
+RotaryDamping = Annotated[Float, _reader("rotary damping"), _schema("rotary damping"), NOT_NEGATIVE]
+Speed = Annotated[Float, _reader("speed"), _schema("speed")]
+AngularSpeed = Annotated[Float, _reader("angular speed"), _schema("angular speed")]
+Acceleration = Annotated[Float, _reader("acceleration"), _schema("acceleration")]
 
-Area = Annotated[float, _reader("area"), _schema("area"), POSITIVE, _size("area")]
-Volume = Annotated[float, _reader("volume"), _schema("volume"), POSITIVE, _size("volume")]
-Displacement = Annotated[float, _reader("displacement"), _schema("displacement")]
-Pressure = Annotated[float, _reader("pressure"), _schema("pressure")]
+Area = Annotated[Float, _reader("area"), _schema("area"), POSITIVE, _size("area")]
+Volume = Annotated[Float, _reader("volume"), _schema("volume"), POSITIVE, _size("volume")]
+Displacement = Annotated[Float, _reader("displacement"), _schema("displacement")]
+Pressure = Annotated[Float, _reader("pressure"), _schema("pressure")]
 Modulus = Annotated[Pressure, POSITIVE, _size("pressure")]
 FlowResistance = Annotated[
-    float, _reader("flow resistance"), _schema("flow resistance"), NOT_NEGATIVE
+    Float, _reader("flow resistance"), _schema("flow resistance"), NOT_NEGATIVE
 ]
 
 Flag = StrictBool
 """True or false and nothing else: ``"no"`` is a text, not a refusal."""
-Point = tuple[Coordinate, Coordinate]
+Point = Pair[Coordinate]
 NAME = r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$"
 Name = Annotated[str, Field(pattern=NAME, max_length=100)]

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
 
-from sandbox.scene.values.numbers import number_from, parameters_of
+from sandbox.scene.values.numbers import Items, number_from, parameters_of
 from sandbox.wording import WrongValueError, kind_of, near, number_text, quoted
 
 ALL: Literal["all"] = "all"
@@ -50,7 +50,7 @@ def _plane(written: Any, info: ValidationInfo) -> int:
     return number
 
 
-Planes = Annotated[tuple[int, ...] | Literal["all"], BeforeValidator(_read), SCHEMA]
+Planes = Annotated[Items[int] | Literal["all"], BeforeValidator(_read), SCHEMA]
 """The planes that a body lies in."""
 
 

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, WithJsonSchema
 
 from sandbox.kinds.layers import FORMS, LAYERS, WHOLE, asked
+from sandbox.scene.values.numbers import Written
 from sandbox.wording import WrongValueError, kind_of
 
 WORDS = "list of layers, or object of layer: true, false or bodies"
@@ -26,5 +27,5 @@ def _read(value: Any) -> dict[str, tuple[str, ...]]:
     return asked(value)
 
 
-ShownLayers = Annotated[dict[str, tuple[str, ...]], BeforeValidator(_read), SCHEMA]
+ShownLayers = Annotated[Written[dict[str, tuple[str, ...]]], BeforeValidator(_read), SCHEMA]
 """Of each layer that is named the patterns of bodies that it is shown of; none hides it."""

@@ -32,7 +32,9 @@ from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.expressions import parse_expression, unknown_name
 from sandbox.scene.values.numbers import (
     Instant,
+    Items,
     Quantity,
+    Written,
     checked_expression,
     number_from,
     parameters_of,
@@ -46,7 +48,7 @@ from sandbox.wording import WrongValueError
 class Ramp(Spec):
     """Linear from ``from`` to ``to``, then held."""
 
-    start_value: Quantity = Field(0.0, alias="from")
+    start_value: Annotated[Quantity, Field(alias="from")] = 0.0
     """Value before and at the beginning, in the unit of what is set."""
     to: Quantity
     """Value at the end and after it, in the unit of what is set."""
@@ -59,7 +61,7 @@ class Ramp(Spec):
 class Table(Spec):
     """Points ``[t, value]`` in order of time, held before the first and after the last."""
 
-    table: tuple[tuple[Instant, Quantity], ...] = Field(min_length=1)
+    table: Items[tuple[Instant, Quantity]] = Field(min_length=1)
     """Points ``[t, value]``: times [s] that increase, and values in the unit of what is set."""
     between: Literal["linear", "step"] = "linear"
     """How values between two points follow: ``linear`` on the straight line, ``step`` as at the
@@ -187,11 +189,11 @@ def dimension_over_time(metadata: Iterable[Any]) -> str | None:
 
 
 _WANTED = "expected a number, a ramp {…}, a table {…} or an expression"
-_Union = Annotated[
+_Union = Written[Annotated[
     Annotated[Ramp, Tag("ramp")] | Annotated[Table, Tag("table")]
     | Annotated[Formula, Tag("formula")] | Annotated[Constant, Tag("constant")],
     Discriminator(_kind, custom_error_type="signal", custom_error_message=_WANTED),
-]
+]]
 Signal = Annotated[_Union, _reader(None), _Schema(None)]
 ForceSignal = Annotated[_Union, _reader("force"), _Schema("force")]
 TorqueSignal = Annotated[_Union, _reader("torque"), _Schema("torque")]

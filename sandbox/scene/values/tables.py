@@ -25,7 +25,7 @@ from sandbox.numeric import Array
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.outlines.spline import PeriodicSpline, natural
 from sandbox.scene.values.expressions import RESERVED, call
-from sandbox.scene.values.numbers import Quantity
+from sandbox.scene.values.numbers import Items, Pair, Quantity
 from sandbox.scene.values.units import Measured, dimension_of
 from sandbox.wording import WrongValueError, quoted
 
@@ -42,7 +42,7 @@ STEEPEST = 1e15
 class NamedTable(Spec):
     """A function of one number, given by points; expressions call it by its name."""
 
-    points: tuple[tuple[Quantity, Quantity], ...] = Field(min_length=2, max_length=MOST_POINTS)
+    points: Items[Pair[Quantity]] = Field(min_length=2, max_length=MOST_POINTS)
     """Points ``[x, y]``, 2 to 1000, x rising: numbers in SI, or with units, one kind of unit for
     all x and one for all y."""
     between: Literal["linear", "cubic"] = "linear"

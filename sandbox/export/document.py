@@ -1,0 +1,179 @@
+"""A MuJoCo model under construction: XML text, unique names, sections, elements on bodies."""
+
+from __future__ import annotations
+
+import dataclasses
+import xml.etree.ElementTree as ET
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from typing import cast
+
+from sandbox.export.tree import Freedom, Tree, freedoms, pose
+from sandbox.model.model import NONE, Model
+from sandbox.scene.geometry import Vec, to_world
+
+DIGITS = 12
+
+
+def number(value: float) -> str:
+    """A number with :data:`DIGITS` digits; never ``-0``."""
+    return f"{value + 0.0:.{DIGITS}g}" if value else "0"
+
+
+def text_of(value: str | bool | float | Sequence[float]) -> str:
+    """The text of an attribute: a word, a truth, a number, or numbers in a row."""
+    if isinstance(value, str):
+        return _plain(value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return number(value)
+    return " ".join(number(v) for v in value)
+
+
+Value = str | bool | float | Sequence[float] | None
+
+
+def element(tag: str, /, **attributes: Value) -> ET.Element:
+    """A new element without the attributes that are None."""
+    return ET.Element(tag, {
+        key: text_of(value) for key, value in attributes.items() if value is not None})
+
+
+def add(parent: ET.Element, tag: str, /, **attributes: Value) -> ET.Element:
+    """A new element (see :func:`element`) at the end of ``parent``."""
+    made = element(tag, **attributes)
+    parent.append(made)
+    return made
+
+
+def _plain(text: str, kept: str = "") -> str:
+    """The text with blanks for characters that do not print, except ``kept``."""
+    return "".join(c if c.isprintable() or c in kept else " " for c in text)
+
+
+def comment(text: str) -> ET.Element:
+    """A comment; text that XML forbids is replaced."""
+    plain = _plain(text, "\n")
+    while "--" in plain:
+        plain = plain.replace("--", "- -")
+    return cast("ET.Element", ET.Comment(f" {plain} "))
+
+
+def document(root: ET.Element) -> str:
+    """The text of a file, indented by two spaces; empty sections are dropped."""
+    for section in list(root):
+        if not len(section) and not section.attrib and not section.text:
+            root.remove(section)
+    ET.indent(root, "  ")
+    return ET.tostring(root, encoding="unicode", xml_declaration=False) + "\n"
+
+
+class UniqueNames:
+    """New names that differ from all names of the scene, by kind of object (joint, site …)."""
+
+    def __init__(self, reserved: Iterable[str]) -> None:
+        self._reserved = frozenset(reserved)
+        self._given: dict[str, set[str]] = {}
+
+    def made(self, kind: str, wanted: str) -> str:
+        """The name ``wanted``, with ``_`` appended until it is free."""
+        taken = self._given.setdefault(kind, set())
+        name = wanted
+        while name in taken or name in self._reserved:
+            name += "_"
+        taken.add(name)
+        return name
+
+
+SECTIONS = ("compiler", "option", "default", "asset", "worldbody", "contact", "equality", "tendon",
+            "actuator", "sensor", "keyframe")
+WORLD = "world"
+"""MuJoCo's name of the fixed frame."""
+
+
+@dataclasses.dataclass
+class Hinge:
+    """Springs and drives that act in a hinge."""
+
+    springs: list[int] = dataclasses.field(default_factory=list)
+    """Indices of rotary springs."""
+    brake: float | None = None
+    """Torque of its brake [N m], if any."""
+    driven: bool = False
+    """Whether a torque drives it."""
+
+
+class Draft:
+    """Sections by name, elements on bodies by index (``NONE`` for the world), and notes."""
+
+    def __init__(self, model: Model, tree: Tree) -> None:
+        self.model = model
+        self.mechanism = model.mechanism
+        self.tree = tree
+        elements = (model.bodies, model.joints, model.springs, model.tendons, model.drives)
+        self.names = UniqueNames({WORLD, *(name for part in elements for name in part.name)})
+        self.root = ET.Element("mujoco", {"model": self.mechanism.name or "mechanism"})
+        self.sections = {name: add(self.root, name) for name in SECTIONS}
+        self.on_body: dict[int, list[ET.Element]] = {
+            body: [] for body in (NONE, *range(len(model.bodies.name)))}
+        """Sites and pulleys, until the bodies are written."""
+        self.hinges: dict[int, Hinge] = defaultdict(Hinge)
+        """By index of the joint."""
+        self.controls: list[float] = []
+        """Value of every actuator at the end of the run."""
+        self.notes: list[str] = []
+        self.body_names = [
+            self.names.made("body", name) if name == WORLD else name for name in model.bodies.name]
+        self.moves = {body: self._named(freedoms(model, link))
+                      for body, link in tree.links.items()}
+        self._world_frame = ""
+
+    def _named(self, moves: list[Freedom]) -> list[Freedom]:
+        """Coordinates with unique names."""
+        return [
+            dataclasses.replace(move, name=self.names.made("joint", move.name))
+            if move.made else move for move in moves
+        ]
+
+    def coordinates(self) -> list[Freedom]:
+        """All coordinates in MuJoCo's order, depth first."""
+        children: dict[int, list[int]] = {body: [] for body in (NONE, *self.tree.links)}
+        for body, link in self.tree.links.items():
+            children[link.parent].append(body)
+        found: list[Freedom] = []
+        waiting = children[NONE][::-1]
+        while waiting:
+            body = waiting.pop()
+            found += self.moves[body]
+            waiting += children[body][::-1]
+        return found
+
+    def assembled(self, body: int, point: Vec) -> Vec:
+        """A point of a body in the world [m], with every joint assembled as in MuJoCo."""
+        for link in self.tree.line(body):
+            point = to_world(link.pose, point)
+        return point
+
+    def carried(self, joint: int) -> bool:
+        """Whether a joint carries a body; otherwise it closes a loop."""
+        return any(link.joint == joint for link in self.tree.links.values())
+
+    def site(self, body: int, wanted: str, at: Vec = (0.0, 0.0), **more: str | float) -> str:
+        """Add a site to a body and return its name."""
+        name = self.names.made("site", wanted)
+        self.on_body[body].append(element("site", name=name, pos=(*at, 0.0), **more))
+        return name
+
+    def world_frame(self) -> str:
+        """The name of a site with the axes of the world."""
+        self._world_frame = self._world_frame or self.site(NONE, "frame")
+        return self._world_frame
+
+    def world(self, body: int, point: Vec) -> Vec:
+        """A point of a body in the world at t = 0 [m], as in the scene."""
+        return to_world(pose(self.model, body), point)
+
+    def sense(self, kind: str, wanted: str, **what: str) -> None:
+        """Add a sensor."""
+        add(self.sections["sensor"], kind, name=self.names.made("sensor", wanted), **what)

@@ -1,0 +1,216 @@
+"""The elements of a mechanism that a MuJoCo model can hold, and those to leave out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from sandbox.errors import Problem, SceneError
+from sandbox.export.elements import wrap_round
+from sandbox.export.tree import Tree, pose, vec
+from sandbox.kinds.elements import FLUID, LAW, LOOSE, SPRINGS
+from sandbox.model.lifts import lifted_at_start
+from sandbox.model.model import Joints, Model, Springs
+from sandbox.model.pairs import Words, allowed_pairs
+from sandbox.scene.elements.bodies import Material, Polyline
+from sandbox.scene.elements.drives import kind_of
+from sandbox.scene.elements.settings import ContactRule
+from sandbox.scene.geometry import to_world
+from sandbox.scene.mechanism import Mechanism, signal_of
+from sandbox.scene.values.signals import Constant
+from sandbox.wording import listed, near, quoted
+
+ACTING = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives")
+"""Lists of elements, in an order in which each needs only those before it."""
+MATERIAL = "materials."
+"""Prefix of a material. Leaving it out removes its restitution and its static friction."""
+
+
+def rule_name(rule: ContactRule) -> str:
+    """The name of a contact rule. Leaving it out removes its static friction."""
+    return f"contacts.{'/'.join(rule.between)}"
+
+
+def needs(mechanism: Mechanism) -> dict[str, set[str]]:
+    """The names of the elements that each element needs, in the order of :data:`ACTING`."""
+    found: dict[str, set[str]] = {body.name: set() for body in mechanism.bodies}
+    for joint in mechanism.joints:
+        found[joint.name] = {joint.a, joint.b}
+    for spring in mechanism.springs:
+        found[spring.name] = {getattr(spring, target.field)
+                              for target in SPRINGS[spring.type].targets}
+    for tendon in mechanism.tendons:
+        found[tendon.name] = {guide.body for guide in tendon.guides}
+    for line in mechanism.lines:
+        found[line.name] = {name for chamber in line.chambers
+                            for name in (getattr(chamber, field, None)
+                                         for field in ("a", "b", "joint")) if name}
+    for valve in mechanism.valves:
+        found[valve.name] = {line for line in (valve.a, valve.b) if line is not None}
+    for load in mechanism.loads:  # a load may lose all its bodies
+        found[load.name] = set()
+    for drive in mechanism.drives:
+        found[drive.name] = {getattr(drive, kind_of(drive).target.field)}
+    return found
+
+
+def leave_out(
+    mechanism: Mechanism, patterns: Sequence[str],
+) -> tuple[Mechanism, tuple[str, ...]]:
+    """The mechanism without some elements and all that need them, and the names of both.
+
+    Raises:
+        SceneError: patterns that fit no name.
+    """
+    needed = needs(mechanism)
+    names = [*needed, *(MATERIAL + material for material in mechanism.materials),
+             *(rule_name(rule) for rule in mechanism.contacts if rule.static)]
+    unknown = [word for word in patterns if not any(fnmatchcase(name, word) for name in names)]
+    if unknown:
+        raise SceneError([
+            Problem("name-not-found",
+                    f"there is no element {quoted(word)} to leave out", path="--without",
+                    allowed=listed(names), hint=near(word, names))
+            for word in unknown])
+    gone = {name for name in names if any(fnmatchcase(name, word) for word in patterns)}
+    for name, others in needed.items():
+        if others & gone:
+            gone.add(name)
+    kept = {kind: tuple(element for element in getattr(mechanism, kind) if element.name not in gone)
+            for kind in ACTING}
+    materials = {
+        name: material.model_copy(update={"restitution": 0.0, "static": 1.0})
+        if MATERIAL + name in gone else material
+        for name, material in mechanism.materials.items()
+    }
+    rules = tuple(rule.model_copy(update={"static": 1.0}) if rule_name(rule) in gone else rule
+                  for rule in mechanism.contacts)
+    left = mechanism.model_copy(update={**kept, "materials": materials, "contacts": rules})
+    return left, tuple(name for name in names if name in gone)
+
+
+def materials_of(mechanism: Mechanism) -> list[Material]:
+    """The material of each body; the default one for a body that names none."""
+    return [mechanism.materials.get(body.material or "", Material()) for body in mechanism.bodies]
+
+
+def contact_pairs(model: Model) -> list[tuple[int, int, float]]:
+    """The pairs of bodies with shapes that may touch, and their coefficients of friction.
+
+    Friction is that of the last rule that sets it, else the geometric mean of the two materials.
+    """
+    solid = np.array([bool(body.shapes) for body in model.mechanism.bodies], dtype=bool)
+    own = np.array([material.friction for material in materials_of(model.mechanism)])
+    friction, words = np.sqrt(own[:, None] * own), Words(model.bodies.name)
+    for rule in model.mechanism.contacts:
+        if rule.friction is not None:
+            words.fill(friction, rule, rule.friction)
+    allowed = np.triu(allowed_pairs(model) & solid & solid[:, None])
+    return [(int(a), int(b), float(friction[a, b])) for a, b in np.argwhere(allowed)]
+
+
+STATIC = "static friction above that of sliding"
+
+
+def without_counterpart(model: Model, tree: Tree) -> list[Problem]:
+    """A problem for each element without a counterpart in MuJoCo."""
+    return [
+        Problem("no-counterpart",
+                f"MuJoCo has no counterpart of {what}; --without {name} leaves it out", path=name)
+        for name, what in [*_elements(model, tree), *_surfaces(model)] if what
+    ]
+
+
+def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
+    """Names of elements and what has no counterpart, empty if they have one."""
+    for body in np.flatnonzero(~model.bodies.free & ~model.bodies.fixed):
+        yield model.bodies.name[body], "a body that moves on a schedule"
+    for spec in model.mechanism.bodies:
+        if any(isinstance(shape, Polyline) and not shape.radius for shape in spec.shapes):
+            yield spec.name, "a polyline without a radius"
+    for joint, (name, joints) in enumerate(zip(model.joints.name, model.joints.kind, strict=True)):
+        yield name, (joints.mujoco or (joints.mujoco_loop if joint in tree.loops else "")
+                     or _friction(model.joints, joint))
+    for spring, name in enumerate(model.springs.name):
+        yield name, model.springs.kind[spring].mujoco or _law(model.springs, spring)
+    for tendon, name in enumerate(model.tendons.name):
+        yield name, _wheel(model, tendon)
+    for name in (*model.lines.name, *model.valves.name):
+        yield name, FLUID
+    for load in model.mechanism.loads:
+        yield load.name, LAW
+    for name in model.ties.name:
+        yield name, LOOSE
+    for drive, kind in zip(model.mechanism.drives, model.drives.kind, strict=True):
+        varies = not isinstance(signal_of(drive, model.mechanism), Constant)
+        rigid = kind.places and getattr(drive, "stiffness", None) is None
+        yield drive.name, (kind.mujoco or (kind.mujoco_varied if varies else "")
+                           or ("a drive that goes rigidly to a place" if rigid else ""))
+
+
+def _friction(joints: Joints, joint: int) -> str:
+    if joints.rubbing[joint]:
+        return "dry friction that hangs on what its joint carries"
+    return STATIC if joints.static[joint] > 1 else ""
+
+
+def _law(springs: Springs, spring: int) -> str:
+    law = springs.law[spring]
+    if law is None:
+        return ""
+    if law.own is not None:
+        return "a spring whose force is a law of its own"
+    if law.damping:
+        return "a damper that acts on one side only"
+    return "" if springs.straight[spring] else "a spring about a hinge that acts on one side only"
+
+
+def _wheel(model: Model, tendon: int) -> str:
+    if len(model.tendons.gripped(tendon)):
+        return "a tendon that guides hold by friction"
+    if model.tendons.closed[tendon]:
+        return "a tendon that is a loop"
+    path = model.tendons.guides(tendon)
+    bodies, radii = model.tendons.guide_body[path].tolist(), model.tendons.guide_radius[path]
+    if radii[0] or radii[-1]:
+        wound = bodies[0] if radii[0] else bodies[-1]
+        return f"a tendon wound on a wheel that it turns, here {model.bodies.name[wound]!r}"
+    points = [to_world(pose(model, body), vec(at))
+              for body, at in zip(bodies, model.tendons.guide_at[path], strict=True)]
+    off = lifted_at_start(model)
+    for i, radius in enumerate(radii.tolist()):
+        if not radius:
+            continue
+        if model.tendons.guide_turns[path.start + i]:
+            return "a tendon that goes whole turns round a wheel"
+        if radii[i - 1] or radii[i + 1]:
+            return "a tendon that goes from wheel to wheel without an eye between them"
+        wrap = wrap_round(points[i - 1], points[i], points[i + 1], radius,
+                          past=bool(off[path.start + i]))
+        body = model.bodies.name[bodies[i]]
+        if wrap is None:
+            return f"a tendon with an eye inside its wheel, here {body!r}"
+        if wrap.crosses:
+            return f"a tendon that crosses itself behind a wheel, here {body!r}"
+    return ""
+
+
+def _surfaces(model: Model) -> Iterator[tuple[str, str]]:
+    mechanism, materials = model.mechanism, materials_of(model.mechanism)
+    meeting: set[str | None] = set()
+    bouncing: set[str | None] = set()
+    for a, b, _ in contact_pairs(model):
+        both = {mechanism.bodies[a].material, mechanism.bodies[b].material}
+        meeting |= both
+        if materials[a].restitution and materials[b].restitution:
+            bouncing |= both
+    for name, material in mechanism.materials.items():
+        if name in bouncing:
+            yield MATERIAL + name, "a coefficient of restitution"
+        if name in meeting and material.static > 1:
+            yield MATERIAL + name, STATIC
+    for rule in mechanism.contacts:
+        if (rule.static or 1) > 1:
+            yield rule_name(rule), STATIC
