@@ -14,7 +14,6 @@ import click
 
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
-from sandbox.cli.moved import compare_sweeps, sweep_directory
 from sandbox.cli.plot import response_data
 from sandbox.cli.runs import (
     PICTURES,
@@ -63,28 +62,18 @@ class Cost:
 @target_option
 @file_option((*PICTURES, ".csv"), "A picture (.png, .svg, .pdf) or the table (.csv). May be given "
              "several times.")
-@click.option("--tolerance", type=click.FloatRange(min=0), metavar="SHARE",
-              help="Of two sweeps: the share by which numbers may differ and count as the same; "
-                   "1e-6 by default.")
-@click.option("--step-check", type=click.IntRange(min=1), is_flag=False, flag_value=3, metavar="N",
-              help="Of two sweeps: what may differ is what N runs of the first (3 if you do not "
-                   "say) move by when their step is halved.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 def compare(
     runs: tuple[str, ...], quantities: tuple[str, ...], targets: dict[str, str],
-    files: tuple[Path, ...], tolerance: float | None, step_check: int | None, as_json: bool,
-    quiet: bool,
+    files: tuple[Path, ...], as_json: bool, quiet: bool,
 ) -> int:
-    """Compare saved runs: overshoot, settling, steady error, effort. Or two sweeps.
+    """Compare saved runs: overshoot, settling, steady error, effort.
 
     A RUN is the directory of a run, or the name of a scene whose run lies in
     renders/. Overshoot is a share of the step to the target; settling is the
     last time outside of +-2 % of the target; the steady error is the mean over
     the last 5 % of the run; IAE the integral of the error's size.
-
-    Of the directories of two sweeps it says which of what they kept moved from
-    the first to the second, in rows with the same values.
     """
     from sandbox.draw.figure.comparison import Compared
     from sandbox.recording.new_run import made
@@ -92,10 +81,6 @@ def compare(
     from sandbox.samples.targets import targets as goals_of
 
     console = Console(as_json=as_json, quiet=quiet)
-    if (pair := _pair_of_sweeps(runs, asked=bool(quantities or targets or files))) is not None:
-        return compare_sweeps(*pair, console, tolerance=tolerance, step_check=step_check)
-    if tolerance is not None or step_check is not None:
-        raise click.UsageError("--tolerance and --step-check are for the directories of two sweeps")
     opened = [open_run(word, console) for word in runs]
     recordings = [recording for _, recording in opened]
     given = target_values(targets, recordings)
@@ -118,23 +103,6 @@ def compare(
     if files:
         console.say("", *map(str, files))
     return Exit.DONE
-
-
-def _pair_of_sweeps(words: tuple[str, ...], *, asked: bool) -> tuple[Path, Path] | None:
-    """The directories of two sweeps; None where runs are meant.
-
-    Raises:
-        UsageError: a sweep with something else, or options that only runs have.
-    """
-    found = [sweep_directory(word) for word in words]
-    if not any(found):
-        return None
-    one, *others = found
-    if one is None or len(others) != 1 or others[0] is None:
-        raise click.UsageError("a sweep is compared with one other sweep")
-    if asked:
-        raise click.UsageError("--quantity, --target and --out are for runs, not for sweeps")
-    return one, others[0]
 
 
 def _quantities(

@@ -16,12 +16,17 @@ from sandbox.wording import meant
 
 COMMANDS = {
     **{name: name for name in (
-        "bounds", "certify", "check", "compare", "completion", "expand", "export", "new", "plot",
-        "push", "render", "report", "rest", "run", "schema", "search", "study", "sweep", "verify",
+        "bounds", "certify", "check", "compare", "completion", "equilibrium", "expand", "export",
+        "new", "plot", "push", "render", "report", "run", "schema", "search", "sweep", "verify",
         "view")},
     "list": "scenes",
 }
 """The module of each command in this package, which has it under the name that users type."""
+REMOVED = {
+    "rest": "Use 'sandbox equilibrium SCENE'.",
+    "study": "Use the scripts in docs/studies; of 'study robustness', a sweep over a grid.",
+}
+"""Commands of earlier versions, and what replaces each."""
 
 
 class _Commands(click.Group):
@@ -48,8 +53,9 @@ class _Commands(click.Group):
         name = args[0]
         if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:
             known = self.list_commands(ctx)
-            raise click.UsageError(f"No such command {name!r}.{meant(name, known)} "
-                                   f"Commands: {', '.join(known)}.", ctx)
+            advice = REMOVED.get(name) or \
+                f"{meant(name, known).lstrip()} Commands: {', '.join(known)}."
+            raise click.UsageError(f"No such command {name!r}. {advice}", ctx)
         return super().resolve_command(ctx, args)
 
 

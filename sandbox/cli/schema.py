@@ -21,7 +21,7 @@ def schema(study: bool, out: Path | None) -> None:
     An editor completes and checks a scene whose "$schema" names it.
     """
     if study:
-        from sandbox.sweeps.schema import study_schema
+        from sandbox.sweeps.spec import study_schema
 
         made = study_schema()
     else:
