@@ -70,6 +70,11 @@ def test_a_search_goes_on_from_what_it_did(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("more", "said"), [
     ({}, "least or most"),
+    ({"least": "bowl", "most": "bowl"}, "'bowl' cannot be least and most"),
+    ({"least": "bowl", "seed": 2**32}, "not 4294967296"),
+    ({"least": "bowl", "runs": 10**12}, "the search has 1 000 000 000 000 runs"),
+    ({"least": "none", "keep": ["none==sqrt(a - 99)"], "runs": 5},
+     "no run of 5 has an answer: none: '=sqrt"),
     ({"least": "bowll"}, "did you mean 'bowl'"),
     ({"least": "bowl", "where": "side > 7", "runs": 20}, "no run of 20 meets all conditions"),
     ({"least": "bowl", "sampler": "cmae"}, "did you mean 'cmaes'"),
