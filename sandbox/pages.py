@@ -58,12 +58,6 @@ FAMILIES: dict[str, tuple[str, ...]] = {
         ": .* is no number$", ": .* is not finite$", "say which file has what was measured",
         "the noise of", "no column of .* has the name", "has no number in",
         "numbers to be compared", "has times from", "has not the times and columns", ", row 1: "),
-    "two-sweeps-compared": (
-        "there is nothing to compare", "no sweep that can be read",
-        "has several rows with the same", "its own rows say what halving",
-        "is not what it was then", "with half its step", "compared with one other sweep",
-        "are for runs, not for sweeps", "for the directories of two sweeps",
-        "say what counts as moved"),
     "what-a-study-varies-and-keeps": (
         "the study ", "a study is", "the search does not say", "say what is varied",
         "is varied twice", "is given values twice", "a design ", "paired paths",
@@ -75,7 +69,7 @@ FAMILIES: dict[str, tuple[str, ...]] = {
         "quantities of each run would be kept", "whole recordings need", "a seed is a number",
         "is a study file", "says this itself", "shape parameters", "a .* needs a count"),
     "what-a-search-asks": (
-        "a search does not vary", "is no condition", "no run keeps", "the closed form",
+        "a search does not vary", "is no condition", "no run keeps",
         "a fit varies", "say what is kept", "what matters is asked", "[Ss]obol's points",
         "the count is 4 or more", "say what is to be least or most", "cannot be least and most",
         "there is no (method|sampler|search) ", "cmaes looks", "the scene expects nothing: say",

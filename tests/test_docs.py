@@ -68,13 +68,11 @@ RUN_ELSEWHERE = {
     "dask worker tcp://127.0.0.1:8786 --nworkers 4 --nthreads 1 &": "tests/sweeps/test_cluster.py",
     "sandbox study sheaths": "tests/findings/test_sheaths.py, some of its points",
     "sandbox study identification": "tests/findings/test_identification.py, some of its runs",
-    "sandbox search fit identification --data measured.csv": "tests/search/test_search_command.py",
+    "sandbox search fit identification --data measured.csv": "tests/search/test_command.py",
     "python docs/make_reference.py": "test_the_tables_are_those_of_the_models",
     "python docs/make_scenes.py": "test_the_page_of_all_scenes_is_that_of_the_scenes",
     "python docs/make_gallery.py": "test_the_gallery_holds_what_the_docs_show",
     "sandbox study survival": "tests/findings/test_survival.py, and its maps one by one",
-    'sandbox study robustness survival_opposed --holds "moved < 5 mm" --coarse 6 --within 0.0417':
-        "tests/search/test_robustness.py, with quicker scenes",
     ".ci/run": "the project's checks",
 }
 """Every command of a ``sh`` block, and where it is run."""

@@ -317,7 +317,7 @@ def quantities(run: Recording) -> dict[str, str]:
     names += [f"{name}.{part}" for name in model.springs.name for part in ("force", "torque")]
     names += [f"{name}.pressure" for name in model.lines.name]
     contacts, bodies = run.contacts, model.bodies.name
-    for row, friction in enumerate(contacts.tangential):
+    for row, friction in enumerate(contacts.tangential.tolist()):
         pair = f"{bodies[contacts.body[row]]}/{bodies[contacts.other[row]]}"
         names += [f"{pair}.normal", *[f"{pair}.tangential"] * (abs(friction) > TOUCH)]
     return {name: run.unit(name) for name in names if name in run}

@@ -109,7 +109,7 @@ def test_a_shell_completes_commands(sandbox, monkeypatch, capfd):
     monkeypatch.setenv("COMP_CWORD", "1")
     with pytest.raises(SystemExit):
         sandbox()
-    assert capfd.readouterr().out.split() == ["plain,render", "plain,report", "plain,rest"]
+    assert capfd.readouterr().out.split() == ["plain,render", "plain,report"]
 
 
 def test_version(sandbox):
@@ -164,7 +164,7 @@ def test_check_tells_what_a_run_would_take_and_both_refuse_what_is_too_much(sand
 
 @pytest.mark.parametrize("words", [
     ["run", "single_finger"], ["render", "x"], ["export", "single_finger"], ["schema"],
-    ["study", "all"], ["verify"], ["plot", "x"], ["compare", "x", "y"], ["bounds", "x"]])
+    ["verify"], ["plot", "x"], ["compare", "x", "y"], ["bounds", "x"]])
 @pytest.mark.parametrize("empty", ["", "  "])
 def test_no_path_is_not_the_working_directory(sandbox, words, empty):
     said = sandbox(*words, "--out", empty)
