@@ -161,12 +161,14 @@ def sweep(
     if isinstance(workers, int):
         preload()
     from sandbox.sweeps.sweep import run_plan
+    from sandbox.sweeps.table import preload as preload_figures
 
     plan = _plan(scene, vary, chosen_limits(limits), keep=keep, design=design, count=count,
                  seed=seed, set=overrides, recordings=recordings, audit=not no_audit)
     folder = out or SWEEPS / default_directory(plan.name).name
     prepare(folder)
     console.say(f"{plan.name}: {len(plan)} runs of {plan.loaded.mechanism.name}")
+    preload_figures()
     with (told_how_to_go_on(folder, console), worker_compilation_notices(console),
           Progress("sweep", shown=console.shows_progress) as bar):
         found = run_plan(plan, folder, workers=workers, again=again,

@@ -7,6 +7,7 @@ import json
 import math
 import os
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
@@ -16,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from sandbox import __version__
+from sandbox.draw.figure import style
 from sandbox.draw.figure.sweeps import FoundLine, SweepColumn, SweepDrawing, draw_sweep
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array, Flags
@@ -164,6 +166,13 @@ class SweepTable:
         with written_whole(directory / PARQUET) as part:
             parquet.write_table(pyarrow.table(plain, schema=schema), part,
                                 row_group_size=ROW_GROUP)
+
+
+def preload() -> None:
+    """Import what writes tables and figures, while worker processes load the engine."""
+    style.load()
+    with suppress(ImportError):
+        import_module("pyarrow.parquet")
 
 
 def _flags(values: Array) -> list[bool | None]:
