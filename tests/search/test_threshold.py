@@ -50,13 +50,6 @@ def test_the_scenes_own_expectations_are_the_condition():
     assert "between 2.506" in found.certificate
 
 
-def test_a_search_that_was_done_runs_nothing(tmp_path, monkeypatch):
-    words = {"vary": {"parameters.push": "1 N:6 N"}, "out": tmp_path}
-    found = sandbox.search.threshold(PUCK, **words)
-    monkeypatch.setattr("sandbox.sweeps.workers.Processes", None)
-    assert sandbox.search.threshold(PUCK, **words) == found
-
-
 def test_a_search_that_was_stopped_goes_on(tmp_path, monkeypatch):
     from sandbox.sweeps.log import Log
 

@@ -27,12 +27,6 @@ def test_a_grid_is_all_with_all_and_the_last_changes_fastest():
     assert found.is_grid
 
 
-def test_numbers_keep_the_unit_that_they_were_written_in():
-    found = points({"a": {"from": "2 mm", "to": "8 mm", "count": 7}})
-    assert [found[run]["a"] for run in range(7)] == [f"{k}.0 mm" for k in range(2, 9)]
-    assert numbers(found, "a").tolist() == [0.002, 0.003, 0.004, 0.005, 0.006, 0.007, 0.008]
-
-
 def test_a_log_scale_goes_in_even_ratios_and_ends_where_it_is_to_end():
     values = numbers(points({"a": {"from": 1, "to": 1000, "count": 4, "scale": "log"}}), "a")
     assert values == pytest.approx([1, 10, 100, 1000], rel=1e-14)

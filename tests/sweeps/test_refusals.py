@@ -30,16 +30,6 @@ def test_more_workers_than_processors_can_do_with(workers, tmp_path: Path):
     assert not (tmp_path / "out" / "rows").exists()
 
 
-def test_two_results_of_one_name():
-    problem, = problems(vary={"parameters.push": [1, 2]}, keep=["v=puck.vx", "v=puck.x"])
-    assert "two results have the name 'v'" in problem.message
-
-
-def test_a_number_that_is_none_is_one_problem():
-    problem, = problems(vary={"parameters.push": [1.0, float("nan")]})
-    assert "must be finite" in problem.message
-
-
 @pytest.mark.parametrize(("text", "said"), [
     ('{"scene": "x.json", "vary": {"p": [1, NaN]}}', "NaN is not a number"),
     ('{"scene": "x.json", "vary": ' + "[" * 60 + "]" * 60 + "}", "nested deeper"),
@@ -136,14 +126,3 @@ def test_a_slip_on_the_command_line_is_told_as_it_was_typed(
     said, page = capsys.readouterr().err.splitlines()
     assert said.startswith(told)
     assert page.startswith("docs/messages.md#")
-
-
-def test_what_misses_expectations_is_counted(tmp_path, capsys):
-    scene = tmp_path / "puck.json"
-    scene.write_text(json.dumps(PUCK))
-    words = ["sweep", str(scene), "--vary", "parameters.push=1, 2, 3, 4", "--workers", "1",
-             "--out", str(tmp_path / "out")]
-    assert invoke(words) == 0
-    assert ("2 of 4 runs miss what the scene expects: puck.vx (2)\n") in capsys.readouterr().out
-    assert invoke([*words, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["missed"] == 2
