@@ -224,7 +224,7 @@ def _run(
     as_json: bool, quiet: bool, **limits: Any,
 ) -> int:
     """Run a search and report the result; the exit code."""
-    from sandbox.sweeps.workers import preload
+    from sandbox.sweeps.processes import preload
 
     if isinstance(workers, int):
         preload()

@@ -56,7 +56,7 @@ def read_varied(
 def read_workers(ctx: click.Context, param: click.Parameter, word: str | None) -> int | str:
     """A number of processes, 0 for one for each processor, or the address of a scheduler."""
     from sandbox.errors import SandboxError
-    from sandbox.sweeps.workers import check_workers
+    from sandbox.sweeps.processes import check_workers
 
     if word is None:
         return 0
@@ -154,7 +154,7 @@ def sweep(
     run, and sweep.png; of a grid of two paths a map. Finished runs are not
     repeated: the same command resumes an interrupted sweep.
     """
-    from sandbox.sweeps.workers import preload
+    from sandbox.sweeps.processes import preload
 
     console = Console(as_json=as_json, quiet=quiet)
     began = time.perf_counter()

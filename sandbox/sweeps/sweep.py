@@ -16,10 +16,11 @@ from sandbox.scene.read.paths import JsonPath, path_text
 from sandbox.sweeps.job import DONE
 from sandbox.sweeps.log import Log
 from sandbox.sweeps.plan import Plan, plan_of, read_plan
+from sandbox.sweeps.processes import check_workers
 from sandbox.sweeps.spec import parse_result
 from sandbox.sweeps.table import SweepTable, make_table, write_spec
 from sandbox.sweeps.vary import parse_values
-from sandbox.sweeps.workers import Evaluator, check_workers
+from sandbox.sweeps.workers import Evaluator
 from sandbox.whole_files import place
 from sandbox.wording import WrongValueError, quoted
 

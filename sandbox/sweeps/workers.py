@@ -13,7 +13,6 @@ from contextlib import ExitStack
 from importlib import import_module
 from itertools import islice
 from multiprocessing.connection import wait as wait_for_sentinel
-from multiprocessing.context import BaseContext
 from pathlib import Path
 from typing import Any, Protocol, Self
 
@@ -22,10 +21,9 @@ from sandbox.engine.compiling import on_compiling, report_worker_compilation
 from sandbox.errors import SandboxError
 from sandbox.sweeps.job import DIED, Override, SweepJob, SweepRow, Task, run_id
 from sandbox.sweeps.log import Log
+from sandbox.sweeps.processes import check_workers, preload
 from sandbox.wording import quoted
 
-MAX_PER_PROCESSOR = 4
-"""Worker processes for each processor; each needs some 200 MB."""
 ATTEMPTS = 2
 """Worker processes that one run may end."""
 CONNECT_TIMEOUT = 10.0
@@ -34,8 +32,6 @@ CLUSTER_TASKS = 1000
 """Runs that are at a cluster at a time; more are sent when half of them are done."""
 RETRIES = 2
 """Further attempts of a run that fails on a cluster."""
-LOADED = "sandbox.sweeps.runner"
-"""The module that worker processes need; it loads the engine."""
 
 
 class Workers(Protocol):
@@ -49,29 +45,6 @@ class Workers(Protocol):
 
     def results(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
         """The rows of all tasks as they are finished, in any order."""
-
-
-def processors() -> int:
-    """Processors that this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # not on every system
-        return os.cpu_count() or 1
-
-
-def check_workers(workers: int | str) -> int | str:
-    """Number of worker processes, 0 replaced by one for each processor; or an address.
-
-    Raises:
-        SandboxError: a negative number, or more than :data:`MAX_PER_PROCESSOR` for each processor.
-    """
-    if isinstance(workers, str):
-        return workers
-    most = MAX_PER_PROCESSOR * processors()
-    if not 0 <= workers <= most:
-        raise SandboxError(f"{workers} worker processes are not begun (allowed: 1 to {most}, "
-                           f"{MAX_PER_PROCESSOR} for each processor)")
-    return workers or processors()
 
 
 class Evaluator:
@@ -142,23 +115,6 @@ class Evaluator:
 
 
 # -- processes -----------------------------------------------------------------------
-
-
-def preload() -> BaseContext:
-    """Start to load the engine for worker processes in the background; their context.
-
-    Workers are copies of one process that has loaded the engine, where the system can copy
-    processes. A worker first loads the script that it belongs to; if this script starts workers
-    without ``if __name__ == "__main__":``, the worker ends here.
-    """
-    if getattr(multiprocessing.current_process(), "_inheriting", False):
-        os._exit(1)
-    if "forkserver" not in multiprocessing.get_all_start_methods():
-        return multiprocessing.get_context("spawn")
-    server = import_module("multiprocessing.forkserver")
-    server.set_forkserver_preload([LOADED])
-    server.ensure_running()
-    return multiprocessing.get_context("forkserver")
 
 
 class Processes:
