@@ -141,8 +141,6 @@ CODES: dict[str, tuple[str, str]] = {
                      "unintended.", ""),
     "stiff-step": ("A spring or damper is too fast for the step. Use a smaller one for its "
                    "vibration.", "certify.md"),
-    "sweeps-differ": ("The sweeps share no comparable rows. Compare sweeps with common paths.",
-                      "sweeps.md#two-sweeps"),
     "tendon-length": ("The tendon is too short for its path. Change `rest_length`, slack or "
                       "pretension.", "scenes.md#cords-belts-and-their-friction"),
     "too-complex": ("Too many contacts or loops act at once. Simplify bodies or joints.",

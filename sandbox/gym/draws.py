@@ -9,8 +9,9 @@ from typing import Any
 
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.read.limits import Limits
+from sandbox.sweeps.job import Override
 from sandbox.sweeps.plan import plan_of
-from sandbox.sweeps.points import Override, Points
+from sandbox.sweeps.points import make_points
 from sandbox.sweeps.spec import SweepSpec
 from sandbox.sweeps.sweep import study_data
 
@@ -26,7 +27,7 @@ class Draws:
 
     def drawn(self, seed: int) -> dict[str, Override]:
         """Values by path; of the same seed the same."""
-        return Points(self.spec.model_copy(update={"seed": seed}))[0]
+        return make_points(self.spec.model_copy(update={"seed": seed}))[0]
 
 
 def read_draws(
