@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.audit.bounds import known_by_sum, push_limits
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.pushes import known_by_sum, push_limits
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
