@@ -47,6 +47,8 @@ STARTS = 0.1
 LANDS = 0.2
 """Share of a step's approach by which one point may miss the surface: the normal turns in it. Of
 several points each has its own gap."""
+ROUND = 0.01
+"""Radius [m] at which surfaces that slide may bend away from their tangent within a step."""
 DEEP = 0.01
 """Share of the smaller body up to which outlines may overlap that do not touch: chords of curves.
 """
@@ -245,6 +247,13 @@ class _Rows:
             on[bodies.ravel()] = True
         return np.asarray((on & model.bodies.free)[np.stack(self.sides)].any(axis=0))
 
+    @property
+    def spins(self) -> tuple[Array, Array]:
+        """How fast either body turns in the step, at most [rad/s]."""
+        turning = np.abs(self.evidence.velocity[2]) + np.abs(self.change[2])
+        one, two = (turning[b, self.sample] for b in self.sides)
+        return one, two
+
     @cached_property
     def landing(self) -> Array:
         """How far bodies come nearer in a step at the rate before it [m]."""
@@ -282,8 +291,7 @@ class _Rows:
         """
         h, evidence = self.h, self.evidence
         fast = (np.abs(evidence.velocity) + np.abs(self.change)).max(axis=(0, 1))[self.sample]
-        spin = sum((np.abs(evidence.velocity[2]) + np.abs(self.change[2]))[b, self.sample]
-                   for b in self.sides)
+        spin = sum(self.spins)
         answer = sum(self.inverse[b, 0] + self.inverse[b, 2] * (arm**2).sum(axis=1)
                      for b, arm in zip(self.sides, self.arms, strict=True))
         most = peak(np.hypot(self.normal, self.force))
@@ -323,8 +331,13 @@ def _closes(rows: _Rows) -> Figure:
     # curved surfaces that stay closed have no rate at mid-step, and one at the step's end
     low, high = np.sort([gap + h * last, gap + h * (first + last) / 2], axis=0)
     error = np.maximum(np.maximum(np.minimum(gap, low), np.minimum(gap, 0.0) - high), 0.0)
+    slide = np.abs(rows.sliding).max(axis=0)
+    bend = slide**2 / ROUND + sum(
+        spin * (slide + spin * np.hypot(*arm.T))
+        for spin, arm in zip(rows.spins, rows.arms, strict=True))
     rows.add(worst, np.where(rows.normal < 0, np.inf, error),
-             evidence.open + np.where(rows.one, LANDS, 1.0) * rows.landing,
+             evidence.open + np.where(rows.one, LANDS, 1.0) * rows.landing
+             + h * rows.unsure + h**2 * bend,
              evidence.one_normal & ~rows.struck & (np.abs(rows.normal) > TOUCH))
     for sample in np.unique(np.linspace(0, len(evidence.run) - 1, POSES).astype(int)).tolist():
         for pair, depth in overlaps(evidence.alone(sample)):
