@@ -36,7 +36,7 @@ OPPOSITES: dict[type[ast.AST], type[ast.AST]] = {
 OPPOSITES |= {new: old for old, new in OPPOSITES.items()}
 FIELDS_LEFT_OUT = {"annotation", "returns", "decorator_list"}
 NODES_LEFT_OUT = (ast.Raise, ast.Assert, ast.JoinedStr)
-NO_NUMBERS = (ast.JoinedStr, ast.List, ast.Tuple, ast.Dict, ast.Set)
+NO_NUMBERS = (ast.JoinedStr, ast.List, ast.Tuple, ast.Dict, ast.Set, ast.ListComp)
 
 
 class Mutant(NamedTuple):

@@ -148,8 +148,8 @@ def _cams(mechanism: Mechanism) -> Iterator[Problem]:
             if isinstance(shape, Polygon) and shape.swing is not None:
                 lift, beyond, turn = shape.swing
                 yield look(
-                    "bad-table", f"$.bodies[{i}].shapes[{k}]", body.name, f"the lift of its cam swings to "
-                    f"{mm(lift)} at a turn of {deg(turn)}, {mm(beyond)} beyond its entries",
+                    "bad-table", f"$.bodies[{i}].shapes[{k}]", body.name,
+                    f"the lift of its cam swings to {mm(lift)} at a turn of {deg(turn)}, {mm(beyond)} beyond its entries",
                     "give more entries there, in a dwell one every 10 deg")
 
 
