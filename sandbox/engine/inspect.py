@@ -149,7 +149,8 @@ def _cams(mechanism: Mechanism) -> Iterator[Problem]:
                 lift, beyond, turn = shape.swing
                 yield look(
                     "bad-table", f"$.bodies[{i}].shapes[{k}]", body.name,
-                    f"the lift of its cam swings to {mm(lift)} at a turn of {deg(turn)}, {mm(beyond)} beyond its entries",
+                    f"the lift of its cam swings to {mm(lift)} at a turn of {deg(turn)}, "
+                    f"{mm(beyond)} beyond its entries",
                     "give more entries there, in a dwell one every 10 deg")
 
 
