@@ -111,8 +111,6 @@ CODES: dict[str, tuple[str, str]] = {
                      "searches.md#a-threshold"),
     "not-allowed": ("The value is not one of the allowed words. Use one.", "elements.md"),
     "not-assembled": ("Bodies do not fit the joint at t = 0. Move them, or change its length.", ""),
-    "not-held": ("Nothing holds the body at this time. Choose another body or time.",
-                 "grasp.md#the-push-that-moves-it-sandbox-push"),
     "not-releasable": ("Events cannot release this element. Name an element they can.",
                        "elements.md#events"),
     "not-settable": ("A drive cannot set this property of this element. Use an allowed one.",
@@ -141,8 +139,6 @@ CODES: dict[str, tuple[str, str]] = {
                      "unintended.", ""),
     "stiff-step": ("A spring or damper is too fast for the step. Use a smaller one for its "
                    "vibration.", "certify.md"),
-    "sweeps-differ": ("The sweeps share no comparable rows. Compare sweeps with common paths.",
-                      "sweeps.md#two-sweeps"),
     "tendon-length": ("The tendon is too short for its path. Change `rest_length`, slack or "
                       "pretension.", "scenes.md#cords-belts-and-their-friction"),
     "too-complex": ("Too many contacts or loops act at once. Simplify bodies or joints.",

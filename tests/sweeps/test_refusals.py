@@ -1,15 +1,13 @@
 """What is asked wrongly of a sweep or a comparison is told in one line, before anything runs."""
 
 import json
-import shutil
 from pathlib import Path
 
 import pytest
 
 import sandbox
 from sandbox.cli.entry import invoke
-from sandbox.errors import OutputError, SandboxError, SceneError
-from sandbox.sweeps.compared import read_kept
+from sandbox.errors import SandboxError, SceneError
 from sandbox.sweeps.plan import plan_of, study_file
 from sandbox.sweeps.sweep import study_data
 from sandbox.sweeps.words import varied_from
@@ -73,20 +71,6 @@ def kept(tmp_path_factory):
                   vary={"parameters.push": [1, 2]}, keep={"one": "=1.0"}, out=folder)
     return folder
 
-
-@pytest.mark.parametrize(("file", "old", "new"), [
-    ("table.csv", "status", "stat"), ("table.csv", "parameters.push", "parameters.pull"),
-    ("table.csv", ",1.0,done", ",one,done"), ("sweep.json", '"vary"', '"very"'),
-    ("sweep.json", '"study": {', '"study": ' + "[" * 100_000 + "{"),
-])
-def test_what_is_left_of_a_sweep_is_none(file, old, new, kept, tmp_path: Path):
-    shutil.copytree(kept, tmp_path / "kept")
-    path = tmp_path / "kept" / file
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new))
-    with pytest.raises(OutputError, match="no sweep that can be read"):
-        read_kept(tmp_path / "kept")
 
 
 def test_what_lacks_in_all_runs_is_said(tmp_path, capsys):
