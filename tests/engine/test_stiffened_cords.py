@@ -89,7 +89,7 @@ def test_a_stiff_one_rests_where_its_stiffness_says() -> None:
 
 
 @pytest.mark.parametrize(("names", "words"), [
-    ({}, "and names neither"), ({"spring": "s", "tendon": "c"}, "not of both")])
+    ({}, "needs either 'spring' or 'tendon'"), ({"spring": "s", "tendon": "c"}, "needs either 'spring' or 'tendon'")])
 def test_it_sets_one_thing(names: dict[str, str], words: str) -> None:
     with pytest.raises(ValidationError, match=words):
         mechanism(drives=[{"type": "stiffness", "name": "k", **names}])
