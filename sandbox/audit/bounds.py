@@ -258,19 +258,6 @@ def bound_figure(evidence: Evidence) -> Figure:
             "them, {count:component}, worst: {where}" + widest[1])
 
 
-def known_by_sum(evidence: Evidence, body: int, sample: int = -1) -> list[tuple[int, int]]:
-    """Pairs that touch with several normals, of those coupled to a body in a sample, by number.
-
-    Only the sum of their forces is recorded. They are taken to carry any, so that a bound may be
-    too large, or none.
-    """
-    unknowns, group = _coupled(evidence, body, sample)
-    rows = sorted({one.contact for one in group.forces if one.contact >= 0 and one.free}
-                  ) if group is not None else []
-    a = unknowns.arrays
-    return [(int(a["contact_body"][row]), int(a["contact_other"][row])) for row in rows]
-
-
 def push_limits(
     evidence: Evidence, body: int, directions: Sequence[float], sample: int = -1,
 ) -> Array:

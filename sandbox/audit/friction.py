@@ -252,7 +252,7 @@ def _breaking_away(
 
 
 def carried(evidence: Evidence, joint: int) -> Array:
-    """What a joint carries and friction hangs on [N], [n]: of a groove what is across it."""
+    """Load of a joint that its friction depends on [N], [n]; of a groove the force across it."""
     force = evidence.run.arrays["joint_force"][:, joint]
     if evidence.model.joints.kind[joint].keeps != "groove":
         return np.asarray(np.hypot(force[:, 0], force[:, 1]))

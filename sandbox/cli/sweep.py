@@ -179,7 +179,7 @@ def _report(found: SweepTable, folder: Path, console: Console, seconds: float) -
                     + _most(failed))
     if looks := int(found.doubtful.sum()):
         names = sorted({name for each in found.looks.values() for name in each})
-        console.say(f"{looks} runs have an audit that asks for a look: {', '.join(names)}")
+        console.say(f"{looks} runs have warnings: {', '.join(names)}")
     console.say(f"{folder}: {', '.join(files)}  ({seconds:.1f} s)")
     return Exit.DONE
 
@@ -197,7 +197,7 @@ def _summary(found: SweepTable) -> list[list[str]]:
 
 
 def _missed(found: SweepTable) -> list[int]:
-    """Runs of which not all expectations hold."""
+    """Runs of which an expectation failed."""
     return [run for run, holds in enumerate(found.holds.tolist()) if holds == 0]
 
 

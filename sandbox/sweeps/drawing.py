@@ -50,7 +50,7 @@ def draw(
     kept = [SweepColumn(name, plan.units.get(name, ""), values[here])
             for name, values in table.kept.items()]
     if not kept:
-        kept = [SweepColumn("expectations hold", "", np.nan_to_num(table.holds)[here])]
+        kept = [SweepColumn("expectations passed", "", np.nan_to_num(table.holds)[here])]
     draw_sweep(path, SweepDrawing(
         varied, kept, failed=~table.done[here], doubtful=table.doubtful[here],
         grid=plan.points.one_grid and not any(
