@@ -244,7 +244,7 @@ def _report(found: SweepTable, folder: Path, console: Console, seconds: float) -
         console.say(f"{len(missed)} of {len(found)} runs miss what the scene expects: {failed}")
     if looks:
         names = sorted({name for each in found.looks.values() for name in each})
-        console.say(f"{looks} runs have an audit that asks for a look: {', '.join(names)}")
+        console.say(f"{looks} runs have warnings: {', '.join(names)}")
     console.say(f"{folder}: {', '.join(files)}  ({seconds:.1f} s)")
     return Exit.DONE
 
