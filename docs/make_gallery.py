@@ -80,26 +80,12 @@ def study(name: str) -> Draw:
 
 
 def command(name: str, scene: str, *words: str) -> Draw:
-    """The picture that ``sandbox rest`` writes."""
+    """The picture that ``sandbox equilibrium`` writes."""
     def draw(work: Work, path: Path) -> None:
         folder = work.folder / name / scene
         if invoke([name, scene, *words, "--out", str(folder), "--quiet"]):
             raise SystemExit(f"sandbox {name} {scene} failed")
-        shutil.copyfile(folder / f"{name}.png", path)
-
-    return draw
-
-
-def robustness_map(*words: str) -> Draw:
-    """The map of the scene on docs/robustness.md."""
-    def draw(work: Work, path: Path) -> None:
-        page = Path(__file__).with_name("robustness.md").read_text(encoding="utf-8")
-        scene = work.folder / "incline.json"
-        scene.write_text(page.partition("```json scene\n")[2].partition("```")[0])
-        folder = work.folder / "robustness"
-        if invoke(["search", "robustness", str(scene), *words, "--out", str(folder), "--quiet"]):
-            raise SystemExit("the map of the incline failed")
-        shutil.copyfile(folder / "search.png", path)
+        shutil.copyfile(folder / ("rest.png" if name == "equilibrium" else f"{name}.png"), path)
 
     return draw
 
@@ -226,7 +212,7 @@ PICTURES: dict[str, Draw] = {
     "plots_finger.png": lines(
         "load.png", "run finger_model_control --no-render", "plot finger_model_control "
         "finger.mcp.angle finger.dip.angle k?.value --from 0.4s --to 700ms --out load.png"),
-    "rest_finger.png": command("rest", "single_finger"),
+    "rest_finger.png": command("equilibrium", "single_finger"),
     "sweeps_pull.png": lines(
         "pull/sweep.png", "sweep single_finger --vary 'parameters.pull=2 N:8 N:7' --set "
         "run.duration=0.6s --keep 'finger.*/disc.normal' --out pull"),
@@ -238,7 +224,7 @@ PICTURES: dict[str, Draw] = {
     "tutorial_finger_leaves.png": page_file("tutorial/finger.md", "leaves.png"),
     "tutorial_differential_ways.png": page_file("tutorial/differential.md", "ways.png"),
     "tutorial_hand_sweep.png": page_file("tutorial/hand.md", "pull/sweep.png"),
-    "snap_through_rest.png": command("rest", "snap_through", "--along",
+    "snap_through_rest.png": command("equilibrium", "snap_through", "--along",
                                        "parameters.load=0 N:1.5 N:21"),
     "sheathed_hand.png": film("sheathed_hand", at=1.9),
     **{f"howto_{name}.png": page_scene(f"howto/{name}.md", **how) for name, how in HOWTO.items()},
@@ -248,9 +234,6 @@ PICTURES: dict[str, Draw] = {
     "howto_figure.png": page_file("howto/figure.md", "closing.png"),
     "howto_figure_sweep.png": page_file("howto/figure.md", "masses.png", python=True),
     "howto_sweep.png": page_file("howto/sweep.md", "throw/sweep.png"),
-    "robustness.png": robustness_map(
-        "--over", "parameters.angle=0 deg:45 deg,parameters.mu=0.1:1.1", "--keep", "v=block.vx",
-        "--holds", "v > -0.01 mm/s", "--boundary", "mu - tan(angle)"),
 }
 
 

@@ -13,13 +13,15 @@ from concurrent.futures import ProcessPoolExecutor
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+if TYPE_CHECKING:
+    from tests.verification.case import Case
+
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))
-
-from tests.verification.case import CASES, Case  # noqa: E402
 
 MODULES = sorted(path.stem for path in (ROOT / "tests" / "verification").glob("test_*.py"))
 PAGE = Path(__file__).with_name("validation.md")
@@ -38,6 +40,8 @@ largest error by its tolerance.
 
 def cases(module: str) -> list[Case]:
     """The cases that a module of ``tests/verification`` defines."""
+    from tests.verification.case import CASES
+
     import_module(f"tests.verification.{module}")
     return [each for each in CASES.values() if each.module == f"tests.verification.{module}"]
 

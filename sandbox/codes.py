@@ -44,7 +44,7 @@ CODES: dict[str, tuple[str, str]] = {
     "bad-search": ("The search lacks a goal, condition or range. Add or correct it.",
                    "searches.md"),
     "bad-study": ("The study varies or keeps something impossible. Correct that entry.",
-                  "sweeps.md#what-is-varied"),
+                  "sweeps.md#values"),
     "bad-table": ("The points of the table are in the wrong order or too close. Correct them.",
                   "scenes.md#tables"),
     "bad-template": ("The template does not exist or is no object. Correct `like`.",
@@ -61,7 +61,7 @@ CODES: dict[str, tuple[str, str]] = {
     "circular-definition": ("Definitions depend on each other. Break the circle.",
                             "scenes.md#parameters-templates-and-changes-from-outside"),
     "cluster-unreachable": ("The Dask cluster does not answer or runs another version. Check its "
-                            "address and workers.", "sweeps.md#where-it-runs"),
+                            "address and workers.", "sweeps.md#workers"),
     "coincident-points": ("Two points coincide, so the line between them has no direction. Move "
                           "one.", ""),
     "conflicting-keys": ("Keys exclude or need each other. Remove one, or add the other.",
@@ -111,8 +111,6 @@ CODES: dict[str, tuple[str, str]] = {
                      "searches.md#a-threshold"),
     "not-allowed": ("The value is not one of the allowed words. Use one.", "elements.md"),
     "not-assembled": ("Bodies do not fit the joint at t = 0. Move them, or change its length.", ""),
-    "not-held": ("Nothing holds the body at this time. Choose another body or time.",
-                 "grasp.md#the-push-that-moves-it-sandbox-push"),
     "not-releasable": ("Events cannot release this element. Name an element they can.",
                        "elements.md#events"),
     "not-settable": ("A drive cannot set this property of this element. Use an allowed one.",
@@ -141,8 +139,6 @@ CODES: dict[str, tuple[str, str]] = {
                      "unintended.", ""),
     "stiff-step": ("A spring or damper is too fast for the step. Use a smaller one for its "
                    "vibration.", "certify.md"),
-    "sweeps-differ": ("The sweeps share no comparable rows. Compare sweeps with common paths.",
-                      "sweeps.md#two-sweeps"),
     "tendon-length": ("The tendon is too short for its path. Change `rest_length`, slack or "
                       "pretension.", "scenes.md#cords-belts-and-their-friction"),
     "too-complex": ("Too many contacts or loops act at once. Simplify bodies or joints.",
@@ -156,7 +152,7 @@ CODES: dict[str, tuple[str, str]] = {
     "unknown-type": ("No element has this `type`. Use one of those listed.", "elements.md"),
     "unsupported-format": ("A newer sandbox wrote the file. Install that version.", "files.md"),
     "worker-failed": ("A worker process ended early. Guard scripts with "
-                      "`if __name__ == \"__main__\"`; check memory.", "sweeps.md#where-it-runs"),
+                      "`if __name__ == \"__main__\"`; check memory.", "sweeps.md#workers"),
     "wrong-type": ("The value is of another kind, or the list of another length. Write what is "
                    "expected.", "elements.md"),
     "wrong-unit": ("The unit is unknown or of another dimension. Use a listed one.",

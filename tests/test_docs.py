@@ -65,7 +65,7 @@ RUN_ELSEWHERE = {
     "dask scheduler --port 8786 &": "tests/sweeps/test_cluster.py, with a scheduler of its own",
     "dask worker tcp://127.0.0.1:8786 --nworkers 4 --nthreads 1 &": "tests/sweeps/test_cluster.py",
     "sandbox search fit docs/studies/identification.json --data measured.csv":
-        "tests/search/test_search_command.py",
+        "tests/search/test_command.py",
     "python docs/make_reference.py": "test_the_tables_are_those_of_the_models",
     "python docs/make_scenes.py": "test_the_page_of_all_scenes_is_that_of_the_scenes",
     "python docs/make_gallery.py": "test_the_gallery_holds_what_the_docs_show",

@@ -38,9 +38,14 @@ def panels(rows: int, columns: int, width: float = 7.0, height: float = 2.6) -> 
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure, with legends where curves have labels."""
-    for cell in figure.axes:
-        if cell.get_legend_handles_labels()[0]:
+    """Write a figure: one legend above panels with the same labels, otherwise one in each."""
+    found = [(cell, *cell.get_legend_handles_labels()) for cell in figure.axes]
+    found = [(cell, handles, labels) for cell, handles, labels in found if labels]
+    if found and all(labels == found[0][2] for _, _, labels in found):
+        _, handles, labels = found[0]
+        figure.legend(handles, labels, loc="outside upper center", ncols=4, fontsize=8)
+    else:
+        for cell, *_ in found:
             cell.legend(fontsize=8)
     figure.savefig(path)
 

@@ -109,8 +109,11 @@ def main(argv: Sequence[str] | None = None) -> dict[str, float]:
             for flags, colour in ((locks, "C2"), (springs, "C0")):
                 cell.contourf(x, y, np.outer(flags[::10, j], flags[::10, i]), [0.5, 1.5],
                               colors=colour, alpha=0.5)
-            cell.plot(*np.degrees(curve[:, [i, j]].T), ".", color="C1", markersize=2)
-            cell.plot(*np.degrees(TARGET[[i, j]]), "k+", markersize=10)
+            cell.plot(*np.degrees(curve[:, [i, j]].T), ".", color="C1", markersize=2,
+                      label="antagonist")
+            cell.plot(*np.degrees(TARGET[[i, j]]), "k+", markersize=10, label="target")
+            for name, colour in (("springs", "C0"), ("locks", "C2")):
+                cell.fill([], [], color=colour, alpha=0.5, label=name)
             cell.set(xlim=(0, TOP[i]), ylim=(0, TOP[j]), xlabel=f"{HINGES[i]} [deg]",
                      ylabel=f"{HINGES[j]} [deg]", title=f"{pull:g} N")
     save(figure, options.out / "proposals_maps.png")
@@ -120,10 +123,11 @@ def main(argv: Sequence[str] | None = None) -> dict[str, float]:
         found[f"{name}, highest"] = float(high.min())
         print(f"{name}: holds all three joints from {low.max():.2f} to {high.min():.2f} N"
               if low.max() < high.min() else f"{name}: no pull holds all three joints")
-        for i in range(3):
-            axes[0, 0].barh(y + (i - 1) / 4, min(high[i], 45) - low[i], 0.2, low[i], color=f"C{i}")
-        axes[0, 0].text(45.5, y, name, va="center", fontsize=8)
-    axes[0, 0].set(xlabel="pull [N]; bars: mcp, pip, dip", yticks=[], xlim=(0, 75))
+        for i, hinge in enumerate(HINGES):
+            axes[0, 0].barh(y + (i - 1) / 4, min(high[i], 45) - low[i], 0.2, low[i], color=f"C{i}",
+                            label="" if y else hinge)
+    axes[0, 0].set(xlabel="pull that holds the target [N]", xlim=(0, 45))
+    axes[0, 0].set_yticks(range(len(devices)), list(devices), fontsize=8)
     save(figure, options.out / "proposals_pulls.png")
     return found | confirm(reach)
 

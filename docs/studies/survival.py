@@ -53,7 +53,7 @@ def draw(path: Path, maps: Sequence[tuple[str, np.ndarray, np.ndarray | None]],
     figure, axes = panels(-(-len(maps) // columns), columns, 8.0, 2.6)
     extent = (x[1], x[2], y[1], y[2])
     for cell, (title, holds, line) in zip(axes.flat, maps, strict=True):
-        cell.imshow(holds, origin="lower", extent=extent, aspect="auto", cmap="RdYlGn", vmin=-0.3,
+        cell.imshow(holds, origin="lower", extent=extent, aspect="auto", cmap="RdYlBu", vmin=-0.3,
                     vmax=1.3)
         if line is not None:
             n = len(line)
@@ -61,6 +61,8 @@ def draw(path: Path, maps: Sequence[tuple[str, np.ndarray, np.ndarray | None]],
             cell.contour(*at, line, levels=[0], colors="black")
         cell.set_title(title, fontsize=9)
         cell.set(xlabel=x[0], ylabel=y[0])
+    line = "" if maps[0][2] is None else "; line: closed form"
+    figure.suptitle(f"blue: holds; orange: does not{line}", fontsize=9)
     save(figure, path)
 
 

@@ -15,20 +15,16 @@ import numpy as np
 from sandbox.audit.balance import balance_figures
 from sandbox.audit.bounds import bound_figure
 from sandbox.audit.contacts import contact_figures
-from sandbox.audit.differential import differential_figure
 from sandbox.audit.driven import driven_figures
 from sandbox.audit.energy import energy_figures
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, figure_data, missing
 from sandbox.audit.fluids import fluid_figures
+from sandbox.audit.friction import friction_figures
 from sandbox.audit.geometry import geometry_figures
-from sandbox.audit.grips import grip_figures
 from sandbox.audit.laws import law_figures
-from sandbox.audit.loads import load_figures
 from sandbox.audit.motion import motion_figures
 from sandbox.audit.rest import rest_figures
-from sandbox.audit.rubs import rub_figures
-from sandbox.audit.servos import servos
 from sandbox.audit.ties import tie_figures
 from sandbox.samples.samples import Samples
 
@@ -36,16 +32,12 @@ __all__ = ["Figure", "audit", "figure_data"]
 
 PARTS: tuple[tuple[str, Callable[[Evidence], Iterable[Figure]]], ...] = (
     ("geometry", geometry_figures),
-    ("differential", lambda evidence: [differential_figure(evidence)]),
     ("motion", motion_figures),
     ("laws", law_figures),
-    ("loads", load_figures),
-    ("grips", grip_figures),
-    ("rubs", rub_figures),
+    ("friction", friction_figures),
     ("fluids", fluid_figures),
     ("release", tie_figures),
     ("driven", driven_figures),
-    ("drive.place", lambda evidence: [servos(evidence)]),
     ("balance", balance_figures),
     ("energy", energy_figures),
     ("rest", rest_figures),

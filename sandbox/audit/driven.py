@@ -1,4 +1,4 @@
-"""Figures of what is set and limited: drives against their signals, motors, stops, work."""
+"""Figures of drives and stops: signals, motors, servos, work."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sandbox.audit.belts import surface_power
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import (
     DIGITS,
     EXACT,
+    NOT_EVERY_STEP,
     ROUNDING,
     SMALLEST_SCALE,
     STILL,
@@ -24,7 +24,7 @@ from sandbox.audit.figures import (
 )
 from sandbox.model.starts import lengthening, turning
 from sandbox.model.ties import held_one
-from sandbox.numeric import Array, Flags
+from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.elements.controllers import writes_of
 from sandbox.scene.mechanism import Mechanism, signal_of
 from sandbox.scene.values.signals import values
@@ -36,11 +36,12 @@ HELD, FADED = 1e-10, 0.01
 
 
 def driven_figures(evidence: Evidence) -> Iterator[Figure]:
-    """Signals, motors and brakes, stops, work."""
+    """Signals, motors and brakes, stops, work, servos."""
     yield _signals(evidence)
     yield _motors(evidence)
     yield _stops(evidence)
     yield _works(evidence)
+    yield _places(evidence)
 
 
 def set_while_running(mechanism: Mechanism) -> set[str]:
@@ -75,9 +76,7 @@ def _motors(evidence: Evidence) -> Figure:
     """Motors and brakes give what keeps their speed at the end of a step, or the most they can."""
     model, a, worst = evidence.model, evidence.run.arrays, Worst()
     h, drives = evidence.h, model.drives
-    rates = evidence.rates_after
-    shared = np.bincount([int(drives.target[i]) for i, kind in enumerate(drives.kind)
-                          if kind.limited], minlength=len(model.joints.name))
+    rates, shared = evidence.rates_after, _limited_drives(evidence)
     for i, kind in enumerate(drives.kind):
         if not kind.limited:
             continue
@@ -88,7 +87,7 @@ def _motors(evidence: Evidence) -> Figure:
         if np.isfinite(largest):
             worst.add(f"limit of {drives.name[i]}",
                       np.maximum(np.abs(torque) - most, 0.0) / largest, EXACT)
-        if shared[j] > 1 or kind.places:  # of these sandbox.audit.servos
+        if shared[j] > 1 or kind.places:
             continue
         if not np.isnan(drives.slope[i]):
             _line(evidence, i, worst)
@@ -105,6 +104,15 @@ def _motors(evidence: Evidence) -> Figure:
         none="there is no motor and no brake",
         why="rates and torques of motors and brakes against what they are to hold and may give, "
             "{count:comparison}, worst: {where}")
+
+
+def _limited_drives(evidence: Evidence) -> Integers:
+    """How many drives with a limit each joint has, [nj]."""
+    drives = evidence.model.drives
+    limited = [target for target, kind in zip(drives.target, drives.kind, strict=True)
+               if kind.limited]
+    return np.bincount(np.array(limited, dtype=np.int64),
+                       minlength=len(evidence.model.joints.name))
 
 
 def _line(evidence: Evidence, drive: int, worst: Worst) -> None:
@@ -213,8 +221,7 @@ def _works(evidence: Evidence) -> Figure:
     """Work, added up, against forces and rates of every recorded step."""
     name, source = "work", "W = Σ h F v"
     if not evidence.every_step:
-        return missing(name, source=source, why="not every step was recorded; run.sample_rate = 1 "
-                       "/ run.step records them all")
+        return missing(name, source=source, why=NOT_EVERY_STEP)
     worst, h = Worst(), evidence.h
     for label, power, work in _powers(evidence):
         each = h * power
@@ -263,4 +270,72 @@ def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
         j = model.drives.target[i]
         yield model.drives.name[i], loads.given[i] * rates[j], a["drive_work"][:, i]
     for i in model.drives.giving("surface").tolist() if evidence.one_normal.all() else []:
-        yield model.drives.name[i], surface_power(evidence, i), a["drive_work"][:, i]
+        on = np.isin([a["contact_body"], a["contact_other"]], model.drives.target[i]).any(axis=0)
+        friction = np.bincount(a["contact_sample"][on], evidence.run.contacts.tangential[on],
+                               len(evidence.run))
+        yield (model.drives.name[i], model.drives.sense[i] * a["drive_value"][:, i] * friction,
+               a["drive_work"][:, i])
+
+
+def _places(evidence: Evidence) -> Figure:
+    """Drives with a stiffness give what its law says; rigid ones come nearer to their targets."""
+    drives, worst, shared = evidence.model.drives, Worst(), _limited_drives(evidence)
+    for i, kind in enumerate(drives.kind):
+        if not kind.places:
+            continue
+        if np.isfinite(drives.stiffness[i]):
+            worst.add(drives.name[i], *_sprung(evidence, i))
+        elif evidence.every_step and shared[drives.target[i]] == 1:
+            worst.add(drives.name[i], *_approach(evidence, i))
+    return worst.figure(
+        "drive.place", "", source="τ = k (u − q) − c q′ or q → u",
+        none="no drive with a stiffness goes to a place, or not every step was recorded",
+        why="efforts of {count:servo} against k (u - q) - c q', share of the "
+            "most that they can; of rigid ones by how much they moved away from their targets with "
+            "effort to spare, share of the way; worst: {where}")
+
+
+def _sprung(evidence: Evidence, drive: int) -> tuple[Array, Array]:
+    """By how much the law is missed and may be, shares of the limit, [n] each.
+
+    The law is taken evenly about the pose, or at the step's end where it is too stiff for the
+    step: as one of the two all samples have to be.
+    """
+    drives, a, h = evidence.model.drives, evidence.run.arrays, evidence.h
+    j, most = int(drives.target[drive]), float(drives.most[drive])
+    k, c = float(drives.stiffness[drive]), float(drives.damping[drive])
+    rate, after = evidence.rates[j], evidence.rates_after[j]
+    missing = k * (a["drive_value"][:, drive] - evidence.angles[j])
+    evenly = missing - c * rate - k * h / 2 * (after - rate)
+    at_end = missing - (c + h * k) * after
+    given = a["drive_torque"][:, drive]
+    holds = still_held(evidence, j)
+    off = min((holds * np.abs(np.clip(law, -most, most) - given) for law in (evenly, at_end)),
+              key=peak)
+    held = held_off(evidence, drive, np.full(len(given), h * most))
+    wrong = (c + h * k) * (SOLVED * (1 + peak(after)) + STILL[1] + DIGITS / h + held)
+    wrong += k * ROUNDING * (1 + np.abs(evidence.angles[j]))
+    return off / most, EXACT + wrong / most
+
+
+def _approach(evidence: Evidence, drive: int) -> tuple[Array, Array]:
+    """By how much a rigid drive moves away from its target, and may, shares of the way, [n - 1].
+
+    Where its speed is limited it may fall behind a target that moves.
+    """
+    drives, a, h = evidence.model.drives, evidence.run.arrays, evidence.h
+    j, most, place = int(drives.target[drive]), float(drives.most[drive]), evidence.angles[
+        int(drives.target[drive])]
+    value = a["drive_value"][:, drive]
+    short = np.abs(value[:-1] - place[1:])
+    before, moved = np.concatenate([[np.inf], short[:-1]]), np.abs(np.diff(value, prepend=value[0]))
+    spare = np.abs(a["drive_torque"][:-1, drive]) < most * (1 - EXACT)
+    holds = still_held(evidence, j)
+    spare &= holds[:-1] & holds[1:]
+    spare &= (moved[:-1] == 0) | np.isinf(drives.fastest[drive])
+    span = float(np.ptp(place)) + peak(short) + ROUNDING
+    held = held_off(evidence, drive, np.full(len(value), h * most))[:-1]
+    slack = evidence.joint_slack[j, 1:] + 2 * h * (
+        STILL[1] + held + SOLVED * (1 + peak(evidence.rates_after[j]))) + ROUNDING * (
+        1 + np.abs(place[1:]))
+    return np.where(spare, np.maximum(short - before, 0.0), 0.0) / span, slack / span

@@ -1,19 +1,15 @@
-"""Figures of energy: what joints and contacts made of it, and whether all work adds up.
+"""Figures of energy: the work of joints and contacts, and the balance of all work.
 
-A step of the leapfrog gives every body the kinetic energy that its forces do over it, to
-rounding. What the sum hides is the step's own error: ideal joints do work at second order. An
-anchor at r from the centre of mass goes from pose to pose along a chord; its mean velocity over
-two steps is not that of the middle, w x r, but differs by
+In each step the kinetic energy of a body grows by the work of its forces, to rounding. Ideal joints
+should do no work, but a step leaves them some of second order. An anchor at r from the centre of
+mass moves along chords, so that its mean velocity over two steps differs from that of the middle by
 
     h^2 r (w^3 / 6 across,  w alpha / 2 along)
 
-and a reaction R does R times the difference of the two sides: added up over the run it is
-what may come out of joints. So it is with what sticks at a contact. Its normal force N holds the
-gap by the second derivative c that the gap has at constant velocities: where that changes by dc in
-a step, N does h^2 N dc / 2. Both may besides move by what is left of a gap. Where the step's error
-is more than :data:`LARGEST_STEP_ERROR` of the energy, the step is too coarse for any trust in it.
-
-A motor that starts at speed is a blow: :mod:`sandbox.audit.starts`.
+Times the reaction, added up over the run, this is the work that joints may do. A contact holds its
+gap by the second derivative c of the gap; where c changes by dc in a step, the normal force N does
+h^2 N dc / 2. Both may also move by what is left of a gap. Beyond :data:`LARGEST_STEP_ERROR` of the
+energy the step is too coarse. Motors that start at speed: :mod:`sandbox.audit.starts`.
 """
 
 from __future__ import annotations
@@ -24,7 +20,15 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import EXACT, ROUNDING, Figure, judged, missing, peak
+from sandbox.audit.figures import (
+    EXACT,
+    NOT_EVERY_STEP,
+    ROUNDING,
+    Figure,
+    judged,
+    missing,
+    peak,
+)
 from sandbox.audit.starts import StartsAtSpeed, initial_velocity, paced, starts
 from sandbox.numeric import Array, Flags
 from sandbox.samples.samples import OLDER
@@ -60,8 +64,7 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
     by_joints = started.made if blow else np.zeros(len(left))
     yield _started(evidence, started, blow, scale, allowed)
     if _closed_gaps(evidence) and not evidence.every_step:
-        why = ("joints broke or were taken up, which is work, and not every step was "
-               "recorded; run.sample_rate = 1 / run.step records them all")
+        why = f"joints broke or were taken up, which is work, and {NOT_EVERY_STEP}"
         yield missing("energy.created", why=why, source=source)
         yield missing("energy.lost", why=why, source=source)
         return
@@ -190,9 +193,8 @@ def _of_the_step(evidence: Evidence) -> Array:
             arm = arm + frames.gaps  # where a groove or a rod has its other end
         power += np.nan_to_num((force[:count] * arm + couple) * bend[body]).sum(axis=0)
     power += np.nan_to_num(_of_lines(evidence, force[:count])).sum(axis=0)
-    at = sides.at - np.stack([frames.centre_x[sides.body, sides.sample],
-                              frames.centre_y[sides.body, sides.sample]], axis=1)
-    own = np.hypot(*sides.force.T) * np.hypot(*at.T) * bend[sides.body, sides.sample]
+    arms = np.concatenate(evidence.contact_arms)
+    own = np.hypot(*sides.force.T) * np.hypot(*arms.T) * bend[sides.body, sides.sample]
     power += np.bincount(sides.sample, weights=own, minlength=frames.samples)
     power += _of_curvature(evidence)
     steps = 1.0
@@ -206,14 +208,8 @@ def _of_curvature(evidence: Evidence) -> Array:
     a, frames, time = evidence.run.arrays, evidence.loads.frames, evidence.run.time
     if len(time) < 2:
         return np.zeros(len(time))
-    sample, point, normal = a["contact_sample"], a["contact_point"], a["contact_normal"]
-    along = np.zeros(len(sample))
-    for key, sign in (("contact_body", 1.0), ("contact_other", -1.0)):
-        body = a[key]
-        ax, ay, alpha = frames.acceleration[:, body, sample]
-        x, y = point[:, 0] - frames.centre_x[body, sample], point[:, 1] - frames.centre_y[
-            body, sample]
-        along += sign * ((ax - alpha * y) * normal[:, 0] + (ay + alpha * x) * normal[:, 1])
+    sample = a["contact_sample"]
+    along = evidence.contact_rate(frames.acceleration, a["contact_normal"])
     pair = a["contact_body"] * len(evidence.model.bodies.name) + a["contact_other"]
     kind, row = np.unique(pair * (len(time) + 1) + sample, return_inverse=True)
     mean = np.bincount(row, weights=along) / np.maximum(np.bincount(row), 1)
@@ -288,8 +284,7 @@ def _lost(
     if touched and not evidence.every_step:
         return missing(
             "energy.lost", source=source,
-            why="contacts, stops and ropes work in every step, and not every step was recorded; "
-                "run.sample_rate = 1 / run.step records them all")
+            why=f"contacts, stops and ropes work in every step, and {NOT_EVERY_STEP}")
     if not touched:
         return judged(
             "energy.lost", peak(left - by_joints) / scale, "", allowed,

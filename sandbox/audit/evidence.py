@@ -190,6 +190,30 @@ class Evidence:
                           | (a["contact_merged"] == 1))
 
     @cached_property
+    def contact_arms(self) -> tuple[Array, Array]:
+        """From the centres of mass of both bodies to the places of contact rows [m], [m, 2]."""
+        a, frames = self.run.arrays, self.loads.frames
+        one, two = (a["contact_point"] - np.stack(
+            [centre[a[key], a["contact_sample"]] for centre in (frames.centre_x, frames.centre_y)],
+            axis=1) for key in ("contact_body", "contact_other"))
+        return one, two
+
+    def contact_rate(
+        self, velocity: Array, along: Array, arms: tuple[Array, Array] | None = None,
+    ) -> Array:
+        """Velocity of a body against the other ``along`` [m, 2] at contact rows, [m].
+
+        Bodies move with ``velocity`` [3, nb, n]; ``arms`` are by default those of the places.
+        """
+        a, total = self.run.arrays, np.zeros(len(along))
+        for sign, key, arm in zip((1.0, -1.0), ("contact_body", "contact_other"),
+                                  arms or self.contact_arms, strict=True):
+            vx, vy, turn = velocity[:, a[key], a["contact_sample"]]
+            total += sign * ((vx - turn * arm[:, 1]) * along[:, 0]
+                             + (vy + turn * arm[:, 0]) * along[:, 1])
+        return total
+
+    @cached_property
     def vectors(self) -> bool:
         """Whether joints' forces were kept as vectors."""
         return not np.isnan(self.run.arrays["joint_force"]).all() or not self.model.joints.name

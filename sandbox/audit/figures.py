@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -15,6 +16,8 @@ ROUNDING = 1e-12
 """What is left of sixteen digits [m, rad] after a few dozen operations on lengths below 1 m."""
 DIGITS = 1e-15
 """Share of a number that is lost where it is rounded a few times."""
+NOT_EVERY_STEP = "not every step was recorded; run.sample_rate = 1 / run.step records them all"
+"""Why figures that add up steps are not computed."""
 SMALLEST_SCALE = 1e-12
 """Shares of what is nowhere more than this [N, N m, J, rad/s] are taken of this."""
 EXACT = 1e-9
@@ -117,6 +120,24 @@ class Worst:
             self.value = float(error[at])
             self.tolerance = float(
                 tolerance[at] if isinstance(tolerance, np.ndarray) else tolerance)
+
+    def add_nearest(
+        self, where: str, laws: Sequence[tuple[Array, Array | float]],
+        among: Flags | None = None, *, throughout: bool = True,
+    ) -> None:
+        """Compare with the nearest of several laws, each an error [n] and its tolerance.
+
+        An element keeps one of them throughout, or in each sample any.
+        """
+        error, tolerance = np.array([np.broadcast_arrays(*law) for law in laws]).swapaxes(0, 1)
+        ratio = np.nan_to_num(error / tolerance, nan=np.inf)
+        if throughout:
+            counted = ratio if among is None else ratio[:, among]
+            k = int(counted.max(axis=1, initial=0.0).argmin())
+            self.add(where, error[k], tolerance[k], among)
+        else:
+            k, n = ratio.argmin(axis=0), np.arange(error.shape[1])
+            self.add(where, error[k, n], tolerance[k, n], among)
 
     def figure(self, name: str, unit: str, *, why: str, source: str, none: str) -> Figure:
         """The figure; not computed, for the reason ``none``, where nothing was compared."""

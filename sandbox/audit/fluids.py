@@ -13,7 +13,17 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import EXACT, ROUNDING, STILL, Figure, Worst, judged, missing, whole
+from sandbox.audit.figures import (
+    EXACT,
+    NOT_EVERY_STEP,
+    ROUNDING,
+    STILL,
+    Figure,
+    Worst,
+    judged,
+    missing,
+    whole,
+)
 from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.model.model import NONE
 from sandbox.numeric import Array
@@ -114,17 +124,14 @@ def _pressures(evidence: Evidence) -> Figure:
         void = p <= lines.least[i] + EXACT * ATMOSPHERE
         slack = gains[i] * (ROUNDING + h * max(STILL)) + EXACT * (
             lines.compliance[i] * (np.abs(p).max(initial=0.0) + 1.0)) + ROUNDING * np.abs(content)
-        best: tuple[float, Array, Array] | None = None
+        laws = []
         for ratio in (1.5, 2.0):
             more = ahead[i] * rate[i] + (inflow[i] / ratio - ahead[i]) * change[i]
             holds, straight = _holds(evidence, i, volume[i] + more, p, inflow[i] * came)
             off = np.abs(content - holds)
             off = np.where(void & (content < holds), 0.0, off)
-            largest = float(np.nan_to_num(off / (slack + straight), nan=np.inf).max(initial=0.0))
-            if best is None or largest < best[0]:
-                best = largest, off, slack + straight
-        assert best is not None  # there are two ratios
-        worst.add(name, best[1], best[2])
+            laws.append((off, slack + straight))
+        worst.add_nearest(name, laws)
     return worst.figure(
         "line.law", "m^3", source=source, none="there is no line",
         why="what is in {count:line} against what fills their volumes at their pressures, worst: "
@@ -184,8 +191,7 @@ def _energy(evidence: Evidence) -> Figure:
         return missing(name, why="a gas takes heat from its surroundings, or gives it to them",
                        source=source)
     if not evidence.every_step:
-        return missing(name, source=source, why="not every step was recorded; run.sample_rate = 1 "
-                       "/ run.step records them all")
+        return missing(name, source=source, why=NOT_EVERY_STEP)
     pumps = a["drive_work"][:, model.drives.giving("flow", "pressure")].sum(axis=1)
     p = a["line_pressure"]
     spilled = np.diff(a["line_spilled"], axis=0, prepend=a["line_spilled"][:1]) * p

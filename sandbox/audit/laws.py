@@ -1,19 +1,14 @@
-"""Figures of laws: what springs, cords and dampers carry, worked out again from the scene.
+"""Figures of laws: forces of springs, cords, dampers and loads from the scene's numbers.
 
-Stiffness, length at rest and damping are the scene's, lengths and rates follow from the recorded
-poses and velocities; the recorded force has to be what the law makes of them:
+Lengths and rates follow from the recorded poses and velocities; s = L - L0. The force is
 
     at the pose            F = k s
-    at the middle          F = k s + c dL/dt                with the recorded velocities
+    at mid-step            F = k s + c dL/dt                with the recorded velocities
     at the step's end      F = k s + (c + h k) dL/dt        with those half a step on, v + h a / 2
 
-with s = L - L0. The second is the first where c = 0; which of them an element keeps hangs on how
-stiff it is against the step (docs/engine.md), and it has to keep one of them throughout. A cord
-never pushes, and once slack stays so while s is below 0. A spring with a law of its own has
-
-    F = f(s, ds/dt) at the middle,   or   F = f(s + h ds/dt, ds/dt) at the step's end
-
-in each step one of the two, by the law's slope there.
+An element keeps one of these throughout, by its stiffness against the step (docs/engine.md). A cord
+never pushes, and a slack one stays slack while s < 0. A spring with a law f of its own has, in each
+step, f(s, ds/dt) at mid-step or f(s + h ds/dt, ds/dt) at the step's end.
 """
 
 from __future__ import annotations
@@ -25,6 +20,7 @@ import numpy as np
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, Figure, Worst, lost_rate, whole
 from sandbox.model.model import NONE
+from sandbox.model.motion import load_at
 from sandbox.model.ties import held_of, held_one
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cords import lengths, rest_lengths
@@ -36,6 +32,7 @@ def law_figures(evidence: Evidence) -> Iterator[Figure]:
     yield _cords(evidence)
     yield _rotary(evidence)
     yield _dampers(evidence)
+    yield _loads(evidence)
 
 
 def _springs(evidence: Evidence) -> Figure:
@@ -67,7 +64,7 @@ def _cords(evidence: Evidence) -> Figure:
                        for v in (evidence.velocity, evidence.velocity_after))
         rest, found = rest_lengths(loads.model), lengths(loads.frames, loads.cords)
         for i, name in enumerate(tendons.name):
-            if len(tendons.gripped(i)):  # a span each: sandbox.audit.grips
+            if len(tendons.gripped(i)):
                 continue
             tension = a["tendon_tension"][:, i]
             if tendons.drive[i] != NONE:
@@ -117,9 +114,8 @@ class _Laws:
 
         ``among`` are the samples in which it holds.
         """
-        most = whole(force)
+        most, laws = whole(force), []
         stiffest = float(np.max(k, initial=0.0))
-        best: tuple[float, Array, Array] | None = None
         for lead, rate, ahead in ((0.0, middle, 0.0), (c, middle, 0.0),
                                   (c + self.h * k, end, self.h)):
             law = k * stretch + lead * rate
@@ -128,12 +124,8 @@ class _Laws:
                 law = np.where(slack, 0.0, np.maximum(law, 0.0))
             allowed = (EXACT * most + stiffest * ROUNDING
                        + np.max(lead) * lost_rate(rate, turning=False))
-            ratio = np.where(among, np.abs(force - law) / allowed, 0.0)
-            top = float(np.where(np.isnan(ratio), np.inf, ratio).max(initial=0.0))
-            if best is None or top < best[0]:
-                best = top, np.abs(force - law) / most, np.full(len(force), allowed / most)
-        assert best is not None  # there are three laws
-        self.worst.add(name, best[1], best[2], among)
+            laws.append((np.abs(force - law) / most, allowed / most))
+        self.worst.add_nearest(name, laws, among)
 
 
 def _rotary(evidence: Evidence) -> Figure:
@@ -153,11 +145,9 @@ def _rotary(evidence: Evidence) -> Figure:
         most = whole(torque)
         allowed: float = EXACT * most + float(np.max(k, initial=0.0)) * (
             ROUNDING + h * lost_rate(evidence.rates_after[j], turning=True))
-        errors = [np.abs(torque - k * (turn + ahead) - damping)
-                  for ahead in (0.0, h * evidence.rates_after[j])]
-        best = min((error[holds] for error in errors),
-                   key=lambda error: float(np.nan_to_num(error, nan=np.inf).max(initial=0)))
-        worst.add(springs.name[i], best / most, allowed / most)
+        worst.add_nearest(springs.name[i], [
+            (np.abs(torque - k * (turn + ahead) - damping) / most, allowed / most)
+            for ahead in (0.0, h * evidence.rates_after[j])], holds)
     return worst.figure(
         "spring.torque", "", source="τ = k (q - q0) + c dq/dt", none="there is no rotary spring",
         why="torques of {count:rotary spring} from the recorded poses and velocities, share of "
@@ -175,8 +165,7 @@ def _own(
     law, h = evidence.model.springs.law[spring], evidence.h
     assert law is not None  # others are not asked
     force, k = evidence.run.arrays["spring_force"][:, spring], _stiffness(evidence, spring)
-    most, ratio = whole(force), np.full(len(force), np.inf)
-    error, allowed = ratio.copy(), ratio.copy()
+    most, laws = whole(force), []
     for rate, ahead in ((middle, 0.0), (end, h)):
         there, off = stretch + ahead * rate, lost_rate(rate, turning=turning)
         own = law.force(there, rate, k)
@@ -185,14 +174,8 @@ def _own(
             for r in (-1.0, 1.0):
                 other = law.force(there + s * (ROUNDING + ahead * off), rate + r * off, k)
                 may = np.fmax(may, np.abs(other - own))
-        may = EXACT * most + may
-        closer = np.abs(force - own) / may < ratio
-        ratio = np.where(closer, np.abs(force - own) / may, ratio)
-        error = np.where(closer, np.abs(force - own), error)
-        allowed = np.where(closer, may, allowed)
-    error, allowed = (np.where(np.isfinite(ratio), each, bad)
-                      for each, bad in ((error, most), (allowed, EXACT * most)))
-    worst.add(evidence.model.springs.name[spring], error / most, allowed / most, among)
+        laws.append((np.abs(force - own) / most, EXACT + may / most))
+    worst.add_nearest(evidence.model.springs.name[spring], laws, among, throughout=False)
 
 
 def _dampers(evidence: Evidence) -> Figure:
@@ -210,3 +193,59 @@ def _dampers(evidence: Evidence) -> Figure:
         "damper.law", "", source="τ = -c dq/dt", none="there is no hinge",
         why="torques of the dampers of {count:hinge} from the recorded velocities, share of the "
             "largest of each, worst: {where}")
+
+
+def _loads(evidence: Evidence) -> Figure:
+    """Forces and torques of all loads against their laws.
+
+    F(x, v, a, t) at the sample or, of what is stiff, F(x + h v, v, a, t) at the step's end.
+    """
+    model, worst = evidence.model, Worst()
+    for i, name in enumerate(model.loads.name):
+        _compare_load(evidence, worst, i, name)
+    return worst.figure(
+        "load.law", "", source="F = F(x, v, a, t)", none="there is no load",
+        why="forces and torques of {count:load on a body|loads on bodies} from the recorded poses, "
+            "velocities and accelerations, share of the largest of each, worst: {where}")
+
+
+def _compare_load(evidence: Evidence, worst: Worst, i: int, name: str) -> None:
+    a, loads, frames = evidence.run.arrays, evidence.model.loads, evidence.loads.frames
+    body, h, n = int(loads.body[i]), evidence.h, frames.samples
+    found = np.stack([a["load_force"][:, i, 0], a["load_force"][:, i, 1], a["load_torque"][:, i]])
+    pose = np.stack([frames.centre_x[body], frames.centre_y[body], frames.angle[body]])
+    acceleration, each, nearest = frames.acceleration[:, body], np.arange(n), []
+    for velocity, ahead in ((evidence.velocity[:, body], 0.0),
+                            (evidence.velocity_after[:, body], h)):
+        if ahead and loads.law[i] is None:
+            continue
+        given = pose + ahead * velocity, velocity, acceleration
+        law = load_at(evidence.model, i, *given, evidence.run.time)
+        may = _load_rounding(evidence, i, given, law, ahead)
+        most = max(whole(found[0]), whole(found[1]))  # a torque's rounding is that of its force
+        size = np.array([[most]] * 2 + [[max(whole(found[2]), most * ROUNDING / EXACT)]])
+        error, allowed = np.abs(found - law) / size, may / size + EXACT
+        k = np.nan_to_num(error / allowed, nan=np.inf).argmax(axis=0)
+        nearest.append((error[k, each], allowed[k, each]))
+    worst.add_nearest(name, nearest, throughout=False)
+
+
+def _load_rounding(
+    evidence: Evidence, i: int, given: tuple[Array, Array, Array], law: Array, ahead: float,
+) -> Array:
+    """What rounding of all that is recorded may make of a load, found by trying, [3, n]."""
+    pose, velocity, acceleration = given
+    may = np.zeros_like(law)
+    for k in range(3):
+        rate = lost_rate(velocity[k], turning=k == 2)
+        off = np.zeros((3, 1))
+        off[k] = 1.0
+        size = float(np.abs(pose[k]).max(initial=0.0))
+        for d in (-1.0, 1.0):
+            moved = (pose + d * off * (ROUNDING * max(1.0, size) + ahead * rate),
+                     velocity + d * off * rate, acceleration + d * off * 2 * rate / evidence.h)
+            for tried in ((moved[0], velocity, acceleration), (pose, moved[1], acceleration),
+                          (pose, velocity, moved[2])):
+                other = load_at(evidence.model, i, *tried, evidence.run.time)
+                may = np.fmax(may, np.abs(other - law))
+    return may

@@ -147,15 +147,13 @@ def _surfaces(
         if isinstance(shape, Polygon | Polyline) and shape.nodes:
             yield number, _true_curves(shape), None
         else:
-            for solid, faces in solids(shape):
-                yield number, solid, faces
+            yield from ((number, *piece) for piece in solids(shape))
 
 
-def _solids(evidence: Evidence, body: int) -> Iterator[tuple[int, Solid, Array | None]]:
-    """The convex shapes of a body: of which of its shapes, and the arcs that are its surface."""
+def _solids(evidence: Evidence, body: int) -> Iterator[tuple[int, Solid]]:
+    """The convex shapes of a body, each with the number of the shape that it is a piece of."""
     for number, shape in enumerate(evidence.model.mechanism.bodies[body].shapes):
-        for solid, faces in solids(shape):
-            yield number, solid, faces
+        yield from ((number, solid) for solid, _ in solids(shape))
 
 
 def from_faces(out: Array, faces: Array) -> Array:
@@ -218,7 +216,7 @@ def _to_outlines(evidence: Evidence, rows: Integers, pair: tuple[int, int], wors
     allowed = np.where((one.round | two.round) & (not bounces), rounding, moving)
     worst.add(names, np.maximum(one.off, two.off), allowed)
     # at a corner only the other's outline has a direction
-    reach = min(_reach(evidence, b) for b in pair)
+    reach = min(reach_of(evidence, b) for b in pair)
     worst.add(f"normal of {names}", np.minimum(one.turned, two.turned) * reach, allowed)
 
 
@@ -253,7 +251,7 @@ def _to_hulls(evidence: Evidence, rows: Integers, pair: tuple[int, int], worst: 
         for sign in (1.0, -1.0):
             points, out = _in_frame(evidence, rows, b, sign, along)
             reach = np.max([_support(shape, out, _radius(evidence, rows, b, number))
-                            for number, shape, _ in _solids(evidence, b)],
+                            for number, shape in _solids(evidence, b)],
                            axis=0, initial=-np.inf)
             beyond = np.maximum(beyond, np.einsum("mi,mi->m", points, out) - reach)
     # forces that all but cancel have a line of action far away
@@ -289,17 +287,17 @@ def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> tuple
     """Rounding; and where two points may carry in turn, besides a step's way between them [m]."""
     a, frames, h = evidence.run.arrays, evidence.loads.frames, evidence.h
     sample = a["contact_sample"][rows]
-    size = sum(np.hypot(frames.x[b, sample], frames.y[b, sample]) + _reach(evidence, b)
+    size = sum(np.hypot(frames.x[b, sample], frames.y[b, sample]) + reach_of(evidence, b)
                for b in pair)
     rounding = np.asarray(ROUNDING + 8 * DIGITS * size)
     step = h / 2 * frames.acceleration
     speed = np.max([sum(np.hypot(v[0, b, sample], v[1, b, sample])
-                        + np.abs(v[2, b, sample]) * _reach(evidence, b) for b in pair)
+                        + np.abs(v[2, b, sample]) * reach_of(evidence, b) for b in pair)
                     for v in (evidence.velocity - step, evidence.velocity + step)], axis=0)
     return rounding, np.asarray(rounding + LEFT + h * speed)
 
 
-def _reach(evidence: Evidence, body: int) -> float:
+def reach_of(evidence: Evidence, body: int) -> float:
     """From the frame's origin to the furthest of a body's shapes [m]."""
-    cores = [_core(shape) for _, shape, _ in _solids(evidence, body)]
+    cores = [_core(shape) for _, shape in _solids(evidence, body)]
     return max((float(np.hypot(*corner.T).max() + grown) for corner, grown in cores), default=0.0)

@@ -1,17 +1,13 @@
-"""Motors that start at speed: a blow in one step, what it costs, what joints make of it.
+"""Motors that start at speed: an impact in one step, its cost and the work of joints.
 
-A motor whose speed u is at once another than its hinge's rate q brings all that hangs on the
-hinge to speed in one step. Its impulse P does P (q + u) / 2 of work on the bodies; whatever turned
-at u before gave P u: P (u - q) / 2 is lost, as in a clutch.
+A motor whose speed u differs from its hinge's rate q gives an impulse P and does P (q + u) / 2 of
+work on the bodies. What turned at u before gave P u: P (u - q) / 2 is lost, as in a clutch.
 
-Joints do work in that step, to first order, not to second. They ask velocities v to lead along
-the chord of the next step: their two sides part at h/2 c, where c is what they need of
-acceleration, B a = c. Usually the bodies come along such a chord, too, and the mean is 0; where v
-changes at once it is h/4 of the change of c. With B^T R + C^T P = M dv, R what joints gave,
+Joints do work of first order in that step. Their two sides part at h/2 c, with c the acceleration
+that they need, B a = c, and on average at h/4 of its change. With B^T R + C^T P = M dv, R the
+impulses of joints, and d the difference of after and before:
 
     W = R . h/4 dc = h/4 (dv . M da - P . d(du/dt))
-
-d of after less before: to be had from the motion on either side of it.
 """
 
 from __future__ import annotations

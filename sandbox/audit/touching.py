@@ -16,10 +16,10 @@ import numpy as np
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import DIGITS
 from sandbox.audit.outlines import from_faces
-from sandbox.audit.patches import pressed
 from sandbox.kinds.arrays import CONTACT, Arrays
 from sandbox.model.pairs import allowed_pairs
 from sandbox.numeric import Array, Integers
+from sandbox.samples import patches
 from sandbox.samples.nearby import PlacedPiece, apart, pieces_of
 
 ASKEW, ALIKE = 1e-6, 1e-3
@@ -65,19 +65,40 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
 
 def touches(evidence: Evidence) -> Iterator[Touch]:
     """All outlines that touch in a sample that stands alone; the nearest of a pair comes first."""
-    near = evidence.near
     found: dict[tuple[int, int], list[Touch]] = {}
-    for one, two, pieces in _close(evidence, near):
+    for touch, parts in _near(evidence):
+        if abs(parts) * evidence.h <= evidence.open:
+            found.setdefault((touch.body, touch.other), []).append(touch)
+    for pair in sorted(found):
+        yield from sorted(found[pair], key=lambda touch: touch.gap)
+
+
+def overlaps(evidence: Evidence) -> Iterator[tuple[tuple[int, int], float]]:
+    """Pairs near each other that have no contact row, in a sample that stands alone.
+
+    With each how deep outlines overlap that still approach [m], 0 if none do.
+    """
+    a, deepest = evidence.run.arrays, dict[tuple[int, int], float]()
+    rows = {tuple(sorted(pair)) for pair in zip(
+        a["contact_body"].tolist(), a["contact_other"].tolist(), strict=True)}
+    for touch, parts in _near(evidence):
+        pair = touch.body, touch.other
+        if pair not in rows:
+            depth = -touch.gap if parts * evidence.h < -evidence.open else 0.0
+            deepest[pair] = max(deepest.get(pair, 0.0), depth)
+    yield from deepest.items()
+
+
+def _near(evidence: Evidence) -> Iterator[tuple[Touch, float]]:
+    """Where outlines are near or overlap, and how fast they part there [m/s]."""
+    for one, two, pieces in _close(evidence, evidence.near):
         here = apart(*pieces)
-        if here is None or here.gap > near or not (
+        if here is None or here.gap > evidence.near or not (
                 _surface(evidence, one, pieces[0], here.normal)
                 and _surface(evidence, two, pieces[1], -here.normal)):
             continue
-        if abs(_parts(evidence, one, two, here.at, here.normal)) * evidence.h <= evidence.open:
-            found.setdefault((one, two), []).append(
-                Touch(one, two, -here.normal, here.at, here.gap))
-    for pair in sorted(found):
-        yield from sorted(found[pair], key=lambda touch: touch.gap)
+        yield (Touch(one, two, -here.normal, here.at, here.gap),
+               _parts(evidence, one, two, here.at, here.normal))
 
 
 def _new(
@@ -137,6 +158,19 @@ def _surface(evidence: Evidence, body: int, piece: PlacedPiece, out: Array) -> b
     c, s = np.cos(angle), np.sin(angle)
     own = np.array([[c * out[0] + s * out[1], c * out[1] - s * out[0]]])
     return bool(from_faces(own, piece.faces)[0] <= ASKEW)
+
+
+def pressed(evidence: Evidence, row: int) -> Array | None:
+    """The places between which a contact row of the one sample may press.
+
+    As :func:`sandbox.samples.patches.pressed` has them, with what the engine may leave open.
+    """
+    a, h = evidence.run.arrays, evidence.h
+    pair = int(a["contact_body"][row]), int(a["contact_other"][row])
+    pose, velocity = a["body_pose"][0, pair], a["body_velocity"][0, pair]
+    size = float(np.abs(pose[:, :2]).max())
+    near = evidence.near + 8 * DIGITS * size + h * float(np.hypot(*velocity[:, :2].T).sum())
+    return patches.pressed(evidence.run, row, near)
 
 
 def _parts(evidence: Evidence, one: int, two: int, at: Array, normal: Array) -> float:

@@ -18,8 +18,8 @@ import numpy as np
 from sandbox.audit.contacts import CONE
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, STOPPED
-from sandbox.audit.patches import pressed
-from sandbox.audit.rubs import carried
+from sandbox.audit.friction import carried
+from sandbox.audit.touching import pressed
 from sandbox.model.friction import static_friction_of
 from sandbox.model.model import NONE
 from sandbox.model.supports import about_centre, joint_rows

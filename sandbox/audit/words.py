@@ -54,6 +54,10 @@ ASKS: Mapping[str, str] = {
     "contact.shared": "does balance alone fix every contact force?",
     "contact.place": "are contacts on the outlines of both bodies?",
     "contact.friction": "is friction at contacts at most mu N?",
+    "contact.slides": "is friction at contacts mu N against the sliding, where they slide?",
+    "contact.closes": "do contacts push only where bodies touch, and wherever they overlap?",
+    "contact.bounces": "do impacts give back the speed that restitution says?",
+    "impact.swallowed": "do impacts take no more energy than restitution says?",
     "tendon.slack": "do cords that have pulled stay taut?",
     "contact.bounds": "is each contact force in the range that balance and friction leave?",
 }
@@ -98,7 +102,8 @@ ADVICE: tuple[Advice, ...] = (
            "the step is too long for motion as fast, or masses as unlike, as these",
            "halve `run.step` and run again: if the value falls, it was the step; "
            "`sandbox converge` says which step will do"),
-    Advice(("contact.friction", "contact.bounds", "contact.place", "joint.friction", "drive.motor",
+    Advice(("contact.friction", "contact.slides", "contact.closes", "contact.bounces",
+            "impact.swallowed", "contact.bounds", "contact.place", "joint.friction", "drive.motor",
             "drive.place", "tendon.grip"),
            "in some step no set of forces met all conditions, as where a body is driven into a "
            "jam, and those of that step are approximate",

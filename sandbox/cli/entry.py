@@ -18,7 +18,7 @@ GROUPS = {
     "Simulate": {"run": "run", "view": "view"},
     "Results": {"plot": "plot", "render": "runs", "report": "runs"},
     "Questions": {
-        "sweep": "sweep", "search": "search", "rest": "rest", "converge": "accuracy",
+        "sweep": "sweep", "search": "search", "equilibrium": "equilibrium", "converge": "accuracy",
         "bounds": "accuracy"},
     "Exchange": {"export": "export"},
 }
@@ -30,6 +30,7 @@ REMOVED = {
     "completion": "Use _SANDBOX_COMPLETE=bash_source sandbox (or zsh_source, fish_source).",
     "expand": "Use 'sandbox check SCENE --expand'.",
     "push": "Search for the force that moves the object with 'sandbox search threshold SCENE'.",
+    "rest": "Use 'sandbox equilibrium SCENE'.",
     "robustness": "Use 'sandbox sweep SCENE --vary …' with a grid of values.",
     "schema": "Use 'sandbox check --schema'.",
     "study": "Studies are scripts: run 'python docs/studies/guides.py' in a checkout.",

@@ -135,25 +135,3 @@ limit_option = click.option(
 json_option = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 quiet_option = click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
-
-
-def read_workers(ctx: click.Context, param: click.Parameter, number: int | None) -> int:
-    """How many processes; 0 for as many as there are processors."""
-    from sandbox.errors import SandboxError
-    from sandbox.sweeps.crew import crew_of
-
-    try:
-        crew_of(number or 0)
-    except SandboxError as error:
-        raise click.BadParameter(str(error), ctx, param) from None
-    return number or 0
-
-
-def crew_options(command: F) -> F:
-    """Give a command ``workers`` and ``cluster``: who does many runs."""
-    command = click.option(
-        "--cluster", metavar="ADDRESS", default="",
-        help="Of a Dask scheduler that does the runs, as in tcp://10.0.0.1:8786.")(command)
-    return click.option(
-        "--workers", type=click.IntRange(min=1), metavar="N", callback=read_workers,
-        help="Processes; as many as there are processors by default.")(command)

@@ -86,12 +86,12 @@ class Certificate:
         if not self.certified:
             return f"Not certified: {'; '.join(self._objections())}."
         total, settled = len(self.quantities), sum(t.settled for t in self.quantities)
-        also = f" The audits ask for a look at {_names(self.looks)}." if self.looks else ""
+        also = f" The consistency checks warn of {_names(self.looks)}." if self.looks else ""
         base = f"Certified at h = {1e3 * self.steps[0]:g} ms:"
         if settled == total:
             return f"{base} all {total} expected quantities have converged.{also}"
-        rest = ("one hangs on the step but stays inside its range" if total - settled == 1 else
-                f"{total - settled} hang on the step but stay inside their ranges")
+        rest = ("one depends on the step but stays in its range" if total - settled == 1 else
+                f"{total - settled} depend on the step but stay in their ranges")
         return f"{base} {settled} of {total} expected quantities have converged; {rest}.{also}"
 
     def _objections(self) -> Iterator[str]:
@@ -103,7 +103,7 @@ class Certificate:
                    f"on at this step: {named}")
         if self.objections:
             so_far = "" if self.doubtful else "the expectations would hold, but "
-            yield f"{so_far}the audit at h asks for a look at {_names(self.objections)}"
+            yield f"{so_far}the consistency checks at h warn of {_names(self.objections)}"
 
     @property
     def advice(self) -> tuple[str, ...]:
@@ -262,9 +262,9 @@ def _divergence_advice(found: Certificate) -> Iterator[str]:
         return
     times = {each.run: each.time for each in found.diverged}
     if "h/4" not in times:
-        yield f"The run at h/4 came to its end: certify from there, {_at(found.steps[2])}."
+        yield f"The run at h/4 is complete: check convergence from there, {_at(found.steps[2])}."
     elif "h/2" in times and times["h/4"] < times["h/2"] < times.get("h", math.inf):
-        yield ("The finer the step, the sooner it ran away, so no step will do. Look for "
+        yield ("The finer the step, the sooner it diverged, so no step will do. Look for "
                f"{CAUSES}.")
     else:
         yield f"Look for {CAUSES}."
@@ -278,24 +278,25 @@ def _error_advice(found: Certificate) -> Iterator[str]:
     if grown:
         impacts = [t for t in grown if t.unit == "N" and t.statistic in ("max", "min", "std")]
         if len(impacts) == len(grown) and not found.objections:
-            yield ("The peak of a blow has no limit, for its momentum is taken within one step: if "
-                   f"that of {impacts[0].quantity} is one, expect its mean over a window instead.")
+            yield ("The peak force of an impact has no limit, because one step takes its "
+                   f"momentum. If that of {impacts[0].quantity} is one, expect a mean over a "
+                   "window instead.")
         else:
-            yield (f"What changes the more, the finer the step, is decided by {CAUSES}. Certify "
-                   f"over a shorter time, or from h/4 on, {_at(found.steps[2])}: if it grows "
+            yield (f"Values that change more at finer steps point to {CAUSES}. Check "
+                   f"a shorter time, or start from h/4, {_at(found.steps[2])}. If they grow "
                    "there, too, no step will do.")
     elif unsettled and all(t.finer for t in unsettled):
         finer = max(t.finer for t in unsettled)
         yield f"If the orders hold, h/{finer} would do: {_at(found.steps[0] / finer)}."
     elif unsettled:
-        yield ("Which step would do, these three cannot tell: certify from h/4 on, "
+        yield ("These three steps do not show which step would do. Start from h/4, "
                f"{_at(found.steps[2])}.")
     if any(t.kind is Kind.STEP for t in valued):
         yield ("Where a quantity tends to a value outside its range, no step helps: the range or "
                "the mechanism has to change.")
     if found.objections and not found.diverged:
-        yield ("What the audit looks at is explained in docs/audit.md; only a run whose audit "
-               "passes is certified.")
+        yield ("docs/audit.md explains the warnings. A scene is certified only if its run has "
+               "none.")
 
 
 def _at(step: float) -> str:

@@ -46,6 +46,7 @@ from sandbox.model.model import Model
 from sandbox.model.pairs import allowed_pairs
 from sandbox.model.shown_meters import check_shown
 from sandbox.scene.check.ranges import nothing_to_run
+from sandbox.scene.elements.bodies import Polygon
 from sandbox.scene.geometry import outline, pose_of, to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.signals import values
@@ -84,7 +85,7 @@ def look_over(mechanism: Mechanism) -> Inspection:
         *against_step(model),
         *(problem for problem in ringing_problems(model) if problem.path not in astray),
         *without_arm(model), *_drives(model),
-        *_paths(mechanism), *check_quantities(mechanism),
+        *_paths(mechanism), *_cams(mechanism), *check_quantities(mechanism),
         *check_shown(mechanism), *control_problems(mechanism),
         *beyond_stops(model), *idle_problems(model), *grasp_problems(model, allowed),
         *_sampling(mechanism),
@@ -138,6 +139,19 @@ def _sampling(mechanism: Mechanism) -> Iterator[Problem]:
     if run.duration < run.step:
         yield look("bad-rate", "$.run", "run", f"the duration {run.duration:g} s is shorter than a "
                    "step", "one step is made")
+
+
+def _cams(mechanism: Mechanism) -> Iterator[Problem]:
+    """Cams whose lift leaves the range of its table between two entries."""
+    for i, body in enumerate(mechanism.bodies):
+        for k, shape in enumerate(body.shapes):
+            if isinstance(shape, Polygon) and shape.swing is not None:
+                lift, beyond, turn = shape.swing
+                yield look(
+                    "bad-table", f"$.bodies[{i}].shapes[{k}]", body.name,
+                    f"the lift of its cam swings to {mm(lift)} at a turn of {deg(turn)}, "
+                    f"{mm(beyond)} beyond its entries",
+                    "give more entries there, in a dwell one every 10 deg")
 
 
 def _retired(mechanism: Mechanism) -> Iterator[Problem]:

@@ -57,7 +57,7 @@ def meet(table: int, h: float, i: int, row: Any) -> float:
     if t["listed"] or (t["gap"] < 0.0 and not -h <= s < 0.0):
         return 0.0
     for _ in range(ITERATIONS):
-        s = s if -h <= s <= h else 0.0
+        s = _within(h, s)
         _carry(table, h, i, s)
         touch_row(h, at.touches(table), i, row)
         row["want"], row["trend"] = _motion(table, h, row, 0.0)
@@ -66,7 +66,13 @@ def meet(table: int, h: float, i: int, row: Any) -> float:
             return s
         row["bend"] = (row["want"] + row["trend"] * s - start) / s
         s = time_to_close(t["gap"], start, row["bend"])
-    return s if -h <= s <= h else 0.0
+    return _within(h, s)
+
+
+@kernel
+def _within(h: float, s: float) -> float:
+    """An instant of this step, which rounding may have put just outside; 0 for any other."""
+    return min(max(s, -h), h) if abs(s) <= h * (1.0 + TIME_TOLERANCE) else 0.0
 
 
 @kernel

@@ -1,13 +1,13 @@
-"""Balance about a pose: what is left of all forces, which motions are free, what answers them.
+"""Force balance at a pose: residual forces, free motions and stiffness; Newton's method.
 
-What is rigid (joints, contacts that press, stops, what sticks) leaves motions Z free. The engine's
-step from rest tells the acceleration a with everything in it; what is left over along Z is
-Z^T M a, for what rigid things carry does no work there. What is not rigid pushes back with K
-(:mod:`sandbox.samples.yielding`). At rest Z^T M a = 0, and it is stable if no w^2 of Z^T K Z z =
-w^2 Z^T M Z z is below 0.
+Constraints (joints, pressing contacts, limits, sticking friction) leave motions Z free. One step of
+the engine from rest gives the acceleration a under all forces; the residual along Z is Z^T M a,
+since constraint forces do no work there. Everything else has a stiffness K
+(:mod:`sandbox.samples.yielding`). In equilibrium Z^T M a = 0; it is stable if all w^2 of
+Z^T K Z z = w^2 Z^T M Z z are positive.
 
-Stiff springs and cords are taken at the step's end by the engine, dampers at its middle: along
-them forces have fallen by e a already, e = h (c + h k) or h c / 2, which is added again.
+The engine evaluates stiff springs and tendons at the end of the step, dampers at its middle: along
+them forces have already dropped by e a, e = h (c + h k) or h c / 2, which is added again.
 """
 
 from __future__ import annotations
@@ -21,19 +21,23 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.yielding import NOTHING, Elastic, Yielding
 
 RANK = 1e-9
-"""Directions with a smaller share of the largest are rounding."""
+"""Relative size of directions, and of stiffness, that are rounding."""
+MAX_ITERATIONS = 25
+"""Of Newton's method; near an equilibrium four are enough."""
+EXACT = 1e-11
+"""Motion, relative to the size, at which Newton's method ends; gaps close to 1e-13 m."""
 
 
 class PoseBalance:
-    """What holds in a pose, as one step from rest has it.
+    """Residual forces, free motions and stiffness at a pose.
 
     Args:
-        still: where a step was made and kept.
-        run: the one sample of it.
-        size: of the mechanism, by which turns are measured [m].
+        still: the engine after one recorded step from rest.
+        run: the one sample of this step.
+        size: of the mechanism, the length that is equivalent to 1 rad [m].
 
     Raises:
-        ArithmeticError: contacts whose place is not told, as in a notch.
+        ArithmeticError: contacts without a definite point, as in a notch.
     """
 
     def __init__(self, still: Still, run: Recording, size: float) -> None:
@@ -41,7 +45,7 @@ class PoseBalance:
         self.yielding = Yielding(run, 0, size)
         bodies = np.array(sorted(self.yielding.place), dtype=np.int64)
         self.bodies: Integers = bodies
-        """Numbers of the free bodies; of each x, y and turn, in this order, are the n freedoms."""
+        """Indices of the free bodies; their x, y and angle are the n coordinates."""
         self.scale = np.tile([1.0, 1.0, 1 / size], len(bodies))
         self.mass = still.mass[bodies].reshape(-1)
         """[n]"""
@@ -49,19 +53,19 @@ class PoseBalance:
         length = np.linalg.norm(kept, axis=1, keepdims=True)
         self._rows = (kept / np.maximum(length, 1e-300))[length[:, 0] > 0]
         self.free = self._motions()
-        """Motions that nothing rigid forbids, turns in lengths, orthonormal [n, k]."""
+        """Motions that no constraint forbids, rotations as lengths, orthonormal [n, k]."""
         self.speed = still.speed[bodies].reshape(-1)
-        """After the step from rest, [n]."""
+        """Velocities after the step from rest, [n]."""
         self.whole = self._scaled(self.yielding.stiffness)
-        """What pushes back, of all motions, [n, n] N/m."""
+        """Stiffness of all motions, [n, n] N/m."""
         self.stiffness = self.free.T @ self.whole @ self.free
         """[k, k] N/m"""
         self.inertia = self.free.T @ (self.scale**2 * self.mass * self.free.T).T
         """[k, k] kg"""
         self.force = self.scale * self._force()
-        """What is left of all forces, with those that rigid things carry, [n] N."""
+        """Residual forces, with constraint forces, [n] N."""
         self.left = self.free.T @ self.force
-        """What is left of all forces along free motions, [k] N."""
+        """Residual forces along free motions, [k] N."""
 
     def _scaled(self, matrix: Array) -> Array:
         return np.asarray(self.scale * matrix * self.scale[:, None])
@@ -75,14 +79,15 @@ class PoseBalance:
         return np.asarray(right[rank:].T)
 
     def _force(self) -> Array:
-        """M a, and what was taken off it as the step's end has it, [n]."""
+        """M a, corrected for forces at the end of the step, [n]."""
         a = self.speed / self.still.step_size
         force = self.mass * a
         for each in self.yielding.elastic():
-            force = force + self._eased(each) * float(each.pull @ a) * each.pull
+            force = force + self._drop(each) * float(each.pull @ a) * each.pull
         return np.asarray(force)
 
-    def _eased(self, each: Elastic) -> float:
+    def _drop(self, each: Elastic) -> float:
+        """Drop of a force per acceleration, e [kg]."""
         model, h = self.still.model, self.still.step_size
         if each.kind == "spring":
             c = float(model.springs.damping[each.number])
@@ -96,15 +101,11 @@ class PoseBalance:
         return h * (c + h * each.stiffness) if stiff else h * c / 2
 
     def closing(self) -> Array:
-        """The motion of the step that closes what is open: across free motions, [n] scaled."""
+        """The motion across free motions that closes gaps of constraints, [n] scaled."""
         if not len(self._rows):
             return np.zeros_like(self.mass)
         ask = self._rows @ (self.speed / self.scale) * self.still.step_size
         return np.asarray(np.linalg.lstsq(self._rows, ask, rcond=RANK)[0])
-
-    def moved(self, motion: Array) -> Array:
-        """Where a motion [n], scaled, leads all bodies from where they are, [nb, 3]."""
-        return self.pose_after(self.still.pose, motion)
 
     def pose_after(self, pose: Array, motion: Array) -> Array:
         """A pose after a motion [n], scaled, [nb, 3]."""
@@ -112,13 +113,13 @@ class PoseBalance:
         after[self.bodies] += (self.scale * motion).reshape(-1, 3)
         return after
 
-    def way_from(self, one: Array, other: Array) -> Array:
-        """The motion between two poses, scaled, [n]."""
+    def motion_between(self, one: Array, other: Array) -> Array:
+        """The motion from one pose to another, scaled, [n]."""
         return np.asarray((other - one)[self.bodies].reshape(-1) / self.scale)
 
     @property
     def stable(self) -> bool:
-        """Whether nothing leads away, to rounding."""
+        """Whether no motion is unstable, up to rounding."""
         if not self.free.shape[1]:
             return True
         values = np.linalg.eigvalsh((self.stiffness + self.stiffness.T) / 2)
@@ -130,10 +131,52 @@ class PoseBalance:
         return self.yielding.largest
 
     def modes(self) -> tuple[Array, Array]:
-        """w^2 [1/s^2] in order [k], and the motions, scaled, columns [n, k]."""
+        """w^2 [1/s^2] in ascending order [k], and the motions, scaled, columns [n, k]."""
         if not self.free.shape[1]:
             return np.zeros(0), np.zeros((len(self.mass), 0))
         root = np.linalg.cholesky(self.inertia)
         half = np.linalg.solve(root, (self.stiffness + self.stiffness.T) / 2)
         values, vectors = np.linalg.eigh(np.linalg.solve(root, half.T))
         return values, self.free @ np.linalg.solve(root.T, vectors)
+
+
+def look(still: Still, drive: Array, size: float) -> PoseBalance:
+    """The balance at the pose of ``still``, where the bodies are left at rest.
+
+    Raises:
+        ArithmeticError: contacts without a definite point.
+    """
+    pose = still.pose
+    still.put(pose)
+    still.move(drive, kept=True)
+    found = PoseBalance(still, still.recording(), size)
+    still.put(pose)
+    return found
+
+
+def polish(still: Still, drive: Array, size: float, *, most: float) -> tuple[bool, PoseBalance]:
+    """Newton's method to an equilibrium, stable or not, by at most ``most`` [m] in an iteration.
+
+    Returns:
+        whether it converged, and the balance at the last pose.
+
+    Raises:
+        ArithmeticError: contacts without a definite point.
+        SimulationDiverged: the motion is not finite.
+    """
+    balance = look(still, drive, size)
+    for _ in range(MAX_ITERATIONS):
+        motion = balance.free @ solve(balance.stiffness, balance.left) + balance.closing()
+        way = float(np.abs(motion).max(initial=0.0))
+        if way <= EXACT * size:
+            return True, balance
+        still.put(balance.pose_after(still.pose, motion * min(1.0, most / way)))
+        balance = look(still, drive, size)
+    return False, balance
+
+
+def solve(stiffness: Array, residual: Array) -> Array:
+    """The motion K^-1 r, without directions that have no stiffness, [k]."""
+    if not len(residual):
+        return residual
+    return np.asarray(np.linalg.pinv(stiffness, rcond=RANK) @ residual)

@@ -1,42 +1,52 @@
-"""Equilibria followed along a value of the scene, with their folds: :func:`rest_along`."""
+"""Equilibria along a parameter of a scene, through folds: :func:`rest_along`.
+
+A point is a pose and a value. Along a branch Z^T f(x, p) = 0, so a step (Z z + c, dp) keeps balance
+where K z = Z^T (df/dp - K c) dp, with c the motion of joints with the value. Newton's method for
+balance and for the length along this direction finds the next point, also at folds, where dp = 0
+(pseudo-arclength continuation, Keller 1977).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
 
-from sandbox.equilibria.balance import PoseBalance
-from sandbox.equilibria.following import WITHIN, Along, OnBranch
-from sandbox.equilibria.rest import AtRest, sensible, settled
-from sandbox.equilibria.restless import refuse
-from sandbox.equilibria.search import Search, Unsettled
+from sandbox.equilibria.balance import EXACT, PoseBalance, solve
+from sandbox.equilibria.rest import AtRest, check_options, settle
+from sandbox.equilibria.settle import Settler, Unsettled
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
 
-MOST_POINTS = 10
-"""Times the count: a branch that is longer is cut off."""
-MOST_BRANCHES = 8
-MOST_VALUES = 10_000
+MAX_POINTS = 10
+"""Points of a branch, times the count."""
+MAX_BRANCHES = 8
+MAX_VALUES = 10_000
+MAX_ITERATIONS = 12
+"""Of Newton's method for a point."""
 SHORTEST = 1e-3
-"""Of a step, of the usual one: where none leads on the branch ends."""
-FOLDS = 40
-"""Halvings, at most, by which a fold is placed."""
+"""Shortest step, relative to the usual one; where none leads on, the branch ends."""
 FLAT = 1e-7
-"""A branch that turns so little is at its fold: the value is off by the square of it."""
+"""Change of the value along the branch at a fold; the value there is off by its square."""
 BEYOND = 1e-3
-"""Share of the range beyond a fold from which the mechanism is let go."""
+"""Fraction of the range beyond a fold from which the mechanism is released."""
 NEAR = 1e-3
-"""Of the size: what stands so near to a branch at the same value is on it, and what stands nearer
-than a quarter of the way between its points."""
+"""Distance to a branch, relative to the size, of a point that is on it; or a quarter of the
+distance of its points."""
+NUDGE = 1e-5
+"""Fraction of the range by which the value is changed for derivatives."""
+WITHIN = 1e-9
+"""Fraction of the range within which a value is met."""
+Make = Callable[[float], Mechanism]
 
 
 @dataclass(frozen=True)
 class BranchRest:
-    """One equilibrium along a branch."""
+    """One equilibrium of a branch."""
 
     value: float
     rest: AtRest
@@ -46,60 +56,56 @@ class BranchRest:
 
 @dataclass
 class Branch:
-    """Equilibria that hang together, in order along the branch."""
+    """Connected equilibria, in order along the branch."""
 
     stops: list[BranchRest] = field(default_factory=list)
     ends: str = ""
-    """Why it ends before the range does, in words; empty if it does not."""
+    """Why it ends within the range; empty if it does not."""
 
     def __repr__(self) -> str:
         return f"<Branch: {len(self.stops)} at rest, {len(self.folds)} folds>"
 
     @property
     def folds(self) -> list[BranchRest]:
-        """Where it turns back."""
+        """Points where it turns back."""
         return [stop for stop in self.stops if stop.fold]
 
 
 def rest_along(
-    make: Callable[[float], Mechanism], begin: float, end: float, count: int, *,
-    at: float | None = None, stages: int | None = None,
-    heard: Callable[[int, float], None] | None = None,
+    make: Make, begin: float, end: float, count: int, *, at: float | None = None,
+    stages: int | None = None, heard: Callable[[int, float], None] = lambda points, value: None,
 ) -> list[Branch]:
-    """Follow the equilibrium of a mechanism along a value, round folds.
+    """Follow the equilibria of a mechanism along a value, through folds.
 
-    The first branch begins at rest under a slow load, at the first value. Where one turns back and
-    leaves the range again where it began, or ends, the mechanism is let go beyond that place, and
-    from where it comes to rest then the next branch is followed.
+    The first branch starts at the equilibrium of a slow load at the first value. Where a branch
+    ends, or turns back and leaves the range where it began, the mechanism is released just beyond,
+    and the next branch starts where it comes to rest.
 
     Args:
         make: the mechanism of a value.
         begin: the first value.
         end: the last one.
-        count: of values, evenly from first to last, at which there is a point of rest; between
-            them as many more as folds take.
-        at: the time whose values of drives are held [s]; by default the end of the scene.
-        stages: as for :func:`~sandbox.equilibria.rest.rest`.
-        heard: is told of each point how many there are, and its value.
+        count: number of evenly spaced values that have a point; more lie between them at folds.
+        at: the time whose values the drives have [s]; by default the end of the scene.
+        stages: as of :func:`~sandbox.equilibria.rest.rest`.
+        heard: called at each point with the number of points and its value.
 
     Raises:
-        SceneError: as :func:`~sandbox.equilibria.rest.rest`; a range of one value, fewer than two
-            values; a mechanism whose stiffness is not told, along which nothing leads on.
+        SceneError: as of :func:`~sandbox.equilibria.rest.rest`; a range of one value, or fewer than
+            two values; a mechanism whose stiffness is unknown.
     """
-    if not begin != end or not 2 <= count <= MOST_VALUES:
-        raise SceneError([Problem("bad-argument",
-                                  f"{begin:g} to {end:g} in {count} values is no range", "along",
-                                  allowed=f"two different values and a count of 2 to {MOST_VALUES}"
-                                  )])
-    for value in (end, begin):  # what no field takes is told before anything is followed
-        mechanism = make(value)
-        refuse(mechanism)
-        sensible(mechanism, at, stages)
-    following = Along(make, at, abs(end - begin))
-    search = following.at(begin)
+    if not begin != end or not 2 <= count <= MAX_VALUES:
+        raise SceneError([Problem(
+            "bad-argument",
+            f"{begin:g} to {end:g} in {count} values is no range", "along",
+            allowed=f"two different values and a count of 2 to {MAX_VALUES}")])
+    for value in (end, begin):  # wrong values are reported before anything runs
+        check_options(make(value), at, stages)
+    follower = _Follower(_Family(make, at, abs(end - begin)), begin, end, count, heard)
+    settler = follower.family.at(begin)
     try:
-        search.follow(stages)
-        first = _rest_of(search)
+        settler.follow(stages)
+        first = settle(settler, "", settler.steps)
     except (Unsettled, SimulationDiverged) as error:
         raise SceneError([Problem("no-rest", f"it does not come to rest at {begin:g}: {error}",
                                   "along")]) from None
@@ -108,155 +114,265 @@ def rest_along(
             "no-rest",
             f"it can't be followed along a value: its stiffness is not told, for {first.untold}",
             "along", allowed="--set, value by value")])
-    return _Tracer(following, begin, end, count, heard).all(first.balance)
+    return follower.follow_all(first.balance)
 
 
-def _rest_of(search: Search, balance: PoseBalance | None = None) -> AtRest:
-    before = search.relaxation.moved
-    if balance is None:
-        return settled(search, "", before)
-    return AtRest(balance.run, "", balance, "", 0, search.size)
+# -- points --------------------------------------------------------------------------
 
 
-class _Tracer:
+@dataclass(frozen=True)
+class _Point:
+    """One equilibrium of a branch."""
+
+    value: float
+    pose: Array
+    """Of the centres of mass, [nb, 3]."""
+    balance: PoseBalance
+    way: Array
+    """Unit vector along the branch: motions over the size [n], then the value over the range."""
+
+    @property
+    def turning(self) -> float:
+        """Change of the value along the branch; 0 at a fold."""
+        return float(self.way[-1])
+
+
+class _Family:
+    """The mechanisms of all values.
+
+    Args:
+        make: the mechanism of a value.
+        time: whose values the drives have [s]; None for the end of each.
+        span: length of the range.
+    """
+
+    def __init__(self, make: Make, time: float | None, span: float) -> None:
+        self._make, self._time, self.span = make, time, span
+        self._made: dict[float, Settler] = {}
+
+    def at(self, value: float) -> Settler:
+        """The mechanism of a value."""
+        if value not in self._made:
+            mechanism = self._make(value)
+            while len(self._made) > 2:
+                del self._made[next(iter(self._made))]
+            self._made[value] = Settler(
+                mechanism, mechanism.run.duration if self._time is None else self._time)
+        return self._made[value]
+
+    def point(self, value: float, balance: PoseBalance, ahead: Array | None) -> _Point:
+        """A point, with the direction of its branch along ``ahead``; upwards by default."""
+        pose, size = balance.still.pose, balance.size
+        slope, closing = self._derivatives(value, pose, balance)
+        rows = np.column_stack([balance.stiffness * size, -slope * self.span])
+        weight = np.abs(rows).max(initial=1e-300)
+        null = np.linalg.svd(rows / weight)[2][-1] if len(rows) else np.ones(1)
+        dp = float(null[-1])
+        way = np.append(balance.free @ null[:-1] + closing * dp * self.span / size, dp)
+        way /= np.linalg.norm(way)
+        if (way @ ahead if ahead is not None and len(ahead) == len(way) else dp) < 0:
+            way = -way
+        self.at(value).start(pose)
+        return _Point(value, pose, balance, way)
+
+    def _derivatives(
+        self, value: float, pose: Array, balance: PoseBalance,
+    ) -> tuple[Array, Array]:
+        """By the value: forces along free motions, and the motion of joints."""
+        by = NUDGE * self.span
+        settler = self.at(value + by)
+        settler.start(pose)
+        more = settler.look()
+        closing = (more.closing() - balance.closing()) / by
+        slope = balance.free.T @ ((more.force - balance.force) / by - balance.whole @ closing)
+        return slope, closing
+
+    def onto(self, point: _Point, value: float) -> _Point | None:
+        """The point of a value near another; None where there is none on the branch."""
+        if not abs(point.turning) > 0:
+            return None
+        length = (value - point.value) / self.span / point.turning
+        size = point.balance.size
+        pose = point.balance.pose_after(point.pose, point.way[:-1] * length * size)
+        settler = self.at(value)
+        settler.start(pose)
+        try:
+            balance = settler.polished()
+        except ArithmeticError:
+            return None
+        if balance is None or len(balance.mass) != len(point.balance.mass):
+            return None
+        off = point.balance.motion_between(pose, balance.still.pose) / size
+        if np.abs(off).max() > max(0.5 * abs(length), 1e-9):
+            return None
+        found = self.point(value, balance, point.way)
+        return found if found.way @ point.way > 0.5 else None
+
+    def step(self, point: _Point, length: float) -> _Point | None:
+        """The point at a length along the branch; None where Newton's method fails."""
+        size, n = point.balance.size, len(point.balance.mass)
+        value = point.value + length * point.turning * self.span
+        pose = point.balance.pose_after(point.pose, point.way[:-1] * length * size)
+        for _ in range(MAX_ITERATIONS):
+            settler = self.at(value)
+            settler.start(pose)
+            try:
+                balance = settler.look()
+            except ArithmeticError:
+                return None
+            if len(balance.mass) != n:
+                return None
+            missing = length - float(point.way @ self.between(point, value, pose))
+            slope, closing = self._derivatives(value, pose, balance)
+            z, dp = self._correct(point, balance, slope, closing, missing)
+            motion = balance.free @ z + balance.closing() + closing * dp
+            if max(np.abs(motion).max(initial=0.0) / size, abs(dp) / self.span) <= 10 * EXACT:
+                settler.start(pose)
+                return self.point(value, settler.look(), point.way)
+            if np.abs(motion).max() > 4 * abs(length) * size or not np.isfinite(dp):
+                return None
+            pose = balance.pose_after(pose, motion)
+            value += dp
+        return None
+
+    def between(self, point: _Point, value: float, pose: Array) -> Array:
+        """The vector from a point to a pose and a value, in the units of ``way``."""
+        return np.append(point.balance.motion_between(point.pose, pose) / point.balance.size,
+                         (value - point.value) / self.span)
+
+    def _correct(
+        self, point: _Point, balance: PoseBalance, slope: Array, closing: Array, missing: float,
+    ) -> tuple[Array, float]:
+        """Motion along free directions [k] and change of the value: one Newton iteration."""
+        size, k = balance.size, len(balance.left)
+        system = np.zeros((k + 1, k + 1))
+        system[:k, :k], system[:k, k] = balance.stiffness, -slope
+        system[k, :k] = balance.free.T @ point.way[:-1] / size
+        system[k, k] = point.turning / self.span + point.way[:-1] @ closing / size
+        right = np.append(balance.left, missing - point.way[:-1] @ balance.closing() / size)
+        rows = np.abs(system).max(axis=1)
+        rows[rows == 0] = 1.0
+        columns = np.append(np.ones(k), self.span / size)
+        found = columns * solve(system / rows[:, None] * columns, right / rows)
+        return found[:k], float(found[k])
+
+
+# -- branches ------------------------------------------------------------------------
+
+
+class _Follower:
     """Follows branches within a range."""
 
     def __init__(
-        self, along: Along, begin: float, end: float, count: int,
-        heard: Callable[[int, float], None] | None,
+        self, family: _Family, begin: float, end: float, count: int,
+        heard: Callable[[int, float], None],
     ) -> None:
-        self.along, self.begin, self.end, self.count = along, begin, end, count
-        self.sense = 1.0 if end > begin else -1.0
-        self.grid = np.linspace(begin, end, count)
-        self.length = 1.0 / (count - 1)
-        self.branches: list[Branch] = []
-        self.points = 0
+        self.family, self._begin, self._end, self._count = family, begin, end, count
+        self._sense = 1.0 if end > begin else -1.0
+        self._grid = np.linspace(begin, end, count)
+        self._length = 1.0 / (count - 1)
+        self._branches: list[Branch] = []
+        self._points = 0
         self._heard = heard
 
-    def all(self, first: PoseBalance) -> list[Branch]:
-        """All branches, beginning with that of an equilibrium of the first value."""
-        goes_through, branch = self._follow(self.begin, first, self.sense)
-        self.branches.append(branch)
-        while not goes_through and len(self.branches) < MOST_BRANCHES:
-            found = self._let_go(branch)
+    def follow_all(self, first: PoseBalance) -> list[Branch]:
+        """All branches, from an equilibrium of the first value."""
+        passed, branch = self._follow(self._begin, first, self._sense)
+        self._branches.append(branch)
+        while not passed and len(self._branches) < MAX_BRANCHES:
+            found = self._release(branch)
             if found is None:
                 break
-            _, before = self._follow(*found, -self.sense)
-            goes_through, branch = self._follow(*found, self.sense)
-            self.branches.append(Branch([*before.stops[:0:-1], *branch.stops],
-                                        branch.ends or before.ends))
-        return self.branches
+            _, before = self._follow(*found, -self._sense)
+            passed, branch = self._follow(*found, self._sense)
+            self._branches.append(Branch([*before.stops[:0:-1], *branch.stops],
+                                         branch.ends or before.ends))
+        return self._branches
 
     def _follow(self, value: float, balance: PoseBalance, sense: float) -> tuple[bool, Branch]:
-        """One branch from a point on, and whether it leaves the range at its end.
+        """One branch from a point upwards (``sense`` 1) or downwards (-1).
 
-        It begins towards higher values (``sense`` 1) or lower ones (-1).
+        Returns:
+            whether it leaves the range at its last value, and the branch.
         """
         branch = Branch()
-        point = self.along.point(value, balance, None)
+        point = self.family.point(value, balance, None)
         if point.turning * sense < 0:
-            point = OnBranch(point.value, point.pose, point.balance, -point.way)
+            point = replace(point, way=-point.way)
         self._add(branch, point)
-        for _ in range(MOST_POINTS * self.count):
+        for _ in range(MAX_POINTS * self._count):
             step = self._next(point)
             if step is None:
                 branch.ends = f"it is lost beyond {point.value:.6g}"
                 return False, branch
             if step.turning * point.turning < 0:
-                fold = self._fold(point, step)
-                self._add(branch, fold, fold=True)
-            if (step.value - self.begin) * (step.value - self.end) > 0:
-                step = self._onto(point, self._edge(step.value)) or point
+                self._add(branch, self._fold(point, step), fold=True)
+            edge = self._edge(step.value)
+            if (step.value - self._begin) * (step.value - self._end) > 0:
+                step = self.family.onto(point, edge) or point
             if step is not point:
                 self._add(branch, step)
             point = step
-            at_edge = abs(point.value - self._edge(point.value)) <= WITHIN * self.along.span
-            if at_edge and self._leaves(point):
-                return self._edge(point.value) == self.end, branch
+            inward = (self._begin + self._end) / 2 - point.value
+            edge = self._edge(point.value)
+            if abs(point.value - edge) <= WITHIN * self.family.span and point.turning * inward < 0:
+                return edge == self._end, branch
         branch.ends = f"it goes on at {point.value:.6g}"
         return False, branch
 
     def _edge(self, value: float) -> float:
-        """The end of the range that a value is nearer to."""
-        return min((self.begin, self.end), key=lambda edge: abs(value - edge))
+        """The nearer end of the range."""
+        return min((self._begin, self._end), key=lambda edge: abs(value - edge))
 
-    def _leaves(self, point: OnBranch) -> bool:
-        inward = (self.begin + self.end) / 2 - point.value
-        return point.turning * inward < 0
-
-    def _next(self, point: OnBranch) -> OnBranch | None:
-        """The next point: at the next value of the grid if that is near, else a length on."""
-        if (onto := self._grid_value(point)) is not None and (
-                found := self._onto(point, onto)) is not None:
+    def _next(self, point: _Point) -> _Point | None:
+        """The point of the next value of the grid if that is near, else one at a length."""
+        ahead = (self._grid - point.value) * np.sign(point.turning)
+        ahead = np.where(ahead > WITHIN * self.family.span, ahead, np.inf)
+        k = int(np.argmin(ahead))
+        near = ahead[k] / self.family.span <= 2 * self._length * max(abs(point.turning), 1e-12)
+        if near and (found := self.family.onto(point, float(self._grid[k]))) is not None:
             return found
-        length = self.length
-        while length > SHORTEST * self.length:
-            found = self.along.step(point, length)
+        length = self._length
+        while length > SHORTEST * self._length:
+            found = self.family.step(point, length)
             if found is not None and found.way @ point.way > 0.5:
                 return found
             length /= 4
         return None
 
-    def _grid_value(self, point: OnBranch) -> float | None:
-        """The next value that the branch leads to, if it does not bend much before."""
-        ahead = (self.grid - point.value) * np.sign(point.turning)
-        ahead = np.where(ahead > WITHIN * self.along.span, ahead, np.inf)
-        k = int(np.argmin(ahead))
-        if not np.isfinite(ahead[k]):
-            return None
-        far = ahead[k] / self.along.span / max(abs(point.turning), 1e-12)
-        return float(self.grid[k]) if far <= 2 * self.length else None
+    def _fold(self, before: _Point, after: _Point) -> _Point:
+        """The fold between two points: where the value does not change along the branch."""
+        from scipy.optimize import brentq
 
-    def _onto(self, point: OnBranch, value: float) -> OnBranch | None:
-        """The branch's point of a value, near another; None where it is not there."""
-        if not abs(point.turning) > 0:
-            return None
-        length = (value - point.value) / self.along.span / point.turning
-        size = point.balance.size
-        pose = point.balance.pose_after(point.pose, point.way[:-1] * length * size)
-        balance = self.along.met(value, pose)
-        if balance is None or len(balance.mass) != len(point.balance.mass):
-            return None
-        off = point.balance.way_from(pose, balance.still.pose) / size
-        if np.abs(off).max() > max(0.5 * abs(length), 1e-9):
-            return None
-        found = self.along.point(value, balance, point.way)
-        return found if found.way @ point.way > 0.5 else None
-
-    def _fold(self, before: OnBranch, after: OnBranch) -> OnBranch:
-        """Where the branch turns back between two points: where the value does not change."""
-        low, high = 0.0, float(before.way @ np.append(
-            before.balance.way_from(before.pose, after.pose) / before.balance.size,
-            (after.value - before.value) / self.along.span))
-        ends = [before.turning, after.turning]
         best = before if abs(before.turning) < abs(after.turning) else after
-        for k in range(FOLDS):
-            share = ends[0] / (ends[0] - ends[1])
-            share = 0.5 if k % 3 == 2 else min(max(share, 0.01), 0.99)
-            at = low + share * (high - low)
-            point = self.along.step(before, at)
+
+        def turning(length: float) -> float:
+            nonlocal best
+            point = self.family.step(before, length)
             if point is None:
-                return best
+                raise ArithmeticError
             if abs(point.turning) < abs(best.turning):
                 best = point
-            if abs(point.turning) <= FLAT:
-                return point
-            if point.turning * ends[0] > 0:
-                low, ends[0] = at, point.turning
-            else:
-                high, ends[1] = at, point.turning
+            return 0.0 if abs(point.turning) <= FLAT else point.turning
+
+        length = float(before.way @ self.family.between(before, after.value, after.pose))
+        with suppress(ArithmeticError, ValueError):  # no point between them, or no sign change
+            brentq(turning, 0.0, length, xtol=1e-15)
         return best
 
-    def _let_go(self, branch: Branch) -> tuple[float, PoseBalance] | None:
-        """Rest beyond one of the branch's folds, or its end, that is on no branch yet."""
+    def _release(self, branch: Branch) -> tuple[float, PoseBalance] | None:
+        """An equilibrium beyond a fold or the end of a branch that is on no branch yet."""
         for stop in (*branch.folds, branch.stops[-1]):
-            value = stop.value + BEYOND * self.sense * self.along.span
-            if (value - self.end) * self.sense > 0:
+            value = stop.value + BEYOND * self._sense * self.family.span
+            if (value - self._end) * self._sense > 0:
                 continue
-            search = self.along.at(value)
-            search.start(_centres(search, stop.rest.recording.arrays["body_pose"][0]))
+            settler = self.family.at(value)
+            x, y, angle = stop.rest.recording.arrays["body_pose"][0].T
+            c, s = np.cos(angle), np.sin(angle)
+            cx, cy = settler.model.bodies.centre.T
+            settler.start(np.stack([x + c * cx - s * cy, y + s * cx + c * cy, angle], axis=1))
             try:
-                rest = _rest_of(search)
+                rest = settle(settler, "", settler.steps)
             except (Unsettled, SimulationDiverged):
                 continue
             if rest.balance is not None and not self._known(value, rest):
@@ -264,35 +380,26 @@ class _Tracer:
         return None
 
     def _known(self, value: float, rest: AtRest) -> bool:
-        """Whether some branch has that rest between two of its points."""
-        place = _places(rest)
-        for branch in self.branches:
+        """Whether an equilibrium is between two points of a branch."""
+        place = _positions(rest)
+        for branch in self._branches:
             for one, two in pairwise(branch.stops):
                 if not min(one.value, two.value) <= value <= max(one.value, two.value):
                     continue
                 share = (value - one.value) / ((two.value - one.value) or 1.0)
-                begin, end = _places(one.rest), _places(two.rest)
+                begin, end = _positions(one.rest), _positions(two.rest)
                 off = np.abs(begin + share * (end - begin) - place).max()
                 if off <= NEAR * rest.size + np.abs(end - begin).max() / 4:
                     return True
         return False
 
-    def _add(self, branch: Branch, point: OnBranch, *, fold: bool = False) -> None:
-        search = self.along.at(point.value)
-        branch.stops.append(BranchRest(point.value, _rest_of(search, point.balance), fold))
-        self.points += 1
-        if self._heard:
-            self._heard(self.points, point.value)
+    def _add(self, branch: Branch, point: _Point, *, fold: bool = False) -> None:
+        rest = AtRest(point.balance.run, "", point.balance, "", 0, point.balance.size)
+        branch.stops.append(BranchRest(point.value, rest, fold))
+        self._points += 1
+        self._heard(self._points, point.value)
 
 
-def _places(rest: AtRest) -> Array:
-    """Where bodies are, and how they are turned, in lengths, [nb, 3] m."""
+def _positions(rest: AtRest) -> Array:
+    """Poses of all bodies, angles times the size, [nb, 3] m."""
     return np.asarray(rest.recording.arrays["body_pose"][0] * (1.0, 1.0, rest.size))
-
-
-def _centres(search: Search, frames: Array) -> Array:
-    """Poses of frames as those of centres of mass, [nb, 3]."""
-    c, s = np.cos(frames[:, 2]), np.sin(frames[:, 2])
-    x, y = search.model.bodies.centre.T
-    return np.asarray(frames + np.stack([c * x - s * y, s * x + c * y, 0 * x], axis=1))
-

@@ -1,8 +1,8 @@
-"""Equilibria of a scene, without waiting for them: :func:`rest`, as ``sandbox.rest``."""
+"""Static equilibria of a scene and their stability: :func:`rest`, as ``sandbox.rest``."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,9 +10,8 @@ import numpy as np
 
 from sandbox.engine.inspect_control import Runnable, checked
 from sandbox.equilibria.balance import PoseBalance
-from sandbox.equilibria.restless import refuse, remarks
-from sandbox.equilibria.search import Search, Unsettled
-from sandbox.equilibria.starts import Start, placed
+from sandbox.equilibria.settle import Settler, Unsettled
+from sandbox.equilibria.starts import Start, place_start
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
@@ -23,30 +22,29 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
 
 SAME = 1e-6
-"""Poses that differ by a smaller share of the size are one and the same."""
+"""Difference, relative to the size, of poses that count as one."""
 MOVED = 1e-3
-"""What has a smaller share in a motion does not move in it."""
-MOST_STAGES = 100_000
+"""Part in a motion below which a body does not move in it."""
+MAX_STAGES = 100_000
+LATE = 0.01
+"""Fraction of the run before its end in which changing drives are reported."""
 STABLE, UNSTABLE, NEUTRAL, UNTOLD = "stable", "unstable", "neutral", "not told"
 
 
 @dataclass(frozen=True)
 class AtRest:
-    """One equilibrium.
-
-    What it reads like: ``found["finger.tendon.tension"]``, any quantity of a run, at rest.
-    """
+    """One equilibrium; ``found["finger.tendon.tension"]`` is a quantity of it."""
 
     recording: Recording
-    """Of one sample: bodies at rest, all forces that hold them there."""
+    """One sample: the bodies at rest, and all forces."""
     start: str
-    """From where it was found, in words."""
+    """The start that led to it, as text."""
     balance: PoseBalance | None
-    """Free motions and what answers them; None where stiffness is not told."""
+    """Free motions and stiffness; None where the stiffness is unknown."""
     untold: str
-    """Why not."""
+    """Why it is unknown."""
     steps: int
-    """Steps of the engine that it took."""
+    """Steps of the engine."""
     size: float
     """Of the mechanism [m]."""
 
@@ -54,72 +52,74 @@ class AtRest:
         return f"<AtRest of {self.recording.mechanism.name!r} from {self.start}: {self.stability}>"
 
     def __getitem__(self, quantity: str) -> float:
-        """A quantity or expression at rest, in SI; as :class:`sandbox.Recording` has it.
+        """A quantity or an expression, SI; as of :class:`sandbox.Recording`.
 
         Raises:
-            UnknownQuantityError: not in the catalogue; with a near miss.
+            UnknownQuantityError: not in the catalogue; with a suggestion.
         """
         return float(self.recording.within(quantity, slice(-1, None))[0])
 
     @cached_property
     def left(self) -> float:
-        """The largest force that is left over on any body: mass times acceleration [N]."""
+        """The largest residual force on a body: mass times acceleration [N]."""
         a, free = self.recording.arrays, self.recording.model.bodies.free
         forces = a["body_mass"][free, None] * a["body_acceleration"][0, free, :2]
         return float(np.hypot(*forces.T).max(initial=0.0))
 
     @cached_property
     def modes(self) -> Array:
-        """w^2 of small free motions, lowest first [1/s^2]; nan-free, empty where none is free.
+        """w^2 of small free motions, lowest first [1/s^2].
 
-        Above 0 they are frequencies squared, below 0 what grows as exp(sqrt(-w^2) t).
+        Positive ones are squared angular frequencies; with negative ones motions grow as
+        exp(sqrt(-w^2) t).
         """
         return self.balance.modes()[0] if self.balance is not None else np.zeros(0)
 
     @cached_property
+    def _soft(self) -> tuple[Array, Array, float]:
+        """Stiffness values in ascending order, their motions, and the value that counts as 0."""
+        assert self.balance is not None
+        stiffness = (self.balance.stiffness + self.balance.stiffness.T) / 2
+        return (*np.linalg.eigh(stiffness), NOTHING * self.balance.largest / self.size)
+
+    @cached_property
     def stability(self) -> str:
-        """``stable``, ``unstable``, ``neutral`` (nothing answers some motion), ``not told``."""
+        """``stable``, ``unstable``, ``neutral`` (a motion without stiffness), ``not told``."""
         if self.balance is None:
             return UNTOLD
         if not len(self.modes):
             return STABLE
-        stiffness = (self.balance.stiffness + self.balance.stiffness.T) / 2
-        least = float(np.linalg.eigvalsh(stiffness)[0])
-        nothing = NOTHING * self.balance.largest / self.size
-        return STABLE if least > nothing else NEUTRAL if least >= -nothing else UNSTABLE
+        values, _, zero = self._soft
+        return STABLE if values[0] > zero else NEUTRAL if values[0] >= -zero else UNSTABLE
 
     @cached_property
     def loose(self) -> tuple[str, ...]:
-        """Bodies that motions answered by nothing move, as a round one that turns about itself."""
+        """Bodies with a motion without stiffness, as a disc that turns about its centre."""
         if self.balance is None or not len(self.modes):
             return ()
-        stiffness = (self.balance.stiffness + self.balance.stiffness.T) / 2
-        values, vectors = np.linalg.eigh(stiffness)
-        nothing = NOTHING * self.balance.largest / self.size
-        motions = self.balance.free @ vectors[:, np.abs(values) <= nothing]
+        values, vectors, zero = self._soft
+        motions = self.balance.free @ vectors[:, np.abs(values) <= zero]
         moved = np.abs(motions).max(axis=1, initial=0.0).reshape(-1, 3).max(axis=1, initial=0.0)
         names = self.recording.model.bodies.name
         return tuple(names[i] for i in self.balance.bodies[moved > MOVED].tolist())
 
     @cached_property
     def sticking(self) -> tuple[str, ...]:
-        """What dry friction holds: pairs that touch and joints, by name."""
+        """Contacts and joints with a dry friction force, by name."""
         a, model = self.recording.arrays, self.recording.model
-        names, found = model.bodies.name, []
-        contacts = self.recording.contacts
-        for row in np.flatnonzero(np.abs(contacts.tangential) > TOUCH).tolist():
-            found.append(f"{names[a['contact_body'][row]]}/{names[a['contact_other'][row]]}")
-        found += [model.joints.name[j] for j in model.joints.rubbed.tolist()
-                  if abs(a["joint_friction"][0, j]) > TOUCH]
-        return tuple(found)
+        names, contacts = model.bodies.name, self.recording.contacts
+        found = [f"{names[a['contact_body'][row]]}/{names[a['contact_other'][row]]}"
+                 for row in np.flatnonzero(np.abs(contacts.tangential) > TOUCH).tolist()]
+        return (*found, *(model.joints.name[j] for j in model.joints.rubbed.tolist()
+                          if abs(a["joint_friction"][0, j]) > TOUCH))
 
     def stiffness(self, body: str) -> Yield:
-        """How a body gives way to a small push; its ``stiffness()`` is that along x, y and in turn.
+        """The stiffness of a body; its ``stiffness()`` is that along x, y and in rotation.
 
-        Below 0 along what an unstable equilibrium falls.
+        Negative along the motion of an unstable equilibrium.
 
         Raises:
-            SceneError: no body that moves freely; a mechanism whose stiffness is not told.
+            SceneError: no body that moves freely; the stiffness is unknown.
         """
         model = self.recording.model
         known_body(self.recording.mechanism, body)
@@ -131,17 +131,24 @@ class AtRest:
         size = reach_of(spec, centre_of(spec)) or self.size
         return Yielding(self.recording, 0, size).of(number, signed=True)
 
+    @property
+    def frequency(self) -> float:
+        """Of the slowest oscillation of a stable equilibrium [Hz]; nan without one."""
+        if self.stability != STABLE or not (len(self.modes) and self.modes[0] > 0):
+            return float("nan")
+        return float(np.sqrt(self.modes[0]) / (2 * np.pi))
+
 
 @dataclass(frozen=True)
 class RestFound:
-    """What a search came to."""
+    """Equilibria of a scene."""
 
     rests: tuple[AtRest, ...]
-    """Equilibria, each once, in the order in which they were found."""
+    """Different equilibria, in the order in which they were found."""
     failed: tuple[tuple[str, str], ...]
-    """Starts that did not come to rest, and why."""
+    """Starts that did not come to rest, and the reasons."""
     remarks: tuple[str, ...]
-    """What is to be known of how the scene was read."""
+    """How the scene was read."""
 
     def __repr__(self) -> str:
         return f"<RestFound: {len(self.rests)} at rest, {len(self.failed)} failed>"
@@ -151,39 +158,38 @@ def rest(
     scene: Runnable, *, at: float | None = None, starts: Sequence[Start] = (),
     stages: int | None = None,
 ) -> RestFound:
-    """Find where a scene comes to rest, and judge it, without waiting for it.
+    """Find static equilibria of a scene and their stability.
 
     Without ``starts`` the drives go slowly from their values at t = 0 to those at ``at``, from the
-    scene's own pose: a slow load's equilibrium. With ``starts`` each begins at its own pose, with
-    the drives at their values at ``at``.
+    scene's own pose: the equilibrium of a slow load. With ``starts``, each begins at its own pose,
+    and the drives have their values at ``at``.
 
     Args:
         scene: a scene, a mechanism or what :func:`sandbox.load_scene` takes.
-        at: the time whose values of drives are held [s]; by default the end of the scene.
-        starts: poses to begin at, as mappings of ``JOINT.angle``, ``BODY.x``, ``BODY.y`` or
-            ``BODY.angle`` to values in SI.
-        stages: in how many the drives go there, without ``starts``; by default 40, with dry
-            friction 200.
+        at: the time whose values the drives have [s]; by default the end of the scene.
+        starts: poses as mappings of ``JOINT.angle``, ``BODY.x``, ``BODY.y`` or ``BODY.angle`` to
+            values in SI.
+        stages: number of stages of the slow load; by default 40, with dry friction 200.
 
     Raises:
-        SceneError: controllers, events at a time, nothing that moves freely, a start that names
-            what is not there; or no start that comes to rest, with the reasons.
+        SceneError: controllers, events at a time, nothing that moves freely, a start with unknown
+            names; or no start that comes to rest, with the reasons.
     """
     mechanism = checked(scene, ())
-    refuse(mechanism)
-    sensible(mechanism, at, stages)
-    search = Search(mechanism, mechanism.run.duration if at is None else at)
+    check_options(mechanism, at, stages)
+    settler = Settler(mechanism, mechanism.run.duration if at is None else at)
     rests: list[AtRest] = []
     failed: list[tuple[str, str]] = []
     for start in starts or (None,):
-        words = told(start)
-        before = search.relaxation.moved
+        words = "" if start is None else " from " + ", ".join(
+            f"{name} = {value:.6g}" for name, value in start.items())
+        before = settler.steps
         try:
             if start is None:
-                search.follow(stages)
+                settler.follow(stages)
             else:
-                search.start(placed(search, start))
-            found = settled(search, words, before)
+                settler.start(place_start(settler, start))
+            found = settle(settler, words.removeprefix(" from "), before)
         except Unsettled as error:
             failed.append((words, str(error)))
             continue
@@ -195,14 +201,38 @@ def rest(
     if not rests:
         raise SceneError([Problem("no-rest", f"it does not come to rest{words}: {reason}", "rest")
                           for words, reason in failed])
-    return RestFound(tuple(rests), tuple(failed), tuple(remarks(mechanism, search, at)))
+    return RestFound(tuple(rests), tuple(failed), tuple(_remarks(mechanism, settler, at)))
+
+
+def settle(settler: Settler, start: str, before: int) -> AtRest:
+    """The equilibrium near the present pose.
+
+    Raises:
+        Unsettled: it does not come to rest.
+        SimulationDiverged: the motion is not finite.
+    """
+    balance = settler.settle()
+    if balance is None:
+        settler.still.move(settler.drive, kept=True)
+    run = settler.still.recording() if balance is None else balance.run
+    untold = settler.untold or (
+        "" if balance is not None else "motions that Newton's method missed")
+    return AtRest(run, start, balance, untold, settler.steps - before, settler.size)
+
+
+def _same(one: AtRest, other: AtRest) -> bool:
+    way = np.abs(one.recording.arrays["body_pose"] - other.recording.arrays["body_pose"])
+    return bool(max(way[..., :2].max() / one.size, way[..., 2].max()) <= SAME)
+
+
+# -- what is refused -----------------------------------------------------------------
 
 
 def known_body(mechanism: Mechanism, body: str) -> None:
-    """See that a body moves freely.
+    """Refuse a name that is no body that moves freely, with a suggestion.
 
     Raises:
-        SceneError: there is none of that name that does, with a near miss.
+        SceneError: there is none of that name.
     """
     free = [each.name for each in mechanism.bodies if each.motion == "dynamic"]
     if body not in free:
@@ -211,44 +241,96 @@ def known_body(mechanism: Mechanism, body: str) -> None:
                                   allowed=listed(free), hint=near(body, free))])
 
 
-def sensible(mechanism: Mechanism, at: float | None, stages: int | None) -> None:
-    """See that a time is within the run, and that stages are some that can be gone through.
+def check_options(mechanism: Mechanism, at: float | None, stages: int | None) -> None:
+    """Refuse what has no static equilibrium, times beyond the run, and too many stages.
 
     Raises:
-        SceneError: they are not.
+        SceneError: controllers, events at a time, or wrong options.
     """
+    found = [Problem("no-rest",
+                     f"the controller {quoted(each.name)} acts as the run goes on, and rest has no "
+                     "time", f"$.controllers[{i}]",
+                     allowed="drives that hold the values it leads to: take the controller out and "
+                             "set these")
+             for i, each in enumerate(mechanism.controllers)]
+    found += [Problem("no-rest",
+                      f"the event {quoted(each.name)} acts at t = {each.at:g} s, and rest has no "
+                      "time", f"$.events[{i}]", allowed="a scene in which it has happened")
+              for i, each in enumerate(mechanism.events)
+              if each.at is not None and each.at <= mechanism.run.duration
+              and (each.set or each.release or each.take_up)]
     duration = mechanism.run.duration
     if at is not None and not 0 <= at <= duration:
-        raise SceneError([Problem("bad-time", f"{at:g} s is not within the run", "at",
-                                  allowed=f"0 to {duration:g} s")])
-    if stages is not None and not 1 <= stages <= MOST_STAGES:
-        raise SceneError([Problem("bad-argument", f"{stages} stages are not gone through", "stages",
-                                  allowed=f"1 to {MOST_STAGES}")])
+        found.append(Problem("bad-time", f"{at:g} s is not within the run", "at",
+                             allowed=f"0 to {duration:g} s"))
+    if stages is not None and not 1 <= stages <= MAX_STAGES:
+        found.append(Problem("bad-argument", f"{stages} stages are not gone through", "stages",
+                             allowed=f"1 to {MAX_STAGES}"))
+    if found:
+        raise SceneError(found)
 
 
-def told(start: Start | None) -> str:
-    """A start in words."""
-    if start is None:
-        return ""
-    return " from " + ", ".join(f"{name} = {value:.6g}" for name, value in start.items())
+def _remarks(mechanism: Mechanism, settler: Settler, at: float | None) -> Iterator[str]:
+    """Drives that still change, and events that are left out."""
+    for event in mechanism.events:
+        if event.when is not None and (event.set or event.release or event.take_up):
+            yield f"the event {quoted(event.name)} is left out: it acts on the way"
+    if settler.remark:
+        yield settler.remark
+    if at is not None or not settler.time:
+        return
+    before, places = settler.still.driven((1 - LATE) * settler.time)
+    for i in np.flatnonzero(before != settler.drive).tolist():
+        yield (f"the drive {quoted(mechanism.drives[i].name)} still changes at the end: it is held "
+               f"at its value at t = {settler.time:g} s")
+    for body in settler.still.scheduled[np.any(places != settler.places, axis=1)].tolist():
+        yield (f"{quoted(mechanism.bodies[body].name)} still moves at the end: it is held where it "
+               f"is at t = {settler.time:g} s")
 
 
-def settled(search: Search, words: str, before: int) -> AtRest:
-    """The equilibrium that a search settles in from where its bodies are.
+# -- what is reported ----------------------------------------------------------------
 
-    Raises:
-        Unsettled: it does not.
-        SimulationDiverged: the motion stopped being finite.
+
+def verdict(rest: AtRest) -> str:
+    """The stability in words."""
+    if rest.stability == UNSTABLE:
+        grows = float(np.sqrt(-rest.modes[0]))
+        return f"unstable: a small push grows e-fold every {1 / grows:.3g} s"
+    if rest.stability == NEUTRAL:
+        moves = ", ".join(rest.loose) or "some bodies"
+        return f"neutral: nothing answers a small motion of {moves}"
+    if rest.stability == UNTOLD:
+        return f"rests; whether stable is not told with {rest.untold}"
+    if not len(rest.modes):
+        return "stable: nothing is free to move"
+    return f"stable: its softest motion swings at {rest.frequency:.4g} Hz without damping"
+
+
+def quantities(run: Recording) -> dict[str, str]:
+    """Names and units of the quantities that describe an equilibrium.
+
+    Angles of hinges, positions of other bodies, tensions, forces of springs, contact forces.
     """
-    balance = search.settle()
-    if balance is None:
-        search.still.move(search.drive, kept=True)
-    run = search.still.recording() if balance is None else balance.run
-    untold = search.untold or ("" if balance is not None else "motions that Newton's method missed")
-    return AtRest(run, words.removeprefix(" from "), balance, untold,
-                search.relaxation.moved - before, search.size)
+    model = run.model
+    hinged = set(model.joints.bodies[model.joints.pivots, 1].tolist())
+    free = [i for i in np.flatnonzero(model.bodies.free).tolist() if i not in hinged]
+    names = [f"{model.joints.name[j]}.angle" for j in model.joints.hinges.tolist()]
+    names += [f"{name}.length" for name in model.joints.name]
+    names += [f"{model.bodies.name[i]}.{part}" for i in free for part in ("x", "y", "angle")]
+    names += [f"{name}.tension" for name in model.tendons.name]
+    names += [f"{name}.{part}" for name in model.springs.name for part in ("force", "torque")]
+    names += [f"{name}.pressure" for name in model.lines.name]
+    contacts, bodies = run.contacts, model.bodies.name
+    for row, friction in enumerate(contacts.tangential.tolist()):
+        pair = f"{bodies[contacts.body[row]]}/{bodies[contacts.other[row]]}"
+        names += [f"{pair}.normal", *[f"{pair}.tangential"] * (abs(friction) > TOUCH)]
+    return {name: run.unit(name) for name in names if name in run}
 
 
-def _same(one: AtRest, other: AtRest) -> bool:
-    way = np.abs(one.recording.arrays["body_pose"] - other.recording.arrays["body_pose"])
-    return bool(max(way[..., :2].max() / one.size, way[..., 2].max()) <= SAME)
+def places(run: Recording) -> list[str]:
+    """Names of all angles of hinges and positions of bodies."""
+    model = run.model
+    return [name for name in (
+        *(f"{model.joints.name[j]}.angle" for j in model.joints.hinges.tolist()),
+        *(f"{model.bodies.name[i]}.{part}" for i in np.flatnonzero(model.bodies.free).tolist()
+          for part in ("x", "y", "angle"))) if name in run]

@@ -1,122 +1,104 @@
-"""Poses to begin at: hinges at given angles, bodies at given places."""
+"""Poses at which a search for equilibria starts: hinges at given angles, bodies at given places."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from sandbox.audit.rest import beyond_joint
-from sandbox.equilibria.search import Search
+from sandbox.equilibria.settle import Settler
 from sandbox.errors import Problem, SceneError
-from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.wording import listed, near, quoted
 
 Start = Mapping[str, float]
 """``JOINT.angle``, ``BODY.x``, ``BODY.y``, ``BODY.angle`` to values [rad, m]."""
 TURN = 0.02
-"""A ring is turned by so much at once [rad]."""
+"""Rotation of a hinge in one step [rad]."""
+CLOSING = 4
+"""Further steps that close a loop."""
 PARTS = {"x": 0, "y": 1, "angle": 2}
 
 
-def startable(model: Model) -> list[str]:
-    """The names that a start may give values."""
-    return [*(f"{model.joints.name[j]}.angle" for j in model.joints.pivots.tolist()),
-            *(f"{name}.{part}" for name, free in zip(
-                model.bodies.name, model.bodies.free, strict=True) if free for part in PARTS)]
-
-
-def placed(search: Search, start: Start) -> Array:
-    """The pose of a start, [nb, 3] of the centres of mass; what is joined moves along.
+def place_start(settler: Settler, start: Start) -> Array:
+    """The pose of a start, [nb, 3] of the centres of mass; joined bodies move along.
 
     Raises:
-        SceneError: names that nothing has, with a near miss.
+        SceneError: unknown names, with a suggestion.
     """
-    model, known = search.model, startable(search.model)
+    model, still = settler.model, settler.still
+    known = [*(f"{model.joints.name[j]}.angle" for j in model.joints.pivots.tolist()),
+             *(f"{name}.{part}" for name, free in zip(
+                 model.bodies.name, model.bodies.free, strict=True) if free for part in PARTS)]
     if wrong := [name for name in start if name not in known]:
         raise SceneError([Problem("name-not-found",
                                   f"{quoted(name)} can't be given at the start", "from",
                                   allowed=listed(known) or "nothing", hint=near(name, known))
                           for name in wrong])
-    search.still.put(search.first)
+    still.put(settler.first)
     for name, value in start.items():
         element, _, part = name.rpartition(".")
         joint = model.names.joint.get(element)
         if joint is not None and part == "angle":
-            _turn(search, joint, value)
+            _turn(settler, joint, value)
         else:
-            _bring(search, model.names.body[element], PARTS[part], value)
-    return search.still.pose
+            _bring(settler, model.names.body[element], PARTS[part], value)
+    return still.pose
 
 
-def _angle(search: Search, joint: int) -> float:
-    joints = search.model.joints
-    a, b = search.still.pose[joints.bodies[joint], 2]
+def _angle(settler: Settler, joint: int) -> float:
+    joints = settler.model.joints
+    a, b = settler.still.pose[joints.bodies[joint], 2]
     return float(joints.sense[joint] * (b - a) - joints.zero[joint])
 
 
-def _turn(search: Search, joint: int, value: float) -> None:
-    """Turn what hangs on a hinge rigidly; a ring gives way in all its joints."""
-    joints, still = search.model.joints, search.still
-    beyond = sorted(beyond_joint(search.model, joint))
-    way = float(joints.sense[joint]) * (value - _angle(search, joint))
+def _turn(settler: Settler, joint: int, value: float) -> None:
+    """Turn the bodies beyond a hinge rigidly; in a loop all joints give way."""
+    joints, still = settler.model.joints, settler.still
+    b = int(joints.bodies[joint, 1])
+    beyond = sorted(beyond_joint(settler.model, joint))
+    way = value - _angle(settler, joint)
+    count = max(1, int(np.ceil(abs(way) / TURN)))
     if not beyond:
-        _turn_ring(search, joint, value)
+        for k in range(count + CLOSING):
+            _turn_loop(settler, joint, (value - _angle(settler, joint)) / max(1, count - k))
         return
-    if int(joints.bodies[joint, 1]) not in beyond:
-        way = -way
-    for part in _parts(way):
+    part = float(joints.sense[joint]) * (way if b in beyond else -way) / count
+    c, s = np.cos(part), np.sin(part)
+    for _ in range(count):
         pose = still.pose
-        pivot = _point(search, int(joints.bodies[joint, 1]), joints.anchor[joint, 1])
-        c, s = np.cos(part), np.sin(part)
-        arm = pose[beyond, :2] - pivot
-        pose[beyond, :2] = pivot + arm @ np.array([[c, s], [-s, c]])
+        pivot = _place(pose[b], joints.anchor[joint, 1] - settler.model.bodies.centre[b])
+        pose[beyond, :2] = pivot + (pose[beyond, :2] - pivot) @ np.array([[c, s], [-s, c]])
         pose[beyond, 2] += part
         still.put(pose)
-        still.move(search.drive)  # cords learn where they run
+        still.move(settler.drive)  # tendons update their paths
         still.put(pose)
 
 
-def _turn_ring(search: Search, joint: int, value: float) -> None:
-    still, joints = search.still, search.model.joints
-    a, b = joints.bodies[joint].tolist()
-    steps = list(_parts(value - _angle(search, joint)))
-    for k in range(len(steps) + 4):  # the last ones close what is open
-        left = value - _angle(search, joint)
-        balance = search.look()
-        row = np.zeros(len(balance.mass))
-        for body, sign in ((a, -1.0), (b, 1.0)):
-            at = np.flatnonzero(balance.bodies == body)
-            row[3 * at + 2] += sign * float(joints.sense[joint])
-        row = balance.free.T @ (row * balance.scale)
-        if not row @ row > 0:
-            return
-        part = left / max(1, len(steps) - k)
-        still.put(balance.moved(balance.free @ (row * part / (row @ row)) + balance.closing()))
+def _turn_loop(settler: Settler, joint: int, part: float) -> None:
+    joints, balance = settler.model.joints, settler.look()
+    row = np.zeros(len(balance.mass))
+    for body, sign in zip(joints.bodies[joint].tolist(), (-1.0, 1.0), strict=True):
+        row[3 * np.flatnonzero(balance.bodies == body) + 2] += sign * float(joints.sense[joint])
+    row = balance.free.T @ (row * balance.scale)
+    if row @ row > 0:
+        settler.still.put(balance.pose_after(
+            settler.still.pose, balance.free @ (row * part / (row @ row)) + balance.closing()))
 
 
-def _parts(way: float) -> Iterator[float]:
-    count = max(1, int(np.ceil(abs(way) / TURN)))
-    for _ in range(count):
-        yield way / count
-
-
-def _point(search: Search, body: int, local: Array) -> Array:
-    x, y, angle = search.still.pose[body]
-    c, s = np.cos(angle), np.sin(angle)
-    arm = local - search.model.bodies.centre[body]
-    return np.array([x + c * arm[0] - s * arm[1], y + s * arm[0] + c * arm[1]])
-
-
-def _bring(search: Search, body: int, part: int, value: float) -> None:
-    """Put a body's frame where it is to be; joints that this opens close as it relaxes."""
-    pose = search.still.pose
-    x, y, angle = pose[body]
-    cx, cy = search.model.bodies.centre[body]
-    c, s = np.cos(angle), np.sin(angle)
-    frame = np.array([x - (c * cx - s * cy), y - (s * cx + c * cy), angle])
+def _bring(settler: Settler, body: int, part: int, value: float) -> None:
+    """Move a body's frame; joints that this opens close as the mechanism comes to rest."""
+    pose, centre = settler.still.pose, settler.model.bodies.centre[body]
+    frame = pose[body].copy()
+    frame[:2] = _place(pose[body], -centre)
     frame[part] = value
-    c, s = np.cos(frame[2]), np.sin(frame[2])
-    pose[body] = frame + np.array([c * cx - s * cy, s * cx + c * cy, 0.0])
-    search.still.put(pose)
+    pose[body, :2], pose[body, 2] = _place(frame, centre), frame[2]
+    settler.still.put(pose)
+
+
+def _place(frame: Array, local: Array) -> Array:
+    """A point given in a frame (x, y, angle), in the world [m]."""
+    x, y, angle = frame
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([x + c * local[0] - s * local[1], y + s * local[0] + c * local[1]])

@@ -114,16 +114,17 @@ def _verdict(judged: Sequence[Verdict]) -> str:
         return _line("the scene expects nothing", QUIET)
     held = sum(verdict.ok for verdict in judged)
     colour = GOOD if held == len(judged) else BAD
-    return _line(f"<b>{held} of {len(judged)} expectations hold</b>", f"color:{colour}")
+    return _line(f"<b>{held} of {len(judged)} expectations passed</b>", f"color:{colour}")
 
 
 def _audited(figures: Sequence[Figure]) -> str:
     looks = [figure.name for figure in figures if figure.verdict == "look"]
     passed = sum(figure.verdict == "pass" for figure in figures)
-    told = f"audit: {passed} of {passed + len(looks)} figures pass"
+    text = f"{passed} checks passed"
     if not looks:
-        return _line(told, QUIET)
-    return _line(html.escape(f"{told}; to look at: {', '.join(looks)}"), f"color:{BAD}")
+        return _line(text, QUIET)
+    warnings = f"{len(looks)} warning{'s' if len(looks) > 1 else ''}: {', '.join(looks)}"
+    return _line(html.escape(f"{text}, {warnings}"), f"color:{BAD}")
 
 
 def _row(verdict: Verdict) -> list[str]:

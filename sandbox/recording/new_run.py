@@ -43,11 +43,11 @@ PAGE = "report.html"
 FRAMES, FRAME = "frames", "frame_?????.png"
 """Where pictures of a film go, and what they are called."""
 ENDINGS = ("png", "svg", "pdf")
-PLOTS = ("plot", "finger-control")
-"""What ``sandbox plot`` calls its pictures."""
+PLOT = "plot"
+"""Name of the pictures of ``sandbox plot``, without the ending."""
 BESIDE = "incomplete"
 """Where a run that was stopped is put if a complete one is there."""
-OWN = (*FILES, *FILMS, PAGE, *(f"{plot}.{ending}" for plot in PLOTS for ending in ENDINGS))
+OWN = (*FILES, *FILMS, PAGE, *(f"{PLOT}.{ending}" for ending in ENDINGS))
 """Names that a run, and what is made of it, have in its directory."""
 MADE, MOST_MADE = ".made", 1_000_000
 """A list of other files that were made of the run: they go when it goes; its most bytes."""

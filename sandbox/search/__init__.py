@@ -1,8 +1,5 @@
-"""Searches over runs of a scene: thresholds, fits, the best, what matters, maps of what holds.
+"""Searches over runs of a scene: thresholds, fits, optimisation, sensitivity (docs/searches.md)."""
 
-They are described in docs/searches.md and docs/robustness.md.
-"""
+from sandbox.search.searches import best, fit, sensitivity, study, threshold
 
-from sandbox.search.searches import best, fit, robustness, sensitivity, study, threshold
-
-__all__ = ["best", "fit", "robustness", "sensitivity", "study", "threshold"]
+__all__ = ["best", "fit", "sensitivity", "study", "threshold"]

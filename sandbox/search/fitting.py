@@ -1,41 +1,78 @@
-"""Identification: the parameters of a scene with which it moves as was measured."""
+"""Identification: values of paths with which a scene reproduces a measurement.
+
+The estimate is the maximum likelihood for independent normal noise, whose size may differ between
+columns and is estimated too. Intervals are those of the model linearised at the estimate (Seber
+and Wild, Nonlinear Regression, 1989, ch. 5).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
+import csv
+import io
+import math
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 
 from sandbox.atomic_files import write_atomic
-from sandbox.comma import comma_separated
+from sandbox.draw.figure import style
+from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.errors import SandboxError
 from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array, Integers
-from sandbox.search.asking import FOUND, Asking, Where, asking
-from sandbox.search.criteria import RefusedError, measures_as
-from sandbox.search.fit_figure import FittedColumn, draw_fit
-from sandbox.search.least_squares import DIFFERENCE, Estimated, estimate, following
-from sandbox.search.measured import Measurements, read_measured
+from sandbox.scene.values.units import factor_of
 from sandbox.search.question import Question
-from sandbox.sweeps.job import Asked, ReadAt, SweepRow
-from sandbox.wording import listed, quoted, told_of
+from sandbox.search.session import (
+    FOUND,
+    RefusedError,
+    Session,
+    Where,
+    check_unit,
+    open_session,
+    step_check,
+)
+from sandbox.sweeps.job import Keep, ReadAt, SweepRow
+from sandbox.sweeps.vary import Range
+from sandbox.wording import WrongValueError, listed, or_near, quoted, told_of
 
 COMPARED = "fit.csv"
-STARTS = 8
-"""Points spread over the ranges, of which the best is begun at."""
-MOST = 2_000
+MAX_BYTES = 20_000_000
+"""Of a measurement's file."""
+MAX_NUMBERS = 2_000
 """Measured numbers that are compared."""
+MAX_PANELS = 6
+"""Columns in the figure; all are in ``fit.csv``."""
+TIMES = ("time", "t", "time_s", "t_s")
+"""Names of the column of times."""
+STARTS = 8
+"""Points spread over the ranges; the fit starts at the best of them."""
+DIFFERENCE = 1e-3
+"""Half the distance of the two runs of a central difference, as a fraction of the range."""
+MAX_ROUNDS = 8
+"""Repetitions with newly estimated noise."""
+SETTLED = 0.02
+"""Relative change of the noise at which repetitions end."""
+TOLERANCE = 1e-8
+"""Relative decrease of the sum of squares at which the optimisation ends."""
+RANK = 1e-9
+"""Relative singular value of the Jacobian below which a direction is not determined."""
+UNCERTAIN = 0.5
+"""Half of a 95 % interval, in ranges, beyond which data do not determine a direction."""
+CORRELATED = 3.0
+"""Standard errors of the correlation of neighbouring residuals that are no noise."""
 SAME = 0.25
-"""Of half an interval: how far the parameters may move at half the step and be the same."""
+"""Of half an interval: change of the parameters at half the step that is accepted."""
+_UNIT = re.compile(r"\s*(.*?)\s*\[([^\[\]]+)\]\s*")
+Model = Callable[[Array], Array]
+"""Quantiles [n, p] to predicted numbers [n, m]."""
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """What came of one path."""
+    """The estimate of one path."""
 
     path: str
     unit: str
@@ -48,24 +85,26 @@ class Parameter:
     at_end: bool
     """Whether it is at an end of its range: the best may lie beyond."""
     halved: float
-    """The value at half the step, SI."""
+    """The estimate at half the step, SI."""
 
 
 @dataclass(frozen=True)
 class Fitted:
-    """Parameters fitted to what was measured."""
+    """Parameters fitted to a measurement."""
 
     parameters: tuple[Parameter, ...]
     noise: Mapping[str, float]
     """Standard deviation of each column's noise, SI, estimated or given."""
     blind: tuple[tuple[float, Mapping[str, float]], ...]
-    """Directions that the data can't tell: half of the 95 % interval in ranges, and how much each
-    path takes part, in shares of its range."""
+    """Directions that the data do not determine: half of the 95 % interval in ranges, and the
+    share of each path, in its range."""
     count: int
-    """Numbers measured."""
+    """Measured numbers."""
     runs: int
     certified: bool
+    """Whether the result is the same at half the step."""
     certificate: str
+    """Details of this check."""
     remarks: tuple[str, ...] = ()
 
     def __getitem__(self, path: str) -> Parameter:
@@ -77,281 +116,375 @@ class Fitted:
 
     @property
     def lines(self) -> list[str]:
-        """What was found, for a person."""
-        told = [f"{each.path} = {each.value:.6g} {each.unit}".rstrip()
-                + f"  (95 % interval {each.low:.6g} to {each.high:.6g})"
-                + ("  at an end of its range" if each.at_end else "") for each in self.parameters]
-        told += [f"noise of {name}: {size:.4g}" for name, size in self.noise.items()]
-        told += [f"the data can't tell: {_direction(parts)} "
-                 f"(± {half:.3g} ranges)" if np.isfinite(half) else
-                 f"the data can't tell: {_direction(parts)} (not at all)"
-                 for half, parts in self.blind]
-        return [*told, *self.remarks,
-                f"half the step: {'the same' if self.certified else 'NOT the same'}; "
-                f"{self.certificate}"]
+        """The result in words."""
+        lines = [f"{each.path} = {each.value:.6g} {each.unit}".rstrip()
+                 + f"  (95 % interval {each.low:.6g} to {each.high:.6g})"
+                 + ("  at an end of its range" if each.at_end else "")
+                 for each in self.parameters]
+        lines += [f"noise of {name}: {size:.4g}" for name, size in self.noise.items()]
+        for half, parts in self.blind:
+            direction = ", ".join(f"{part:+.2f} {path}" for path, part in parts.items()
+                                  if abs(part) > 0.1)
+            size = f"± {half:.3g} ranges" if math.isfinite(half) else "not at all"
+            lines.append(f"the data can't tell: {direction} ({size})")
+        return [*lines, *self.remarks, step_check(self.certified, self.certificate)]
 
 
-def _direction(parts: Mapping[str, float]) -> str:
-    """``+0.71 a, -0.71 b``: along which way, in shares of ranges, the data leave all open."""
-    kept = {path: part for path, part in parts.items() if abs(part) > 0.1}
-    return ", ".join(f"{part:+.2f} {path}" for path, part in kept.items())
-
-
-def find_fit(
-    question: Question, data: Path, *, match: Mapping[str, str] | None = None,
-    noise: Mapping[str, float] | None = None, difference: float = DIFFERENCE,
-    place: Where | None = None,
-) -> Fitted:
-    """The parameters with which the scene moves as was measured, and how sure they are.
-
-    Args:
-        question: paths with ranges.
-        data: a CSV file, see :mod:`sandbox.search.measured`.
-        match: the quantity that each column is; by default columns that have a quantity's name.
-        noise: standard deviation of each column [SI]; estimated by default.
-        difference: of the runs of which derivatives are made, in ranges.
-        place: where it runs and what it leaves behind.
-
-    Raises:
-        RefusedError: paths without ranges, columns or quantities that there are none of.
-        SandboxError: no such data, a run without an answer, no scipy.
-    """
-    _possible(question)
-    place = place or Where()
-    fitting = _Fitting.of(question, [read_measured(data)], match, noise, difference)
-    with fitting.at_work(place) as work:
-        fitted, residuals = fitting.fit(work, fitting.sought[0])
-        if place.out:
-            work.leave(place.out, "fit", {
-                **vars(fitted), "parameters": [vars(each) for each in fitted.parameters]},
-                data=str(data), match=match, noise=noise)
-            fitting.leave(place.out, residuals)
-    return fitted
-
-
-def find_fits(
-    question: Question, measured: Sequence[Measurements], *,
-    match: Mapping[str, str] | None = None, noise: Mapping[str, float] | None = None,
-    difference: float = DIFFERENCE, place: Where | None = None,
-) -> Iterator[Fitted]:
-    """A fit to each of several measurements, one after the other; they share workers and runs.
-
-    What was found is not left behind, only the runs are. Arguments as of :func:`find_fit`.
-
-    Raises:
-        SandboxError: also where not all have the same times, columns and empty cells.
-    """
-    _possible(question)
-    fitting = _Fitting.of(question, measured, match, noise, difference)
-    with fitting.at_work(place or Where()) as work:
-        for sought in fitting.sought:
-            yield fitting.fit(work, sought)[0]
-
-
-def _possible(question: Question) -> None:
-    """Refuse what no fit can vary, and to fit without scipy."""
-    space = question.space
-    if space.random or space.lists:
-        raise RefusedError("a fit varies paths with ranges, as in '2 N:8 N'; "
-                           f"{quoted((space.random + space.lists)[0])} has none")
-    if find_spec("scipy") is None:
-        raise SandboxError("a fit needs scipy: pip install 'sandbox-mechanics[studies]'",
-                           code="missing-package")
-
-
-@dataclass
-class _Fitting:
-    """What is fitted, to what, and how."""
-
-    question: Question
-    sought: Sequence[_Sought]
-    pairs: Mapping[str, str]
-    """The quantity of each column."""
-    units: Mapping[str, str]
-    """Of each column, SI."""
-    noise: Array | None
-    difference: float
-    runs: int = 0
-    """So far."""
-
-    @staticmethod
-    def of(
-        question: Question, measured: Sequence[Measurements], match: Mapping[str, str] | None,
-        noise: Mapping[str, float] | None, difference: float,
-    ) -> _Fitting:
-        catalogue = Catalogue(question.plan.loaded.mechanism)
-        pairs = _matched(catalogue, measured[0], match)
-        sought = [_Sought.of(question, each, pairs) for each in measured]
-        for each, one in zip(measured, sought, strict=True):
-            if one.keep != sought[0].keep:
-                raise SandboxError(f"{each.file} has not the times and columns of "
-                                   f"{measured[0].file}: they are not fitted together",
-                                   code="bad-measurements")
-        if noise is not None and set(noise) != set(pairs):
-            raise RefusedError("the noise of each column is said, or of none: "
-                               f"{listed(list(pairs))}")
-        for name, size in (noise or {}).items():
-            measures_as(size, catalogue.find(pairs[name]).unit, f"the noise of {name}")
-            if not size > 0:
-                raise RefusedError(f"the noise of {name} is greater than 0, not {size:g}")
-        sizes = None if noise is None else np.array([noise[name] for name in pairs])
-        if sizes is not None and not (sizes > 0).all():
-            raise RefusedError("the noise of a column is greater than 0")
-        units = {name: catalogue.find(pairs[name]).unit for name in pairs}
-        return _Fitting(question, sought, pairs, units, sizes, difference)
-
-    def leave(self, directory: Path, residuals: Array) -> None:
-        """Write what was measured beside what the fitted scene does, as a table and a figure."""
-        columns = self.sought[0].columns_beside(list(self.pairs), residuals)
-        write_atomic(directory / COMPARED, comma_separated(
-            ["column", "time_s", "measured", "fitted"],
-            ((name, *row) for name, rows in columns.items() for row in rows.tolist())))
-        draw_fit(directory / FOUND, [FittedColumn(name, self.units[name], *rows.T)
-                                     for name, rows in columns.items()])
-
-    def at_work(self, place: Where) -> AbstractContextManager[Asking]:
-        """The search, as a context, with what is measured kept of each run."""
-        job = self.question.plan.job
-        plan = replace(self.question.plan, job=replace(
-            job, keep={**job.keep, **self.sought[0].keep}))
-
-        def count(row: SweepRow) -> None:
-            self.runs += 1
-            if place.heard:
-                place.heard(row)
-
-        return asking(replace(self.question, plan=plan), replace(place, heard=count))
-
-    def fit(self, work: Asking, sought: _Sought) -> tuple[Fitted, Array]:
-        """What was found, and what is left of the data, [m]."""
-        before = self.runs
-        found = estimate(lambda shares: sought.model(work, shares), sought.data, sought.columns,
-                         _start(work, sought), noise=self.noise, difference=self.difference)
-        again = estimate(lambda shares: sought.model(work, shares, halved=True), sought.data,
-                         sought.columns, found.shares, noise=found.noise,
-                         difference=self.difference)
-        return (_fitted(self.question, list(self.pairs), sought, found, again, self.runs - before),
-                found.residuals)
+# -- measurements --------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
-class _Sought:
-    """Measured numbers in a row, [m], and the readings of a run that they are compared with."""
+class Measurement:
+    """Measured numbers in a row, [m], and the results of a run that predict them."""
 
-    keep: Mapping[str, Asked]
+    names: tuple[str, ...]
+    """Of the columns."""
+    keep: Mapping[str, Keep]
+    time: Array
+    """[s]."""
     data: Array
+    """SI."""
     columns: Integers
-
-    @staticmethod
-    def of(question: Question, measured: Measurements, pairs: Mapping[str, str]) -> _Sought:
-        keep: dict[str, Asked] = {}
-        data: list[float] = []
-        columns: list[int] = []
-        for k, (name, quantity) in enumerate(pairs.items()):
-            for row, (time, value) in enumerate(zip(measured.time, measured.column(name),
-                                                    strict=True)):
-                if np.isfinite(value):
-                    keep[f"{name} @ {row}"] = ReadAt(quantity=quantity, time=float(time))
-                    data.append(float(value))
-                    columns.append(k)
-        if not data:
-            raise SandboxError(f"{measured.file} has no number in {listed(list(pairs))}",
-                               code="bad-measurements")
-        if len(data) > MOST:
-            raise SandboxError(f"{measured.file} has {len(data)} numbers to be compared (allowed: "
-                               f"at most {MOST}); leave every other line out, or more",
-                               code="bad-measurements")
-        end = question.plan.loaded.mechanism.run.duration
-        if not (measured.time.min() >= 0 and measured.time.max() <= end + 1e-9):
-            raise SandboxError(
-                f"{measured.file} has times from {measured.time.min():g} to "
-                f"{measured.time.max():g} s, the run from 0 to {end:g} s", code="bad-measurements")
-        return _Sought(keep, np.array(data), np.array(columns, dtype=np.int64))
-
-    def columns_beside(self, names: Sequence[str], residuals: Array) -> dict[str, Array]:
-        """Time [s], what was measured and what was fitted of each column, [n, 3]."""
-        times = [reading.time for reading in self.keep.values() if isinstance(reading, ReadAt)]
-        rows = np.stack([times, self.data, self.data + residuals], axis=1)
-        found = {name: rows[self.columns == k] for k, name in enumerate(names)}
-        return {name: some for name, some in found.items() if len(some)}
-
-    def model(self, work: Asking, shares: Array, *, halved: bool = False) -> Array:
-        """What would be measured at shares [n, p], [n, m]; nan of runs that did not end well."""
-        return work.values(list(self.keep), shares, halved=halved)
+    """Index of the column of each number."""
 
 
-def _matched(
-    catalogue: Catalogue, measured: Measurements, match: Mapping[str, str] | None,
-) -> dict[str, str]:
-    """The quantity of each column.
+def read_columns(path: Path) -> tuple[Array, dict[str, Array]]:
+    """Times [s] and columns [SI] of a CSV file, [n] each; nan for empty cells.
+
+    A name may have a unit in brackets: ``x [mm]``.
 
     Raises:
-        SandboxError: an unknown column.
-        RefusedError: an unknown quantity, or none at all.
+        SandboxError: the file cannot be read, has no times, or a cell is no number.
     """
-    if match is None:
-        match = {name: name for name in measured.columns if name in catalogue}
-        if not match:
-            raise RefusedError(f"no column of {measured.file} has the name of a quantity: say "
-                               "which is which, as in x=puck.x (columns: "
-                               f"{listed(list(measured.columns))})")
-    for name, quantity in match.items():
-        measured.column(name)
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise SandboxError(f"{path} has more than {MAX_BYTES} bytes", code="bad-measurements")
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        why = getattr(error, "strerror", "") or "it is not UTF-8 text"
+        raise SandboxError(f"{path} cannot be read: {why}", code="bad-measurements") from None
+    rows = [row for row in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in row)]
+    if len(rows) < 2:
+        raise SandboxError(f"{path} holds no measurements: a line of names, then numbers",
+                           code="bad-measurements")
+    names, factors = [], []
+    for head in rows[0]:
+        match = _UNIT.fullmatch(head)
+        names.append(match[1] if match else head.strip())
+        try:
+            factors.append(factor_of(match[2].strip(), None) if match else 1.0)
+        except WrongValueError as error:
+            raise SandboxError(f"{path}, row 1: {error}", code="bad-measurements") from None
+    time = next((k for k, name in enumerate(names) if name.lower() in TIMES), None)
+    if time is None:
+        raise SandboxError(f"{path} has no column of times (allowed: {', '.join(TIMES)}; it has "
+                           f"{listed(names)})", code="bad-measurements")
+    if len(set(names)) < len(names):
+        raise SandboxError(f"{path} has two columns of one name", code="bad-measurements")
+    cells = np.array([_numbers(row, len(names), f"{path}, row {number}")
+                      for number, row in enumerate(rows[1:], start=2)]) * factors
+    if np.isnan(cells[:, time]).any():
+        raise SandboxError(f"{path}: a row has no time", code="bad-measurements")
+    return cells[:, time], {name: cells[:, k] for k, name in enumerate(names) if k != time}
+
+
+def _numbers(row: list[str], count: int, where: str) -> list[float]:
+    if len(row) != count:
+        raise SandboxError(f"{where}: {len(row)} cells under {count} names",
+                           code="bad-measurements")
+    found = []
+    for cell in row:
+        try:
+            found.append(float(cell) if cell.strip() else math.nan)
+        except ValueError:
+            raise SandboxError(f"{where}: {quoted(cell)} is no number",
+                               code="bad-measurements") from None
+        if math.isinf(found[-1]):
+            raise SandboxError(f"{where}: {quoted(cell)} is not finite", code="bad-measurements")
+    return found
+
+
+def _measurement(
+    question: Question, path: Path, match: Mapping[str, str] | None,
+) -> tuple[Measurement, dict[str, str]]:
+    """The numbers of a file that a run predicts, and the SI unit of each column.
+
+    Raises:
+        RefusedError: an unknown quantity, or no column with the name of one.
+        SandboxError: a file that cannot be used.
+    """
+    time, columns = read_columns(path)
+    catalogue = Catalogue(question.plan.loaded.mechanism)
+    pairs = dict(match) if match is not None else {name: name for name in columns
+                                                   if name in catalogue}
+    if not pairs:
+        raise RefusedError(f"no column of {path} has the name of a quantity: say which is which, "
+                           f"as in x=puck.x (columns: {listed(list(columns))})")
+    for name, quantity in pairs.items():
+        if name not in columns:
+            raise SandboxError(f"{path} has no column {quoted(name)}{or_near(name, columns)} (it "
+                               f"has {listed(list(columns))})", code="bad-measurements")
         if quantity not in catalogue:
             hint = catalogue.near(quantity)
             raise RefusedError(f"no run has the quantity {quoted(quantity)}"
                                f"{f'; did you mean {quoted(hint)}?' if hint else ''}")
-    return dict(match)
+    found = [(k, f"{name} @ {row}", quantity, float(time[row]), float(columns[name][row]))
+             for k, (name, quantity) in enumerate(pairs.items())
+             for row in np.flatnonzero(np.isfinite(columns[name])).tolist()]
+    if not found:
+        raise SandboxError(f"{path} has no number in {listed(list(pairs))}",
+                           code="bad-measurements")
+    if len(found) > MAX_NUMBERS:
+        raise SandboxError(f"{path} has {len(found)} numbers to be compared (allowed: at most "
+                           f"{MAX_NUMBERS}); leave every other line out, or more",
+                           code="bad-measurements")
+    end = question.plan.loaded.mechanism.run.duration
+    if not (time.min() >= 0 and time.max() <= end + 1e-9):
+        raise SandboxError(f"{path} has times from {time.min():g} to {time.max():g} s, the run "
+                           f"from 0 to {end:g} s", code="bad-measurements")
+    places, _, _, times, data = zip(*found, strict=True)
+    keep = {name: ReadAt(quantity=quantity, time=at) for _, name, quantity, at, _ in found}
+    return (Measurement(tuple(pairs), keep, np.array(times), np.array(data),
+                        np.array(places, dtype=np.int64)),
+            {name: catalogue.find(quantity).unit for name, quantity in pairs.items()})
 
 
-def _start(work: Asking, sought: _Sought) -> Array:
+# -- estimation ----------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Parameters as quantiles of their ranges."""
+
+    quantiles: Array
+    """[p]."""
+    noise: Array
+    """Standard deviation of each column, SI."""
+    residuals: Array
+    """Model less data, [m]."""
+    halves: Array
+    """Half of each 95 % interval, in ranges, [p]; infinite where nothing is determined."""
+    blind: list[tuple[float, Array]]
+    """Directions that are not determined: half of the 95 % interval, and a unit vector [p]."""
+
+
+def estimate(
+    model: Model, data: Array, columns: Integers, start: Array, *, noise: Array | None = None,
+) -> Estimate:
+    """The maximum likelihood estimate.
+
+    Args:
+        model: predicts the data, for many points at once.
+        data: [m].
+        columns: index of the column of each number, [m].
+        start: quantiles at which to start, [p].
+        noise: standard deviation of each column; estimated by default.
+
+    Raises:
+        SandboxError: no more numbers than parameters, or a run has no values.
+    """
+    from scipy.optimize import least_squares
+
+    freedom = len(data) - len(start)
+    if freedom <= 0:
+        raise SandboxError(f"{len(data)} measured numbers cannot tell {len(start)} parameters",
+                           code="bad-measurements")
+    differences = _Differences(model)
+    sizes = _spreads(data, columns) if noise is None else noise
+    quantiles = start
+    for _ in range(MAX_ROUNDS):
+        weights = 1 / sizes[columns]
+        quantiles = least_squares(
+            lambda at, weights=weights: weights * (differences(at)[0] - data), quantiles,
+            jac=lambda at, weights=weights: weights[:, None] * differences(at)[1],
+            bounds=(0.0, 1.0), ftol=TOLERANCE, xtol=1e-8, gtol=1e-10, max_nfev=60).x
+        residuals = differences(quantiles)[0] - data
+        if noise is not None:
+            break
+        before, sizes = sizes, np.maximum([
+            np.sqrt(np.mean(residuals[columns == k] ** 2) * len(data) / freedom)
+            for k in range(len(sizes))], 1e-12 * _spreads(data, columns))
+        if np.all(np.abs(sizes - before) <= SETTLED * before):
+            break
+    jacobian = differences(quantiles)[1] / sizes[columns][:, None]
+    return Estimate(quantiles, sizes, residuals,
+                    *_uncertainty(jacobian, freedom if noise is None else math.inf))
+
+
+def _uncertainty(jacobian: Array, freedom: float) -> tuple[Array, list[tuple[float, Array]]]:
+    """Half intervals of parameters, and directions that are not determined.
+
+    The covariance is (J^T J)^-1, from the singular values of the weighted Jacobian J.
+    """
+    from scipy import stats
+
+    _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
+    known = values > RANK * values[0] if values[0] > 0 else np.zeros(len(values), bool)
+    factor = float(stats.t.ppf(0.975, freedom) if math.isfinite(freedom) else stats.norm.ppf(0.975))
+    halves = np.where(known, factor / np.where(known, values, 1.0), np.inf)
+    with np.errstate(invalid="ignore"):
+        parts = np.where(np.abs(rows) > (0.0 if known.all() else 1e-6),
+                         (rows * halves[:, None]) ** 2, 0.0)
+    blind = [(float(half), row * np.sign(row[np.argmax(np.abs(row))]))
+             for half, row in zip(halves, rows, strict=True) if half > UNCERTAIN]
+    return np.sqrt(parts.sum(axis=0)), blind
+
+
+class _Differences:
+    """A model and its Jacobian by central differences, whose runs are asked for at once."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._last: tuple[bytes, tuple[Array, Array]] | None = None
+
+    def __call__(self, at: Array) -> tuple[Array, Array]:
+        if self._last is None or self._last[0] != at.tobytes():
+            steps = DIFFERENCE * np.eye(len(at))
+            low, high = np.clip(at - steps, 0, 1), np.clip(at + steps, 0, 1)
+            found = self._model(np.concatenate([at[None], low, high]))
+            if not np.isfinite(found).all():
+                raise SandboxError("a run on the way has no values", code="no-answer")
+            middle, low_values, high_values = np.split(found, [1, 1 + len(at)])
+            width = np.diagonal(high - low)[:, None]
+            self._last = at.tobytes(), (middle[0], ((high_values - low_values) / width).T)
+        return self._last[1]
+
+
+def _spreads(data: Array, columns: Integers) -> Array:
+    return np.array([np.std(data[columns == k]) or 1.0 for k in range(columns.max() + 1)])
+
+
+def correlations(residuals: Array, columns: Integers) -> dict[int, float]:
+    """Columns whose neighbouring residuals correlate, and by how much; empty for pure noise.
+
+    The correlation of n independent numbers has a standard error of 1 / sqrt(n).
+    """
+    found = {}
+    for k in range(columns.max() + 1):
+        about = residuals[columns == k] - residuals[columns == k].mean()
+        if len(about) > 10 and (total := float(about @ about)) > 0:
+            correlation = float(about[1:] @ about[:-1]) / total
+            if correlation * math.sqrt(len(about)) > CORRELATED:
+                found[k] = correlation
+    return found
+
+
+# -- the search ----------------------------------------------------------------------
+
+
+def find_fit(
+    question: Question, data: Path, *, match: Mapping[str, str] | None = None,
+    noise: Mapping[str, float] | None = None, place: Where | None = None,
+) -> Fitted:
+    """The values of paths with which the scene reproduces a measurement, and their uncertainty.
+
+    Args:
+        question: paths with ranges.
+        data: a CSV file, see :func:`read_columns`.
+        match: the quantity of each column; by default columns that have a quantity's name.
+        noise: standard deviation of each column [SI]; estimated by default.
+        place: where it runs, and where its files go.
+
+    Raises:
+        RefusedError: paths without ranges, unknown columns or quantities.
+        SandboxError: data that cannot be used, a run without an answer.
+    """
+    space, place = question.space, place or Where()
+    if others := [path for path, each in space.over.items() if not isinstance(each, Range)]:
+        raise RefusedError("a fit varies paths with ranges, as in '2 N:8 N'; "
+                           f"{quoted(others[0])} has none")
+    measured, units = _measurement(question, data, match)
+    if noise is not None and set(noise) != set(units):
+        raise RefusedError(f"the noise of each column is said, or of none: {listed(list(units))}")
+    for name, size in (noise or {}).items():
+        check_unit(size, units[name], f"the noise of {name}")
+        if not size > 0:
+            raise RefusedError(f"the noise of {name} is greater than 0, not {size:g}")
+    sizes = None if noise is None else np.array([noise[name] for name in units])
+    runs = 0
+
+    def count(row: SweepRow) -> None:
+        nonlocal runs
+        runs += 1
+        place.on_row(row)
+
+    job = question.plan.job
+    kept = replace(question, plan=replace(question.plan, job=replace(
+        job, keep={**job.keep, **measured.keep})))
+    with open_session(kept, replace(place, on_row=count)) as session:
+        def model(quantiles: Array, *, halved: bool = False) -> Array:
+            return session.values(list(measured.keep), quantiles, halved=halved)
+
+        found = estimate(model, measured.data, measured.columns,
+                         _start(session, model, measured), noise=sizes)
+        again = estimate(lambda quantiles: model(quantiles, halved=True), measured.data,
+                         measured.columns, found.quantiles, noise=found.noise)
+        fitted = _fitted(question, measured, found, again, runs)
+        if place.out:
+            session.write(place.out, "fit", {
+                **vars(fitted), "parameters": [vars(each) for each in fitted.parameters]},
+                data=str(data), match=match, noise=noise)
+            _write_comparison(place.out, measured, units, found.residuals)
+    return fitted
+
+
+def _start(session: Session, model: Model, measured: Measurement) -> Array:
     """The best of some points spread over the ranges."""
     from scipy.stats import qmc
 
-    count = len(work.question.space.paths)
-    shares = np.vstack([np.full(count, 0.5), qmc.Halton(count, scramble=False).random(
-        STARTS + 1)[1:]])
-    spread = np.array([np.std(sought.data[sought.columns == k]) or 1.0
-                       for k in range(sought.columns.max() + 1)])[sought.columns]
-    misfit = (((sought.model(work, shares) - sought.data) / spread) ** 2).sum(axis=1)
+    count = len(session.question.space.paths)
+    points = np.vstack([np.full(count, 0.5),
+                        qmc.Halton(count, scramble=False).random(STARTS + 1)[1:]])
+    spread = _spreads(measured.data, measured.columns)[measured.columns]
+    misfit = (((model(points) - measured.data) / spread) ** 2).sum(axis=1)
     if not np.isfinite(misfit).any():
         raise SandboxError("no run of those at the start has all values that were measured",
                            code="no-answer")
-    return np.asarray(shares[int(np.nanargmin(misfit))])
+    return np.asarray(points[int(np.nanargmin(misfit))])
 
 
 def _fitted(
-    question: Question, names: Sequence[str], sought: _Sought, found: Estimated, again: Estimated,
-    runs: int,
+    question: Question, measured: Measurement, found: Estimate, again: Estimate, runs: int,
 ) -> Fitted:
     space = question.space
-    values, halved = (space.numbers(each.shares[None])[0] for each in (found, again))
-    slopes, halves = space.slopes(found.shares), found.halves
-    parameters = tuple(_parameter(
-        path, space.units[path], float(values[k]), float(slopes[k] * halves[k]),
-        float(found.shares[k]), float(halved[k])) for k, path in enumerate(space.paths))
-    told = np.isfinite(halves)
-    moved = np.abs(again.shares - found.shares)[told]
-    certified = bool(told.any() and (moved <= SAME * halves[told]).all())
-    worst = float((moved / np.maximum(halves[told], 1e-300)).max(initial=0.0))
+    values, halved = space.numbers(np.stack([found.quantiles, again.quantiles])).tolist()
+    halves = np.abs(space.slopes(found.quantiles) * found.halves).tolist()
+    parameters = tuple(Parameter(
+        path, space.units[path], values[k], values[k] - halves[k], values[k] + halves[k],
+        min(found.quantiles[k], 1 - found.quantiles[k]) < 1e-6, halved[k])
+        for k, path in enumerate(space.paths))
+    known = np.isfinite(found.halves)
+    moved = np.abs(again.quantiles - found.quantiles)[known] / np.maximum(
+        found.halves[known], 1e-300)
+    worst = float(moved.max(initial=0.0))
     return Fitted(
-        parameters, dict(zip(names, found.noise.tolist(), strict=True)),
+        parameters, dict(zip(measured.names, found.noise.tolist(), strict=True)),
         tuple((half, dict(zip(space.paths, row.tolist(), strict=True)))
               for half, row in found.blind),
-        len(sought.data), runs, certified,
+        len(measured.data), runs, bool(known.any()) and worst <= SAME,
         f"no parameter moves by more than {worst:.2g} of half its interval",
-        tuple(_follows(names, sought, found)))
+        tuple(f"what is left of {measured.names[k]} is no noise (neighbours correlate by "
+              f"{correlation:.2f}): the scene lacks something, and intervals are too narrow"
+              for k, correlation in correlations(found.residuals, measured.columns).items()))
 
 
-def _parameter(
-    path: str, unit: str, value: float, half: float, share: float, halved: float,
-) -> Parameter:
-    return Parameter(path, unit, value, value - abs(half), value + abs(half),
-                     min(share, 1 - share) < 1e-6, halved)
-
-
-def _follows(names: Sequence[str], sought: _Sought, found: Estimated) -> list[str]:
-    """Columns of which residuals follow one another: the model is wrong there, or the noise is."""
-    return [f"what is left of {names[k]} is no noise (neighbours correlate by {follow:.2f}): the "
-            "scene lacks something, and intervals are too narrow"
-            for k, follow in following(found.residuals, sought.columns).items()]
+def _write_comparison(
+    directory: Path, measured: Measurement, units: Mapping[str, str], residuals: Array,
+) -> None:
+    """Write measured and fitted numbers as a table and a figure."""
+    table = np.stack([measured.time, measured.data, measured.data + residuals], axis=1)
+    columns = {name: table[measured.columns == k] for k, name in enumerate(measured.names)}
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([
+        ("column", "time_s", "measured", "fitted"),
+        *((name, *row) for name, rows in columns.items() for row in rows.tolist())])
+    write_atomic(directory / COMPARED, text.getvalue())
+    panels = []
+    for name, rows in list(columns.items())[:MAX_PANELS]:
+        time, data, fitted = rows.T
+        how = style.shown_as(units[name], data, fitted)
+        panels.append(Panel(
+            name, "time [s]", f"{name} [{how.unit}]" if how.unit else name,
+            [Curve("measured", time, how.factor * data, "points"),
+             Curve("fitted", time, how.factor * fitted)]))
+    save_panels(directory / FOUND, panels)

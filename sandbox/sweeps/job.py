@@ -1,14 +1,17 @@
-"""What a worker is given and what it gives back: a job, and a row for each run of it.
+"""The work of a sweep as plain data: the scene with its files, the results to keep, and rows.
 
-Nothing here loads the engine: whoever hands out work does none of it.
+Nothing here loads the engine.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import Any
 
 from sandbox import __version__
@@ -21,75 +24,114 @@ from sandbox.errors import (
 )
 from sandbox.scene.elements.settings import Looked
 from sandbox.scene.elements.spec import Spec
+from sandbox.scene.outlines.drawings import own_file
 from sandbox.scene.read.limits import Limits
-from sandbox.sweeps.bundle import Bundle
-from sandbox.sweeps.points import Override
+from sandbox.scene.read.load import Loaded, read_scene
 
-DONE = "done"
-"""The status of a run that came to its end."""
+DONE, DIED = "done", "died"
+"""Status of a run that reached its end, and of one whose worker processes died."""
 ENDED: dict[type[SandboxError], str] = {
     SceneError: "refused", SimulationDiverged: "diverged", RecordingFull: "limited",
     ControllerFailed: "failed"}
-"""The status of a run that did not, by what ended it."""
-DIED = "died"
-"""The status of a run that took its worker with it, twice."""
+"""Status of a run by the error that ended it."""
 STATUSES = (DONE, *ENDED.values(), DIED)
 STEP = "run.step"
-"""The path of a scene's step, which is halved to see whether what was found hangs on it."""
+"""Path of the time step, which searches halve to check their result."""
+DRAWINGS = (".svg", ".dxf")
+Override = str | float | int | bool | list[Any] | dict[str, Any] | None
+"""A value as ``--set`` takes it."""
+Task = tuple[str, Mapping[str, Override]]
+"""Id of a run, and the values of its paths."""
 
 
 @dataclass(frozen=True)
-class SweepRow:
-    """What became of one run."""
+class Bundle:
+    """A scene file, or its data, with all files that it includes or draws from."""
 
-    id: str
-    """See :meth:`SweepJob.id`."""
-    status: str
-    """One of :data:`STATUSES`."""
-    reason: str = ""
-    """Why it did not come to its end, and what has no value; empty where all is well."""
-    kept: Mapping[str, float | None] = field(default_factory=dict)
-    """By name; None for what has no value."""
-    holds: bool | None = None
-    """Whether all expectations of the scene hold; None where it has none, or was not run."""
-    failed: tuple[str, ...] = ()
-    """Those that do not hold, by quantity."""
-    looks: tuple[str, ...] | None = None
-    """Figures of the audit that ask for a look; None where it was not audited."""
+    name: str
+    """Name of the scene."""
+    main: str = ""
+    """Name of its file; empty for a scene given as data."""
+    data: dict[str, Any] | None = None
+    files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
+    """By name, relative to the folder of the scene."""
 
     @property
-    def doubtful(self) -> bool:
-        """Whether it did not end well, or its audit asks for a look."""
-        return self.status != DONE or bool(self.looks)
+    def digest(self) -> str:
+        """SHA-256 of the contents, hexadecimal."""
+        total = hashlib.sha256(json.dumps(self.data, sort_keys=True).encode())
+        total.update(f"{self.name}\0{self.main}".encode())
+        for name in sorted(self.files):
+            total.update(f"{name}\0{len(self.files[name])}\0".encode() + self.files[name])
+        return total.hexdigest()
+
+    @contextmanager
+    def unpacked(self) -> Iterator[Path | dict[str, Any]]:
+        """The scene for :func:`read_scene`, in a temporary folder."""
+        if self.data is not None:
+            yield self.data
+            return
+        with tempfile.TemporaryDirectory(prefix="sandbox-sweep-") as folder:
+            for name, content in self.files.items():
+                path = Path(folder, name)
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_bytes(content)
+            yield Path(folder, self.main)
 
 
-def row_data(row: SweepRow) -> dict[str, Any]:
-    """A row as plain JSON data."""
-    return asdict(row)
+def make_bundle(
+    scene: Path | Mapping[str, Any], overrides: Mapping[str, Any], limits: Limits, *,
+    also: Iterable[Any] = (),
+) -> tuple[Bundle, Loaded]:
+    """The bundle of a scene, and the scene with ``overrides``.
 
-
-def read_row(data: Mapping[str, Any]) -> SweepRow:
-    """The row that plain JSON data describe.
+    Args:
+        scene: its file, or its data.
+        overrides: changes of the scene.
+        limits: of the scene.
+        also: later values of its paths, which may name further files beside it.
 
     Raises:
-        KeyError, TypeError, ValueError: they describe none.
+        SceneError: every problem of the scene.
     """
-    looks = data["looks"]
-    row = SweepRow(id=str(data["id"]), status=str(data["status"]), reason=str(data["reason"]),
-              kept={str(name): None if value is None else float(value)
-                    for name, value in data["kept"].items()},
-              holds=data["holds"], failed=tuple(map(str, data["failed"])),
-              looks=None if looks is None else tuple(map(str, looks)))
-    if row.status not in STATUSES:
-        raise ValueError(row.status)
-    return row
+    also = list(also)
+    loaded = read_scene(scene, overrides=overrides, limits=limits)
+    if isinstance(scene, Mapping):
+        data = json.loads(json.dumps(dict(scene)))
+        return Bundle(loaded.mechanism.name, data=data), loaded
+    found = {scene.name: scene.read_bytes()}
+    for path in [*loaded.files, *_named_scenes(scene.parent, also, limits)]:
+        name = path.relative_to(scene.parent) if path.is_relative_to(scene.parent) else path.name
+        found[str(name)] = path.read_bytes()
+    written = [*map(json.loads, found.values()), overrides, also]
+    for text in {text for each in written for text in _texts(each)}:
+        if text.lower().endswith(DRAWINGS) and (scene.parent / text).is_file():
+            found[text] = own_file(scene.parent, text)
+    return Bundle(loaded.mechanism.name, main=scene.name, files=found), loaded
+
+
+def _named_scenes(folder: Path, values: Iterable[Any], limits: Limits) -> Iterator[Path]:
+    """Scene files that values name, and those that they include."""
+    for text in sorted({text for text in _texts(list(values)) if text.isidentifier()}):
+        path = folder / f"{text}.json"
+        if path.is_file():
+            yield path
+            yield from read_scene(path, limits=limits).files
+
+
+def _texts(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, (Mapping, list, tuple)):
+        for each in value.values() if isinstance(value, Mapping) else value:
+            yield from _texts(each)
 
 
 class ReadAt(Spec):
-    """A quantity at one instant, between samples on the straight line of the two about it.
+    """A quantity at an instant, interpolated linearly between samples.
 
     Poses belong to the middle of a step, so that a run has no sample at its very ends: up to one
-    sample beyond them the line goes on.
+    sample beyond them, values are extrapolated.
     """
 
     quantity: str
@@ -97,28 +139,26 @@ class ReadAt(Spec):
     """[s]."""
 
 
-Task = tuple[str, Mapping[str, Override]]
-"""The id of a run, and what its paths are set to."""
-Asked = Looked | ReadAt | str
-"""What is kept: a statistic, a quantity at an instant, an expression of those before it."""
+Keep = Looked | ReadAt | str
+"""A result: a statistic, a quantity at an instant, or an expression of earlier results."""
 
 
 @dataclass(frozen=True)
 class SweepJob:
-    """All that a worker has to know of a sweep; plain data that can be sent anywhere."""
+    """All that a worker needs to run any point; plain data that can be sent anywhere."""
 
     bundle: Bundle
     set: Mapping[str, Any]
-    """What is changed in the scene in every run."""
-    keep: Mapping[str, Asked]
+    """Changes of the scene in every run."""
+    keep: Mapping[str, Keep]
     audited: bool = True
     recordings: str = ""
-    """The directory in which whole recordings are kept, each in one of its id; empty for none."""
+    """Directory for whole recordings, one in each run's id; empty for none."""
     limits: Limits = field(default_factory=Limits)
 
     @property
     def digest(self) -> str:
-        """SHA-256 of all that a row hangs on but its own values: hexadecimal digits."""
+        """SHA-256 of all that a row depends on besides the values of its paths, hexadecimal."""
         keep = {name: each if isinstance(each, str) else each.model_dump(mode="json")
                 for name, each in self.keep.items()}
         text = json.dumps([self.bundle.digest, dict(self.set), keep, self.audited, __version__],
@@ -127,6 +167,51 @@ class SweepJob:
 
 
 def run_id(digest: str, values: Mapping[str, Override]) -> str:
-    """The id of a run, 16 hexadecimal digits: of :attr:`SweepJob.digest` and its paths' values."""
+    """Id of a run, 16 hexadecimal digits: of :attr:`SweepJob.digest` and its paths' values."""
     text = json.dumps([digest, dict(values)], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+@dataclass(frozen=True)
+class SweepRow:
+    """The outcome of one run."""
+
+    id: str
+    """See :func:`run_id`."""
+    status: str
+    """One of :data:`STATUSES`."""
+    reason: str = ""
+    """Why the run ended early, or which results have no value; empty otherwise."""
+    kept: Mapping[str, float | None] = field(default_factory=dict)
+    """Results by name; None for one without a value."""
+    holds: bool | None = None
+    """Whether all expectations of the scene hold; None where it has none, or did not end."""
+    failed: tuple[str, ...] = ()
+    """Quantities whose expectations do not hold."""
+    looks: tuple[str, ...] | None = None
+    """Audit figures with a warning; None where the run was not audited."""
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether it ended early, or its audit has warnings."""
+        return self.status != DONE or bool(self.looks)
+
+    def to_json(self) -> bytes:
+        """A line of JSON."""
+        return json.dumps(asdict(self), allow_nan=False).encode() + b"\n"
+
+    @classmethod
+    def from_json(cls, line: bytes) -> SweepRow:
+        """The row of a line of JSON.
+
+        Raises:
+            KeyError, TypeError, ValueError, AttributeError: the line is no row.
+        """
+        data = json.loads(line)
+        looks = data["looks"]
+        if data["status"] not in STATUSES:
+            raise ValueError(data["status"])
+        return cls(str(data["id"]), data["status"], str(data["reason"]), {
+            str(name): None if value is None else float(value)
+            for name, value in data["kept"].items()}, data["holds"],
+            tuple(map(str, data["failed"])), None if looks is None else tuple(map(str, looks)))

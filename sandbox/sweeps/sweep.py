@@ -1,4 +1,4 @@
-"""Run a sweep: what is not done yet, wherever it runs, and the table of all of it."""
+"""Runs a sweep: the runs that are missing in its directory, and the table of all of them."""
 
 from __future__ import annotations
 
@@ -14,37 +14,38 @@ from sandbox.atomic_files import output_path
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.paths import JsonPath, path_text
-from sandbox.sweeps.crew import crew_of
-from sandbox.sweeps.evaluator import Evaluator
-from sandbox.sweeps.job import DONE, SweepJob
+from sandbox.sweeps.job import DONE
 from sandbox.sweeps.log import Log
 from sandbox.sweeps.plan import Plan, plan_of, read_plan
-from sandbox.sweeps.table import SweepTable, table_of, write_spec
-from sandbox.sweeps.words import kept_from, varied_from
+from sandbox.sweeps.processes import check_workers
+from sandbox.sweeps.spec import parse_result
+from sandbox.sweeps.table import SweepTable, make_table, write_spec
+from sandbox.sweeps.vary import parse_values
+from sandbox.sweeps.workers import Evaluator
 from sandbox.wording import WrongValueError, quoted
 
 RECORDINGS = "runs"
-"""The directory of whole recordings in that of a sweep."""
+"""Folder of whole recordings."""
 
 
 @dataclass(frozen=True)
 class Advance:
-    """How far a sweep is."""
+    """Progress of a sweep."""
 
     total: int
-    """Runs of the plan."""
+    """Different runs of the plan."""
     before: int
-    """Runs that were done when it began."""
+    """Runs that were finished before it began."""
     done: int = 0
-    """Runs since."""
+    """Runs finished since."""
     doubtful: int = 0
-    """Of these, those that did not end well or ask for a look."""
+    """Of these, runs that ended early or have warnings."""
     seconds: float = 0.0
     """Since it began."""
 
     @property
     def fraction(self) -> float:
-        """Of what there was to do."""
+        """Fraction of the missing runs that are finished."""
         return self.done / max(self.total - self.before, 1)
 
 
@@ -52,71 +53,55 @@ Progress = Callable[[Advance], None]
 
 
 def run_plan(
-    plan: Plan, directory: Path | None, *, workers: int = 0, cluster: str = "",
-    again: bool = False, progress: Progress | None = None,
+    plan: Plan, directory: Path | None, *, workers: int | str = 0, again: bool = False,
+    progress: Progress = lambda at: None,
 ) -> SweepTable:
-    """Run what is not done yet of a plan, and write its table.
+    """Run the missing runs of a plan, and write its table.
 
     Args:
         plan: the sweep.
-        directory: where rows are kept and the table goes; None for nowhere.
-        workers: processes at hand; as many as there are processors by default.
-        cluster: address of a Dask scheduler, which is used in their place.
-        again: do runs again that are done.
-        progress: is told how far it is, run by run.
+        directory: for rows and table; None for nowhere.
+        workers: number of processes, by default one for each processor; or the address of a Dask
+            scheduler.
+        again: repeat finished runs.
+        progress: called after each run.
 
     Raises:
-        OutputError: the directory cannot be written, or another process is at it.
-        SandboxError: no workers, more than are begun, or a cluster that cannot be used.
-        KeyboardInterrupt: Ctrl-C; all finished runs are kept, and the table has them.
+        OutputError: the directory cannot be written, or another process uses it.
+        SandboxError: workers cannot start, or the cluster cannot be used.
+        KeyboardInterrupt: Ctrl-C; all finished runs are in the directory and its table.
     """
-    crew_of(workers)  # refused before anything is written
+    check_workers(workers)  # before anything is written
     if directory is None:
         if plan.spec.recordings:
             raise SandboxError("whole recordings need a directory to go to: out=", code="bad-study")
         with tempfile.TemporaryDirectory(prefix="sandbox-sweep-") as folder:
-            return _run(plan, Path(folder), workers, cluster, again, progress)
-    return _run(plan, directory, workers, cluster, again, progress)
-
-
-def _run(
-    plan: Plan, directory: Path, workers: int, cluster: str, again: bool,
-    progress: Progress | None,
-) -> SweepTable:
+            return run_plan(plan, Path(folder), workers=workers, progress=progress)
+    recordings = directory / RECORDINGS
     with Log(directory) as log:
         if again:
             log.clear()
         done = {row.id for row in log.rows() if not plan.spec.recordings or row.status != DONE
-                or (directory / RECORDINGS / row.id).is_dir()}
-        missing = {id: run for run, id in reversed(list(enumerate(plan.ids))) if id not in done}
-        job = replace(plan.job, recordings=str((directory / RECORDINGS).resolve())
+                or (recordings / row.id).is_dir()}
+        first = {id: run for run, id in reversed(list(enumerate(plan.ids)))}
+        missing = sorted(run for id, run in first.items() if id not in done)
+        job = replace(plan.job, recordings=str(recordings.resolve())
                       if plan.spec.recordings else "")
+        began, at = time.perf_counter(), Advance(len(first), len(first) - len(missing))
         ended = "interrupted"
         try:
-            if missing:
-                _work(plan, job, missing, log, {"workers": workers, "cluster": cluster}, progress)
+            with Evaluator(job, log, workers=workers, runs=len(missing)) as evaluator:
+                for row in evaluator.run((plan.ids[run], plan.points[run]) for run in missing) \
+                        if missing else ():
+                    at = replace(at, done=at.done + 1, doubtful=at.doubtful + row.doubtful,
+                                 seconds=time.perf_counter() - began)
+                    progress(at)
             ended = "done"
         finally:
-            table = table_of(plan, log.rows())
+            table = make_table(plan, log.rows())
             table.write(directory)
-            write_spec(plan, directory, {"ended": ended, "done": table.count, "runs": len(plan)})
+            write_spec(plan, directory, ended=ended, done=table.count, runs=len(plan))
     return table
-
-
-def _work(
-    plan: Plan, job: SweepJob, missing: Mapping[str, int], log: Log, crew: Mapping[str, Any],
-    progress: Progress | None,
-) -> None:
-    """Run what is missing: the first run of each id."""
-    began, total = time.perf_counter(), len(set(plan.ids))
-    at = Advance(total, total - len(missing))
-    with Evaluator(job, log, most=len(missing), **crew) as evaluator:
-        for row in evaluator.run((plan.ids[run], plan.points[run])
-                                 for run in sorted(missing.values())):
-            at = replace(at, done=at.done + 1, doubtful=at.doubtful + row.doubtful,
-                         seconds=time.perf_counter() - began)
-            if progress:
-                progress(at)
 
 
 def sweep(
@@ -126,38 +111,38 @@ def sweep(
     set: Mapping[str, Any] | None = None,
     design: str | None = None, count: int | None = None, seed: int = 0,
     audit: bool = True, recordings: bool = False,
-    out: str | os.PathLike[str] | None = None, workers: int = 0, cluster: str = "",
-    again: bool = False, limits: Limits | None = None, progress: Progress | None = None,
+    out: str | os.PathLike[str] | None = None, workers: int | str = 0, again: bool = False,
+    limits: Limits | None = None, progress: Progress = lambda at: None,
 ) -> SweepTable:
-    """Run a scene many times with values of its paths varied; the table of what came of it.
+    """Run a scene many times with values of its paths varied; the table of results.
 
-    The words are those of a study file (docs/sweeps.md).
+    Arguments have the format of study files (docs/sweeps.md).
 
     Args:
-        scene: a file, the name of a shipped scene, or a mapping of what a file holds. With
-            ``vary`` left out, a study file.
+        scene: a file, the name of a shipped scene, or the data of a scene. Without ``vary``, a
+            study file.
         vary: values by path: lists, texts such as ``"2 N:8 N:7"`` and ``"normal(3 N, 0.2 N)"``,
             or mappings as in a study file; or a list of groups.
-        keep: what is kept, by name or as texts such as ``"max tip.x over last 0.2 s"``; by
-            default what the scene's expectations look at.
-        set: what else is changed, in all runs.
-        design: how points lie: ``grid``, ``paired``, ``latin_hypercube``, ``sobol``, ``halton``,
-            ``random``.
-        count: how many points, of designs that choose them.
+        keep: results, by name or as texts such as ``"max tip.x over last 0.2 s"``; by default
+            those of the scene's expectations.
+        set: further changes of the scene, in all runs.
+        design: arrangement of the points: ``grid``, ``paired``, ``latin_hypercube``, ``sobol``,
+            ``halton``, ``random``.
+        count: number of points, of designs that choose them.
         seed: of random points.
         audit: audit each run.
         recordings: keep the whole recording of each run.
-        out: a directory; runs that are done in it are not done again. Nowhere by default.
-        workers: processes; as many as there are processors by default.
-        cluster: address of a Dask scheduler to be used in their place.
-        again: do runs again that are done.
-        limits: how large scenes and the sweep may be.
-        progress: is told how far it is, run by run.
+        out: a directory; runs that are finished in it are not repeated. Nowhere by default.
+        workers: number of processes, by default one for each processor; or the address of a Dask
+            scheduler, ``tcp://10.0.0.1:8786``.
+        again: repeat finished runs.
+        limits: of the scene and the number of runs.
+        progress: called after each run.
 
     Raises:
-        SceneError: every problem of the scene or of the study.
+        SceneError: every problem of the scene or the study.
         OutputError: the directory cannot be written.
-        SandboxError: a cluster that cannot be used; what needs a package that is not installed.
+        SandboxError: workers cannot start, or the cluster cannot be used.
     """
     directory = None if out is None else output_path(out, "a sweep")
     if vary is None and not isinstance(scene, Mapping):
@@ -166,18 +151,17 @@ def sweep(
         plan = plan_of(study_data(
             scene, vary=vary, keep=keep, set=set, design=design, count=count, seed=seed,
             audit=audit, recordings=recordings), limits)
-    return run_plan(plan, directory, workers=workers, cluster=cluster, again=again,
-                    progress=progress)
+    return run_plan(plan, directory, workers=workers, again=again, progress=progress)
 
 
 def study_data(
     scene: str | os.PathLike[str] | Mapping[str, Any], *, vary: Any, keep: Any = None,
     set: Any = None, design: str | None = None, count: int | None = None, **settings: Any,
 ) -> dict[str, Any]:
-    """What a study file would hold, from words and values.
+    """The data of a study file from the arguments of :func:`sweep`.
 
     Raises:
-        SceneError: words that say nothing that can be varied or kept.
+        SceneError: short texts that cannot be read.
     """
     problems: list[Problem] = []
 
@@ -189,21 +173,23 @@ def study_data(
             return None
 
     def group(values: Mapping[str, Any]) -> dict[str, Any]:
-        return {path: read(("vary", path), value, varied_from) for path, value in values.items()}
+        return {path: read(("vary", path), value, parse_values) for path, value in values.items()}
 
     if isinstance(vary, Mapping):
         groups: Any = [{"over": group(vary), "design": design, "count": count}]
     else:
         groups = [{**each, "over": group(each["over"])} if isinstance(each, Mapping)
                   and isinstance(each.get("over"), Mapping) else each for each in vary or ()]
-    named = {} if keep is None else dict(keep) if isinstance(keep, Mapping) else \
-        dict(read(("keep", text), text, kept_from) or ("", "") for text in keep)
-    if keep is not None and not problems and len(named) < len(keep):
-        names = [kept_from(text)[0] for text in keep]
+    if isinstance(keep, Mapping):
+        named = dict(keep)
+    else:
+        pairs = [read(("keep", text), text, parse_result) or ("", "") for text in keep or ()]
+        named = dict(pairs)
+        names = [name for name, _ in pairs]
         problems += [Problem("duplicate-name",
                              f"two results have the name {quoted(name)}", "$.keep",
-                             allowed="another name for each") for name in named
-                     if names.count(name) > 1]
+                             allowed="another name for each")
+                     for name in named if name and names.count(name) > 1]
     if problems:
         raise SceneError(problems)
     where = scene if isinstance(scene, Mapping) else os.fspath(scene)

@@ -1,4 +1,4 @@
-"""The table of a sweep: a row a run, in the order of its plan, whoever ran it and when."""
+"""The table of a sweep, a row for each run in the order of the plan, and its figure."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import csv
 import json
 import math
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
@@ -17,41 +18,46 @@ import numpy as np
 
 from sandbox import __version__
 from sandbox.atomic_files import atomic_file, write_atomic
+from sandbox.draw.figure import style
+from sandbox.draw.figure.sweeps import FoundLine, SweepColumn, SweepDrawing, draw_sweep
 from sandbox.errors import SandboxError
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Flags
+from sandbox.scene.elements.settings import Looked
 from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.sweeps.plan import Plan
 from sandbox.sweeps.points import number_of
+from sandbox.sweeps.spec import statistic_text
+from sandbox.sweeps.vary import Distribution, Range
 from sandbox.wording import counted, listed, or_near
 
-CSV, PARQUET, SPEC = "table.csv", "table.parquet", "sweep.json"
-CHUNK = 50_000
-"""Rows that are written at a time."""
+CSV, PARQUET, SPEC, FIGURE = "table.csv", "table.parquet", "sweep.json", "sweep.png"
+ROW_GROUP = 50_000
+"""Rows of a row group of a Parquet file."""
 MET = "met"
-"""The column of a search that says of which runs its condition holds."""
+"""Column of a search: whether its condition holds."""
 MISSING = ""
-"""The status of a run that is not done."""
+"""Status of a run that was not done yet."""
+EXPECTED, HOLD = "what the scene expects", "expectations passed"
 
 
 @dataclass
 class SweepTable:
-    """Columns, [n] each, n the number of runs that were planned."""
+    """Columns of a sweep, [n] for n planned runs."""
 
     plan: Plan
     kept: dict[str, Array]
-    """By name, SI; nan for what has no value."""
+    """Results by name, SI; nan for no value."""
     ids: list[str]
     status: list[str]
-    """Empty of a run that is not done."""
+    """Empty for a run that was not done yet."""
     holds: Array
-    """1, 0, or nan of a run without expectations."""
+    """1 or 0, or nan for a run without expectations."""
     reason: dict[int, str] = field(default_factory=dict)
-    """Of runs that have one, by their number."""
+    """By number of the run, as the next two."""
     failed: dict[int, tuple[str, ...]] = field(default_factory=dict)
     looks: dict[int, tuple[str, ...]] = field(default_factory=dict)
-    """Of runs whose audit asks for a look."""
     met: Array | None = None
-    """Of a search with a condition of its own: 1, 0, or nan where a run does not tell."""
+    """Of a search with a condition: 1 or 0, or nan where a run does not tell."""
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -62,24 +68,24 @@ class SweepTable:
 
     @property
     def count(self) -> int:
-        """Runs that are done, however they ended."""
+        """Runs that are finished, however they ended."""
         return sum(status != MISSING for status in self.status)
 
     @property
-    def done(self) -> Any:
-        """Which runs came to their end, [n]."""
+    def done(self) -> Flags:
+        """Whether each run reached its end, [n]."""
         return np.array([each == DONE for each in self.status], dtype=bool)
 
     @property
-    def doubtful(self) -> Any:
-        """Which runs did, though their audit asks for a look, [n]."""
+    def doubtful(self) -> Flags:
+        """Whether the audit of each run has warnings, [n]."""
         flags = np.zeros(len(self), dtype=bool)
         flags[list(self.looks)] = True
         return flags
 
     @cached_property
     def varied(self) -> dict[str, list[float | str]]:
-        """The values of each path, SI or text, [n]."""
+        """Values of each path, SI or text, [n]."""
         points = self.plan.points
         found: dict[str, list[float | str]] = {}
         for axis in points.axes:
@@ -88,19 +94,23 @@ class SweepTable:
         return found
 
     def __getitem__(self, name: str) -> Any:
-        """A column by its name: what is kept, a path, or one of :data:`COLUMNS` or :data:`MET`."""
+        """A column: a result or a path as an array, others as a list.
+
+        Raises:
+            SandboxError: there is no such column.
+        """
         if name in self.kept:
             return self.kept[name]
-        if name in self.plan.points.paths:
+        if name in self.varied:
             return np.array(self.varied[name])
         columns = self.columns()
         if name not in columns:
             raise SandboxError(f"the table has no column {name!r}{or_near(name, columns)} "
-                               f"(it has {listed(columns, most=40)})")
+                               f"(it has {listed(columns, most=40)})", code="bad-study")
         return columns[name]
 
-    def columns(self) -> dict[str, Any]:
-        """All columns by name, in their order, as plain lists; None for what has no value."""
+    def columns(self) -> dict[str, list[Any]]:
+        """All columns in their order, as plain lists; None for no value."""
         n = len(self)
         return {
             "run": list(range(n)), "id": self.ids, **self.varied,
@@ -116,7 +126,7 @@ class SweepTable:
         }
 
     def to_pandas(self) -> Any:
-        """A ``pandas.DataFrame``, a row a run; ``attrs["units"]`` has units.
+        """A ``pandas.DataFrame`` indexed by run; ``attrs["units"]`` has units.
 
         Raises:
             SandboxError: pandas is not installed.
@@ -131,89 +141,62 @@ class SweepTable:
         frame.attrs["units"] = self.plan.units
         return frame
 
-    def write(self, directory: Path) -> list[str]:
-        """Write the table; the names of the files.
-
-        ``table.csv`` always, ``table.parquet`` where pyarrow is installed.
+    def write(self, directory: Path) -> None:
+        """Write ``table.csv``, and ``table.parquet`` where pyarrow is installed.
 
         Raises:
-            OutputError: it cannot be written.
+            OutputError: they cannot be written.
         """
         columns = self.columns()
         with atomic_file(directory / CSV) as part, part.open("w", encoding="utf-8",
                                                                newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(columns)
-            writer.writerows(_rows(columns.values()))
-        return [CSV, *([PARQUET] if _parquet(columns, self.plan, directory / PARQUET) else [])]
+            writer.writerows(map(_cell, cells) for cells in zip(*columns.values(), strict=True))
+        try:
+            pyarrow, parquet = import_module("pyarrow"), import_module("pyarrow.parquet")
+        except ImportError:
+            return
+        plain = {name: list(map(str, values)) if len({type(v) for v in values if v is not None}) > 1
+                 else values for name, values in columns.items()}
+        schema = pyarrow.schema([pyarrow.field(
+            name, pyarrow.float64() if name in self.kept else
+            pyarrow.bool_() if name in ("holds", MET) else pyarrow.infer_type(values),
+            metadata={"unit": self.plan.units.get(name, "")}) for name, values in plain.items()])
+        with atomic_file(directory / PARQUET) as part:
+            parquet.write_table(pyarrow.table(plain, schema=schema), part,
+                                row_group_size=ROW_GROUP)
+
+
+def preload() -> None:
+    """Import what writes tables and figures, while worker processes load the engine."""
+    style.load()
+    with suppress(ImportError):
+        import_module("pyarrow.parquet")
 
 
 def _flags(values: Array) -> list[bool | None]:
     return [None if math.isnan(value) else bool(value) for value in values]
 
 
-def _rows(columns: Iterable[list[Any]]) -> Iterator[list[Any]]:
-    for cells in zip(*columns, strict=True):
-        yield ["" if cell is None else repr(cell) if isinstance(cell, float)
-               else str(cell).lower() if isinstance(cell, bool) else cell for cell in cells]
+def _cell(value: Any) -> Any:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return "" if value is None else repr(value) if isinstance(value, float) else value
 
 
-def load_pyarrow() -> tuple[Any, Any] | None:
-    """``pyarrow`` and ``pyarrow.parquet``; None where they are not installed."""
-    try:
-        return import_module("pyarrow"), import_module("pyarrow.parquet")
-    except ImportError:
-        return None
-
-
-def _parquet(columns: Mapping[str, list[Any]], plan: Plan, path: Path) -> bool:
-    found = load_pyarrow()
-    if found is None:
-        return False
-    pa, parquet = found
-    plain = {name: list(map(str, values)) if len({type(v) for v in values if v is not None}) > 1
-             else values for name, values in columns.items()}
-    fields = [pa.field(name, pa.float64() if name in plan.job.keep else
-                       pa.bool_() if name in ("holds", MET) else pa.infer_type(values),
-                       metadata={"unit": plan.units.get(name, "")})
-              for name, values in plain.items()]
-    schema = pa.schema(fields)
-    with atomic_file(path) as part, parquet.ParquetWriter(part, schema) as writer:
-        for begin in range(0, len(plain["run"]), CHUNK):
-            writer.write_table(pa.table({name: values[begin:begin + CHUNK]
-                                         for name, values in plain.items()}, schema=schema))
-    return True
-
-
-def table_of(plan: Plan, rows: Iterable[SweepRow]) -> SweepTable:
-    """The table of a plan from rows in any order; those of other plans are left aside."""
+def make_table(plan: Plan, rows: Iterable[SweepRow]) -> SweepTable:
+    """The table of a plan from rows in any order; rows of other plans are ignored."""
     n = len(plan)
-    ids = plan.ids
-    place: dict[str, int] = {}
-    again: dict[int, int] = {}
-    for run, id in enumerate(ids):
-        if id in place:
-            again[run] = place[id]
-        else:
-            place[id] = run
-    table = SweepTable(plan, {name: np.full(n, np.nan) for name in plan.job.keep}, ids,
-                  [MISSING] * n, np.full(n, np.nan))
+    runs: dict[str, list[int]] = {}
+    for run, id in enumerate(plan.ids):
+        runs.setdefault(id, []).append(run)  # equal points have equal ids
+    table = SweepTable(plan, {name: np.full(n, np.nan) for name in plan.job.keep}, plan.ids,
+                       [MISSING] * n, np.full(n, np.nan))
     for row in rows:
-        run = place.get(row.id, -1)
-        if run >= 0:
+        for run in runs.get(row.id, ()):
             _put(table, run, row)
-    for run, first in again.items():  # the same point twice is run once
-        for name in table.kept:
-            table.kept[name][run] = table.kept[name][first]
-        table.status[run], table.holds[run] = table.status[first], table.holds[first]
-        for sparse in (table.reason, table.failed, table.looks):
-            _copied(sparse, first, run)
     return table
-
-
-def _copied(sparse: dict[int, Any], first: int, run: int) -> None:
-    if first in sparse:
-        sparse[run] = sparse[first]
 
 
 def _put(table: SweepTable, run: int, row: SweepRow) -> None:
@@ -231,18 +214,76 @@ def _put(table: SweepTable, run: int, row: SweepRow) -> None:
             table.kept[name][run] = value
 
 
-def _from_here(file: str, directory: Path) -> str:
-    """A scene's file as seen from a directory; empty for a scene that has none."""
-    if not file:
-        return ""
-    try:
-        return os.path.relpath(file, directory)
-    except ValueError:  # on another drive
-        return str(Path(file).resolve())
-
-
-def write_spec(plan: Plan, directory: Path, told: Mapping[str, Any]) -> None:
-    """Write ``sweep.json``: the study as it was run, units of columns, how it ended."""
+def write_spec(plan: Plan, directory: Path, **progress: Any) -> None:
+    """Write ``sweep.json``: the study, units of columns, and how the sweep ended."""
+    file = plan.loaded.name
+    if file:
+        try:
+            file = os.path.relpath(file, directory)
+        except ValueError:  # on another drive
+            file = str(Path(file).resolve())
     data = {"study": dict(plan.written), "versions": {"sandbox": __version__},
-            "scene_file": _from_here(plan.loaded.name, directory), "units": plan.units, **told}
+            "scene_file": file, "units": plan.units, **progress}
     write_atomic(directory / SPEC, json.dumps(data, indent=2, ensure_ascii=False) + "\n")
+
+
+def draw_table(
+    table: SweepTable, path: Path, *, held: Array | None = None, condition: str = "",
+    found: FoundLine | None = None,
+) -> None:
+    """Draw results over varied paths, without runs that were not done yet.
+
+    On a grid of two paths, a map shows where the expectations of the scene hold.
+
+    Args:
+        table: of the runs.
+        path: the file.
+        held: 1 of runs whose condition holds, else 0, or nan where it is not known, [n]; by
+            default of the scene's expectations.
+        condition: the condition in words.
+        found: result of a search.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    plan = table.plan
+    groups = [(name, values) for group in plan.spec.vary for name, values in group.over.items()]
+    grid = plan.points.is_grid and not any(
+        isinstance(values, Distribution) for _, values in groups)
+    log = {name for name, values in groups if
+           (isinstance(values, Range) and values.scale == "log") or (isinstance(
+               values, Distribution) and values.distribution in ("log_uniform", "log_normal"))}
+    here = np.array([status != MISSING for status in table.status], dtype=bool)
+    kept = [SweepColumn(name, plan.units.get(name, ""), values[here])
+            for name, values in table.kept.items()]
+    map_of_holds = grid and len(table.varied) == 2 and {0.0, 1.0} <= {*table.holds.tolist()}
+    if not kept or map_of_holds:
+        kept.insert(0, SweepColumn(HOLD, "", np.nan_to_num(table.holds)[here]))
+    draw_sweep(path, SweepDrawing(
+        [_column(name, plan.units.get(name, ""), values, here, log=name in log)
+         for name, values in table.varied.items()], kept,
+        failed=~table.done[here], doubtful=table.doubtful[here], grid=grid,
+        title=plan.spec.title or f"{plan.name}: {len(table)} runs",
+        held=(table.holds if held is None else held)[here], condition=condition or EXPECTED,
+        meanings=_meanings(plan), found=found))
+
+
+def _meanings(plan: Plan) -> Mapping[str, str]:
+    """Definitions of results whose names do not contain them."""
+    found = {}
+    for name, asked in plan.job.keep.items():
+        if isinstance(asked, str):
+            found[name] = asked.lstrip().removeprefix("=").strip()
+        elif isinstance(asked, Looked) and asked.quantity not in name:
+            found[name] = statistic_text(asked)
+    return found
+
+
+def _column(
+    name: str, unit: str, values: list[float | str], here: Flags, *, log: bool,
+) -> SweepColumn:
+    if all(isinstance(value, float) for value in values):
+        return SweepColumn(name, unit, np.array(values, dtype=float)[here], log=log)
+    texts = tuple(dict.fromkeys(map(str, values)))
+    places = {text: float(place) for place, text in enumerate(texts)}
+    return SweepColumn(name, "", np.array([places[str(v)] for v in values])[here], texts)

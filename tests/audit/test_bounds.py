@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox.audit.bounds import contact_bounds
+from sandbox.audit.bounds import contact_bounds, push_limits
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.pushes import push_limits
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from tests.audit.still import block, figures, machine, still

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import copy
 import math
+from functools import cache
 
 import numpy as np
 import pytest
 
 from sandbox.audit.contacts import used_friction
 from sandbox.audit.evidence import Evidence
+from sandbox.engine.simulate import simulate
+from sandbox.recording.recording import Recording
 from tests.audit.still import block, figures, machine, still, turns
+from tests.engine.machines import G, disc, fixed, mechanism
 
 SLOP = 2e-6
 DISC = {"type": "circle", "radius": 0.02, "at": (0.03, 0.04)}
@@ -105,3 +110,113 @@ def test_a_tendon_is_slack_that_has_pulled_and_hangs(tension, other, value, word
     assert figure.verdict == ("look" if value else "pass")
     assert words in figure.why
     assert figure.threshold == 0.0
+
+
+# -- laws of contacts and impacts, by runs of another scene --------------------------------------
+
+
+FLOOR = fixed("floor", material="m", shapes=[{"type": "box", "size": (6.0, 0.1), "at": (0, -0.05)}])
+
+
+def box(x, y, **more):
+    return {"name": "box", "at": (x, y), "mass": 1.0, "material": "m",
+            "shapes": [{"type": "box", "size": (0.2, 0.1)}], **more}
+
+
+def ball(name, x, speed, **more):
+    return {**disc(name, 0.03, (x, 0.03)), "velocity": (speed, 0.0), "material": "m", **more}
+
+
+def scene(*bodies, e=0.0, mu=0.0, static=1.0, **more):
+    return {"duration": 0.3, "bodies": list(bodies), **more,
+            "materials": {"m": {"friction": mu, "static": static, "restitution": e}}}
+
+
+SLIDES = scene(FLOOR, box(0.0, 0.05, velocity=(1.0, 0.0)), mu=0.3, gravity=(0.0, -G))
+DRAGGED = scene(FLOOR, box(0.0, 0.05), mu=0.3, static=1.6, gravity=(0.0, -G), drives=[
+    {"type": "force", "name": "drag", "body": "box", "direction": (1, 0), "value": "=30 * t"}])
+TUMBLES = scene(FLOOR, box(0.0, 0.2, angle=0.3, velocity=(3.0, 0.0), angular_velocity=5.0),
+                e=0.7, mu=0.2, gravity=(0.0, -G))
+MEET = scene(ball("one", 0.0, 2.0), ball("two", 0.2, 0.0), ball("three", 0.5, -1.0), e=0.8)
+CRADLE = scene(ball("one", -0.05, 1.0), *(ball(name, 0.06 * i, 0.0) for i, name in enumerate(
+    ("two", "three", "four"), start=1)), e=1.0)
+SWINGS = scene(
+    fixed("wall", material="m", shapes=[{"type": "box", "size": (0.2, 2), "at": (0.13, 0)}]),
+    {**ball("bob", 0.0, 0.0), "at": (-0.15, -0.3)}, fixed("frame"), e=0.7, gravity=(0.0, -G),
+    duration=0.6,
+    joints=[{"type": "pin", "name": "pin", "a": "frame", "b": "bob", "on_a": (0, 0.1)}])
+FALLS = scene(FLOOR, box(0.0, 0.1), gravity=(0.0, -G))
+
+
+@cache
+def simulated(key, *change):
+    """The run of a scene, by its name, with one number of its material changed."""
+    changed = copy.deepcopy(globals()[key])
+    for name, value in change:
+        changed["materials"]["m"][name] = value
+    return simulate(mechanism(**changed))
+
+
+def verdicts(run, content):
+    """The verdicts of a run that is said to be of a scene."""
+    run = Recording(mechanism(**content), run.arrays, run.info)
+    return {name.partition(".")[2]: figure.verdict for name, figure in figures(run).items()
+            if name.startswith(("contact.", "impact.", "momentum."))}
+
+
+@pytest.mark.parametrize("every", [1, 2])
+@pytest.mark.parametrize("key", [
+    "SLIDES", "DRAGGED", "TUMBLES", "MEET", "CRADLE", "SWINGS", "FALLS"])
+def test_a_run_of_its_own_scene_passes(key, every):
+    run = simulate(mechanism(**{**globals()[key], "run": {"sample_rate": 2000 / every}}))
+    assert "look" not in {figure.verdict for figure in figures(run).values()}
+
+
+@pytest.mark.parametrize("factor", [0.95, 0.999, 1.001, 1.05])
+@pytest.mark.parametrize(("key", "number", "figure"), [
+    ("SLIDES", "friction", "slides"), ("DRAGGED", "friction", "slides"),
+    ("TUMBLES", "friction", "slides"), ("TUMBLES", "restitution", "bounces"),
+    ("MEET", "restitution", "bounces")])
+def test_a_coefficient_too_small_or_too_large_is_noticed(key, number, figure, factor):
+    right = globals()[key]["materials"]["m"][number]
+    assert verdicts(simulated(key, (number, right * factor)), globals()[key])[figure] == "look"
+
+
+def test_static_friction_beyond_its_bound_is_noticed():
+    assert verdicts(simulated("DRAGGED", ("static", 1.7)), DRAGGED)["slides"] == "look"
+
+
+@pytest.mark.parametrize(("key", "e", "right"), [
+    ("MEET", 0.79, 0.8), ("CRADLE", 0.99, 1.0), ("CRADLE", 0.999, 1.0), ("SWINGS", 0.6, 0.7)])
+def test_energy_that_impacts_swallow_is_noticed_in_chains_and_on_joints_too(key, e, right):
+    """Of balls in a row the approaches are not recorded, only what all of them took."""
+    found = verdicts(simulated(key, ("restitution", e)), globals()[key])
+    assert found["swallowed"] == "look"
+    assert found["bounces"] == ("not computed" if key == "CRADLE" else "look")
+    assert found["force"] == "pass"
+    more = verdicts(simulated(key, ("restitution", right)), globals()[key])
+    assert more["swallowed"] == "pass"
+
+
+def test_more_energy_than_restitution_leaves_is_no_loss():
+    found = verdicts(simulated("MEET", ("restitution", 0.85)), MEET)
+    assert (found["swallowed"], found["bounces"]) == ("pass", "look")
+
+
+def test_a_force_across_a_gap_and_one_that_pulls_are_noticed():
+    run = simulated("FALLS")
+    for key, change in (("contact_gap", 1e-4), ("contact_gap", -1e-4)):
+        arrays = {name: np.array(values) for name, values in run.arrays.items()}
+        arrays[key] += change
+        found = verdicts(Recording(run.mechanism, arrays, run.info), FALLS)
+        assert found["closes"] == ("look" if change > 0 else "pass")
+    arrays = {name: np.array(values) for name, values in run.arrays.items()}
+    arrays["contact_force"] *= -1
+    assert verdicts(Recording(run.mechanism, arrays, run.info), FALLS)["closes"] == "look"
+
+
+def test_bodies_that_pass_through_each_other_are_noticed():
+    """A box falls through a floor that its contact rules leave out."""
+    through = {**FALLS, "contacts": [{"between": ["box", "floor"], "collide": False}]}
+    found = verdicts(simulate(mechanism(**through)), FALLS)
+    assert (found["closes"], found["force"]) == ("look", "pass")

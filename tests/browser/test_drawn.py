@@ -178,7 +178,7 @@ def test_marks_and_bands_of_verdicts_are_where_the_run_has_them(opened, run):
     told = Recording(type(run.mechanism).model_validate(data), run.arrays, replace(
         run.info, events=(Happened("enough", 0.25),)))
     tab = opened(report([told], plots=["tip.y"]))
-    assert "1 of 2 expectations hold" in tab.locator(".verdict").inner_text()
+    assert "1 of 2 expectations passed" in tab.locator(".verdict").inner_text()
     inside = [k for k, t in enumerate(run.time) if 0.4 <= t <= 0.6]
     tab.evaluate("sandbox.hold(0.1)")
     for key, t in (("n", 0.25), ("n", run.time[inside[-1]]), ("p", 0.25)):

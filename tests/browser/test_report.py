@@ -215,7 +215,7 @@ def test_a_phone_in_the_dark_shows_verdict_and_picture_before_what_is_folded(ope
         {"final": name, "below": 1e-3, "because": "it is so"}])]), **PHONE)
     # of innerWidth no test can tell: it grows with what is too wide
     assert tab.evaluate("document.documentElement.scrollWidth <= screen.width")
-    assert tab.locator(".verdict.bad").inner_text() == "0 of 1 expectations hold"
+    assert tab.locator(".verdict.bad").inner_text() == "0 of 1 expectations passed"
     for word in ("FAIL", "0 to 0.001", "at most 0.001"):
         for cell in tab.locator(f"td:has-text('{word}')").all():
             box = cell.bounding_box()

@@ -30,7 +30,7 @@ def test_a_line_is_one_printable_line(capsys):
     Console().say(HOSTILE)
     assert capsys.readouterr().out == (
         "a\\x1b[2K\\r\\u202egnp\\n9 of 9 expectations passed\\x9b1A\\u2028\\u200b\\t\\udcff\n")
-    report(SceneError([Problem(HOSTILE, hint=HOSTILE)], "x\n\x1b.json"), Console())
+    report(SceneError([Problem("bad-option", HOSTILE, hint=HOSTILE)], "x\n\x1b.json"), Console())
     line, = PAGES.sub("", capsys.readouterr().err).splitlines()
     assert line.isprintable()
     value = {"title": HOSTILE + "\U000e0001"}

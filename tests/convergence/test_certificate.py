@@ -144,7 +144,7 @@ def test_a_run_that_diverges_is_part_of_the_answer(monkeypatch: pytest.MonkeyPat
     assert [(each.run, each.reason) for each in found.diverged] == [("h", "it ran away")]
     assert "the simulation diverged at h" in found.conclusion
     assert found.advice[0] == (
-        "The run at h/4 came to its end: certify from there, --set run.step=0.00025.")
+        "The run at h/4 is complete: check convergence from there, --set run.step=0.00025.")
 
 
 # -- peaks ----------------------------------------------------------------------------
@@ -183,7 +183,7 @@ def test_the_peak_of_an_impact_diverges() -> None:
     assert "disc.contact.normal" in found.conclusion
     for value, step in zip(trust.values, (1e-3, 5e-4, 2.5e-4), strict=True):
         assert value == pytest.approx(blow(step), abs=2 * 0.1 * G)  # the weight of two steps
-    assert found.advice[0].startswith("The peak of a blow has no limit")
+    assert found.advice[0].startswith("The peak force of an impact has no limit")
 
 
 def test_a_peak_between_two_samples_is_seen() -> None:
@@ -218,8 +218,8 @@ def test_an_audit_that_asks_for_a_look_at_h_withholds_the_certificate(
     look, = found.looks
     assert look.runs == ("h", "h/2", "h/4")
     assert look.figure.value == 5.0  # of the worst
-    assert found.conclusion == ("Not certified: the expectations would hold, but the audit at h "
-                                "asks for a look at energy.created.")
+    assert found.conclusion == ("Not certified: the expectations would hold, but the "
+                                "consistency checks at h warn of energy.created.")
     assert "docs/audit.md" in found.advice[0]
 
 
@@ -269,8 +269,8 @@ def test_what_cannot_be_certified() -> None:
 
 
 @pytest.mark.parametrize(("count", "told"), [
-    (1, "1 of 2 expected quantities have converged; one hangs on the step but stays inside its"),
-    (2, "1 of 3 expected quantities have converged; 2 hang on the step but stay inside their")])
+    (1, "1 of 2 expected quantities have converged; one depends on the step but stays in its"),
+    (2, "1 of 3 expected quantities have converged; 2 depend on the step but stay in their")])
 def test_what_stays_inside_its_range_is_counted(count: int, told: str) -> None:
     """0.1 mm of error after nine periods, where 0.02 mm are allowed, and a range of 0.2 mm."""
     wide = {"mean": "load.x", "over": (0.965, 0.975), "is": "50.9 mm", "within": "0.2 mm"}

@@ -12,7 +12,7 @@ from sandbox.engine.memory import make_memory
 from .machines import Bench, cord, disc, fixed, mass, mechanism
 
 PARTS = ("native", "constants", "state", "result", "snapshot")
-NUMBERS = ("step", "each_body", "space", "get", "read", "put", "write")
+NUMBERS = ("step", "each_body", "space", "get", "read", "put", "write", "place")
 NAMED = {"near": ("native", "found")}
 """Views that are not called as their field or after a rule."""
 

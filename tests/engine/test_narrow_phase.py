@@ -130,8 +130,8 @@ def test_a_curve_is_written_and_read_without_change() -> None:
 
 
 @pytest.mark.parametrize(("nodes", "words"), [
-    ([[[0, 0, 0, 1]]], "do not belong to its outline"),
-    ([[[0, 0, 0, 1], [2, 0, 0, 1]]], "do not belong to its outline"),
+    ([[[0, 0, 0, 1]]], "are not on its outline"),
+    ([[[0, 0, 0, 1], [2, 0, 0, 1]]], "are not on its outline"),
     ([[[0, 0, 0, 1], [1, 0, 0, 1]]] * 2, "there are 2 curves of 'nodes'")])
 @pytest.mark.parametrize("kind", ["polygon", "polyline"])
 def test_nodes_belong_to_their_outline(kind: str, nodes: list[object], words: str) -> None:

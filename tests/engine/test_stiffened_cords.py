@@ -88,8 +88,7 @@ def test_a_stiff_one_rests_where_its_stiffness_says() -> None:
         assert run["c.tension"][n] == pytest.approx(M * G, rel=1e-9)
 
 
-@pytest.mark.parametrize(("names", "words"), [
-    ({}, "and names neither"), ({"spring": "s", "tendon": "c"}, "not of both")])
-def test_it_sets_one_thing(names: dict[str, str], words: str) -> None:
-    with pytest.raises(ValidationError, match=words):
+@pytest.mark.parametrize("names", [{}, {"spring": "s", "tendon": "c"}])
+def test_it_sets_one_thing(names: dict[str, str]) -> None:
+    with pytest.raises(ValidationError, match="needs either 'spring' or 'tendon'"):
         mechanism(drives=[{"type": "stiffness", "name": "k", **names}])

@@ -79,8 +79,8 @@ def test_each_row_has_the_value_that_was_found(run: sandbox.Recording) -> None:
 def test_a_run_tells_its_end_its_verdict_and_its_audit(run: sandbox.Recording) -> None:
     read = harmless(run._repr_html_())
     assert read.tags.count("img") == 1
-    for words in ("One finger on a disc", "the run came to its end", "7 of 7 expectations hold",
-                  "28 of 28 figures pass", "finger.mcp.angle", "0.610691 to 0.61104"):
+    for words in ("One finger on a disc", "the run came to its end", "7 of 7 expectations passed",
+                  "29 checks passed", "finger.mcp.angle", "0.610691 to 0.61104"):
         assert words in read.text, words
     assert repr(run) == (
         "<Recording of 'single_finger': 1500 samples to t = 1.49975 s, the run came to its end>")
@@ -91,7 +91,7 @@ def test_what_failed_comes_first_and_says_why() -> None:
     scene = disc(expect=[*held, {"mean": "a.x", "above": 3}, {"mean": "a.z", "above": 3}])
     read = harmless(card_of_run(sandbox.simulate(sandbox.load_scene(
         {**scene, "expect": scene["expect"][:-1]}))))
-    assert f"{MOST_ROWS} of {MOST_ROWS + 1} expectations hold" in read.text
+    assert f"{MOST_ROWS} of {MOST_ROWS + 1} expectations passed" in read.text
     assert read.text.index("at least 3") < read.text.index("at least -1")
     assert "and 1 more" in read.text
 

@@ -7,8 +7,11 @@ import re
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
+from sandbox.engine.inspect import inspect
 from sandbox.errors import SceneError
+from sandbox.scene.expand import expand
 from sandbox.scene.outlines.rings import is_convex
 from sandbox.scene.read.load import load_scene
 
@@ -110,3 +113,18 @@ def test_a_table_that_is_none_is_told(table, words):
         load_scene({"bodies": [{"name": "cam", "motion": "fixed", "shapes": [
             {"type": "cam", "base": 0.03, "roller": 0.01, "lift": table}]}]})
     assert words in str(raised.value)
+
+
+@pytest.mark.parametrize(("dwell", "warned"), [([210, 330], True), (range(180, 360, 15), False)])
+def test_a_lift_that_swings_beyond_its_entries_is_warned_of(dwell, warned):
+    """A rise and return of 10 mm with a dwell of two entries, and of twelve."""
+    turns = np.radians([*range(0, 180, 15), *dwell])
+    lift = np.where(turns < 3.0, 0.005 * (1 - np.cos(2 * turns)), 0.0)
+    scene = load_scene({"bodies": [{"name": "cam", "motion": "fixed", "shapes": [
+        {"type": "cam", "base": 0.1, "follower": "flat", "lift": np.stack([turns, lift], 1)
+         .tolist()}]}]})
+    spline = CubicSpline([*turns, math.tau], [*lift, lift[0]], bc_type="periodic")
+    lowest = 1e3 * spline(np.linspace(0, math.tau, 36_001)).min()
+    text = "".join(str(problem) for problem in inspect(expand(scene)))
+    found = re.findall(r"the lift of its cam swings to (\S+) mm", text)
+    assert list(map(float, found)) == pytest.approx([lowest] * warned, rel=1e-3)

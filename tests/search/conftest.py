@@ -2,7 +2,7 @@
 
 import pytest
 
-from sandbox.sweeps.runner import ready
+from sandbox.sweeps.runner import make_runner
 
 
 class Here:
@@ -18,11 +18,11 @@ class Here:
         pass
 
     def results(self, tasks):
-        with ready(self._job) as run:
+        with make_runner(self._job) as run:
             for id, values in tasks:
                 yield run(id, values)
 
 
 @pytest.fixture(autouse=True)
 def _here(monkeypatch):
-    monkeypatch.setattr("sandbox.sweeps.evaluator.Pool", Here)
+    monkeypatch.setattr("sandbox.sweeps.workers.Processes", Here)

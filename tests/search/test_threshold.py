@@ -1,15 +1,13 @@
-"""Thresholds that are known: friction that slips, a speed to be reached, a blurred one."""
+"""Thresholds with known values: sliding friction, a final speed."""
 
 import csv
 import json
 
-import numpy as np
 import pytest
 
 import sandbox
 from sandbox.errors import SandboxError
-from sandbox.search.bisection import NoBracketError, bisect
-from sandbox.search.logistic import posterior, wilson
+from sandbox.search.thresholds import NoBracketError, bisect
 from tests.sweeps.scenes import PUCK
 
 LAST = 0.1 - 0.5e-3
@@ -52,13 +50,6 @@ def test_the_scenes_own_expectations_are_the_condition():
     assert "between 2.506" in found.certificate
 
 
-def test_a_search_that_was_done_runs_nothing(tmp_path, monkeypatch):
-    words = {"vary": {"parameters.push": "1 N:6 N"}, "out": tmp_path}
-    found = sandbox.search.threshold(PUCK, **words)
-    monkeypatch.setattr("sandbox.sweeps.evaluator.Pool", None)
-    assert sandbox.search.threshold(PUCK, **words) == found
-
-
 def test_a_search_that_was_stopped_goes_on(tmp_path, monkeypatch):
     from sandbox.sweeps.log import Log
 
@@ -88,6 +79,8 @@ def test_a_range_without_a_threshold_is_refused_in_a_line():
 
 @pytest.mark.parametrize(("more", "said"), [
     ({"vary": {"parameters.push": "1:2", "parameters.m": "1:2"}}, "one path with a range"),
+    ({"vary": {"parameters.push": "normal(1, 2)"}}, "one path with a range"),
+    ({"vary": {"parameters.push": "1:2:7"}}, "has a count, 7, and a search chooses its points"),
     ({"where": "vxx < 1"}, "no run keeps 'vxx'; did you mean 'vx'"),
     ({"where": "vx = 1"}, "is no condition"),
     ({"where": "vx < 1 N"}, "is a unit of force"),
@@ -115,39 +108,4 @@ def test_bisection_keeps_the_threshold_in_its_bracket():
     found = bisect(ask, 1e-3)
     assert found.low < 0.3123 <= found.high <= found.low + 1e-3
     assert found.low_holds
-    assert found.turns == 1
     assert len(asked) == 5 + 3 * 4
-
-
-# -- random starts -------------------------------------------------------------------
-
-
-def test_random_starts_blur_a_threshold_to_where_half_of_them_hold():
-    found = sandbox.search.threshold(
-        PUCK, vary={"parameters.push": "1 N:4 N", "parameters.m": "uniform(0.8 kg, 1.2 kg)"},
-        runs=80)
-    assert found.low < 0.25 / LAST < found.high
-    assert found.high - found.low < 0.5
-    assert sum(each[3] for each in found.shares) == found.runs
-    assert found.certified
-
-
-def test_the_interval_covers_the_truth_as_often_as_it_says():
-    covered, studies = 0, 150
-    for study in range(studies):
-        rng = np.random.default_rng(study)
-        middle, width = rng.uniform(0.3, 0.7), 10 ** rng.uniform(-2, -0.7)
-        shares = np.append(np.repeat([0.0, 1.0], 8), (np.arange(16) + 0.5) / 16)
-        held = rng.random(32) < 1 / (1 + np.exp((shares - middle) / width))
-        for _ in range(2):
-            more = posterior(shares, held, rises=False).telling(16, rng)
-            held = np.append(held, rng.random(16) < 1 / (1 + np.exp((more - middle) / width)))
-            shares = np.append(shares, more)
-        low, _, high = posterior(shares, held, rises=False).level(0.5)
-        covered += low <= middle <= high
-    assert 0.90 * studies <= covered <= 0.99 * studies
-
-
-def test_wilsons_interval():
-    assert wilson(0, 10) == pytest.approx((0, 0.2775), abs=1e-4)
-    assert wilson(5, 10) == pytest.approx((0.2366, 0.7634), abs=1e-4)

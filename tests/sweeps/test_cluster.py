@@ -9,7 +9,6 @@ import time
 import pytest
 
 from sandbox.errors import SandboxError
-from sandbox.sweeps.cluster import Cluster
 from sandbox.sweeps.plan import plan_of
 from sandbox.sweeps.sweep import run_plan, study_data
 from tests.sweeps.scenes import PUCK
@@ -33,7 +32,7 @@ def cluster(tmp_path_factory):
          "--no-nanny", "--no-dashboard", "--local-directory", str(folder)],
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=folder) for _ in range(2)]
     monkeypatch = pytest.MonkeyPatch()
-    monkeypatch.setattr("sandbox.sweeps.cluster.PATIENCE", 100.0)  # a busy machine
+    monkeypatch.setattr("sandbox.sweeps.workers.CONNECT_TIMEOUT", 100.0)  # a busy machine
     yield address, workers
     monkeypatch.undo()
     for process in (*workers, scheduler):
@@ -59,7 +58,7 @@ def study(count):
 @quiet
 def test_a_cluster_gives_the_same_bytes(cluster, tmp_path):
     address, _ = cluster
-    run_plan(study(20), tmp_path / "there", cluster=address)
+    run_plan(study(20), tmp_path / "there", workers=address)
     run_plan(study(20), tmp_path / "here", workers=1)
     for name in ("table.csv", "table.parquet"):
         assert (tmp_path / "there" / name).read_bytes() == (tmp_path / "here" / name).read_bytes()
@@ -73,37 +72,14 @@ def test_a_worker_of_the_cluster_that_dies_loses_nothing(cluster, tmp_path):
         if at.done == 3:
             workers[0].kill()
 
-    table = run_plan(study(60), tmp_path, cluster=address, progress=kill)
+    table = run_plan(study(60), tmp_path, workers=address, progress=kill)
     assert table["status"] == ["done"] * 60
 
 
-@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "127.0.0.1:9", "nowhere.invalid",
-                                     "tcp://127.0.0.1:no", "no_such.json"])
-def test_a_cluster_that_is_not_there_is_told_before_dask_tries(address, monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("distributed.Client", None)
-    with pytest.raises(SandboxError, match=f"cluster '{address}' cannot be reached"):
-        run_plan(study(2), None, cluster=address)
-
-
 @quiet
-def test_a_job_that_the_cluster_lost_is_given_again(cluster, tmp_path):
-    """Every round of a search comes to a cluster whose memory others use, too."""
-    address, _ = cluster
-    plan = study(12)
-    with Cluster(plan.job, address) as first:
-        for round_ in range(3):
-            tasks = [(plan.ids[run], plan.points[run]) for run in range(4 * round_, 4 * round_ + 4)]
-            if round_ == 1:
-                first._client.cancel(first._placed, force=True)
-            assert [row.status for row in first.results(tasks)] == ["done"] * 4
-    with Cluster(plan.job, address) as again:
-        lose = again._send
-
-        def lost(*words, **more):
-            again._client.cancel(again._placed, force=True)
-            lose(*words, **more)
-
-        again._send = lost
-        with pytest.raises(SandboxError, match="lost the same runs 3 times"):
-            list(again.results([(plan.ids[0], plan.points[0])]))
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "tcp://127.0.0.1:no", "no_such.json"])
+def test_a_cluster_that_does_not_answer(address, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sandbox.sweeps.workers.CONNECT_TIMEOUT", 1.0)
+    with pytest.raises(SandboxError, match=f"cluster '{address}' cannot be reached"):
+        run_plan(study(2), None, workers=address)

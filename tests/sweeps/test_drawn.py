@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sandbox.draw.figure import style
-from sandbox.draw.figure.sweeps import FoundLine, SweepColumn, SweepDrawing, draw_sweep
+from sandbox.draw.figure.sweeps import SweepColumn, SweepDrawing, draw_sweep
 
 PULL, STIFFNESS = np.repeat([2.0, 4.0, 7.0, 8.0], 2), np.tile([200.0, 400.0], 4)
 
@@ -51,23 +51,3 @@ def test_a_path_of_few_values_makes_a_curve_of_each(drawn, turned):
     assert list(curves[1].get_ydata()) == [2 / 400, 4 / 400, 7 / 400, 8 / 400]
     assert [text.get_text() for text in panel.get_legend().get_texts()] == [
         "k = 200 N/m", "k = 400 N/m"]
-
-
-def test_points_that_fail_have_another_colour(drawn):
-    varied = [SweepColumn(name, "", column) for name, column in
-              (("a", PULL), ("b", STIFFNESS), ("c", PULL + STIFFNESS))]
-    held = np.array([1, 0, 0, 1, np.nan, 1, 1, 1.0])
-    panels = drawn(varied, SweepColumn("force", "N", PULL), held=held, condition="force > 1 N")
-    for panel in panels:
-        orange, = (line for line in panel.lines if line.get_color() == style.ORANGE)
-        assert len(orange.get_xdata()) == 2
-    assert panels[0].figure.get_supxlabel() == "2 of 8 runs fail force > 1 N: orange."
-
-
-def test_what_a_search_found_is_a_line(drawn):
-    size = SweepColumn("size", "m", np.linspace(0.1, 0.2, 4))
-    panel, _ = drawn([size], SweepColumn("v", "m/s", np.arange(4.0)), grid=False,
-                     found=FoundLine("size", 0.14, 0.15, 0.16, "Dashed: v < 1 m/s"))
-    dashed = [line.get_xdata()[0] for line in panel.lines if line.get_color() == style.INK]
-    assert 150 in dashed
-    assert panel.figure.get_supxlabel() == "Dashed: v < 1 m/s"

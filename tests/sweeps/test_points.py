@@ -1,18 +1,19 @@
-"""Which values the runs of a sweep have."""
-
+"""Values of the runs of a sweep, and the short texts for values and results."""
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
 from scipy import stats
 
-from sandbox.sweeps.points import Points, number_of
-from sandbox.sweeps.spec import SweepSpec
+from sandbox.sweeps.points import make_points, number_of
+from sandbox.sweeps.spec import SweepSpec, parse_statistic
+from sandbox.sweeps.vary import parse_values
+from sandbox.wording import WrongValueError
 
 
 def points(vary, **more):
     groups = vary if isinstance(vary, list) else [{"over": vary, **more}]
-    return Points(SweepSpec.model_validate({"scene": "x", "vary": groups}))
+    return make_points(SweepSpec.model_validate({"scene": "x", "vary": groups}))
 
 
 def numbers(found, path):
@@ -23,13 +24,7 @@ def test_a_grid_is_all_with_all_and_the_last_changes_fastest():
     found = points({"a": [1, 2], "b": {"from": 0, "to": 1, "count": 3}})
     assert [tuple(found[run].values()) for run in range(len(found))] == [
         (1, 0), (1, 0.5), (1, 1), (2, 0), (2, 0.5), (2, 1)]
-    assert found.one_grid
-
-
-def test_numbers_keep_the_unit_that_they_were_written_in():
-    found = points({"a": {"from": "2 mm", "to": "8 mm", "count": 7}})
-    assert [found[run]["a"] for run in range(7)] == [f"{k}.0 mm" for k in range(2, 9)]
-    assert numbers(found, "a").tolist() == [0.002, 0.003, 0.004, 0.005, 0.006, 0.007, 0.008]
+    assert found.is_grid
 
 
 def test_a_log_scale_goes_in_even_ratios_and_ends_where_it_is_to_end():
@@ -43,10 +38,8 @@ def test_paired_paths_go_hand_in_hand_and_groups_are_nested():
                     {"over": {"c": [10, 20, 30]}}])
     assert [tuple(found[run].values()) for run in range(6)] == [
         (1, "x", 10), (1, "x", 20), (1, "x", 30), (2, "y", 10), (2, "y", 20), (2, "y", 30)]
-    assert not found.one_grid
+    assert not found.is_grid
     for path, axis in zip(found.paths, found.axes, strict=True):
-        for place, value in enumerate(axis.written):
-            assert found[found.first(path, place)][path] == value
         assert [axis.written[place] for place in found.places(path)] == [
             found[run][path] for run in range(6)]
 
@@ -104,3 +97,43 @@ def test_what_makes_no_points_is_refused_in_words(vary, more, said):
         points(vary, **more)
     told = " ".join(each["msg"] for each in error.value.errors())
     assert said in told, told
+
+
+@pytest.mark.parametrize(("text", "meant"), [
+    ("2:8:7", {"from": 2, "to": 8, "count": 7}),
+    ("2 N : 8 N : 7", {"from": "2 N", "to": "8 N", "count": 7}),
+    ("1:100:3:log", {"from": 1, "to": 100, "count": 3, "scale": "log"}),
+    ("2:8", {"from": 2, "to": 8}),
+    ("1, 2 N, disc", [1, "2 N", "disc"]),
+    ("1, NaN", [1, "NaN"]),
+    ("[1, [2, 3]]", [1, [2, 3]]),
+    ("normal(3, std=1, to=5)", {"distribution": "normal", "mean": 3, "std": 1, "to": 5}),
+    ("=a / 2, =a", ["=a / 2", "=a"]),
+])
+def test_texts_of_values(text, meant):
+    assert parse_values(text) == meant
+
+
+@pytest.mark.parametrize(("text", "meant"), [
+    ("disc.x", {"final": "disc.x"}),
+    ("disc.x at 0.5 s", {"quantity": "disc.x", "at": "0.5 s"}),
+    ("mean a/b.normal over last 0.2 s", {"mean": "a/b.normal", "over": "last 0.2 s"}),
+    ("max disc.x over 10 ms : 0.5", {"max": "disc.x", "over": [0.01, 0.5]}),
+])
+def test_texts_of_results(text, meant):
+    assert parse_statistic(text) == meant
+
+
+@pytest.mark.parametrize(("read", "text", "said"), [
+    (parse_values, "", "no values"), (parse_values, "1:2:3:4", "too many"),
+    (parse_values, "1:2:lgo", "how many"), (parse_values, "[1, NaN]", "NaN is no number"),
+    (parse_values, "nrmal(1, 2)", "'normal'"),
+    (parse_values, "exponential(1, 2)", "no more than mean"),
+    (parse_statistic, "mx disc.x", "did you mean 'max'"),
+    (parse_statistic, "max disc.x over always", "no window"),
+    (parse_statistic, "max disc.x over 1:2 over 3:4", "more than one"),
+])
+def test_texts_that_are_refused(read, text, said):
+    with pytest.raises(WrongValueError) as error:
+        read(text)
+    assert said in str(error.value)

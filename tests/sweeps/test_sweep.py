@@ -3,22 +3,25 @@
 import json
 import multiprocessing
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
-from typing import ClassVar
 
 import numpy as np
 import pytest
 
 import sandbox
 from sandbox.errors import OutputError, SceneError
-from sandbox.sweeps.job import SweepRow, row_data
-from sandbox.sweeps.log import Log, rows_in
+from sandbox.scene.read.limits import Limits
+from sandbox.scene.read.load import read_scene
+from sandbox.sweeps.job import SweepRow, make_bundle
+from sandbox.sweeps.log import Log, read_rows
 from sandbox.sweeps.plan import plan_of
-from sandbox.sweeps.pool import Pool
 from sandbox.sweeps.sweep import run_plan, study_data
+from sandbox.sweeps.table import draw_table
+from sandbox.sweeps.workers import Processes
 from tests.sweeps.scenes import PUCK
 
 LAST = 0.1 - 0.5e-3
@@ -42,12 +45,6 @@ def test_each_row_is_what_its_values_give(tmp_path):
     assert table["holds"] == [force * LAST >= 0.25 for force in range(1, 7)]
     assert table["failed"][0] == "puck.vx"
     assert table.plan.units == {"parameters.push": "N", "v": "m/s", "twice": ""}
-
-
-def test_a_row_is_what_a_run_alone_gives():
-    table = run(study("2.5"))
-    alone = sandbox.simulate(sandbox.load_scene(PUCK, overrides={"parameters.push": 2.5}))
-    assert table["v"][0] == alone["puck.vx"][-1]
 
 
 def test_what_is_done_is_not_done_again(tmp_path):
@@ -88,12 +85,6 @@ def test_runs_that_do_not_end_well_are_rows_with_their_reason():
     assert table["holds"] == [True, None]
 
 
-def test_a_pattern_keeps_each_that_it_fits():
-    table = run(study_data(PUCK, vary={"parameters.push": "1"}, audit=False,
-                           keep=["max puck.v?", "at=puck.[xy]"]))
-    assert list(table.kept) == ["max puck.vx", "max puck.vy", "at puck.x", "at puck.y"]
-
-
 # -- nothing lost --------------------------------------------------------------------
 
 
@@ -105,7 +96,7 @@ def test_ctrl_c_keeps_what_was_finished(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         run(study(), tmp_path, progress=stop)
     assert json.loads((tmp_path / "sweep.json").read_text())["ended"] == "interrupted"
-    assert len(list(rows_in(tmp_path / "rows"))) == 2
+    assert len(list(read_rows(tmp_path / "rows"))) == 2
     assert (tmp_path / "table.csv").read_text().count(",done,") == 2
     assert run(study(), tmp_path).count == 6
 
@@ -120,31 +111,32 @@ def test_a_worker_that_is_killed_loses_nothing(tmp_path):
     assert table["v"] == pytest.approx(np.arange(1, 13) * LAST, rel=1e-12)
 
 
-class _Deadly(Pool):
-    """Kills the worker that is given one run."""
+class _Deadly(Processes):
+    """One run ends its process."""
 
     bad = ""
-    killed: ClassVar[set[int]] = set()
 
-    def _hand_out(self, *where):
-        super()._hand_out(*where)
-        for worker in self._workers:
-            if worker.tasks and worker.tasks[0][0] == self.bad:
-                self.killed.add(worker.process.pid)
-                worker.process.kill()
+    def _submit(self, task):
+        return self._pool.submit(os._exit, 7) if task[0] == self.bad else super()._submit(task)
 
 
-def test_a_run_that_kills_two_workers_is_given_up_and_the_others_go_on(monkeypatch):
-    monkeypatch.setattr("sandbox.sweeps.pool.BRIEF", 0.0)  # or it may be done before it is known
+def test_a_run_that_ends_two_processes_is_given_up_and_the_others_finish():
     plan = plan_of(study("1:6:6"))
     _Deadly.bad = plan.ids[2]
-    _Deadly.killed.clear()
-    with _Deadly(plan.job, 2) as pool:
-        rows = {row.id: row for row in pool.results(
+    with _Deadly(plan.job, 2) as workers:
+        rows = {row.id: row for row in workers.results(
             (plan.ids[k], plan.points[k]) for k in range(6))}
     assert [rows[id].status for id in plan.ids] == ["done", "done", "died", *["done"] * 3]
-    assert "SIGKILL" in rows[plan.ids[2]].reason
-    assert len(_Deadly.killed) == 2
+    assert "2 worker processes" in rows[plan.ids[2]].reason
+
+
+def test_a_script_without_a_guard_gets_a_message(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text("import sandbox\nsandbox.sweep('single_finger', vary={'parameters.pull': "
+                      "[1, 2]}, workers=1)\n")
+    said = subprocess.run([sys.executable, str(script)], capture_output=True, text=True,
+                          timeout=100)
+    assert said.stderr.splitlines()[-1].endswith('under if __name__ == "__main__":')
 
 
 def _command(folder):
@@ -169,8 +161,13 @@ def test_a_process_that_is_killed_loses_only_what_was_under_way(tmp_path):
     before = lines.read_bytes()
     done = subprocess.run(_command(tmp_path), capture_output=True, text=True, timeout=400)
     assert done.returncode == 0, done.stderr
-    rows = list(rows_in(tmp_path / "out" / "rows"))
+    rows = list(read_rows(tmp_path / "out" / "rows"))
     assert len(rows) == len({row.id for row in rows}) == 80
+    whole = tmp_path / "whole"
+    shutil.copytree(tmp_path, whole)
+    shutil.rmtree(whole / "out")
+    subprocess.run(_command(whole), capture_output=True, check=True, timeout=400)
+    assert (tmp_path / "out/table.csv").read_bytes() == (whole / "out/table.csv").read_bytes()
     assert lines.read_bytes().startswith(before[:before.rfind(b"\n") + 1])
 
 
@@ -183,11 +180,11 @@ def test_a_line_that_was_cut_off_is_taken_away(tmp_path):
         log.add(row)
     path = tmp_path / "rows" / "00000.jsonl"
     path.write_bytes(path.read_bytes() + b'{"id": "12')
-    assert list(rows_in(tmp_path / "rows")) == [row]
+    assert list(read_rows(tmp_path / "rows")) == [row]
     other = SweepRow("1" * 16, "died", reason="it did")
     with Log(tmp_path) as log:
         log.add(other)
-    assert list(rows_in(tmp_path / "rows")) == [row, other]
+    assert list(read_rows(tmp_path / "rows")) == [row, other]
 
 
 def test_two_processes_do_not_write_one_sweep(tmp_path):
@@ -196,13 +193,13 @@ def test_two_processes_do_not_write_one_sweep(tmp_path):
 
 
 @pytest.mark.parametrize("line", [b"nothing\n", b"{}\n", json.dumps(
-    {**row_data(SweepRow("0", "done")), "status": "well"}).encode() + b"\n"])
+    {**json.loads(SweepRow("0", "done").to_json()), "status": "well"}).encode() + b"\n"])
 def test_a_line_that_is_no_row_is_told(tmp_path, line):
     folder = tmp_path / "rows"
     folder.mkdir()
     (folder / "00000.jsonl").write_bytes(line)
     with pytest.raises(OutputError, match=r"00000\.jsonl:1"):
-        list(rows_in(folder))
+        list(read_rows(folder))
 
 
 # -- files ---------------------------------------------------------------------------
@@ -222,25 +219,45 @@ def test_the_table_is_read_back_by_pandas(tmp_path):
     assert frame.attrs["units"]["v"] == "m/s"
 
 
-def test_whole_recordings_are_kept_on_request(tmp_path):
-    table = run(study("1, 2", recordings=True), tmp_path)
-    check_recordings(table, tmp_path)
-
-
-def test_recordings_that_are_asked_for_later_are_made(tmp_path):
+def test_recordings_that_are_requested_later_are_made(tmp_path):
     run(study("1, 2"), tmp_path)
-    table = run(study("1, 2, 3", recordings=True), tmp_path)
-    assert table.count == 3
-    check_recordings(table, tmp_path)
     again = []
+    table = run(study("1, 2, 3", recordings=True), tmp_path)
     run(study("1, 2, 3", recordings=True), tmp_path, progress=again.append)
     assert again == []
-
-
-def check_recordings(table, tmp_path):
     for run_, id in enumerate(table.ids):
         kept = sandbox.Recording.load(tmp_path / "runs" / id)
         assert kept["puck.vx"][-1] == table["v"][run_]
+
+
+def test_a_bundle_has_the_scenes_that_a_varied_include_names(tmp_path):
+    def scene(name, **more):
+        (tmp_path / f"{name}.json").write_text(json.dumps({"name": name, **more}))
+
+    body = [{"name": "body", "motion": "fixed", "shapes": [{"type": "circle", "radius": "5 mm"}]}]
+    scene("hand", parts=[{"include": "disc", "name": "object"}])
+    scene("disc", bodies=body)
+    scene("square", parts=[{"include": "corner", "name": "one"}])
+    scene("corner", bodies=body)
+    scene("other", bodies=body)
+    bundle, _ = make_bundle(tmp_path / "hand.json", {}, Limits(), also=[["disc", "square"]])
+    assert set(bundle.files) == {"hand.json", "disc.json", "square.json", "corner.json"}
+    with bundle.unpacked() as main:
+        found = read_scene(main, overrides={"parts[object].include": "square"})
+    assert [each.name for each in found.mechanism.bodies] == ["object.one.body"]
+
+
+def test_a_grid_has_a_map_of_where_expectations_hold(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr("sandbox.sweeps.table.draw_sweep", lambda path, what: drawn.append(what))
+    data = study_data(PUCK, vary={"parameters.push": "1:4:4", "parameters.m": "1 kg:2 kg:4"},
+                      keep=["v=puck.vx"], audit=False)
+    table = run(data)
+    draw_table(table, tmp_path / "sweep.png")
+    holds, v = drawn[0].kept
+    assert holds.name == "expectations hold"
+    assert holds.values.tolist() == [float(each) for each in v.values > 0.25]
+    assert 0 < holds.values.sum() < 16
 
 
 # -- what is refused before anything runs -------------------------------------------
@@ -254,6 +271,8 @@ def check_recordings(table, tmp_path):
     ({"vary": {"parameters.push": "1:2:2"}, "keep": ["puk.vx"]}, "Did you mean 'puck.vx'"),
     ({"vary": {"parameters.push": "1:2:2"}, "keep": ["a==b"]}, "unknown name 'b'"),
     ({"vary": {"parameters.push": "1:2:2"}, "keep": ["id=puck.x"]}, "another column"),
+    ({"vary": {"parameters.push": "1:2:2"}, "keep": ["v=puck.vx", "v=puck.x"]}, "the name 'v'"),
+    ({"vary": {"parameters.push": [1.0, float("nan")]}}, "must be finite"),
     ({"vary": {"parameters.push": "1:2:2"}, "set": {"parameters.push": 3}}, "values twice"),
 ])
 def test_what_cannot_be_run_is_told_before(more, said):
@@ -270,7 +289,7 @@ def test_too_many_runs_are_refused():
 
 
 def test_rows_are_spread_over_files(tmp_path, monkeypatch):
-    monkeypatch.setattr("sandbox.sweeps.log.LINES", 3)
+    monkeypatch.setattr("sandbox.sweeps.log.LINES_PER_FILE", 3)
     for _ in range(2):
         with Log(tmp_path) as log:
             for k in range(4):

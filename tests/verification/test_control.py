@@ -33,7 +33,7 @@ def per_pull(theta: Array) -> Array:
     return np.asarray(ROUTE.arms(theta) / (SPRINGS.elongations(theta) * SPRINGS.arms(theta)))
 
 
-LEAST = float((0.5 * np.array(SET_A.stiffness) / per_pull(TARGET)).max())
+MIN_PULL = float((0.5 * np.array(SET_A.stiffness) / per_pull(TARGET)).max())
 """Pull at which the softest spring of a joint, half of Table 2's, still holds the pose [N]."""
 
 
@@ -83,7 +83,7 @@ def test_least_pull() -> Iterator[Check]:
         run = controlled("finger_stiffness_15N", 6.0, parameters__pull=pull, run__sample_rate=100)
         reached = bool((np.abs(angles(run) / TARGET - 1) < 1e-3).all())
         low, high = (low, pull) if reached else (pull, high)
-    yield Check("least pull", "N", LEAST, (low + high) / 2, (high - low) / 2,
+    yield Check("minimum pull", "N", MIN_PULL, (low + high) / 2, (high - low) / 2,
                 "half of the last interval")
 
 

@@ -81,7 +81,7 @@ def test_one_sided_springs() -> Iterator[Check]:
                 allowed, "(ω h)² of it, and the fall in a step before the cord is taut")
     yield Check("largest pull", "N", k * deepest, run["spring.force"].max(), k * allowed,
                 "the same times k")
-    yield Check("least pull", "N", 0.0, run["spring.force"].min(), 0.0, "a cord never pushes")
+    yield Check("minimum force", "N", 0.0, run["spring.force"].min(), 0.0, "a cord never pushes")
     speed, stop = 1.0, 1e4
     run = simulated(
         0.2, h, every_step=True,

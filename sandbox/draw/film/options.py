@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -114,18 +114,6 @@ def check_view(run: Metered, view: View) -> None:
     told += _of_meters(run.catalogue, view)
     if told:
         raise OutputError("\n".join(told), code="bad-time")
-
-
-def meters_view(meters: Sequence[str], known: Catalogue) -> View:
-    """A view with these meters, of a mechanism that has what they show.
-
-    Raises:
-        OutputError: quantities that are not known, expressions that are none, one a line.
-    """
-    view = view_of(View(), {"meters": list(meters)})
-    if told := _of_meters(known, view):
-        raise OutputError("\n".join(told), code="bad-picture")
-    return view
 
 
 def _of_meters(known: Catalogue, view: View) -> list[str]:

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import (
     AfterValidator,
     Field,
+    PrivateAttr,
     ValidationInfo,
     field_validator,
     model_validator,
@@ -120,6 +121,12 @@ class Polygon(Spec):
     """The true curves of the outline and of each hole, if it was worked out from a curve, a cam or
     a drawing: contacts follow them instead of the sides. A node is `[x, y, direction, curvature]`;
     two at the same place are a corner or a jump of the curvature."""
+    _swing: tuple[float, float, float] | None = PrivateAttr(None)
+
+    @property
+    def swing(self) -> tuple[float, float, float] | None:
+        """Of a cam just read, :meth:`sandbox.scene.outlines.cams.CamCurve.swing`."""
+        return self._swing
 
     @field_validator("points")
     @classmethod
@@ -232,7 +239,10 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
     if not all(map(is_straight, rings)):
         nodes = tuple(tuple((x, y, way, bend) for x, y, way, bend in each.tolist())
                       for each in rings)
-    return _worked_out(flat, nodes, closed=closed, radius=getattr(shape, "radius", 0.0))
+    found = _worked_out(flat, nodes, closed=closed, radius=getattr(shape, "radius", 0.0))
+    if isinstance(shape, DiscCam) and isinstance(found, Polygon):
+        found._swing = shape.curve().swing()
+    return found
 
 
 def _drawn(shape: Drawing, context: Mapping[str, Any]) -> list[Array]:

@@ -33,6 +33,8 @@ SPARE = 1e-3
 """By which share the radius that is told is on the safe side of the one that just would not do."""
 FINE = 1e-9
 """How far the outline's spans may be from the envelope [m]."""
+SWINGS = 0.02
+"""Share of the range of a lift by which a smooth peak between two entries may exceed them."""
 LARGEST = 1e6
 """The largest radius that is told [m]."""
 
@@ -88,6 +90,18 @@ class CamCurve:
         r = self.base + self.roller + s
         bend = (r**2 + 2 * s1**2 - r * s2) / (r**2 + s1**2) ** 1.5
         return np.where(bend > 0, 1 / np.maximum(bend, 1e-300) - self.roller, LARGEST)
+
+    def swing(self) -> tuple[float, float, float] | None:
+        """The lift [m] furthest beyond all entries, by how much [m], and the turn [rad] there.
+
+        None where that is no more than :data:`SWINGS` of the entries' range.
+        """
+        lift, entries = self.lift(self.tried)[0], self.lift.pieces[:, 0]
+        beyond = np.maximum(lift - entries.max(), entries.min() - lift)
+        most = int(beyond.argmax())
+        if beyond[most] <= SWINGS * np.ptp(entries):
+            return None
+        return float(lift[most]), float(beyond[most]), float(self.tried[most])
 
     def fits(self) -> bool:
         """Whether the follower touches all of the outline."""

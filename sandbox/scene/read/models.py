@@ -19,7 +19,7 @@ def fields_page(model: type[BaseModel]) -> str:
     """The section of the docs that has a model's fields, as ``docs/parts.md#leaf``."""
     room, name = model.__module__, model.__name__
     if room.startswith("sandbox.sweeps."):
-        return SEARCHES if room.endswith(".searching") else STUDIES
+        return SEARCHES if "Search" in name else STUDIES
     part = ".parts." in room or name == "Assembly"
     return f"{PARTS if part else ELEMENTS}#{name.lower()}"
 

@@ -38,8 +38,8 @@ function verdictOf({ words }) {
   const held = words.expect.filter((v) => v.ok).length, all = words.expect.length;
   const looks = words.audit.filter((f) => f.verdict === "look").length, parts = [];
   if (!words.complete) parts.push(`not complete: the run ${words.status}${words.reason ? `, ${words.reason}` : ""}`);
-  if (all) parts.push(`${held} of ${all} expectations hold`);
-  if (words.audit.length) parts.push(looks ? `${looks} figure${looks > 1 ? "s" : ""} of the audit ask${looks > 1 ? "" : "s"} for a look` : "the audit passes");
+  if (all) parts.push(`${held} of ${all} expectations passed`);
+  if (words.audit.length) parts.push(looks ? `${looks} warning${looks > 1 ? "s" : ""}` : "all checks passed");
   const how = !words.complete || held < all ? "bad" : looks ? "look" : parts.length ? "good" : "";
   return { text: parts.join("; ") || "nothing was expected of this run", how };
 }
@@ -77,10 +77,10 @@ function factsOf(head, whose) {
   }
   if (words.audit.length) {
     const looks = words.audit.filter((f) => f.verdict === "look"), others = words.audit.filter((f) => f.verdict !== "look");
-    if (looks.length) found.push(el("h2", { textContent: `figures of the audit${whose} that ask for a look` }), table("audit", looks));
+    if (looks.length) found.push(el("h2", { textContent: `warnings of the consistency checks${whose}` }), table("audit", looks));
     if (others.length) {
-      found.push(fold(`audit${whose}, as saved with the run: ${others.filter((f) => f.verdict === "pass").length} figures pass`
-        + (looks.length ? ", those above ask for a look" : ""), table("audit", others)));
+      found.push(fold(`consistency checks${whose}, as saved with the run: ${others.filter((f) => f.verdict === "pass").length} passed`,
+        table("audit", others)));
     }
   }
   const scene = el("pre"), copy = el("button", { textContent: "save the scene" });

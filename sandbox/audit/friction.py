@@ -1,4 +1,4 @@
-"""Figures of cords that guides hold by friction: Euler's bound at each, the law of each span."""
+"""Figures of friction: of cords at guides, with the law of each span; of pins and slots."""
 
 from __future__ import annotations
 
@@ -6,11 +6,22 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from sandbox.audit.driven import HELD
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import EXACT, ROUNDING, Figure, Worst, lost_rate, whole
+from sandbox.audit.figures import (
+    DIGITS,
+    EXACT,
+    ROUNDING,
+    STILL,
+    Figure,
+    Worst,
+    lost_rate,
+    peak,
+    whole,
+)
 from sandbox.model.model import NONE
 from sandbox.model.spans import CordSpan, spans_of
-from sandbox.model.ties import held_of
+from sandbox.model.ties import held_of, held_one
 from sandbox.numeric import Array, Flags
 from sandbox.samples.cords import (
     bends,
@@ -31,10 +42,15 @@ DRAG = 1e-7
 """Of a loop, as a share of what its stiffness does in a step (docs/engine.md)."""
 
 
-def grip_figures(evidence: Evidence) -> Iterator[Figure]:
-    """Friction of guides within its bound and against the slip; tensions of spans."""
+MEASURED = 1e-13
+"""A change of rates [m/s, rad/s] for which what a joint carries is not measured again."""
+
+
+def friction_figures(evidence: Evidence) -> Iterator[Figure]:
+    """Friction of guides and joints within its bound and against the slip; tensions of spans."""
     yield _bounds(evidence)
     yield _spans(evidence)
+    yield _joints(evidence)
 
 
 def _bounds(evidence: Evidence) -> Figure:
@@ -151,10 +167,9 @@ def _add_laws(evidence: Evidence, spans: list[CordSpan], worst: Worst) -> None:
         if not evidence.every_step:  # as much more or less may have slid in the last step
             changes = np.abs(np.diff(step, prepend=step[0], append=step[-1]))
             allowed = allowed + (most / held + c / h) * (changes[:-1] + changes[1:])
-        errors = [np.where(hangs, 0.0, np.abs(tension[n] - np.maximum(law, 0.0)))
-                  for law in laws]
-        best = min(errors, key=lambda error: float(np.nan_to_num(error, nan=np.inf).max(initial=0)))
-        worst.add(f"span {n} of {tendons.name[tendon]}", best / most, allowed / most)
+        worst.add_nearest(f"span {n} of {tendons.name[tendon]}", [
+            (np.where(hangs, 0.0, np.abs(tension[n] - np.maximum(law, 0.0))) / most, allowed / most)
+            for law in laws])
 
 
 def _came(evidence: Evidence, span: CordSpan) -> Array:
@@ -186,3 +201,86 @@ def _rates(evidence: Evidence, spans: list[CordSpan], velocity: Array) -> Array:
     pieces = loads.cord_pulls._replace(element=np.tile(np.arange(len(first)), 2))
     each = loads.lengthening(pieces, len(first), velocity)
     return np.array([each[np.isin(first, span.guides[:-1])].sum(axis=0) for span in spans])
+
+
+def _joints(evidence: Evidence) -> Figure:
+    """Friction of every joint that rubs against Coulomb's law."""
+    model, a, worst = evidence.model, evidence.run.arrays, Worst()
+    joints, count = model.joints, len(model.joints.name)
+    pushes = evidence.loads.rub_pushes
+    rates = -evidence.loads.lengthening(pushes, count, evidence.velocity_after)
+    for j in joints.rubbed.tolist():
+        if not model.bodies.free[joints.bodies[j]].any():
+            continue
+        friction, holds = a["joint_friction"][:, j], a["joint_sticks"][:, j] == 1.0
+        sliding = joints.friction[j] + joints.rubbing[j] * carried(evidence, j)
+        gone = ~held_one(model.ties.joint[j], a["held"])
+        most, largest = joints.static[j] * sliding, whole(joints.static[j] * sliding)
+        alone = _alone(evidence, j)
+        unsure = EXACT + MEASURED / (evidence.h * alone.min() * largest)
+        name = joints.name[j]
+        worst.add(f"bound of {name}", np.maximum(np.abs(friction) - most, 0.0) / largest, unsure)
+        rate, fast = rates[j], 1 + peak(rates[j])
+        low, high = _breaking_away(holds, rate, sliding, most)
+        short = np.maximum(low - np.abs(friction), np.abs(friction) - high)
+        worst.add(f"slip of {name}", np.where(holds, 0.0, np.maximum(short, 0.0)) / largest,
+                  unsure, ~gone)
+        wrong = np.where(holds, np.abs(rate), np.maximum(rate * np.sign(friction), 0.0))
+        held = HELD * alone * evidence.h * 2 * peak(friction)
+        worst.add(name, wrong / fast, SOLVED + (
+            STILL[joints.kind[j].rubs == "N m"] + DIGITS / evidence.h + held
+            + evidence.h * _bend(evidence, j)) / fast, ~gone)
+    return worst.figure(
+        "joint.friction", "", source="|F| <= μ N, against the motion",
+        none="no joint has dry friction",
+        why="dry friction of joints against its bound from what they carry, its sense against the "
+            "motion at the end of the step, none of that where it holds, {count:comparison}, "
+            "worst: {where}")
+
+
+def _breaking_away(
+    holds: Flags, rate: Array, sliding: Array, most: Array,
+) -> tuple[Array, Array]:
+    """Least and largest friction where it slips, [n]: that of sliding, or a share of both bounds.
+
+    The latter where it may have begun to slip in this step (:mod:`sandbox.engine.breakaway`): it
+    held in the sample before, or slipped the other way.
+    """
+    begins = np.append(True, holds[:-1] | (rate[1:] * rate[:-1] < 0))
+    some = begins * (most - sliding) / 2
+    return np.maximum(sliding - some, 0.0), sliding + some
+
+
+def carried(evidence: Evidence, joint: int) -> Array:
+    """Load of a joint that its friction depends on [N], [n]; of a groove the force across it."""
+    force = evidence.run.arrays["joint_force"][:, joint]
+    if evidence.model.joints.kind[joint].keeps != "groove":
+        return np.asarray(np.hypot(force[:, 0], force[:, 1]))
+    x, y = evidence.loads.groove_direction(joint)
+    return np.asarray(np.abs(x * force[:, 1] - y * force[:, 0]))
+
+
+def _alone(evidence: Evidence, joint: int) -> Array:
+    """What friction of 1 N s or 1 N m s makes of the rate of two bodies that nothing joins, [n]."""
+    pushes, weights = evidence.loads.rub_pushes, evidence.loads.weights
+    found = np.zeros(evidence.loads.frames.samples)
+    for k in np.flatnonzero(pushes.element == joint).tolist():
+        mass, _, inertia = weights[pushes.body[k]].tolist()
+        if mass:
+            found += (pushes.x[k]**2 + pushes.y[k]**2) / mass + pushes.moment[k]**2 / inertia
+    return found
+
+
+def _bend(evidence: Evidence, joint: int) -> Array | float:
+    """How fast the way along a groove bends away from its tangent as bodies turn [m/s^2], [n]."""
+    joints, frames = evidence.model.joints, evidence.loads.frames
+    if joints.kind[joint].keeps != "groove":
+        return 0.0
+    a, b = joints.bodies[joint].tolist()
+    at, v = frames.anchors[1], evidence.velocity
+    reach = np.hypot(at.x[joint] - frames.centre_x[a], at.y[joint] - frames.centre_y[a])
+    speed = np.hypot(v[0, b] - v[0, a], v[1, b] - v[1, a])
+    arm = np.hypot(at.arm_x[joint], at.arm_y[joint])
+    turn = np.abs(v[2, a]) + np.abs(v[2, b])
+    grows = evidence.h * (np.abs(frames.acceleration[2, a]) + np.abs(frames.acceleration[2, b]))
+    return np.asarray((turn + grows) * ((turn + grows) * (reach + arm) + 2 * speed))

@@ -1,0 +1,275 @@
+"""Brings a mechanism to rest: a slow load, kinetic damping, then Newton's method.
+
+Kinetic damping: bodies move with the engine's steps until their kinetic energy passes a peak; there
+all are stopped, and start anew. At a peak forces balance along the motion, so every stop is nearer
+to equilibrium than the one before. No damper is needed. The distance of a step is bounded, so that
+no contact is missed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sandbox.engine.still import Still
+from sandbox.equilibria.balance import PoseBalance, look, polish
+from sandbox.errors import Problem, SceneError
+from sandbox.model.friction import friction_of
+from sandbox.model.model import Model
+from sandbox.numeric import Array
+from sandbox.samples.yielding import without_stiffness
+from sandbox.scene.geometry import centre_of, reach_of
+from sandbox.scene.mechanism import Mechanism
+from sandbox.wording import quoted
+
+STAGES, FRICTION_STAGES = 40, 200
+"""Stages of a slow load; the second with dry friction, where the result depends on the path."""
+MAX_STEPS = 20_000
+"""Of one relaxation."""
+REST = 1e-12
+"""Motion in a step from rest, relative to the size, of a mechanism at rest."""
+NEAR = (1e-7, 1e-9)
+"""The same of one that is near enough for Newton's method."""
+BALANCED, CLOSE = 1e-9, 1e-6
+"""Residual along free motions, relative to the largest force, of an equilibrium; the second where
+Newton's method does not converge, by rounding or where something just touches."""
+BLOCK = 4
+"""Steps between two evaluations of the energy."""
+MAX_WAY = 0.02
+"""Of the size: longest motion of a point in a step; never more than half of the distance at which
+contacts are detected."""
+FAR, TURNS = 10.0, 60.0
+"""Motion of a body that nothing holds: times the size, and [rad]."""
+POSITIONS = {"x", "y", "angle"}
+"""Names in the law of a load that has a stiffness."""
+PUSH = 4e-5
+"""Step of scheduled bodies [m]: the engine removes an overlap at 0.1 m/s."""
+
+
+class Unsettled(Exception):
+    """A start that does not come to rest, with the reason."""
+
+
+class Settler:
+    """A mechanism with its drives as at one time, and its search for equilibria.
+
+    Args:
+        mechanism: the mechanism.
+        time: whose values drives and scheduled bodies have [s].
+
+    Raises:
+        SceneError: nothing moves freely; as a :class:`~sandbox.engine.simulation.Simulation`.
+    """
+
+    def __init__(self, mechanism: Mechanism, time: float) -> None:
+        self.still, self.time = Still(mechanism), time
+        self.model: Model = self.still.model
+        self._free = self.model.bodies.free
+        if not self._free.any():
+            raise SceneError([Problem("no-rest",
+                                      "nothing moves freely: there is nothing to come to rest",
+                                      "bodies")])
+        self.first = self.still.pose
+        """The pose of the scene, [nb, 3]."""
+        self._reach = _reaches(self.model)
+        low = (self.first[self._free, :2] - self._reach[self._free, None]).min(axis=0)
+        high = (self.first[self._free, :2] + self._reach[self._free, None]).max(axis=0)
+        self.size = float(max((high - low).max(), 1e-6))
+        """Largest extent of what moves [m]."""
+        self._most = min(self.still.margin / 2, MAX_WAY * self.size)
+        self.drive, self.places = self.still.driven(time)
+        self.steps = 0
+        """Steps of the engine so far."""
+        self.remark = ""
+        """A remark about a slow load that passed no equilibrium."""
+        self.untold = _no_stiffness(self.model)
+        """Why the stiffness, and so the stability, is unknown; empty if it is known."""
+
+    def follow(self, stages: int | None = None) -> None:
+        """Apply the drives slowly, from the scene's pose.
+
+        Args:
+            stages: number of stages, each at rest; by default more with dry friction.
+
+        Raises:
+            SimulationDiverged: the motion is not finite.
+        """
+        self.still.put(self.first)
+        stages = stages or (FRICTION_STAGES if _has_friction(self.model) else STAGES)
+        last: Array | None = None
+        for time in np.linspace(0.0, self.time, stages + 1):
+            drive, places = self.still.driven(float(time))
+            moved = np.any(self.still.pose[self.still.scheduled] != places)
+            if last is not None and np.array_equal(last, drive) and not moved:
+                continue
+            self._push(places, drive)
+            at_rest, worst = self._relax(drive, MAX_STEPS // 4, NEAR[0])
+            if not at_rest and not self.remark and time < self.time:
+                self.remark = (f"with the drives as at t = {time:.3g} s it does not come to rest, "
+                               f"{self._reason(worst, drive)}: how it goes on from there is not "
+                               "told by a slow load alone")
+            last = drive
+
+    def start(self, pose: Array) -> None:
+        """Put the free bodies at a pose, [nb, 3], with drives as at the time."""
+        begin = np.where(self._free[:, None], pose, self.first)
+        begin[self.still.scheduled] = self.places
+        self.still.put(begin)
+
+    def settle(self) -> PoseBalance | None:
+        """Come to rest from the present pose; None where the stiffness is unknown.
+
+        Raises:
+            Unsettled: it does not come to rest.
+            SimulationDiverged: the motion is not finite.
+        """
+        for near in NEAR if not self.untold else ():
+            self._come_to_rest(near)
+            pose = self.still.pose
+            try:
+                found = self.polished()
+            except ArithmeticError as error:
+                self.untold = str(error)
+                break
+            if found is not None and found.stable:
+                return found
+            self.still.put(pose)
+        self._come_to_rest(REST)
+        if self.untold:
+            return None
+        if (found := self.polished()) is not None:
+            return found
+        found = self.look()
+        left = np.abs(found.left).max(initial=0.0)
+        return found if left <= CLOSE * found.largest else None
+
+    def polished(self) -> PoseBalance | None:
+        """Newton's method from the present pose; None, and the pose unchanged, if it fails."""
+        pose = self.still.pose
+        converged, found = polish(self.still, self.drive, self.size, most=self._most)
+        left = np.abs(found.left).max(initial=0.0)
+        if converged and left <= BALANCED * max(found.largest, 1e-9):
+            return found
+        self.still.put(pose)
+        return None
+
+    def look(self) -> PoseBalance:
+        """The balance at the present pose."""
+        return look(self.still, self.drive, self.size)
+
+    def _come_to_rest(self, rest: float) -> None:
+        at_rest, worst = self._relax(self.drive, MAX_STEPS, rest)
+        if not at_rest:
+            raise Unsettled(self._reason(worst, self.drive))
+
+    def _relax(self, drive: Array, steps: int, rest: float) -> tuple[bool, int]:
+        """Kinetic damping until at rest; bodies are left at rest.
+
+        Args:
+            drive: values of the drives, [nd].
+            steps: at most.
+            rest: motion in a step from rest, relative to the size, that counts as none.
+
+        Returns:
+            whether the mechanism is at rest, and the fastest body.
+
+        Raises:
+            SimulationDiverged: the motion is not finite.
+        """
+        still, begin = self.still, self.still.pose
+        last, fresh, until = 0.0, True, self.steps + steps
+        still.slow(0.0)
+        while True:
+            count = 1 if fresh else BLOCK
+            still.move(drive, count=count)
+            self.steps += count
+            speed = still.speed
+            fastest = np.hypot(speed[:, 0], speed[:, 1]) + self._reach * np.abs(speed[:, 2])
+            way = still.step_size * np.where(self._free, fastest, 0.0)
+            worst = int(np.argmax(way))
+            at_rest = fresh and bool(way[worst] <= rest * self.size)
+            x, y, turn = np.abs((still.pose - begin)[worst])
+            if at_rest or self.steps >= until or max(x, y) > FAR * self.size or turn > TURNS:
+                still.slow(0.0)
+                return at_rest, worst
+            energy = float((still.mass[self._free] * speed[self._free] ** 2).sum() / 2)
+            if not fresh and energy < last:
+                still.slow(0.0)
+                last, fresh = 0.0, True
+                continue
+            last, fresh = energy, False
+            if way[worst] > self._most:
+                share = self._most / float(way[worst])
+                still.slow(share)
+                last *= share * share
+
+    def _reason(self, worst: int, drive: Array) -> str:
+        """Why the mechanism does not come to rest."""
+        drives = self.model.drives
+        rates = [drives.name[i] for i, kind in enumerate(drives.kind)
+                 if kind.unit in ("rad/s", "m/s") and drive[i] != 0]
+        name = quoted(self.model.bodies.name[worst])
+        moved = (self.still.pose - self.first)[worst]
+        way = float(np.hypot(*moved[:2]))
+        if rates:
+            return f"the drive {quoted(rates[0])} goes on for ever, and {name} with it"
+        if way > self.size:
+            return f"nothing holds {name}: it has gone {way:.3g} m and goes on"
+        if abs(moved[2]) > TURNS:
+            return f"nothing holds {name}: it turns on and on"
+        return f"{name} still moves after {self.steps} steps"
+
+    def _push(self, places: Array, drive: Array) -> None:
+        """Move scheduled bodies to their places in small steps."""
+        on = self.still.scheduled
+        if not len(on):
+            return
+        begin = self.still.pose[on]
+        way = places - begin
+        far = np.abs(way[:, :2]).sum(axis=1) + self._reach[on] * np.abs(way[:, 2])
+        count = int(np.ceil(far.max(initial=0.0) / PUSH))
+        for k in range(1, count + 1):
+            moved = self.still.pose + self.still.step_size * self.still.speed
+            moved[on] = begin + way * k / count
+            self.still.put(moved)
+            self.still.move(drive)
+        if count:
+            pose = self.still.pose
+            pose[on] = places
+            self.still.put(pose)
+
+
+def _has_friction(model: Model) -> bool:
+    """Whether anything that may touch or slide has dry friction."""
+    tendons, bodies = model.tendons, model.mechanism.bodies
+    shaped = [i for i, body in enumerate(bodies) if body.shapes]
+    return bool(
+        len(model.joints.rubbed)
+        or any(len(tendons.gripped(cord)) for cord in range(len(tendons.name)))
+        or any(friction_of(model.mechanism, i, k) > 0 for i in shaped for k in shaped
+               if i < k and (model.bodies.free[i] or model.bodies.free[k])))
+
+
+def _no_stiffness(model: Model) -> str:
+    """Why the stiffness of a mechanism is unknown; empty if it is known."""
+    tendons = model.tendons
+    if any(len(tendons.gripped(cord)) for cord in range(len(tendons.name))):
+        return "cords with friction in their guides"
+    why = without_stiffness(model)
+    if why == "loads by laws" and not any(
+            law is None or law.names & POSITIONS for law in model.loads.law):
+        return "teeth" if any(kind.teeth for kind in model.joints.kind) else ""
+    return why
+
+
+def _reaches(model: Model) -> Array:
+    """Largest distance of any point of each body from its centre of mass, [nb] m."""
+    found = np.array([reach_of(body, centre_of(body)) if body.motion == "dynamic"
+                      else reach_of(body, (0.0, 0.0)) for body in model.mechanism.bodies])
+    centre, tendons = model.bodies.centre, model.tendons
+    points = [(model.joints.bodies.reshape(-1), model.joints.anchor.reshape(-1, 2)),
+              (model.springs.bodies.reshape(-1), model.springs.anchor.reshape(-1, 2)),
+              (tendons.guide_body, tendons.guide_at)]
+    for bodies, at in points:
+        far = np.nan_to_num(np.hypot(*(at - centre[bodies]).T))
+        np.maximum.at(found, bodies, far)
+    return found

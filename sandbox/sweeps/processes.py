@@ -1,0 +1,55 @@
+"""Number and start of worker processes, without heavy imports, so that they load at once."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from importlib import import_module
+from multiprocessing.context import BaseContext
+
+from sandbox.errors import SandboxError
+
+MAX_PER_PROCESSOR = 4
+"""Worker processes for each processor; each needs some 200 MB."""
+LOADED = "sandbox.sweeps.runner"
+"""The module that worker processes need; it loads the engine."""
+
+
+def processors() -> int:
+    """Processors that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not on every system
+        return os.cpu_count() or 1
+
+
+def check_workers(workers: int | str) -> int | str:
+    """Number of worker processes, 0 replaced by one for each processor; or an address.
+
+    Raises:
+        SandboxError: a negative number, or more than :data:`MAX_PER_PROCESSOR` for each processor.
+    """
+    if isinstance(workers, str):
+        return workers
+    most = MAX_PER_PROCESSOR * processors()
+    if not 0 <= workers <= most:
+        raise SandboxError(f"{workers} worker processes are not begun (allowed: 1 to {most}, "
+                           f"{MAX_PER_PROCESSOR} for each processor)", code="bad-option")
+    return workers or processors()
+
+
+def preload() -> BaseContext:
+    """Start to load the engine for worker processes in the background; their context.
+
+    Workers are copies of one process that has loaded the engine, where the system can copy
+    processes. A worker first loads the script that it belongs to; if this script starts workers
+    without ``if __name__ == "__main__":``, the worker ends here.
+    """
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        os._exit(1)
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    server = import_module("multiprocessing.forkserver")
+    server.set_forkserver_preload([LOADED])
+    server.ensure_running()
+    return multiprocessing.get_context("forkserver")

@@ -1,0 +1,165 @@
+"""``sandbox search`` from the command line, and searches in study files."""
+
+import json
+
+import jsonschema
+import pytest
+
+import sandbox
+from sandbox.cli.entry import invoke
+from sandbox.errors import SceneError
+from sandbox.sweeps.spec import study_schema
+from tests.sweeps.scenes import PUCK
+
+STUDY = {"format": 1, "scene": PUCK, "vary": {"parameters.push": {"from": "1 N", "to": "6 N"}},
+         "keep": {"v": "puck.vx", "x": "puck.x"}}
+MEASURED = "time,x [mm]\n" + "".join(
+    f"{t / 100},{1500 * (t / 100) ** 2 + (-1) ** t * 0.01}\n" for t in range(1, 10))
+PUSH = ["--vary", "parameters.push=1 N:6 N"]
+
+
+@pytest.fixture
+def puck(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "puck.json").write_text(json.dumps(PUCK))
+    return "puck.json"
+
+
+@pytest.fixture
+def written(tmp_path, monkeypatch):
+    """Writes a study with a search; its name."""
+    monkeypatch.chdir(tmp_path)
+
+    def write(search, **more):
+        (tmp_path / "study.json").write_text(json.dumps({**STUDY, **more, "search": search},
+                                                        indent=1))
+        return "study.json"
+
+    return write
+
+
+def test_a_threshold_and_its_files(puck, capsys):
+    words = ["search", "threshold", puck, *PUSH, "--within", "0.1 N"]
+    assert invoke(words) == 0
+    said = capsys.readouterr().out
+    assert "what the scene expects holds above parameters.push = 2.5" in said
+    assert "half the step: the same" in said
+    assert invoke([*words, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["new"] == 0
+    assert told["found"]["low"] < 2.5126 < told["found"]["high"]
+    assert told["files"] == ["search.json", "table.csv", "table.parquet", "search.png"]
+    assert told["directory"] == "searches/threshold/puck"
+
+
+@pytest.mark.parametrize("words", [
+    ["optimize", "--vary", "parameters.push=1 N:6 N:log", "--maximize", "v", "--where",
+     "v < 0.3 m/s", "--runs", "6", "--sampler", "random"],
+    ["sensitivity", *PUSH, "--vary", "parameters.m=1 kg:2 kg", "--method", "morris", "--count",
+     "4"],
+])
+def test_search_json_has_a_study_that_asks_the_same(words, puck, capsys, tmp_path):
+    kind, *rest = words
+    out = ["--out", str(tmp_path / "out"), "--workers", "1"]
+    assert invoke(["search", kind, puck, *rest, "--keep", "v=puck.vx", *out, "--quiet"]) == 0
+    left = json.loads((tmp_path / "out" / "search.json").read_text())
+    (tmp_path / "again.json").write_text(json.dumps(left["study"]))
+    capsys.readouterr()
+    assert invoke(["search", "again.json", *out, "--json"]) == 0
+    again = json.loads(capsys.readouterr().out)
+    assert again["new"] == 0
+    assert again["found"] == left["found"]
+
+
+def test_each_question_has_a_directory_of_its_own(puck, capsys):
+    """A search that goes further continues in the same one."""
+    def where(kind, *words, path="push=1 N:6 N"):
+        assert invoke(["search", kind, puck, "--vary", f"parameters.{path}", "--keep", "v=puck.vx",
+                       *words, "--json"]) == 0
+        told = json.loads(capsys.readouterr().out)
+        return told["directory"].rpartition("/")[2], told["new"]
+
+    assert where("threshold", "--within", "1 N")[0] == "puck"
+    assert where("threshold", "--within", "1 N", "--where", "v < 0.3 m/s")[0] == "puck-2"
+    assert where("threshold", "--within", "1 N", path="push=2 N:6 N")[0] == "puck-3"
+    assert where("threshold", "--within", "1 N") == ("puck", 0)
+    assert where("threshold", "--within", "0.1 N")[0] == "puck"
+    best = ("optimize", "--maximize", "v", "--sampler", "random")
+    assert where(*best, "--runs", "4") == ("puck", 8)
+    assert where(*best, "--runs", "6")[0] == "puck"
+    assert where(*best, "--runs", "6", "--seed", "1")[0] == "puck-2"
+
+
+def test_a_fit_reads_the_measurement_beside_its_file(written, capsys, tmp_path):
+    (tmp_path / "x.csv").write_text(MEASURED)
+    written({"fit": {"data": "x.csv", "match": {"x": "puck.x"}, "noise": {"x": "0.01 mm"}}})
+    assert invoke(["search", "study.json", "--out", "out"]) == 0
+    said = capsys.readouterr().out
+    assert "noise of x: 1e-05" in said
+    assert "fit.csv, found.png" in said
+    parameter, = json.loads((tmp_path / "out/search.json").read_text())["found"]["parameters"]
+    assert parameter["low"] < 3 < parameter["high"]
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    ([], "Say which search: fit, optimize, sensitivity, threshold"),
+    (["thresold", "puck.json"], "Did you mean 'threshold'?"),
+    (["best", "puck.json"], "Use 'sandbox search optimize SCENE'"),
+    (["robustness", "puck.json"], "Use 'sandbox sweep SCENE' with two --vary"),
+    (["threshold", "puck.json"], "say what is varied"),
+    (["threshold", "puck.json", "--vary", "parameters.push=3:6"], "has no threshold at its ends"),
+    (["threshold", "puck.json", "--vary", "parameters.push=1:6", "--within", "x"], "'x'"),
+    (["threshold", "puck.json", *PUSH, "--within", "1 mm"], "'mm' is a unit of length"),
+    (["threshold", "puck.json", *PUSH, "--workers", "many"], "neither a number of processes"),
+    (["threshold", "puck.json", *PUSH, "--keep", "met=puck.vx"], "'met' is another column"),
+    (["optimize", "puck.json", "--vary", "parameters.push=1:6"], "least or most"),
+    (["fit", "puck.json", "--vary", "parameters.push=1:6"], "--data: say which file"),
+    (["fit", "puck.json", "--vary", "parameters.push=1:6", "--data", "no.csv"], "cannot be read"),
+    (["fit", "puck.json", "--vary", "parameters.push=1:6", "--data", "no.csv", "--match", "x"],
+     "not of the form name=value"),
+    (["sensitivity", "puck.json", "--vary", "parameters.push=1:6"], "two paths or more"),
+    (["study.json", "--where", "v < 1"], "--where: study.json says this itself"),
+    (["study.json", "--vary", "parameters.m=1:2"], "--vary: study.json is a study file"),
+    (["fit", "study.json"], "the study is a search of the kind threshold, not fit"),
+    (["none.json"], "does not say which search it is"),
+    (["puck.json"], "puck.json does not say which search it is"),
+])
+def test_wrong_words_are_told_in_a_line(puck, written, capsys, words, said, tmp_path):
+    written({"threshold": {"where": "v < 0.3 m/s"}})
+    assert invoke(["search", *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert "Traceback" not in error
+    assert not list((tmp_path / "searches").rglob("search.json"))
+
+
+@pytest.mark.parametrize(("search", "more", "said"), [
+    ({"bst": {}}, {}, "$.search.bst: unknown key 'bst'. Did you mean 'best'?"),
+    ({}, {}, "$.search: a study is one search. Allowed: threshold, fit, best, sensitivity."),
+    ({"best": {"least": "v"}, "threshold": {}}, {}, "one search, not threshold and best"),
+    ({"best": {"least": ["v"], "sampler": "cmae"}}, {}, "$.search.best.sampler: 'cmae' is not"),
+    ({"best": {}}, {}, "$.search.best: say what is to be least or most"),
+    ({"best": {"most": "vv"}}, {}, "$.search.best.most: no run keeps 'vv'; did you mean 'v'?"),
+    ({"best": {"least": ["v"], "where": ["x > 1 m", "x > 1 N"]}}, {},
+     "$.search.best.where[1]: 'x > 1 N': x is in m, and 'N' is a unit of force"),
+    ({"best": {"least": "v", "sampler": "cmaes"}}, {"vary": {"parameters.push": ["1 N", "2 N"]}},
+     "$.search.best: cmaes looks for one goal over ranges"),
+    ({"fit": {"data": "none.csv"}}, {}, "$.search.fit.data: there is no file none.csv"),
+    ({"sensitivity": {"count": 10}}, {}, "$.search.sensitivity: sobol's points are a power of 2"),
+    ({"best": {"least": "v"}}, {"vary": {"parameters.push": {"from": "1 N", "to": "6 mm"}}},
+     '$.vary["parameters.push"]: these are a force and a length'),
+])
+def test_mistakes_in_a_file_are_told_with_their_line(written, search, more, said):
+    with pytest.raises(SceneError) as caught:
+        sandbox.search.study(written(search, **more))
+    problem, = caught.value.problems
+    assert said in str(problem)
+    assert problem.line > 0
+
+
+def test_the_schema_knows_the_searches():
+    validator = jsonschema.Draft202012Validator(study_schema())
+    good = {**STUDY, "search": {"best": {"least": "v", "where": ["x > 1 m"], "sampler": "tpe"}}}
+    assert list(validator.iter_errors(good)) == []
+    for search in ({"bst": {}}, {"best": {"sampler": "cmae", "least": "v"}}, {"fit": {}}):
+        assert list(validator.iter_errors({**STUDY, "search": search}))
