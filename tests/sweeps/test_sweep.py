@@ -255,7 +255,7 @@ def test_a_grid_has_a_map_of_where_expectations_hold(tmp_path, monkeypatch):
     table = run(data)
     draw_table(table, tmp_path / "sweep.png")
     holds, v = drawn[0].kept
-    assert holds.name == "expectations hold"
+    assert holds.name == "expectations passed"
     assert holds.values.tolist() == [float(each) for each in v.values > 0.25]
     assert 0 < holds.values.sum() < 16
 
