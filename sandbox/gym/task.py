@@ -84,7 +84,7 @@ class Task:
         """Random values by path; the same for the same seed."""
         if self.random is None:
             return {}
-        return Points(self.random.model_copy(update={"seed": seed}))[0]
+        return make_points(self.random.model_copy(update={"seed": seed}))[0]
 
     def loaded(self, values: Mapping[str, Any]) -> Mechanism:
         """The scene with other values by path.
