@@ -40,14 +40,17 @@ def stalled(run: Stored) -> Iterator[str]:
             unit = "N" if kind.gives == "push" else "N m"
             yield (f"{drives.name[i]} has stalled: from t = {since:.6g} s on it gives all of its "
                    f"{drives.most[i]:g} {unit}, and nothing moves")
+    pose = run.arrays["body_pose"][-1]
+    if not np.isfinite(pose).all():
+        return
     for joints in together(run.model):
         bodies = sorted({body for body in run.model.joints.bodies[joints].ravel().tolist()
                          if run.model.bodies.free[body]})
         if len(bodies) > LARGEST_GROUP // 3 or not still[-1, bodies].all():
             continue
         for i, kind in enumerate(drives.kind):
-            if kind.gives in ("force", "torque") and loads.given[i, -1] and _dead_centre(
-                    run.model, run.arrays["body_pose"][-1], bodies, joints, i):
+            if (kind.gives in ("force", "torque") and loads.given[i, -1]
+                    and _dead_centre(run.model, pose, bodies, joints, i)):
                 yield (f"{drives.name[i]} acts on a dead centre: where its mechanism stands at the "
                        "end it moves nothing, and a little to either side it would")
 

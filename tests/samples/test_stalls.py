@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 
 from sandbox.engine.simulate import simulate
+from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
 
@@ -56,3 +58,5 @@ def test_a_push_in_line_with_crank_and_rod_acts_on_a_dead_centre(
         "drives": [{"type": "force", "name": "push", "body": "piston", "direction": way,
                     "value": 10}]}))
     assert [note.startswith("push acts on a dead centre") for note in run.notes] == [True] * dead
+    pose = np.full_like(run.arrays["body_pose"], np.nan)
+    assert not Recording(run.mechanism, {**run.arrays, "body_pose": pose}, run.info).notes
