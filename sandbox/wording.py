@@ -213,4 +213,4 @@ def number_text(value: float) -> str:
 def percent(share: float) -> str:
     """A share in percent, to two digits below 10 %: ``0.0016`` is ``"0.16 %"``."""
     hundred = 100 * share
-    return f"{hundred:.0f} %" if hundred == 0 or hundred >= 9.95 else f"{hundred:.2g} %"
+    return f"{hundred:.0f} %" if hundred >= 9.95 else f"{hundred:.2g} %"

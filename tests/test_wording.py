@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from sandbox.wording import Count, counted, meant, near, nearest, percent
+from sandbox.wording import Count, counted, meant, near, nearest, percent, quoted
 
 SPRING = ("name", "a", "b", "stiffness", "damping", "rest_length", "breaks_at", "released")
 
@@ -29,6 +29,11 @@ def test_what_was_begun_comes_before_what_is_alike(word: str, choice: str) -> No
 
 def test_of_several_that_were_begun_the_shortest_is_meant() -> None:
     assert nearest("spring", ["springs_of_steel", "springs"]) == "springs"
+
+
+def test_quoted_names_keep_their_letters_and_lose_control_characters() -> None:
+    assert quoted("größe") == "'größe'"
+    assert quoted("ö\n\x1b") == r"'\xf6\n\x1b'"
 
 
 def test_one_is_one() -> None:

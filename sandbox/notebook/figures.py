@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from sandbox.draw.figure import signals
@@ -19,8 +18,8 @@ FORMS = {"time": "seconds, or a time such as '0.8 s'",
 
 
 def plot(
-    run: Recording, quantities: tuple[str, ...], x: str = "", begin: float | str = 0.0,
-    end: float | str = math.inf, width: float | str | None = None, title: bool = True,
+    run: Recording, quantities: tuple[str, ...], x: str, begin: float | str, end: float | str,
+    width: float | str | None, title: bool,
 ) -> Any:
     """See :meth:`sandbox.Recording.plot`."""
     if not quantities:

@@ -10,6 +10,7 @@ import pytest
 
 import sandbox
 from sandbox.equilibria.branches import Branch, rest_along
+from sandbox.equilibria.following import Along, OnBranch
 from sandbox.equilibria.rest import AtRest, rest
 from sandbox.errors import SceneError
 from sandbox.mechanics.springs import spring_set
@@ -305,6 +306,30 @@ def test_along_a_length_that_joints_hang_on():
     there, = sandbox.rest(make(0.0112)).rests
     for name in ("finger.mcp.angle", "finger.distal/disc.normal"):
         assert end.rest[name] == pytest.approx(there[name], rel=1e-6)
+
+
+def test_direction_of_a_branch():
+    """dy/dp of a bead on a rail at x = p that hangs by a spring from the origin."""
+    def make(p: float) -> Mechanism:
+        scene = hanging(30.0, 0.3, rest_length=0.1)
+        scene["bodies"][1]["at"][0] = p
+        return read_scene({**scene, "joints": [
+            {"type": "slot", "name": "rail", "a": "wall", "b": "weight", "start": [p, -1],
+             "end": [p, 1], "turns": False}]}).mechanism
+
+    along = Along(make, None, 0.1)
+
+    def point(p: float) -> OnBranch:
+        search = along.at(p)
+        search.follow()
+        balance = search.settle()
+        assert balance is not None
+        return along.point(p, balance, None)
+
+    one, other = point(0.05), point(0.05 + 1e-5)
+    expected = (other.pose - one.pose)[1, :2] / 1e-5
+    slope = one.way[:2] / one.way[-1] * one.balance.size / along.span
+    np.testing.assert_allclose(slope, expected, rtol=1e-3, atol=1e-6)
 
 
 def test_what_is_no_range():

@@ -46,6 +46,18 @@ def test_the_range_of_pulls_has_a_spring_at_its_limit_at_either_end():
         assert (k < 1.000001 * plant.stiffest).all()
 
 
+@pytest.mark.parametrize("gravity", [(0.0, 0.0), LEVEL])
+def test_linearised_stiffness_is_the_slope_of_the_moments(gravity):
+    """K = -d(moments)/dtheta by central differences: error (1e-5)^2 / 6 of the third derivative."""
+    plant = Plant(gravity=gravity)
+    k = plant.stiffness(14.0, TARGET)
+    step = 1e-5
+    slopes = np.stack([
+        (moments(plant, 14.0, k, TARGET + one) - moments(plant, 14.0, k, TARGET - one)) / (2 * step)
+        for one in step * np.eye(3)], axis=1)
+    assert plant.linear(14.0, k, TARGET).stiffness == pytest.approx(-slopes, abs=1e-8)
+
+
 @pytest.mark.parametrize("pull", [5.0, 14.0])
 def test_rest_is_where_the_engine_comes_to_rest(pull):
     """At 5 N the knuckle's softest spring holds it at 3.44 deg: the failing experiment."""
