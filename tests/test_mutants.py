@@ -36,7 +36,7 @@ OPPOSITES: dict[type[ast.AST], type[ast.AST]] = {
 OPPOSITES |= {new: old for old, new in OPPOSITES.items()}
 FIELDS_LEFT_OUT = {"annotation", "returns", "decorator_list"}
 NODES_LEFT_OUT = (ast.Raise, ast.Assert, ast.JoinedStr)
-NO_NUMBERS = (ast.JoinedStr, ast.List, ast.Tuple, ast.Dict, ast.Set)
+NO_NUMBERS = (ast.JoinedStr, ast.List, ast.Tuple, ast.Dict, ast.Set, ast.ListComp)
 
 
 class Mutant(NamedTuple):
@@ -84,7 +84,7 @@ def fault(node: ast.AST) -> ast.AST | None:
                    for part in ast.iter_child_nodes(node)):
                 return None
             wrong.op = OPPOSITES[type(op)]()
-        case ast.Constant(value=bool() | int() | float() as value):
+        case ast.Constant(value=bool() | int() | float() as value) if not 0 < value < 1e-100:
             wrong.value = {bool: not value, int: value + 1, float: value * 1.1 or 1.0}[type(value)]
         case _:
             return None
