@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import copy
+import faulthandler
 import itertools
 import os
 import random
@@ -159,6 +160,7 @@ def judge(mutant: Mutant, folder: Path) -> str:
 
 @pytest.mark.nightly
 def test_near_tests_kill_mutants(tmp_path: Path) -> None:
+    faulthandler.cancel_dump_traceback_later()  # it may take more than two minutes
     mutants = sample(COUNT, SEED)
     with ThreadPoolExecutor(2) as pool:
         killers = list(pool.map(lambda mutant: judge(mutant, tmp_path), mutants))
