@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from sandbox.wording import Count, counted, meant, near, nearest, percent
+from sandbox.wording import Count, counted, meant, near, nearest, percent, quoted
 
 SPRING = ("name", "a", "b", "stiffness", "damping", "rest_length", "breaks_at", "released")
 
@@ -29,6 +29,11 @@ def test_suggestions(word: str, choice: str) -> None:
 
 def test_the_shortest_completion_is_suggested() -> None:
     assert nearest("spring", ["springs_of_steel", "springs"]) == "springs"
+
+
+def test_quoted_names_keep_their_letters_and_lose_control_characters() -> None:
+    assert quoted("größe") == "'größe'"
+    assert quoted("ö\n\x1b") == r"'\xf6\n\x1b'"
 
 
 def test_one_is_one() -> None:

@@ -30,6 +30,7 @@ from sandbox.scene.values.signals import values
 from sandbox.scene.values.units import UNITS, unfit
 from sandbox.sweeps.job import STEP, Override
 from sandbox.sweeps.plan import plan_of
+from sandbox.sweeps.points import make_points
 from sandbox.sweeps.spec import SweepSpec
 from sandbox.sweeps.sweep import study_data
 from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted

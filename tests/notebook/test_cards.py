@@ -137,3 +137,6 @@ def test_a_scene_tells_what_is_in_it() -> None:
                   "to run for 1.5 s in steps of 0.5 ms", "pull 3.75"):
         assert words in " ".join(read.text.split()), words
     assert "img" in read.tags
+    plain = sandbox.load_scene(disc())
+    for shown in (plain, sandbox.expand(plain)):
+        assert "spelled out" not in harmless(card_of_scene(shown)).text

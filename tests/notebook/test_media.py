@@ -64,6 +64,7 @@ def test_a_plot_shows_what_it_is_asked_for(run: sandbox.Recording, tmp_path: Pat
     curves = {line.get_xdata().tobytes(): line for line in angles.lines}
     assert len(angles.lines) >= len(run.names("finger.*.angle"))
     assert len(tension.lines) >= 1
+    assert figure.get_suptitle() == run.mechanism.title
     assert curves
     image = Image.open(io.BytesIO(figure._repr_png_()))
     assert image.format == "PNG"
