@@ -58,7 +58,8 @@ def atomic_file(path: Path, *, durable: bool = True) -> Iterator[Path]:
         if path.exists() and not path.is_file():
             yield path
             return
-        path.parent.mkdir(parents=True, exist_ok=True)
+        if not path.parent.exists():  # a parent that is a file is reported by the next access
+            path.parent.mkdir(parents=True, exist_ok=True)
         if durable:
             remove_stale(path.parent)
         with contextlib.ExitStack() as stack:

@@ -21,7 +21,7 @@ from sandbox.scene.read.load import load_scene
 
 PACKAGE = Path(sandbox.__file__).parent
 FLOORS = {
-    "errors": 0, "wording": 0, "numeric": 0, "codes": -1, "comma": 0,
+    "errors": 0, "wording": 0, "numeric": 0, "codes": -1,
     "atomic_files": 1, "kinds": 1,
     "scene": 2, "mechanics": 2,
     "model": 3, "control": 3, "build": 3,
