@@ -1,9 +1,8 @@
-"""``like``, ``repeat``, ``include``: a scene's data with what its author left unsaid written out.
+"""Composition of a scene: ``like``, ``repeat`` and ``include`` replaced by what they stand for.
 
-It is done before anything is validated. What comes out is plain data as a file could hold it,
-and for each piece of it the place where it was written. What it may come to is bounded on the
-way: by the limits of elements and nesting, and by that of a file's bytes, which holds for what is
-written out, too.
+Composition comes before validation. Its result is plain data as a file could hold it, and the
+place where each piece of it was written. Its size is limited on the way: by the limits of elements
+and nesting, and by the limit of a file's bytes.
 """
 
 from __future__ import annotations
@@ -15,35 +14,48 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from sandbox.errors import SceneError
+from sandbox.errors import Problem, SceneError
 from sandbox.kinds.elements import LISTS
 from sandbox.scene.document import ASSEMBLED, KEYS
 from sandbox.scene.read.includes import Library
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.origin_map import Layered, Origin, OriginMap
+from sandbox.scene.read.origins import Composed, Origin, OriginMap
 from sandbox.scene.read.parameters import Parameters, resolve_parameters
-from sandbox.scene.read.paths import parse_path
+from sandbox.scene.read.paths import JsonPath, parse_path
 from sandbox.scene.read.repeat import Copies, RepeatError, read_repeat
-from sandbox.scene.read.scopes import Scope, misspelt
+from sandbox.scene.read.scopes import Scope, unknown_key
 from sandbox.scene.read.source import SceneSource
 from sandbox.scene.read.tables import others_of, plain_tables, resolved_tables
-from sandbox.scene.read.templates import LikeError, layered, own, plain
-from sandbox.scene.read.writing import CONTAINER, Composed, Context, TooLargeError, Trail, Writer
+from sandbox.scene.read.templates import (
+    Context,
+    LikeError,
+    inside_template,
+    merge_templates,
+)
 from sandbox.scene.values.numbers import number_from
-from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
+from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
 
 WORDS = ("like", "repeat", "include")
-FOLLOWED = ("like", "repeat")
-"""Keys that are gone from every entry that is spelled out."""
-AWAY = (*FOLLOWED, "include", "parameters")
-"""Those that are gone from an assembly."""
+ENTRY_WORDS = ("like", "repeat")
+"""Keys that no composed entry has."""
+ASSEMBLY_WORDS = (*ENTRY_WORDS, "include", "parameters")
+"""Keys that no composed assembly has."""
+COMPOSED_LISTS = (*LISTS, "parts", "materials")
+CONTAINER_SIZE = 40
+"""Characters that an object or a list counts for in the size of the result."""
+
+
+class TooLargeError(Exception):
+    """The result exceeds a limit; the reason is among the problems."""
+
+
 def compose(
     source: SceneSource, data: dict[str, Any], parameters: Parameters, limits: Limits,
 ) -> Composed:
-    """Spell out a scene's data, which may differ from its file's by overrides."""
+    """Compose a scene's data, which may differ from its file's by overrides."""
     root = Origin(source)
     places = OriginMap(root)
-    if not any(_has_words(data.get(key)) for key in (*LISTS, "parts", "materials")):
+    if not any(_has_words(data.get(key)) for key in COMPOSED_LISTS):
         return Composed(data, places)
     composer = _Composer(Library(source, limits), limits, places)
     home = (source.path.resolve(),) if source.path is not None else ()
@@ -71,19 +83,32 @@ def _has_words(value: Any) -> bool:
 
 
 @dataclass
-class _Composer(Writer):
-    """Spells out lists, entries and what they include."""
+class _Composer:
+    """Composes lists and their entries. ``trail`` is the path of a value in the result."""
 
+    library: Library
+    limits: Limits
+    places: OriginMap
+    problems: list[Problem] = field(default_factory=list)
+    broken: set[JsonPath] = field(default_factory=set)
+    failed: bool = False
+    near: NearMisses = field(default_factory=NearMisses)
+    size: int = 0
+    """Characters of the result, approximately."""
+    copies_made: int = 0
+    """Entries that repeat, like and include have led to."""
     tables: dict[str, Any] = field(default_factory=dict)
-    """The scene's, and those of included files under names of their own."""
+    """Tables of the scene, and of included files under names of their own."""
     shared: dict[str, str] = field(default_factory=dict)
-    """By what an included table is, the name that it has."""
+    """Names of included tables by their content."""
+
+    # -- values -----------------------------------------------------------------------
 
     def scene(self, data: Mapping[str, Any], place: Origin, context: Context) -> dict[str, Any]:
-        """All lists of a scene; what is in none of them is left as it is."""
+        """All lists of a scene; other keys are left as they are."""
         out = dict(data)
         try:
-            for key in (*LISTS, "parts", "materials"):
+            for key in COMPOSED_LISTS:
                 if isinstance(data.get(key), (list, dict)):
                     self.put(out, key, data[key], place.to(key), context, (key,))
         except TooLargeError:
@@ -97,17 +122,15 @@ class _Composer(Writer):
 
     def put(
         self, container: Any, step: str | int, value: Any, place: Origin, context: Context,
-        trail: Trail, *, deeper: bool = False,
+        trail: JsonPath,
     ) -> None:
-        """Spell out a value into a container, which may be elsewhere than it was written."""
+        """Compose a value into a container."""
         self.places.put(container, step, place)
-        container[step] = self.value(value, place, context, trail, deeper=deeper)
+        container[step] = self.value(value, place, context, trail)
 
-    def value(
-        self, value: Any, place: Origin, context: Context, trail: Trail, *, deeper: bool = False,
-    ) -> Any:
-        """A value with the scope's names put in; ``deeper`` says that it is layered."""
-        self.grow(CONTAINER if isinstance(value, (dict, list)) else 2)
+    def value(self, value: Any, place: Origin, context: Context, trail: JsonPath) -> Any:
+        """A value with the scope's names replaced."""
+        self.grow(CONTAINER_SIZE if isinstance(value, (dict, list)) else 2)
         if len(trail) > self.limits.nesting:
             self.problems.append(place.problem(
                 "limit-exceeded", f"spelled out, this is nested deeper than the limit 'nesting' of "
@@ -116,50 +139,69 @@ class _Composer(Writer):
         if isinstance(value, str):
             return self.text(value, place, context, trail)
         if isinstance(value, dict):
-            if trail[-1] == "materials" and not deeper:
-                return self.materials(value, place, context, trail)
-            return self.object(value if deeper else own(value, place), context, trail)
+            make = self.materials if trail[-1] == "materials" else self.object
+            return make(value, place, context, trail)
         if isinstance(value, list):
             return self.entries(value, place, context, trail)
         return value
 
+    def text(
+        self, text: str, place: Origin, context: Context, trail: JsonPath = (),
+    ) -> str | None:
+        """A text with the scope's names replaced; None, and a broken entry, if that fails."""
+        self.grow(len(text))
+        try:
+            return context.scope.text(text)
+        except WrongValueError as error:
+            self.report(place, error)
+            if trail:
+                self.broken.add(trail[:2])
+            return None
+
     def object(
-        self, merged: Layered, context: Context, trail: Trail, away: Collection[str] = (),
+        self, value: Mapping[str, Any], place: Origin, context: Context, trail: JsonPath,
+        left_out: Collection[str] = (),
     ) -> dict[str, Any]:
-        """An object, but for some keys."""
+        """An object without some keys."""
         out: dict[str, Any] = {}
-        for key, (value, place, deeper) in merged.items():
-            if key in away:
+        for key, entry in value.items():
+            if key in left_out:
                 continue
             self.grow(len(key))
+            at, name = self.places.at(value, key, place), key
             if context.scope.braces and "{" in key:
-                key = str(self.text(key, place, context, trail))
-            self.put(out, key, value, place, context, (*trail, key), deeper=deeper)
+                name = str(self.text(key, at, context, trail))
+            self.put(out, name, entry, at, context, (*trail, name))
         return out
 
     def materials(
-        self, value: Mapping[str, Any], place: Origin, context: Context, trail: Trail,
+        self, value: Mapping[str, Any], place: Origin, context: Context, trail: JsonPath,
     ) -> dict[str, Any]:
         """Materials by their names, each perhaps like a template."""
         out: dict[str, Any] = {}
         for name, entry in value.items():
-            at, below = place.to(name), (*trail, name)
-            if isinstance(entry, dict) and "like" in entry:
-                try:
-                    merged = layered(entry, at, context.templates, context.home, self.near,
-                                     context.inside)
-                except LikeError as error:
-                    self.problems.append(error.problem)
-                    self.broken.add(below)
-                    out[name] = {}
-                    continue
-                self.put(out, name, merged, at, context, below, deeper=True)
-            else:
-                self.put(out, name, entry, at, context, below)
+            at, below = self.places.at(value, name, place), (*trail, name)
+            try:
+                merged = self.merged(entry, at, context)
+            except LikeError as error:
+                self.problems.append(error.problem)
+                self.broken.add(below)
+                out[name] = {}
+                continue
+            self.put(out, name, merged, at, context, below)
         return out
 
+    def merged(self, entry: Any, place: Origin, context: Context) -> Any:
+        """An entry with the keys of the templates that it is like."""
+        if not isinstance(entry, dict) or "like" not in entry:
+            return entry
+        return merge_templates(entry, place, context.templates, context.home, self.places,
+                               self.near, context.inside)
+
+    # -- entries of lists -------------------------------------------------------------
+
     def entries(
-        self, items: list[Any], place: Origin, context: Context, trail: Trail,
+        self, items: list[Any], place: Origin, context: Context, trail: JsonPath,
     ) -> list[Any]:
         """A list with each of its entries merged, repeated and included."""
         out: list[Any] = []
@@ -170,14 +212,12 @@ class _Composer(Writer):
                     self.places.put(out, len(out), here)
                 out.append(self.value(item, here, context, (*trail, len(out))))
                 continue
-            inner = _within(here, context)
+            inner = inside_template(here, context)
             known, grows = len(self.problems), any(word in item for word in WORDS)
             try:
                 if grows:
                     self.count(here)
-                merged = (layered(item, here, inner.templates, inner.home, self.near, inner.inside)
-                          if "like" in item else own(item, here))
-                self.copies(out, merged, here, inner, trail)
+                self.copies(out, self.merged(item, here, inner), here, inner, trail)
             except LikeError as error:
                 self.problems.append(error.problem)
                 self.leave_out(out, item, here, trail)
@@ -188,40 +228,40 @@ class _Composer(Writer):
         return out
 
     def copies(
-        self, out: list[Any], merged: Layered, here: Origin, context: Context, trail: Trail,
+        self, out: list[Any], item: dict[str, Any], here: Origin, context: Context,
+        trail: JsonPath,
     ) -> None:
-        """Append all that an entry stands for."""
-        if "repeat" not in merged:
-            self.append(out, self.entry(merged, here, context, (*trail, len(out))), here)
+        """Append all copies of an entry."""
+        if "repeat" not in item:
+            self.append(out, self.entry(item, here, context, (*trail, len(out))), here)
             return
-        value, place, deeper = merged["repeat"]
+        place = self.places.at(item, "repeat", here)
         try:
-            repeat = read_repeat(plain(value) if deeper else value, context.scope, self.limits)
+            repeat = read_repeat(item["repeat"], context.scope, self.limits)
         except RepeatError as error:
-            self.tell(place.to(*error.path), error.error, key=error.key)
-            self.leave_out(out, plain(merged), here, trail)
+            self.report(place.to(*error.path), error.error, key=error.key)
+            self.leave_out(out, item, here, trail)
             return
         among = next((str(step) for step in reversed(trail) if isinstance(step, str)), "")
-        self.few_enough(len(out) + len(repeat.rows), among, place)
+        self.check_length(len(out) + len(repeat.rows), among, place)
         known = len(self.problems)
         for number, names in enumerate(repeat.rows):
             self.count(place)
             label = repeat.label(number)
             at = replace(here, copy=f"{here.copy}, {label}" if here.copy else label)
             scope = context.scope.naming(names, braces=True)
-            inner = replace(context, scope=scope)
-            entry = self.entry(_copied(merged, at.copy), at, inner, (*trail, len(out)))
+            entry = self.entry(item, at, replace(context, scope=scope), (*trail, len(out)))
             try:
                 moved = self.moved(entry, replace(repeat, scope=scope), number, among)
             except WrongValueError as error:
-                self.tell(place, error)
+                self.report(place, error)
             if len(self.problems) > known:  # the other copies would have the same
                 self.leave_out(out, {}, here, trail)
                 return
             self.append(out, moved, at)
 
     def moved(self, entry: Any, repeat: Copies, number: int, among: str) -> Any:
-        """The entry where it belongs; its values stay where they were written."""
+        """A copy at its own position; the places of its values stay."""
         if not isinstance(entry, dict):
             return entry
         moved = repeat.moved(entry, number, among)
@@ -230,68 +270,72 @@ class _Composer(Writer):
                 self.places.put(moved, key, self.places.moved[id(entry), key])
         return moved
 
-    def entry(self, merged: Layered, here: Origin, context: Context, trail: Trail) -> Any:
+    def entry(self, item: dict[str, Any], here: Origin, context: Context, trail: JsonPath) -> Any:
         """One copy of an entry."""
-        if "each" in merged and "repeat" in merged:
-            return self.value(merged["each"][0], merged["each"][1], context, trail,
-                              deeper=merged["each"][2])
+        if "each" in item and "repeat" in item:
+            return self.value(item["each"], self.places.at(item, "each", here), context, trail)
         part = len(trail) > 1 and trail[-2] == "parts"
-        if part and "include" in merged:
-            return self.included(merged, here, context, trail)
-        if part and "parameters" in merged and merged.get("type", ("",))[0] == "assembly":
-            given = self.parameters(merged, context, {})
+        if part and "include" in item:
+            return self.included(item, here, context, trail)
+        if part and "parameters" in item and item.get("type") == "assembly":
+            given = self.parameters(item, here, context, {})
             if given is None:
                 self.broken.add(trail)
-                return {"name": merged["name"][0]} if "name" in merged else {}
+                return {"name": item["name"]} if "name" in item else {}
             scope = context.scope.naming(given, braces=False)
-            return self.object(merged, replace(context, scope=scope), trail, AWAY)
-        return self.object(merged, context, trail, FOLLOWED)
+            return self.object(item, here, replace(context, scope=scope), trail, ASSEMBLY_WORDS)
+        return self.object(item, here, context, trail, ENTRY_WORDS)
+
+    # -- assemblies -------------------------------------------------------------------
 
     def parameters(
-        self, merged: Layered, context: Context, defaults: Mapping[str, Any], tables: Any = None,
+        self, item: dict[str, Any], here: Origin, context: Context, defaults: Mapping[str, Any],
+        tables: Any = None,
     ) -> dict[str, float] | None:
-        """Values of the parameters of an assembly, over those of the scene that it includes.
+        """Values of an assembly's parameters, which replace those of the scene that it includes.
 
-        ``tables`` are that scene's, as they are written.
+        Args:
+            item: the assembly.
+            here: where it was written.
+            context: around it.
+            defaults: parameters of the included scene.
+            tables: of the included scene, as they are written.
 
-        None if they cannot be told; why is among the problems.
+        Returns:
+            None if there is a problem.
         """
-        if "parameters" not in merged:
-            given: Layered = {}
-        else:
-            value, place, deeper = merged["parameters"]
-            if not isinstance(value, dict):
-                self.problems.append(place.problem(
-                    "wrong-type", f"expected an object {{…}}, got {kind_of(value)}"))
-                return None
-            given = value if deeper else own(value, place)
-        known = context.scope.known
-        values: dict[str, Any] = {} if "include" in merged else dict(known)
-        told = len(self.problems)
-        if "include" in merged:
+        given, at = item.get("parameters", {}), self.places.at(item, "parameters", here)
+        if not isinstance(given, dict):
+            self.problems.append(at.problem(
+                "wrong-type", f"expected an object {{…}}, got {kind_of(given)}"))
+            return None
+        place = {name: self.places.at(given, name, at) for name in given}
+        includes, before = "include" in item, len(self.problems)
+        values: dict[str, Any] = {} if includes else dict(context.scope.known)
+        if includes:
             for name in [name for name in given if name not in defaults]:
-                self.problems.append(given[name][1].problem(
+                self.problems.append(place[name].problem(
                     "name-not-found", f"the included scene has no parameter {quoted(name)}",
                     key=True, allowed=listed(defaults) or "none", hint=near(name, defaults)))
-            given = {name: entry for name, entry in given.items() if name in defaults}
-        for name, (value, place, _) in given.items():
-            values[name] = (self.parameter(name, value, place, context, given)
+            given = {name: value for name, value in given.items() if name in defaults}
+        for name, value in given.items():
+            values[name] = (self.parameter(name, value, place[name], context, given)
                             if isinstance(value, str) else value)
-        plain = plain_tables(tables) if "include" in merged else context.scope.tables
+        plain = plain_tables(tables) if includes else context.scope.tables
         resolved = resolve_parameters({**defaults, **values}, plain, others_of(tables, plain))
         for problem in resolved.problems:
             name = str(parse_path(problem.path)[1])
             if name in given:
-                self.problems.append(given[name][1].located(problem))
-        if len(self.problems) > told:
+                self.problems.append(place[name].located(problem))
+        if len(self.problems) > before:
             return None
         return {name: float(value) for name, value in resolved.values.items()
                 if name in defaults or name in given}
 
     def parameter(
-        self, name: str, text: str, place: Origin, context: Context, given: Layered,
+        self, name: str, text: str, place: Origin, context: Context, given: Mapping[str, Any],
     ) -> Any:
-        """A parameter's text, worked out at once where it reads what holds outside."""
+        """The number of a parameter's text if names around the assembly suffice; else the text."""
         outside = {k: v for k, v in context.scope.known.items() if k == name or k not in given}
         scope = replace(context.scope, numbers={
             k: v for k, v in context.scope.numbers.items() if k in outside})
@@ -302,46 +346,79 @@ class _Composer(Writer):
             return filled  # of parameters beside it, or wrong
 
     def included(
-        self, merged: Layered, here: Origin, context: Context, trail: Trail,
+        self, item: dict[str, Any], here: Origin, context: Context, trail: JsonPath,
     ) -> dict[str, Any]:
-        """An assembly of what a file holds, under the entry's own keys."""
-        value, place, _ = merged["include"]
-        name = merged["name"][0] if "name" in merged else None
-        known = len(self.problems)
+        """An assembly with the content of a file, under the entry's own keys."""
+        place, known = self.places.at(item, "include", here), len(self.problems)
         out: dict[str, Any] = {"type": "assembly"}
         self.places.put(out, "type", here)
         try:
-            if "type" in merged and merged["type"][0] != "assembly":
+            if item.get("type", "assembly") != "assembly":
                 raise WrongValueError("bad-include", "only an assembly includes a scene",
                                       allowed='"type": "assembly", or no type')
-            value = self.text(value, place, context) if isinstance(value, str) else value
-            path = self.library.find(value)
+            name = item["include"]
+            path = self.library.find(
+                self.text(name, place, context) if isinstance(name, str) else name)
             if path in context.files:
                 raise WrongValueError("bad-include", "a scene that includes itself has no end: "
                                       + " → ".join(each.name for each in (*context.files, path)))
-            source = self.library.open(path, _shown(self.library.main, path))
-            self.content(out, source, path, merged, here, context, trail)
+            main = self.library.main
+            source = self.library.open(
+                path, str(Path(main.name).parent / path.name) if main.name else path.name)
+            root = Origin(source, included=place.including, copy=here.copy)
+            self.content(out, root, path, item, here, context, trail)
         except WrongValueError as error:
-            self.tell(place, error)
+            self.report(place, error)
         except SceneError as error:
-            note = _note(place)
+            note = place.including
             self.problems.extend(replace(each, message=f"{each.message} ({note})")
                                  for each in error.problems)
         if len(self.problems) > known:
             self.broken.add(trail)
-            return {"name": name} if name is not None else {}
-        mine = self.object(merged, context, trail, (*AWAY, "type"))
+            return {"name": item["name"]} if item.get("name") is not None else {}
+        mine = self.object(item, here, context, trail, (*ASSEMBLY_WORDS, "type"))
         for key, entry in mine.items():
-            self.places.put(out, key, merged[key][1] if key in merged else here)
+            self.places.put(out, key, self.places.moved[id(mine), key])
             out[key] = entry
         return out
 
-    def with_tables(
-        self, scope: Scope, tables: Any, root: Origin, merged: Layered, context: Context,
-    ) -> Scope:
-        """The scope of a file with its tables, which are put among the scene's.
+    def content(
+        self, out: dict[str, Any], root: Origin, path: Path, item: dict[str, Any], here: Origin,
+        context: Context, trail: JsonPath,
+    ) -> None:
+        """Compose what an assembly has of a file."""
+        data = root.source.data
+        for key in data:
+            if key not in KEYS:
+                self.report(root.to(key), unknown_key(key, KEYS), key=True)
+        defaults = data.get("parameters", {})
+        if not isinstance(defaults, dict):
+            self.problems.append(root.to("parameters").problem(
+                "wrong-type", f"expected an object {{…}}, got {kind_of(defaults)}"))
+            return
+        tables = data.get("tables")
+        plain = plain_tables(tables)
+        own = resolve_parameters(defaults, plain, others_of(tables, plain))
+        self.problems.extend(root.to(*parse_path(each.path)).located(each)
+                             for each in own.problems)
+        before = len(self.problems)
+        given = self.parameters(item, here, context, defaults, tables)
+        if given is None or own.problems or len(self.problems) > before:
+            return
+        scope = Scope(tables=resolved_tables(tables, given), renamed={}).naming(
+            given, braces=False)
+        scope = self.with_tables(scope, tables, root, item.get("name"), context)
+        inner = Context(scope, data.get("templates"), root.to("templates"), (*context.files, path))
+        for key in ASSEMBLED:
+            if key in data and key not in item:
+                self.put(out, key, data[key], root.to(key), inner, (*trail, key))
 
-        Equal ones of several copies are one.
+    def with_tables(
+        self, scope: Scope, tables: Any, root: Origin, name: Any, context: Context,
+    ) -> Scope:
+        """The scope of a file with its tables, which are added to the scene's under new names.
+
+        Equal tables of several copies become one.
         """
         if tables is None:
             return scope
@@ -349,85 +426,72 @@ class _Composer(Writer):
             self.problems.append(root.to("tables").problem(
                 "wrong-type", f"expected an object {{…}}, got {kind_of(tables)}"))
             return scope
+        words = re.findall("[A-Za-z0-9]+", name)[:8] if isinstance(name, str) else []
+        prefix = "_".join(words if words and not words[0][0].isdigit() else ["included", *words])
         renamed: dict[str, str] = {}
-        for name, entry in tables.items():
-            place = root.to("tables", name)
-            inner = replace(context, scope=scope)
-            value = self.value(entry, place, inner, ("tables", name))
-            key = f"{root.source.name} {name} {json.dumps(value)}"
+        for table, entry in tables.items():
+            place = root.to("tables", table)
+            value = self.value(entry, place, replace(context, scope=scope), ("tables", table))
+            key = f"{root.source.name} {table} {json.dumps(value)}"
             if key not in self.shared:
-                new = first = f"{_prefix(merged)}_{name}"[:90]
+                new = first = f"{prefix[:40]}_{table}"[:90]
                 while new in self.tables:
                     new = f"{first}_{len(self.tables)}"
                 self.shared[key] = new
                 self.places.put(self.tables, new, place)
                 self.tables[new] = value
-            renamed[name] = self.shared[key]
+            renamed[table] = self.shared[key]
         return replace(scope, renamed=renamed)
 
-    def content(
-        self, out: dict[str, Any], source: SceneSource, path: Path, merged: Layered, here: Origin,
-        context: Context, trail: Trail,
+    # -- size and problems ------------------------------------------------------------
+
+    def grow(self, characters: int) -> None:
+        """Count characters for the limit of a file's bytes."""
+        self.size += characters
+        if self.size > self.limits.file_bytes:
+            raise TooLargeError
+
+    def check_length(self, count: int, among: str, place: Origin) -> None:
+        """Check the length of a list before its copies are made."""
+        name = "bodies" if among in ("bodies", "parts") else "elements"
+        most = getattr(self.limits, name)
+        if count > most:
+            self.problems.append(place.problem(
+                "limit-exceeded", f"with these copies there are {count} {among or 'entries'}",
+                allowed=f"at most {most} (the limit '{name}', raised by --limit {name}=N)"))
+            raise TooLargeError
+
+    def too_large(self, place: Origin) -> None:
+        """Report that the result, from a place on, is larger than a file may be."""
+        self.problems.append(place.problem(
+            "limit-exceeded", "spelled out, the scene is larger than the limit 'file_bytes' of "
+            f"{self.limits.file_bytes} bytes", allowed="a larger one when the limit is raised"))
+
+    def count(self, place: Origin) -> None:
+        """Count one more entry that a repeat or a template has led to."""
+        self.copies_made += 1
+        if self.copies_made > self.limits.elements:
+            self.problems.append(place.problem(
+                "limit-exceeded", f"here the scene's repeats and templates come to more than "
+                f"{self.limits.elements} copies", allowed=f"at most {self.limits.elements} (the "
+                "limit 'elements', raised by --limit elements=N)"))
+            raise TooLargeError
+
+    def report(self, place: Origin, error: WrongValueError, *, key: bool = False) -> None:
+        """Add a problem at a place, once for all copies of it."""
+        if self.places.first(place):
+            self.problems.append(place.located(Problem.of(error, "$", key=key)))
+
+    def append(self, out: list[Any], value: Any, place: Origin) -> None:
+        """Append an entry to a list whose indices may differ from those of the text."""
+        self.places.put(out, len(out), place)
+        out.append(value)
+
+    def leave_out(
+        self, out: list[Any], item: Mapping[str, Any], place: Origin, trail: JsonPath,
     ) -> None:
-        """Spell out what an assembly has of a file."""
-        root = Origin(source, included=_note(merged["include"][1]), copy=here.copy)
-        data = source.data
-        for key in data:
-            if key not in KEYS:
-                self.tell(root.to(key), misspelt(key, KEYS), key=True)
-        defaults = data.get("parameters", {})
-        if not isinstance(defaults, dict):
-            self.problems.append(root.to("parameters").problem(
-                "wrong-type", f"expected an object {{…}}, got {kind_of(defaults)}"))
-            return
-        plain = plain_tables(data.get("tables"))
-        own_values = resolve_parameters(defaults, plain, others_of(data.get("tables"), plain))
-        self.problems.extend(root.to(*parse_path(each.path)).located(each)
-                             for each in own_values.problems)
-        told = len(self.problems)
-        given = self.parameters(merged, context, defaults, data.get("tables"))
-        if given is None or own_values.problems or len(self.problems) > told:
-            return
-        scope = self.with_tables(
-            Scope(tables=resolved_tables(data.get("tables"), given), renamed={}).naming(
-                given, braces=False), data.get("tables"), root, merged, context)
-        inner = Context(scope, data.get("templates"),
-                         root.to("templates"), (*context.files, path))
-        for key in ASSEMBLED:
-            if key in data and key not in merged:
-                self.put(out, key, data[key], root.to(key), inner, (*trail, key))
-
-
-def _prefix(merged: Layered) -> str:
-    """What the names of the tables begin with that an assembly has of its file."""
-    name = merged["name"][0] if "name" in merged else None
-    words = re.findall("[A-Za-z0-9]+", name)[:8] if isinstance(name, str) else []
-    return "_".join(["included", *words] if not words or words[0][0].isdigit() else words)[:40]
-
-
-def _within(place: Origin, context: Context) -> Context:
-    """The context of what stands in a template, if that is where it stands."""
-    base = context.home.path
-    if place.source is not context.home.source or place.path[:len(base)] != base or \
-            len(place.path) <= len(base):
-        return context
-    name = str(place.path[len(base)])
-    if name in context.inside:
-        return context
-    return replace(context, inside=(*context.inside, name))
-
-
-def _copied(merged: Layered, copy: str) -> Layered:
-    """The same layers, as those of a copy."""
-    return {key: (_copied(value, copy) if deeper else value, replace(place, copy=copy), deeper)
-            for key, (value, place, deeper) in merged.items()}
-
-
-def _shown(main: SceneSource, path: Path) -> str:
-    """What messages call an included file: as its scene is called."""
-    return str(Path(main.name).parent / path.name) if main.name else path.name
-
-
-def _note(place: Origin) -> str:
-    line, column = place.source.where(place.path)
-    return f"included by {place.source.name}:{line}:{column}"
+        """Append an entry in place of one that cannot be composed."""
+        self.broken.add((*trail, len(out)))
+        name = item.get("name")
+        plainly = isinstance(name, str) and "{" not in name and "repeat" not in item
+        self.append(out, {"name": name} if plainly else {}, place)

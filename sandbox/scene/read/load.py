@@ -31,15 +31,13 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.compose import compose
 from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_parts, check_values
 from sandbox.scene.read.messages import explain, written
-from sandbox.scene.read.origin_map import Origin, OriginMap
-from sandbox.scene.read.origins import Origins, Relocation
+from sandbox.scene.read.origins import Composed, Origin, OriginMap, Origins, Relocation
 from sandbox.scene.read.overrides import apply_overrides
 from sandbox.scene.read.parameters import Parameters, resolve_parameters
 from sandbox.scene.read.paths import JsonPath, parse_path, path_text, shown_path
 from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.source import SceneSource, first_problems, read_source
 from sandbox.scene.read.tables import STAND_IN, can_name, others_of, plain_tables, resolved_tables
-from sandbox.scene.read.writing import Composed
 from sandbox.scene.values.expressions import NamedValues
 from sandbox.wording import kind_of, quoted
 

@@ -1,24 +1,124 @@
-"""Back from where a problem was found to where its cause is written.
+"""Where each piece of a scene was written, and the way back from a problem to that place.
 
-What is found in a mechanism has a path there; a part that was spelled out, a template, repeat or
-include that was written out and the text of a file are each one step back. The same steps serve
-what reading finds and what an inspection finds later.
+A problem of the mechanism has a path there. The part that an element comes from, a template, a
+repeat or an include, and the text of a file are each one step back. The same steps serve problems
+that reading finds and problems that an inspection finds later.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
 
 from sandbox.errors import Problem
 from sandbox.kinds.elements import LISTS
 from sandbox.scene.document import Assembly, Part, Scene
 from sandbox.scene.elements.settings import ContactRule
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.models import fields_at
 from sandbox.scene.read.paths import JsonPath, parse_path, path_text
 from sandbox.scene.read.source import SceneSource
-from sandbox.scene.read.writing import Composed
 from sandbox.wording import quoted
+
+
+@dataclass(frozen=True)
+class Origin:
+    """A place in the text of a scene, or of a file that it includes."""
+
+    source: SceneSource
+    path: JsonPath = ()
+    included: str = ""
+    """For messages: where this file is included; empty for the scene's own file."""
+    copy: str = ""
+    """The copy of a ``repeat``, as ``i = 3``; empty outside of one."""
+
+    def to(self, *steps: str | int) -> Origin:
+        """The place further down."""
+        return Origin(self.source, (*self.path, *steps), self.included, self.copy)
+
+    @property
+    def including(self) -> str:
+        """For messages of a file that is included here."""
+        line, column = self.source.where(self.path)
+        return f"included by {self.source.name}:{line}:{column}"
+
+    def copied(self, other: Origin) -> Origin:
+        """The same place in the copy of another place."""
+        return self if self.copy == other.copy else replace(self, copy=other.copy)
+
+    def problem(self, code: str, message: str, **more: Any) -> Problem:
+        """A problem of the value here."""
+        return self.located(Problem(code, message, **more))
+
+    def located(self, problem: Problem) -> Problem:
+        """A problem with this place: path, line and column, file, copy, section of the docs."""
+        line, column = self.source.where(self.path, key=problem.key)
+        notes = [note for note in (f"for {self.copy}" if self.copy else "", self.included) if note]
+        message = f"{problem.message} ({'; '.join(notes)})" if notes else problem.message
+        fields = fields_at(Scene, self.source.data, self.path) if problem.blocks else ""
+        return replace(problem, message=message, path=path_text(self.path), line=line,
+                       column=column, file=self.source.name if self.included else "",
+                       fields=fields)
+
+
+@dataclass
+class OriginMap:
+    """The children of containers that were written elsewhere than their container."""
+
+    root: Origin
+    moved: dict[tuple[int, str | int], Origin] = field(default_factory=dict)
+    """By the container's identity and the key or index in it."""
+    kept: dict[int, Any] = field(default_factory=dict)
+    """The containers, so that no other object takes the identity of one that is gone."""
+    reported: dict[tuple[str, JsonPath], Origin] = field(default_factory=dict)
+    """The copy of a place of which a problem was reported first."""
+
+    def first(self, place: Origin) -> bool:
+        """Whether no problem of another copy of a place was reported yet."""
+        return self.reported.setdefault((place.source.name, place.path), place) == place
+
+    def put(self, container: Any, step: str | int, place: Origin) -> None:
+        """Note where a child of a container was written."""
+        self.moved[id(container), step] = place
+        self.kept[id(container)] = container
+
+    def at(self, container: Any, step: str | int, place: Origin) -> Origin:
+        """Where a child of a container at a place was written, in the copy of that place."""
+        moved = self.moved.get((id(container), step))
+        return moved.copied(place) if moved else place.to(step)
+
+    def find(self, data: Any, path: JsonPath) -> Origin:
+        """Where the value at a path of the composed data was written."""
+        place, value = self.root, data
+        for step in path:
+            place = self.moved.get((id(value), step)) or place.to(step)
+            try:
+                value = value[step]
+            except (LookupError, TypeError):
+                value = None
+        return place
+
+
+@dataclass
+class Composed:
+    """Composed data of a scene."""
+
+    data: dict[str, Any]
+    places: OriginMap
+    problems: list[Problem] = field(default_factory=list)
+    """Each with its place."""
+    broken: set[JsonPath] = field(default_factory=set)
+    """Entries of the data that could not be composed."""
+    failed: bool = False
+    """Whether the data is not worth validating."""
+    files: tuple[Path, ...] = ()
+    """Included files."""
+
+    def place(self, path: JsonPath) -> Origin:
+        """Where the value at a path of the data was written."""
+        return self.places.find(self.data, path)
 
 
 class Relocation:
@@ -98,7 +198,7 @@ def _rules(
 
 @dataclass(frozen=True)
 class Origins:
-    """Where each piece of a scene's data was written: its text, templates, files it includes."""
+    """The places of a scene's data: its text, its templates, the files that it includes."""
 
     composed: Composed
 

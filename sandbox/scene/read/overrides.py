@@ -8,11 +8,11 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from sandbox.errors import Problem
-from sandbox.scene.read.origin_map import Origin
+from sandbox.scene.read.origins import Origin, OriginMap
 from sandbox.scene.read.paths import JsonPath, holds, parse_path
 from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.source import SceneSource
-from sandbox.scene.read.templates import LikeError, layered, plain
+from sandbox.scene.read.templates import LikeError, merge_templates
 from sandbox.scene.values.units import dimension_of, unit_in, units_of
 from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
 
@@ -122,8 +122,8 @@ def _inherited(data: dict[str, Any], taken: list[str | int]) -> Any:
         value = value[step] if holds(value, step) else None
         if depth == 1 and isinstance(value, dict):
             with contextlib.suppress(LikeError):  # reading the scene says what is wrong
-                value = plain(layered(
-                    value, _NOWHERE, data.get("templates"), _NOWHERE, NearMisses()))
+                value = merge_templates(value, _NOWHERE, data.get("templates"), _NOWHERE,
+                                        OriginMap(_NOWHERE), NearMisses())
     if not isinstance(value, list):
         raise WrongValueError("bad-override", f"there is no list {quoted(taken[-1])} there")
     return _copy(value)

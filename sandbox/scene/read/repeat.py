@@ -9,7 +9,7 @@ from typing import Any
 
 from sandbox.scene.elements.bodies import SHAPES
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.scopes import Scope, misspelt, wrong_index
+from sandbox.scene.read.scopes import Scope, unknown_key, wrong_index
 from sandbox.scene.values.expressions import RESERVED
 from sandbox.scene.values.numbers import number_from
 from sandbox.wording import WrongValueError, kind_of, listed, number_text, quoted
@@ -111,7 +111,7 @@ def read_repeat(value: Any, scope: Scope, limits: Limits) -> Copies:
         return Copies(_counted(value, "i", scope, limits, ""), scope=scope)
     for key in value:
         if key not in KEYS:
-            raise RepeatError(misspelt(key, KEYS), (key,), key=True)
+            raise RepeatError(unknown_key(key, KEYS), (key,), key=True)
     index = value.get("index", "i")
     if wrong := wrong_index(index, scope, RESERVED):
         raise RepeatError(wrong, ("index",) if "index" in value else ())

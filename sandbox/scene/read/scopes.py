@@ -103,7 +103,7 @@ def wrong_index(name: Any, scope: Scope, reserved: frozenset[str]) -> WrongValue
     return None
 
 
-def misspelt(key: str, known: tuple[str, ...]) -> WrongValueError:
+def unknown_key(key: str, known: tuple[str, ...]) -> WrongValueError:
     """The refusal of a key that is none of those known."""
     return WrongValueError("unknown-key", f"unknown key {quoted(key)}", allowed=", ".join(known),
                            hint=near(key, known))
