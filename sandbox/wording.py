@@ -156,9 +156,3 @@ def number_text(value: float) -> str:
         return f"{value:.6g}"
     except OverflowError:
         return "of many digits"
-
-
-def percent(share: float) -> str:
-    """A fraction in percent, to two digits below 10 %: ``0.0016`` is ``"0.16 %"``."""
-    hundred = 100 * share
-    return f"{hundred:.0f} %" if hundred >= 9.95 else f"{hundred:.2g} %"

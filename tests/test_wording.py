@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from sandbox.wording import Count, counted, meant, near, nearest, percent, quoted
+from sandbox.wording import Count, counted, meant, near, nearest, quoted
 
 SPRING = ("name", "a", "b", "stiffness", "damping", "rest_length", "breaks_at", "released")
 
@@ -40,10 +40,3 @@ def test_one_is_one() -> None:
     assert [counted(n, "spring") for n in (0, 1, 2)] == ["0 springs", "1 spring", "2 springs"]
     assert f"{Count(1):body|bodies}" == "1 body"
     assert f"{Count(3):body|bodies}" == "3 bodies"
-
-
-@pytest.mark.parametrize(("share", "text"), [
-    (0.0, "0 %"), (0.0016, "0.16 %"), (8.1e-5, "0.0081 %"), (0.0996, "10 %"), (0.53, "53 %"),
-    (1.0, "100 %"), (1.534, "153 %")])
-def test_percent(share, text):
-    assert percent(share) == text

@@ -261,13 +261,14 @@ def bound_figure(evidence: Evidence) -> Figure:
 def push_limits(
     evidence: Evidence, body: int, directions: Sequence[float], sample: int = -1,
 ) -> Array:
-    """The largest push of a body that can be balanced in a sample [N], for each direction [rad].
+    """The largest push of a body that balance, friction and unilateral contact allow [N].
 
-    inf where there is no bound; nan where no forces balance the sample itself; 0 of a body that
-    nothing touches, and where it is no more than rounding.
+    The push acts at the centre of mass, in each direction [rad]. inf where there is no bound; nan
+    where no forces balance the sample itself; 0 for a body that nothing touches, and within the
+    rounding error.
 
     Raises:
-        ArithmeticError: a linear program does not come to an end.
+        ArithmeticError: a linear program fails.
     """
     (unknowns, group), found = _coupled(evidence, body, sample), []
     if group is None:

@@ -22,6 +22,7 @@ from sandbox.cli.options import (
 from sandbox.cli.runs import file_option, open_run
 from sandbox.cli.scenes import load, scene_argument, scene_path
 from sandbox.errors import Problem, SceneError
+from sandbox.wording import or_near
 
 if TYPE_CHECKING:
     from sandbox.audit.bounds import Bounds, Interval
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 
 MAX_NAMED = 4
 """Forces outside their bounds that are named."""
+DIRECTIONS = 12
+"""Directions of a push, evenly spaced."""
 
 
 @click.command()
@@ -148,13 +151,16 @@ def _plain(value: Any) -> Any:
 @click.option("--near", metavar="LENGTH", callback=read_length,
               help="Largest gap that counts as contact, as 10um; by default what a step may leave "
                    "open (docs/audit.md).")
+@click.option("--push", "pushed", metavar="BODY",
+              help="Also print the largest push at this body's centre of mass that balance allows, "
+                   "in 12 directions.")
 @file_option((".csv",), "A .csv file; contact_bounds.csv in the run's directory by default. "
              "Repeatable.")
 @json_option
 @quiet_option
 def bounds(
-    run: str, instants: tuple[float, ...], near: float | None, files: tuple[Path, ...],
-    as_json: bool, quiet: bool,
+    run: str, instants: tuple[float, ...], near: float | None, pushed: str | None,
+    files: tuple[Path, ...], as_json: bool, quiet: bool,
 ) -> int:
     """Bound indeterminate contact forces of a saved run.
 
@@ -172,8 +178,9 @@ def bounds(
     console = Console(as_json=as_json, quiet=quiet)
     directory, recording = open_run(run, console)
     evidence = Evidence(recording)
-    found = {sample: contact_bounds(evidence, sample, near)
-             for sample in _samples(recording, evidence, instants)}
+    samples = _samples(recording, evidence, instants)
+    pushes = [] if pushed is None else [_pushes(evidence, pushed, sample) for sample in samples]
+    found = {sample: contact_bounds(evidence, sample, near) for sample in samples}
     files = files or (directory / BOUNDS,)
     for file in files:
         save_bounds(evidence.run, found, file)
@@ -186,7 +193,8 @@ def bounds(
             "status": code.name.lower(), "exit_code": int(code), "run": str(directory),
             "files": [str(file) for file in files],
             "bounds": [_bounds_data(evidence.run.time[sample], one, recording)
-                       for sample, each in found.items() for one in each]})
+                       for sample, each in found.items() for one in each],
+            "pushes": _plain(pushes)})
         return code
     for sample, each in found.items():
         console.say(f"t = {evidence.run.time[sample]:.6g} s"
@@ -196,6 +204,11 @@ def bounds(
                      "OUTSIDE" if part.outside else "decided" if _decided(part) else ""]
                     for one in each for label, part in _parts(one, recording)]
             console.say(*table(["force of", "N", "interval", ""], rows, right="<>"), "")
+    for push in pushes:
+        rows = [[f"{angle:g}", f"{force:.6g}" if math.isfinite(force) else str(force)]
+                for angle, force in zip(push["direction_deg"], push["force"], strict=True)]
+        console.say(f"largest push of {pushed} at t = {push['time']:.6g} s",
+                    *table(["direction deg", "N"], rows, right=">>"), "")
     if outside:
         more = f" and {len(outside) - MAX_NAMED} more" if len(outside) > MAX_NAMED else ""
         message = "outside of what mechanics allows"
@@ -218,6 +231,25 @@ def _samples(recording: Recording, evidence: Any, instants: tuple[float, ...]) -
             raise click.BadParameter(f"{instant:g} s is not within the run's {last:g} s",
                                      param_hint="--at")
     return sorted({int(abs(time - instant).argmin()) for instant in instants} or {len(time) - 1})
+
+
+def _pushes(evidence: Any, body: str, sample: int) -> dict[str, Any]:
+    """The largest push of a body in each direction [N] in a sample, as JSON data.
+
+    Raises:
+        BadParameter: no such body.
+    """
+    from sandbox.audit.bounds import push_limits
+
+    names = [each.name for each in evidence.run.mechanism.bodies]
+    if body not in names:
+        raise click.BadParameter(f"there is no body {body!r}{or_near(body, names)}",
+                                 param_hint="--push")
+    angles = [360 * k / DIRECTIONS for k in range(DIRECTIONS)]
+    found = push_limits(evidence, names.index(body), [math.radians(each) for each in angles],
+                        sample)
+    return {"time": float(evidence.run.time[sample]), "body": body, "direction_deg": angles,
+            "force": found.tolist()}
 
 
 def _parts(one: Bounds, recording: Recording) -> list[tuple[str, Interval]]:

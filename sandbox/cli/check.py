@@ -27,12 +27,14 @@ if TYPE_CHECKING:
 @click.option("--strict", is_flag=True, help="Let warnings fail the check.")
 @click.option("--expand", is_flag=True,
               help="Print the one SCENE as plain elements, itself a scene.")
-@click.option("--schema", is_flag=True, help="Print the JSON Schema of scenes, for editors.")
+@click.option("--schema", is_flag=False, flag_value="scene", metavar="[KIND]",
+              type=click.Choice(["scene", "study"]),
+              help="Print the JSON Schema of scenes, for editors; 'study' for that of study files.")
 @json_option
 @limit_option
 def check(
-    scenes: tuple[str, ...], overrides: dict[str, Any], strict: bool, expand: bool, schema: bool,
-    as_json: bool, limits: Limits,
+    scenes: tuple[str, ...], overrides: dict[str, Any], strict: bool, expand: bool,
+    schema: str | None, as_json: bool, limits: Limits,
 ) -> int:
     """Validate scenes, and estimate the cost of a run.
 
@@ -44,8 +46,10 @@ def check(
     console = Console(as_json=as_json)
     if schema:
         from sandbox.scene.schema import scene_schema
+        from sandbox.sweeps.spec import study_schema
 
-        console.document(json.dumps(scene_schema(), indent=2, ensure_ascii=False))
+        found = study_schema() if schema == "study" else scene_schema()
+        console.document(json.dumps(found, indent=2, ensure_ascii=False))
         return Exit.DONE
     if not scenes:
         raise click.UsageError("Missing argument 'SCENE...'.")

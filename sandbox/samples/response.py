@@ -44,12 +44,6 @@ class Response:
     iae: float
     """In the quantity's unit times seconds."""
 
-    @property
-    def settles(self) -> bool:
-        """Whether it came into the band and stayed."""
-        return math.isfinite(self.settling)
-
-
 @dataclass(frozen=True)
 class Effort:
     """What a drive had to do, in its unit."""

@@ -79,6 +79,17 @@ def test_bounds_of_the_last_sample_and_of_chosen_ones(resting):
     assert (normal["decided"], normal["outside"]) == (True, False)
 
 
+def test_the_largest_push_of_a_ball_on_a_floor(resting):
+    """A ball rolls away at any push to the side, lifts at its weight, and never gives way below."""
+    said = resting("bounds", "ball", "--push", "ball", "--json")
+    push, = json.loads(said.out)["pushes"]
+    found = dict(zip(push["direction_deg"], push["force"], strict=True))
+    assert found[90] == pytest.approx(WEIGHT)
+    assert (found[0], found[30], found[270]) == (0, 0, None)
+    assert re.search(r"^ +270 +inf$", resting("bounds", "ball", "--push", "ball").out, re.MULTILINE)
+    assert "did you mean 'ball'?" in resting("bounds", "ball", "--push", "bal").err
+
+
 def test_a_force_outside_its_bounds_exits_1(resting):
     run = Recording.load("ball")
     arrays = {key: np.array(value) for key, value in run.arrays.items()}

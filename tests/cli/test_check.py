@@ -96,6 +96,7 @@ def test_expand_prints_a_scene_that_expands_to_itself(sandbox, tmp_path):
     assert sandbox("check", "--expand", path).out == said.out
     assert sandbox("check", "--expand", path, path).code == 2
     assert "bodies" in json.loads(sandbox("check", "--schema").out)["properties"]
+    assert "vary" in json.loads(sandbox("check", "--schema", "study").out)["properties"]
 
 
 @pytest.mark.parametrize("changes", [{}, {"expect": [UNKNOWN]}, {"tendons": [CORD]}],
