@@ -13,6 +13,7 @@ import numpy as np
 
 from sandbox.engine.advance import UNKEPT, advance
 from sandbox.engine.divergence import diverged
+from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import SimulationDiverged
 from sandbox.numeric import Array, Integers
@@ -29,7 +30,8 @@ class Still(Simulation):
     """A mechanism outside of time; bodies are numbered as the model has them.
 
     Args:
-        mechanism: its controllers and events are left out, its bodies begin without speed.
+        mechanism: a valid one; its controllers and events are left out, and its bodies begin
+            without speed.
 
     Raises:
         SceneError: as a :class:`Simulation`.
@@ -39,8 +41,8 @@ class Still(Simulation):
         bodies = tuple(
             body.model_copy(update={"velocity": (0.0, 0.0), "angular_velocity": 0.0})
             if body.motion == "dynamic" else body for body in mechanism.bodies)
-        super().__init__(mechanism.model_copy(update={
-            "bodies": bodies, "controllers": (), "events": (), "expect": ()}))
+        super().__init__(Checked(mechanism.model_copy(update={
+            "bodies": bodies, "controllers": (), "events": (), "expect": ()})))
         self.model = self._model
         self._tables.constants.dampers["c"] *= UNDAMPED
         self.mass: Array = np.stack(

@@ -15,6 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from sandbox.engine.inspect_control import checked
 from sandbox.equilibria.balance import EXACT, PoseBalance, solve
 from sandbox.equilibria.rest import AtRest, check_options, settle
 from sandbox.equilibria.settle import Settler, Unsettled
@@ -100,7 +101,7 @@ def rest_along(
             f"{begin:g} to {end:g} in {count} values is no range", "along",
             allowed=f"two different values and a count of 2 to {MAX_VALUES}")])
     for value in (end, begin):  # wrong values are reported before anything runs
-        check_options(make(value), at, stages)
+        check_options(checked(make(value), ()), at, stages)
     follower = _Follower(_Family(make, at, abs(end - begin)), begin, end, count, heard)
     settler = follower.family.at(begin)
     try:

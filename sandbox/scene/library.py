@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple
@@ -18,10 +19,14 @@ def shipped_scenes() -> dict[str, Path]:
     A name is enough whatever folder the file lies in, so that no two folders share one.
     """
     directory = _directory()
-    return {} if directory is None else {
-        path.stem: path for path in [*sorted(directory.glob("*.json")),
-                                     *sorted(directory.glob("*/*.json"))]
-        if not path.name.endswith(".schema.json")}
+    return {} if directory is None else dict(_scenes_in(directory))
+
+
+@cache
+def _scenes_in(directory: Path) -> dict[str, Path]:
+    return {path.stem: path for path in [*sorted(directory.glob("*.json")),
+                                         *sorted(directory.glob("*/*.json"))]
+            if not path.name.endswith(".schema.json")}
 
 
 class Topic(NamedTuple):
