@@ -202,9 +202,6 @@ def test_motors_and_brakes_give_up_to_their_most_whatever_is_recorded(drive):
     assert lever(drive) == pytest.approx((0.0, 0.3 / 0.05), abs=1e-12)
 
 
-# -- the figure
-
-
 # --- pushes
 
 
@@ -238,20 +235,6 @@ def test_a_box_slides_or_tips(mu, width, height):
     assert np.isinf(found[3])
 
 
-def test_steep_pushes_down_on_a_box_jam():
-    """Within the friction cone no push is too large; a degree outside of it one is.
-
-    F cos(a) = mu (W + F sin(a)).
-    """
-    mu = 0.5
-    cone = np.arctan(1 / mu)
-    inside, outside = -cone - np.radians(1), -cone + np.radians(1)
-    found = limits(standing(mu, 0.2, 0.02), inside, outside)
-    assert np.isinf(found[0])
-    assert found[1] == pytest.approx(
-        mu * WEIGHT / (np.cos(outside) + mu * np.sin(outside)), rel=1e-6)
-
-
 def test_what_nothing_touches_and_what_nothing_balances():
     ball = {"name": "ball", "mass": 0.1, "at": (0.3, 1.0),
             "shapes": [{"type": "circle", "radius": 0.01}]}
@@ -260,26 +243,3 @@ def test_what_nothing_touches_and_what_nothing_balances():
     arrays = {key: np.array(value) for key, value in run.arrays.items()}
     arrays["body_acceleration"][-1, 1, 1] = -2 * G  # faster than it falls: a floor cannot pull
     assert np.isnan(limits(Recording(run.mechanism, arrays, run.info), RIGHT)).all()
-
-
-def test_what_is_pressed_by_a_hand_that_gives_way():
-    """A block between a wall and a jaw pushed with P: towards the jaw P, into the wall no bound.
-
-    Across, friction of both sides: 2 mu P. It weighs nothing here.
-    """
-    mu, P = 0.4, 3.0
-    run = simulate(mechanism(
-        duration=0.05, materials={"m": {"friction": mu}}, bodies=[
-            {"name": "wall", "motion": "fixed", "material": "m", "role": "palm",
-             "shapes": [{"type": "box", "size": (0.02, 0.2), "at": (-0.01, 0.0)}]},
-            {"name": "block", "mass": MASS, "at": (0.02, 0.0), "role": "object", "material": "m",
-             "shapes": [{"type": "box", "size": (0.04, 0.04)}]},
-            {"name": "jaw", "mass": 0.05, "at": (0.05, 0.0), "role": "phalanx", "material": "m",
-             "shapes": [{"type": "box", "size": (0.02, 0.04)}]}],
-        joints=[{"type": "slot", "name": "guide", "a": "wall", "b": "jaw", "on_b": (0, 0),
-                 "start": (0.0, 0.0), "end": (0.2, 0.0), "turns": False}],
-        drives=[{"type": "force", "name": "press", "body": "jaw", "direction": (-1, 0),
-                 "value": P}]))
-    found = limits(run, RIGHT, LEFT, UP, DOWN, body="block")
-    np.testing.assert_allclose(found[[0, 2, 3]], [P, 2 * mu * P, 2 * mu * P], rtol=1e-6)
-    assert np.isinf(found[1])

@@ -8,9 +8,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox.audit.bounds import contact_bounds, push_limits
+from sandbox.audit.bounds import contact_bounds
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.touching import touched
 from sandbox.engine.simulate import simulate
 from tests.audit.still import H, block, figures, machine, still
 from tests.engine.machines import mechanism
@@ -141,32 +140,3 @@ def test_a_near_phalanx_that_touches_without_force_may_press():
     assert (figure.verdict, figure.value) == ("look", 1.0)
     assert "1 of 2 on finger" in figure.why
     assert figures(run)["contact.bounds"].verdict == "pass"
-
-
-# -- places
-
-
-def test_a_seam_between_pieces_is_no_surface():
-    """A disc on the notched side of a U: its bottom is two pieces; below the seam nothing lies."""
-    outline = [(-0.04, 0.0), (0.04, 0.0), (0.04, 0.06), (0.03, 0.06), (0.03, 0.02), (-0.03, 0.02),
-               (-0.03, 0.06), (-0.04, 0.06)]
-    cup = {"name": "cup", "motion": "fixed", "shapes": [{"type": "polygon", "points": outline}]}
-    disc = {**block("disc", (0.0, 0.03)), "shapes": [{"type": "circle", "radius": 0.01}]}
-    a = touched(Evidence(still(machine(disc, cup), n=1)).last).run.arrays
-    assert a["contact_normal"] == pytest.approx(np.array([(0.0, 1.0)]))
-    assert a["contact_point"] == pytest.approx(np.array([(0.0, 0.02)]))
-
-
-@pytest.mark.parametrize(("x", "bound"), [(0.03, np.inf), (0.03 + 2 * OPEN, 0.5 * WEIGHT)])
-def test_a_wall_that_is_just_touched_holds_against_a_push(x, bound):
-    floor = {"name": "floor", "motion": "fixed", "material": "m", "shapes": [
-        {"type": "box", "size": (0.2, 0.02), "at": (0.0, -0.01)}]}
-    wall = {"name": "stop", "motion": "fixed", "material": "m", "at": (x, 0.02), "shapes": [
-        {"type": "box", "size": (0.02, 0.04)}]}
-    box = {**block("box", (0.0, 0.02)), "material": "m", "shapes": [
-        {"type": "box", "size": (0.04, 0.04)}]}
-    run = still(machine(box, floor, wall, materials={"m": {"friction": 0.5}}, gravity=(0.0, -G)),
-                n=1, touches=[(0, 1, 2, (0.0, WEIGHT), (0.0, 1.0), (0.0, 0.0), 0.0)])
-    right, left = push_limits(Evidence(run), 1, (0.0, np.pi))
-    assert left == pytest.approx(0.5 * WEIGHT)
-    assert right == pytest.approx(bound)

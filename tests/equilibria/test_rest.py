@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sandbox
-from sandbox.equilibria.branches import Branch, _Family, _Point, rest_along
+from sandbox.equilibria.branches import Branch, rest_along
 from sandbox.equilibria.rest import AtRest, rest
 from sandbox.errors import SceneError
 from sandbox.mechanics.springs import spring_set
@@ -274,32 +274,3 @@ def test_along_a_stiffness_and_not_a_load():
         assert stop.value * (angle - 0.1) == pytest.approx(
             MASS * G * ARM * math.sin(angle), abs=1e-9)
         assert stop.rest.stability == "stable"
-
-
-def test_direction_of_a_branch():
-    """dy/dp of a bead on a rail at x = p that hangs by a spring from the origin."""
-    def make(p: float) -> Mechanism:
-        scene = hanging(30.0, 0.3, rest_length=0.1)
-        scene["bodies"][1]["at"][0] = p
-        return read_scene({**scene, "joints": [
-            {"type": "slot", "name": "rail", "a": "wall", "b": "weight", "start": [p, -1],
-             "end": [p, 1], "turns": False}]}).mechanism
-
-    family = _Family(make, None, 0.1)
-
-    def point(p: float) -> _Point:
-        settler = family.at(p)
-        settler.follow()
-        balance = settler.polished()
-        assert balance is not None
-        return family.point(p, balance, None)
-
-    one, other = point(0.05), point(0.05 + 1e-5)
-    expected = (other.pose - one.pose)[1, :2] / 1e-5
-    slope = one.way[:2] / one.way[-1] * one.balance.size / family.span
-    np.testing.assert_allclose(slope, expected, rtol=1e-3, atol=1e-6)
-
-
-def test_what_has_no_stiffness_told():
-    with pytest.raises(SceneError, match="its stiffness is not told, for fluids"):
-        rest_along(lambda _: read_scene("pneumatic_hand").mechanism, 0.0, 1.0, 3)

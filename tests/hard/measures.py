@@ -7,24 +7,10 @@ import numpy as np
 from sandbox.recording.recording import Recording
 from tests.hard.trial import AtMost, Measure
 
-GRAVITY = 9.81
-
 
 def late(run: Recording, seconds: float) -> np.ndarray:
     """Which samples belong to the last so many seconds."""
     return run.time > run.info.step * run.info.steps - seconds
-
-
-def energy(run: Recording, gravity: float = GRAVITY) -> np.ndarray:
-    """Kinetic and of weight [J], of all bodies that move, shape [n]."""
-    moving = np.isfinite(run.arrays["body_mass"])
-    m, inertia = run.arrays["body_mass"][moving], run.arrays["body_inertia"][moving]
-    pose, centre = run.arrays["body_pose"][:, moving], run.arrays["body_centre"][moving]
-    velocity = run.arrays["body_velocity"][:, moving]
-    turn = pose[..., 2]
-    height = pose[..., 1] + np.sin(turn) * centre[:, 0] + np.cos(turn) * centre[:, 1]
-    kinetic = 0.5 * (velocity[..., :2]**2).sum(axis=-1) @ m + 0.5 * velocity[..., 2]**2 @ inertia
-    return np.asarray(kinetic + gravity * height @ m)
 
 
 def gap(run: Recording) -> float:

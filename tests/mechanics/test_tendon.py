@@ -40,15 +40,6 @@ def test_arms_are_the_derivative(finger: FingerSet) -> None:
     np.testing.assert_allclose(route.arms(theta), slope, rtol=0, atol=2e-11)
 
 
-def test_set_a_shortening() -> None:
-    """Set A at 5/10/15 deg: 0.470 + 0.997 + 1.504 = 2.971 mm, to the digits given."""
-    route = tendon.route(SET_A.guides, SET_A.lengths)
-    theta = np.radians([5.0, 10.0, 15.0])
-    np.testing.assert_allclose(
-        route.shortenings(theta) * 1e3, [0.470, 0.997, 1.504], rtol=0, atol=5e-4)
-    assert route.shortening(theta) * 1e3 == pytest.approx(2.971, abs=5e-4)
-
-
 @SETS
 def test_guide_forces_do_the_work_of_the_arms(finger: FingerSet) -> None:
     """Virtual work: forces T (u + u') on guides that move with the finger do T h_i per radian, and
@@ -81,11 +72,6 @@ def test_guides_that_have_passed_each_other_over_the_hinge(side: int) -> None:
         assert route.lengths([theta]) == pytest.approx(abs(turned - before), rel=1e-12)
         across = (before.conjugate() * turned).imag
         assert route.arms([theta]) == pytest.approx(across / abs(turned - before), rel=1e-12)
-
-
-def test_rough_guide() -> None:
-    """Euler's belt: half a turn at mu = 0.2 leaves exp(-0.2 pi)."""
-    assert tendon.guide_tension(10.0, 0.2, np.pi) == pytest.approx(10 * np.exp(-0.2 * np.pi))
 
 
 @pytest.mark.parametrize(("call", "message"), [

@@ -107,12 +107,6 @@ def test_a_target_without_a_value_at_the_first_act():
     assert "at t = 0 s" in text
 
 
-def test_two_controllers_of_one_drive():
-    text = told(arm(PID, {**PID, "name": "other"}))
-    assert "$.controllers[1].writes" in text
-    assert "written already, by the controller 'loop'" in text
-
-
 def test_an_algebraic_loop_is_named():
     a = {"type": "feedback", "name": "a", "value": "=second.value + 1", "writes": "motor"}
     b = {"type": "feedback", "name": "b", "value": "=2 * half", "writes": "second"}

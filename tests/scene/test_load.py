@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,7 +16,7 @@ from sandbox.engine.inspect import inspect
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import Scene
 from sandbox.scene.elements.settings import Run
-from sandbox.scene.library import find_scene, wholes
+from sandbox.scene.library import wholes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene, read_scene
 from sandbox.scene.read.paths import path_text
@@ -141,18 +139,6 @@ def test_mistakes(change: Change, path: str, words: str, hint: str) -> None:
     assert problems[0].hint == hint
 
 
-def test_all_problems_at_once() -> None:
-    data = hand()
-    data["bodies"][0]["mass"] = -1
-    data["joints"][1]["b"] = "dics"
-    data["parameters"]["r"] = "9 kg mm"
-    data["view"]["fsp"] = 20
-    data["templates"]["digit"]["lengths"][0] = "4 s"
-    assert {problem.path for problem in _problems(data)} == {
-        "$.bodies[0].mass", "$.joints[1].b", "$.parameters.r", "$.view.fsp",
-        "$.templates.digit.lengths[0]"}
-
-
 @pytest.mark.parametrize(("text", "hint"), [
     ("2 r", "'=2 * r'"), ("r", "'=r'"), ("r * 2", "'=r * 2'"), ("2.5r", "'=2.5 * r'"),
     ("2 q", ""), ("2 m m", ""), ("r mm", ""),
@@ -162,27 +148,6 @@ def test_an_expression_without_its_sign(text: str, hint: str) -> None:
         {"name": "disc", "mass": 1, "at": [text, 0], "inertia": 1}]})
     assert problem.path == "$.bodies[0].at[0]"
     assert problem.hint == hint or (not hint and "r" not in problem.hint)
-
-
-def test_places_in_the_file(tmp_path: Path) -> None:
-    path = tmp_path / "claw.json"
-    text = json.dumps(hand(), indent=2).replace('"mass": 1,', '"mas": 1,').replace(
-        '"joint": "hinge"', '"joint": "hing"', 1)
-    path.write_text(text)
-    with pytest.raises(SceneError) as refused:
-        load_scene(path)
-    lines = text.splitlines()
-    for problem, start in zip(refused.value.problems, ('"mas"', '"hing"'), strict=True):
-        assert lines[problem.line - 1][problem.column - 1:].startswith(start)
-    assert re.match(rf"{re.escape(str(path))}:\d+:\d+: \$\.bodies\[0\]\.mas: unknown key 'mas'\. "
-                    r"Did you mean 'mass'\? Allowed: .*\.\n", str(refused.value))
-
-
-@pytest.mark.parametrize("content", ["[]", "null"])
-def test_a_scene_is_an_object(tmp_path: Path, content: str) -> None:
-    path = tmp_path / "x.json"
-    path.write_text(content)
-    assert "a scene is an object" in _problems(path)[0].message
 
 
 def test_python_data_is_as_good_as_json() -> None:
@@ -303,18 +268,6 @@ def test_a_mutated_scene_loads_or_is_refused(data: st.DataObject) -> None:
     _scene_or_problems(scene)
 
 
-@pytest.mark.parametrize(("path", "value"), [
-    ("title", "\udcff"), ("view", {"\ud800": 1})])
-def test_half_a_character_cannot_be_set(path: str, value: Any) -> None:
-    problem, = _problems(hand(), overrides={path: value})
-    assert "half a character" in problem.message
-
-
-@given(st.dictionaries(keys | st.text(max_size=5), json_values, max_size=5))
-def test_any_object_loads_or_is_refused(data: dict[str, Any]) -> None:
-    _scene_or_problems(data)
-
-
 @given(st.sampled_from([path_text(place) for place in _places(hand())])
        | st.text(max_size=30) | st.from_regex(r"[a-z]{1,6}(\[[a-z0-9]{1,8}\]|\.[a-z]{1,6}){0,3}"),
        json_values)
@@ -363,17 +316,3 @@ def test_wholes_are_what_nothing_includes():
     assert {"four_finger_opposed", "prosthesis", "objects"} <= set(hands)
     assert not {"digit", "thumb", "shelf", "object_l", "object_bottle"} & set(hands)
     assert "slider_crank" in wholes("mechanisms")
-
-
-def test_unknown_scene_gets_a_near_miss():
-    with pytest.raises(SceneError) as caught:
-        find_scene("adaptive_grsap")
-    (problem,) = caught.value.problems
-    assert problem.hint == "'adaptive_grasp'"
-    assert "'approach'" in problem.allowed
-
-
-@pytest.mark.parametrize("name", ["x" * 5000, "a\0b", "", "no/such/place.json"])
-def test_names_that_no_file_can_have(name):
-    with pytest.raises(SceneError):
-        find_scene(name)

@@ -13,7 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 import sandbox
 from sandbox.errors import SceneError
 from sandbox.scene.outlines.spline import PeriodicSpline
-from sandbox.scene.values.signals import AnySignal, ForceSignal, Path, Signal, values
+from sandbox.scene.values.signals import AnySignal, ForceSignal, Signal, values
 from sandbox.scene.values.tables import Function, NamedTable
 
 PROFILE = {"points": [[0, 1], [1, 3], [3, 2]]}
@@ -179,9 +179,3 @@ def test_signal_refusals(written: Any, place: tuple[str | int, ...], words: str)
     (error,) = refused.value.errors()
     assert words in error["msg"]
     assert error["loc"][:len(place)] == place
-
-
-def test_a_path_says_something() -> None:
-    with pytest.raises(ValidationError, match="a path needs 'x', 'y' or 'angle'"):
-        Path.model_validate({})
-    assert Path.model_validate({"angle": "90 deg"}).angle is not None

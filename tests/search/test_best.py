@@ -80,9 +80,3 @@ def test_what_has_no_best_is_told(more, said):
     with pytest.raises(SandboxError) as error:
         best(**more)
     assert said in str(error.value)
-
-
-def test_a_list_is_chosen_from():
-    found = best(vary={"parameters.a": "[-1, 0.3, 2]", "parameters.b": "-2:2"}, least="bowl",
-                 runs=60)
-    assert found.best[0].values["parameters.a"] == 0.3
