@@ -71,31 +71,6 @@ class TestRepeat:
         assert made.groups[0].bodies == ("b0", "b1", "b2")
 
 
-    @pytest.mark.parametrize(("repeat", "path", "told"), [
-        (0, "", "0 is not a number of copies"),
-        (True, "", "true is not a number"), ("forever", "", "'forever' is not a number"),
-        ("=1/0", "", "no finite value"), ("=m", "", "unknown name 'm'"),
-        (1e9, "", "1e+09 copies are more"),
-        ({}, "", "either 'count' or 'list'"),
-        ({"list": []}, ".list", "without entries"),
-        ({"list": [{"i": 3}]}, ".list[0].i", "that of the index"),
-        ({"list": [{"e": 3}]}, ".list[0].e", "already means"),
-        ({"list": ["3 furlongs"]}, ".list[0]", "unknown unit"),
-        ({"count": 2, "index": "t"}, ".index", "means the time"),
-        ({"count": 2, "index": "n"}, ".index", "that of a parameter"),
-        ({"count": 2, "lien": [0, 0]}, ".lien", "unknown key 'lien'"),
-        ({"count": 2, "line": 3}, ".line", "the step from one copy"),
-        ({"count": 2, "circle": [0, "3 kg"]}, ".circle[1]", "unit of mass"),
-        ({"count": 2, "circle": [0, 0], "line": [0, 0]}, ".circle", "exclude each other"),
-    ])
-    def test_what_is_wrong_is_told_once(self, repeat: Any, path: str, told: str):
-        scene = {"parameters": {"n": 1}, "bodies": [
-            {**POINT, "name": "b{i}", "repeat": repeat}], "groups": [
-            {"name": "all", "bodies": ["b0"]}]}
-        (problem,) = problems(scene)
-        assert problem.path == f"$.bodies[0].repeat{path}"
-        assert told in problem.message
-
     def test_of_all_copies_the_first_wrong_one_is_told(self):
         found = problems({"bodies": [
             {**POINT, "name": "b{i}", "repeat": 9, "mass": "=1 - i", "at": [0, "3 kg"]}]})
