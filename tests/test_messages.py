@@ -1,4 +1,4 @@
-"""Diagnostics have a code of the table, a place and a line; all are in scene/test_diagnostics.py."""
+"""Diagnostics have a code of the table, a place and a line; scene/test_diagnostics.py has all."""
 
 from __future__ import annotations
 

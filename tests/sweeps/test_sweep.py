@@ -113,7 +113,7 @@ def test_a_script_without_a_guard_gets_a_message(tmp_path):
 
 def _command(folder):
     return [sys.executable, "-m", "sandbox", "sweep", str(folder / "puck.json"), "--no-audit",
-            "--vary", "parameters.push=1:80:80", "--keep", "v=puck.vx", "--out",
+            "--vary", "parameters.push=1:30:30", "--keep", "v=puck.vx", "--out",
             str(folder / "out"), "--workers", "2"]
 
 
@@ -134,7 +134,7 @@ def test_a_process_that_is_killed_loses_only_what_was_under_way(tmp_path):
     done = subprocess.run(_command(tmp_path), capture_output=True, text=True, timeout=400)
     assert done.returncode == 0, done.stderr
     rows = list(read_rows(tmp_path / "out" / "rows"))
-    assert len(rows) == len({row.id for row in rows}) == 80
+    assert len(rows) == len({row.id for row in rows}) == 30
     whole = tmp_path / "whole"
     shutil.copytree(tmp_path, whole)
     shutil.rmtree(whole / "out")
