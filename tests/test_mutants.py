@@ -29,6 +29,7 @@ PACKAGE, ROOT = Path(sandbox.__file__).parent, Path(__file__).parents[1]
 COUNT, SEED = int(os.environ.get("MUTANTS", "12")), os.environ.get("MUTANTS_SEED", "1")
 KILLED = 0.7  # required share; some mutants are equivalent to the original
 GOLDEN = {"engine", "model", "scene", "samples", "mechanics", "control", "audit"}
+VERIFIED = {"equilibria", "mechanics"}
 TIME, MEMORY = 900, 6 * 2**30  # limits [s], [bytes]; a mutant that exceeds them is killed
 OUT_OF_TIME = "time limit"
 OPPOSITES: dict[type[ast.AST], type[ast.AST]] = {
@@ -105,9 +106,10 @@ def mutants_of(path: Path) -> Iterator[Mutant]:
 
 
 def near_tests(file: str) -> list[str]:
-    """Tests of the same name first, then those of the package."""
+    """Tests of the same name first, then those of the package, then whole runs."""
     folder = (Path("tests") / file).parents[-3 if "/" in file else -2]
     tests = [folder / f"test_{Path(file).stem}.py", *([folder] if "/" in file else [])]
+    tests += [Path("tests/verification")] * (folder.name in VERIFIED)
     tests += [Path("tests/golden/test_golden.py")] * (folder.name in GOLDEN)
     return [str(path) for path in tests if (ROOT / path).exists()]
 

@@ -6,16 +6,11 @@ with every contact pushing and within its friction cone (in the plane two straig
 nothing is approximated), every cord pulling. The least and the largest of each component over that
 set follow from a linear program (:mod:`sandbox.mechanics.linear_program`). What is recorded has to
 lie between them, wherever the way to the grasp has led; outside is an error.
-
-How hard an object may be pushed is the same program with one unknown more: a force along a
-direction at the centre of mass of one body. What drives give, springs and weights stay as they are.
-Beyond the largest such force nothing balances at rest in this pose. Below it something may give
-way, too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -256,34 +251,3 @@ def bound_figure(evidence: Evidence) -> Figure:
         name, "N", source=source, none=f"more than {MOST // 3} bodies hang together",
         why="how far contact forces at the end are outside of what balance and friction leave "
             "them, {count:component}, worst: {where}" + widest[1])
-
-
-def push_limits(
-    evidence: Evidence, body: int, directions: Sequence[float], sample: int = -1,
-) -> Array:
-    """The largest push of a body that can be balanced in a sample [N], for each direction [rad].
-
-    inf where there is no bound; nan where no forces balance the sample itself; 0 of a body that
-    nothing touches, and where it is no more than rounding.
-
-    Raises:
-        ArithmeticError: a linear program does not come to an end.
-    """
-    (unknowns, group), found = _coupled(evidence, body, sample), []
-    if group is None:
-        return np.zeros(len(directions))
-    for angle in directions:
-        push = Unknown({body: np.array([np.cos(angle), np.sin(angle), 0.0])})
-        balance = Balance(unknowns, Together(group.bodies, [*group.forces, push]),
-                          evidence.left_allowed)
-        weight = np.zeros(len(group.forces) + 1)
-        weight[-1] = -1.0 / balance.unit[-1]
-        least, slack = balance.least(weight) if balance.balanced() else (np.nan, 0.0)
-        found.append(0.0 if abs(least) <= slack else -least)
-    return np.array(found)
-
-
-def _coupled(evidence: Evidence, body: int, sample: int) -> tuple[Unknowns, Together | None]:
-    """All unknown forces of a sample, and those coupled to a body; None if nothing touches it."""
-    unknowns = Unknowns(touched(evidence.alone(sample % len(evidence.run))))
-    return unknowns, next((each for each in together(unknowns) if body in each.bodies), None)

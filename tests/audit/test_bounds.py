@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox.audit.bounds import contact_bounds, push_limits
+from sandbox.audit.bounds import contact_bounds
 from sandbox.audit.evidence import Evidence
 from sandbox.engine.simulate import simulate
-from sandbox.recording.recording import Recording
 from tests.audit.still import block, figures, machine, still
 from tests.engine.machines import mechanism
 
@@ -200,46 +199,3 @@ def test_friction_that_holds_may_carry_what_the_contact_does_not(
     {"type": "motor", "value": 1.0, "torque": 0.3}, {"type": "brake", "value": 0.3}])
 def test_motors_and_brakes_give_up_to_their_most_whatever_is_recorded(drive):
     assert lever(drive) == pytest.approx((0.0, 0.3 / 0.05), abs=1e-12)
-
-
-# --- pushes
-
-
-MASS = 0.2
-RIGHT, UP, LEFT, DOWN = np.radians([0, 90, 180, 270])
-
-
-def standing(mu, width, height, *more):
-    """A box at rest on a floor."""
-    return simulate(mechanism(
-        duration=0.02, gravity=(0.0, -G),
-        bodies=[
-            {"name": "floor", "motion": "fixed", "material": "m",
-             "shapes": [{"type": "box", "size": (1.0, 0.1), "at": (0.0, -0.05)}]},
-            {"name": "box", "mass": MASS, "material": "m", "at": (0.0, height / 2),
-             "shapes": [{"type": "box", "size": (width, height)}]}, *more],
-        materials={"m": {"friction": mu}}))
-
-
-def limits(run, *directions, body="box"):
-    number = [each.name for each in run.mechanism.bodies].index(body)
-    return push_limits(Evidence(run), number, directions)
-
-
-@pytest.mark.parametrize(("mu", "width", "height"), [(0.3, 0.06, 0.04), (0.9, 0.04, 0.06)])
-def test_a_box_slides_or_tips(mu, width, height):
-    """By mu W or W b / h, whichever is less: the sides are flat, so that an edge may carry all."""
-    least = min(mu * WEIGHT, WEIGHT * width / height)
-    found = limits(standing(mu, width, height), RIGHT, LEFT, UP, DOWN)
-    np.testing.assert_allclose(found[:3], [least, least, WEIGHT], rtol=1e-6)
-    assert np.isinf(found[3])
-
-
-def test_what_nothing_touches_and_what_nothing_balances():
-    ball = {"name": "ball", "mass": 0.1, "at": (0.3, 1.0),
-            "shapes": [{"type": "circle", "radius": 0.01}]}
-    run = standing(0.3, 0.06, 0.04, ball)
-    assert limits(run, RIGHT, UP, body="ball").tolist() == [0.0, 0.0]
-    arrays = {key: np.array(value) for key, value in run.arrays.items()}
-    arrays["body_acceleration"][-1, 1, 1] = -2 * G  # faster than it falls: a floor cannot pull
-    assert np.isnan(limits(Recording(run.mechanism, arrays, run.info), RIGHT)).all()

@@ -18,18 +18,6 @@ joint = st.floats(0.0, 1.2)
 
 
 @SETS
-def test_lengths_over_time_are_distances(finger: FingerSet) -> None:
-    """(8)-(17), shape [time, 3], against the distance of the guides in the world; every
-    square root carries a few roundings of lengths of 0.05 m, below 1e-16 m each.
-    """
-    theta = np.linspace([0, 0, 0], finger.limits, 40)
-    route = tendon.route(finger.guides, finger.lengths)
-    by_hand = straight_lines(finger, theta, finger.guides[:-1], finger.guides[1:], own_frame=True)
-    np.testing.assert_allclose(route.lengths(theta), by_hand, rtol=0, atol=1e-15)
-    assert route.lengths(theta).shape == (40, 3)
-
-
-@SETS
 def test_arms_are_the_derivative(finger: FingerSet) -> None:
     """h = -d(lt)/d(theta). A central difference of step e errs by e^2/6 |lt'''| plus rounding
     1e-17/e: with |lt'''| < 1 m (lengths of 0.05 m, smooth over 1 rad) and e = 1e-5: < 2e-11 m.

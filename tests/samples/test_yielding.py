@@ -9,10 +9,8 @@ import pytest
 
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from sandbox.samples.expectations import verdicts
 from sandbox.samples.grasps import MAX_STIFFNESS_SAMPLES, Grasp
 from sandbox.samples.yielding import Yielding
-from sandbox.scene.elements.settings import Expect
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
@@ -87,21 +85,6 @@ def test_three_smooth_fingertips_on_springs(press: float) -> None:
     assert last(tips(0.0, k, press)) == [
         *(pytest.approx(expected, rel=1e-6) for _ in range(2)), 0.0,
         pytest.approx(expected, rel=1e-6)]
-
-
-def test_three_fingertips_that_stick() -> None:
-    """Six freedoms, and six that three sticking contacts take: nothing moves, springs or not."""
-    run = tips(0.8, 400.0, 1.0)
-    assert np.isinf(last(run)).all()
-    expect = tuple(Expect.model_validate(each) for each in (
-        {"min": "thing.stiffness", "over": [0.12, 0.15], "above": 1000},
-        {"min": "thing.stiffness", "above": 1000},
-        {"final": "thing.stiffness", "over": [0.12, 0.15], "below": 1000}))
-    asked = run.mechanism.model_copy(update={"expect": expect})
-    rigid, whole, soft = verdicts(type(run)(asked, run.arrays, run.info))
-    assert (rigid.ok, rigid.value, rigid.reason) == (True, np.inf, "")
-    assert not soft.ok
-    assert "samples have no value: it is not held" in whole.reason  # for the first 0.1 s
 
 
 def test_stiffness_is_calculated_only_in_the_samples_that_are_read(
