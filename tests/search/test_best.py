@@ -29,7 +29,7 @@ def test_cma_es_finds_the_bottom_of_a_bowl():
 
 @pytest.mark.parametrize("sampler", ["cmaes", "tpe"])
 def test_a_condition_moves_the_best_to_its_limit(sampler):
-    found = best(least="bowl", where="side > 1", sampler=sampler, runs=150)
+    found = best(least="bowl", where="side > 1", sampler=sampler, runs=100)
     choice, = found.best
     assert 1 <= choice.values["parameters.a"] < 1.15
     assert choice.objectives["bowl"] >= 0.49
