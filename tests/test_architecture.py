@@ -137,23 +137,6 @@ def test_there_are_no_import_cycles() -> None:
     assert cycles(graph) == []
 
 
-@pytest.mark.parametrize(("text", "package"), [
-    ("from sandbox.engine.world import World\n", "recording"),
-    ("import sandbox.draw.film.camera\n", "engine"),
-    ("from sandbox import cli\n", "scene"),
-    ("from sandbox import simulate\n", "study"),
-    ("def f():\n    import pymunk\n", "draw"),
-    ("from pygame import Surface\n", "cli"),
-])
-def test_a_forbidden_import_is_found(text: str, package: str) -> None:
-    assert faults(package, imports(text))
-    assert not faults(package, imports("if TYPE_CHECKING:\n    from sandbox.cli import a\n"))
-
-
-def test_a_cycle_is_found() -> None:
-    assert cycles({"a": {"b"}, "b": {"c"}, "c": {"a", "d"}, "d": set()}) == [["a", "b", "c"]]
-
-
 def tags(union: Any) -> list[str]:
     """What ``type`` says of every member of a discriminated union."""
     inner = get_args(union)[0] if get_origin(union) is Annotated else union

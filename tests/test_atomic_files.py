@@ -21,12 +21,6 @@ def names(directory: Path) -> list[str]:
     return sorted(path.name for path in directory.iterdir())
 
 
-def test_a_text_is_written_with_its_directories(tmp_path: Path) -> None:
-    write_atomic(tmp_path / "a" / "b.csv", "x\nµ\n")
-    assert (tmp_path / "a" / "b.csv").read_bytes() == "x\nµ\n".encode()
-    assert names(tmp_path / "a") == ["b.csv"]
-
-
 @pytest.mark.parametrize("stop", [KeyboardInterrupt, ValueError])
 def test_an_interrupted_write_keeps_the_old_file(
     tmp_path: Path, stop: type[BaseException],
@@ -97,24 +91,6 @@ def test_files_of_live_writers_stay(tmp_path: Path) -> None:
         assert second.exists()
     assert names(tmp_path) == ["a.csv"]
     assert (tmp_path / "a.csv").read_text() == "1"
-
-
-def test_a_temporary_file_that_is_removed_before_it_is_locked_is_made_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    made: list[Path] = []
-    touch = Path.touch
-
-    def tidied(path: Path) -> None:
-        touch(path)
-        made.append(path)
-        if len(made) == 1:
-            remove_stale(tmp_path)
-
-    monkeypatch.setattr(Path, "touch", tidied)
-    write_atomic(tmp_path / "a.csv", "x")
-    assert len(made) == 2
-    assert names(tmp_path) == ["a.csv"]
 
 
 def test_a_file_is_flushed_before_it_is_moved(

@@ -31,6 +31,7 @@ COUNT, SEED = int(os.environ.get("MUTANTS", "12")), os.environ.get("MUTANTS_SEED
 SHARE = 0.7  # killed of larger samples; some mutants are equivalent to the original
 SIGMAS = 3  # binomial standard deviations by which a sample may be below that
 GOLDEN = {"engine", "model", "scene", "samples", "mechanics", "control", "audit"}
+VERIFIED = {"equilibria", "mechanics"}
 TIME, MEMORY = 900, 6 * 2**30  # limits [s], [bytes]; a mutant that exceeds them is killed
 OUT_OF_TIME = "time limit"
 OPPOSITES: dict[type[ast.AST], type[ast.AST]] = {
@@ -107,9 +108,10 @@ def mutants_of(path: Path) -> Iterator[Mutant]:
 
 
 def near_tests(file: str) -> list[str]:
-    """Tests of the same name first, then those of the package."""
+    """Tests of the same name first, then those of the package, then whole runs."""
     folder = (Path("tests") / file).parents[-3 if "/" in file else -2]
     tests = [folder / f"test_{Path(file).stem}.py", *([folder] if "/" in file else [])]
+    tests += [Path("tests/verification")] * (folder.name in VERIFIED)
     tests += [Path("tests/golden/test_golden.py")] * (folder.name in GOLDEN)
     return [str(path) for path in tests if (ROOT / path).exists()]
 

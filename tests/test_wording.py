@@ -27,10 +27,6 @@ def test_suggestions(word: str, choice: str) -> None:
     assert meant(word, SPRING) == (f" Did you mean {choice!r}?" if choice else "")
 
 
-def test_the_shortest_completion_is_suggested() -> None:
-    assert nearest("spring", ["springs_of_steel", "springs"]) == "springs"
-
-
 def test_quoted_names_keep_their_letters_and_lose_control_characters() -> None:
     assert quoted("größe") == "'größe'"
     assert quoted("ö\n\x1b") == r"'\xf6\n\x1b'"

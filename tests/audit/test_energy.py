@@ -207,22 +207,6 @@ def test_joints_that_share_a_load_are_named(joints, shared):
     assert figure.why.endswith(f": {shared.replace(chr(39), '').replace(', ', '; ') or 'none'}")
 
 
-def test_joints_that_share_in_a_dead_centre_only_are_not_told():
-    """A bar on a pin and a rod, all in line, which pull at each other as long as they are."""
-    machine_ = machine(
-        block("bar", at=(0.0, 0.0), angle=0.5),
-        joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "bar", "on_b": (0, 0)},
-                {"type": "rod", "name": "rod", "a": "wall", "b": "bar", "on_a": (1.0, 0.0),
-                 "on_b": (0.3, 0.0)}])
-
-    def turned(*angles):
-        def change(a):
-            a["body_pose"][:, 1, 2] = angles
-        return figures(still(machine_, change))["reaction.shared"]
-    assert turned(0.0, 0.0, 0.0, 0.0).value == 2
-    assert turned(0.0, 0.2, 0.4, 0.6).value == 0
-
-
 # -- momentum --------------------------------------------------------------------------------
 
 

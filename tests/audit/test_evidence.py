@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
-import pytest
 
 from sandbox.audit import audit as audit_module
 from sandbox.audit import evidence as evidence_module
 from sandbox.audit.audit import audit
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import judged
 from tests.audit.still import H, block, machine, still
 
 
@@ -44,13 +40,3 @@ def test_the_figures_of_one_part_may_fail_and_the_others_are_there(monkeypatch):
     assert (found[0].name, found[0].verdict) == ("geometry", "not computed")
     assert found[0].why == "the numbers cannot be used: odd numbers"
     assert "momentum.force" in {figure.name for figure in found}
-
-
-# -- figures
-
-
-@pytest.mark.parametrize(("value", "threshold", "verdict"), [
-    (1.0, 1.0, "pass"), (math.nextafter(1.0, 2.0), 1.0, "look"), (math.nan, 1.0, "look"),
-    (0.0, math.inf, "look"), (math.inf, math.inf, "look"), (-1.0, 0.0, "pass")])
-def test_a_figure_passes_up_to_its_threshold_if_both_are_numbers(value, threshold, verdict):
-    assert judged("name", value, "m", threshold, why="w", source="s").verdict == verdict

@@ -195,18 +195,3 @@ def test_a_rocker_goes_the_mean_of_its_strings_weighted_by_the_other_arm():
                 a["tendon_length"][:, number] += error / weight
             return still(rocker(), change)
         turns("differential", 2 * OPEN, make, by=1e-3)
-
-
-@pytest.mark.parametrize(("change", "words"), [
-    ("no slot", "it does not slide on a slot"),
-    ("one string", "it has 1 strings that are tendons, not 2"),
-    ("one place", "its strings pull at one place")])
-def test_what_of_a_tree_cannot_be_compared_says_why(change, words):
-    machine_ = rocker(arms=(0.03, 0.03) if change == "one place" else (0.03, -0.02))
-    content = machine_.model_dump(by_alias=True)
-    if change == "no slot":
-        content["joints"] = []
-    if change == "one string":
-        content["tendons"] = content["tendons"][:1]
-    run = still(type(machine_).model_validate(content))
-    assert figures(run)["differential"].why == f"rocker: {words}"

@@ -61,19 +61,6 @@ def test_moments_at_rest_may_leave_1e_4_of_the_largest():
     turns("rest.moments", MOMENT, lambda e: still(arm(), holding(WEIGHT * (1 - e)), n=200))
 
 
-def test_moments_are_about_the_hinge_wherever_the_world_has_its_middle():
-    """A lever at (0.1, 0.4) of the body pushed along (3, 4) / 5: 5 N * (0.1 * 0.8 - 0.4 * 0.6)."""
-    lever = {"type": "force", "name": "push", "body": "one", "at": (0.1, 0.4),
-             "direction": (3, 4), "value": 0}
-    moment = 5.0 * (0.1 * 0.8 - 0.4 * 0.6)
-
-    def make(error):
-        def change(a):
-            a["drive_value"][:] = [-moment / (1 - error), 5.0]
-        return still(arm(drives=[lever], gravity=(0.0, 0.0)), change, n=200)
-    turns("rest.moments", MOMENT, make)
-
-
 def test_a_hinge_whose_loads_are_what_coming_to_rest_asks_for_is_left_out():
     """2 TURN / window of (I + m r^2), window a twentieth of the run; about the hinge."""
     inertia = 3e-4 + 0.2 * 0.3**2 + 3e-4 + 0.2 * ((0.45 - 0.05) ** 2 + (0.32 - 0.02) ** 2)
@@ -109,9 +96,6 @@ def test_contacts_hold_moments_about_the_hinge(who, sign, up):
         return still(touched(gravity=(0.0, -G * up)), n=200, touches=[
             (199, *who, force, (0.0, sign * up), (0.25, -0.08), 0.0)])
     turns("rest.moments", MOMENT, make)
-
-
-# -- what lies beyond a hinge ----------------------------------------------------------------
 
 
 # --- fingers
@@ -220,16 +204,3 @@ def test_forces_are_shared_where_there_is_more_to_hold_than_hinges(more, shared,
     assert figure.threshold == 0.0
     assert figure.verdict == ("look" if shared else "pass")
     assert words in figure.why
-
-
-def test_a_finger_that_something_else_holds_is_left_out():
-    make, _ = gripping(positions=((0.05, -0.02), (0.16, -0.02)))
-    content = make().mechanism.model_dump(by_alias=True)
-    content["joints"] = [*content["joints"], {
-        "type": "rod", "name": "rod", "a": "wall", "b": "two", "on_a": [0.0, 0.5]}]
-    other = type(make().mechanism).model_validate(content)
-    found = figures(still(other, lambda a: a["drive_value"].__setitem__(
-        slice(None), [-0.9, -0.3]), n=200, touches=[
-        (199, 1, 3, (0.0, 2.0), (0.0, 1.0), (0.05, -0.01), 0.0),
-        (199, 2, 4, (0.0, 5.0), (0.0, 1.0), (0.16, -0.01), 0.0)]))
-    assert found["rest.contacts"].why == "finger: something else holds it, too"

@@ -19,7 +19,6 @@ from sandbox.audit.figures import Figure
 from sandbox.audit.starts import starts
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from tests.audit.test_planted import EVERY, array, more
 from tests.engine.machines import G, fixed, mechanism
 
 CRANK, ROD, SLIDER, U, H = 0.1, 0.3, 0.2, 20.0, 5e-4
@@ -104,23 +103,3 @@ def test_a_motor_that_begins_with_its_hinges_rate_costs_nothing(angle, value, ra
     run = crank(angle, rate, value)
     assert looks(run) == set()
     assert "no motor starts" in found(run)["energy.start"].why
-
-
-def test_a_hinge_that_turns_the_other_way_before_is_told_with_both_rates():
-    """The impulse J (20 + 5), 25 rad/s of which half are lost."""
-    run = crank(math.pi / 2, 1000.0, moving=True)
-    assert looks(run) == {"energy.start"}
-    assert "from -5 to 20 rad/s" in found(run)["energy.start"].why
-    assert starts(Evidence(run)).cost == pytest.approx(
-        inertia(math.pi / 2) * 25.0**2 / 2, rel=0.02)
-
-
-@pytest.mark.parametrize(("plant", "size", "figures"), [
-    (array("drive_work", EVERY, more), 0.01, {"energy.lost"}),
-    (array("body_inertia", 3, more), 0.01, {"scene.numbers"}),
-    (array("drive_value", EVERY, more), 0.01, {"drive.signal", "drive.motor"}),
-    (array("body_velocity", (slice(20, None), 3), more), 0.01, {"energy.lost"}),
-    (array("drive_torque", EVERY, more), 0.01, {"momentum.moment"}),
-], ids=["work", "inertia", "speed", "velocity", "torque"])
-def test_faults_are_noticed_beside_it(plant, size, figures):
-    assert figures <= looks(plant(crank(1.0, 1000.0), 0.1 * size))

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox.audit.audit import audit
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from sandbox.scene.read.load import load_scene
 from tests.support.mechanisms import fixed, mass, mechanism
 
 from .still import figures
@@ -73,26 +71,3 @@ def test_energy_of_closing_is_work_of_the_joint():
     assert every["energy.created"].verdict == every["energy.lost"].verdict == "pass"
     assert some["energy.created"].verdict == some["energy.lost"].verdict == "not computed"
     assert "were taken up" in some["energy.lost"].why
-
-
-ACTUATED = {"push": {"value": "=30 * t"}, "extend": {"value": 0.5, "force": 50.0},
-            "rigid": {"type": "length", "value": 0.9, "force": 50.0},
-            "sprung": {"type": "length", "value": 0.9, "force": 50.0, "stiffness": 200.0,
-                       "damping": 5.0}}
-
-
-@pytest.mark.parametrize("kind", ACTUATED)
-def test_drives_of_an_actuator_that_is_let_go_are_not_missed(kind: str) -> None:
-    run = simulate(load_scene({
-        "run": {"duration": 0.5, "sample_rate": 1000, "step": 1e-3},
-        "bodies": [{"name": "wall", "motion": "fixed"},
-                   {"name": "m", "at": [0.5, 0], "mass": 1, "inertia": 0.01}],
-        "joints": [{"type": "actuator", "name": "c", "a": "wall", "b": "m"}],
-        "drives": [{"type": kind, "name": "d", "joint": "c", **ACTUATED[kind]}],
-        "events": [{"name": "go", "at": 0.1, "release": "c"},
-                   {"name": "back", "at": 0.3, "take_up": "c"}]}))
-    gone = run["c.held"] == 0
-    assert gone.any()
-    assert np.abs(run["c.speed"][gone]).min() > 0
-    assert not run["d.power"][gone].any()
-    assert [f.name for f in audit(run) if f.verdict == "look"] == []

@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
-from typing import Any
-
-import pytest
 
 from sandbox.scene.read.models import ELEMENTS
 
@@ -14,7 +10,6 @@ from .conftest import BALL
 
 ROPE = {"type": "rope", "name": "rope", "a": "floor", "b": "ball", "longest": 0.001}
 CORD = {"name": "cord", "guides": [{"body": "floor"}, {"body": "floor"}, {"body": "ball"}]}
-UNKNOWN = {"mean": "ball.contact.fz", "is": 0, "within": 1}
 
 
 def test_good_scenes_and_what_a_run_costs(sandbox, scene):
@@ -97,24 +92,3 @@ def test_expand_prints_a_scene_that_expands_to_itself(sandbox, tmp_path):
     assert sandbox("check", "--expand", path, path).code == 2
     assert "bodies" in json.loads(sandbox("check", "--schema").out)["properties"]
     assert "vary" in json.loads(sandbox("check", "--schema", "study").out)["properties"]
-
-
-@pytest.mark.parametrize("changes", [{}, {"expect": [UNKNOWN]}, {"tendons": [CORD]}],
-                         ids=["good", "unknown quantity", "no direction"])
-@pytest.mark.parametrize("words", [
-    ["check"], ["run", "--no-render", "--out", "out"], ["converge"], ["check", "--expand"],
-    ["export"]], ids=lambda words: words[-1])
-def test_no_command_reads_a_file_twice(
-    sandbox: Any, scene: Any, monkeypatch: pytest.MonkeyPatch, words: Any, changes: Any,
-) -> None:
-    opened, plain = [], Path.open
-
-    def counted(path: Path, mode: str = "r", *arguments: Any, **options: Any) -> Any:
-        if path.name == "ball.json" and "r" in mode:
-            opened.append(path.name)
-        return plain(path, mode, *arguments, **options)
-
-    path = scene(**changes)
-    monkeypatch.setattr(Path, "open", counted)
-    sandbox(*words, path)
-    assert opened == ["ball.json"]

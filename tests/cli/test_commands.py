@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import json
 
-import click
 import pytest
 
 import sandbox as package
-from sandbox.cli.entry import COMMANDS, REMOVED, commands
+from sandbox.cli.entry import COMMANDS, REMOVED
 from sandbox.cli.explain import _elements, _example
 from sandbox.kinds.quantities import QUANTITIES
 from sandbox.scene.library import shipped_scenes
@@ -25,13 +24,6 @@ def test_help_fits_on_a_screen_and_every_command_helps(sandbox):
         assert helped.code == 0
         assert helped.out.startswith(f"Usage: sandbox {command}")
     assert sandbox("--version").out == f"sandbox {package.__version__}\n"
-
-
-def test_no_two_options_of_a_command_share_a_parameter():
-    for name in COMMANDS:
-        command = commands.get_command(click.Context(commands), name)
-        found = [parameter.name for parameter in command.params]
-        assert len(set(found)) == len(found), name
 
 
 @pytest.mark.parametrize(("words", "told"), [
@@ -65,15 +57,6 @@ def test_no_path_is_not_the_working_directory(sandbox, words):
     assert said.code == 2
     assert said.err.splitlines()[-1] == ("error: Invalid value for '--out': the path is empty; "
                                          "'.' is the directory that you are in.")
-
-
-def test_a_shell_completes_commands(sandbox, monkeypatch, capfd):
-    monkeypatch.setenv("_SANDBOX_COMPLETE", "bash_complete")
-    monkeypatch.setenv("COMP_WORDS", "sandbox rep")
-    monkeypatch.setenv("COMP_CWORD", "1")
-    with pytest.raises(SystemExit):
-        sandbox()
-    assert capfd.readouterr().out.split() == ["plain,report"]
 
 
 def test_list_has_every_scene_by_topic(sandbox):

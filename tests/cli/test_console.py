@@ -6,8 +6,7 @@ import json
 
 import pytest
 
-from sandbox.cli import console as module
-from sandbox.cli.console import Console, Progress, format_duration
+from sandbox.cli.console import Console, format_duration
 from sandbox.cli.failures import report
 from sandbox.errors import Problem, SceneError
 
@@ -51,23 +50,6 @@ def test_no_scene_can_forge_a_line(sandbox, scene, tmp_path):
         lines = (said.out + said.err).splitlines()
         assert all(line.isprintable() for line in lines), words
         assert not {"9 of 9 expectations passed", "ball: ok"} & {line.strip() for line in lines}
-
-
-def test_the_bar_appears_after_a_second_on_a_terminal_only(monkeypatch, capsys):
-    now = 100.0
-    monkeypatch.setattr(module.time, "monotonic", lambda: now)
-    for shown in (False, True):
-        now = 100.0
-        with Progress("Drawing", shown=shown) as bar:
-            now += 0.99
-            bar(0.5)
-            now += 1
-            bar(0.6)
-            now += 1
-            bar(0.7)
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err.count("Drawing") == 1  # without a terminal click prints the label alone
 
 
 @pytest.mark.parametrize(("seconds", "text"), [

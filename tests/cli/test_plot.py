@@ -13,7 +13,6 @@ from sandbox.cli.plot import PICTURES
 from sandbox.draw.figure.style import SUFFIXES
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status
-from tests.cli.conftest import BALL
 from tests.samples.controlled import recording
 from tests.samples.controlled import scene as finger
 
@@ -86,17 +85,6 @@ def test_without_quantities_it_lists_them_and_commands_that_work(runs):
     assert all(row["about"] for row in told)
 
 
-def test_meters_and_touching_pairs_are_listed(sandbox, scene):
-    far = {"name": "far", "at": [5, 5], "shapes": [{"type": "circle", "radius": 0.01}]}
-    bodies = [*BALL["bodies"], far | {"motion": "fixed"}]
-    path = scene(bodies=bodies, meters=[{"name": "high", "value": "=2 * ball.y", "unit": "m"}])
-    assert sandbox("run", path, "--no-render", "--quiet").code == 0
-    said = sandbox("plot", "ball").out
-    assert "  high  m  =2 * ball.y" in said
-    assert "pairs of bodies that touched: ball/floor\n" in said
-    assert "sandbox plot ball ball/floor.normal" in said
-
-
 def test_one_quantity_against_another_in_a_window_of_several_runs(runs):
     said = runs("plot", "controlled", "finger.mcp.angle", "k1.value", "--x", "finger.dip.angle",
                 "--from", "0.5s", "--to", "2", "--with", "other", "--with", "elsewhere/free",
@@ -139,16 +127,3 @@ def test_runs_are_compared_by_default_in_what_controllers_lead(runs):
     value, unit = table["controlled", "k1", "variation"]
     assert float(value) > 60000
     assert unit == "N/m"
-
-
-def test_a_comparison_with_a_target_in_json(runs):
-    told = json.loads(runs("plot", "controlled", "finger.d*.angle", "--with", "elsewhere/free",
-                           "--json", "--target", "finger.dip.angle=15deg").out)
-    one, other = told["runs"]
-    assert (one["run"], other["run"]) == ("controlled", "free")
-    answers = {q["quantity"]: q["response"] for q in one["quantities"]}
-    assert answers["finger.dip.angle"]["settling"] is None
-    assert {q["quantity"]: q["response"] for q in other["quantities"]}[
-        "finger.dip.angle"]["settling"] > 0
-    assert [d["drive"] for d in one["drives"]] == ["k1", "k2", "k3"]
-    assert other["drives"] == []

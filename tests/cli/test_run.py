@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 
 import numpy as np
 import pytest
 
-from sandbox.audit.figures import judged, missing
 from sandbox.cli.console import COMPILING, NOT_CACHED, Console, compilation_notices
 from sandbox.cli.entry import invoke
-from sandbox.cli.run import MAX_ROWS, check_lines, expectation_lines
 from sandbox.cli.runs import default_directory
 from sandbox.engine.compiling import report_began, report_compiled
 from sandbox.engine.entry_points import CalledFromPython
@@ -254,39 +251,6 @@ def test_the_first_compilation_is_told_and_no_other(monkeypatch, scene, capfd, t
     assert capfd.readouterr().err.splitlines() == [NOT_CACHED, "Compiled in 12 s"]
 
 
-CHECKS = [
-    judged("poses", 1.5e-13, "m", 1e-12, why="all is well", source="(31)"),
-    judged("joint.drift", 2e-3, "m", 1e-6, why="the pin came apart", source=""),
-    judged("energy.lost", math.nan, "", 1e-3, why="no number", source=""),
-    missing("differential", why="there is no tree", source="(4)-(7)"),
-]
-
-
-def test_checks_are_counted_and_warnings_say_what_to_do():
-    assert check_lines([CHECKS[0], CHECKS[3]], whole=False) == [
-        "1 checks passed; --audit lists them"]
-    lines = check_lines(CHECKS, whole=False)
-    assert [line.partition(":")[0] for line in lines] == [
-        "1 checks passed, 2 warnings", "  joint.drift = 0.002 m, at most 1e-06", "    meaning",
-        "    what to do", "  energy.lost = -, at most 0.001", "    meaning", "    what to do",
-        "docs/audit.md explains them"]
-    whole = check_lines(CHECKS, whole=True)
-    assert whole[1].split()[:5] == ["poses", "1.5e-13", "1e-12", "m", "pass"]
-    assert whole[2].split()[4] == "WARNING"
-    assert whole[4] == "not computed (run.json has the reasons): differential"
-    assert whole[5:] == lines
-
-
 def verdict(name, *, ok):
     return Verdict(quantity=name, statistic="mean", unit="N", value=1.0, low=0.0, high=2.0, ok=ok,
                    reason="" if ok else "no")
-
-
-def test_many_expectations_that_passed_are_counted_and_failures_are_listed():
-    passed = [verdict(f"q{i}", ok=True) for i in range(MAX_ROWS)]
-    assert len(expectation_lines(passed)) == MAX_ROWS + 2
-    assert expectation_lines([*passed, verdict("more", ok=True)]) == [
-        "13 of 13 expectations passed; run.json lists all"]
-    lines = expectation_lines([*passed, verdict("bad", ok=False)])
-    assert [line.split()[0] for line in lines[:-1]] == ["expectation", "bad", "FAIL", "12"]
-    assert lines[-1] == "see docs/messages.md#expectation-failed"

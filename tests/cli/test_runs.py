@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from PIL import Image
 
-from sandbox.recording.store import saved_audit
-from sandbox.samples.outcome import INTERRUPTED, Status
 from tests.samples.controlled import recording
 from tests.samples.controlled import scene as finger
 
@@ -108,25 +105,3 @@ def test_a_page_lies_beside_its_run_or_shows_several(sandbox, runs):
         said = sandbox("report", *words)
         assert said.code == 2
         assert told in said.err
-
-
-def test_the_page_of_an_incomplete_run(sandbox):
-    run = recording()
-    info = replace(run.info, status=Status.INTERRUPTED, reason=INTERRUPTED)
-    type(run)(run.mechanism, run.arrays, info).save("renders/stopped")
-    said = sandbox("report", "stopped")
-    assert said.code == 0
-    assert "was interrupted" in said.err
-    assert '"complete":false' in Path("renders/stopped/report.html").read_text()
-
-
-def test_run_writes_the_same_page(sandbox, scene):
-    told = json.loads(sandbox("run", scene(), "--report", "--no-render", "--json").out)
-    assert "report.html" in told["files"]
-    page = Path("renders/ball/report.html").read_text()
-    assert '"ok":true' in page
-    assert '"verdict":"pass"' in page
-    assert sandbox("report", "ball", "--out", "again.html").code == 0
-    assert [f["name"] for f in told["audit"]] == [f.name for f in saved_audit(Path("renders/ball"))]
-    # equal but for the digits that a file keeps
-    assert len(Path("again.html").read_text()) == pytest.approx(len(page), rel=0.01)

@@ -8,7 +8,6 @@ import pytest
 from pydantic import TypeAdapter
 
 from sandbox.control.build import build
-from sandbox.control.pid import Pid
 from sandbox.scene.elements.controllers import Controller, readings_of, targets_of, writes_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.signals import values
@@ -48,18 +47,3 @@ def first(given: Any, readings: list[float], inputs: list[float]) -> list[float]
 ])
 def test_every_kind_has_its_law(given, readings, wanted):
     assert first(spec(**given), readings, [7.0]) == wanted
-
-
-def test_a_pid_has_all_that_its_spec_says():
-    given = spec(**READER, type="pid", target=1.0, kp=2.0, ki=30.0, kd=0.1, filter=5e-3,
-                 anti_windup="back_calculation", tracking=0.02, bias=4.0)
-    law = build(given, Mechanism(), H)
-    assert isinstance(law, Pid)
-    # one act by hand: error 1 then 0.5; half of a unit was cut off the first output
-    law.begin([0.0], [1.0], [0.0])
-    assert law.act(0.0, [0.0], [1.0], [0.0]) == [6.0]
-    import math
-    integral = 30 * H * 0.75 - 0.5 * (1 - math.exp(-H / 0.02))
-    slope = (1 - math.exp(-H / 5e-3)) * 0.5 / H
-    assert law.act(H, [0.5], [1.0], [5.5])[0] == pytest.approx(
-        4 + 2 * 0.5 + integral - 0.1 * slope, rel=1e-14)

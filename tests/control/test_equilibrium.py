@@ -99,15 +99,6 @@ def test_feedback_is_a_torque_over_the_present_moment():
     assert wanted == pytest.approx(ahead + torque / moment(at), rel=1e-12)
 
 
-def test_near_straight_the_guard_stands_in():
-    guard = 0.05
-    law = begun(law_spec(pull=10.0, guard=guard), [0.0, 0.0, 0.0, 0.0], [1.0, 1.0])
-    wanted = law.act(0.0, [0.0, 0.0, 0.0, 0.0], TARGETS, [1.0, 1.0])
-    ahead = 10.0 * arm(TARGETS) / moment(TARGETS)
-    torque = np.array([1.0, 0.5]) * -np.array(TARGETS)
-    assert wanted == pytest.approx(ahead + torque / moment([guard, guard]), rel=1e-12)
-
-
 def test_the_reference_rises_and_then_the_integral_begins():
     law = begun(law_spec(pull=10.0, ki=[30.0, 0.0], rise=2 * H), [0.0, 0.0, 0.0, 0.0], [1.0, 1.0])
     ahead = 10.0 * arm(TARGETS) / moment(TARGETS)

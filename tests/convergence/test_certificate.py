@@ -10,7 +10,7 @@ import pytest
 
 from sandbox.audit.figures import Figure
 from sandbox.convergence import runs as module
-from sandbox.convergence.certificate import certify, mean_size, scene_size
+from sandbox.convergence.certificate import certify, scene_size
 from sandbox.convergence.judgement import Kind
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
@@ -54,15 +54,6 @@ def test_a_smooth_motion_converges_with_order_two(asked: dict[str, Any]) -> None
     assert found.certified
     assert found.conclusion == "Certified at h = 1 ms: all 1 expected quantities have converged."
     assert found.advice == ()
-
-
-def test_constant_acceleration_is_exact() -> None:
-    """Velocity of a fall is linear in time: the scheme has it to rounding at every step."""
-    fall = mechanism(duration=0.05, step=1e-3, gravity=(0.0, -G),
-                     bodies=[mass("load", 1.0, (0, 0))],
-                     expect=[{"final": "load.vy", "is": -0.4856, "within": "1 %"}])
-    trust, = certify(fall).quantities
-    assert trust.kind is Kind.EXACT
 
 
 def test_the_step_that_is_named_does() -> None:
@@ -241,22 +232,6 @@ def test_the_audit_sees_what_all_steps_agree_on(monkeypatch: pytest.MonkeyPatch)
 # -- the rest -------------------------------------------------------------------------
 
 
-def test_a_failing_expectation() -> None:
-    found = certify(spring([{"final": "load.x", "above": 1.0}]))
-    assert found.quantities[0].kind is Kind.FAILS
-    assert not found.certified
-
-
-def test_side_by_side_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    mechanism = spring([AT_REST])
-    alone = certify(mechanism)
-    monkeypatch.setattr(module, "LONG", 0.0)
-    shares: list[float] = []
-    assert certify(mechanism, progress=shares.append) == alone
-    assert shares == sorted(shares)
-    assert shares[-1] == pytest.approx(1.0)
-
-
 def test_what_cannot_be_certified() -> None:
     stopped = spring([{"max": "load.x", "below": 1.0}])
     event = Event(name="near", when="=load.x < 0.055", stop="pass")
@@ -277,12 +252,6 @@ def test_what_stays_inside_its_range_is_counted(count: int, told: str) -> None:
     found = certify(spring([{"max": "load.vx", "below": 1.0}, *[wide] * count], duration=1.0))
     assert {trust.kind for trust in found.quantities[1:]} == {Kind.WITHIN}
     assert told in found.conclusion
-
-
-def test_the_size_of_a_quantity_is_a_mean() -> None:
-    assert mean_size(np.array([1.0] * 99 + [101.0])) == 2.0
-    assert mean_size(np.array([np.nan, 3.0, np.inf])) == 3.0
-    assert mean_size(np.array([])) == 0.0
 
 
 def test_mass_length_and_time_give_a_size_where_all_quantities_are_zero() -> None:

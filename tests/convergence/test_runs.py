@@ -3,20 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from sandbox.convergence.runs import at_instants, refined
 from sandbox.scene.elements.controllers import every
 from tests.support.mechanisms import mass, mechanism
-
-
-def test_refined_run() -> None:
-    plain = mechanism(duration=0.1, step=5e-4, bodies=[mass("load", 1.0, (0, 0))])
-    quarter = refined(plain, 4)
-    assert quarter.run.step == 1.25e-4
-    assert quarter.run.sample_rate == pytest.approx(8000)
-    same = refined(plain, 1)
-    assert (same.run.step, same.bodies) == (5e-4, plain.bodies)
 
 
 def test_controllers_keep_their_rate() -> None:

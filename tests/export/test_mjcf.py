@@ -36,32 +36,6 @@ def has(found: dict[str, str], **wanted: str) -> bool:
     return {key: found.get(key) for key in wanted} == wanted
 
 
-def test_a_finger_is_a_chain_of_hinges() -> None:
-    export = export_mechanism(sandbox.expand(sandbox.load_scene("single_finger")))
-    root = ET.fromstring(export.text)
-    palm = root.find("worldbody/body[@name='finger.palm']")
-    assert palm is not None
-    distal = palm.find("body[@name='finger.proximal']/body[@name='finger.middle']"
-                       "/body[@name='finger.distal']")
-    assert distal is not None
-    assert one(distal, "inertial") == {
-        "pos": "0.0105 0 0", "mass": "0.004", "diaginertia": "2.0325e-07 2.0325e-07 2.0325e-07"}
-    assert has(one(distal, "joint"), name="finger.dip", type="hinge", axis="0 0 -1",
-               range="0 1.308996939", damping="0.0003")
-    assert has(one(distal, "geom"), type="capsule", size="0.0075", fromto="0 0 0 0.021 0 0")
-    assert [pair.attrib for pair in root.findall("contact/pair")] == [
-        {"geom1": "disc", "geom2": f"finger.{name}", "condim": "1"}
-        for name in ("proximal", "middle", "distal")]
-    assert has(one(root, "tendon/spatial[@name='finger.mcp_spring']"),
-               stiffness="300", springlength="0.016")
-    assert "stiffness" not in one(root, "tendon/spatial[@name='finger.tendon']")
-    assert has(one(root, "actuator/motor"), name="actuator", tendon="finger.tendon", gear="-1")
-    assert has(one(root, "keyframe/key"), qpos="0 0 0", ctrl="3.75")
-    assert '{"to":3.75,"over":0.3}' in export.text
-    assert export.notes == ("actuator: MuJoCo keeps no signals over time; the keyframe holds its "
-                            "last value, 3.75",)
-
-
 def cord(**more: Any) -> dict[str, Any]:
     return {"name": "cord", "guides": [{"body": "frame"}, {"body": "load"}], **more}
 
@@ -85,33 +59,6 @@ def test_a_damped_tendon_is_an_actuator_that_never_pushes() -> None:
     assert has(one(root, "actuator/general"), gear="-1", biasprm="-10 -100 -2",
                forcerange="0 1000000")
     assert one(root, "keyframe/key")["ctrl"] == "0"
-
-
-@pytest.mark.parametrize(("shape", "wanted"), [
-    ({"type": "circle", "radius": 0.01, "at": (0.02, 0)},
-     {"type": "sphere", "size": "0.01", "pos": "0.02 0 0"}),
-    ({"type": "box", "size": (0.06, 0.08), "angle": 0.3},
-     {"type": "box", "size": "0.03 0.04 0.05", "euler": "0 0 0.3"}),
-    ({"type": "capsule", "end": (0.1, 0), "radius": 0.01},
-     {"type": "capsule", "size": "0.01", "fromto": "0 0 0 0.1 0 0"}),
-    ({"type": "polygon", "points": [(0, 0), (0.04, 0), (0, 0.03)]}, {"type": "mesh"}),
-])
-def test_shapes(shape: dict[str, Any], wanted: dict[str, str]) -> None:
-    root, _ = write(bodies=[{"name": "load", "mass": 0.1, "shapes": [shape]}])
-    assert has(one(root, ".//geom[@name='load']"), **wanted)
-    if shape["type"] == "polygon":  # a prism as deep as the polygon is wide
-        assert one(root, "asset/mesh")["vertex"] == (
-            "0 0 -0.025 0.04 0 -0.025 0 0.03 -0.025 0 0 0.025 0.04 0 0.025 0 0.03 0.025")
-
-
-def test_a_hinge_gathers_its_springs_and_dampers() -> None:
-    hinge = {"type": "pin", "name": "hinge", "a": "frame", "b": "load", "on_b": (0, 0),
-             "damping": 0.1}
-    spring = {"type": "rotary", "joint": "hinge", "damping": 0.2}
-    root, _ = write(joints=[hinge], springs=[
-        {"name": "one", "stiffness": 1, "rest_angle": 0.3, **spring},
-        {"name": "two", "stiffness": 3, "rest_angle": 0.7, **spring}])
-    assert has(one(root, "worldbody//joint"), stiffness="4", springref="0.6", damping="0.5")
 
 
 def test_a_brake_is_the_friction_of_its_hinge() -> None:
@@ -170,18 +117,6 @@ def test_rods_are_equalities_and_ropes_are_limits() -> None:
     root, _ = write(joints=[rod, rope])
     assert has(one(root, "equality/tendon"), tendon1="rod", polycoef="0.01 0 0 0 0")
     assert has(one(root, "tendon/spatial[@name='rope']"), range="0.05 0.2")
-
-
-def test_forces_in_the_world_and_in_the_body() -> None:
-    force = {"type": "force", "body": "load", "direction": (3, 4), "value": 2}
-    root, export = write(drives=[{"name": "push", **force},
-                                 {"name": "turn", "frame": "body", **force}])
-    push, turn = (one(root, f"actuator/motor[@name='{name}']") for name in ("push", "turn"))
-    assert has(push, gear="0.6 0.8 0 0 0 0", refsite="frame_")
-    assert has(turn, gear="0.6 0.8 0 0 0 0")
-    assert "refsite" not in turn
-    assert root.findall("worldbody/site[@name='frame_']")
-    assert export.notes == ()  # constant drives keep their value
 
 
 def test_mujoco_s_own_name_of_the_world_is_left_to_it() -> None:

@@ -47,16 +47,6 @@ def move_of(model: Model, body: str) -> Freedom:
     return move
 
 
-def test_a_chain_hangs_on_what_is_fixed_however_its_joints_are_written() -> None:
-    model = machine(
-        [body("tip"), body("root"), FRAME], [pin("b", "tip", "root"), pin("a", "frame", "root")])
-    tree = grow(model)
-    assert parents(model, tree) == {"frame": "", "root": "frame", "tip": "root"}
-    assert link_of(model, "tip").backwards
-    assert not link_of(model, "root").backwards
-    assert tree.loops == ()
-
-
 def test_grooves_come_before_welds_before_pins() -> None:
     groove = {"type": "slot", "name": "groove", "a": "frame", "b": "block",
               "start": (0.0, 0.0), "end": (0.1, 0.0)}
@@ -78,20 +68,6 @@ def test_a_gap_in_a_joint_is_closed() -> None:
 
 
 @pytest.mark.parametrize("backwards", [False, True])
-def test_a_coordinate_is_the_scene_s_own(backwards: bool) -> None:
-    """A clockwise pin: angle = -(b - a) - zero, whichever of the two is the child."""
-    parts = [FRAME, body("arm", angle=-0.5, angular_velocity=2.0)]
-    ends = ("arm", "frame") if backwards else ("frame", "arm")
-    move = move_of(
-        machine(parts, [pin("p", *ends, positive="clockwise", zero=0.1, limits=(-1, 1))]), "arm")
-    sign = 1.0 if backwards else -1.0  # arm counter-clockwise closes or opens the angle
-    assert move.start == pytest.approx(sign * -0.5 - 0.1, abs=1e-15)
-    assert move.rate == sign * 2.0
-    assert move.axis == (0.0, 0.0, sign)
-    assert move.limits == (-1.0, 1.0)
-
-
-@pytest.mark.parametrize("backwards", [False, True])
 def test_a_groove_counts_from_its_start(backwards: bool) -> None:
     """Groove of 0.2 m along x of ``a``, entered at 0.05 m; b moves along it at 0.3 m/s."""
     names = ("frame", "block")
@@ -110,12 +86,6 @@ def test_a_groove_counts_from_its_start(backwards: bool) -> None:
 
 
 # --- cords round wheels
-
-
-def test_a_touch_is_not_once_round() -> None:
-    wrap = wrap_round((-1.0, 0.5), (0.0, 0.0), (1.0, 0.5), 0.5)
-    assert wrap is not None
-    assert wrap.angle == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_point_in_the_wheel_has_no_tangent() -> None:

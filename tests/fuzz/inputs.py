@@ -212,64 +212,7 @@ def _assemble(data: Any, chance: random.Random) -> None:
         parts.append(part)
 
 
-def _mesh(data: Any, chance: random.Random) -> None:
-    """Teeth or circles that roll between two bodies, wherever they are, of any size."""
-    if not isinstance(data, dict) or not isinstance(data.get("bodies"), list):
-        return
-    names = [body["name"] for body in data["bodies"] if isinstance(body, dict) and "name" in body]
-    joints = data.setdefault("joints", [])
-    if len(names) < 2 or not isinstance(joints, list):
-        return
-    a, b = chance.sample(names, 2)
-    kind = chance.choice(["gear", "rack", "roll"])
-
-    def size() -> Any:
-        return chance.choice([chance.uniform(0, 0.1), "12 mm", chance.choice(ENDS)])
-
-    joint: dict[str, Any] = {"type": kind, "name": f"mesh{chance.randrange(9)}", "a": a, "b": b}
-    if kind == "rack":
-        joint |= {"radius": size(), "along": [chance.choice(ENDS), chance.uniform(-1, 1)]}
-    else:
-        joint |= {"radius_a": size(), "radius_b": size(), "inside": chance.random() < 0.5}
-    if kind != "roll" and chance.random() < 0.5:
-        joint |= {"backlash": size(), "stiffness": chance.choice(ENDS),
-                  "pressure_angle": chance.choice(["20 deg", chance.choice(ENDS)])}
-    joints.append(joint)
-
-
-def _rub(data: Any, chance: random.Random) -> None:
-    """Friction, wheels, turns, pretension and loops on the cords of a scene, or on a new one."""
-    if not isinstance(data, dict) or not isinstance(data.setdefault("tendons", []), list):
-        return
-    cords = [cord for cord in data["tendons"] if isinstance(cord, dict)]
-    bodies = data.get("bodies")
-    names = [body["name"] for body in bodies if isinstance(body, dict) and "name" in body] if (
-        isinstance(bodies, list)) else []
-    if names and chance.random() < 0.7:
-        cord: dict[str, Any] = {"name": f"belt{chance.randrange(9)}", "guides": [
-            {"body": chance.choice(names), "at": [chance.uniform(-0.1, 0.1) for _ in range(2)]}
-            for _ in range(chance.randrange(2, 6))]}
-        data["tendons"].append(cord)
-        cords = [cord]
-    if not cords:
-        return
-    cord = chance.choice(cords)
-    cord["closed"] = chance.random() < 0.5
-    if chance.random() < 0.7:
-        cord["pretension"] = chance.choice(["10 N", chance.uniform(0, 100), *ENDS])
-    if chance.random() < 0.5:
-        cord["stiffness"] = chance.choice([1e3, 1e5, 1e6, *ENDS])
-    guides = cord.get("guides")
-    for guide in guides if isinstance(guides, list) else ():
-        if isinstance(guide, dict) and chance.random() < 0.7:
-            guide["friction"] = chance.choice([0.1, 0.3, 1, chance.choice(ENDS)])
-            guide["radius"] = chance.choice([0, chance.uniform(0, 0.05), chance.choice(ENDS)])
-            guide["side"] = chance.choice(["left", "right"])
-            guide["turns"] = chance.choice([0, 0, 1, 3, 1000, chance.choice(OTHERS)])
-
-
-CHANGES = (_mesh, _rub, _rub,
-           _repeat_with_index, _repeat_with_index, _template, _assemble, _assemble,
+CHANGES = (_repeat_with_index, _repeat_with_index, _template, _assemble, _assemble,
            _change_number, _change_number, _change_number, _change_quantity, _change_quantity,
            _change_text, _swap_reference, _change_kind, _remove, _repeat, _graft, _graft, _add_key)
 

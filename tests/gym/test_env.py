@@ -88,27 +88,6 @@ def test_an_episode_is_the_run_with_its_actions_as_a_table() -> None:
     assert same(run, again)
 
 
-@pytest.mark.parametrize("drive", [
-    {"type": "motor", "stall": 2, "no_load": 20}, {"type": "brake", "value": 0},
-    {"type": "servo", "value": 0, "torque": 2}, {"type": "servo", "value": 0, "torque": 2,
-                                                 "stiffness": 3}])
-def test_it_is_so_for_drives_that_are_told_later(drive: dict[str, Any]) -> None:
-    scene = pendulum(events=[], drives=[{**drive, "name": "motor", "joint": "pendulum"}])
-    env = make(scene, every="5 ms")
-    play(env, np.random.default_rng(4).uniform(-1, 1, 200))
-    run = env.recording()
-    assert run.info.complete
-    assert same(run, sandbox.simulate(sandbox.load_scene(scene, overrides=env.played())))
-
-
-def test_what_was_drawn_is_in_what_was_played() -> None:
-    env = make(randomise={"parameters.mass": "uniform(0.1 kg, 0.4 kg)"})
-    play(env, [0.1] * 30, seed=5)
-    again = sandbox.load_scene(pendulum(), overrides=env.played())
-    assert again.parameters["mass"] != 0.2
-    assert same(env.recording(), sandbox.simulate(again))
-
-
 def test_the_same_seed_and_actions_give_the_same() -> None:
     actions = np.random.default_rng(6).uniform(-0.3, 0.3, 25)
     randomised = {"randomise": {"parameters.mass": "uniform(0.1 kg, 0.4 kg)"}}
@@ -293,22 +272,3 @@ def test_drives_have_the_range_that_their_kind_or_signal_says(
     found = spans(scene, act="mot*", observe=["pendulum.angle"], reward="t")
     assert found["motor"] == pytest.approx(span, abs=1e-3)
     assert found["pendulum.angle"] == (-1.0, 2.0)
-
-
-def test_without_gymnasium_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sandbox.gym, "find_spec", lambda name: None)
-    with pytest.raises(SandboxError, match=r"pip install 'sandbox-mechanics\[gym\]'"):
-        sandbox.gym.make(pendulum(), **words())
-
-
-def test_an_action_holds_for_as_long_in_every_episode() -> None:
-    """With steps twice as long it would hold for twice as long."""
-    env = sandbox.gym.make(pendulum(), **words())
-    with pytest.raises(SceneError, match="the step is the same in all episodes"):
-        env.reset(options={"set": {"run.step": "2 ms"}})
-    with pytest.raises(SceneError, match="5 does not say what is changed"):
-        env.reset(options=5)
-    env.reset()
-    with pytest.raises(SandboxError, match="'a' is no action"):
-        env.step("a")
-    assert env.step(np.zeros(1))[4]["time"] == pytest.approx(0.02)

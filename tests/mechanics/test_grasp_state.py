@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox.mechanics import transmission
 from sandbox.mechanics.grasp_state import (
     GraspState,
     TwoPhalanges,
@@ -40,19 +39,6 @@ def _object(theta: np.ndarray, k_2: np.ndarray, apart: float) -> np.ndarray:
     """The object's centre as a complex number, from the pose."""
     first, second = np.exp(-1j * theta[..., 0]), np.exp(-1j * theta.sum(axis=-1))
     return L[0] * first + (k_2 - 1j * apart) * second
-
-
-def test_map_without_springs_is_split_by_the_curve() -> None:
-    """Constant X = 0.45: stable exactly where k_2 > e, shape [30, 40]; never a lost distal one."""
-    theta_2 = np.linspace(0.0, 1.55, 30)[:, None]
-    k_2 = np.linspace(0.5e-3, 0.030, 40)
-    found = grasp_states(fixed(0.05, 0.0225), theta_1=0.6, theta_2=theta_2, k_1=0.02, k_2=k_2)
-    edge = transmission.equilibrium_distance(theta_2, L[0], 0.45)
-    np.testing.assert_array_equal(found.state == GraspState.STABLE, k_2 > edge)
-    assert found.state.shape == (30, 40)
-    assert set(found.state.ravel()) == {GraspState.STABLE, GraspState.EQUILIBRIUM,
-                                        GraspState.EJECTS}
-    np.testing.assert_array_equal(found.forces.proximal > 0, k_2 > edge)
 
 
 @pytest.mark.parametrize("apart", [0.0, 0.023])

@@ -1,7 +1,6 @@
 import gc
 import mmap
 import tracemalloc
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +8,6 @@ import pytest
 from sandbox.errors import OutputError
 from sandbox.kinds.arrays import IMPACT, PER_SAMPLE, STATIC
 from sandbox.recording.builder import RecordingBuilder
-from sandbox.samples.outcome import Status
 
 from .sample import CONTACTS, DISC, DISTAL, INFO, N, arrays, mechanism
 
@@ -70,15 +68,6 @@ def test_going_on_leaves_alone_what_was_taken_out(memory, tmp_path):
     assert np.array_equal(other.arrays["body_pose"][:3], pose[:3])
     assert np.isnan(other.arrays["body_pose"][3:]).all()
     assert other.arrays["contact_sample"].tolist() == [1, 1, 4]
-
-
-def test_a_run_that_stops_early_keeps_what_it_has():
-    builder = build(mechanism(), contacts=in_order(CONTACTS), stop=3)
-    run = builder.finish(times(2), replace(INFO, status=Status.UNFINISHED))
-    assert len(run) == 2
-    assert not run.complete
-    assert np.array_equal(run.time, arrays(mechanism())["time"][:2])
-    assert run.arrays["contact_sample"].tolist() == [1, 1]
 
 
 def test_files_live_as_long_as_the_recording_and_no_longer(tmp_path):

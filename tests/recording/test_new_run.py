@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import signal
 import subprocess
@@ -13,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from sandbox.errors import OutputError
-from sandbox.recording.new_run import NewRun, made, writing
+from sandbox.recording.new_run import NewRun, writing
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status
 
@@ -165,26 +164,6 @@ def test_two_runs_in_one_directory_are_refused(tmp_path):
         Recording.load(tmp_path / "b")
 
 
-def test_a_run_of_an_older_version_has_no_id_and_is_read(tmp_path):
-    recording().save(tmp_path)
-    said = json.loads((tmp_path / "run.json").read_text())
-    assert len(said.pop("run_id")) == 32
-    (tmp_path / "run.json").write_text(json.dumps(said))
-    assert Recording.load(tmp_path).complete
-
-
-def test_what_was_made_of_the_old_run_goes_with_it(tmp_path):
-    recording().save(tmp_path)
-    for name in ("end.png", "plot.svg", "contact_bounds.csv", "mine.png", ".made"):
-        (tmp_path / name).write_text("x")
-    made(tmp_path / "end.png")
-    made(tmp_path / "plot.svg")
-    made(tmp_path / "nowhere.png")
-    recording().save(tmp_path / "other")
-    recording().save(tmp_path)
-    assert {"mine.png", "other"} == set(names(tmp_path)) - set(names(tmp_path / "other"))
-
-
 @pytest.mark.parametrize("noted", [
     '["../mine.txt", "sub/mine.txt", "sub", 3]', "[", "[" * 100_000])
 def test_notes_of_what_was_made_lead_nowhere_else(tmp_path, noted):
@@ -230,22 +209,6 @@ def test_what_cannot_be_put_in_place_is_left_where_it_is_told(tmp_path, monkeypa
         assert Recording.load(left).mechanism.title == "new"
         shutil.rmtree(left)
     assert contents(folder) == before
-
-
-@pytest.mark.parametrize("name", ["plot.png", "meters.csv"])
-def test_a_directory_in_place_of_a_file_of_ours_stays(tmp_path, name):
-    (tmp_path / name / "mine").mkdir(parents=True)
-    recording(title="old").save(tmp_path)
-    recording(title="new").save(tmp_path)
-    assert (tmp_path / name / "mine").is_dir()
-    assert Recording.load(tmp_path).mechanism.title == "new"
-
-
-def test_notes_that_are_a_pipe_are_not_waited_for(tmp_path):
-    recording().save(tmp_path)
-    os.mkfifo(tmp_path / ".made")
-    recording(title="new").save(tmp_path)
-    assert Recording.load(tmp_path).mechanism.title == "new"
 
 
 def test_pictures_elsewhere_stay(tmp_path):

@@ -2,8 +2,6 @@
 
 import csv
 import io
-import math
-import sys
 
 import numpy as np
 import pytest
@@ -43,11 +41,6 @@ def test_an_unknown_name_is_a_key_error_with_a_near_miss(run):
     assert "disc.x" in run
 
 
-def test_arrays_are_not_to_be_written(run):
-    with pytest.raises(ValueError, match="read-only"):
-        run.arrays["time"][0] = 3
-
-
 def test_arrays_that_do_not_fit_are_refused():
     mech = mechanism()
     with pytest.raises(ValueError, match="'body_pose' is missing"):
@@ -71,29 +64,12 @@ def test_pieces_put_together_are_the_whole(size):
         assert np.array_equal(joined, run[name]), name
 
 
-def test_a_run_without_samples_or_elements_is_still_a_recording():
-    run = recording(n=0)
-    assert len(run) == 0
-    assert run["disc.contact.normal"].shape == (0,)
-    empty = recording(mech=mechanism().model_copy(update={
-        key: () for key in ("bodies", "joints", "springs", "tendons", "drives", "groups")}))
-    assert empty.names() == []
-    assert empty.table("bodies").values.shape == (N, 0)
-
-
 # --- patterns and data frames
 
 
 @pytest.fixture(scope="module")
 def finger_run() -> sandbox.Recording:
     return sandbox.simulate(sandbox.load_scene("single_finger", overrides={"run.duration": 0.05}))
-
-
-def test_time_is_a_quantity(finger_run: sandbox.Recording) -> None:
-    assert finger_run["time"] is finger_run.time
-    assert finger_run.unit("time") == "s"
-    assert "time" in finger_run
-    assert "time" not in finger_run.names()
 
 
 def test_a_pattern_gives_columns(finger_run: sandbox.Recording) -> None:
@@ -119,15 +95,6 @@ def test_a_pattern_that_fits_nothing_or_several_units(finger_run: sandbox.Record
         with pytest.raises(MixedUnitsError, match=r"'disc\.\*' fits quantities of \d units \("
                                                   r"disc\.x in m, "):
             ask("disc.*")
-
-
-@pytest.mark.parametrize("name", ["pandas", "xarray"])
-def test_what_is_not_installed_is_said(
-    finger_run: sandbox.Recording, name: str, monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setitem(sys.modules, name, None)
-    with pytest.raises(sandbox.SandboxError, match=f"'{name}', which is not installed: pip inst"):
-        getattr(finger_run, f"to_{name}")()
 
 
 def test_with_the_libraries_themselves(finger_run: sandbox.Recording) -> None:
@@ -192,13 +159,3 @@ def test_contacts_are_one_row_per_pair_and_sample(monkeypatch):
     assert lines[4] == "0.025,disc,palm,0.003,-0.006,0.25,4,4,-0.25"
     assert len(lines) == 1 + len(CONTACTS)
     assert text.endswith("\n")
-
-
-def test_a_zero_has_no_sign_and_no_value_is_nan():
-    mech = mechanism()
-    content = arrays(mech)
-    content["tendon_tension"][:] = -0.0
-    content["tendon_length"][:, 0] = math.nan
-    run = type(recording())(mech, content, {})
-    _, body = parsed(rows(run, "tendons"))
-    assert [row[1:4] for row in body] == [["nan", "nan", "0"]] * N

@@ -1,9 +1,6 @@
 import io
 import json
-import subprocess
-import sys
 import zipfile
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +11,7 @@ from sandbox.engine.simulate import simulate
 from sandbox.errors import OutputError
 from sandbox.kinds.arrays import LATE
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import Happened, Status, Stop
+from sandbox.samples.outcome import Status
 from sandbox.samples.samples import OLDER
 from sandbox.scene.read.load import load_scene
 
@@ -92,21 +89,6 @@ def test_what_is_saved_is_what_is_loaded(tmp_path):
         assert np.array_equal(again[name], run[name], equal_nan=True), name
 
 
-def test_numpy_reads_the_archive_without_pickle(tmp_path):
-    run = sample()
-    run.save(tmp_path)
-    with np.load(tmp_path / "run.npz", allow_pickle=False) as content:
-        assert np.array_equal(content["body_pose"], run.arrays["body_pose"])
-        assert np.array_equal(content["meter_value"][:, 0], run["m"], equal_nan=True)
-        assert json.loads(content["mechanism.json"])["name"] == "sample"
-    with zipfile.ZipFile(tmp_path / "run.npz") as content:
-        names = content.namelist()
-        assert names[:-2] == sorted(names[:-2])
-        assert len(names) > 20
-        assert content.testzip() is None
-        assert {info.date_time for info in content.infolist()} == {(1980, 1, 1, 0, 0, 0)}
-
-
 def test_the_summary_says_what_was_run(tmp_path):
     run = sample(expect=[{"max": "m", "below": 1, "because": "no reason"},
                          {"final": "disc.x", "above": 0}])
@@ -142,70 +124,6 @@ def test_an_incomplete_run_never_looks_complete(tmp_path):
     assert (again.info.status, again.info.reason) == (Status.INTERRUPTED, "interrupted")
     sample().save(tmp_path)
     assert files(tmp_path) == ALL
-
-
-CONTROLLED = {
-    "status": Status.STOPPED, "stopped": Stop("far", "fail", 0.15, "it must stay near"),
-    "events": (Happened("tap", 0.02), Happened("far", 0.15)),
-    "controllers": {"tuner": {"tuned": True, "kp": 0.5}}, "steps": 20, "notes": ("a note",)}
-
-
-def test_what_events_and_laws_did_is_kept(tmp_path):
-    run = recording(info=CONTROLLED)
-    run.save(tmp_path)
-    assert Recording.load(tmp_path).info == replace(run.info, wall={})
-    said = json.loads((tmp_path / "run.json").read_text())
-    assert said["events"] == [{"event": "tap", "time_s": 0.02}, {"event": "far", "time_s": 0.15}]
-    assert said["stopped"] == {
-        "event": "far", "verdict": "fail", "time_s": 0.15, "because": "it must stay near"}
-    assert said["controllers"] == {"tuner": {"tuned": True, "kp": 0.5}}
-    with zipfile.ZipFile(tmp_path / "run.npz") as content:
-        told = json.loads(content.read("info.json"))
-    assert {key: told[key] for key in ("events", "stopped", "controllers")} == {
-        key: said[key] for key in ("events", "stopped", "controllers")}
-
-
-def test_saving_again_removes_files_that_no_longer_belong(tmp_path):
-    sample().save(tmp_path)
-    (tmp_path / "notes.txt").write_text("mine")
-    sample(meters=[], springs=[]).save(tmp_path)
-    assert files(tmp_path) == ALL - {"springs.csv", "meters.csv"} | {"notes.txt"}
-
-
-def test_a_directory_that_cannot_be_written(tmp_path):
-    (tmp_path / "file").write_text("")
-    with pytest.raises(OutputError, match=r"cannot write .*file"):
-        sample().save(tmp_path / "file")
-    with pytest.raises(OutputError, match=r"cannot write .*under: Not a directory"):
-        sample().save(tmp_path / "file" / "under")
-    (tmp_path / "out" / "run.npz").mkdir(parents=True)
-    with pytest.raises(OutputError, match="cannot write"):
-        sample().save(tmp_path / "out")
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="no file size limit there")
-def test_a_disk_that_fills_leaves_one_plain_message_and_the_old_run(tmp_path):
-    script = (
-        "import pathlib, resource, sys\n"
-        "sys.path.insert(0, sys.argv[2])\n"
-        "from recording.test_store import sample\n"
-        "from sandbox.errors import OutputError\n"
-        "run, folder = sample(), pathlib.Path(sys.argv[1])\n"
-        "run.save(folder)\n"
-        "largest = (folder / 'run.npz').stat().st_size\n"
-        "for limit in (0, 100, largest // 2, largest - 1, largest):\n"
-        "    hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]\n"
-        "    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))\n"
-        "    try:\n        run.save(folder)\n"
-        "    except OutputError as error:\n        print(error)\n"
-        "    print(len(list(folder.iterdir())), 'files')\n")
-    folder = tmp_path / "run"
-    done = subprocess.run(
-        [sys.executable, "-c", script, str(folder), str(Path(__file__).parents[1])],
-        capture_output=True, text=True, check=True)
-    failed = f"cannot write {folder / 'run.npz'}: File too large\n{len(ALL)} files\n"
-    assert done.stdout == 4 * failed + f"{len(ALL)} files\n"
-    assert done.stderr == ""
 
 
 def damage(path, **members):

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from sandbox.samples import samples
 from sandbox.samples.acted import on_the_other, ways
 from sandbox.scene.mechanism import Mechanism
 from tests.draw.conftest import recording as drawn_recording
@@ -31,12 +30,6 @@ def test_normal_and_tangential_split_of_a_force(run):
     assert run["finger1.proximal/disc.tangential"][2] == pytest.approx(-2 * S, rel=1e-15)
 
 
-def test_a_body_sums_magnitudes_over_its_pairs_and_both_sides(run):
-    assert over(run, "finger1.distal.contact.normal") == [0, 4.0, 0, 5e-7, 0]
-    assert over(run, "disc.contact.normal") == [0, 3.0, 2 * S + 4.0, 5e-7, 0]
-    assert over(run, "disc.contact.tangential") == [0, 0.5, 2 * S + 0.25, 0, 0]
-
-
 def test_resultant_follows_action_and_reaction(run):
     assert over(run, "finger1.distal.contact.fx") == [0, -0.5, 0, 0, 0]
     assert over(run, "finger1.distal.contact.fy") == [0, 3.0 + 1.0, 0, 5e-7, 0]
@@ -49,29 +42,6 @@ def test_a_group_counts_outside_touches_only(run):
     # sample 1: distal on disc and the phalanges on each other; sample 3: below 1e-6 N
     assert over(run, "finger1.contact.count") == [0, 1, 1, 0, 0]
     assert over(run, "finger1.contact.normal") == pytest.approx([0, 3, 2 * S, 5e-7, 0], rel=1e-15)
-
-
-@pytest.mark.parametrize("rows", [1, 3])
-def test_many_rows_are_read_in_pieces_to_the_same_numbers(monkeypatch, rows):
-    options = {"contacts": sorted(CONTACTS, key=lambda row: row[:3]), "meters": [
-        {"name": "m", "value": "=disc.contact.normal + finger1.contact.count", "unit": "1"}]}
-    whole = recording(**options)
-    monkeypatch.setattr(samples, "ROWS", rows)
-    pieces = recording(**options)
-    for name in [*whole.names(), "finger1.distal/disc.normal"]:
-        assert np.array_equal(pieces[name], whole[name], equal_nan=True), name
-    spans = [len(part) for part in pieces.parts(7, rows=rows)]
-    assert sum(spans) == len(whole)
-    assert max(spans) <= 7
-    assert all(len(part.arrays["contact_gap"]) <= max(rows, 2)
-               for part in pieces.parts(7, rows=rows))
-
-
-def test_picked_samples_have_their_own_rows():
-    run = recording(contacts=sorted(CONTACTS, key=lambda row: row[:3]))
-    some = run.pick(np.array([0, 2, 3, 9]))
-    assert some.arrays["contact_sample"].tolist() == [1, 1, 2]
-    assert np.array_equal(some["disc.contact.normal"], run["disc.contact.normal"][[0, 2, 3, 9]])
 
 
 # --- the body that a force acts on

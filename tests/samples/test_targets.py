@@ -61,12 +61,6 @@ def test_events_change_targets(lasts: float | None, after: float) -> None:
     assert np.ptp(targets(run)["finger.tendon.shortening"]) == 0
 
 
-def test_who_acts_first_counts_first() -> None:
-    run = recording(scene(controllers=[
-        loop(active=False, target=0.1), loop(name="b", writes="k1", target=0.2)]))
-    assert targets(run)["finger.tendon.shortening"][0] == 0.2
-
-
 def test_where_things_start() -> None:
     run = recording()
     assert [start(run, name) for name in ANGLES] == pytest.approx([0, 0, 0])
@@ -129,10 +123,6 @@ def test_second_order(zeta: float, omega: float) -> None:
     assert found <= -math.log(0.02 * math.sqrt(1 - zeta**2)) / (zeta * omega)
 
 
-def test_overshoot_is_a_share_of_the_step() -> None:
-    assert overshoot(np.array([1.0, 3.5, 3.0]), np.full(3, 3.0)) == pytest.approx(25)
-
-
 def test_what_does_not_settle() -> None:
     assert settling_time(T, 0.97 * ONE, ONE) == math.inf
     late = np.where(np.arange(len(T)) >= 0.96 * len(T), 1.0, 0.9)
@@ -167,13 +157,3 @@ def test_effort_of_a_sine() -> None:
     assert found.variation == pytest.approx(4 * amplitude, rel=1e-9)
     assert found.peak == pytest.approx(8, rel=1e-9)
     assert found.rate == pytest.approx(amplitude * omega, rel=(omega * DT)**2 / 6)
-
-
-@pytest.mark.parametrize(("time", "value"), [(T[:1], T[:1]), (T, T[1:]), (T[:0], T[:0])])
-def test_rows_that_are_none(time: np.ndarray, value: np.ndarray) -> None:
-    with pytest.raises(ValueError, match=r"samples|shapes"):
-        respond(time, value, value)
-    with pytest.raises(ValueError, match=r"samples|shapes"):
-        settling_time(time, value, value)
-    with pytest.raises(ValueError, match=r"samples|shapes"):
-        effort(time, value, before=0.0)

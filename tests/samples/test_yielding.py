@@ -8,12 +8,9 @@ import numpy as np
 import pytest
 
 from sandbox.engine.simulate import simulate
-from sandbox.mechanics.grasp_stiffness import grasp_map, grasp_stiffness, tip_jacobian
 from sandbox.recording.recording import Recording
-from sandbox.samples.expectations import verdicts
 from sandbox.samples.grasps import MAX_STIFFNESS_SAMPLES, Grasp
 from sandbox.samples.yielding import Yielding
-from sandbox.scene.elements.settings import Expect
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
@@ -54,21 +51,6 @@ def test_a_plank_on_a_cylinder(round_: float, half: float, stands: bool) -> None
         assert (x, turn, least) == (0.0, 0.0, 0.0)
 
 
-@pytest.mark.parametrize("below", [0.006, 0.0])
-def test_a_disc_that_rolls_on_a_palm(below: float) -> None:
-    """A centre of mass e below that of the disc: U'' = W e, and it goes by (r - e) turn."""
-    weight, r = 0.2 * G, 0.02
-    run = run_of([
-        {"name": "floor", "motion": "fixed", "role": "palm", "shapes": [
-            {"type": "box", "size": [0.4, 0.1], "at": [0, -0.05]}]},
-        {"name": "thing", "mass": 0.2, "inertia": 4e-5, "centre": [0, -below], "role": "object",
-         "at": [0, r], "shapes": [{"type": "circle", "radius": r}]}], gravity=[0, -G])
-    x, y, turn, least = last(run)
-    assert np.isinf(y)
-    assert turn == pytest.approx(weight * below, rel=1e-6, abs=1e-9)
-    assert x == least == pytest.approx(weight * below / (r - below)**2, rel=1e-6, abs=1e-9)
-
-
 def tips(mu: float, k: float, press: float, *, count: int = 3, r: float = 0.02,
          tip: float = 0.006) -> Recording:
     """A disc between fingertips on guides, evenly round it, that springs press on it."""
@@ -103,73 +85,6 @@ def test_three_smooth_fingertips_on_springs(press: float) -> None:
     assert last(tips(0.0, k, press)) == [
         *(pytest.approx(expected, rel=1e-6) for _ in range(2)), 0.0,
         pytest.approx(expected, rel=1e-6)]
-
-
-def test_three_fingertips_that_stick() -> None:
-    """Six freedoms, and six that three sticking contacts take: nothing moves, springs or not."""
-    run = tips(0.8, 400.0, 1.0)
-    assert np.isinf(last(run)).all()
-    expect = tuple(Expect.model_validate(each) for each in (
-        {"min": "thing.stiffness", "over": [0.12, 0.15], "above": 1000},
-        {"min": "thing.stiffness", "above": 1000},
-        {"final": "thing.stiffness", "over": [0.12, 0.15], "below": 1000}))
-    asked = run.mechanism.model_copy(update={"expect": expect})
-    rigid, whole, soft = verdicts(type(run)(asked, run.arrays, run.info))
-    assert (rigid.ok, rigid.value, rigid.reason) == (True, np.inf, "")
-    assert not soft.ok
-    assert "samples have no value: it is not held" in whole.reason  # for the first 0.1 s
-
-
-def test_two_fingertips_that_stick() -> None:
-    """One freedom is left of five: all go along the line of contacts, against both springs."""
-    x, y, turn, least = last(tips(0.8, 400.0, 1.0, count=2))
-    assert np.isinf(x)
-    assert np.isinf(turn)
-    assert y == least == pytest.approx(2 * 400.0, rel=1e-6)
-
-
-def test_two_light_fingers_are_those_of_the_closed_form() -> None:
-    """K = G (J Kq^-1 J^T)^-1 G^T; what N adds by turning is N / (K L) of it, L the last link."""
-    spring, press, tip = 0.05, 2e-4, 0.004
-    links, base, turns = (0.04, 0.03), 0.03, np.radians([70.0, 60.0])
-    knee = np.array([base, 0]) + links[0] * np.array([np.cos(turns[0]), np.sin(turns[0])])
-    end = knee + links[1] * np.array([np.cos(turns.sum()), np.sin(turns.sum())])
-    mirror = np.array([-1.0, 1.0])
-    ends, hinges = np.array([end, end * mirror]), np.array(
-        [[base, 0], knee, [-base, 0], knee * mirror])
-    radius = float(end[0]) - tip
-    assert radius > 0
-    points = ends - [[tip, 0], [-tip, 0]]
-    moves = [[True, True, False, False], [False, False, True, True]]
-    J = tip_jacobian(points, hinges, moves)
-    inwards = np.array([-press, 0, press, 0])
-    bodies: list[dict[str, Any]] = [
-        {"name": "palm", "motion": "fixed"},
-        {"name": "thing", "mass": 1e-3, "role": "object", "at": [0, float(end[1])],
-         "shapes": [{"type": "circle", "radius": radius}]}]
-    joints, springs = [], []
-    for f, sign in enumerate((1, -1)):
-        angles = [turns[0], turns.sum()] if sign > 0 else [np.pi - turns[0], np.pi - turns.sum()]
-        for i in range(2):
-            name, angle = f"link{f}{i}", float(angles[i])
-            shapes = [{"type": "circle", "radius": tip, "at": [links[1], 0]}] if i else []
-            bodies.append({"name": name, "at": hinges[2 * f + i].tolist(), "angle": angle,
-                           "mass": 1e-3, "inertia": 1e-7, "role": "phalanx", "shapes": shapes})
-            joints.append({"type": "pin", "name": f"hinge{f}{i}", "b": name, "on_b": [0, 0],
-                           "a": "palm" if i == 0 else f"link{f}0"})
-            own = angle - (0.0 if i == 0 else float(angles[0]))
-            twist = float(J[:, 2 * f + i] @ inwards) / spring
-            springs.append({"type": "rotary", "name": f"spring{f}{i}", "joint": f"hinge{f}{i}",
-                            "rest_angle": own + twist, "stiffness": spring, "damping": 1e-4})
-    run = run_of(bodies, 0.8, joints=joints, springs=springs)
-    grasp = Grasp(run, 1)
-    found = Yielding(run, len(run) - 1, grasp.size).of(1)
-    K = grasp_stiffness(grasp_map(points, (0, end[1])), J, np.full(4, spring))
-    C = np.linalg.inv(K)
-    off = press / (np.diag(K)[:2].min() * links[1])
-    unit = np.sqrt(np.outer(np.diag(C), np.diag(C)))
-    assert off < 1e-3
-    np.testing.assert_allclose(found.compliance / unit, C / unit, atol=4 * off)
 
 
 def test_stiffness_is_calculated_only_in_the_samples_that_are_read(

@@ -62,3 +62,43 @@ _SCENE: dict[str, Any] = {
 def hand() -> dict[str, Any]:
     """A fresh copy of the scene."""
     return copy.deepcopy(_SCENE)
+
+
+PID = {"type": "pid", "name": "loop", "reads": "elbow.angle", "target": "=goal", "writes": "motor",
+       "kp": "=gain", "ki": 1.5, "limits": ["-1 N m", "1 N m"]}
+ARM: dict[str, Any] = {
+    "format": 1,
+    "run": {"duration": "1 s", "step": "0.5 ms"},
+    "parameters": {"goal": "20 deg", "gain": 3},
+    "bodies": [
+        {"name": "base", "motion": "fixed"},
+        {"name": "arm", "mass": 0.1, "inertia": 1e-4},
+        {"name": "hand", "at": [0.1, 0], "mass": 0.1, "inertia": 1e-4},
+    ],
+    "joints": [
+        {"type": "pin", "name": "elbow", "a": "base", "b": "arm", "on_a": [0, 0],
+         "limits": ["-30 deg", "90 deg"]},
+        {"type": "pin", "name": "wrist", "a": "arm", "b": "hand", "on_b": [0, 0]},
+    ],
+    "drives": [
+        {"type": "torque", "name": "motor", "joint": "elbow", "value": 0},
+        {"type": "torque", "name": "second", "joint": "wrist", "value": 0},
+    ],
+    "controllers": [PID],
+}
+"""An arm of two links under a PID controller."""
+
+FLUIDS: dict[str, Any] = {
+    "bodies": [{"name": "ground", "motion": "fixed"},
+               {"name": "ram", "mass": 1, "inertia": 1, "at": [0.1, 0]}],
+    "joints": [{"type": "pin", "name": "hinge", "a": "ground", "b": "ram", "on_a": [0, 0]}],
+    "lines": [{"name": "oil", "chambers": [
+        {"type": "cylinder", "a": "ground", "b": "ram", "area": "10 cm^2"},
+        {"type": "vane", "joint": "hinge", "displacement": "2 ml/rad"}]},
+        {"name": "air", "gas": 1.4, "volume": "1 l"}],
+    "valves": [{"name": "tap", "a": "oil", "b": "air", "resistance": "1 bar s/l"}],
+    "drives": [{"type": "flow", "name": "pump", "line": "oil", "value": "1 l/min"},
+               {"type": "pressure", "name": "source", "line": "air", "value": "1 bar"},
+               {"type": "opening", "name": "lever", "valve": "tap", "value": "50 %"}],
+}
+"""A cylinder and a vane on a line of oil, a line of air, and a valve between them."""

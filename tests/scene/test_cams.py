@@ -31,9 +31,6 @@ def refused(lift, **keys) -> str:
     return str(raised.value)
 
 
-# --- the spline
-
-
 # --- the envelope
 
 
@@ -100,19 +97,6 @@ def test_what_is_no_cam_is_told(lift, keys, words):
     text = refused(lift, **keys)
     assert "$.bodies[0].shapes[0]" in text
     assert words in text
-
-
-@pytest.mark.parametrize(("table", "words"), [
-    ([[0, 0], [2, 0], [1, 0]], "entry 2 has 57.2958 deg after 114.592 deg"),
-    ([[0, 0], [2, 0], ["360 deg", 0]], "cover 360 deg"),
-    ([[0, 0], [1, 0]], "expected at least 3 entries"),
-    ([[0, 0], [1, "3 N"], [2, 0]], "$.bodies[0].shapes[0].lift[1][1]"),
-])
-def test_a_table_that_is_none_is_told(table, words):
-    with pytest.raises(SceneError) as raised:
-        load_scene({"bodies": [{"name": "cam", "motion": "fixed", "shapes": [
-            {"type": "cam", "base": 0.03, "roller": 0.01, "lift": table}]}]})
-    assert words in str(raised.value)
 
 
 @pytest.mark.parametrize(("dwell", "warned"), [([210, 330], True), (range(180, 360, 15), False)])

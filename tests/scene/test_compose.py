@@ -70,35 +70,6 @@ class TestRepeat:
             "groups": [{"name": "all", "bodies": [{"repeat": 3, "each": "b{i}"}]}]})
         assert made.groups[0].bodies == ("b0", "b1", "b2")
 
-    def test_quantities_keep_their_names(self):
-        made = load_scene({"bodies": [{**POINT, "name": "b{i}", "repeat": 2}],
-                           "meters": [{"name": "m{i}", "repeat": 2, "value": "=b{i}.x + i"}]})
-        assert [m.value for m in made.meters] == ["=b0.x + 0.0", "=b1.x + 1.0"]
-
-    @pytest.mark.parametrize(("repeat", "path", "told"), [
-        (0, "", "0 is not a number of copies"),
-        (True, "", "true is not a number"), ("forever", "", "'forever' is not a number"),
-        ("=1/0", "", "no finite value"), ("=m", "", "unknown name 'm'"),
-        (1e9, "", "1e+09 copies are more"),
-        ({}, "", "either 'count' or 'list'"),
-        ({"list": []}, ".list", "without entries"),
-        ({"list": [{"i": 3}]}, ".list[0].i", "that of the index"),
-        ({"list": [{"e": 3}]}, ".list[0].e", "already means"),
-        ({"list": ["3 furlongs"]}, ".list[0]", "unknown unit"),
-        ({"count": 2, "index": "t"}, ".index", "means the time"),
-        ({"count": 2, "index": "n"}, ".index", "that of a parameter"),
-        ({"count": 2, "lien": [0, 0]}, ".lien", "unknown key 'lien'"),
-        ({"count": 2, "line": 3}, ".line", "the step from one copy"),
-        ({"count": 2, "circle": [0, "3 kg"]}, ".circle[1]", "unit of mass"),
-        ({"count": 2, "circle": [0, 0], "line": [0, 0]}, ".circle", "exclude each other"),
-    ])
-    def test_what_is_wrong_is_told_once(self, repeat: Any, path: str, told: str):
-        scene = {"parameters": {"n": 1}, "bodies": [
-            {**POINT, "name": "b{i}", "repeat": repeat}], "groups": [
-            {"name": "all", "bodies": ["b0"]}]}
-        (problem,) = problems(scene)
-        assert problem.path == f"$.bodies[0].repeat{path}"
-        assert told in problem.message
 
     def test_of_all_copies_the_first_wrong_one_is_told(self):
         found = problems({"bodies": [
@@ -130,11 +101,6 @@ class TestLike:
 
 
 class TestCost:
-    def test_many_copies_of_many(self):
-        found = problems({"bodies": [{**POINT, "name": "b{i}", "repeat": 200, "shapes": [
-            {"type": "circle", "radius": 1, "repeat": 200}]}]})
-        assert "more than 20000 copies" in found[0].message
-        assert "--limit elements" in found[0].allowed
 
     def test_what_is_written_out_counts_as_bytes(self):
         found = problems({"bodies": [{**POINT, "name": "b{i}", "repeat": 100, "shapes": [
@@ -238,9 +204,3 @@ class TestInclude:
         self.write(folder / "large.json", {"about": "x" * 1000})
         found = problems(self.including(folder, "large"), limits=Limits(file_bytes=900))
         assert "'file_bytes'" in found[0].message
-
-    def test_repeated_with_a_parameter_of_its_own(self, folder: Path):
-        scene = load_scene(self.write(folder / "main.json", {"parts": [
-            {"include": "arm", "repeat": 2, "name": "arm{i}", "parameters": {"length": "=i + 1"}},
-        ]}))
-        assert [b.at[0] for b in expand(scene).bodies] == [1.0, 2.0]

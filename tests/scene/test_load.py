@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
-import re
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,13 +14,11 @@ from sandbox.engine.inspect import inspect
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import Scene
 from sandbox.scene.elements.settings import Run
-from sandbox.scene.library import find_scene, wholes
+from sandbox.scene.library import wholes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene, read_scene
 from sandbox.scene.read.paths import path_text
 from tests.scene.hand import hand
-
-Change = Callable[[dict[str, Any]], Any]
 
 
 def _problems(data: Any, **options: Any) -> list[Problem]:
@@ -33,124 +27,12 @@ def _problems(data: Any, **options: Any) -> list[Problem]:
     return refused.value.problems
 
 
-def _broken(change: Change, **options: Any) -> list[Problem]:
-    data = hand()
-    change(data)
-    return _problems(data, **options)
-
-
-def _set(*path: Any) -> Change:
-    """Set the value (last of ``path``) at a place; ``...`` in its stead removes the key."""
-    *steps, last, value = path
-
-    def change(data: Any) -> None:
-        for step in steps:
-            data = data[step]
-        if value is ...:
-            del data[last]
-        else:
-            data[last] = value
-
-    return change
-
-
 def test_the_good_scene_loads() -> None:
     scene = load_scene(hand())
     assert isinstance(scene, Scene)
     assert scene.parameters == {"pull": 15.0, "each": 7.5, "r": 0.009}
     assert [part.name for part in scene.parts] == ["finger1", "finger2", "section1", "tree"]
     assert scene.expect[0].value == 7.5
-
-
-MISTAKES: list[tuple[Change, str, str, str]] = [
-    (_set("bodies", 0, "mas", 1), "$.bodies[0].mas", "unknown key 'mas'", "'mass'"),
-    (_set("bodies", 0, "name", ...), "$.bodies[0]", "'name' is missing", ""),
-    (_set("bodies", 0, "mass", 0), "$.bodies[0].mass", "must be greater than 0, got 0", ""),
-    (_set("bodies", 0, "mass", "1 mm"), "$.bodies[0].mass", "'mm' is a unit of length", ""),
-    (_set("bodies", 0, "mass", [1]), "$.bodies[0].mass", "expected a number or a string", ""),
-    (_set("bodies", 0, "mass", math.inf), "$.bodies[0].mass", "must be finite", ""),
-    (_set("bodies", 0, "mass", "=pul"), "$.bodies[0].mass", "unknown name 'pul'", "'pull'"),
-    (_set("bodies", 0, "mass", "=1 / 0"), "$.bodies[0].mass", "no finite value", ""),
-    (_set("bodies", 0, "mass", "=(1).__class__"), "$.bodies[0].mass", "no place in an express", ""),
-    (_set("bodies", 0, "velocity", ["1 mm/s", "2 N"]), "$.bodies[0].velocity[1]", "of force", ""),
-    (_set("bodies", 1, "at", [1]), "$.bodies[1].at", "entry 1 of the list is missing", ""),
-    (_set("bodies", 1, "at", 1), "$.bodies[1].at", "expected a list […], got the number 1", ""),
-    (_set("bodies", 1, "motion", "fix"), "$.bodies[1].motion", "'fix' is not allowed", "'fixed'"),
-    (_set("bodies", 1, "shapes", 0, "type", "polygone"), "$.bodies[1].shapes[0].type",
-     "unknown type 'polygone'", "'polygon'"),
-    (_set("bodies", 1, "shapes", 0, 5), "$.bodies[1].shapes[0]", "expected an object {…}", ""),
-    (_set("bodies", 2, "name", "disc"), "$.bodies[2].name", "is already that of another body", ""),
-    (_set("bodies", 2, "name", "1 cam"), "$.bodies[2].name", "'1 cam' is not a name", ""),
-    (_set("joints", 0, "a", "wal"), "$.joints[0].a", "there is no body named 'wal'", "'wall'"),
-    (_set("joints", 0, "b", "wall"), "$.joints[0]", "must be two bodies", ""),
-    (_set("springs", 0, "joint", "leash"), "$.springs[0].joint", "no pin joint named 'leash'", ""),
-    (_set("tendons", 0, "guides", [{"body": "disc"}]), "$.tendons[0].guides", "at least 2", ""),
-    (_set("drives", 0, "tendon", "tre"), "$.drives[0].tendon", "no tendon named 'tre'", "'tree'"),
-    (_set("drives", 0, "value", "ramp", "to", "3 mm"), "$.drives[0].value.ramp.to",
-     "'mm' is a unit of length, but this is a force", ""),
-    (_set("drives", 0, "value", "ramp", "ovr", 1), "$.drives[0].value.ramp.ovr", "key 'ovr'",
-     "'over'"),
-    (_set("drives", 2, "direction", [0, 0]), "$.drives[2].direction", "[0, 0] is no direction", ""),
-    (_set("drives", 1, "shape", 1), "$.drives[1].shape", "shape 1 of 'disc' is a box", ""),
-    (_set("drives", 1, "value", "=0.01 - t"), "$.drives[1].value", "not greater than 0 at t", ""),
-    (_set("parts", 2, "circl", 1), "$.parts[2].circl", "unknown key 'circl'", "'circle'"),
-    (_set("parts", 0, "like", "digits"), "$.parts[0].like", "no template 'digits'", "'digit'"),
-    (_set("parts", 3, "pulls", 1, "fingr2"), "$.parts[3].pulls[1]", "named 'fingr2'", "'finger2'"),
-    (_set("parts", 2, "name", "finger1"), "$.parts[2].name", "is taken by $.parts[0]", ""),
-    (_set("parts", 2, "material", "ruber"), "$.parts[2]", "no material named 'ruber'", "'rubber'"),
-    (_set("templates", "digit", "rads", 1), "$.templates.digit.rads", "unknown key", "'radii'"),
-    (_set("parts", 1, "springs", "stiffness", -1), "$.parts[1].springs.stiffness", "0 or more", ""),
-    (_set("parameters", "pull", "=each"), "$.parameters.each", "each → pull → each", ""),
-    (_set("parameters", "t", 1), "$.parameters.t", "already means the time", ""),
-    (_set("parameters", "a.b", 1), '$.parameters["a.b"]', "is not a parameter's name", ""),
-    (_set("parameters", "a" * 101, 1), f'$.parameters["{"a" * 100}..."]', "not a parameter's", ""),
-    (_set("title", "a\ud800"), "$.title", "half a character", ""),
-    (_set("parameters", "a\udfff", 1), '$.parameters["a\\udfff"]', "half a character", ""),
-    (_set("parameters", 3), "$.parameters", "expected an object {…}, got the number 3", ""),
-    (_set("run", "step", 0), "$.run.step", "must be greater than 0", ""),
-    (_set("run", "duration", 3.15e7), "$.run.duration", "63 000 000 000 steps", ""),
-    (_set("view", "fps", 30), "$.view.fps", "30 is not allowed here", ""),
-    (_set("contacts", 0, "between", 0, "finger1"), "$.contacts[0].between[0]", "no body's name",
-     "'finger1.*'"),
-    (_set("contacts", 0, "collide", "no"), "$.contacts[0].collide",
-     "expected true or false, got the text 'no'", ""),
-    (_set("materials", "rubber", "static", 0.5), "$.materials.rubber.static", "at least 1", ""),
-    (_set("materials", "rubber", {"friction": 0, "static": 2}), "$.materials.rubber",
-     "'static' is a multiple of 'friction', which is 0", ""),
-    (_set("contacts", 0, {"between": ["disc", "*"], "friction": 0, "static": 2}), "$.contacts[0]",
-     "'static' is a multiple of 'friction', which is 0", ""),
-    (_set("groups", 0, "bodies", 0, "disk"), "$.groups[0].bodies[0]", "no body named", "'disc'"),
-    (_set("meters", 0, "value", "=a +"), "$.meters[0].value", "'a +' is not an expression", ""),
-    (_set("expect", 0, "within", "5 parsec"), "$.expect[0].within", "unknown unit 'parsec'", ""),
-    (_set("expect", 0, "over", "last 1 N"), "$.expect[0].over", "unit of force", ""),
-    (_set("expect", 0, "at", "1 ms"), "$.expect[0]", "'quantity' and 'at' go together", ""),
-    (_set("expect", 0, {"quantity": "body.x", "at": "1 ms", "over": [0, "1 ms"], "is": 1}),
-     "$.expect[0]", "'at' is one instant and 'over' a window: give one of them", ""),
-    (_set("expect", 0, {"quantity": "body.x", "at": "-1 ms", "is": 1}),
-     "$.expect[0].at", "0 or more", ""),
-    (_set("format", 2), "$.format", "this version of sandbox reads format 1", ""),
-    (_set("bodys", []), "$.bodys", "unknown key 'bodys'", "'bodies'"),
-]
-
-
-@pytest.mark.parametrize(("change", "path", "words", "hint"), MISTAKES)
-def test_mistakes(change: Change, path: str, words: str, hint: str) -> None:
-    problems = _broken(change)
-    assert [problem.path for problem in problems] == [path]
-    assert words in problems[0].message
-    assert problems[0].hint == hint
-
-
-def test_all_problems_at_once() -> None:
-    data = hand()
-    data["bodies"][0]["mass"] = -1
-    data["joints"][1]["b"] = "dics"
-    data["parameters"]["r"] = "9 kg mm"
-    data["view"]["fsp"] = 20
-    data["templates"]["digit"]["lengths"][0] = "4 s"
-    assert {problem.path for problem in _problems(data)} == {
-        "$.bodies[0].mass", "$.joints[1].b", "$.parameters.r", "$.view.fsp",
-        "$.templates.digit.lengths[0]"}
 
 
 @pytest.mark.parametrize(("text", "hint"), [
@@ -162,27 +44,6 @@ def test_an_expression_without_its_sign(text: str, hint: str) -> None:
         {"name": "disc", "mass": 1, "at": [text, 0], "inertia": 1}]})
     assert problem.path == "$.bodies[0].at[0]"
     assert problem.hint == hint or (not hint and "r" not in problem.hint)
-
-
-def test_places_in_the_file(tmp_path: Path) -> None:
-    path = tmp_path / "claw.json"
-    text = json.dumps(hand(), indent=2).replace('"mass": 1,', '"mas": 1,').replace(
-        '"joint": "hinge"', '"joint": "hing"', 1)
-    path.write_text(text)
-    with pytest.raises(SceneError) as refused:
-        load_scene(path)
-    lines = text.splitlines()
-    for problem, start in zip(refused.value.problems, ('"mas"', '"hing"'), strict=True):
-        assert lines[problem.line - 1][problem.column - 1:].startswith(start)
-    assert re.match(rf"{re.escape(str(path))}:\d+:\d+: \$\.bodies\[0\]\.mas: unknown key 'mas'\. "
-                    r"Did you mean 'mass'\? Allowed: .*\.\n", str(refused.value))
-
-
-@pytest.mark.parametrize("content", ["[]", "null"])
-def test_a_scene_is_an_object(tmp_path: Path, content: str) -> None:
-    path = tmp_path / "x.json"
-    path.write_text(content)
-    assert "a scene is an object" in _problems(path)[0].message
 
 
 def test_python_data_is_as_good_as_json() -> None:
@@ -303,18 +164,6 @@ def test_a_mutated_scene_loads_or_is_refused(data: st.DataObject) -> None:
     _scene_or_problems(scene)
 
 
-@pytest.mark.parametrize(("path", "value"), [
-    ("title", "\udcff"), ("view", {"\ud800": 1})])
-def test_half_a_character_cannot_be_set(path: str, value: Any) -> None:
-    problem, = _problems(hand(), overrides={path: value})
-    assert "half a character" in problem.message
-
-
-@given(st.dictionaries(keys | st.text(max_size=5), json_values, max_size=5))
-def test_any_object_loads_or_is_refused(data: dict[str, Any]) -> None:
-    _scene_or_problems(data)
-
-
 @given(st.sampled_from([path_text(place) for place in _places(hand())])
        | st.text(max_size=30) | st.from_regex(r"[a-z]{1,6}(\[[a-z0-9]{1,8}\]|\.[a-z]{1,6}){0,3}"),
        json_values)
@@ -363,17 +212,3 @@ def test_wholes_are_what_nothing_includes():
     assert {"four_finger_opposed", "prosthesis", "objects"} <= set(hands)
     assert not {"digit", "thumb", "shelf", "object_l", "object_bottle"} & set(hands)
     assert "slider_crank" in wholes("mechanisms")
-
-
-def test_unknown_scene_gets_a_near_miss():
-    with pytest.raises(SceneError) as caught:
-        find_scene("adaptive_grsap")
-    (problem,) = caught.value.problems
-    assert problem.hint == "'adaptive_grasp'"
-    assert "'approach'" in problem.allowed
-
-
-@pytest.mark.parametrize("name", ["x" * 5000, "a\0b", "", "no/such/place.json"])
-def test_names_that_no_file_can_have(name):
-    with pytest.raises(SceneError):
-        find_scene(name)

@@ -84,38 +84,6 @@ def problems(**shape) -> str:
     return str(raised.value)
 
 
-@pytest.mark.parametrize(("points", "words"), [
-    ([[0, 0], [2, 2], [2, 0], [0, 2]], "crosses or touches itself at [1, 1], where the side from "
-     "corner 0 meets that from corner 2"),
-    ([[0, 0], [4, 0], [4, 4], [2, 0], [0, 4]], "at [2, 0]"),  # a corner on a side
-    ([[0, 0], [4, 0], [4, 4], [4, 2], [0, 4]], "at [4, 2]"),  # a side back along another
-    ([[0, 0], [1, 1], [2, 2]], "no area: its corners lie in one line"),
-    ([[0, 0], [1, 0], [1, 0], [0, 1]], "corners 1 and 2 are the same point"),
-    ([[0, 0], [1, 0], [0, 1], [0, 0]], "corners 3 and 0 are the same point"),
-    # a star in one stroke: bends all one way, twice round
-    ([[0, 3], [-2, -3], [3, 1], [-3, 1], [2, -3]], "crosses or touches itself"),
-])
-def test_an_outline_that_is_none_is_told_with_the_place(points, words):
-    text = problems(type="polygon", points=points)
-    assert "$.bodies[0].shapes[0].points" in text
-    assert words in text
-
-
-@pytest.mark.parametrize(("holes", "words"), [
-    ([[[5, 5], [6, 5], [5, 6]]], "hole 0: this hole lies outside of the outline at [5, 5]"),
-    ([[[0.5, 0.5], [1.5, 0.5], [0.5, 0.6]]], "hole 0: this hole meets the outline at [1, 0.5]"),
-    ([[[0.1, 0.1], [0.9, 0.1], [0.1, 0.9]], [[0.2, 0.2], [0.3, 0.2], [0.2, 0.3]]],
-     "hole 1: this hole and hole 0 lie one in the other"),
-    ([[[0.1, 0.1], [0.5, 0.1], [0.1, 0.5]], [[0.2, 0.2], [0.9, 0.2], [0.2, 0.9]]],
-     "hole 1: this hole meets hole 0"),
-    ([[[0.2, 0.2], [0.3, 0.3], [0.4, 0.4]]], "hole 0: the outline has no area"),
-])
-def test_a_hole_that_is_none_is_told(holes, words):
-    text = problems(type="polygon", points=SQUARE, holes=holes)
-    assert "$.bodies[0].shapes[0].holes" in text
-    assert words in text
-
-
 @pytest.mark.parametrize("seed", range(6))
 def test_what_crosses_itself_is_found_as_all_pairs_find_it(seed):
     """Against every pair of sides, one by one; what is sound is cut into pieces."""

@@ -14,7 +14,7 @@ from sandbox.scene.expand import expand, to_json
 from sandbox.scene.geometry import anchors, pose_of, to_world
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.parts.expansion import Elements
-from sandbox.scene.parts.finger import Finger, expand_finger, hinge_names, phalanx_names
+from sandbox.scene.parts.finger import Finger, expand_finger
 from sandbox.scene.parts.section import Section, expand_section
 from sandbox.scene.parts.trees import Known, PulleyTree, RockerTree, expand_tree
 from sandbox.scene.read.load import load_scene
@@ -47,11 +47,6 @@ def worlds(elements, *, palm=None):
     for guide in elements.tendons[0].guides:
         points.append(to_world(pose_of(bodies[guide.body]), guide.at))
     return points
-
-
-def test_names_beyond_three_phalanges_are_numbers():
-    assert phalanx_names(4) == ("phalanx1", "phalanx2", "phalanx3", "phalanx4")
-    assert hinge_names(4)[3] == "hinge4"
 
 
 def test_mass_centre_and_inertia_of_a_phalanx():
@@ -93,20 +88,6 @@ def test_limits_may_have_a_lowest_angle():
     made = expand_finger(finger(limits=["85 deg", ["-10 deg", "95 deg"], "75 deg"]))
     assert made.joints[0].limits == (0.0, pytest.approx(math.radians(85)))
     assert made.joints[1].limits == pytest.approx((math.radians(-10), math.radians(95)))
-
-
-def test_palm_carries_its_points():
-    box = expand_finger(finger()).bodies[0].shapes[0]
-    for x, y in ((-0.022, -0.014), (-0.008, 0.008)):
-        assert abs(x - box.at[0]) < box.size[0] / 2
-        assert abs(y - box.at[1]) < box.size[1] / 2
-
-
-def test_density_instead_of_masses():
-    made = expand_finger(finger(masses=None, density=1100, thickness="15 mm"))
-    assert made.bodies[1].density == 1100
-    assert made.bodies[1].thickness == 0.015
-    assert made.bodies[1].inertia is None
 
 
 @pytest.mark.parametrize(("changes", "field", "words"), [

@@ -27,11 +27,6 @@ def body(**keys: Any) -> list[dict[str, Any]]:
     return [{"name": "a", **keys}]
 
 
-def box(*size: float) -> list[dict[str, Any]]:
-    return [{"type": "box", "size": list(size)}]
-
-
-FORCE = {"type": "force", "name": "push", "body": "a", "direction": [1, 0], "value": 1}
 DISC = {"name": "a", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
 
 
@@ -45,34 +40,6 @@ def test_a_number_at_the_end_of_its_range(dimension: str) -> None:
     assert size_fault(most * 1.000001, dimension)
     assert size_fault(least * 0.999999, dimension)
     assert size_fault(math.nan, dimension).startswith("no finite number")
-
-
-@pytest.mark.parametrize(("keys", "path", "what"), [
-    ({"mass": 1, "shapes": box(1, 1e155)}, "$.bodies[0].shapes[0].size[1]", "1e+155"),
-    ({"mass": 5e-324, "inertia": 1}, "$.bodies[0].mass", "at least 1e-12 kg"),
-    ({"density": 1e12, "shapes": box(1e6, 1e6)}, "$.bodies[0]", "mass is 1e+22"),
-    ({"mass": 1e-12, "shapes": [{"type": "circle", "radius": 1e-9}]}, "$.bodies[0]",
-     "inertia is 5e-31"),
-    ({"motion": "fixed", "shapes": [{"type": "polygon", "points": [
-        [0, 0], [1e-12, 0], [0, 1]]}]}, "$.bodies[0].shapes[0].points", "shortest side"),
-    ({"motion": "scheduled", "path": {"x": "=1e8 * t"}}, "$.bodies[0].path.x", "too large"),
-    ({"motion": "scheduled", "path": {"x": {"table": [[0, 0], [0.5, 1e9], [1, 0]]}}},
-     "$.bodies[0].path.x", "1e+09 is too large"),
-])
-def test_a_body(keys: dict[str, Any], path: str, what: str) -> None:
-    told = refused(bodies=body(**keys))
-    assert told.startswith(f"{path}: ")
-    assert what in told
-    assert told.count("\n") == 0
-
-
-@pytest.mark.parametrize(("keys", "what"), [
-    ({"direction": [5e-324, 5e-324]}, "$.drives[0].direction: as a direction its length is"),
-    ({"value": "=1e20 * t"}, "$.drives[0].value: 9.98"),
-    ({"value": {"to": 1e17, "over": 0.1}}, "$.drives[0].value: 1e+17 is too large"),
-])
-def test_a_drive(keys: dict[str, Any], what: str) -> None:
-    assert refused(bodies=[DISC], drives=[{**FORCE, **keys}]).startswith(what)
 
 
 @pytest.mark.parametrize("scene", [

@@ -25,55 +25,6 @@ def _check(**lists: Any) -> list[tuple[str, str]]:
     return [(problem.path, problem.message) for problem in check_references(_built(**lists))]
 
 
-@pytest.mark.parametrize(("view", "path", "message"), [
-    ({"follow": "disk"}, "$.view.follow", "there is no body named 'disk'"),
-    ({"bodies": ["wall", "dist*"]}, "$.view.bodies[1]", "no body's name matches 'dist*'"),
-    ({"show": {"velocity": ["disk"]}}, "$.view.show.velocity", "no body's name matches 'disk'"),
-    ({"traces": [{"body": "disk"}]}, "$.view.traces[0].body", "there is no body named 'disk'"),
-])
-def test_a_view_shows_what_is_there(view: Any, path: str, message: str) -> None:
-    assert _check(view=view) == [(path, message)]
-
-
-@pytest.mark.parametrize(("lists", "path", "words"), [
-    ({"drives": [{"type": "torque", "name": "d", "joint": "cord", "value": 1}]},
-     "$.drives[0].joint", "no pin joint named 'cord'"),
-    ({"drives": [{"type": "stiffness", "name": "d", "spring": "hinge", "value": 1}]},
-     "$.drives[0].spring", "no spring named 'hinge'"),
-    ({"drives": [{"type": "stiffness", "name": "d", "tendon": "hinge", "value": 1}]},
-     "$.drives[0].tendon", "no tendon named 'hinge'"),
-    ({"drives": [{"type": "stiffness", "name": "d", "tendon": "cord", "value": 1}]},
-     "$.drives[0].tendon", "with 100000 N/m it counts as inextensible"),
-    ({"tendons": [{**CORD, "stiffness": 500}],
-      "drives": [{"type": "stiffness", "name": "d", "tendon": "cord", "value": 1},
-                 {"type": "pull", "name": "p", "tendon": "cord", "value": 1}]},
-     "$.drives[0].tendon", "'p' pulls it, which sets its tension"),
-    ({"tendons": [{**CORD, "stiffness": 500, "guides": [
-        {"body": "wall"}, {"body": "disc", "friction": 0.2}, {"body": "wall", "at": (1, 0)}]}],
-      "drives": [{"type": "stiffness", "name": "d", "tendon": "cord", "value": 1}]},
-     "$.drives[0].tendon", "its guide 1 has friction"),
-    ({"drives": [{"type": "motor", "name": "d", "joint": "cord", "value": 1, "torque": 1}]},
-     "$.drives[0].joint", "no pin joint named 'cord'"),
-    ({"drives": [{"type": "brake", "name": "d", "joint": "cord", "value": 1}]},
-     "$.drives[0].joint", "no pin joint named 'cord'"),
-    ({"drives": [{"type": "brake", "name": "d", "joint": "hinge", "value": "=sqrt(0.5 - t)"}]},
-     "$.drives[0].value", "no finite value"),
-    ({"drives": [{"type": "radius", "name": "d", "body": "wall", "value": 1}]},
-     "$.drives[0].shape", "shape 0 of 'wall' is a box"),
-    ({"drives": [{"type": "radius", "name": "d", "body": "disc", "shape": 1, "value": 1}]},
-     "$.drives[0].shape", "'disc' has no shape 1"),
-    ({"drives": [{"type": "pull", "name": "d", "tendon": "cord", "value": "=sqrt(0.5 - t)"}]},
-     "$.drives[0].value", "no finite value"),
-    ({"meters": [{"name": "hinge", "value": "=1"}]}, "$.meters[0].name", "already that of a joint"),
-    ({"meters": [{"name": "disc.angle", "value": "=1"}]}, "$.meters[0].name",
-     "also means the quantity 'angle' of 'disc'"),
-])
-def test_loose_ends(lists: dict[str, Any], path: str, words: str) -> None:
-    ((found, message),) = _check(**lists)
-    assert found == path
-    assert words in message
-
-
 @pytest.mark.parametrize(("kind", "one", "path"), [
     ("pull", {"tendon": "cord"}, "$.drives[1].tendon"), ("radius", {"body": "disc"}, "$.drives[1]"),
     ("stiffness", {"spring": "coil"}, "$.drives[1].spring"),

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 import sandbox
 from sandbox.errors import SceneError
 from sandbox.scene.outlines.spline import PeriodicSpline
-from sandbox.scene.values.signals import AnySignal, ForceSignal, Path, Signal, values
+from sandbox.scene.values.signals import AnySignal, Signal, values
 from sandbox.scene.values.tables import Function, NamedTable
 
 PROFILE = {"points": [[0, 1], [1, 3], [3, 2]]}
@@ -59,25 +59,6 @@ def test_one_that_repeats_is_the_spline_of_cams() -> None:
     table, spline = _function(points=points, between="cubic", beyond="repeat"), PeriodicSpline(x, y)
     tried = np.linspace(-7, 14, 500)
     assert table(tried) == pytest.approx(spline(tried)[0], abs=1e-14)
-
-
-@pytest.mark.parametrize(("points", "more", "said"), [
-    ([[0, 1], [0, 2]], {}, "must increase: point 1 has 0 after 0"),
-    ([[0, 1], [1, 2], [1 + 1e-12, 3]], {}, "apart, less than"),
-    ([[i, 1] for i in range(1001)], {}, "at most 1000"),
-    ([[0, 1], [1, 2]], {"beyond": "repeat"}, "must be equal: 1, 2"),
-    ([[0, 1], [1, 1]], {"beyond": "repeat", "between": "cubic"}, "4 points"),
-    ([["0 mm", 1], ["1 s", 2]], {}, "all x of a table are of one kind, and here are length and "),
-    ([[0, 0], [1e-12, 1e9]], {}, "too steep"),
-    ([[0, 1], [1, 2]], {"between": "step"}, "'linear', 'cubic'"),
-])
-def test_what_no_table_is(points: Any, more: dict[str, Any], said: str) -> None:
-    with pytest.raises(SceneError) as refused:
-        sandbox.load_scene(_scene(tables={"profile": {"points": points, **more}},
-                                  **_force("=profile(t)")))
-    problem, = refused.value.problems
-    assert problem.path.startswith("$.tables.profile")
-    assert said in f"{problem.message} {problem.allowed}"
 
 
 def test_numbers_parameters_and_signals_call_tables() -> None:
@@ -138,7 +119,6 @@ def test_an_included_scene_has_its_own_tables(tmp_path: Any) -> None:
 
 T = np.array([0.0, 0.5, 1.0, 1.5, 2.0])
 ADAPTER: TypeAdapter[AnySignal] = TypeAdapter(Signal)
-FORCE: TypeAdapter[AnySignal] = TypeAdapter(ForceSignal)
 
 
 def signal_values(written: Any, **parameters: float) -> list[float]:
@@ -159,29 +139,3 @@ def signal_values(written: Any, **parameters: float) -> list[float]:
 ])
 def test_signal_values(written: Any, expected: list[float]) -> None:
     assert signal_values(written, pull=4.0) == expected
-
-
-@pytest.mark.parametrize(("written", "place", "words"), [
-    ("3 mm", (), "'mm' is a unit of length, but this is a force"),
-    ({"to": "3 mm", "over": 1}, ("to",), "unit of length"),
-    ({"table": [[0, 1], [1, "3 deg"]]}, ("table", 1, 1), "unit of angle"),
-    ({"to": 3, "over": "1 N"}, ("ramp", "over"), "unit of force, but this is a time"),
-    ("=tt", (), "unknown name 'tt'"), ("=sin(t, 1)", (), "takes one argument"),
-    ({"expression": "x + t"}, ("formula", "expression"), "unknown name 'x'"),
-    ({"table": [[1, 0], [1, 2]]}, ("table", "table"), "must increase"),
-    ({"too": 3}, (), "expected a number, a ramp"), (True, (), "expected a number, a ramp"),
-    (None, (), "expected a number, a ramp"), ([1], (), "expected a number, a ramp"),
-    ({"to": 1, "over": -1}, ("ramp", "over"), "0 or more"),
-])
-def test_signal_refusals(written: Any, place: tuple[str | int, ...], words: str) -> None:
-    with pytest.raises(ValidationError) as refused:
-        FORCE.validate_python(written)
-    (error,) = refused.value.errors()
-    assert words in error["msg"]
-    assert error["loc"][:len(place)] == place
-
-
-def test_a_path_says_something() -> None:
-    with pytest.raises(ValidationError, match="a path needs 'x', 'y' or 'angle'"):
-        Path.model_validate({})
-    assert Path.model_validate({"angle": "90 deg"}).angle is not None

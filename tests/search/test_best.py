@@ -29,7 +29,7 @@ def test_cma_es_finds_the_bottom_of_a_bowl():
 
 @pytest.mark.parametrize("sampler", ["cmaes", "tpe"])
 def test_a_condition_moves_the_best_to_its_limit(sampler):
-    found = best(least="bowl", where="side > 1", sampler=sampler, runs=150)
+    found = best(least="bowl", where="side > 1", sampler=sampler, runs=100)
     choice, = found.best
     assert 1 <= choice.values["parameters.a"] < 1.15
     assert choice.objectives["bowl"] >= 0.49
@@ -80,9 +80,3 @@ def test_what_has_no_best_is_told(more, said):
     with pytest.raises(SandboxError) as error:
         best(**more)
     assert said in str(error.value)
-
-
-def test_a_list_is_chosen_from():
-    found = best(vary={"parameters.a": "[-1, 0.3, 2]", "parameters.b": "-2:2"}, least="bowl",
-                 runs=60)
-    assert found.best[0].values["parameters.a"] == 0.3

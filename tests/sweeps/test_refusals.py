@@ -49,17 +49,6 @@ def test_a_study_that_cannot_be_read_says_why(text, said, tmp_path: Path, monkey
         assert "say what is varied" not in told
 
 
-def test_what_lacks_in_all_runs_is_said(tmp_path, capsys):
-    scene = tmp_path / "puck.json"
-    scene.write_text(json.dumps(PUCK))
-    assert invoke(["sweep", str(scene), "--vary", "run.duration=10 ms, 20 ms, 3 s", "--workers",
-                   "1", "--keep", "v=mean puck.vx over last 3 s", "--out", str(tmp_path / "out"),
-                   ]) == 0
-    assert ("2 runs lack something that is kept: v: the window is the last 3 s, the run has 0.01 s "
-            "(1); v: the window is the last 3 s, the run has 0.02 s (1)\n"
-            ) in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(("window", "said"), [
     ("last 9 s", "the window is the last 9 s, the run has 0.1 s"),
     ("0.05 : 0.2", "the window ends at 0.2 s, the run at 0.1 s"),

@@ -60,21 +60,6 @@ def test_what_is_done_is_not_done_again(tmp_path):
     assert len(again) == 6
 
 
-def test_rows_of_another_scene_or_of_other_quantities_are_not_taken(tmp_path):
-    run(study("1:3:3"), tmp_path)
-    heavier = {**study("1:3:3"), "set": {"parameters.m": 2}}
-    assert run(heavier, tmp_path)["v"] == pytest.approx(np.arange(1, 4) * LAST / 2, rel=1e-12)
-    other = {**study("1:3:3"), "keep": {"v": "max puck.x"}}
-    assert (run(other, tmp_path)["v"] < 0.02).all()
-
-
-def test_the_same_point_twice_is_run_once(tmp_path):
-    advances = []
-    table = run(study("2, 2, 3"), tmp_path, progress=advances.append)
-    assert len(advances) == 2
-    assert table["v"] == pytest.approx(np.array([2, 2, 3]) * LAST, rel=1e-12)
-
-
 def test_runs_that_do_not_end_well_are_rows_with_their_reason():
     scene = {**PUCK, "run": {**PUCK["run"], "duration": "0.2 s"}}
     data = study_data(scene, vary={"parameters.push": "2, 1e12"}, keep=["v=puck.vx"], audit=False)
@@ -86,19 +71,6 @@ def test_runs_that_do_not_end_well_are_rows_with_their_reason():
 
 
 # -- nothing lost --------------------------------------------------------------------
-
-
-def test_ctrl_c_keeps_what_was_finished(tmp_path):
-    def stop(at):
-        if at.done == 2:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        run(study(), tmp_path, progress=stop)
-    assert json.loads((tmp_path / "sweep.json").read_text())["ended"] == "interrupted"
-    assert len(list(read_rows(tmp_path / "rows"))) == 2
-    assert (tmp_path / "table.csv").read_text().count(",done,") == 2
-    assert run(study(), tmp_path).count == 6
 
 
 def test_a_worker_that_is_killed_loses_nothing(tmp_path):
@@ -141,7 +113,7 @@ def test_a_script_without_a_guard_gets_a_message(tmp_path):
 
 def _command(folder):
     return [sys.executable, "-m", "sandbox", "sweep", str(folder / "puck.json"), "--no-audit",
-            "--vary", "parameters.push=1:80:80", "--keep", "v=puck.vx", "--out",
+            "--vary", "parameters.push=1:30:30", "--keep", "v=puck.vx", "--out",
             str(folder / "out"), "--workers", "2"]
 
 
@@ -162,7 +134,7 @@ def test_a_process_that_is_killed_loses_only_what_was_under_way(tmp_path):
     done = subprocess.run(_command(tmp_path), capture_output=True, text=True, timeout=400)
     assert done.returncode == 0, done.stderr
     rows = list(read_rows(tmp_path / "out" / "rows"))
-    assert len(rows) == len({row.id for row in rows}) == 80
+    assert len(rows) == len({row.id for row in rows}) == 30
     whole = tmp_path / "whole"
     shutil.copytree(tmp_path, whole)
     shutil.rmtree(whole / "out")
@@ -279,13 +251,6 @@ def test_what_cannot_be_run_is_told_before(more, said):
     with pytest.raises(SceneError) as error:
         plan_of(study_data(PUCK, **{"keep": None, **more}))
     assert said in str(error.value)
-
-
-def test_too_many_runs_are_refused():
-    from sandbox.scene.read.limits import Limits
-
-    with pytest.raises(SceneError, match=r"6 runs[^\n]*at most 5[^\n]*--limit runs"):
-        plan_of(study(), Limits(runs=5))
 
 
 def test_rows_are_spread_over_files(tmp_path, monkeypatch):

@@ -371,7 +371,7 @@ def test_woodpecker() -> Problem:
 def test_woodpecker_digits(real: bool, start: tuple[float, float], cycle: tuple[float, float],
                            ) -> None:
     """Four impacts a cycle, each up to a step late to be found and another to be answered."""
-    from tests.hard.truth.woodpecker import course  # which reads the constants above
+    from tests.support.woodpecker import course  # which reads the constants above
 
     step = 1e-4
     time, states = course(0.8, step, start, real=real)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -12,7 +12,6 @@ from scipy.optimize import brentq, minimize_scalar
 
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from tests.hard.truth.contacts import struck_in_sequence
 from tests.support.mechanisms import G, Json
 
 from .case import Criterion, Digit, Problem, at, benchmark, event, exact, lag, spelled
@@ -174,6 +173,22 @@ def test_rocking_block() -> Problem:
                   "in three steps"),
             event("instants of the second fall", "s", again, max(later),
                   f"the first fall's, and the peak's effect on it; {landing}")]
+
+
+def struck_in_sequence(speeds: Sequence[float], restitution: float) -> list[float]:
+    """Speeds of equal balls in a row after all impacts, one after the other, the fastest first.
+
+    Each impact turns the speed of approach u of two neighbours into -e u and keeps their sum.
+    """
+    v = [float(speed) for speed in speeds]
+    while True:
+        approach = [v[i] - v[i + 1] for i in range(len(v) - 1)]
+        i = int(np.argmax(approach))
+        if approach[i] <= 1e-12:
+            return v
+        change = (1 + restitution) * approach[i] / 2
+        v[i] -= change
+        v[i + 1] += change
 
 
 ROWS = tuple((count, e) for e in (1.0, 0.5, 0.0) for count in (3, 5))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -186,20 +185,6 @@ def test_impact_discs() -> Iterator[Check]:
         size = np.abs(truth).max(axis=0)
         yield Check(f"position and velocity, relative, h = {1e3 * step:g} ms", "1", truth / size,
                     found / size, 1e-6, PLACED)
-
-
-@case("Fourth apex of a bouncing ball", "h₄ = e⁸ h", "a ball falls by 1 m, e = 0.8, three steps")
-def test_impact_apexes() -> Iterator[Check]:
-    radius, e = 0.05, 0.8
-    speed = math.sqrt(2 * G) * e**np.arange(1, 6)
-    lands = math.sqrt(2 / G) + np.cumsum([0.0, *(2 * speed / G)])
-    for step in STEPS:
-        run = struck(step, 3.0, [FLOOR, {
-            "name": "b", "mass": 0.3, "at": (0.0, 1.0 + radius),
-            "shapes": [{"type": "circle", "radius": radius}]}], e, 0.0)
-        apex = [run["b.y"][(run.time > a) & (run.time < b)].max() for a, b in pairwise(lands)][3]
-        yield Check(f"height of the fourth apex, h = {1e3 * step:g} ms", "m", e**8, apex - radius,
-                    G * step**2 / 8 + 1e-8, "half a step beside the apex of a parabola")
 
 
 @case("Ball on a spring that meets a wall", "x = a eᵏ |cos ωt|",

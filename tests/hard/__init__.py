@@ -1,5 +1,0 @@
-"""Difficult mechanisms: long chains, extreme mass ratios, stiff tendons, closed loops, stacks.
-
-``trials`` holds the mechanisms and their targets; ``truth`` the closed forms and independent
-integrations that they are compared with.
-"""
