@@ -346,7 +346,7 @@ def test_the_head_of_the_contacts_is_that_of_the_file() -> None:
     assert f"`{contact_head()}`" in (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
 
 
-# --- the house: rooms, their order, and every place that a page names
+# --- packages, layers and the paths that pages name
 
 PLACE = re.compile(r"`([\w.]+(?:/[\w.]*)+|\w+\.py)(?:: (\w+))?`")
 GUIDES = ("extending.md", "contributing.md")
@@ -378,9 +378,9 @@ def test_a_lost_place_is_found() -> None:
         "kinds/element.py", "kinds/elements.py: PEDALS", "machine/"]
 
 
-def test_the_house_is_shown_as_it_is() -> None:
+def test_the_packages_and_layers_are_listed() -> None:
     text = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
-    house = text.partition("## The house")[2].partition("\n## ")[0]
+    house = text.partition("## Packages")[2].partition("\n## ")[0]
     package = ROOT / "sandbox"
     rooms = {f"{path.parent.relative_to(package).as_posix()}/"
              for path in package.rglob("__init__.py") if path.parent != package}
