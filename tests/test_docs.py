@@ -187,7 +187,7 @@ def test_links_lead_somewhere(page: Path) -> None:
         if target.startswith("http"):
             continue
         name, _, anchor = target.partition("#")
-        other = page.parent / name if name else page
+        other = (page.parent / name).resolve() if name else page
         if other == GENERATED:
             assert not anchor or anchor in {_anchor(case.title) for case in validation_cases()}
             continue
