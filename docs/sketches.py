@@ -170,7 +170,7 @@ def untrusted(path: Path) -> None:
     figure.set_layout_engine("none")
     axes = blank(figure, (0, 0, 1, 1), (0, 120), (0, 44))
     for x, title, lines, fill in (
-            (2, "an untrusted file", "numbers, names,\nexpressions;\nno code", BAND),
+            (2, "untrusted file", "numbers, names,\nexpressions;\nno code", BAND),
             (33, "read", "its own grammar;\nlimited size\nand nesting", "white"),
             (64, "range check", "each number and\nderived values", "white")):
         axes.add_patch(_box(x, 12, 26, 22, fill))
