@@ -11,6 +11,7 @@ from sphinx.application import Sphinx
 import sandbox
 
 sys.path.insert(0, str(Path(__file__).parent))
+import make_reference
 import make_validation
 
 project = "sandbox"
@@ -44,10 +45,15 @@ pygments_style, pygments_dark_style = "friendly", "github-dark"
 def setup(app: Sphinx) -> None:
     """Blocks of the docs have a second word, for the tests; docstrings have plain formulas."""
     app.connect("builder-inited", lambda _app: make_validation.write())
+    app.connect("source-read", _fill)
     app.connect("source-read", _one_word)
     app.connect("doctree-read", _fields)
     app.connect("autodoc-process-docstring", _formulas, priority=1)
     app.connect("autodoc-process-docstring", _colons, priority=999)
+
+
+def _fill(_app: Sphinx, _page: str, source: list[str]) -> None:
+    source[0] = make_reference.filled(source[0])
 
 
 def _one_word(_app: Sphinx, _page: str, source: list[str]) -> None:

@@ -161,7 +161,7 @@ TUTORIAL = {"hinge": 1.1, "four_bar": 1.9, "finger": "end", "differential": "end
 """Of the last scenes of the pages in ``docs/tutorial``: the instant that is shown."""
 
 HOWTO: dict[str, dict[str, Any]] = {
-    "gears": {"size": (640, 440)}, "belt": {"size": (640, 400)},
+    "gripper": {"size": (640, 520)}, "gears": {"size": (640, 440)}, "belt": {"size": (640, 400)},
     "break": {"size": (640, 520)}, "conveyor": {"at": 0.1, "size": (640, 400)},
     "spring_table": {"at": 0.045, "size": (640, 440), "meters": ["stop.force", "trolley.vx"]},
     "motor": {"at": 0.3, "size": (640, 400)}, "cord_friction": {"at": 0.95, "size": (640, 440)},

@@ -1,7 +1,7 @@
-"""Write what docs, schema and builders say of elements, quantities, arrays, from the program.
+"""Reference texts of the docs, made from the program: elements, quantities, codes, gallery.
 
-``python docs/make_reference.py`` writes; with ``--check`` it only tells whether
-the files are as it would write them.
+The site build puts them in place of marks such as ``<!-- generated: quantities -->``.
+``python docs/make_reference.py`` writes ``scenes/scene.schema.json``.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import argparse
 import json
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ from sandbox.kinds.quantities import LIVE, TIED
 from sandbox.scene.document import Scene
 from sandbox.scene.elements import settings
 from sandbox.scene.elements.spec import Spec
-from sandbox.scene.library import folder_of, shipped_scenes, wholes
+from sandbox.scene.library import folder_of, scene_topics, shipped_scenes, wholes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.reference import (
     ELEMENTS,
@@ -46,7 +46,15 @@ SCHEMA = DOCS.parent / "scenes" / "scene.schema.json"
 
 
 PAGES = {"elements.md": ELEMENTS, "parts.md": PARTS}
-BEGIN, END = "<!-- reference: begin {} (docs/make_reference.py) -->", "<!-- reference: end -->"
+MARK = re.compile(r"^<!-- generated: (\w+) -->$", re.MULTILINE)
+"""Where a page has a generated text."""
+COLUMNS = 3
+"""Of the gallery."""
+ENOUGH = 45
+"""Characters: a shorter first sentence of a scene is shown with the next one."""
+TOPICS = scene_topics()
+TOLD = {folder: f"{folder}.md" for folder in ("hands", "mechanisms")}
+"""Folders of scenes that have a page, and which."""
 
 
 def rows(model: type[Spec]) -> Iterator[str]:
@@ -235,70 +243,102 @@ def codes() -> Iterator[str]:
         yield f'| <a id="{code}"></a>`{code}` | {meaning}{more} |'
 
 
-TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
-    "scenes.md": {"layers": layers, "quantities": quantities},
-    "elements.md": {"index": index},
-    "audit.md": {"asks": asks, "advice": advice},
-    "control.md": {"readable": readable},
-    "files.md": {"arrays": arrays},
-    "limits.md": {"ranges": ranges},
-    "messages.md": {"codes": codes},
-    "mechanisms.md": {"mechanisms": mechanisms},
-    "hands.md": {"hands": hands},
-    "api/mechanics/index.md": {"equations": equations},
-}
-"""Generated tables of a page besides those of its elements."""
+def ungrouped() -> list[str]:
+    """Shipped scenes without a topic."""
+    grouped = {name for topic in TOPICS for name in topic.scenes}
+    return [name for name in shipped_scenes() if name not in grouped]
 
 
-def reference(page: str) -> str:
-    """The tables of a page's elements."""
-    lines: list[str] = []
-    level = "##" if page == "elements.md" else "###"
-    for heading, models in PAGES[page].items():
-        lines += ["", f"{level} {heading}"]
-        for model in models:
-            lines += ["", f"{level}# {model.__name__}", "", about(model), "", *rows(model)]
-    return "\n".join(lines).strip()
+def sentence(about: str) -> str:
+    """The first sentence of what a scene says of itself, and more while it is short."""
+    ends = (match.end() for match in re.finditer(r"[.!?](?= [A-Z])", about))
+    return about[:next((end for end in ends if end >= ENOUGH), len(about))]
 
 
-def generated(page: str) -> dict[str, str]:
-    """All generated parts of a page by name."""
-    parts = {name: "\n".join(table()) for name, table in TABLES.get(page, {}).items()}
-    return parts | ({"elements": reference(page)} if page in PAGES else {})
+def gallery() -> Iterator[str]:
+    """All shipped scenes by topic, each with its picture, first sentence and command."""
+    for topic in TOPICS:
+        yield from (f"## {topic.title}", "", topic.about, "", *grid(topic.scenes), "")
 
 
-def written(page: str) -> str:
-    """The whole page with its generated parts made anew."""
-    text = (DOCS / page).read_text(encoding="utf-8")
-    for name, part in generated(page).items():
-        begin = BEGIN.format(name)
-        before, found, rest = text.partition(begin)
-        _, ended, after = rest.partition(END)
-        if not found or not ended:
-            raise SystemExit(f"docs/{page} has no part {begin} ... {END}")
-        text = f"{before}{begin}\n\n{part}\n\n{END}{after}"
-    return text
+def grid(names: Sequence[str]) -> Iterator[str]:
+    """A table of cells, whose last row is filled up with empty ones."""
+    yield "| " * COLUMNS + "|"
+    yield "|---" * COLUMNS + "|"
+    for first in range(0, len(names), COLUMNS):
+        cells = [cell(name) for name in names[first:first + COLUMNS]]
+        yield "| " + " | ".join(cells + [""] * (COLUMNS - len(cells))) + " |"
+
+
+def cell(name: str) -> str:
+    """Picture, title, sentence and command of a scene, one below the other."""
+    path = shipped_scenes()[name]
+    scene = json.loads(path.read_text(encoding="utf-8"))
+    title = _escaped(scene["title"])
+    folder = folder_of(path)
+    shown = f"[{title}]({TOLD[folder]}#{_anchor(scene['title'])})" \
+        if folder in TOLD and name in wholes(folder) else title
+    return "<br>".join((f"![{title}](../renders/gallery/scenes/{name}.png)", f"**{shown}**",
+                        _escaped(sentence(scene["about"])), f"`sandbox run {name}`"))
+
+
+def _escaped(text: str) -> str:
+    """Text in a table, without marks of Markdown."""
+    return re.sub(r"([|*_])", r"\\\1", text)
 
 
 def undescribed() -> set[str]:
     """Models of the scene that no page describes."""
-    told = {model for page in PAGES.values() for models in page.values() for model in models}
+    described = {model for groups in PAGES.values() for models in groups.values()
+                 for model in models}
     names = set(Scene.model_json_schema()["$defs"]) | {Scene.__name__}
-    return names - {model.__name__ for model in told} - {Mechanism.__name__}
+    return names - {model.__name__ for model in described} - {Mechanism.__name__}
+
+
+def reference(groups: Mapping[str, Iterable[type[Spec]]], level: str) -> Iterator[str]:
+    """The fields of all elements of some groups, below headings."""
+    for heading, models in groups.items():
+        yield from ("", f"{level} {heading}")
+        for model in models:
+            yield from ("", f"{level}# {model.__name__}", "", about(model), "", *rows(model))
+
+
+TABLES: dict[str, Callable[[], Iterable[str]]] = {
+    "advice": advice,
+    "arrays": arrays,
+    "asks": asks,
+    "codes": codes,
+    "elements": lambda: reference(ELEMENTS, "##"),
+    "equations": equations,
+    "gallery": gallery,
+    "hands": hands,
+    "index": index,
+    "layers": layers,
+    "mechanisms": mechanisms,
+    "parts": lambda: reference(PARTS, "###"),
+    "quantities": quantities,
+    "ranges": ranges,
+    "readable": readable,
+}
+"""Generated texts, by the name in a page's mark."""
+
+
+def filled(text: str) -> str:
+    """A page with its generated texts in place of their marks."""
+    return MARK.sub(lambda mark: "\n".join(TABLES[mark[1]]()).strip(), text)
 
 
 def main(words: list[str] | None = None) -> int:
-    """Write or check all pages; the exit code."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    """Write or check the JSON Schema of scenes; the exit code."""
+    parser = argparse.ArgumentParser(description="Write scenes/scene.schema.json.")
     parser.add_argument("--check", action="store_true", help="write nothing; exit 1 if outdated")
     check = parser.parse_args(words).check
-    texts = {DOCS / page: written(page) for page in sorted({*PAGES, *TABLES})}
-    texts[SCHEMA] = json.dumps(scene_schema(), indent=2, ensure_ascii=False) + "\n"
-    outdated = [path for path, text in texts.items() if text != path.read_text(encoding="utf-8")]
-    for path in outdated:
-        if not check:
-            path.write_text(texts[path], encoding="utf-8")
-        sys.stdout.write(f"{path.name}: {'is outdated' if check else 'written'}\n")
+    text = json.dumps(scene_schema(), indent=2, ensure_ascii=False) + "\n"
+    outdated = text != SCHEMA.read_text(encoding="utf-8")
+    if outdated and not check:
+        SCHEMA.write_text(text, encoding="utf-8")
+    if outdated:
+        sys.stdout.write(f"{SCHEMA.name}: {'is outdated' if check else 'written'}\n")
     return 1 if check and outdated else 0
 
 

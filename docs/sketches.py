@@ -66,8 +66,8 @@ def groove(path: Path) -> None:
     least, most = (weight / (2 * way * (1 + sign * mu)) for sign in (1, -1))
     middle = weight / (2 * way)
     for k, (normal, words) in enumerate((
-            (least, "friction on it upward"), (middle, "no friction"),
-            (most, "friction on it downward"))):
+            (least, "friction upward"), (middle, "no friction"),
+            (most, "friction downward"))):
         axes = blank(figure, (k / 3, 0, 1 / 3, 1), (-62, 62), (-46, 76))
         for side in (-1, 1):
             axes.plot([0, 56 * side], [-28.3, 27.7], color=GREY, linewidth=5,
@@ -103,11 +103,8 @@ def _box(x: float, y: float, width: float, height: float, fill: str) -> Any:
 HOOK, LOAD, MOST_TURNS = 0.01, 0.5, 200
 
 
-def asked_in_turn() -> Any:
-    """Tension of the cord [N] after each turn in which cord and pin are asked one after the other.
-
-    Asked is what each has to carry so that its own two ends do not part; 1 s of weight.
-    """
+def iterated_tension() -> Any:
+    """Tension [N] after each iteration of a solver that treats tendon and pin in turn."""
     cord = pin = 0.0
     found = [0.0]
     for _ in range(MOST_TURNS):
@@ -118,7 +115,7 @@ def asked_in_turn() -> Any:
 
 
 def hook(path: Path) -> None:
-    """The weight on a light hook of docs/engine.md, and what its cord carries, asked in turn."""
+    """The weight on a light hook of docs/engine.md, with the tension of an iterative solver."""
     figure = new_figure(64.0)
     figure.set_layout_engine("none")
     sketch = blank(figure, (0.0, 0.0, 0.3, 1.0), (-20, 22), (-40, 34))
@@ -127,21 +124,21 @@ def hook(path: Path) -> None:
     sketch.add_patch(_disc(0, 1, 3))
     sketch.plot([0, 0], [-2, -10], color=INK, linewidth=2)
     sketch.add_patch(_box(-9, -30, 18, 20, BAND))
-    for y, words in ((18, "cord"), (0, "hook, 10 g"), (-7, "pin")):
+    for y, words in ((18, "tendon"), (0, "hook, 10 g"), (-7, "pin")):
         sketch.text(5, y, words, fontsize=7.5, color=INK, va="center")
     sketch.text(0, -20, "0.5 kg", fontsize=8, color=INK, ha="center", va="center")
     axes = figure.add_axes((0.4, 0.2, 0.57, 0.62))
-    truth, turns = (HOOK + LOAD) * GRAVITY, asked_in_turn()
+    truth, turns = (HOOK + LOAD) * GRAVITY, iterated_tension()
     axes.plot(turns, color=ORANGE, linewidth=1.5)
     axes.plot([0, MOST_TURNS], [truth, truth], color=BLUE, linewidth=1.5)
     axes.plot(40, turns[40], "o", color=ORANGE, markersize=4)
-    axes.text(46, turns[40] - 0.15, f"after 40 turns {turns[40]:.1f} N", fontsize=7.5, va="top",
+    axes.text(46, turns[40] - 0.15, f"40 iterations: {turns[40]:.1f} N", fontsize=7.5, va="top",
               color=ORANGE)
-    axes.text(MOST_TURNS, truth + 0.12, f"all at once: {truth:.2f} N", fontsize=7.5, ha="right",
+    axes.text(MOST_TURNS, truth + 0.12, f"direct solver: {truth:.2f} N", fontsize=7.5, ha="right",
               va="bottom", color=BLUE)
     axes.set(xlim=(0, MOST_TURNS), ylim=(0, 5.9))
-    axes.set_title("What the cord carries at rest", loc="left", fontsize=8.5, color=INK)
-    plain(axes, "turns in which each is asked once", "tension of the cord [N]")
+    axes.set_title("Tendon tension at rest", loc="left", fontsize=8.5, color=INK)
+    plain(axes, "iterations", "tendon tension [N]")
     save_figure(figure, path)
 
 
@@ -160,27 +157,27 @@ def steps(path: Path) -> None:
         axes.annotate(f"{['h', 'h/2', '', 'h/4'][part - 1]}: {force[at]:.1f} N",
                       (1e3 * run.time[at], force[at]), (-5, 0), textcoords="offset points",
                       fontsize=8, color=colour, ha="right", va="center")
-    axes.text(37.9, 0.45, "later its weight, 0.0981 N", fontsize=8, color=INK,
+    axes.text(37.9, 0.45, "at rest: its weight, 0.0981 N", fontsize=8, color=INK,
               ha="right", va="bottom")
     axes.set(xlim=(28, 38), ylim=(0, None))
     plain(axes, "time [ms]", "force of the floor [N]")
     save_figure(figure, path)
 
 
-def stranger(path: Path) -> None:
-    """What becomes of a stranger's file: read as data, held to ranges, run or refused."""
+def untrusted(path: Path) -> None:
+    """An untrusted file: read as data, checked against ranges, run or refused."""
     figure = new_figure(44.0)
     figure.set_layout_engine("none")
     axes = blank(figure, (0, 0, 1, 1), (0, 120), (0, 44))
     for x, title, lines, fill in (
-            (2, "a stranger's file", "numbers, names,\nexpressions;\nno code", BAND),
+            (2, "untrusted file", "numbers, names,\nexpressions;\nno code", BAND),
             (33, "read", "its own grammar;\nlimited size\nand nesting", "white"),
-            (64, "held to ranges", "each number, and\nwhat follows from it", "white")):
+            (64, "range check", "each number and\nderived values", "white")):
         axes.add_patch(_box(x, 12, 26, 22, fill))
         axes.text(x + 13, 29, title, ha="center", va="center", fontsize=8.5, color=INK)
         axes.text(x + 13, 20, lines, ha="center", va="center", fontsize=7, color=QUIET)
     for y, title, lines, fill in ((24, "a run", "limited in time", HOLDS),
-                                  (6, "a refusal", "a line a problem", BAND)):
+                                  (6, "errors", "one line each", BAND)):
         axes.add_patch(_box(95, y, 23, 14, fill))
         axes.text(106.5, y + 9, title, ha="center", va="center", fontsize=8.5, color=INK)
         axes.text(106.5, y + 4.5, lines, ha="center", va="center", fontsize=6.5, color=QUIET)
@@ -242,7 +239,7 @@ def view_page(path: Path) -> None:
 
 
 def way_of_the_data(path: Path) -> None:
-    """The stations of docs/extending.md, and what leads from one to the next."""
+    """The data flow of docs/extending.md."""
     sketch = new_figure(66.0)
     sketch.set_layout_engine("none")
     axes = sketch.add_axes((0, 0, 1, 1), xlim=(0, 120), ylim=(0, 66))
@@ -312,7 +309,7 @@ def finger_arms(path: Path) -> None:
 
 SKETCHES: dict[str, Callable[[Path], None]] = {
     "audit_groove.png": groove, "engine_hook.png": hook, "certify_steps.png": steps,
-    "strangers.png": stranger, "tutorial_finger_arms.png": finger_arms,
+    "untrusted.png": untrusted, "tutorial_finger_arms.png": finger_arms,
     "extending_way.png": way_of_the_data, "report_page.png": report_page,
     "view_page.png": view_page,
 }

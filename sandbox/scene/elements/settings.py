@@ -357,7 +357,7 @@ class View(Spec):
     """Layers shown besides the usual ones; one with a minus, such as ``"-contacts"``, is left out,
     and ``"all"`` means every one. Or an object that says of each layer ``true``, ``false`` or the
     bodies (names, patterns, roles) that it is shown of. The layers stand in the table of
-    docs/scenes.md and in ``sandbox render --help``."""
+    docs/pictures.md and in ``sandbox render --help``."""
     bodies: Items[str] = Field(default=(), max_length=64)
     """Names and patterns of the bodies or groups that the picture is fitted to, or roles, as in
     ``"role:object"``; what else lies around is drawn as far as it is in sight. By default all, but
