@@ -50,7 +50,7 @@ CODES: dict[str, tuple[str, str]] = {
     "bad-template": ("The template does not exist or is no object. Correct `like`.",
                      "composing.md"),
     "bad-tendon-path": ("The tendon cannot follow its guides. Move or remove the named guide.",
-                        "more_elements.md#cords-belts-and-their-friction"),
+                        "more_elements.md#tendons-and-belts-with-friction"),
     "bad-time": ("The time lies outside the run, or too few samples do not. Change the window.",
                  "scenes.md#meters-and-expectations"),
     "bad-view": ("The picture shows nothing with this view. Change its window or start.",
@@ -140,7 +140,7 @@ CODES: dict[str, tuple[str, str]] = {
     "stiff-step": ("A spring or damper is too fast for the step. Use a smaller one for its "
                    "vibration.", "certify.md"),
     "tendon-length": ("The tendon is too short for its path. Change `rest_length`, slack or "
-                      "pretension.", "more_elements.md#cords-belts-and-their-friction"),
+                      "pretension.", "more_elements.md#tendons-and-belts-with-friction"),
     "too-complex": ("Too many contacts or loops act at once. Simplify bodies or joints.",
                     "limits.md#limits"),
     "undamped": ("A stiff tendon keeps vibrating. Give it damping.", ""),
