@@ -325,17 +325,23 @@ drives = [{"type": "stiffness", "name": "d", "value": 1, "spring": "coil"}, {"ty
     "name": "e", "value": 1, "spring": "coil"}]
     | set-twice | is set already, by 'd' @ drives[1].spring
 drives = [{"type": "servo", "name": "d", "joint": "piston", "value": 0.1, "torque": 1}]
-    | name-not-found | 'piston' is an actuator, and 'servo' acts on a hinge ? a drive of type 'length', which acts on an actuator @ drives[0].joint
+    | name-not-found | 'piston' is an actuator, and 'servo' acts on a hinge
+    ? a drive of type 'length', which acts on an actuator @ drives[0].joint
 drives = [{"type": "motor", "name": "d", "joint": "piston", "value": 0.1, "torque": 1}]
-    | name-not-found | 'piston' is an actuator, and 'motor' acts on a hinge ? a drive of type 'extend', which acts on an actuator @ drives[0].joint
+    | name-not-found | 'piston' is an actuator, and 'motor' acts on a hinge
+    ? a drive of type 'extend', which acts on an actuator @ drives[0].joint
 drives = [{"type": "torque", "name": "d", "joint": "piston", "value": 0.1}]
-    | name-not-found | 'piston' is an actuator, and 'torque' acts on a hinge ? a drive of type 'push', which acts on an actuator @ drives[0].joint
+    | name-not-found | 'piston' is an actuator, and 'torque' acts on a hinge
+    ? a drive of type 'push', which acts on an actuator @ drives[0].joint
 drives = [{"type": "length", "name": "d", "joint": "hinge", "value": 0.1, "force": 1}]
-    | name-not-found | 'hinge' is a hinge, and 'length' acts on an actuator ? a drive of type 'servo', which acts on a hinge @ drives[0].joint
+    | name-not-found | 'hinge' is a hinge, and 'length' acts on an actuator
+    ? a drive of type 'servo', which acts on a hinge @ drives[0].joint
 drives = [{"type": "extend", "name": "d", "joint": "hinge", "value": 0.1, "force": 1}]
-    | name-not-found | 'hinge' is a hinge, and 'extend' acts on an actuator ? a drive of type 'motor', which acts on a hinge @ drives[0].joint
+    | name-not-found | 'hinge' is a hinge, and 'extend' acts on an actuator
+    ? a drive of type 'motor', which acts on a hinge @ drives[0].joint
 drives = [{"type": "push", "name": "d", "joint": "hinge", "value": 0.1}]
-    | name-not-found | 'hinge' is a hinge, and 'push' acts on an actuator ? a drive of type 'torque', which acts on a hinge @ drives[0].joint
+    | name-not-found | 'hinge' is a hinge, and 'push' acts on an actuator
+    ? a drive of type 'torque', which acts on a hinge @ drives[0].joint
 drives = [{"type": "brake", "name": "d", "joint": "piston", "value": 0.1}]
     | name-not-found | 'piston' is an actuator, and 'brake' acts on a hinge @ drives[0].joint
 """
