@@ -62,6 +62,11 @@ def test_guides_that_have_passed_each_other_over_the_hinge(side: int) -> None:
         assert route.arms([theta]) == pytest.approx(across / abs(turned - before), rel=1e-12)
 
 
+def test_rough_guide() -> None:
+    """Euler's belt: half a turn at mu = 0.2 leaves exp(-0.2 pi)."""
+    assert tendon.guide_tension(10.0, 0.2, np.pi) == pytest.approx(10 * np.exp(-0.2 * np.pi))
+
+
 # --- springs
 
 
