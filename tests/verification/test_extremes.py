@@ -18,7 +18,6 @@ from tests.support.reference import SET_G, integrate
 from .case import Check, case, hinge, order_check, point
 
 
-
 @dataclass(frozen=True)
 class Rods:
     """Uniform rods in a row, the first on a pin at the origin, at rest at their start angles [rad].
