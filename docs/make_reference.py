@@ -46,7 +46,7 @@ SCHEMA = DOCS.parent / "scenes" / "scene.schema.json"
 
 
 PAGES = {"elements.md": ELEMENTS, "parts.md": PARTS}
-MARK = re.compile(r"^<!-- generated: (\w+) -->$", re.MULTILINE)
+MARK = re.compile(r"^<!-- generated: (\w+) -->.*$", re.MULTILINE)
 """Where a page has a generated text."""
 COLUMNS = 3
 """Of the gallery."""

@@ -143,8 +143,8 @@ def hook(path: Path) -> None:
 
 
 def steps(path: Path) -> None:
-    """Force of the floor on the ball of docs/certify.md, at its step, half and a quarter of it."""
-    page = (DOCS / "certify.md").read_text(encoding="utf-8")
+    """Floor force on the ball of docs/convergence.md at h, h/2 and h/4."""
+    page = (DOCS / "convergence.md").read_text(encoding="utf-8")
     scene = re.findall(r"^```json scene\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)[0]
     figure = new_figure(60.0)
     axes = figure.add_subplot()

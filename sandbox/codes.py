@@ -50,7 +50,7 @@ CODES: dict[str, tuple[str, str]] = {
     "bad-template": ("The template does not exist or is no object. Correct `like`.",
                      "composing.md"),
     "bad-tendon-path": ("The tendon cannot follow its guides. Move or remove the named guide.",
-                        "more_elements.md#cords-belts-and-their-friction"),
+                        "more_elements.md#tendons-and-belts-with-friction"),
     "bad-time": ("The time lies outside the run, or too few samples do not. Change the window.",
                  "scenes.md#meters-and-expectations"),
     "bad-view": ("The picture shows nothing with this view. Change its window or start.",
@@ -105,7 +105,7 @@ CODES: dict[str, tuple[str, str]] = {
                        "export.md#what-has-no-counterpart"),
     "no-effect": ("The element changes nothing. Remove it, or connect it to a moving body.", ""),
     "no-rest": ("No equilibrium was found, or the request has none. Change scene or start.",
-                "rest.md#what-does-not-rest"),
+                "equilibrium.md#what-does-not-rest"),
     "no-run": ("The directory holds no run. Make one with `sandbox run`.", "files.md"),
     "no-threshold": ("The condition has one answer at both ends. Widen the range.",
                      "searches.md#a-threshold"),
@@ -116,7 +116,7 @@ CODES: dict[str, tuple[str, str]] = {
     "not-settable": ("A drive cannot set this property of this element. Use an allowed one.",
                      "elements.md#drives"),
     "nothing-to-certify": ("Certification needs an expectation and a run of fixed length. Add "
-                           "them.", "certify.md#results"),
+                           "them.", "convergence.md#results"),
     "nothing-to-simulate": ("The scene has no bodies. Add one.", "scenes.md"),
     "out-of-memory": ("Memory or disk is full. Record less, or point `TMPDIR` to a larger disk.",
                       "limits.md#limits"),
@@ -138,9 +138,9 @@ CODES: dict[str, tuple[str, str]] = {
     "snap-through": ("The spring's line crosses its hinge, so it can snap over. Move an end, if "
                      "unintended.", ""),
     "stiff-step": ("A spring or damper is too fast for the step. Use a smaller one for its "
-                   "vibration.", "certify.md"),
+                   "vibration.", "convergence.md"),
     "tendon-length": ("The tendon is too short for its path. Change `rest_length`, slack or "
-                      "pretension.", "more_elements.md#cords-belts-and-their-friction"),
+                      "pretension.", "more_elements.md#tendons-and-belts-with-friction"),
     "too-complex": ("Too many contacts or loops act at once. Simplify bodies or joints.",
                     "limits.md#limits"),
     "undamped": ("A stiff tendon keeps vibrating. Give it damping.", ""),

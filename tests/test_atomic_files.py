@@ -93,6 +93,24 @@ def test_files_of_live_writers_stay(tmp_path: Path) -> None:
     assert (tmp_path / "a.csv").read_text() == "1"
 
 
+def test_a_temporary_file_that_is_removed_before_it_is_locked_is_made_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made: list[Path] = []
+    touch = Path.touch
+
+    def tidied(path: Path) -> None:
+        touch(path)
+        made.append(path)
+        if len(made) == 1:
+            remove_stale(tmp_path)
+
+    monkeypatch.setattr(Path, "touch", tidied)
+    write_atomic(tmp_path / "a.csv", "x")
+    assert len(made) == 2
+    assert names(tmp_path) == ["a.csv"]
+
+
 def test_a_file_is_flushed_before_it_is_moved(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -97,6 +97,25 @@ def test_integrator_with_delay_to_the_last_bit():
     assert found["bias"] == 0.0
 
 
+@pytest.mark.parametrize("hysteresis", [0.25, 0.5])
+def test_hysteresis_of_an_integrator(hysteresis):
+    """Without a delay the reading goes one act beyond +-eps: a = eps + h, a period of 4 a."""
+    h = 2.0**-8
+    law = relay(h, cycles=3, hysteresis=hysteresis)
+    y, applied = 0.0, 0.0
+    for k in range(4000):
+        if k == 0:
+            law.begin([y], [0.0], [0.0])
+        applied = law.act(k * h, [y], [0.0], [applied])[0]
+        y += h * applied
+    found = law.report()
+    a = hysteresis + h
+    assert found["reading_amplitude"] == a
+    assert found["ultimate_period_s"] == 4 * a
+    assert found["ultimate_gain"] == pytest.approx(
+        4 / (math.pi * math.sqrt(a**2 - hysteresis**2)), rel=1e-14)
+
+
 @pytest.mark.parametrize("rule", RULES)
 def test_it_hands_over_at_the_mean_input_and_the_loop_settles(rule):
     """The target 0.2 needs an input of 0.2; the PID begins with the mean of the cycles, between

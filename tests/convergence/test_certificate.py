@@ -229,6 +229,16 @@ def test_the_audit_sees_what_all_steps_agree_on(monkeypatch: pytest.MonkeyPatch)
     assert "energy.created" in {look.figure.name for look in found.looks}
 
 
+def test_side_by_side_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    mechanism = spring([AT_REST])
+    alone = certify(mechanism)
+    monkeypatch.setattr(module, "LONG", 0.0)
+    shares: list[float] = []
+    assert certify(mechanism, progress=shares.append) == alone
+    assert shares == sorted(shares)
+    assert shares[-1] == pytest.approx(1.0)
+
+
 # -- the rest -------------------------------------------------------------------------
 
 

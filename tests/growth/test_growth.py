@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import gc
 import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import FrameType
-from typing import Any
 
 import pytest
 
@@ -72,41 +70,6 @@ def test_twice_as_much_takes_twice_as_long(kind: str, tmp_path: Path) -> None:
         counts.append(calls(lambda: report_of(str(file), {}, Limits())))
     first, second = counts[2] - counts[1], counts[3] - counts[2]
     assert second <= max(FASTEST * first, FEW), counts
-
-
-def test_near_misses_have_a_bound(monkeypatch: pytest.MonkeyPatch) -> None:
-    compared: list[int] = []
-    matches = difflib.get_close_matches
-
-    def close(word: str, choices: Any, **more: Any) -> list[str]:
-        compared.append(len(choices))
-        return matches(word, choices, **more)
-
-    monkeypatch.setattr(wording.difflib, "get_close_matches", close)
-    with pytest.raises(SceneError) as refused:
-        load_scene(json.loads(SCENES["wrong references"](1000)))
-    assert len(compared) == wording.MOST_HINTED
-    assert max(compared) <= wording.MOST_COMPARED
-    assert refused.value.problems[0].hint == "'disc0'"
-
-
-def test_discs_in_one_place(monkeypatch: pytest.MonkeyPatch) -> None:
-    looked = 0
-    depth = inspect_overlaps._depth
-
-    def counted(one: Any, other: Any) -> float:
-        nonlocal looked
-        looked += 1
-        return depth(one, other)
-
-    monkeypatch.setattr(inspect_overlaps, "_depth", counted)
-    loaded = read_scene(json.loads(SCENES["discs in one place"](2000)))
-    from sandbox.engine.inspect import inspect
-
-    found = [problem.text for problem in inspect(loaded.mechanism)]
-    assert looked == inspect_overlaps.MOST_LOOKED
-    assert len(found) == inspect_overlaps.MOST_TOLD + 1
-    assert found[-1].startswith("further bodies may overlap at t = 0; 20000 pairs of shapes")
 
 
 @pytest.mark.parametrize(("cap", "pairs", "whole"), [

@@ -88,6 +88,19 @@ def test_an_episode_is_the_run_with_its_actions_as_a_table() -> None:
     assert same(run, again)
 
 
+@pytest.mark.parametrize("drive", [
+    {"type": "motor", "stall": 2, "no_load": 20}, {"type": "brake", "value": 0},
+    {"type": "servo", "value": 0, "torque": 2}, {"type": "servo", "value": 0, "torque": 2,
+                                                 "stiffness": 3}])
+def test_it_is_so_for_drives_that_are_told_later(drive: dict[str, Any]) -> None:
+    scene = pendulum(events=[], drives=[{**drive, "name": "motor", "joint": "pendulum"}])
+    env = make(scene, every="5 ms")
+    play(env, np.random.default_rng(4).uniform(-1, 1, 200))
+    run = env.recording()
+    assert run.info.complete
+    assert same(run, sandbox.simulate(sandbox.load_scene(scene, overrides=env.played())))
+
+
 def test_the_same_seed_and_actions_give_the_same() -> None:
     actions = np.random.default_rng(6).uniform(-0.3, 0.3, 25)
     randomised = {"randomise": {"parameters.mass": "uniform(0.1 kg, 0.4 kg)"}}

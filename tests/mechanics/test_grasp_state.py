@@ -9,7 +9,6 @@ from sandbox.mechanics.grasp_state import (
     GraspState,
     TwoPhalanges,
     ejection_path,
-    grasp_states,
     tendon_torques,
 )
 from sandbox.mechanics.springs import spring_set
@@ -21,12 +20,6 @@ GUIDES = [(-0.022, -0.014), (0.024, -0.005), (0.008, -0.003)]
 CORD = route(GUIDES, L)
 SPRINGS = spring_set([(-0.008, 0.008)] * 2, [(0.008, 0.008)] * 2)
 TENSION, STIFFNESS = 5.0, (300.0, 200.0)
-
-
-def fixed(tau_1: float, tau_2: float, **changes: object) -> TwoPhalanges:
-    """A finger whose torques do not change."""
-    return TwoPhalanges(
-        L, lambda theta: np.broadcast_to([tau_1, tau_2], theta.shape).copy(), **(STOPS | changes))
 
 
 def driven(apart: float = 0.0, **changes: object) -> TwoPhalanges:
@@ -66,17 +59,3 @@ def test_every_slide_keeps_the_object_and_gives_energy(apart: float) -> None:
         elif path.state == GraspState.EJECTS:
             assert path.k_2[-1] == pytest.approx(L[1], rel=1e-12)
     assert seen >= {GraspState.EQUILIBRIUM, GraspState.EJECTS} if not apart else seen
-
-
-@pytest.mark.parametrize(("call", "message"), [
-    (lambda: TwoPhalanges((0.045, 0.0), np.ones_like, **STOPS),
-     "lengths must be greater than 0, got 0 m"),
-    (lambda: fixed(1, 1, lower=(2.0, 0.0)), "lower must not be above upper"),
-    (lambda: grasp_states(fixed(1, 1), theta_1=0.1, theta_2=1.7, k_1=0.02, k_2=0.01),
-     "theta_2 must lie between its stops, 0 and 1.6 rad, got 1.7 rad"),
-    (lambda: grasp_states(fixed(1, 1), theta_1=0.1, theta_2=0.7, k_1=0.02, k_2=0.04),
-     "k_2 must lie on its phalanx of 0.03 m, got 0.04 m"),
-])
-def test_impossible_grasp_states_are_refused(call: object, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        call()

@@ -60,22 +60,3 @@ def test_what_nothing_lets_give_way_is_told_whatever_rounding_leaves(seed):
     J = np.random.default_rng(seed).normal(size=(4, 3))
     with pytest.raises(ValueError, match="3 joints for 4 directions"):
         grasp_stiffness(np.ones((3, 4)), J, np.ones(3))
-
-
-@pytest.mark.parametrize(("call", "told"), [
-    (lambda: grasp_map([1, 2], [0, 0]), "contacts"),
-    (lambda: tip_jacobian([[0, 0]], [[0, 0]], [[True, False]]), "moves"),
-    (lambda: stiffness(contact_stiffness=0.0), "contact_stiffness"),
-    (lambda: grasp_stiffness(np.ones((3, 4)), np.ones((2, 4)), np.ones(4)), "jacobian"),
-    (lambda: grasp_stiffness(np.ones((3, 4)), np.ones((4, 4)), np.ones(3)), "joint_stiffness"),
-    (lambda: grasp_stiffness(np.ones((3, 4)), np.ones((4, 2)), -np.eye(2)), "joint_stiffness"),
-    (lambda: grasp_stiffness(np.ones((3, 4)), np.ones((4, 2)), np.diag([1.0, -1.0])),
-     "symmetric and positive definite"),
-    (lambda: grasp_stiffness(np.ones((3, 4)), np.ones((4, 2)), [[2.0, 1.0], [0.0, 2.0]]),
-     "symmetric and positive definite"),
-    (lambda: grasp_stiffness(np.ones((3, 4)), np.ones((4, 2)), np.ones(2)),
-     "2 joints for 4 directions"),
-])
-def test_what_is_impossible_is_refused(call, told):
-    with pytest.raises(ValueError, match=told):
-        call()

@@ -62,19 +62,9 @@ def test_guides_that_have_passed_each_other_over_the_hinge(side: int) -> None:
         assert route.arms([theta]) == pytest.approx(across / abs(turned - before), rel=1e-12)
 
 
-@pytest.mark.parametrize(("call", "message"), [
-    (lambda: tendon.guide_radius([0.0, 0.0]), "guide distance to its hinge .* got 0 m"),
-    (lambda: tendon.segment_length(0.02, 0.02, 0.0), "beta must lie between 0 .* got 0 rad"),
-    (lambda: tendon.segment_arm(0.02, 0.01, np.pi), "passes through the hinge, got 3.14159 rad"),
-    (lambda: tendon.guide_angle_before(0.05, 0.01, 0.01), "must make a triangle, got 0.05 m"),
-    (lambda: tendon.route(SET_G.guides[:3], SET_G.lengths), "guides must have 4 points"),
-    (lambda: tendon.route(SET_G.guides, SET_G.lengths).lengths([0.0, 2.6, 0.0]),
-     "theta of joint 2 must lie between .* rad, .* got 2.6 rad"),
-    (lambda: tendon.guide_tension(1.0, -0.1, 1.0), "friction must be 0 or more, got -0.1"),
-])
-def test_impossible_tendons_are_refused(call: object, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        call()
+def test_rough_guide() -> None:
+    """Euler's belt: half a turn at mu = 0.2 leaves exp(-0.2 pi)."""
+    assert tendon.guide_tension(10.0, 0.2, np.pi) == pytest.approx(10 * np.exp(-0.2 * np.pi))
 
 
 # --- springs
@@ -120,15 +110,3 @@ def test_end_forces_pull_together() -> None:
         [[[0.01, 0.02]] * 2], [0.04, 0.06], [[5.0, -10.0]])
     np.testing.assert_allclose(near, [[[3, 4], [-6, -8]]], rtol=1e-14)
     np.testing.assert_array_equal(far, -near)
-
-
-@pytest.mark.parametrize(("call", "message"), [
-    (lambda: springs.attachment_radius((0.0, 0.0)), "after distance to its hinge .* got 0 m"),
-    (lambda: springs.spring_set(SET_G.before, SET_G.after[:2]), "after must have 3 points"),
-    (lambda: springs.spring_length(0.01, -0.02, 1.0), "rm must be greater than 0, got -0.02 m"),
-    (lambda: springs.spring_length([0.01] * 2, [0.02] * 3, 1.0),
-     "dm and rm and delta must be of equal length"),
-])
-def test_impossible_springs_are_refused(call: object, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        call()

@@ -1,4 +1,3 @@
-import io
 import json
 import zipfile
 from pathlib import Path
@@ -16,6 +15,7 @@ from sandbox.samples.samples import OLDER
 from sandbox.scene.read.load import load_scene
 
 from .sample import CONTACTS, N, recording
+from .test_reading import damage, npy
 
 ALL = {"run.json", "run.npz", "contacts.csv", "tendons.csv", "joints.csv", "bodies.csv",
        "drives.csv", "springs.csv", "meters.csv"}
@@ -126,23 +126,6 @@ def test_an_incomplete_run_never_looks_complete(tmp_path):
     assert files(tmp_path) == ALL
 
 
-def damage(path, **members):
-    """The archive with some members replaced; None leaves one out."""
-    with zipfile.ZipFile(path) as old:
-        content, comment = {name: old.read(name) for name in old.namelist()}, old.comment
-    with zipfile.ZipFile(path, "w") as new:
-        new.comment = comment
-        for name, data in {**content, **members}.items():
-            if data is not None:
-                new.writestr(name, data)
-
-
-def npy(array):
-    stream = io.BytesIO()
-    np.save(stream, array, allow_pickle=True)
-    return stream.getvalue()
-
-
 def test_nothing_to_load(tmp_path):
     with pytest.raises(OutputError, match=r"there is no directory .*nowhere"):
         Recording.load(tmp_path / "nowhere")
@@ -158,28 +141,6 @@ def test_garbage_is_not_a_recording(tmp_path, content):
     (tmp_path / "run.npz").write_bytes(content)
     with pytest.raises(OutputError, match="is not a recording, or damaged"):
         Recording.load(tmp_path)
-
-
-@pytest.mark.parametrize(("members", "message"), [
-    ({"time.npy": None}, "'time' is missing"),
-    ({"info.json": None}, "it has no 'info.json'"),
-    ({"info.json": b"[1]"}, "does not describe a run"),
-    ({"info.json": b'{"format": 1, "step": "x"}'}, "it says 'x' for 'step'"),
-    ({"info.json": b'{"format": 1, "events": [{"event": "a"}]}'}, "it says None for 'time_s'"),
-    ({"info.json": b'{"format": 1, "stopped": {"verdict": "no"}}'}, "has the verdict 'no'"),
-    ({"info.json": b'{"format": 2, "complete": true}'}, "format 2; this version reads up to 1"),
-    ({"mechanism.json": b'{"bodies": 3}'}, "mechanism is not valid"),
-    ({"time.npy": b"nonsense"}, "damaged"),
-    ({"time.npy": npy(np.zeros(N))[:-8]}, "damaged"),
-    ({"time.npy": npy(np.zeros(N, dtype=np.float32))}, "holds float32, expected float64"),
-    ({"body_mass.npy": npy(np.float64(3.0))}, "has shape"),
-])
-def test_a_damaged_archive_is_refused_in_a_line(tmp_path, members, message):
-    sample().save(tmp_path)
-    damage(tmp_path / "run.npz", **members)
-    with pytest.raises(OutputError, match=message) as caught:
-        Recording.load(tmp_path)
-    assert "\n" not in str(caught.value)
 
 
 class Trap:

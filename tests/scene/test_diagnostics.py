@@ -32,7 +32,9 @@ SCENES: dict[str, dict[str, Any]] = {
     "pair": {
         "bodies": [DISC, {"name": "wall", "motion": "fixed",
                           "shapes": [{"type": "box", "size": [1, 1]}]}],
-        "joints": [{"type": "pin", "name": "hinge", "a": "wall", "b": "disc", "on_a": [0, 0]}],
+        "joints": [
+            {"type": "pin", "name": "hinge", "a": "wall", "b": "disc", "on_a": [0, 0]},
+            {"type": "actuator", "name": "piston", "a": "wall", "b": "disc", "on_a": [0, -1]}],
         "springs": [{"type": "rotary", "name": "coil", "joint": "hinge", "stiffness": 1}],
         "tendons": [{"name": "cord", "guides": [{"body": "wall"}, {"body": "disc"}]}]},
 }
@@ -153,6 +155,7 @@ events = [{"name": "later", "stop": "pass"}]
     | conflicting-keys | give either 'at' or 'when' @ events[0]
 events = [{"name": "later", "at": 0.1, "stop": "fail", "lasts": 0.1}]
     | conflicting-keys | 'lasts' needs 'set' @ events[0].lasts
+controllers[0].target = "=1e-3 / t" | out-of-range | at t = 0 s
 [fluids]
 lines[0].chambers[0].b = "rum" | name-not-found | no body named 'rum' ? 'ram'
 lines[0].chambers[1].joint = "hing" | name-not-found | no pin joint named 'hing' ? 'hinge'
@@ -307,6 +310,40 @@ meters = [{"name": "hinge", "value": "=1"}]
     | duplicate-name | already that of a joint @ meters[0].name
 meters = [{"name": "disc.angle", "value": "=1"}]
     | duplicate-name | also means the quantity 'angle' of 'disc' @ meters[0].name
+drives = [{"type": "pull", "name": "d", "value": 1, "tendon": "cord"}, {"type": "pull",
+    "name": "e", "value": 1, "tendon": "cord"}]
+    | set-twice | is set already, by 'd' @ drives[1].tendon
+drives = [{"type": "radius", "name": "d", "value": 0.01, "body": "disc"}, {"type": "radius",
+    "name": "e", "value": 0.01, "body": "disc"}] | set-twice | is set already, by 'd' @ drives[1]
+drives = [{"type": "brake", "name": "d", "value": 1, "joint": "hinge"}, {"type": "brake",
+    "name": "e", "value": 1, "joint": "hinge"}]
+    | set-twice | is set already, by 'd' @ drives[1].joint
+drives = [{"type": "motor", "name": "d", "value": 1, "joint": "hinge", "torque": 1},
+    {"type": "motor", "name": "e", "value": 1, "joint": "hinge", "torque": 1}]
+    | set-twice | is set already, by 'd' @ drives[1].joint
+drives = [{"type": "stiffness", "name": "d", "value": 1, "spring": "coil"}, {"type": "stiffness",
+    "name": "e", "value": 1, "spring": "coil"}]
+    | set-twice | is set already, by 'd' @ drives[1].spring
+drives = [{"type": "servo", "name": "d", "joint": "piston", "value": 0.1, "torque": 1}]
+    | name-not-found | 'piston' is an actuator, and 'servo' acts on a hinge
+    ? a drive of type 'length', which acts on an actuator @ drives[0].joint
+drives = [{"type": "motor", "name": "d", "joint": "piston", "value": 0.1, "torque": 1}]
+    | name-not-found | 'piston' is an actuator, and 'motor' acts on a hinge
+    ? a drive of type 'extend', which acts on an actuator @ drives[0].joint
+drives = [{"type": "torque", "name": "d", "joint": "piston", "value": 0.1}]
+    | name-not-found | 'piston' is an actuator, and 'torque' acts on a hinge
+    ? a drive of type 'push', which acts on an actuator @ drives[0].joint
+drives = [{"type": "length", "name": "d", "joint": "hinge", "value": 0.1, "force": 1}]
+    | name-not-found | 'hinge' is a hinge, and 'length' acts on an actuator
+    ? a drive of type 'servo', which acts on a hinge @ drives[0].joint
+drives = [{"type": "extend", "name": "d", "joint": "hinge", "value": 0.1, "force": 1}]
+    | name-not-found | 'hinge' is a hinge, and 'extend' acts on an actuator
+    ? a drive of type 'motor', which acts on a hinge @ drives[0].joint
+drives = [{"type": "push", "name": "d", "joint": "hinge", "value": 0.1}]
+    | name-not-found | 'hinge' is a hinge, and 'push' acts on an actuator
+    ? a drive of type 'torque', which acts on a hinge @ drives[0].joint
+drives = [{"type": "brake", "name": "d", "joint": "piston", "value": 0.1}]
+    | name-not-found | 'piston' is an actuator, and 'brake' acts on a hinge @ drives[0].joint
 """
 """Below the name of a scene in brackets: changes ``place = value`` (no value removes a key, ``&``
 joins two), code, part of the message, ``?`` hint, ``@`` the diagnostic's place if it is another."""

@@ -60,6 +60,14 @@ def test_what_is_done_is_not_done_again(tmp_path):
     assert len(again) == 6
 
 
+def test_rows_of_another_scene_or_of_other_quantities_are_not_taken(tmp_path):
+    run(study("1:3:3"), tmp_path)
+    heavier = {**study("1:3:3"), "set": {"parameters.m": 2}}
+    assert run(heavier, tmp_path)["v"] == pytest.approx(np.arange(1, 4) * LAST / 2, rel=1e-12)
+    other = {**study("1:3:3"), "keep": {"v": "max puck.x"}}
+    assert (run(other, tmp_path)["v"] < 0.02).all()
+
+
 def test_runs_that_do_not_end_well_are_rows_with_their_reason():
     scene = {**PUCK, "run": {**PUCK["run"], "duration": "0.2 s"}}
     data = study_data(scene, vary={"parameters.push": "2, 1e12"}, keep=["v=puck.vx"], audit=False)
@@ -68,6 +76,19 @@ def test_runs_that_do_not_end_well_are_rows_with_their_reason():
     assert "puck" in table["reason"][1]
     assert np.isnan(table["v"][1])
     assert table["holds"] == [True, None]
+
+
+def test_ctrl_c_keeps_what_was_finished(tmp_path):
+    def stop(at):
+        if at.done == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run(study(), tmp_path, progress=stop)
+    assert json.loads((tmp_path / "sweep.json").read_text())["ended"] == "interrupted"
+    assert len(list(read_rows(tmp_path / "rows"))) == 2
+    assert (tmp_path / "table.csv").read_text().count(",done,") == 2
+    assert run(study(), tmp_path).count == 6
 
 
 # -- nothing lost --------------------------------------------------------------------

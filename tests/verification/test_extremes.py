@@ -17,8 +17,6 @@ from tests.support.reference import SET_G, integrate
 
 from .case import Check, case, hinge, order_check, point
 
-LEAPFROG = "the leapfrog is of second order"
-
 
 @dataclass(frozen=True)
 class Rods:

@@ -1,19 +1,67 @@
-"""Loads as scenes write them: numbers with units, patterns, assemblies."""
+"""Controllers, loads, fluid lines, planes and joints as scenes have them."""
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import pytest
 
 import sandbox
+from sandbox.engine.inspect import inspect
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.pairs import allowed_pairs
+from sandbox.scene.elements.controllers import readings_of
 from sandbox.scene.expand import expand, to_json
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
 from sandbox.scene.values.planes import share
-from tests.scene.hand import FLUIDS
+from tests.scene.hand import ARM, FLUIDS, PID
+
+
+def arm(*controllers: dict[str, Any], events: Any = (), **more: Any) -> dict[str, Any]:
+    return {**ARM, "controllers": list(controllers), "events": list(events), **more}
+
+
+def told(scene: dict[str, Any]) -> str:
+    with pytest.raises(sandbox.SceneError) as caught:
+        sandbox.simulate(sandbox.load_scene(scene))
+    return str(caught.value)
+
+
+def test_what_is_expanded_reads_the_same_again():
+    damp = {"type": "feedback", "name": "damp", "value": "=-gain * wrist.rate",
+            "writes": "second"}
+    scene = arm(
+        PID, damp,
+        events=[{"name": "push", "when": "=elbow.angle > goal / 2", "set": {"loop.target": 0},
+                 "lasts": "20 ms"}])
+    mechanism = expand(sandbox.load_scene(scene))
+    assert readings_of(mechanism.controllers[1]) == ("=-3.0 * wrist.rate",)
+    again = expand(sandbox.load_scene(json.loads(to_json(mechanism))))
+    assert again.controllers == mechanism.controllers
+    assert again.events == mechanism.events
+
+
+def test_an_algebraic_loop_is_named():
+    a = {"type": "feedback", "name": "a", "value": "=second.value + 1", "writes": "motor"}
+    b = {"type": "feedback", "name": "b", "value": "=2 * half", "writes": "second"}
+    meters = [{"name": "half", "value": "=motor.value / 2"}]
+    text = told(arm(a, b, meters=meters))
+    assert "an algebraic loop: 'a' → 'b' → 'a'" in text
+    assert "'c' → 'c'" in told(arm({**a, "name": "c", "value": "=motor.value"}))
+
+
+@pytest.mark.parametrize("target", ["120 deg", {"to": "-50 deg", "over": 1}])
+def test_a_target_beyond_a_stop_is_warned_of(target):
+    found = inspect(expand(sandbox.load_scene(arm({**PID, "target": target}))))
+    assert [(f.severity, f.element) for f in found] == [("warning", "loop")]
+    assert "but its stops are at -0.5236 and 1.571 rad" in found[0].message
+    assert not inspect(expand(sandbox.load_scene(arm(PID))))
+
+
+# --- loads
+
 
 BALLS: list[dict[str, Any]] = [
     {"name": name, "mass": 1, "at": [i, 0], "shapes": [{"type": "circle", "radius": 0.1}]}
@@ -84,3 +132,11 @@ def test_a_part_lies_in_its_plane() -> None:
          "plane": [0, 2]}]}))
     planes = {body.name: body.plane for body in made.bodies if body.shapes}
     assert planes == {"f.palm": (2,), "f.proximal": (2,), "s.circle": (0, 2), "s.square": (0, 2)}
+
+
+def test_a_joint_needs_a_body_that_moves() -> None:
+    with pytest.raises(sandbox.SceneError, match="neither 'floor' nor 'wall' can move freely"):
+        load_scene({
+            "bodies": [{"name": "floor", "motion": "fixed"},
+                       {"name": "wall", "motion": "scheduled", "path": {"x": 0}}],
+            "joints": [{"type": "pin", "name": "p", "a": "floor", "b": "wall", "on_a": [0, 0]}]})
