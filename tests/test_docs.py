@@ -28,11 +28,11 @@ import pytest
 from sandbox.cli.console import COMPILE_TIME
 from sandbox.cli.entry import invoke
 from sandbox.cli.failures import Exit
-from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS
+from sandbox.elements.kinds import DRIVES, JOINTS, SPRINGS
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.models import fields_page
 from sandbox.scene.schema import descriptions, scene_schema
+from sandbox.values.models import fields_page
 
 from .golden.scenes import WHOLE
 from .test_architecture import FLOORS
@@ -300,7 +300,7 @@ def test_the_exit_codes_are_those_of_the_program() -> None:
 
 
 def test_the_units_are_those_of_the_program() -> None:
-    from sandbox.scene.values.units import UNITS
+    from sandbox.values.units import UNITS
 
     text = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
     paragraph = text.partition("The units:")[2].partition("- an expression")[0]
@@ -310,13 +310,13 @@ def test_the_units_are_those_of_the_program() -> None:
 
 def _units(group: str) -> list[str]:
     """One unit, or several single words side by side."""
-    from sandbox.scene.values.units import UNITS
+    from sandbox.values.units import UNITS
 
     return [group] if group in UNITS or not group else group.split()
 
 
 def test_the_quantities_are_those_of_the_program() -> None:
-    from sandbox.kinds.quantities import GRASP, NUMBERED, QUANTITIES, TIED
+    from sandbox.elements.quantities import GRASP, NUMBERED, QUANTITIES, TIED
 
     text = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
     rows = text.partition("## Quantities")[2].partition("## All elements")[0]
@@ -325,7 +325,7 @@ def test_the_quantities_are_those_of_the_program() -> None:
 
 
 def test_the_measures_of_a_grasp_are_explained() -> None:
-    from sandbox.kinds.quantities import GRASP
+    from sandbox.elements.quantities import GRASP
 
     text = (ROOT / "docs" / "grasp.md").read_text(encoding="utf-8")
     rows = text.partition("| quantity |")[2].partition("\n\n")[0]
@@ -406,9 +406,9 @@ def test_every_place_is_where_a_page_says(page: str) -> None:
 
 
 def test_a_lost_place_is_found() -> None:
-    assert lost("`kinds/elements.py: JOINTS`, `errors.py`, `engine/`, `tests/test_docs.py`") == []
-    assert lost("`kinds/element.py`, `kinds/elements.py: PEDALS`, `machine/`") == [
-        "kinds/element.py", "kinds/elements.py: PEDALS", "machine/"]
+    assert lost("`elements/kinds.py: JOINTS`, `errors.py`, `engine/`, `tests/test_docs.py`") == []
+    assert lost("`kinds/element.py`, `elements/kinds.py: PEDALS`, `machine/`") == [
+        "kinds/element.py", "elements/kinds.py: PEDALS", "machine/"]
 
 
 def test_the_house_is_shown_as_it_is() -> None:

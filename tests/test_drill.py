@@ -70,14 +70,14 @@ CLUTCH_SCENE = {
 Edit = tuple[str, str, str]
 """File, what stands there, what shall."""
 SPECS: list[Edit] = [
-    ("sandbox/scene/elements/joints.py", "\nJoint = Annotated[Pin | Slot | Weld | Rod | Rope |",
+    ("sandbox/elements/joints.py", "\nJoint = Annotated[Pin | Slot | Weld | Rod | Rope |",
      STRUT),
-    ("sandbox/scene/elements/drives.py", "\nDrive = Annotated[\n", CLUTCH),
-    ("sandbox/scene/elements/drives.py", "| MotorDrive | BrakeDrive\n",
+    ("sandbox/elements/drives.py", "\nDrive = Annotated[\n", CLUTCH),
+    ("sandbox/elements/drives.py", "| MotorDrive | BrakeDrive\n",
      "| MotorDrive | BrakeDrive\n    | ClutchDrive\n"),
 ]
 JOINT: list[Edit] = [
-    ("sandbox/kinds/elements.py", '    "rope": JointKind(',
+    ("sandbox/elements/kinds.py", '    "rope": JointKind(',
      '    "strut": JointKind("range", _REACTION, mujoco="a strut"),\n    "rope": JointKind('),
     ("sandbox/model/compile.py", "    Slot,\n    Weld,\n", "    Slot,\n    Strut,\n    Weld,\n"),
     ("sandbox/model/compile.py", "        case Rope():\n",
@@ -87,7 +87,7 @@ JOINT: list[Edit] = [
      '    "strut": JointDrawing("ends", "rod"),\n    "rod": JointDrawing('),
 ]
 DRIVE: list[Edit] = [
-    ("sandbox/kinds/elements.py", '    "motor": DriveKind(',
+    ("sandbox/elements/kinds.py", '    "motor": DriveKind(',
      '    "clutch": DriveKind(_ON_HINGE, "torque", "N m", "torque", ("value", "work", "torque"),\n'
      '                        floor=0.0, sole="clutch", limited=True,\n'
      '                        mujoco="a clutch"),\n    "motor": DriveKind('),

@@ -22,12 +22,12 @@ from sandbox.audit.figures import (
     peak,
     whole,
 )
+from sandbox.elements.controllers import writes_of
 from sandbox.model.starts import lengthening, turning
 from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.scene.elements.controllers import writes_of
 from sandbox.scene.mechanism import Mechanism, signal_of
-from sandbox.scene.values.signals import values
+from sandbox.values.signals import values
 
 SOLVED = 1e-9
 """Share of the fastest that bounded rows see by which their rates may be off."""

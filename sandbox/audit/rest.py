@@ -15,7 +15,7 @@ from sandbox.model.friction import friction_of
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH
-from sandbox.scene.elements.settings import Group
+from sandbox.scene.settings import Group
 from sandbox.wording import counted
 
 LAST = 0.05

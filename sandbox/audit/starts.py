@@ -23,7 +23,7 @@ from sandbox.audit.figures import EXACT, peak
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags
 from sandbox.scene.mechanism import signal_of
-from sandbox.scene.values.signals import values
+from sandbox.values.signals import values
 
 
 class StartsAtSpeed(NamedTuple):

@@ -14,7 +14,7 @@ from sandbox.cli.console import Console
 from sandbox.wording import meant
 
 if TYPE_CHECKING:
-    from sandbox.scene.elements.spec import Spec
+    from sandbox.values.spec import Spec
 
 WIDTH = 100
 """Of the text, in characters, or that of the terminal if it is narrower."""
@@ -142,7 +142,7 @@ def _snake_case(name: str) -> str:
 
 
 def _models(annotation: Any) -> Iterator[type[Spec]]:
-    from sandbox.scene.elements.spec import Spec
+    from sandbox.values.spec import Spec
 
     if isinstance(annotation, type) and issubclass(annotation, Spec):
         yield annotation
@@ -152,7 +152,7 @@ def _models(annotation: Any) -> Iterator[type[Spec]]:
 
 def _element_lines(each: _Element) -> list[str]:
     """Description, fields, example and quantities of an element."""
-    from sandbox.kinds.elements import NAMED
+    from sandbox.elements.kinds import NAMED
     from sandbox.scene.reference import KINDS, about, field_rows, quantity_rows, recorded_by
 
     lines = []
@@ -223,7 +223,7 @@ def _limit_lines() -> list[str]:
 
 
 def _layer_lines() -> list[str]:
-    from sandbox.kinds.layers import LAYERS
+    from sandbox.scene.layers import LAYERS
 
     return ["Layers of pictures; --show of 'sandbox render' and view.show select them.", "",
             *_definitions([(f"  {name}", ("" if layer.default else "(not by default) ")

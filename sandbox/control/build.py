@@ -10,8 +10,7 @@ from sandbox.control.relay import Relay
 from sandbox.control.schedule import Schedule
 from sandbox.control.state_feedback import StateFeedback
 from sandbox.control.switch import Switch
-from sandbox.scene.crossings import Fingers
-from sandbox.scene.elements.controllers import (
+from sandbox.elements.controllers import (
     Controller,
     EquilibriumController,
     FeedbackController,
@@ -21,6 +20,7 @@ from sandbox.scene.elements.controllers import (
     StateFeedbackController,
     SwitchController,
 )
+from sandbox.scene.crossings import Fingers
 from sandbox.scene.mechanism import Mechanism
 
 

@@ -11,8 +11,8 @@ from typing import Any, Literal
 
 from sandbox.control.law import Memoryless
 from sandbox.errors import ControllerFailed, SandboxError
-from sandbox.scene.values.expressions import parse_expression
-from sandbox.scene.values.numbers import NAME
+from sandbox.values.expressions import parse_expression
+from sandbox.values.numbers import NAME
 from sandbox.wording import quoted
 
 Act = Callable[[float, Sequence[float]], float | Sequence[float] | None]

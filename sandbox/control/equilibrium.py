@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.elements.controllers import EquilibriumController
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
 from sandbox.scene.crossings import Crossing, Fingers
-from sandbox.scene.elements.controllers import EquilibriumController
 
 
 @dataclass(frozen=True)

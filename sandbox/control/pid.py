@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 @dataclass(frozen=True)
 class Gains:
-    """A PID's numbers; see :class:`sandbox.scene.elements.controllers.PidController`."""
+    """A PID's numbers; see :class:`sandbox.elements.controllers.PidController`."""
 
     kp: float = 0.0
     ki: float = 0.0

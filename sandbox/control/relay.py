@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from sandbox.control.pid import Gains, Pid
-from sandbox.scene.elements.controllers import RelayController
+from sandbox.elements.controllers import RelayController
 
 RULES: dict[str, tuple[float, float, float]] = {
     "ziegler_nichols_pi": (0.45, 1 / 1.2, 0.0),

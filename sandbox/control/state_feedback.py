@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from operator import add, mul, sub
 from typing import Any
 
-from sandbox.scene.elements.controllers import StateFeedbackController
+from sandbox.elements.controllers import StateFeedbackController
 
 
 class StateFeedback:

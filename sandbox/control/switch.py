@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from sandbox.scene.elements.controllers import SwitchController
+from sandbox.elements.controllers import SwitchController
 
 
 class Switch:

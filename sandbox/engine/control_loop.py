@@ -16,9 +16,9 @@ from sandbox.control.law import Law
 from sandbox.engine.readings import Readings
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.numeric import Array
-from sandbox.scene.values.closures import Read
-from sandbox.scene.values.signals import AnySignal, Constant, Ramp, values
-from sandbox.scene.values.tables import NONE, Tables
+from sandbox.values.closures import Read
+from sandbox.values.signals import AnySignal, Constant, Ramp, values
+from sandbox.values.tables import NONE, Tables
 
 Act = Callable[[float, int], None]
 

@@ -21,15 +21,15 @@ from collections.abc import Callable
 import numpy as np
 import pymunk
 
+from sandbox.elements.controllers import writes_of
 from sandbox.engine.clock import Clock
 from sandbox.engine.world import World
 from sandbox.errors import Problem, SceneError
 from sandbox.numeric import Array
-from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.controllers import writes_of
+from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import signal_of
-from sandbox.scene.values.ranges import range_of
-from sandbox.scene.values.signals import AnySignal, Constant, Path, values
+from sandbox.values.ranges import range_of
+from sandbox.values.signals import AnySignal, Constant, Path, values
 
 CHUNK = 4096
 """Steps whose signals are worked out in one go; chunks begin at steps 1, CHUNK + 1, ..."""

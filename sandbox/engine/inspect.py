@@ -45,11 +45,11 @@ from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
 from sandbox.model.pairs import allowed_pairs
 from sandbox.model.shown_meters import check_shown
+from sandbox.scene.bodies import Polygon
 from sandbox.scene.check.ranges import nothing_to_run
-from sandbox.scene.elements.bodies import Polygon
 from sandbox.scene.geometry import outline, pose_of, to_world
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.signals import values
+from sandbox.values.signals import values
 from sandbox.wording import quoted
 
 

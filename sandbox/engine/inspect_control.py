@@ -11,8 +11,15 @@ from typing import Any
 
 from sandbox.control.custom import Custom
 from sandbox.control.equilibrium import joint_model
+from sandbox.elements.controllers import (
+    EquilibriumController,
+    FeedbackController,
+    readings_of,
+    targets_of,
+    writes_of,
+)
+from sandbox.elements.quantities import LIVE, is_live
 from sandbox.errors import Problem, SceneError
-from sandbox.kinds.quantities import LIVE, is_live
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import names_read, no_pair, order, quotients
 from sandbox.model.model import Model
@@ -20,18 +27,11 @@ from sandbox.scene.check.control import rate_problems
 from sandbox.scene.check.ranges import nothing_to_run
 from sandbox.scene.crossings import Fingers
 from sandbox.scene.document import Scene
-from sandbox.scene.elements.controllers import (
-    EquilibriumController,
-    FeedbackController,
-    readings_of,
-    targets_of,
-    writes_of,
-)
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import read_scene
 from sandbox.scene.read.sound import sound
-from sandbox.scene.values.expressions import dotted, names_in, parse_expression
-from sandbox.scene.values.signals import AnySignal, Constant, Ramp, Table
+from sandbox.values.expressions import dotted, names_in, parse_expression
+from sandbox.values.signals import AnySignal, Constant, Ramp, Table
 from sandbox.wording import MOST_HINTED, MOST_NAMED, NearMisses, listed, quoted
 
 

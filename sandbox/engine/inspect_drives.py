@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
+from sandbox.elements.controllers import writes_of
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
-from sandbox.scene.elements.controllers import writes_of
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.signals import AnySignal, Table, values
+from sandbox.values.signals import AnySignal, Table, values
 
 TRIED = 1025
 """Stretches at which a law's slope is looked at."""

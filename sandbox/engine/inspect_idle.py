@@ -12,7 +12,7 @@ from sandbox.errors import Problem
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import signal_of
-from sandbox.scene.values.signals import values
+from sandbox.values.signals import values
 
 INSTANTS = 257
 """Of a run, at which a length or an angle that is asked for is looked at."""

@@ -61,7 +61,7 @@ from sandbox.samples.outcome import (
     status_of,
     unordered,
 )
-from sandbox.scene.values.closures import Read
+from sandbox.values.closures import Read
 from sandbox.wording import WrongValueError, listed, near, quoted
 
 BLOCK = 256

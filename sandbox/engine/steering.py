@@ -18,6 +18,13 @@ from typing import Any
 from sandbox.control.build import build
 from sandbox.control.custom import Custom, StopRun
 from sandbox.control.law import Law
+from sandbox.elements.controllers import (
+    Controller,
+    every,
+    readings_of,
+    targets_of,
+    writes_of,
+)
 from sandbox.engine.clock import Clock
 from sandbox.engine.control_loop import ANY, Bound, ControlLoop, Desk, Setpoint
 from sandbox.engine.readings import Readings
@@ -26,15 +33,8 @@ from sandbox.errors import SimulationDiverged
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.samples.outcome import Happened, Stop
-from sandbox.scene.elements.controllers import (
-    Controller,
-    every,
-    readings_of,
-    targets_of,
-    writes_of,
-)
-from sandbox.scene.elements.events import Event, first_step
-from sandbox.scene.values.closures import Read
+from sandbox.scene.events import Event, first_step
+from sandbox.values.closures import Read
 
 NEVER = 1 << 62
 """A step that no run comes to."""

@@ -9,15 +9,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sandbox.elements.kinds import GRAZE
+from sandbox.elements.tendons import RIGID
 from sandbox.export.document import Draft, Value, add, comment, element, number
 from sandbox.export.tree import anchors, angle_sum, pose, stops, vec
-from sandbox.kinds.elements import GRAZE
 from sandbox.model.lifts import lifted_at_start, passes_by
 from sandbox.model.model import NONE
-from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.geometry import Vec
 from sandbox.scene.mechanism import signal_of
-from sandbox.scene.values.signals import Constant, values
+from sandbox.values.signals import Constant, values
 
 FAR = 1e6
 """A length that no spring reaches [m], as MuJoCo needs closed ranges."""

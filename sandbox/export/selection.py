@@ -7,19 +7,19 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
+from sandbox.elements.drives import kind_of
+from sandbox.elements.kinds import FLUID, LAW, LOOSE, SPRINGS
 from sandbox.errors import Problem, SceneError
 from sandbox.export.elements import wrap_round
 from sandbox.export.tree import Tree, pose, vec
-from sandbox.kinds.elements import FLUID, LAW, LOOSE, SPRINGS
 from sandbox.model.lifts import lifted_at_start
 from sandbox.model.model import Joints, Model, Springs
 from sandbox.model.pairs import Words, allowed_pairs
-from sandbox.scene.elements.bodies import Material, Polyline
-from sandbox.scene.elements.drives import kind_of
-from sandbox.scene.elements.settings import ContactRule
+from sandbox.scene.bodies import Material, Polyline
 from sandbox.scene.geometry import to_world
 from sandbox.scene.mechanism import Mechanism, signal_of
-from sandbox.scene.values.signals import Constant
+from sandbox.scene.settings import ContactRule
+from sandbox.values.signals import Constant
 from sandbox.wording import listed, near, quoted
 
 ACTING = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives")

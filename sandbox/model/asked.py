@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from sandbox.errors import Problem
 from sandbox.model import meters
 from sandbox.model.catalogue import PAIR, Catalogue
-from sandbox.scene.elements.settings import Expect
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.expressions import RESERVED
-from sandbox.scene.values.units import UNITS, Measured, factor_of
+from sandbox.scene.settings import Expect
+from sandbox.values.expressions import RESERVED
+from sandbox.values.units import UNITS, Measured, factor_of
 from sandbox.wording import MOST_HINTED, WrongValueError, is_pattern, quoted
 
 

@@ -17,8 +17,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from sandbox.errors import SandboxError
-from sandbox.kinds.quantities import (
+from sandbox.elements.quantities import (
     GRASP,
     QUANTITIES,
     TIED,
@@ -33,7 +32,8 @@ from sandbox.kinds.quantities import (
     spring_quantities,
     tendon_quantities,
 )
-from sandbox.scene.elements.bodies import Body
+from sandbox.errors import SandboxError
+from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import MOST_COMPARED, is_pattern, listed, nearest, quoted
 

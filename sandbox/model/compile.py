@@ -9,23 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from sandbox.kinds.elements import JOINTS, SPRINGS
-from sandbox.model.fluids import compile_lines, compile_valves
-from sandbox.model.loads import compile_loads
-from sandbox.model.model import (
-    NONE,
-    Bodies,
-    Drives,
-    Joints,
-    Model,
-    Names,
-    Springs,
-    Tendons,
-)
-from sandbox.model.spring_laws import SpringLaw, law_of
-from sandbox.model.ties import compile_ties
-from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.drives import (
+from sandbox.elements.drives import (
     BrakeDrive,
     Drive,
     ExtendDrive,
@@ -45,7 +29,7 @@ from sandbox.scene.elements.drives import (
     TorqueDrive,
     kind_of,
 )
-from sandbox.scene.elements.joints import (
+from sandbox.elements.joints import (
     Actuator,
     Gear,
     Joint,
@@ -57,7 +41,23 @@ from sandbox.scene.elements.joints import (
     Slot,
     Weld,
 )
-from sandbox.scene.elements.springs import LinearSpring, RotarySpring, Spring
+from sandbox.elements.kinds import JOINTS, SPRINGS
+from sandbox.elements.springs import LinearSpring, RotarySpring, Spring
+from sandbox.model.fluids import compile_lines, compile_valves
+from sandbox.model.loads import compile_loads
+from sandbox.model.model import (
+    NONE,
+    Bodies,
+    Drives,
+    Joints,
+    Model,
+    Names,
+    Springs,
+    Tendons,
+)
+from sandbox.model.spring_laws import SpringLaw, law_of
+from sandbox.model.ties import compile_ties
+from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import (
     Vec,
     anchors,

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from sandbox.kinds.elements import ATMOSPHERE
+from sandbox.elements.fluids import Chamber, Cylinder, Line, Valve
+from sandbox.elements.kinds import ATMOSPHERE
 from sandbox.model.model import NONE, Drives, Joints, Lines, Names, Valves
 from sandbox.numeric import Integers
-from sandbox.scene.elements.fluids import Chamber, Cylinder, Line, Valve
 from sandbox.scene.fluids import length_of, volume_of
 from sandbox.scene.geometry import Vec
 from sandbox.scene.mechanism import Mechanism

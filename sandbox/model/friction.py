@@ -6,7 +6,7 @@ import math
 from fnmatch import fnmatchcase
 from typing import Literal
 
-from sandbox.scene.elements.bodies import Material
+from sandbox.scene.bodies import Material
 from sandbox.scene.mechanism import Mechanism
 
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sandbox.elements.loads import MOTION, DragLoad, LawLoad, drag_law
 from sandbox.model.programs import Program, compile_expression
 from sandbox.numeric import Array
-from sandbox.scene.elements.loads import MOTION, DragLoad, LawLoad, drag_law
-from sandbox.scene.values.expressions import Expression, parse_expression
-from sandbox.scene.values.tables import Tables
+from sandbox.values.expressions import Expression, parse_expression
+from sandbox.values.tables import Tables
 from sandbox.wording import WrongValueError
 
 MOVED = frozenset(MOTION) - {"t", "mass", "inertia"}

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sandbox.elements.loads import BuoyancyLoad, DragLoad, LawLoad, Load
 from sandbox.model.load_laws import LoadLaw, law_of_load
 from sandbox.model.model import Bodies, BodyLoads
 from sandbox.numeric import Array
-from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Polygon, Shape
-from sandbox.scene.elements.loads import BuoyancyLoad, DragLoad, LawLoad, Load
+from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Shape
 from sandbox.scene.geometry import Vec, corners
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.rings import wound

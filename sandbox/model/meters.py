@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 
 from sandbox.errors import Problem
-from sandbox.scene.elements.settings import Meter
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.expressions import names_in
+from sandbox.scene.settings import Meter
+from sandbox.values.expressions import names_in
 from sandbox.wording import quoted
 
 _QUOTIENT = re.compile(r"([A-Za-z_][\w.]*) */ *([A-Za-z_][\w.]*)")

@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sandbox.kinds.elements import TIES, DriveKind, Gives, JointKind, Keeps, SpringKind
+from sandbox.elements.kinds import TIES, DriveKind, Gives, JointKind, Keeps, SpringKind
 from sandbox.model.load_laws import LoadLaw
 from sandbox.model.spring_laws import SpringLaw
 from sandbox.model.ties import Ties

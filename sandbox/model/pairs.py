@@ -9,9 +9,9 @@ import numpy as np
 
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.scene.elements.settings import ContactRule
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.planes import ALL
+from sandbox.scene.settings import ContactRule
+from sandbox.values.planes import ALL
 
 LARGE = 16
 """Share of all pairs, as 1 in so many, from which a rule is written by a mask of them all."""

@@ -11,9 +11,9 @@ from sandbox.model import meters
 from sandbox.model.asked import unknown
 from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array
-from sandbox.scene.elements.settings import ShownMeter, View
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.expressions import names_in, parse_expression
+from sandbox.scene.settings import ShownMeter, View
+from sandbox.values.expressions import names_in, parse_expression
 from sandbox.wording import is_pattern, listed
 
 MOST = 6

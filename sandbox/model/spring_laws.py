@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sandbox.elements.springs import OWN, LinearSpring, Spring
 from sandbox.model.programs import (
     ADD,
     DROP,
@@ -31,9 +32,8 @@ from sandbox.model.programs import (
     compile_expression,
 )
 from sandbox.numeric import Array
-from sandbox.scene.elements.springs import OWN, LinearSpring, Spring
-from sandbox.scene.values.expressions import Expression, parse_expression
-from sandbox.scene.values.tables import Tables
+from sandbox.values.expressions import Expression, parse_expression
+from sandbox.values.tables import Tables
 from sandbox.wording import WrongValueError
 
 STRETCH, RATE, STIFFNESS = 0, 1, 2

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.kinds.elements import HELD_ABOVE, NAMED, RELEASABLE
+from sandbox.elements.drives import HoldDrive
+from sandbox.elements.kinds import HELD_ABOVE, NAMED, RELEASABLE
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.scene.elements.drives import HoldDrive
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.signals import values
+from sandbox.values.signals import values
 
 
 @dataclass(frozen=True)

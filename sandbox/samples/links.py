@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sandbox.kinds.arrays import Arrays
+from sandbox.elements.arrays import Arrays
 from sandbox.model.anchors import apart
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers

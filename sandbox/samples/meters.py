@@ -14,7 +14,7 @@ import numpy as np
 from sandbox.model.meters import order
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.expressions import parse_expression
+from sandbox.values.expressions import parse_expression
 
 
 def evaluate(

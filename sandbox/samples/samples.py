@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import (
+from sandbox.elements.arrays import (
     CONTACT,
     MEAN,
     MEAN_CONTACT,
@@ -18,8 +18,8 @@ from sandbox.kinds.arrays import (
     Arrays,
     has_numbers,
 )
-from sandbox.kinds.elements import NAMED
-from sandbox.kinds.quantities import GRASP, QUANTITIES, TIED, numbered
+from sandbox.elements.kinds import NAMED
+from sandbox.elements.quantities import GRASP, QUANTITIES, TIED, numbered
 from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError
 from sandbox.model.model import Model
 from sandbox.model.ties import held_one

@@ -16,12 +16,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.elements.controllers import Controller, readings_of, targets_of, writes_of
 from sandbox.numeric import Array
 from sandbox.samples.response import Response, respond
 from sandbox.samples.samples import Samples
-from sandbox.scene.elements.controllers import Controller, readings_of, targets_of, writes_of
 from sandbox.scene.mechanism import signal_of
-from sandbox.scene.values.signals import values
+from sandbox.values.signals import values
 
 SUFFIX = ".target"
 """Of a meter that holds the target of the quantity before it."""

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.kinds.arrays import CONTACT, LAYOUT, PER_SAMPLE
+from sandbox.elements.arrays import CONTACT, LAYOUT, PER_SAMPLE
 from sandbox.model.friction import friction_of
 from sandbox.model.model import NONE, Model
 from sandbox.model.ties import held_of

@@ -12,13 +12,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
+from sandbox.elements.controllers import EquilibriumController
+from sandbox.elements.drives import StiffnessDrive
+from sandbox.elements.joints import Pin
+from sandbox.elements.springs import LinearSpring, Spring
+from sandbox.elements.tendons import Guide, Tendon
 from sandbox.errors import Problem
-from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.controllers import EquilibriumController
-from sandbox.scene.elements.drives import StiffnessDrive
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.elements.springs import LinearSpring, Spring
-from sandbox.scene.elements.tendons import Guide, Tendon
+from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import Vec, anchors, pose_of, to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import NearMisses, listed, quoted

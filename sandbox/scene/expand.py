@@ -7,10 +7,10 @@ import json
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from sandbox.elements.drives import Drive, PullDrive, StiffnessDrive
 from sandbox.errors import Problem, SceneError
+from sandbox.scene.bodies import Body
 from sandbox.scene.document import Assembly, Part, Scene
-from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.drives import Drive, PullDrive, StiffnessDrive
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts.assembly import placed
 from sandbox.scene.parts.expansion import Elements, PartError

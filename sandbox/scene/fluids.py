@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.fluids import Cylinder, Line
+from sandbox.elements.fluids import Cylinder, Line
+from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import pose_of, to_world
 
 

@@ -7,21 +7,21 @@ import re
 
 from pydantic import Field
 
-from sandbox.kinds.elements import LISTS, NAMED, RELEASABLE
-from sandbox.scene.elements.bodies import Body, Material
-from sandbox.scene.elements.controllers import Controller
-from sandbox.scene.elements.drives import Drive, HoldDrive, MotorDrive, StiffnessDrive
-from sandbox.scene.elements.events import Event
-from sandbox.scene.elements.fluids import Line, Valve
-from sandbox.scene.elements.joints import Joint
-from sandbox.scene.elements.loads import Load
-from sandbox.scene.elements.settings import ContactRule, Expect, Group, Meter, Run, View
-from sandbox.scene.elements.spec import Spec
-from sandbox.scene.elements.springs import Spring
-from sandbox.scene.elements.tendons import Tendon
-from sandbox.scene.values.numbers import Acceleration, Items, Name, Pair
-from sandbox.scene.values.signals import AnySignal, Constant
-from sandbox.scene.values.tables import NamedTable, TableName, Tables, tables_of
+from sandbox.elements.controllers import Controller
+from sandbox.elements.drives import Drive, HoldDrive, MotorDrive, StiffnessDrive
+from sandbox.elements.fluids import Line, Valve
+from sandbox.elements.joints import Joint
+from sandbox.elements.kinds import LISTS, NAMED, RELEASABLE
+from sandbox.elements.loads import Load
+from sandbox.elements.springs import Spring
+from sandbox.elements.tendons import Tendon
+from sandbox.scene.bodies import Body, Material
+from sandbox.scene.events import Event
+from sandbox.scene.settings import ContactRule, Expect, Group, Meter, Run, View
+from sandbox.values.numbers import Acceleration, Items, Name, Pair
+from sandbox.values.signals import AnySignal, Constant
+from sandbox.values.spec import Spec
+from sandbox.values.tables import NamedTable, TableName, Tables, tables_of
 
 
 class Mechanism(Spec):
@@ -101,7 +101,7 @@ class Mechanism(Spec):
 
     @property
     def holding(self) -> tuple[Joint | Spring | Tendon, ...]:
-        """All that a run could let go: :data:`sandbox.kinds.elements.RELEASABLE`, in this order."""
+        """All that a run could let go: :data:`sandbox.elements.kinds.RELEASABLE`, in this order."""
         return tuple(each for kind in RELEASABLE for each in getattr(self, kind))
 
     @property

@@ -14,27 +14,17 @@ from pydantic import WithJsonSchema
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
-from sandbox.kinds.quantities import GRASP, NUMBERED, QUANTITIES, TIED
+from sandbox.elements import controllers, drives, fluids, joints, loads, springs, tendons
+from sandbox.elements.kinds import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
+from sandbox.elements.quantities import GRASP, NUMBERED, QUANTITIES, TIED
+from sandbox.scene import bodies, events, layers, settings
 from sandbox.scene.document import Assembly, Scene
-from sandbox.scene.elements import (
-    bodies,
-    controllers,
-    drives,
-    events,
-    fluids,
-    joints,
-    loads,
-    settings,
-    springs,
-    tendons,
-)
-from sandbox.scene.elements.spec import Spec
 from sandbox.scene.parts import finger, section, trees
 from sandbox.scene.parts import per_joint as lists
 from sandbox.scene.schema import descriptions
-from sandbox.scene.values import colours, numbers, planes, shown, signals, tables
-from sandbox.scene.values.units import units_of
+from sandbox.values import colours, numbers, planes, signals, tables
+from sandbox.values.spec import Spec
+from sandbox.values.units import units_of
 
 
 def members(union: Any) -> list[type[Spec]]:
@@ -96,8 +86,8 @@ def field_type(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
         return planes.WORDS.replace("\"all\"", "`\"all\"`")
     if colours.SCHEMA in metadata:
         return "colour"
-    if shown.SCHEMA in metadata:
-        return shown.WORDS
+    if layers.SCHEMA in metadata:
+        return layers.WORDS
     if metadata and any(set(get_args(alias)[1:]) <= set(metadata) for alias in ONE_FOR_ALL):
         return f"one for all, or {field_type(annotation)}"
     if get_origin(annotation) is Annotated:

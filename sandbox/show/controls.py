@@ -11,16 +11,16 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
+from sandbox.elements.controllers import readings_of, targets_of, writes_of
+from sandbox.elements.drives import kind_of
 from sandbox.engine.live import Live
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import UnknownQuantityError
-from sandbox.scene.elements.controllers import readings_of, targets_of, writes_of
-from sandbox.scene.elements.drives import kind_of
 from sandbox.scene.mechanism import Mechanism, signal_of
 from sandbox.scene.played import Setting
 from sandbox.scene.read.load import Loaded
-from sandbox.scene.values.signals import AnySignal, Constant, Ramp, Table
-from sandbox.scene.values.units import UNITS, Measured, parse_quantity, units_of
+from sandbox.values.signals import AnySignal, Constant, Ramp, Table
+from sandbox.values.units import UNITS, Measured, parse_quantity, units_of
 from sandbox.wording import WrongValueError, listed, quoted
 
 PARAMETER = "parameters."

@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.elements.arrays import ARRAYS, CONTACT, STATIC, Arrays
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.live import Live
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import SceneError, SimulationDiverged
-from sandbox.kinds.arrays import ARRAYS, CONTACT, STATIC, Arrays
 from sandbox.model.catalogue import PAIR, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array, Flags, Integers

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from sandbox.audit.audit import Figure, audit
+from sandbox.elements.joints import Pin
 from sandbox.recording.recording import Recording
-from sandbox.scene.elements.joints import Pin
 from sandbox.scene.geometry import joint_angle_sign, mass_properties
 from sandbox.scene.mechanism import Mechanism
 from tests.recording.sample import recording

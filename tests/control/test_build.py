@@ -9,9 +9,9 @@ from pydantic import TypeAdapter
 
 from sandbox.control.build import build
 from sandbox.control.pid import Pid
-from sandbox.scene.elements.controllers import Controller, readings_of, targets_of, writes_of
+from sandbox.elements.controllers import Controller, readings_of, targets_of, writes_of
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.signals import values
+from sandbox.values.signals import values
 
 H = 1e-3
 ONE: dict[str, Any] = {"name": "c", "writes": "u"}

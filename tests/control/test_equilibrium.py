@@ -10,14 +10,14 @@ from pydantic import TypeAdapter, ValidationError
 
 from sandbox.control.build import build
 from sandbox.control.equilibrium import joint_model
+from sandbox.elements.controllers import (
+    Controller,
+)
 from sandbox.engine.inspect_control import control_problems
 from sandbox.errors import SceneError
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
 from sandbox.scene.crossings import Fingers
-from sandbox.scene.elements.controllers import (
-    Controller,
-)
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene

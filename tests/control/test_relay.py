@@ -11,7 +11,7 @@ from scipy.linalg import expm
 from scipy.optimize import brentq, minimize_scalar
 
 from sandbox.control.relay import RULES, Relay, gains_of, ultimate_gain
-from sandbox.scene.elements.controllers import RelayController
+from sandbox.elements.controllers import RelayController
 
 from .loops import Plant, closed
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from sandbox.control.pid import Gains, Pid
 from sandbox.control.state_feedback import StateFeedback
-from sandbox.scene.elements.controllers import StateFeedbackController
+from sandbox.elements.controllers import StateFeedbackController
 
 from .loops import cut, fed
 

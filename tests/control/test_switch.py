@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from sandbox.control.switch import Switch
-from sandbox.scene.elements.controllers import SwitchController
+from sandbox.elements.controllers import SwitchController
 
 
 def switch(**more: Any) -> Switch:

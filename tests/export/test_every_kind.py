@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 
+from sandbox.elements.kinds import DRIVES, JOINTS, SPRINGS
 from sandbox.errors import SceneError
 from sandbox.export import export_mechanism
 from sandbox.export.elements import DRIVES as DRIVE_WRITERS
 from sandbox.export.elements import LINKS
 from sandbox.export.elements import SPRINGS as SPRING_WRITERS
 from sandbox.export.tree import CARRIERS
-from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS
 from sandbox.scene.mechanism import Mechanism
 
 TABLES: list[tuple[str, Mapping[str, Any], Iterable[str]]] = [

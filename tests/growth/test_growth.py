@@ -19,7 +19,7 @@ from sandbox.engine import inspect_overlaps
 from sandbox.errors import SceneError
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import load_scene, read_scene
-from sandbox.scene.values.expressions import names_in, parse_expression
+from sandbox.values.expressions import names_in, parse_expression
 from tests.growth.scenes import SCENES
 
 FASTEST = 2.6

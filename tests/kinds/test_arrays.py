@@ -2,8 +2,7 @@
 
 import pytest
 
-from sandbox.engine.simulate import simulate
-from sandbox.kinds.arrays import (
+from sandbox.elements.arrays import (
     ARRAYS,
     IMPACT,
     LAYOUT,
@@ -13,6 +12,7 @@ from sandbox.kinds.arrays import (
     PER_SAMPLE,
     row_bytes,
 )
+from sandbox.engine.simulate import simulate
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from sandbox.kinds.layers import EVERY, LAYERS, asked, meant, shown
+from sandbox.scene.layers import EVERY, LAYERS, asked, meant, shown
 from sandbox.wording import WrongValueError
 
 

@@ -2,8 +2,8 @@
 
 import pytest
 
+from sandbox.elements.quantities import QUANTITIES
 from sandbox.errors import SceneError
-from sandbox.kinds.quantities import QUANTITIES
 from sandbox.scene.read.load import load_scene
 
 OWNERS = {"body": "disc", "joint": "hinge", "spring": "coil", "tendon": "cord", "drive": "pull",

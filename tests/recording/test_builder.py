@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sandbox.elements.arrays import IMPACT, PER_SAMPLE, STATIC
 from sandbox.errors import OutputError
-from sandbox.kinds.arrays import IMPACT, PER_SAMPLE, STATIC
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.outcome import Status
 

@@ -19,7 +19,7 @@ from sandbox.samples.outcome import (
     read_outcome,
     status_of,
 )
-from sandbox.scene.elements.settings import Run
+from sandbox.scene.settings import Run
 from tests.recording.sample import CONTACTS, H, N, mechanism, recording
 
 

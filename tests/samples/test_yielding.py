@@ -13,10 +13,10 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import verdicts
 from sandbox.samples.grasps import MAX_STIFFNESS_SAMPLES, Grasp
 from sandbox.samples.yielding import Yielding
-from sandbox.scene.elements.settings import Expect
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
+from sandbox.scene.settings import Expect
 
 G = 9.81
 

@@ -9,23 +9,23 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 
+from sandbox.elements.drives import Drive
+from sandbox.elements.joints import Joint
+from sandbox.elements.loads import Load
+from sandbox.elements.springs import Spring
+from sandbox.elements.tendons import Tendon
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SceneError
-from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.drives import Drive
-from sandbox.scene.elements.joints import Joint
-from sandbox.scene.elements.loads import Load
-from sandbox.scene.elements.outlines import DiscCam, Drawing, SmoothCurve
-from sandbox.scene.elements.spec import Spec
-from sandbox.scene.elements.springs import Spring
-from sandbox.scene.elements.tendons import Tendon
+from sandbox.scene.bodies import Body
+from sandbox.scene.derived_shapes import DiscCam, Drawing, SmoothCurve
 from sandbox.scene.expand import expand, to_json
 from sandbox.scene.geometry import pose_of, to_world
 from sandbox.scene.outlines.curves import flattened
 from sandbox.scene.parts.placement import HOLDERS, RULES, Placement
 from sandbox.scene.read.load import load_scene
-from sandbox.scene.values.numbers import Point, dimension_read
-from sandbox.scene.values.signals import values
+from sandbox.values.numbers import Point, dimension_read
+from sandbox.values.signals import values
+from sandbox.values.spec import Spec
 
 MACHINE: dict[str, Any] = {
     "bodies": [

@@ -10,7 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import sandbox
-from sandbox.scene.read.paths import parse_path
+from sandbox.values.paths import parse_path
 
 FINGER = {"type": "finger", "name": "finger", "lengths": ["45 mm", "26 mm", "21 mm"],
           "radii": ["9 mm", "8 mm", "7.5 mm"], "masses": ["12 g", "6 g", "4 g"],

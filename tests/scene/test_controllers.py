@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import sandbox
-from sandbox.scene.elements.controllers import readings_of
+from sandbox.elements.controllers import readings_of
 from sandbox.scene.expand import expand, to_json
 
 ARM: dict[str, Any] = {

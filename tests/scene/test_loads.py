@@ -13,7 +13,7 @@ from sandbox.model.pairs import allowed_pairs
 from sandbox.scene.expand import expand, to_json
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
-from sandbox.scene.values.planes import share
+from sandbox.values.planes import share
 
 BALLS: list[dict[str, Any]] = [
     {"name": name, "mass": 1, "at": [i, 0], "shapes": [{"type": "circle", "radius": 0.1}]}

@@ -23,7 +23,7 @@ from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.scales import LONGEST, ForceScale, number, typical
 from sandbox.draw.film.shapes import Area
 from sandbox.draw.film.turning import TURN, brake_mark, motor_mark, servo_mark, turn_arrow
-from sandbox.kinds.elements import ON_TENDON
+from sandbox.elements.kinds import ON_TENDON
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 

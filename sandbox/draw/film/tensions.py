@@ -12,7 +12,7 @@ from sandbox.draw.film.camera import round_up
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.palette import PUSH, TENSION, Colour
 from sandbox.draw.film.scales import rounding
-from sandbox.kinds.elements import JOINTS
+from sandbox.elements.kinds import JOINTS
 from sandbox.numeric import Array, Integers
 from sandbox.samples.cords import piece_tensions
 from sandbox.samples.links import link_tensions

@@ -7,20 +7,20 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from sandbox.errors import Problem
-from sandbox.scene.crossings import Fingers
-from sandbox.scene.elements.controllers import (
+from sandbox.elements.controllers import (
     Controller,
     EquilibriumController,
     every,
     targets_of,
     writes_of,
 )
-from sandbox.scene.elements.events import Event, first_step
+from sandbox.errors import Problem
+from sandbox.scene.crossings import Fingers
+from sandbox.scene.events import Event, first_step
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.paths import path_text
-from sandbox.scene.values.expressions import parse_expression
-from sandbox.scene.values.ranges import size_fault
+from sandbox.values.expressions import parse_expression
+from sandbox.values.paths import path_text
+from sandbox.values.ranges import size_fault
 from sandbox.wording import NearMisses, listed, quoted
 
 MOST_LOOKS = 500_000

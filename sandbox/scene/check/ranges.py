@@ -1,7 +1,7 @@
 """What follows from a mechanism's numbers must be a number that can be computed with, too.
 
 What stands in a field is held to its range where it is read
-(:mod:`sandbox.scene.values.ranges`). Here are the numbers that nobody wrote: what a body weighs
+(:mod:`sandbox.values.ranges`). Here are the numbers that nobody wrote: what a body weighs
 by its shapes, how far apart corners are, which values a drive runs through.
 """
 
@@ -13,14 +13,14 @@ from itertools import pairwise
 
 import numpy as np
 
+from sandbox.elements.drives import Drive, ForceDrive, kind_of
+from sandbox.elements.joints import Rack
 from sandbox.errors import Problem
-from sandbox.scene.elements.bodies import SHAPES, Body, Polygon, Polyline, Shape
-from sandbox.scene.elements.drives import Drive, ForceDrive, kind_of
-from sandbox.scene.elements.joints import Rack
+from sandbox.scene.bodies import SHAPES, Body, Polygon, Polyline, Shape
 from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.ranges import RANGES, in_range, size_fault
-from sandbox.scene.values.signals import AnySignal, Table, values
+from sandbox.values.ranges import RANGES, in_range, size_fault
+from sandbox.values.signals import AnySignal, Table, values
 from sandbox.wording import WrongValueError
 
 INSTANTS = 257

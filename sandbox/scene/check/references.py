@@ -12,8 +12,9 @@ from collections.abc import Collection, Iterator, Mapping
 from types import SimpleNamespace
 from typing import Any
 
-from sandbox.errors import Problem
-from sandbox.kinds.elements import (
+from sandbox.elements.drives import Drive, PullDrive, RadiusDrive, StiffnessDrive, kind_of
+from sandbox.elements.fluids import Cylinder, Line, Vane
+from sandbox.elements.kinds import (
     DRIVES,
     JOINTS,
     NAMED,
@@ -22,20 +23,19 @@ from sandbox.kinds.elements import (
     TIES,
     Target,
 )
-from sandbox.kinds.layers import BY_ROLE, EVERY, meant
-from sandbox.kinds.quantities import GRASP, reserved
+from sandbox.elements.loads import BuoyancyLoad
+from sandbox.elements.quantities import GRASP, reserved
+from sandbox.elements.springs import Spring
+from sandbox.elements.tendons import RIGID
+from sandbox.errors import Problem
+from sandbox.scene.bodies import Body, Circle
 from sandbox.scene.check.control import check_control
 from sandbox.scene.check.signals import check_signals
 from sandbox.scene.check.ties import check_ties
-from sandbox.scene.elements.bodies import Body, Circle
-from sandbox.scene.elements.drives import Drive, PullDrive, RadiusDrive, StiffnessDrive, kind_of
-from sandbox.scene.elements.fluids import Cylinder, Line, Vane
-from sandbox.scene.elements.loads import BuoyancyLoad
-from sandbox.scene.elements.springs import Spring
-from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.fluids import volume_of
+from sandbox.scene.layers import BY_ROLE, EVERY, meant
 from sandbox.scene.mechanism import Mechanism, borne
-from sandbox.scene.values.ranges import size_fault
+from sandbox.values.ranges import size_fault
 from sandbox.wording import MOST_NAMED, NearMisses, is_pattern, listed, quoted
 
 

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from sandbox.elements.controllers import targets_of
+from sandbox.elements.kinds import DRIVES
 from sandbox.errors import Problem
-from sandbox.kinds.elements import DRIVES
 from sandbox.numeric import Array
-from sandbox.scene.elements.controllers import targets_of
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.signals import AnySignal, Formula, values
-from sandbox.scene.values.tables import Tables
+from sandbox.values.signals import AnySignal, Formula, values
+from sandbox.values.tables import Tables
 
 SIGNAL_SAMPLES = 257
 """Instants of a run at which a formula is tried."""

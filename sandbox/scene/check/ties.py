@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+from sandbox.elements.drives import HoldDrive
+from sandbox.elements.fluids import Vane
+from sandbox.elements.kinds import JOINTS, NAMED, RELEASABLE
 from sandbox.errors import Problem
-from sandbox.kinds.elements import JOINTS, NAMED, RELEASABLE
-from sandbox.scene.elements.drives import HoldDrive
-from sandbox.scene.elements.fluids import Vane
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import NearMisses, listed, quoted
 

@@ -2,7 +2,7 @@
 
 The fields of controllers and events take any unit, since only the drive that they
 write, or the quantity that they read, says which one is right. Their numbers keep the
-unit that they were written in (:class:`sandbox.scene.values.units.Measured`), and here
+unit that they were written in (:class:`sandbox.values.units.Measured`), and here
 every element is known.
 """
 
@@ -12,16 +12,16 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
+from sandbox.elements.controllers import Controller, readings_of, targets_of
+from sandbox.elements.drives import Drive, kind_of
+from sandbox.elements.kinds import SPRINGS
+from sandbox.elements.quantities import QUANTITIES
 from sandbox.errors import Problem
-from sandbox.kinds.elements import SPRINGS
-from sandbox.kinds.quantities import QUANTITIES
-from sandbox.scene.elements.controllers import Controller, readings_of, targets_of
-from sandbox.scene.elements.drives import Drive, kind_of
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.paths import path_text
-from sandbox.scene.values.numbers import NAME
-from sandbox.scene.values.signals import AnySignal, Constant, Ramp, Table
-from sandbox.scene.values.units import UNITS, Measured, factor_of
+from sandbox.values.numbers import NAME
+from sandbox.values.paths import path_text
+from sandbox.values.signals import AnySignal, Constant, Ramp, Table
+from sandbox.values.units import UNITS, Measured, factor_of
 from sandbox.wording import WrongValueError
 
 READINGS = {name.rpartition(".")[2]: UNITS[quantity.unit][1]

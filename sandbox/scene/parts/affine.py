@@ -6,7 +6,7 @@ import numpy as np
 
 from sandbox.errors import Problem
 from sandbox.scene.parts.expansion import PartError
-from sandbox.scene.values.signals import AnySignal, Constant, Formula, Ramp, Table, values
+from sandbox.values.signals import AnySignal, Constant, Formula, Ramp, Table, values
 
 
 def scaled(signal: AnySignal, factor: float, offset: float = 0.0) -> AnySignal:

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 from sandbox.errors import Problem
-from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.settings import Group
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.bodies import Body
 from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.parts.naming import Naming
 from sandbox.scene.parts.placement import Mover, Placement
+from sandbox.scene.settings import Group
+from sandbox.values.spec import Spec
 
 PLACED = ("bodies", "joints", "springs", "tendons", "lines", "loads", "drives")
 SpecType = TypeVar("SpecType", bound=Spec)

@@ -12,8 +12,8 @@ from fnmatch import fnmatchcase
 from functools import cache
 from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
-from sandbox.scene.elements.spec import Spec
-from sandbox.scene.values.expressions import RESERVED
+from sandbox.values.expressions import RESERVED
+from sandbox.values.spec import Spec
 
 TEXTS = ("because", "unit", "title", "about")
 """Fields that hold words for people."""

@@ -25,17 +25,17 @@ from dataclasses import dataclass, replace
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
+from sandbox.elements.drives import ForceDrive
+from sandbox.elements.joints import Pin, Rack
 from sandbox.errors import Problem
-from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.drives import ForceDrive
-from sandbox.scene.elements.joints import Pin, Rack
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_body, to_world
 from sandbox.scene.outlines.curves import Node
 from sandbox.scene.parts.affine import added, scaled
 from sandbox.scene.parts.expansion import PartError
-from sandbox.scene.values.numbers import Point, dimension_read
-from sandbox.scene.values.signals import AnySignal, Constant, Path, dimension_over_time
+from sandbox.values.numbers import Point, dimension_read
+from sandbox.values.signals import AnySignal, Constant, Path, dimension_over_time
+from sandbox.values.spec import Spec
 from sandbox.wording import near
 
 Mirror = Literal["left-right", "up-down"]

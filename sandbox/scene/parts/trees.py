@@ -12,16 +12,15 @@ from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, model_validat
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
+from sandbox.elements.joints import Rope, Slot
+from sandbox.elements.tendons import RIGID, Guide, Tendon
 from sandbox.errors import Problem
-from sandbox.scene.elements.bodies import Body, Capsule, Circle, Shape
-from sandbox.scene.elements.joints import Rope, Slot
-from sandbox.scene.elements.settings import ContactRule, Group
-from sandbox.scene.elements.spec import TYPE, Spec
-from sandbox.scene.elements.tendons import RIGID, Guide, Tendon
+from sandbox.scene.bodies import Body, Capsule, Circle, Shape
 from sandbox.scene.geometry import Vec, pose_of, to_world
 from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.parts.plan import Node, nodes_of, plan_tree
-from sandbox.scene.values.numbers import (
+from sandbox.scene.settings import ContactRule, Group
+from sandbox.values.numbers import (
     Angle,
     Damping,
     Items,
@@ -32,6 +31,7 @@ from sandbox.scene.values.numbers import (
     Ratio,
     Stiffness,
 )
+from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import NearMisses, WrongValueError
 
 LEAST_DISTANCE = 1e-6  # between the strings of two leaves that need no eyes [m]

@@ -15,21 +15,21 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from sandbox.elements.kinds import LISTS
 from sandbox.errors import SceneError
-from sandbox.kinds.elements import LISTS
 from sandbox.scene.document import ASSEMBLED, KEYS
 from sandbox.scene.read.includes import Library
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.origin_map import Layered, Origin, OriginMap
 from sandbox.scene.read.parameters import Parameters, resolve_parameters
-from sandbox.scene.read.paths import parse_path
 from sandbox.scene.read.repeat import Copies, RepeatError, read_repeat
 from sandbox.scene.read.scopes import Scope, misspelt
 from sandbox.scene.read.source import SceneSource
 from sandbox.scene.read.tables import others_of, plain_tables, resolved_tables
 from sandbox.scene.read.templates import LikeError, layered, own, plain
 from sandbox.scene.read.writing import CONTAINER, Composed, Context, TooLargeError, Trail, Writer
-from sandbox.scene.values.numbers import number_from
+from sandbox.values.numbers import number_from
+from sandbox.values.paths import parse_path
 from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
 
 WORDS = ("like", "repeat", "include")

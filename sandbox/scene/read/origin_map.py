@@ -7,9 +7,9 @@ from typing import Any
 
 from sandbox.errors import Problem
 from sandbox.scene.document import Scene
-from sandbox.scene.read.models import fields_at
-from sandbox.scene.read.paths import JsonPath, path_text
 from sandbox.scene.read.source import SceneSource
+from sandbox.values.models import fields_at
+from sandbox.values.paths import JsonPath, path_text
 
 Layered = dict[str, tuple[Any, "Origin", bool]]
 """An object's keys: the value, where it is written, and whether the value is itself layered."""

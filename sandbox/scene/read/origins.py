@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from sandbox.elements.kinds import LISTS
 from sandbox.errors import Problem
-from sandbox.kinds.elements import LISTS
 from sandbox.scene.document import Assembly, Part, Scene
-from sandbox.scene.elements.settings import ContactRule
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.paths import JsonPath, parse_path, path_text
 from sandbox.scene.read.source import SceneSource
 from sandbox.scene.read.writing import Composed
+from sandbox.scene.settings import ContactRule
+from sandbox.values.paths import JsonPath, parse_path, path_text
 from sandbox.wording import quoted
 
 

@@ -11,8 +11,8 @@ from sandbox.errors import Problem
 from sandbox.scene.read.includes import Library
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.origin_map import Origin, OriginMap
-from sandbox.scene.read.paths import JsonPath
 from sandbox.scene.read.scopes import Scope
+from sandbox.values.paths import JsonPath
 from sandbox.wording import NearMisses, WrongValueError
 
 CONTAINER = 40

@@ -11,9 +11,9 @@ from pydantic_core import ErrorDetails
 
 from sandbox.codes import CODES
 from sandbox.errors import Problem
-from sandbox.scene.read.models import bare, fields_page, type_at
-from sandbox.scene.read.paths import JsonPath, holds, path_text
-from sandbox.scene.values.numbers import message_of
+from sandbox.values.models import bare, fields_page, type_at
+from sandbox.values.numbers import message_of
+from sandbox.values.paths import JsonPath, holds, path_text
 from sandbox.wording import MOST_NAMED, NearMisses, WrongValueError, kind_of, listed, quoted
 
 COMPOSING = ("like", "repeat", "include", "parameters")

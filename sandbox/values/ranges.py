@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from sandbox.scene.values.units import Measured, dimension_of, units_of
+from sandbox.values.units import Measured, dimension_of, units_of
 from sandbox.wording import WrongValueError
 
 

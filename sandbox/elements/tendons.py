@@ -6,9 +6,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sandbox.scene.elements.spec import Spec
-from sandbox.scene.elements.springs import TakenUp
-from sandbox.scene.values.numbers import (
+from sandbox.elements.springs import TakenUp
+from sandbox.values.numbers import (
     NOT_NEGATIVE,
     POSITIVE,
     Damping,
@@ -22,6 +21,7 @@ from sandbox.scene.values.numbers import (
     Ratio,
     Stiffness,
 )
+from sandbox.values.spec import Spec
 from sandbox.wording import WrongValueError
 
 RIGID = 1e5

@@ -10,9 +10,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sandbox.kinds.elements import ATMOSPHERE
-from sandbox.scene.elements.spec import TYPE, Spec
-from sandbox.scene.values.numbers import (
+from sandbox.elements.kinds import ATMOSPHERE
+from sandbox.values.numbers import (
     Area,
     Density,
     Displacement,
@@ -26,6 +25,7 @@ from sandbox.scene.values.numbers import (
     Pressure,
     Volume,
 )
+from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError
 
 

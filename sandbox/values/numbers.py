@@ -26,9 +26,9 @@ from pydantic import (
 )
 from pydantic_core import ErrorDetails, PydanticCustomError
 
-from sandbox.scene.values.expressions import Expression, parse_expression, unknown_name
-from sandbox.scene.values.ranges import in_range, range_of, with_unit
-from sandbox.scene.values.units import Measured, parse_quantity, units_of
+from sandbox.values.expressions import Expression, parse_expression, unknown_name
+from sandbox.values.ranges import in_range, range_of, with_unit
+from sandbox.values.units import Measured, parse_quantity, units_of
 from sandbox.wording import WrongValueError, kind_of, quoted
 
 T = TypeVar("T")
@@ -54,7 +54,7 @@ def number_from(value: Any, dimension: str | None, parameters: Mapping[str, floa
 
     Raises:
         WrongValueError: none of the three, a wrong unit, not finite, or beyond the range of
-            its dimension (:mod:`sandbox.scene.values.ranges`).
+            its dimension (:mod:`sandbox.values.ranges`).
     """
     return in_range(_number(value, dimension, parameters), dimension)
 

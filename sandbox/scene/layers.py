@@ -10,8 +10,11 @@ import fnmatch
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Annotated, Any, Protocol
 
+from pydantic import BeforeValidator, WithJsonSchema
+
+from sandbox.values.numbers import Written
 from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
 
 
@@ -155,6 +158,27 @@ def shown(show: Show, *, traced: bool) -> dict[str, tuple[str, ...]]:
     unasked = {name: EVERY for name, layer in LAYERS.items()
                if layer.default or (name == "traces" and traced)}
     return {name: patterns for name, patterns in (unasked | dict(show)).items() if patterns}
+
+
+WORDS = "list of layers, or object of layer: true, false or bodies"
+_PATTERN_LIST: dict[str, Any] = {"type": "array", "items": {"type": "string"}}
+SCHEMA = WithJsonSchema({"anyOf": [
+    {"type": "array", "items": {"enum": [
+        *LAYERS, WHOLE, *(f"-{name}" for name in (*LAYERS, WHOLE))]}},
+    {"type": "object", "additionalProperties": False, "properties": {
+        name: {"anyOf": [{"type": "boolean"}, {"type": "string"}, _PATTERN_LIST]}
+        for name in (*LAYERS, WHOLE)}},
+]})
+
+
+def _read_layers(value: Any) -> dict[str, tuple[str, ...]]:
+    if isinstance(value, str):
+        raise WrongValueError("not-allowed", f"{kind_of(value)} names no layers", allowed=FORMS)
+    return asked(value)
+
+
+ShownLayers = Annotated[Written[dict[str, tuple[str, ...]]], BeforeValidator(_read_layers), SCHEMA]
+"""Of each layer that is named the patterns of bodies that it is shown of; none hides it."""
 
 
 class NamedBody(Protocol):

@@ -6,8 +6,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
-from sandbox.scene.elements.spec import TYPE, Spec
-from sandbox.scene.values.numbers import (
+from sandbox.values.numbers import (
     Area,
     Coordinate,
     Damping,
@@ -24,6 +23,7 @@ from sandbox.scene.values.numbers import (
     number_from,
     parameters_of,
 )
+from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError
 
 MOTION = ("x", "y", "angle", "vx", "vy", "omega", "speed", "ax", "ay", "alpha", "t", "mass",

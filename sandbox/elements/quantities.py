@@ -1,6 +1,6 @@
 """The quantities that a run can be asked for, one row each: unit, where it is kept, one sentence.
 
-Which of them an element has, its kind says (:mod:`sandbox.kinds.elements`); bodies,
+Which of them an element has, its kind says (:mod:`sandbox.elements.kinds`); bodies,
 tendons, groups and pairs have all of theirs. From here come the catalogue, the
 heads of the CSV files, the names that no element may have, and docs/scenes.md.
 """
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from sandbox.kinds.elements import DRIVES, JOINTS, NAMED, ON_TENDON, RELEASABLE, SPRINGS
+from sandbox.elements.kinds import DRIVES, JOINTS, NAMED, ON_TENDON, RELEASABLE, SPRINGS
 
 
 @dataclass(frozen=True)
@@ -161,7 +161,7 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
             "normal force on the first turned by +90°; with `b/a` the same number", live=True),
     },
 }
-"""By what an element is called (:class:`sandbox.kinds.elements.Named`), then by name."""
+"""By what an element is called (:class:`sandbox.elements.kinds.Named`), then by name."""
 USUAL: Mapping[str, str] = {"meter": "", "tendon": "tension", "joint": "angle", "drive": "value",
                             "spring": "length", "body": "y"}
 """What is looked at first of a run, by kind of element, the kinds that tell most first."""

@@ -18,16 +18,15 @@ from pydantic import (
 
 from sandbox.errors import SceneError
 from sandbox.numeric import Array
-from sandbox.scene.elements.outlines import DiscCam, Drawing, SmoothCurve
-from sandbox.scene.elements.spec import TYPE, Spec
+from sandbox.scene.derived_shapes import DiscCam, Drawing, SmoothCurve
 from sandbox.scene.outlines.cams import cam_nodes
 from sandbox.scene.outlines.curves import flattened, is_straight, turned
 from sandbox.scene.outlines.drawings import curves_of, own_file
 from sandbox.scene.outlines.pieces import MOST_CORNERS as PIECE_CORNERS
 from sandbox.scene.outlines.pieces import CutError, pieces_of
 from sandbox.scene.outlines.rings import Ring, hole_fault, is_convex, ring_fault
-from sandbox.scene.values.colours import FillColour
-from sandbox.scene.values.numbers import (
+from sandbox.values.colours import FillColour
+from sandbox.values.numbers import (
     Angle,
     AngularSpeed,
     Coordinate,
@@ -45,8 +44,9 @@ from sandbox.scene.values.numbers import (
     Share,
     Speed,
 )
-from sandbox.scene.values.planes import Planes
-from sandbox.scene.values.signals import Path
+from sandbox.values.planes import Planes
+from sandbox.values.signals import Path
+from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
 
-from sandbox.scene.values.numbers import Items, number_from, parameters_of
+from sandbox.values.numbers import Items, number_from, parameters_of
 from sandbox.wording import WrongValueError, kind_of, near, number_text, quoted
 
 ALL: Literal["all"] = "all"

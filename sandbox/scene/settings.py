@@ -19,9 +19,9 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
-from sandbox.scene.elements.bodies import STATIC_OF_NOTHING
-from sandbox.scene.elements.spec import Spec
-from sandbox.scene.values.numbers import (
+from sandbox.scene.bodies import STATIC_OF_NOTHING
+from sandbox.scene.layers import ShownLayers
+from sandbox.values.numbers import (
     Distance,
     Duration,
     Flag,
@@ -40,7 +40,7 @@ from sandbox.scene.values.numbers import (
     number_from,
     parameters_of,
 )
-from sandbox.scene.values.shown import ShownLayers
+from sandbox.values.spec import Spec
 from sandbox.wording import WrongValueError
 
 RETIRED = ("iterations", "slop")

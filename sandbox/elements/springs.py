@@ -6,8 +6,7 @@ from typing import Annotated, Literal, TypeVar
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from sandbox.scene.elements.spec import TYPE, Spec
-from sandbox.scene.values.numbers import (
+from sandbox.values.numbers import (
     POSITIVE,
     Angle,
     Damping,
@@ -22,6 +21,7 @@ from sandbox.scene.values.numbers import (
     Torque,
     law_of,
 )
+from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError
 
 TakenUp = Literal["natural", "as_is"]

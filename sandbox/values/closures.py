@@ -13,14 +13,14 @@ import operator
 from collections.abc import Callable
 from typing import NamedTuple
 
-from sandbox.scene.values.expressions import (
+from sandbox.values.expressions import (
     CONSTANTS,
     MAX_EXPONENT,
     call,
     dotted,
     parse_expression,
 )
-from sandbox.scene.values.tables import NONE, Tables
+from sandbox.values.tables import NONE, Tables
 
 Read = Callable[[], float]
 

@@ -6,10 +6,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from sandbox.kinds.elements import DRIVES, ON_TENDON, DriveKind
-from sandbox.scene.elements.joints import Turn
-from sandbox.scene.elements.spec import TYPE, Spec
-from sandbox.scene.values.numbers import (
+from sandbox.elements.joints import Turn
+from sandbox.elements.kinds import DRIVES, ON_TENDON, DriveKind
+from sandbox.values.numbers import (
     AngularSpeed,
     Damping,
     FlowResistance,
@@ -24,7 +23,7 @@ from sandbox.scene.values.numbers import (
     Stiffness,
     Torque,
 )
-from sandbox.scene.values.signals import (
+from sandbox.values.signals import (
     AngleSignal,
     FlowSignal,
     ForceSignal,
@@ -36,6 +35,7 @@ from sandbox.scene.values.signals import (
     StiffnessSignal,
     TorqueSignal,
 )
+from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError
 
 

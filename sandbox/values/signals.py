@@ -28,9 +28,8 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, InitErrorDetails
 
 from sandbox.numeric import Array
-from sandbox.scene.elements.spec import Spec
-from sandbox.scene.values.expressions import parse_expression, unknown_name
-from sandbox.scene.values.numbers import (
+from sandbox.values.expressions import parse_expression, unknown_name
+from sandbox.values.numbers import (
     Instant,
     Items,
     Quantity,
@@ -40,8 +39,9 @@ from sandbox.scene.values.numbers import (
     parameters_of,
     refusal,
 )
-from sandbox.scene.values.tables import NONE, Tables
-from sandbox.scene.values.units import units_of
+from sandbox.values.spec import Spec
+from sandbox.values.tables import NONE, Tables
+from sandbox.values.units import units_of
 from sandbox.wording import WrongValueError
 
 

@@ -1,7 +1,7 @@
 """The kinds of element, one row each; every room reads here what it has to know of a kind.
 
 A row is found by the tag that a spec's ``type`` holds: ``JOINTS[joint.type]``. What
-a row records is spelled out in :mod:`sandbox.kinds.quantities`.
+a row records is spelled out in :mod:`sandbox.elements.quantities`.
 """
 
 from __future__ import annotations

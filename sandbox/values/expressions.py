@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.scene.values.units import parse_quantity
+from sandbox.values.units import parse_quantity
 from sandbox.wording import NearMisses, WrongValueError, listed, near, quoted
 
 MAX_LENGTH = 1000

@@ -7,8 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from sandbox.scene.elements.spec import TYPE, Spec
-from sandbox.scene.values.numbers import (
+from sandbox.values.numbers import (
     POSITIVE,
     Angle,
     Distance,
@@ -25,6 +24,7 @@ from sandbox.scene.values.numbers import (
     Stiffness,
     Torque,
 )
+from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError
 
 Turn = Literal["counterclockwise", "clockwise"]

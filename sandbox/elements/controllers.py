@@ -16,8 +16,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from sandbox.scene.elements.spec import TYPE, Spec
-from sandbox.scene.values.numbers import (
+from sandbox.values.numbers import (
     POSITIVE,
     Angle,
     Duration,
@@ -33,7 +32,8 @@ from sandbox.scene.values.numbers import (
     checked_expression,
     parameters_of,
 )
-from sandbox.scene.values.signals import AngleSignal, AnySignal, Signal
+from sandbox.values.signals import AngleSignal, AnySignal, Signal
+from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError
 
 RATE = 1000.0

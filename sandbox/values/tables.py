@@ -22,11 +22,11 @@ import numpy as np
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from sandbox.numeric import Array
-from sandbox.scene.elements.spec import Spec
-from sandbox.scene.outlines.spline import PeriodicSpline, natural
-from sandbox.scene.values.expressions import RESERVED, call
-from sandbox.scene.values.numbers import Items, Pair, Quantity
-from sandbox.scene.values.units import Measured, dimension_of
+from sandbox.values.expressions import RESERVED, call
+from sandbox.values.numbers import Items, Pair, Quantity
+from sandbox.values.spec import Spec
+from sandbox.values.spline import PeriodicSpline, natural
+from sandbox.values.units import Measured, dimension_of
 from sandbox.wording import WrongValueError, quoted
 
 MOST_POINTS = 1000

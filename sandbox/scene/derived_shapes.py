@@ -10,11 +10,11 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from sandbox.numeric import Array
-from sandbox.scene.elements.spec import TYPE, Spec
 from sandbox.scene.outlines.cams import CamCurve, tried_turns
 from sandbox.scene.outlines.curves import through
-from sandbox.scene.outlines.spline import PeriodicSpline
-from sandbox.scene.values.numbers import Angle, Coordinate, Distance, Flag, Items, Length, Point
+from sandbox.values.numbers import Angle, Coordinate, Distance, Flag, Items, Length, Point
+from sandbox.values.spec import TYPE, Spec
+from sandbox.values.spline import PeriodicSpline
 from sandbox.wording import WrongValueError
 
 

@@ -31,7 +31,7 @@ else:
             try:
                 return super().__call__(**fields)
             except ValidationError as error:
-                from sandbox.scene.read.messages import explain
+                from sandbox.values.messages import explain
 
                 raise SceneError(explain(error, fields, cls), cls.__name__) from None
 

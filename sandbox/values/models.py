@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag
 
-from sandbox.scene.read.paths import JsonPath, holds
+from sandbox.values.paths import JsonPath, holds
 
 ELEMENTS, PARTS = "docs/elements.md", "docs/parts.md"
 """Pages with the fields of all elements and parts."""
