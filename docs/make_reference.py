@@ -18,6 +18,7 @@ import sandbox.mechanics as mechanics_package
 from sandbox.audit.words import ADVICE, ASKS
 from sandbox.codes import CODES
 from sandbox.elements.arrays import ARRAYS
+from sandbox.elements.element import tag_of
 from sandbox.elements.quantities import LIVE, TIED
 from sandbox.scene import settings
 from sandbox.scene.document import Scene
@@ -34,7 +35,6 @@ from sandbox.scene.reference import (
     owners,
     quantity_rows,
     summary,
-    tag_of,
 )
 from sandbox.scene.schema import scene_schema
 from sandbox.values.ranges import ANY, RANGES

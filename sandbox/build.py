@@ -4,6 +4,8 @@
 :class:`sandbox.SceneError` if one is wrong. A number may be a text with a unit.
 """
 
+from sandbox.elements.bars import Actuator, Rod, Rope
+from sandbox.elements.body_drives import ForceDrive, RadiusDrive, SurfaceDrive
 from sandbox.elements.controllers import (
     EquilibriumController,
     FeedbackController,
@@ -14,29 +16,30 @@ from sandbox.elements.controllers import (
     StateFeedbackController,
     SwitchController,
 )
-from sandbox.elements.drives import (
-    BrakeDrive,
-    ExtendDrive,
+from sandbox.elements.element_drives import HoldDrive, PullDrive, StiffnessDrive
+from sandbox.elements.fluids import (
+    Cylinder,
     FlowDrive,
-    ForceDrive,
-    HoldDrive,
-    LengthDrive,
-    MotorDrive,
+    Line,
     OpeningDrive,
     PressureDrive,
-    PullDrive,
+    Valve,
+    Vane,
+)
+from sandbox.elements.joint_drives import (
+    BrakeDrive,
+    ExtendDrive,
+    LengthDrive,
+    MotorDrive,
     PushDrive,
-    RadiusDrive,
     ServoDrive,
-    StiffnessDrive,
-    SurfaceDrive,
     TorqueDrive,
 )
-from sandbox.elements.fluids import Cylinder, Line, Valve, Vane
-from sandbox.elements.joints import Actuator, Gear, Pin, Rack, Rod, Roll, Rope, Slot, Weld
 from sandbox.elements.loads import BuoyancyLoad, DragLoad, LawLoad
+from sandbox.elements.points import Pin, Slot, Weld
 from sandbox.elements.springs import LinearSpring, RotarySpring
 from sandbox.elements.tendons import Guide, Tendon
+from sandbox.elements.wheels import Gear, Rack, Roll
 from sandbox.scene.bodies import Body, Box, Capsule, Circle, Material, Polygon, Polyline
 from sandbox.scene.derived_shapes import DiscCam, Drawing, SmoothCurve
 from sandbox.scene.document import Assembly, Scene

@@ -28,7 +28,6 @@ import pytest
 from sandbox.cli.console import COMPILE_TIME
 from sandbox.cli.entry import invoke
 from sandbox.cli.failures import Exit
-from sandbox.elements.kinds import DRIVES, JOINTS, SPRINGS
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.schema import descriptions, scene_schema
@@ -316,7 +315,8 @@ def _units(group: str) -> list[str]:
 
 
 def test_the_quantities_are_those_of_the_program() -> None:
-    from sandbox.elements.quantities import GRASP, NUMBERED, QUANTITIES, TIED
+    from sandbox.elements.quantities import GRASP, QUANTITIES, TIED
+    from sandbox.elements.tendons import NUMBERED
 
     text = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
     rows = text.partition("## Quantities")[2].partition("## All elements")[0]
@@ -345,8 +345,11 @@ def test_the_objects_of_hands_are_told_and_hung_up() -> None:
 def test_every_kind_without_a_counterpart_is_told() -> None:
     text = (ROOT / "docs" / "export.md").read_text(encoding="utf-8")
     told = text.partition("## What has no counterpart")[2].partition("`--without")[0]
-    kinds = [*JOINTS.values(), *SPRINGS.values(), *DRIVES.values()]
-    without = {value for kind in kinds for name, value in vars(kind).items()
+    from sandbox.elements.registry import KINDS as ALL
+
+    facts = [kind.facts for kinds in ALL.values() for kind in kinds.values()
+             if hasattr(kind, "facts")]
+    without = {value for kind in facts for name, value in vars(kind).items()
                if name.startswith("mujoco") and value}
     assert len(without) > 4
     assert [each for each in without if each not in told] == []
@@ -406,9 +409,9 @@ def test_every_place_is_where_a_page_says(page: str) -> None:
 
 
 def test_a_lost_place_is_found() -> None:
-    assert lost("`elements/kinds.py: JOINTS`, `errors.py`, `engine/`, `tests/test_docs.py`") == []
-    assert lost("`kinds/element.py`, `elements/kinds.py: PEDALS`, `machine/`") == [
-        "kinds/element.py", "elements/kinds.py: PEDALS", "machine/"]
+    assert lost("`elements/registry.py: KINDS`, `errors.py`, `engine/`, `tests/test_docs.py`") == []
+    assert lost("`elements/pedals.py`, `elements/registry.py: PEDALS`, `machine/`") == [
+        "elements/pedals.py", "elements/registry.py: PEDALS", "machine/"]
 
 
 def test_the_house_is_shown_as_it_is() -> None:

@@ -26,7 +26,7 @@ from sandbox.elements.controllers import writes_of
 from sandbox.model.starts import lengthening, turning
 from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.scene.mechanism import Mechanism, signal_of
+from sandbox.scene.mechanism import Mechanism
 from sandbox.values.signals import values
 
 SOLVED = 1e-9
@@ -60,7 +60,7 @@ def _signals(evidence: Evidence) -> Figure:
             left_out.append(drive.name)
             continue
         late = evidence.h * float(drives.late[i])
-        signal = np.maximum(values(signal_of(drive, mechanism), evidence.run.time + late,
+        signal = np.maximum(values(drive.signal(mechanism), evidence.run.time + late,
                                    mechanism.functions), drives.floor[i])
         most = whole(signal)
         worst.add(drive.name, np.abs(a["drive_value"][:, i] - signal) / most, ROUNDING)

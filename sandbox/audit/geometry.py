@@ -9,7 +9,7 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, STOPPED, Figure, Worst, missing
-from sandbox.elements.kinds import GRAZE
+from sandbox.elements.element import GRAZE
 from sandbox.mechanics.springs import spring_length
 from sandbox.mechanics.tendon import segment_length
 from sandbox.model.wheels import flank_gaps, slipped

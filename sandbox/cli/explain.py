@@ -111,7 +111,8 @@ def _overview() -> list[str]:
 
 def _elements() -> list[_Element]:
     """All elements, in the order of the reference."""
-    from sandbox.scene.reference import ELEMENTS, PARTS, VALUES, tag_of
+    from sandbox.elements.element import tag_of
+    from sandbox.scene.reference import ELEMENTS, PARTS, VALUES
 
     places = _places()
     return [_Element(topic, *(places[model] if model in places and topic != VALUES
@@ -121,8 +122,8 @@ def _elements() -> list[_Element]:
 
 def _places() -> dict[type[Spec], tuple[str, str]]:
     """The outermost place of each model: a name such as ``drives.motor``, and the key."""
+    from sandbox.elements.element import tag_of
     from sandbox.scene.document import Scene
-    from sandbox.scene.reference import tag_of
 
     found: dict[type[Spec], tuple[str, str]] = {Scene: ("scene", "")}
     waiting: list[type[Spec]] = [Scene]
@@ -152,8 +153,14 @@ def _models(annotation: Any) -> Iterator[type[Spec]]:
 
 def _element_lines(each: _Element) -> list[str]:
     """Description, fields, example and quantities of an element."""
-    from sandbox.elements.kinds import NAMED
-    from sandbox.scene.reference import KINDS, about, field_rows, quantity_rows, recorded_by
+    from sandbox.elements.element import NAMED
+    from sandbox.scene.reference import (
+        about,
+        field_rows,
+        kinds_of,
+        quantity_rows,
+        recorded_by,
+    )
 
     lines = []
     for paragraph in about(each.model).split("\n\n"):
@@ -168,7 +175,7 @@ def _element_lines(each: _Element) -> list[str]:
         lines += ["", "Example", *(f"  {line}" for line in example.splitlines())]
     one = NAMED[each.key].one if each.key in NAMED and each.name.startswith(each.key) else ""
     rows = [row for row in quantity_rows() if one and row.element == one and (
-        one not in KINDS or any(kind.split()[0] == each.tag
+        not kinds_of(one) or any(kind.split()[0] == each.tag
                                 for kind in recorded_by(one, row.name)))]
     if rows:
         lines += ["", "Quantities", *_quantity_lines(

@@ -18,7 +18,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.elements.kinds import NAMED
+from sandbox.elements.element import NAMED
 
 PIECE = 1 << 18
 """Numbers that are looked at at a time."""

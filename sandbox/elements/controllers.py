@@ -16,6 +16,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
+from sandbox.elements.element import Element
 from sandbox.values.numbers import (
     POSITIVE,
     Angle,
@@ -56,7 +57,7 @@ def _ordered(limits: Range | None) -> None:
                               f"not below {limits[1]:g}")
 
 
-class _Controller(Spec):
+class _Controller(Element):
     name: Name
     """Its name, by which events set ``<name>.target`` and ``<name>.active``."""
     rate: Frequency | None = None

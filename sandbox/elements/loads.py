@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+import fnmatch
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
+from sandbox.elements.element import KEPT, NAMED, Element, Quantity, recorded
+from sandbox.errors import Problem
 from sandbox.values.numbers import (
     Area,
     Coordinate,
@@ -23,8 +28,12 @@ from sandbox.values.numbers import (
     number_from,
     parameters_of,
 )
-from sandbox.values.spec import TYPE, Spec
-from sandbox.wording import WrongValueError
+from sandbox.values.spec import TYPE
+from sandbox.wording import WrongValueError, quoted
+
+if TYPE_CHECKING:
+    from sandbox.scene.bodies import Body
+    from sandbox.scene.mechanism import Mechanism
 
 MOTION = ("x", "y", "angle", "vx", "vy", "omega", "speed", "ax", "ay", "alpha", "t", "mass",
           "inertia")
@@ -57,9 +66,52 @@ Patterns = Annotated[
     WithJsonSchema({"anyOf": [_PATTERN, {"type": "array", "items": _PATTERN, "minItems": 1,
                                          "maxItems": MOST_PATTERNS}]})]
 EVERY = ("*",)
+QUANTITIES: Mapping[str, Quantity] = {
+    "fx": recorded("load_force", "N", "force on the body, in the world", 0, live=True),
+    "fy": recorded("load_force", "N", "the same, upwards", 1, live=True),
+    "torque": recorded("load_torque", "N m", "about the body's centre of mass", live=True),
+    "work": recorded("load_work", "J", "done on the body since t = 0"),
+}
 
 
-class LawLoad(Spec):
+class LoadSpec(Element):
+    """The base of all loads."""
+
+    if TYPE_CHECKING:
+        name: str
+        bodies: tuple[str, ...]
+
+    def borne(self, bodies: Sequence[Body]) -> list[int]:
+        """Numbers of the bodies that it acts on, of those that move freely."""
+        fits = [re.compile(fnmatch.translate(pattern)).match for pattern in self.bodies]
+        return [i for i, body in enumerate(bodies) if body.motion == "dynamic"
+                and any(fit(body.name) for fit in fits)]
+
+    def laws(self) -> tuple[str | None, str | None, str | None] | None:
+        """The two components of the force and the torque, as expressions; None without a law."""
+        return None
+
+    def columns(self, mechanism: Mechanism) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.BodyLoads`."""
+        return {}
+
+    def quantities(self, mechanism: Mechanism) -> dict[str, str]:
+        """The quantities that it records of each body, with their units."""
+        return {name: each.unit for name, each in QUANTITIES.items()}
+
+    def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """A name that would mean two things."""
+        names = {each.name for kind in NAMED for each in getattr(mechanism, kind)}
+        for body in self.borne(mechanism.bodies):
+            other = mechanism.bodies[body].name
+            if (both := f"{self.name}.{other}") in names:
+                yield Problem("duplicate-name",
+                              f"{quoted(both)} is the name of another element, and here it "
+                              f"would mean this load on {quoted(other)}",
+                              f"{path}.name", allowed="another name")
+
+
+class LawLoad(LoadSpec):
     """A force or a torque on bodies, by an expression of each body's own motion.
 
     An expression may read ``x``, ``y``, ``vx``, ``vy``, ``speed``, ``ax``, ``ay`` of the point
@@ -101,8 +153,17 @@ class LawLoad(Spec):
                                   "'torque'")
         return self
 
+    def laws(self) -> tuple[str | None, str | None, str | None]:
+        """The two components of the force and the torque, as expressions."""
+        return *(self.force or self.acceleration or (None, None)), self.torque
 
-class DragLoad(Spec):
+    def columns(self, mechanism: Mechanism) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.BodyLoads`."""
+        return {"at": self.at, "turning": self.frame == "body",
+                "per_mass": self.acceleration is not None}
+
+
+class DragLoad(LoadSpec):
     """What a medium does against the motion of bodies through it, at their centres of mass.
 
     F = -(linear + density / 2 * coefficient * area * |v|) v, v against the medium.
@@ -125,7 +186,7 @@ class DragLoad(Spec):
     """Of the medium [kg/m^3]; by default that of air."""
     turning: RotaryDamping = 0.0
     """Torque per angular speed [N m s/rad], against it."""
-    flow: Pair[Speed] = (0.0, 0.0)
+    flow: Annotated[Pair[Speed], KEPT] = (0.0, 0.0)
     """The velocity [x, y] of the medium in the world, such as wind [m/s]; none by default."""
 
     @model_validator(mode="after")
@@ -134,8 +195,18 @@ class DragLoad(Spec):
             raise WrongValueError("conflicting-keys", "give 'linear', 'area' or 'turning'")
         return self
 
+    def laws(self) -> tuple[str | None, str | None, str | None]:
+        """The two components of the force and the torque, as expressions."""
+        u, v = (f"(v{axis} - {float(speed)!r})" if speed else f"v{axis}"
+                for axis, speed in zip("xy", self.flow, strict=True))
+        square = 0.5 * self.density * self.coefficient * (self.area or 0.0)
+        size = repr(float(self.linear))
+        if square:
+            size = f"({size} + {square!r} * hypot({u}, {v}))"
+        return f"=-{size} * {u}", f"=-{size} * {v}", f"=-{float(self.turning)!r} * omega"
 
-class BuoyancyLoad(Spec):
+
+class BuoyancyLoad(LoadSpec):
     """What a liquid at rest lifts bodies by, as far as their shapes are below its level.
 
     A body that ``displaces`` more than its shapes, an open bin, is lifted by that instead.
@@ -152,21 +223,23 @@ class BuoyancyLoad(Spec):
     bodies: Patterns = EVERY
     """The bodies that it lifts: a name, a pattern such as ``"boat*"``, or a list of them. By
     default every body that moves freely and has an area."""
-    level: Coordinate = 0.0
+    level: Annotated[Coordinate, KEPT] = 0.0
     """How high the liquid stands: its ``y`` in the world [m]."""
     density: Density = 1000.0
     """Of the liquid [kg/m^3]; by default that of water."""
 
+    def columns(self, mechanism: Mechanism) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.BodyLoads`."""
+        return {"level": self.level, "weight": -self.density * mechanism.gravity[1]}
+
+    def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """Gravity that does not point downwards."""
+        yield from super().problems(mechanism, path)
+        x, y = mechanism.gravity
+        if x or y >= 0:
+            yield Problem("bad-fluid", "a liquid lifts against gravity, which has to point "
+                          f"downwards here, and it is [{x:g}, {y:g}]", path,
+                          allowed='a scene with "gravity": [0, -9.81]')
+
 
 Load = Annotated[LawLoad | DragLoad | BuoyancyLoad, Field(discriminator="type")]
-
-
-def drag_law(load: DragLoad) -> tuple[str, str, str]:
-    """The two components of a drag and its torque as expressions of a body's motion."""
-    u, v = (f"(v{axis} - {float(speed)!r})" if speed else f"v{axis}"
-            for axis, speed in zip("xy", load.flow, strict=True))
-    square = 0.5 * load.density * load.coefficient * (load.area or 0.0)
-    size = repr(float(load.linear))
-    if square:
-        size = f"({size} + {square!r} * hypot({u}, {v}))"
-    return f"=-{size} * {u}", f"=-{size} * {v}", f"=-{float(load.turning)!r} * omega"

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from sandbox.elements.element import OTHER_SIDE, BodyName, Element, Quantity, recorded
 from sandbox.elements.springs import TakenUp
 from sandbox.values.numbers import (
     NOT_NEGATIVE,
@@ -24,8 +26,34 @@ from sandbox.values.numbers import (
 from sandbox.values.spec import Spec
 from sandbox.wording import WrongValueError
 
+if TYPE_CHECKING:
+    from sandbox.scene.mechanism import Mechanism
+
 RIGID = 1e5
 """Stiffness [N/m] that stands for a cord without stretch: 0.04 mm under the pull of a finger."""
+
+QUANTITIES: Mapping[str, Quantity] = {
+    "length": recorded("tendon_length", "m",
+                       "along its path; what wheels at its ends have wound up since t = 0 counts",
+                       live=True),
+    "shortening": Quantity(
+        "m", "its path at t = 0 less that of now, from where it leaves the wheels at its ends: "
+        "positive where it is wound up", live=True),
+    "tension": recorded("tendon_tension", "N", "along the whole path, never below 0; where guides "
+                        "hold it by friction, that of its last straight piece", live=True),
+    "work": recorded("tendon_work", "J", "done on the bodies since t = 0"),
+}
+NUMBERED: Mapping[str, Quantity] = {
+    "tension": Quantity("N", "`tension_0` and so on: of its straight pieces one by one, in order",
+                        live=True),
+    "slip": Quantity("m", "`slip_1` and so on: cord that has slid over such a guide since t = 0, "
+                     "towards the last one; guides are counted from 0", live=True),
+    "lifted": Quantity("1", "`lifted_1` and so on: 1 while the cord is off that guide's wheel and "
+                       "goes straight past it, else 0; guides are counted from 0", live=True,
+                       yes_no=True),
+}
+"""What tendons have besides, with a number each: where guides hold them by friction the tensions of
+their pieces and what slid over such a guide; ``lifted`` of each wheel that one can lift off."""
 
 
 class Guide(Spec):
@@ -38,13 +66,13 @@ class Guide(Spec):
     cord lifts off it where it would have to, goes straight past, and is taken up again.
     """
 
-    body: Name
+    body: BodyName
     """Name of the body that it is on, and that it presses."""
     at: Point = (0.0, 0.0)
     """The eye, or the wheel's centre, in the body's frame [m]."""
     radius: Distance = 0.0
     """Radius of the wheel [m]; 0, the default, is a plain eye."""
-    side: Literal["left", "right"] = "left"
+    side: Annotated[Literal["left", "right"], OTHER_SIDE] = "left"
     """On which side of the cord, walked from its first guide to its last, the wheel's centre lies:
     round a wheel on its ``left`` the cord bends counter-clockwise, round one on its ``right``
     clockwise. An end on the ``left`` is wound up by turning counter-clockwise at the last guide,
@@ -65,7 +93,7 @@ class Guide(Spec):
     that turns this is its grip. Of no effect where the cord is tied."""
 
 
-class Tendon(Spec):
+class Tendon(Element):
     """A cord through ``guides``, which pulls and never pushes.
 
     T = stiffness * stretch + damping * rate, never below 0.
@@ -140,3 +168,23 @@ class Tendon(Spec):
         return tuple(k for k in inner if self.guides[k].radius > 0.0 and not self.guides[k].turns
                      and k not in self.gripping)
 
+    def quantities(self, mechanism: Mechanism) -> dict[str, str]:
+        """The quantities that it records, with their units."""
+        found = {name: each.unit for name, each in QUANTITIES.items()}
+        if self.gripping:
+            found |= {f"tension_{k}": NUMBERED["tension"].unit for k in range(len(self.path) - 1)}
+            found |= {f"slip_{k}": NUMBERED["slip"].unit for k in self.gripping}
+        return found | {f"lifted_{k}": NUMBERED["lifted"].unit for k in self.lifting}
+
+    def needed(self, quantity: str) -> str:
+        """The field that it needs to record a quantity; empty where no field adds it."""
+        word, _, text = quantity.rpartition("_")
+        if word not in NUMBERED or not text.isdecimal():
+            return ""
+        at = int(text)
+        if not (0 if word == "tension" else 1) <= at < len(self.path) - 1:
+            return ""
+        return {"tension": "'friction' at one of its guides",
+                "slip": f"'friction' at its guide {at}, between its ends",
+                "lifted": f"a 'radius' of its guide {at}, between its ends, and neither "
+                          "'friction' nor 'turns' there"}[word]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sandbox.elements.kinds import ATMOSPHERE
+from sandbox.elements.element import ATMOSPHERE
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.fluids import SMALLEST, growing, growth, pressures, through

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.elements.kinds import ATMOSPHERE
+from sandbox.elements.element import ATMOSPHERE
 from sandbox.engine.fluid_state import (
     CHAMBER,
     CHAMBER_RESULT,

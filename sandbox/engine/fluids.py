@@ -28,7 +28,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sandbox.elements.kinds import ATMOSPHERE
+from sandbox.elements.element import ATMOSPHERE
 from sandbox.engine import memory as at
 from sandbox.engine.ends import ends
 from sandbox.engine.entry_points import entry_point

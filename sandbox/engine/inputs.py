@@ -27,7 +27,6 @@ from sandbox.engine.world import World
 from sandbox.errors import Problem, SceneError
 from sandbox.numeric import Array
 from sandbox.scene.bodies import Body
-from sandbox.scene.mechanism import signal_of
 from sandbox.values.ranges import range_of
 from sandbox.values.signals import AnySignal, Constant, Path, values
 
@@ -133,7 +132,7 @@ class Inputs:
         for i, drive in enumerate(self.mechanism.drives):
             late = self.clock.step * float(self.model.drives.late[i])
             drives[:, i] = self._values(
-                f"drive {drive.name}", signal_of(drive, self.mechanism), times + late)
+                f"drive {drive.name}", drive.signal(self.mechanism), times + late)
         speeds = np.stack(
             [self._speeds_of(body, path, start, stop)
              for _, body, path in (self._moved[i] for i in self._in_order.tolist())], axis=1,

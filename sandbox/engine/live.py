@@ -14,7 +14,6 @@ from numbers import Real
 import numpy as np
 
 from sandbox.elements.arrays import Arrays
-from sandbox.elements.drives import kind_of
 from sandbox.elements.quantities import is_live
 from sandbox.engine.inspect_control import Checked, checked
 from sandbox.engine.simulation import Simulation
@@ -132,7 +131,7 @@ class Live(Simulation):
         if not _finite(value):
             raise SceneError([Problem("bad-argument", f"{value!r} is not a value for "
                                       f"{quoted(name)}", "give", allowed="a finite number")])
-        kind = next((kind_of(drive) for drive in self.scene.drives if drive.name == name), None)
+        kind = next((drive.kind for drive in self.scene.drives if drive.name == name), None)
         try:
             in_range(float(value), (kind.dimension or None) if kind else None)
         except WrongValueError as error:

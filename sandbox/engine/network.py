@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sandbox.elements.kinds import GRAZE
+from sandbox.elements.element import GRAZE
 from sandbox.engine.kernel import kernel
 from sandbox.numeric import Array, Records
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sandbox.elements.kinds import Keeps
+from sandbox.elements.joint import Keeps
 from sandbox.engine.contact_rules import Filters
 from sandbox.engine.cord_state import SLIP_RESULT, SLIP_STATE
 from sandbox.engine.cord_tables import CordTables, cord_tables

@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sandbox.elements.kinds import HELD_ABOVE
+from sandbox.elements.element import HELD_ABOVE
 from sandbox.engine import memory as at
 from sandbox.engine.ends import ends
 from sandbox.engine.entry_points import entry_point

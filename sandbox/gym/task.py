@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from sandbox.elements.controllers import writes_of
-from sandbox.elements.drives import MotorDrive
+from sandbox.elements.joint_drives import MotorDrive
 from sandbox.elements.quantities import is_yes_no
 from sandbox.engine.clock import Clock, make_clock
 from sandbox.engine.inspect_control import LiveCatalogue, control_problems, unreadable
@@ -21,7 +21,7 @@ from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
-from sandbox.scene.mechanism import Mechanism, signal_of
+from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.sweeps.job import STEP, Override
@@ -346,7 +346,7 @@ def drive_range(model: Model, drive: str) -> Span | None:
     if isinstance(spec, MotorDrive) and spec.no_load is not None:
         return -float(spec.no_load), float(spec.no_load)
     try:
-        found = values(signal_of(spec, model.mechanism),
+        found = values(spec.signal(model.mechanism),
                        np.linspace(0.0, model.mechanism.run.duration, INSTANTS),
                        model.mechanism.functions)
     except (ValueError, SceneError):

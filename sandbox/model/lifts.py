@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sandbox.elements.kinds import GRAZE
+from sandbox.elements.element import GRAZE
 from sandbox.model.model import Model
 from sandbox.numeric import Flags
 from sandbox.scene.geometry import Vec, to_world

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.elements.loads import MOTION, DragLoad, LawLoad, drag_law
+from sandbox.elements.loads import MOTION, LoadSpec
 from sandbox.model.programs import Program, compile_expression
 from sandbox.numeric import Array
 from sandbox.values.expressions import Expression, parse_expression
@@ -44,21 +44,17 @@ class LoadLaw:
         return found
 
 
-def law_of_load(
-    load: LawLoad | DragLoad, order: Sequence[str], tables: Tables,
-) -> LoadLaw:
-    """The law of a load.
+def law_of_load(load: LoadSpec, order: Sequence[str], tables: Tables) -> LoadLaw | None:
+    """The law of a load; None of one without.
 
     Args:
         load: as the scene has it.
         order: names of the scene's tables, in the order in which programs number them.
         tables: the same by their calls.
     """
-    texts: tuple[str | None, str | None, str | None]
-    if isinstance(load, DragLoad):
-        texts = drag_law(load)
-    else:
-        texts = (*(load.force or load.acceleration or (None, None)), load.torque)
+    texts = load.laws()
+    if texts is None:
+        return None
     x, y, turn = (None if text is None else parse_expression(text) for text in texts)
     a, b, c = (None if part is None else compile_expression(part, MOTION, order)
                for part in (x, y, turn))

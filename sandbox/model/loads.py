@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.elements.loads import BuoyancyLoad, DragLoad, LawLoad, Load
-from sandbox.model.load_laws import LoadLaw, law_of_load
+from sandbox.model.load_laws import law_of_load
 from sandbox.model.model import Bodies, BodyLoads
 from sandbox.numeric import Array
 from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Shape
-from sandbox.scene.geometry import Vec, corners
+from sandbox.scene.geometry import corners
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.rings import wound
 
@@ -24,52 +22,27 @@ its two ends."""
 
 def compile_loads(mechanism: Mechanism, bodies: Bodies) -> BodyLoads:
     """The loads of a mechanism whose references are right."""
-    pairs, rows = mechanism.loaded, [_load(load, mechanism) for load in mechanism.loads]
-    found = [(rows[load], mechanism.bodies[body]) for load, body in pairs]
+    pairs = mechanism.loaded
+    laws = [law_of_load(load, tuple(mechanism.tables), mechanism.functions)
+            for load in mechanism.loads]
+    columns = [load.columns(mechanism) for load in mechanism.loads]
+    found = [(laws[load], columns[load], mechanism.bodies[body]) for load, body in pairs]
     load, on = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
-    sides = [[] if row.law is not None else list(_outline(body)) for row, body in found]
-    at = [centre if row.at is None else row.at
-          for (row, _), centre in zip(found, bodies.centre[on], strict=True)]
+    sides = [[] if law is not None else list(_outline(body)) for law, _, body in found]
+    at = [row.get("at") or centre
+          for (_, row, _), centre in zip(found, bodies.centre[on], strict=True)]
     return BodyLoads(
         name=tuple(f"{mechanism.loads[i].name}.{mechanism.bodies[body].name}"
                    for i, body in pairs),
         load=load.copy(), body=on.copy(), at=np.array(at, dtype=float).reshape(-1, 2),
-        turning=np.array([row.turning for row, _ in found], dtype=bool),
-        per_mass=np.array([row.per_mass for row, _ in found], dtype=bool),
-        law=tuple(row.law for row, _ in found),
-        level=np.array([row.level for row, _ in found], dtype=float),
-        lift=np.array([row.weight * body.thickness for row, body in found], dtype=float),
+        turning=np.array([row.get("turning", False) for _, row, _ in found], dtype=bool),
+        per_mass=np.array([row.get("per_mass", False) for _, row, _ in found], dtype=bool),
+        law=tuple(law for law, _, _ in found),
+        level=np.array([row.get("level", math.nan) for _, row, _ in found], dtype=float),
+        lift=np.array([row.get("weight", math.nan) * body.thickness for _, row, body in found],
+                      dtype=float),
         sides=np.array([side for each in sides for side in each], dtype=float).reshape(-1, 5),
         first=np.cumsum([0, *map(len, sides)], dtype=np.int64))
-
-
-@dataclass(frozen=True)
-class _LoadFacts:
-    """What a spec of a load says; the defaults stand for what its kind does not have."""
-
-    law: LoadLaw | None
-    """None of a liquid."""
-    at: Vec | None = None
-    turning: bool = False
-    per_mass: bool = False
-    level: float = math.nan
-    weight: float = math.nan
-    """Of a liquid, per volume [N/m^3]."""
-
-
-def _load(load: Load, mechanism: Mechanism) -> _LoadFacts:
-    match load:
-        case LawLoad():
-            return _LoadFacts(_law(load, mechanism), load.at, load.frame == "body",
-                              load.acceleration is not None)
-        case DragLoad():
-            return _LoadFacts(_law(load, mechanism))
-        case BuoyancyLoad():
-            return _LoadFacts(None, level=load.level, weight=-load.density * mechanism.gravity[1])
-
-
-def _law(load: LawLoad | DragLoad, mechanism: Mechanism) -> LoadLaw:
-    return law_of_load(load, tuple(mechanism.tables), mechanism.functions)
 
 
 def _outline(body: Body) -> Iterator[Arc]:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.elements.springs import OWN, LinearSpring, Spring
+from sandbox.elements.springs import Spring
 from sandbox.model.programs import (
     ADD,
     DROP,
@@ -91,8 +91,7 @@ def law_of(spring: Spring, order: Sequence[str], tables: Tables) -> SpringLaw | 
         order: names of the scene's tables, in the order in which programs number them.
         tables: the same by their calls.
     """
-    field = "force" if isinstance(spring, LinearSpring) else "torque"
-    text, names = getattr(spring, field), OWN[field]
+    text, names = spring.law, spring.OWN
     if text is None and spring.only is None:
         return None
     own = None if text is None else parse_expression(text)

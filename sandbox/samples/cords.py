@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.elements.kinds import GRAZE
+from sandbox.elements.element import GRAZE
 from sandbox.model.lifts import lifted_at_start
 from sandbox.model.model import Model, Tendons
 from sandbox.model.spans import CordSpan

@@ -18,7 +18,7 @@ from sandbox.elements.arrays import (
     Arrays,
     has_numbers,
 )
-from sandbox.elements.kinds import NAMED
+from sandbox.elements.element import NAMED
 from sandbox.elements.quantities import GRASP, QUANTITIES, TIED, numbered
 from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError
 from sandbox.model.model import Model

@@ -20,7 +20,6 @@ from sandbox.elements.controllers import Controller, readings_of, targets_of, wr
 from sandbox.numeric import Array
 from sandbox.samples.response import Response, respond
 from sandbox.samples.samples import Samples
-from sandbox.scene.mechanism import signal_of
 from sandbox.values.signals import values
 
 SUFFIX = ".target"
@@ -135,7 +134,7 @@ def initial(run: Samples, drive: str) -> float:
     spec = run.mechanism.drives[run.model.names.drive[drive]]
     try:
         return float(values(
-            signal_of(spec, run.mechanism), np.zeros(1), run.mechanism.functions)[0])
+            spec.signal(run.mechanism), np.zeros(1), run.mechanism.functions)[0])
     except ValueError:  # such as log(t): what it had first
         return float(run[f"{drive}.value"][0])
 

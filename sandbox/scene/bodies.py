@@ -16,6 +16,7 @@ from pydantic import (
     model_validator,
 )
 
+from sandbox.elements.element import Placed
 from sandbox.errors import SceneError
 from sandbox.numeric import Array
 from sandbox.scene.derived_shapes import DiscCam, Drawing, SmoothCurve
@@ -68,7 +69,7 @@ class Box(Spec):
     """[width, height] along its own x and y [m]."""
     at: Point = (0.0, 0.0)
     """Its middle in the body's frame [m]."""
-    angle: Angle = 0.0
+    angle: Annotated[Angle, Placed("sign")] = 0.0
     """Its turn against the body's frame [rad], counter-clockwise."""
 
 
@@ -117,7 +118,7 @@ class Polygon(Spec):
     outline may not touch or cross itself."""
     holes: Annotated[Items[Outline], Field(max_length=MOST_CORNERS)] = ()
     """Outlines of holes in it, each by itself within the outline; corners as in ``points``."""
-    nodes: Nodes = ()
+    nodes: Annotated[Nodes, Placed("nodes")] = ()
     """The true curves of the outline and of each hole, if it was worked out from a curve, a cam or
     a drawing: contacts follow them instead of the sides. A node is `[x, y, direction, curvature]`;
     two at the same place are a corner or a jump of the curvature."""
@@ -183,7 +184,7 @@ class Polyline(Spec):
     """Where it bends, and its ends; where the last point is the first it is closed."""
     radius: Distance = 0.0
     """How far its surface lies from the line through its points."""
-    nodes: Nodes = ()
+    nodes: Annotated[Nodes, Placed("nodes")] = ()
     """The true curve, if the polyline was worked out from one; as of a polygon."""
 
     @field_validator("points")
@@ -305,14 +306,14 @@ class Body(Spec):
 
     name: Name
     """Its name; quantities are ``<name>.x``, ``<name>.angle`` and so on."""
-    at: Point = (0.0, 0.0)
+    at: Annotated[Point, Placed("place")] = (0.0, 0.0)
     """Origin of the body's frame in the world at t = 0 [m]."""
-    angle: Angle = 0.0
+    angle: Annotated[Angle, Placed("turn")] = 0.0
     """Turn of the body's frame against the world at t = 0 [rad], counter-clockwise."""
     motion: Literal["dynamic", "fixed", "scheduled"] = "dynamic"
     """``dynamic`` is moved by forces, ``fixed`` stays where it is, ``scheduled`` follows its
     ``path`` whatever the forces on it."""
-    path: Path | None = None
+    path: Annotated[Path | None, Placed("kept")] = None
     """Pose over time; for ``"motion": "scheduled"`` only, which needs it."""
     shapes: Items[BodyShape] = ()
     """What it consists of, in its frame: its outline for contacts and pictures and, unless given,
@@ -325,16 +326,16 @@ class Body(Spec):
     """Of the whole body [kg]; a dynamic body has either this or ``density``."""
     density: Density | None = None
     """Mass per volume [kg/m^3]; with the shapes' areas and ``thickness`` it gives the mass."""
-    thickness: Length = 0.01
+    thickness: Annotated[Length, Placed("kept")] = 0.01
     """Depth across the plane [m], which counts with ``density`` and in a liquid only."""
     centre: Point | None = None
     """Centre of mass in the body's frame [m]; by default that of the shapes' area."""
     inertia: Inertia | None = None
     """Moment of inertia about the centre of mass [kg m^2]; by default the mass spread evenly over
     the shapes' area."""
-    velocity: Pair[Speed] = (0.0, 0.0)
+    velocity: Annotated[Pair[Speed], Placed("vector")] = (0.0, 0.0)
     """Velocity [x, y] of the centre of mass at t = 0, in the world [m/s]."""
-    angular_velocity: AngularSpeed = 0.0
+    angular_velocity: Annotated[AngularSpeed, Placed("sign")] = 0.0
     """Angular velocity at t = 0 [rad/s], counter-clockwise."""
     material: Name | None = None
     """Name of one of the scene's ``materials``; without one, friction is 0.5 and restitution 0."""

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from sandbox.elements.controllers import EquilibriumController
-from sandbox.elements.drives import StiffnessDrive
-from sandbox.elements.joints import Pin
+from sandbox.elements.element_drives import StiffnessDrive
+from sandbox.elements.points import Pin
 from sandbox.elements.springs import LinearSpring, Spring
 from sandbox.elements.tendons import Guide, Tendon
 from sandbox.errors import Problem

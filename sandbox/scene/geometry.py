@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from sandbox.elements.joints import Joint, Pin
+from sandbox.elements.joints import Joint
 from sandbox.numeric import Array
 from sandbox.scene.bodies import (
     Body,
@@ -225,8 +225,3 @@ def mass_properties(body: Body) -> MassProperties:
         centre = body.centre
     inertia = body.inertia if body.inertia is not None else mass * second / area
     return MassProperties(mass, centre, inertia)
-
-
-def joint_angle_sign(joint: Pin) -> float:
-    """+1 or -1: factor from a counter-clockwise turn to the hinge's positive sense."""
-    return 1.0 if joint.positive == "counterclockwise" else -1.0

@@ -10,8 +10,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
 
-from sandbox.elements.drives import Drive, ForceDrive
-from sandbox.elements.kinds import NAMED
+from sandbox.elements.body_drives import ForceDrive
+from sandbox.elements.drives import Drive
+from sandbox.elements.element import NAMED
 from sandbox.scene.check.control import check_control
 from sandbox.scene.events import Event
 from sandbox.scene.mechanism import Mechanism

@@ -19,6 +19,7 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
+from sandbox.elements.element import BODY, BodyName
 from sandbox.scene.bodies import STATIC_OF_NOTHING
 from sandbox.scene.layers import ShownLayers
 from sandbox.values.numbers import (
@@ -266,7 +267,7 @@ class Expect(Looked):
 class Trace(Spec):
     """The way of a point, drawn as far as it has gone."""
 
-    body: Name
+    body: BodyName
     """Name of the body that the point belongs to."""
     at: Point = (0.0, 0.0)
     """The point in the body's frame [m], on the body or beside it."""
@@ -363,7 +364,7 @@ class View(Spec):
     ``"role:object"``; what else lies around is drawn as far as it is in sight. By default all, but
     such as fall or fly off for good only while they are near what stays. ``["*"]`` means all,
     always."""
-    follow: Name | None = None
+    follow: Annotated[Name | None, BODY] = None
     """Body that the picture goes with: its centre of mass stays where it is on the picture at
     t = 0. The picture does not turn, and what is fixed passes by. It holds all of the machine that
     the body is a part of, what is near a body that goes far in its machine, and a body alone that
@@ -377,5 +378,5 @@ class Group(Spec):
     """Its name; quantities are ``<name>.contact.count`` and ``<name>.contact.normal``."""
     kind: Literal["finger", "section", "rocker_tree", "pulley_tree", "group"] = "group"
     """What it is, for the audit and the pictures; ``"group"`` for bodies of one's own choice."""
-    bodies: Items[Name] = ()
+    bodies: Items[BodyName] = ()
     """Names of its bodies; a finger's are its phalanges, the proximal one first."""

@@ -12,11 +12,10 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 from sandbox.elements.controllers import readings_of, targets_of, writes_of
-from sandbox.elements.drives import kind_of
 from sandbox.engine.live import Live
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import UnknownQuantityError
-from sandbox.scene.mechanism import Mechanism, signal_of
+from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.played import Setting
 from sandbox.scene.read.load import Loaded
 from sandbox.values.signals import AnySignal, Constant, Ramp, Table
@@ -85,8 +84,8 @@ def _drives(mechanism: Mechanism, live: Live) -> Iterator[Control]:
     for i, drive in enumerate(mechanism.drives):
         if drive.name in written:
             continue
-        kind, unit = kind_of(drive), live.unit(f"{drive.name}.value")
-        most = _largest(signal_of(drive, mechanism), mechanism.run.duration)
+        kind, unit = drive.kind, live.unit(f"{drive.name}.value")
+        most = _largest(drive.signal(mechanism), mechanism.run.duration)
         low, high = (0.0, 1.0) if kind.gives in ("hold", "opening") else _span(most, unit)
         if kind.floor is not None and math.isfinite(kind.floor):
             low = max(low, kind.floor)
@@ -123,7 +122,7 @@ def read_value(name: str, text: str, mechanism: Mechanism, live: Live) -> float:
     """
     unit = next((each.unit for each in (*_drives(mechanism, live), *_controllers(live))
                  if each.name == name), "")
-    kind = next((kind_of(drive) for drive in mechanism.drives if drive.name == name), None)
+    kind = next((drive.kind for drive in mechanism.drives if drive.name == name), None)
     dimension = UNITS[unit][1] if unit in UNITS else kind.dimension if kind else ""
     allowed = "a number" + f", or one with a unit: {listed(units_of(dimension))}" * bool(dimension)
     try:  # of what has no dimension a text of any unit is Measured
@@ -195,7 +194,7 @@ def changes(old: Mechanism, new: Mechanism, time: float) -> dict[str, float] | N
     for was, drive in zip(old.drives, new.drives, strict=True):
         if was == drive:
             continue
-        value = final(signal_of(drive, new), time)
+        value = final(drive.signal(new), time)
         if drive.model_copy(update={"value": was.value}) != was or value is None \
                 or drive.name in written:
             return None

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sandbox
-from sandbox.elements.kinds import ATMOSPHERE
+from sandbox.elements.element import ATMOSPHERE
 from sandbox.engine.inspect import inspect
 
 from .machines import fixed, mechanism

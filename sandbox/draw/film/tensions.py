@@ -12,7 +12,6 @@ from sandbox.draw.film.camera import round_up
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.palette import PUSH, TENSION, Colour
 from sandbox.draw.film.scales import rounding
-from sandbox.elements.kinds import JOINTS
 from sandbox.numeric import Array, Integers
 from sandbox.samples.cords import piece_tensions
 from sandbox.samples.links import link_tensions
@@ -77,7 +76,7 @@ def tensions_of(run: Filmed, bars: Sequence[PinnedBar] = ()) -> Tensions:
     pieces = piece_tensions(run.model, run.arrays).T
     links = np.zeros(run.arrays["joint_reaction"].shape)
     lines = [k for k, joint in enumerate(run.mechanism.joints)
-             if "tension" in JOINTS[joint.type].records]
+             if "tension" in joint.facts.records]
     links[:, lines] = np.nan_to_num(link_tensions(run.model, run.arrays, np.array(lines, np.intp)))
     carried = bar_tensions(run, bars)
     for each in (pieces, links, carried):

@@ -13,8 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from sandbox.elements.drives import Drive, ForceDrive, kind_of
-from sandbox.elements.joints import Rack
+from sandbox.elements.registry import KINDS
 from sandbox.errors import Problem
 from sandbox.scene.bodies import SHAPES, Body, Polygon, Polyline, Shape
 from sandbox.scene.geometry import mass_properties
@@ -43,33 +42,20 @@ def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:
         for axis, dimension in (("x", "length"), ("y", "length"), ("angle", "angle")):
             if body.path is not None and (signal := getattr(body.path, axis)) is not None:
                 yield from _signal(signal, dimension, mechanism, f"$.bodies[{i}].path.{axis}")
-    for i, joint in enumerate(mechanism.joints):
-        if isinstance(joint, Rack):
-            yield from _direction(joint.along, f"$.joints[{i}].along")
+    for kind in KINDS:
+        for i, element in enumerate(getattr(mechanism, kind)):
+            yield from element.range_problems(f"$.{kind}[{i}]")
     for i, drive in enumerate(mechanism.drives):
-        if isinstance(drive, ForceDrive):
-            yield from _direction(drive.direction, f"$.drives[{i}].direction")
         if drive.value is not None:
-            yield from _signal(drive.value, drive_dimension(drive), mechanism,
+            yield from _signal(drive.value, drive.kind.dimension or "stiffness", mechanism,
                                f"$.drives[{i}].value")
     drives = {drive.name: drive for drive in mechanism.drives}
     for i, event in enumerate(mechanism.events):
         for name in event.set.keys() & drives.keys():
             try:
-                in_range(event.set[name], drive_dimension(drives[name]))
+                in_range(event.set[name], drives[name].kind.dimension or "stiffness")
             except WrongValueError as error:
                 yield Problem.of(error, f"$.events[{i}].set.{name}")
-
-
-def _direction(direction: tuple[float, float], path: str) -> Iterator[Problem]:
-    if fault := size_fault(math.hypot(*direction), "ratio"):
-        yield Problem("out-of-range", f"as a direction its length is {fault}", path,
-                      allowed="a direction such as [1, 0]; its length does not count")
-
-
-def drive_dimension(drive: Drive) -> str:
-    """The dimension of what a drive sets; stiffnesses, rotary or not, have one range."""
-    return kind_of(drive).dimension or "stiffness"
 
 
 def _corners(body: Body, path: str) -> Iterator[Problem]:

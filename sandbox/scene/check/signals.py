@@ -8,7 +8,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.elements.controllers import targets_of
-from sandbox.elements.kinds import DRIVES
 from sandbox.errors import Problem
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
@@ -32,7 +31,7 @@ def _signals(mechanism: Mechanism) -> Iterator[tuple[str, AnySignal, bool]]:
     """Every signal with its path, and whether it must stay positive."""
     for i, drive in enumerate(mechanism.drives):
         if drive.value is not None:
-            yield f"$.drives[{i}].value", drive.value, DRIVES[drive.type].gives == "radius"
+            yield f"$.drives[{i}].value", drive.value, drive.positive_value
     for i, controller in enumerate(mechanism.controllers):
         signals = targets_of(controller)
         key = next((key for key in ("target", "targets", "value") if hasattr(controller, key)), "")

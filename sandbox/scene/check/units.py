@@ -13,8 +13,6 @@ from collections.abc import Iterator
 from typing import Any
 
 from sandbox.elements.controllers import Controller, readings_of, targets_of
-from sandbox.elements.drives import Drive, kind_of
-from sandbox.elements.kinds import SPRINGS
 from sandbox.elements.quantities import QUANTITIES
 from sandbox.errors import Problem
 from sandbox.scene.mechanism import Mechanism
@@ -63,17 +61,9 @@ class _Dimensions:
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
-        self.springs = {each.name: SPRINGS[each.type].dimension
-                        for each in reversed(mechanism.springs)}
         self.meters = {meter.name for meter in mechanism.meters}
-        self.drives = {each.name: self._of_drive(each) for each in reversed(mechanism.drives)}
+        self.drives = {each.name: each.dimension(mechanism) for each in reversed(mechanism.drives)}
         self.controllers = {each.name: each for each in reversed(mechanism.controllers)}
-
-    def _of_drive(self, drive: Drive) -> str | None:
-        kind = kind_of(drive)
-        if not kind.dimension:  # that of its spring, if there is one
-            return self.springs.get(getattr(drive, kind.target.field))
-        return kind.dimension
 
     def _of_reading(self, text: str) -> str | None:
         """The dimension of a plain quantity; of an expression or a meter it is not known."""
@@ -97,7 +87,8 @@ class _Dimensions:
         """The drives' own values; only those of stiffnesses are not checked by their models."""
         for i, drive in enumerate(self.mechanism.drives):
             if drive.value is not None:
-                yield from _signal(f"$.drives[{i}].value", drive.value, self._of_drive(drive))
+                yield from _signal(f"$.drives[{i}].value", drive.value,
+                                   drive.dimension(self.mechanism))
 
     def laws(self) -> Iterator[Place]:
         """What the controllers set, and what they lead their readings to."""

@@ -16,7 +16,9 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from sandbox.elements.joints import Joint, Pin, Turn
+from sandbox.elements.element import Turn
+from sandbox.elements.joints import Joint
+from sandbox.elements.points import Pin
 from sandbox.elements.springs import LinearSpring, Spring
 from sandbox.elements.tendons import RIGID, Guide, Tendon
 from sandbox.scene.bodies import Body, Box, Capsule

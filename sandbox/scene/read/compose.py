@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from sandbox.elements.kinds import LISTS
+from sandbox.elements.element import LISTS
 from sandbox.errors import SceneError
 from sandbox.scene.document import ASSEMBLED, KEYS
 from sandbox.scene.read.includes import Library

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from sandbox.elements.arrays import PER_SAMPLE, row_bytes
-from sandbox.elements.kinds import LISTS, NAMED
+from sandbox.elements.element import LISTS, NAMED
 from sandbox.elements.quantities import QUANTITIES
 from sandbox.errors import Problem
 from sandbox.scene.bodies import MOST_CORNERS, SHAPES

@@ -18,7 +18,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from sandbox.elements.kinds import LISTS as MECHANISM_LISTS
+from sandbox.elements.element import LISTS as MECHANISM_LISTS
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.check.ranges import check_ranges
 from sandbox.scene.check.references import check_references, check_unread

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from sandbox.elements.kinds import LISTS
+from sandbox.elements.element import LISTS
 from sandbox.errors import Problem
 from sandbox.scene.document import Assembly, Part, Scene
 from sandbox.scene.mechanism import Mechanism
