@@ -6,16 +6,15 @@
 
 from sandbox.elements.bars import Actuator, Rod, Rope
 from sandbox.elements.body_drives import ForceDrive, RadiusDrive, SurfaceDrive
-from sandbox.elements.controllers import (
-    EquilibriumController,
+from sandbox.elements.controllers.equilibrium import EquilibriumController, FingerGeometry
+from sandbox.elements.controllers.pid import PidController
+from sandbox.elements.controllers.relay import RelayController
+from sandbox.elements.controllers.simple import (
     FeedbackController,
-    FingerGeometry,
-    PidController,
-    RelayController,
     ScheduleController,
-    StateFeedbackController,
     SwitchController,
 )
+from sandbox.elements.controllers.state_feedback import StateFeedbackController
 from sandbox.elements.element_drives import HoldDrive, PullDrive, StiffnessDrive
 from sandbox.elements.fluids import (
     Cylinder,

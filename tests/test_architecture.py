@@ -25,7 +25,7 @@ FLOORS = {
     "atomic_files": 1, "values": 1, "mechanics": 1,
     "elements": 2,
     "scene": 3,
-    "model": 4, "control": 4, "build": 4,
+    "model": 4, "build": 4,
     "samples": 5,
     "audit": 6,
     "recording": 7,

@@ -22,7 +22,6 @@ from sandbox.audit.figures import (
     peak,
     whole,
 )
-from sandbox.elements.controllers import writes_of
 from sandbox.model.starts import lengthening, turning
 from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Flags, Integers
@@ -46,7 +45,7 @@ def driven_figures(evidence: Evidence) -> Iterator[Figure]:
 
 def set_while_running(mechanism: Mechanism) -> set[str]:
     """Names of all that controllers and events set, drives among them."""
-    names = {name for controller in mechanism.controllers for name in writes_of(controller)}
+    names = {name for controller in mechanism.controllers for name in controller.written}
     keys = {key for event in mechanism.events for key in event.set}
     return names | keys | {key.split(".")[0] for key in keys}
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from sandbox.audit.audit import Figure, audit
-from sandbox.elements.controllers import every
+from sandbox.elements.controllers.controller import every
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SimulationDiverged
 from sandbox.numeric import Array

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, get_args
 
-from sandbox.elements.controllers import Controller
+from sandbox.elements.controllers.kinds import Controller
 from sandbox.elements.drives import Drive
 from sandbox.elements.element import Element, tag_of
 from sandbox.elements.fluids import Line, Valve

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sandbox.control.law import Law
+from sandbox.elements.controllers.controller import Law
 from sandbox.engine.readings import Readings
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.numeric import Array

@@ -18,7 +18,7 @@ import numpy as np
 
 from sandbox.elements.arrays import CONTACT as CONTACT_ROW
 from sandbox.elements.arrays import MEAN, MEAN_CONTACT, PER_SAMPLE, row_bytes
-from sandbox.elements.controllers import every
+from sandbox.elements.controllers.controller import every
 from sandbox.engine.clock import Clock, make_clock
 from sandbox.errors import Problem
 from sandbox.model.model import Model

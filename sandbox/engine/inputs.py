@@ -21,7 +21,6 @@ from collections.abc import Callable
 import numpy as np
 import pymunk
 
-from sandbox.elements.controllers import writes_of
 from sandbox.engine.clock import Clock
 from sandbox.engine.world import World
 from sandbox.errors import Problem, SceneError
@@ -65,7 +64,7 @@ class Inputs:
         switched = {name for event in self.mechanism.events for name in event.set}
         controlled = {name for controller in self.mechanism.controllers
                       if controller.active and f"{controller.name}.active" not in switched
-                      for name in writes_of(controller)}
+                      for name in controller.written}
         drives = self.mechanism.drives
         varied = any(not isinstance(drives[i].value, Constant) and drives[i].name not in controlled
                      for i in self._latches)

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from sandbox.elements.controllers import writes_of
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.scene.mechanism import Mechanism
@@ -47,7 +46,7 @@ def _largest_set(model: Model, own: Array, setter: Integers) -> Array:
     limits: dict[str, float] = {}
     for controller in mechanism.controllers:
         given = getattr(controller, "limits", None)
-        writes = writes_of(controller)
+        writes = controller.written
         pairs = [given] if len(writes) == 1 and given and np.isscalar(given[0]) else given or ()
         limits |= {name: pair[1] for name, pair in zip(writes, pairs, strict=False)}
     events: dict[str, float] = {}

@@ -11,8 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.elements.controllers import writes_of
-from sandbox.elements.joint_drives import MotorDrive
 from sandbox.elements.quantities import is_yes_no
 from sandbox.engine.clock import Clock, make_clock
 from sandbox.engine.inspect_control import LiveCatalogue, control_problems, unreadable
@@ -288,7 +286,7 @@ class _TaskReader:
                             "of names to (lowest, highest)")
 
     def _writer(self, drive: str) -> str:
-        owners = [each.name for each in self.mechanism.controllers if drive in writes_of(each)]
+        owners = [each.name for each in self.mechanism.controllers if drive in each.written]
         owners += [event.name for event in self.mechanism.events if drive in event.set]
         return owners[0] if owners else ""
 
@@ -343,8 +341,8 @@ def drive_range(model: Model, drive: str) -> Span | None:
         joint = int(model.drives.target[index])
         return _whole(*(model.joints.stops if kind.dimension == "angle" else model.joints.reach)
                       [joint].tolist())
-    if isinstance(spec, MotorDrive) and spec.no_load is not None:
-        return -float(spec.no_load), float(spec.no_load)
+    if (no_load := getattr(spec, "no_load", None)) is not None:
+        return -float(no_load), float(no_load)
     try:
         found = values(spec.signal(model.mechanism),
                        np.linspace(0.0, model.mechanism.run.duration, INSTANTS),

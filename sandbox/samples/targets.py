@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.elements.controllers import Controller, readings_of, targets_of, writes_of
+from sandbox.elements.controllers.kinds import Controller
 from sandbox.numeric import Array
 from sandbox.samples.response import Response, respond
 from sandbox.samples.samples import Samples
@@ -121,7 +121,7 @@ def led(run: Samples) -> list[str]:
 
 def controlled(run: Samples) -> list[str]:
     """The drives that controllers set, in the mechanism's order."""
-    written = {name for c in run.mechanism.controllers for name in writes_of(c)}
+    written = {name for c in run.mechanism.controllers for name in c.written}
     return [drive.name for drive in run.mechanism.drives if drive.name in written]
 
 
@@ -141,13 +141,13 @@ def initial(run: Samples, drive: str) -> float:
 
 def _plain_readings(controller: Controller) -> list[str]:
     """What a controller reads, without the ``=`` before a lone name."""
-    return [text.removeprefix("=").strip() for text in readings_of(controller)]
+    return [text.removeprefix("=").strip() for text in controller.readings]
 
 
 def _led(run: Samples) -> list[tuple[str, Array]]:
     found = []
     for controller in sorted(run.mechanism.controllers, key=lambda c: not c.active):
-        pairs = zip(_plain_readings(controller), targets_of(controller), strict=False)
+        pairs = zip(_plain_readings(controller), controller.signals, strict=False)
         for i, (name, signal) in enumerate(pairs):
             if name not in run:
                 continue  # an expression of several quantities

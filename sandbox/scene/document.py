@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from sandbox.elements.controllers import Controller
+from sandbox.elements.controllers.kinds import Controller
 from sandbox.elements.drives import Drive
 from sandbox.elements.fluids import Line, Valve
 from sandbox.elements.joints import Joint

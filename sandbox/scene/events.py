@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
-from sandbox.elements.controllers import bound
+from sandbox.elements.controllers.controller import bound
 from sandbox.values.numbers import Duration, Frequency, Instant, Items, Name, Quantity
 from sandbox.values.spec import Spec
 from sandbox.wording import WrongValueError

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from sandbox.elements.controllers import Controller
+from sandbox.elements.controllers.kinds import Controller
 from sandbox.elements.drives import Drive
 from sandbox.elements.element import LISTS, NAMED, RELEASABLE, Vec
 from sandbox.elements.fluids import Line, Valve
@@ -14,7 +14,7 @@ from sandbox.elements.springs import Spring
 from sandbox.elements.tendons import Tendon
 from sandbox.scene.bodies import Body, Material
 from sandbox.scene.events import Event
-from sandbox.scene.geometry import pose_of, to_world
+from sandbox.scene.geometry import anchors, pose_of, to_world
 from sandbox.scene.settings import ContactRule, Expect, Group, Meter, Run, View
 from sandbox.values.numbers import Acceleration, Items, Name, Pair
 from sandbox.values.spec import Spec
@@ -119,6 +119,11 @@ class Mechanism(Spec):
         """Every load with every body that it acts on, by their numbers, load by load."""
         return tuple((i, body) for i, load in enumerate(self.loads)
                      for body in load.borne(self.bodies))
+
+    def anchors(self, joint: Joint) -> tuple[Vec, Vec]:
+        """Anchors of a joint in the frames of its bodies ``a`` and ``b`` [m]."""
+        bodies = {body.name: body for body in self.bodies}
+        return anchors(joint, bodies[joint.a], bodies[joint.b])
 
     def world(self, body: str, point: Vec) -> Vec:
         """A point of a body's frame [m] in the world at t = 0."""

@@ -14,7 +14,9 @@ from pydantic import WithJsonSchema
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from sandbox.elements import controllers, drives, fluids, joints, loads, springs, tendons
+from sandbox.elements import drives, fluids, joints, loads, springs, tendons
+from sandbox.elements.controllers.equilibrium import FingerGeometry
+from sandbox.elements.controllers.kinds import Controller
 from sandbox.elements.quantities import GRASP, QUANTITIES, TIED
 from sandbox.elements.registry import KINDS, members
 from sandbox.elements.tendons import NUMBERED
@@ -42,7 +44,7 @@ ELEMENTS: Mapping[str, Sequence[type[Spec]]] = {
     "Drives": members(drives.Drive),
     VALUES: [signals.Ramp, signals.Table, signals.Formula, signals.Constant],
     "Tables": [tables.NamedTable],
-    "Controllers": [*members(controllers.Controller), controllers.FingerGeometry],
+    "Controllers": [*members(Controller), FingerGeometry],
     "Events": [events.Event],
     "Readings and expectations": [settings.Meter, settings.Expect, settings.Group],
 }
@@ -64,7 +66,7 @@ CHOICES = {
     bodies.BodyShape: "[shape](elements.md#bodies)", joints.Joint: "[joint](elements.md#joints)",
     springs.Spring: "[spring](elements.md#springs)", drives.Drive: "[drive](elements.md#drives)",
     fluids.Chamber: "[chamber](elements.md#fluid)", loads.Load: "[load](elements.md#loads)",
-    controllers.Controller: "[controller](elements.md#controllers)"}
+    Controller: "[controller](elements.md#controllers)"}
 """Unions by name, with the section of the docs that has their members."""
 
 

@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
-from sandbox.elements.controllers import readings_of, targets_of, writes_of
 from sandbox.engine.live import Live
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import UnknownQuantityError
@@ -80,7 +79,7 @@ def _parameters(loaded: Loaded) -> Iterator[Control]:
 
 
 def _drives(mechanism: Mechanism, live: Live) -> Iterator[Control]:
-    written = {name for controller in mechanism.controllers for name in writes_of(controller)}
+    written = {name for controller in mechanism.controllers for name in controller.written}
     for i, drive in enumerate(mechanism.drives):
         if drive.name in written:
             continue
@@ -95,9 +94,9 @@ def _drives(mechanism: Mechanism, live: Live) -> Iterator[Control]:
 def _controllers(live: Live) -> Iterator[Control]:
     given = {each.name: each.value for each in live.inputs if isinstance(each, Setting)}
     for controller in live.scene.controllers:
-        targets = targets_of(controller)
+        targets = controller.signals
         if len(targets) == 1:
-            unit = _unit_of(live, readings_of(controller)[0])
+            unit = _unit_of(live, controller.readings[0])
             value = final(targets[0], math.inf)
             value = 0.0 if value is None else value
             name, (low, high) = f"{controller.name}.target", _span(value, unit)
@@ -190,7 +189,7 @@ def changes(old: Mechanism, new: Mechanism, time: float) -> dict[str, float] | N
         return None
     if len(old.drives) != len(new.drives) or len(old.controllers) != len(new.controllers):
         return None
-    written = {name for controller in new.controllers for name in writes_of(controller)}
+    written = {name for controller in new.controllers for name in controller.written}
     for was, drive in zip(old.drives, new.drives, strict=True):
         if was == drive:
             continue
@@ -202,7 +201,7 @@ def changes(old: Mechanism, new: Mechanism, time: float) -> dict[str, float] | N
     for before, controller in zip(old.controllers, new.controllers, strict=True):
         if before == controller:
             continue
-        targets = targets_of(controller)
+        targets = controller.signals
         field = "target" if hasattr(controller, "target") else "value"
         if len(targets) != 1 or controller.name != before.name or not hasattr(before, field):
             return None

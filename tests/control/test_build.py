@@ -7,9 +7,8 @@ from typing import Any
 import pytest
 from pydantic import TypeAdapter
 
-from sandbox.control.build import build
-from sandbox.control.pid import Pid
-from sandbox.elements.controllers import Controller, readings_of, targets_of, writes_of
+from sandbox.elements.controllers.kinds import Controller
+from sandbox.elements.controllers.pid import Pid
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.signals import values
 
@@ -26,10 +25,10 @@ def first(given: Any, readings: list[float], inputs: list[float]) -> list[float]
     """What a built law wants at its first act, at t = 0."""
     import numpy as np
 
-    law = build(given, Mechanism(), H)
-    targets = [float(values(signal, np.zeros(1))[0]) for signal in targets_of(given)]
-    assert len(readings_of(given)) == len(readings)
-    assert len(writes_of(given)) == len(inputs)
+    law = given.make_law(Mechanism(), H)
+    targets = [float(values(signal, np.zeros(1))[0]) for signal in given.signals]
+    assert len(given.readings) == len(readings)
+    assert len(given.written) == len(inputs)
     law.begin(readings, targets, inputs)
     return law.act(0.0, readings, targets, inputs)
 
@@ -53,7 +52,7 @@ def test_every_kind_has_its_law(given, readings, wanted):
 def test_a_pid_has_all_that_its_spec_says():
     given = spec(**READER, type="pid", target=1.0, kp=2.0, ki=30.0, kd=0.1, filter=5e-3,
                  anti_windup="back_calculation", tracking=0.02, bias=4.0)
-    law = build(given, Mechanism(), H)
+    law = given.make_law(Mechanism(), H)
     assert isinstance(law, Pid)
     # one act by hand: error 1 then 0.5; half of a unit was cut off the first output
     law.begin([0.0], [1.0], [0.0])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sandbox.convergence.runs import at_instants, refined
-from sandbox.elements.controllers import every
+from sandbox.elements.controllers.controller import every
 from tests.support.mechanisms import mass, mechanism
 
 

@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 import sandbox
-from sandbox.elements.controllers import readings_of
 from sandbox.scene.expand import expand, to_json
 
 ARM: dict[str, Any] = {
@@ -52,7 +51,7 @@ def test_what_is_expanded_reads_the_same_again():
         events=[{"name": "push", "when": "=elbow.angle > goal / 2", "set": {"loop.target": 0},
                  "lasts": "20 ms"}])
     mechanism = expand(sandbox.load_scene(scene))
-    assert readings_of(mechanism.controllers[1]) == ("=-3.0 * wrist.rate",)
+    assert mechanism.controllers[1].readings == ("=-3.0 * wrist.rate",)
     again = expand(sandbox.load_scene(json.loads(to_json(mechanism))))
     assert again.controllers == mechanism.controllers
     assert again.events == mechanism.events

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.optimize import brentq
 
-from sandbox.elements.controllers import PidController
+from sandbox.elements.controllers.pid import PidController
 from sandbox.engine.simulate import simulate
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sandbox.elements.controllers import targets_of
 from sandbox.errors import Problem
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
@@ -33,8 +32,8 @@ def _signals(mechanism: Mechanism) -> Iterator[tuple[str, AnySignal, bool]]:
         if drive.value is not None:
             yield f"$.drives[{i}].value", drive.value, drive.positive_value
     for i, controller in enumerate(mechanism.controllers):
-        signals = targets_of(controller)
-        key = next((key for key in ("target", "targets", "value") if hasattr(controller, key)), "")
+        signals = controller.signals
+        key = controller.target_key
         for j, signal in enumerate(signals):
             place = f"[{j}]" if key == "targets" else ""
             yield f"$.controllers[{i}].{key}{place}", signal, False

@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-from sandbox.elements.controllers import Controller, readings_of, targets_of
+from sandbox.elements.controllers.kinds import Controller
 from sandbox.elements.quantities import QUANTITIES
 from sandbox.errors import Problem
 from sandbox.scene.mechanism import Mechanism
@@ -27,15 +27,6 @@ READINGS = {name.rpartition(".")[2]: UNITS[quantity.unit][1]
             if quantity.live and quantity.unit in UNITS}
 """Dimensions of the quantities that can be read, by the last word of their names."""
 PLAIN = re.compile(rf"{NAME[1:-1]}(/{NAME[1:-1]})?")
-OF_DRIVE = {"pid": ("bias",), "schedule": (), "feedback": (), "relay": ("bias", "amplitude"),
-            "switch": ("value_below", "value_above"), "state_feedback": ("bias",),
-            "equilibrium": ()}
-"""By controller, the numbers in the unit of the drive or drives, besides their limits."""
-OF_READING = {"switch": ("below", "above"), "relay": ("hysteresis",)}
-"""By controller of one reading, the numbers in its unit, besides the target."""
-TARGET = {"schedule": "value", "state_feedback": "targets[{}]", "equilibrium": "targets[{}]"}
-"""By controller, where its targets stand; ``target`` otherwise."""
-
 Place = tuple[str, float | None, str | None]
 """A path, the number there, and the dimension that it should have; None if nobody knows."""
 
@@ -79,9 +70,9 @@ class _Dimensions:
 
     def _of_targets(self, law: Controller) -> list[str | None]:
         """The dimension of each target of a controller."""
-        if law.type == "schedule":
-            return [self.drives.get(law.writes)]
-        return [self._of_reading(text) for text in readings_of(law)]
+        if law.sets_target:
+            return [self.drives.get(name) for name in law.written]
+        return [self._of_reading(text) for text in law.readings]
 
     def values(self) -> Iterator[Place]:
         """The drives' own values; only those of stiffnesses are not checked by their models."""
@@ -94,14 +85,14 @@ class _Dimensions:
         """What the controllers set, and what they lead their readings to."""
         for i, law in enumerate(self.mechanism.controllers):
             path, wanted = f"$.controllers[{i}]", self._of_targets(law)
-            for key in ("limits", *OF_DRIVE[law.type]):
+            for key in ("limits", *law.of_drive):
                 yield from self._by_drive(f"{path}.{key}", law, getattr(law, key))
-            for key in OF_READING.get(law.type, ()):
+            for key in law.of_reading:
                 yield f"{path}.{key}", getattr(law, key), wanted[0]
-            if law.type == "equilibrium":
-                yield f"{path}.pull", law.pull, "force"
-            key = TARGET.get(law.type, "target")
-            for j, (target, dimension) in enumerate(zip(targets_of(law), wanted, strict=False)):
+            for key in law.of_force:
+                yield f"{path}.{key}", getattr(law, key), "force"
+            key = law.target_key + ("[{}]" if law.target_key == "targets" else "")
+            for j, (target, dimension) in enumerate(zip(law.signals, wanted, strict=False)):
                 yield from _signal(f"{path}.{key.format(j)}", target, dimension)
 
     def _by_drive(self, path: str, law: Controller, value: Any) -> Iterator[Place]:

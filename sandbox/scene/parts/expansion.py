@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
-from sandbox.elements.controllers import Controller
+from sandbox.elements.controllers.kinds import Controller
 from sandbox.elements.drives import Drive
 from sandbox.elements.fluids import Line, Valve
 from sandbox.elements.joints import Joint

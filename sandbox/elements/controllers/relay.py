@@ -11,10 +11,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from sandbox.control.pid import Gains, Pid
-from sandbox.elements.controllers import RelayController
+from pydantic import Field, field_validator
+
+from sandbox.elements.controllers.controller import Law, ReadingController
+from sandbox.elements.controllers.pid import Gains, Pid
+from sandbox.values.numbers import Quantity
+from sandbox.values.signals import AnySignal, Signal
+from sandbox.values.spec import TYPE
+from sandbox.wording import WrongValueError
+
+if TYPE_CHECKING:
+    from sandbox.scene.mechanism import Mechanism
 
 RULES: dict[str, tuple[float, float, float]] = {
     "ziegler_nichols_pi": (0.45, 1 / 1.2, 0.0),
@@ -26,6 +35,54 @@ RULES: dict[str, tuple[float, float, float]] = {
 """kp / Ku, integral time / Tu, derivative time / Tu of each rule."""
 FILTER = 0.1
 """Low-pass on the derivative, as a fraction of the derivative time; 1/20 to 1/3 is usual."""
+
+
+class RelayController(ReadingController):
+    """A PID controller that first finds its gains itself, by switching its drive to and fro.
+
+    That is relay auto-tuning (Astrom and Hagglund 1984).
+    The drive is switched between bias + amplitude and bias - amplitude until the
+    reading has gone round ``cycles`` times; amplitude and period of those after
+    the first give the gains. What was found stands in ``run.json``.
+    """
+
+    of_drive: ClassVar[tuple[str, ...]] = ("bias", "amplitude")
+    of_reading: ClassVar[tuple[str, ...]] = ("hysteresis",)
+
+    type: Literal["relay"] = TYPE
+    target: Signal
+    """What the reading shall swing about, and then be, in the reading's unit."""
+    amplitude: Quantity
+    """Half the height of what is switched, in the drive's unit; not 0, and negative where more of
+    the input makes the reading less."""
+    hysteresis: Annotated[Quantity, Field(ge=0)] = 0.0
+    """How far the reading passes the target before the relay switches, in the reading's unit."""
+    cycles: int = Field(default=4, ge=2, le=100)
+    """How often the reading goes round before gains are worked out; the first time is not
+    measured."""
+    rule: Literal["ziegler_nichols_pi", "ziegler_nichols_pid", "tyreus_luyben_pi",
+                  "tyreus_luyben_pid", "no_overshoot_pid"] = "tyreus_luyben_pi"
+    """Which rule gives the gains for the ultimate gain and period that were found, and whether the
+    law has a derivative."""
+    bias: Quantity | None = None
+    """Middle of what is switched, in the drive's unit; by default the drive's value when the
+    controller begins."""
+
+    @field_validator("amplitude")
+    @classmethod
+    def _switches(cls, amplitude: float) -> float:
+        if amplitude == 0:
+            raise WrongValueError("out-of-range", "must not be 0: the relay would not switch")
+        return amplitude
+
+    @property
+    def signals(self) -> tuple[AnySignal, ...]:
+        """The targets of its readings over time; of a schedule its value."""
+        return (self.target,)
+
+    def make_law(self, mechanism: Mechanism, period: float) -> Law:
+        """Its law, which acts every ``period`` [s]."""
+        return Relay(self, period)
 
 
 def ultimate_gain(relay: float, amplitude: float, hysteresis: float) -> float:

@@ -9,12 +9,76 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+
+from pydantic import model_validator
+
+from sandbox.elements.controllers.controller import Law, ReadingController
+from sandbox.values.numbers import Duration, Flag, Instant, Quantity
+from sandbox.values.signals import AnySignal, Signal
+from sandbox.values.spec import TYPE
+from sandbox.wording import WrongValueError
+
+if TYPE_CHECKING:
+    from sandbox.scene.mechanism import Mechanism
+
+
+class PidController(ReadingController):
+    """Brings a reading to its target by a drive: a PID controller.
+
+    u = bias + kp e + ki ∫e dt - kd d(reading)/dt with e = target - reading.
+
+    Gains may be negative, where more of the input makes the reading less.
+    """
+
+    of_drive: ClassVar[tuple[str, ...]] = ("bias",)
+
+    type: Literal["pid"] = TYPE
+    target: Signal
+    """What the reading shall be over time, in the reading's unit; an event may set
+    ``<name>.target``."""
+    kp: Quantity = 0.0
+    """Gain of the error [drive's unit per reading's unit]."""
+    ki: Quantity = 0.0
+    """Gain of the error's integral [drive's unit per reading's unit and second]."""
+    kd: Quantity = 0.0
+    """Gain of the reading's rate, against it [drive's unit times seconds per reading's unit]."""
+    filter: Instant = 0.0
+    """Time constant of the low-pass on the derivative [s]; 0 is none."""
+    bias: Quantity | None = None
+    """What is added to the law, in the drive's unit; by default the drive's value when the
+    controller begins."""
+    bumpless: Flag = False
+    """Begin with the integral at which the first output is the bias. Switched on in the middle
+    of a run, a loop with an integral goes on from what the drive has, in any case."""
+    anti_windup: Literal["clamp", "back_calculation", "none"] = "clamp"
+    """What becomes of the integral while the output is cut: ``clamp`` holds it while it would lead
+    further beyond what can be set, ``back_calculation`` leads it back, ``none`` lets it run on."""
+    tracking: Duration | None = None
+    """Time constant of the back-calculation [s]; by default |kp / ki|, and at once if kp is 0."""
+
+    @model_validator(mode="after")
+    def _tracking_is_used(self) -> Self:
+        if self.tracking is not None and self.anti_windup != "back_calculation":
+            raise WrongValueError("conflicting-keys", "'tracking' is for \"anti_windup\": "
+                                  "\"back_calculation\"")
+        return self
+
+    @property
+    def signals(self) -> tuple[AnySignal, ...]:
+        """The targets of its readings over time; of a schedule its value."""
+        return (self.target,)
+
+    def make_law(self, mechanism: Mechanism, period: float) -> Law:
+        """Its law, which acts every ``period`` [s]."""
+        gains = Gains(self.kp, self.ki, self.kd, filter=self.filter, anti_windup=self.anti_windup,
+                      tracking=self.tracking)
+        return Pid(gains, period, bias=self.bias, bumpless=self.bumpless, resumes=not self.active)
 
 
 @dataclass(frozen=True)
 class Gains:
-    """A PID's numbers; see :class:`sandbox.elements.controllers.PidController`."""
+    """A PID's numbers; see :class:`PidController`."""
 
     kp: float = 0.0
     ki: float = 0.0

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from sandbox.control.law import Memoryless
+from sandbox.elements.controllers.controller import Memoryless
 from sandbox.errors import ControllerFailed, SandboxError
 from sandbox.values.expressions import parse_expression
 from sandbox.values.numbers import NAME

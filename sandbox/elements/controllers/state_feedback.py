@@ -4,9 +4,79 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from operator import add, mul, sub
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
-from sandbox.elements.controllers import StateFeedbackController
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+
+from sandbox.elements.controllers.controller import Law, Matrix, SeveralController, bound
+from sandbox.values.numbers import Items, Quantity
+from sandbox.values.signals import AnySignal, Signal
+from sandbox.values.spec import TYPE
+from sandbox.wording import WrongValueError
+
+if TYPE_CHECKING:
+    from sandbox.scene.mechanism import Mechanism
+
+
+class StateFeedbackController(SeveralController):
+    """Brings several readings to their targets at once, by a gain for each.
+
+    u = bias + gains (targets - readings) + integral_gains ∫(targets - readings) dt.
+
+    The gains come from a design such as a linear-quadratic one.
+    """
+
+    of_drive: ClassVar[tuple[str, ...]] = ("bias",)
+    target_key: ClassVar[str] = "targets"
+
+    type: Literal["state_feedback"] = TYPE
+    reads: Items[str] = Field(min_length=1, max_length=64)
+    """Quantities, or expressions of them, in the order of the columns of ``gains``."""
+    targets: Items[Signal]
+    """What each reading shall be over time, in the reading's unit."""
+    gains: Matrix
+    """A row for each drive, a column for each reading [drive's unit per reading's unit]."""
+    integral_gains: Matrix | None = None
+    """Gains of the errors' integrals, in the shape of ``gains``; none by default. Where a row's
+    drive is at its limit, that row's integral is held."""
+    bias: Items[Quantity] | None = None
+    """What is added for each drive, in its unit; by default the drives' values when the controller
+    begins."""
+
+    @field_validator("reads")
+    @classmethod
+    def _bind_each(cls, texts: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
+        return tuple(bound(text, info) for text in texts)
+
+    @model_validator(mode="after")
+    def _shapes(self) -> Self:
+        rows, columns = len(self.writes), len(self.reads)
+        wrong = [key for key in ("gains", "integral_gains")
+                 if (given := getattr(self, key)) is not None
+                 and (len(given) != rows or any(len(row) != columns for row in given))]
+        if wrong:
+            raise WrongValueError("wrong-type", f"'{wrong[0]}': expected {rows} rows (drives) and "
+                                  f"{columns} columns")
+        if len(self.targets) != columns:
+            raise WrongValueError("wrong-type", f"'targets': expected {columns} entries, one a "
+                                  "reading")
+        if self.bias is not None and len(self.bias) != rows:
+            raise WrongValueError("wrong-type", f"'bias': expected {rows} entries, one a drive")
+        return self
+
+    @property
+    def readings(self) -> tuple[str, ...]:
+        """What it reads."""
+        return tuple(self.reads)
+
+    @property
+    def signals(self) -> tuple[AnySignal, ...]:
+        """The targets of its readings over time; of a schedule its value."""
+        return tuple(self.targets)
+
+    def make_law(self, mechanism: Mechanism, period: float) -> Law:
+        """Its law, which acts every ``period`` [s]."""
+        return StateFeedback(self, period)
 
 
 class StateFeedback:
