@@ -12,7 +12,7 @@ from sandbox.audit.figures import ROUNDING, STOPPED, Figure, Worst, missing
 from sandbox.elements.element import GRAZE
 from sandbox.mechanics.springs import spring_length
 from sandbox.mechanics.tendon import segment_length
-from sandbox.model.wheels import flank_gaps, slipped
+from sandbox.model.joints import flank_gaps, slipped
 from sandbox.numeric import Array
 from sandbox.samples.cords import lengths, lying, wound_up
 from sandbox.scene.geometry import pose_of, to_world

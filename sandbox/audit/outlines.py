@@ -17,7 +17,7 @@ import numpy as np
 
 from sandbox.audit.evidence import LEFT, Evidence
 from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, missing
-from sandbox.model.friction import restitution_of
+from sandbox.model.pairs import restitution_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.scene.bodies import Circle, Polygon, Polyline, Solid

@@ -10,8 +10,8 @@ from sandbox.elements.element import GRAZE
 from sandbox.elements.tendons import RIGID
 from sandbox.export.document import MAX_FORCE, Draft, add, element
 from sandbox.export.tree import anchors, angle_sum, pose, stops, vec
-from sandbox.model.lifts import lifted_at_start, passes_by
 from sandbox.model.model import NONE
+from sandbox.model.tendons import lifted_at_start, passes_by
 from sandbox.scene.geometry import Vec
 
 FAR = 1e6

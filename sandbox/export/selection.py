@@ -12,9 +12,9 @@ from sandbox.elements.fluids import FLUID
 from sandbox.errors import Problem, SceneError
 from sandbox.export.elements import wrap_round
 from sandbox.export.tree import Tree, pose, vec
-from sandbox.model.lifts import lifted_at_start
 from sandbox.model.model import Joints, Model, Springs
 from sandbox.model.pairs import Words, allowed_pairs
+from sandbox.model.tendons import lifted_at_start
 from sandbox.scene.bodies import Material, Polyline
 from sandbox.scene.geometry import to_world
 from sandbox.scene.mechanism import Mechanism

@@ -18,8 +18,7 @@ from sandbox.elements.drive import DriveKind, Gives
 from sandbox.elements.element import RELEASABLES
 from sandbox.elements.joint import JointKind, Keeps
 from sandbox.elements.springs import SpringKind
-from sandbox.model.load_laws import LoadLaw
-from sandbox.model.spring_laws import SpringLaw
+from sandbox.model.laws import LoadLaw, SpringLaw
 from sandbox.model.ties import Ties
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.mechanism import Mechanism

@@ -16,7 +16,7 @@ import numpy as np
 
 from sandbox.elements.quantities import MOST_PRESSING, STRAY, WINDOW
 from sandbox.mechanics.closure import force_spread, grasp_epsilon, grasp_isotropy
-from sandbox.model.friction import static_friction_of
+from sandbox.model.pairs import static_friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.samples.patches import flat_sides, pressed

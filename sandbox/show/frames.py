@@ -26,7 +26,7 @@ from sandbox.model.catalogue import PAIR, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.recording.recording import Recording
-from sandbox.samples.acted import on_the_other
+from sandbox.samples.contacts import on_the_other
 from sandbox.show.channels import SomeSamples, channels, patch_rows, sides_of, surface_ways
 from sandbox.show.header import drawing
 from sandbox.show.meters import expressions_of, meters_of

@@ -24,7 +24,7 @@ from sandbox.draw.film.symbols import SYMBOLS, fixed_style, signs_in
 from sandbox.draw.film.tensions import SLACK_FRACTION, Tensions, tensions_of
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array
-from sandbox.samples.acted import contacts_on, said_of
+from sandbox.samples.contacts import contacts_on, said_of
 from sandbox.samples.expectations import Verdict, window
 from sandbox.samples.samples import Samples
 from sandbox.scene.expand import to_json

@@ -22,7 +22,7 @@ from sandbox.engine.live import Live
 from sandbox.engine.simulate import simulate
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.model.catalogue import Catalogue, UnknownQuantityError
-from sandbox.model.shown_meters import is_expression
+from sandbox.model.meters import is_expression
 from sandbox.scene.expand import to_json
 from sandbox.scene.read.load import Loaded
 from sandbox.show.controls import PARAMETER, Spans, changes, controls, read_value

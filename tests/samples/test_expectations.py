@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sandbox.model.meters import order
 from sandbox.samples.expectations import verdicts
-from sandbox.samples.meters import order
 from sandbox.samples.outcome import (
     Happened,
     Outcome,

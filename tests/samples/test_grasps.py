@@ -6,8 +6,8 @@ import pytest
 from sandbox.elements.quantities import GRASP, MOST_PRESSING, STRAY, WINDOW
 from sandbox.engine.inspect import inspect
 from sandbox.errors import SceneError
-from sandbox.model.asked import check_quantities
 from sandbox.model.catalogue import UnknownQuantityError
+from sandbox.model.meters import check_quantities
 from sandbox.samples.expectations import verdicts
 from sandbox.samples.grasps import MEASURES
 from sandbox.scene.expand import expand

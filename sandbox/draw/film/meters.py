@@ -18,7 +18,7 @@ from sandbox.draw.film.fluids import pressure_unit
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour, lighter
 from sandbox.draw.film.sheet import Text
 from sandbox.draw.film.typesetter import Typesetter, ellipsis
-from sandbox.model.shown_meters import curves, is_expression
+from sandbox.model.meters import curves, is_expression
 from sandbox.numeric import Array
 from sandbox.scene.settings import ShownMeter, View
 

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from sandbox.draw.film.filmed import Metered
 from sandbox.errors import OutputError
 from sandbox.model.catalogue import Catalogue
-from sandbox.model.shown_meters import problems_of
+from sandbox.model.meters import problems_of
 from sandbox.scene.layers import BY_ROLE, EVERY, asked, meant, words_for
 from sandbox.scene.settings import View
 from sandbox.values.messages import explain

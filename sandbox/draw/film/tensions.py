@@ -12,9 +12,9 @@ from sandbox.draw.film.camera import round_up
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.palette import PUSH, TENSION, Colour
 from sandbox.draw.film.scales import rounding
+from sandbox.model.joints import link_tensions
 from sandbox.numeric import Array, Integers
 from sandbox.samples.cords import piece_tensions
-from sandbox.samples.links import link_tensions
 
 UNLOADED = 1e-3
 """Of the scale's top: a link that carries no more is drawn as one that carries nothing."""

@@ -26,7 +26,7 @@ from sandbox.elements.registry import KINDS, kind_of
 from sandbox.errors import Problem
 from sandbox.scene.bodies import Body
 from sandbox.scene.check.control import check_control
-from sandbox.scene.check.signals import check_signals
+from sandbox.scene.check.ranges import check_signals
 from sandbox.scene.layers import BY_ROLE, EVERY, meant
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import Group, View

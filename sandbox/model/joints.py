@@ -1,4 +1,4 @@
-"""Wheels of joints (gears, racks, circles that roll) in poses of a mechanism."""
+"""Geometry of joints in poses of a mechanism: anchors, wheels, forces along a line."""
 
 from __future__ import annotations
 
@@ -7,10 +7,28 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.elements.arrays import Arrays
 from sandbox.mechanics.teeth import Flank, gear_flank, nearest, rack_flank, rolled
-from sandbox.model.anchors import anchor_at, apart
 from sandbox.model.model import Model
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Integers
+
+
+def anchor_at(model: Model, joint: int | Integers, pose: Array, end: int) -> tuple[Array, Array]:
+    """An anchor of a joint, or those of several [k], in the world [m].
+
+    ``end`` is 0 on ``a`` and 1 on ``b``; ``pose`` [..., nb, 3] are the bodies' frames. The two
+    coordinates have the shape [...] or [..., k].
+    """
+    body, (x, y) = model.joints.bodies[joint, end], model.joints.anchor[joint, end].T
+    at = pose[..., body, :]
+    c, s = np.cos(at[..., 2]), np.sin(at[..., 2])
+    return at[..., 0] + c * x - s * y, at[..., 1] + s * x + c * y
+
+
+def apart(model: Model, joint: int | Integers, pose: Array) -> tuple[Array, Array]:
+    """From the anchor on ``a`` to that on ``b`` [m], as :func:`anchor_at`."""
+    (ax, ay), (bx, by) = (anchor_at(model, joint, pose, end) for end in (0, 1))
+    return bx - ax, by - ay
 
 
 def _apart(model: Model, joint: int, pose: Array) -> dict[str, Any]:
@@ -90,3 +108,28 @@ def meeting(model: Model, joint: int, pose: Array) -> tuple[Array, Array]:
     share = ra / (ra - rb if joints.inside[joint] else ra + rb)
     off = _apart(model, joint, pose)
     return x + share * off["dx"], y + share * off["dy"]
+
+
+def of_wheels(model: Model, arrays: Arrays, joint: int, quantity: str) -> Array:
+    """``tangential``, ``radial`` [N] or ``gap`` [m] of a joint of wheels over time, [n]."""
+    pose = arrays["body_pose"]
+    if quantity == "gap":
+        return play_left(model, joint, pose)
+    x, y = outward(model, joint, pose)
+    fx, fy = arrays["joint_force"][:, joint].T
+    if quantity == "tangential":
+        return np.asarray(x * fy - y * fx)
+    one, other = model.joints.radii[joint]
+    within = model.joints.inside[joint] and one > other  # a ring pushes inwards
+    return np.asarray(-(x * fx + y * fy) if within else x * fx + y * fy)
+
+
+def link_tensions(model: Model, arrays: Arrays, joints: Integers) -> Array:
+    """Pull along the line of each of these links [N], negative where it pushes, [n, k].
+
+    A link carries force along the line through its two points and nowhere else, so that what its
+    reaction does not say is the side: whether ``b`` is drawn to ``a`` or driven away.
+    """
+    (x, y), force = apart(model, joints, arrays["body_pose"]), arrays["joint_force"][:, joints]
+    size = arrays["joint_reaction"][:, joints]
+    return np.where(x * force[..., 0] + y * force[..., 1] > 0, -size, size)

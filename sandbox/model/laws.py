@@ -1,20 +1,13 @@
-"""Springs whose force is a law of their own: an expression of their stretch, or one-sided.
-
-    F = f(s, ds/dt) + c ds/dt            f the expression, or k s
-    F = max(F, 0) where s > 0, else 0    of what only pulls, or acts only above its angle at rest
-    F = min(F, 0) where s < 0, else 0    of what only pushes, or acts only below it
-
-s is the stretch [m], of a rotary spring the twist [rad]. The slope dF/ds takes the place of k
-wherever it is asked how stiff the spring is.
-"""
+"""Laws of springs and loads: expressions of a stretch or of a body's motion, as programs."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from sandbox.elements.loads import MOTION, LoadSpec
 from sandbox.elements.springs import Spring
 from sandbox.model.programs import (
     ADD,
@@ -111,3 +104,50 @@ def _whole(own: Program, damping: float, side: int) -> Program:
         steps = [(NAME, STRETCH), (NUMBER, 0.0), (GT if side > 0 else LT, 0), (DROP, 0), *steps,
                  (NUMBER, 0.0), (MAX if side > 0 else MIN, 0), (NUMBER, 0.0), (SELECT, 0)]
     return Program(tuple(steps), own.depth + 3)
+
+
+MOVED = frozenset(MOTION) - {"t", "mass", "inertia"}
+"""What a step changes of what a law reads, apart from the time."""
+
+
+@dataclass(frozen=True)
+class LoadLaw:
+    """The law of one load: components of its force, and its torque; None for 0."""
+
+    parts: tuple[Expression | None, Expression | None, Expression | None]
+    programs: tuple[Program | None, Program | None, Program | None]
+    tables: Tables
+
+    @property
+    def names(self) -> frozenset[str]:
+        """What it reads."""
+        return frozenset[str]().union(*(part.names for part in self.parts if part is not None))
+
+    def at(self, motion: Mapping[str, Array]) -> Array:
+        """Its three numbers [3, n] for a motion [n] under each of its names; nan for no value."""
+        count = np.shape(motion["x"])
+        found = np.zeros((3, *count))
+        for row, part in zip(found, self.parts, strict=True):
+            if part is not None:
+                try:
+                    row[...] = part.evaluate({**motion, **self.tables}, finite=False)
+                except WrongValueError:  # an exponent that is too large at one of them
+                    row[...] = np.nan
+        return found
+
+
+def law_of_load(load: LoadSpec, order: Sequence[str], tables: Tables) -> LoadLaw | None:
+    """The law of a load; None of one without.
+
+    Args:
+        load: as the scene has it.
+        order: names of the scene's tables, in the order in which programs number them.
+        tables: the same by their calls.
+    """
+    texts = load.laws()
+    if texts is None:
+        return None
+    x, y, turn = (None if text is None else parse_expression(text) for text in texts)
+    a, b, c = (None if part is None else compile_expression(part, MOTION, order)
+               for part in (x, y, turn))
+    return LoadLaw((x, y, turn), (a, b, c), tables)
