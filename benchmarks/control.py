@@ -13,7 +13,7 @@ from benchmarks.command import process
 from benchmarks.measure import Figure, interleaved, loop_seconds, mechanism
 from sandbox.engine.simulate import simulate
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.signals import Constant
+from sandbox.values.signals import Constant
 
 EXPERIMENTS = ("finger_force_control", "finger_stiffness_15N", "finger_stiffness_10N",
                "finger_stiffness_too_weak", "finger_dual_control")

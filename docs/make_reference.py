@@ -17,12 +17,12 @@ from typing import Any
 import sandbox.mechanics as mechanics_package
 from sandbox.audit.words import ADVICE, ASKS
 from sandbox.codes import CODES
-from sandbox.kinds.arrays import ARRAYS
-from sandbox.kinds.layers import LAYERS
-from sandbox.kinds.quantities import LIVE, TIED
+from sandbox.elements.arrays import ARRAYS
+from sandbox.elements.element import tag_of
+from sandbox.elements.quantities import LIVE, TIED
+from sandbox.scene import settings
 from sandbox.scene.document import Scene
-from sandbox.scene.elements import settings
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.layers import LAYERS
 from sandbox.scene.library import folder_of, scene_topics, shipped_scenes, wholes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.reference import (
@@ -35,11 +35,11 @@ from sandbox.scene.reference import (
     owners,
     quantity_rows,
     summary,
-    tag_of,
 )
 from sandbox.scene.schema import scene_schema
-from sandbox.scene.values.ranges import ANY, RANGES
-from sandbox.scene.values.units import units_of
+from sandbox.values.ranges import ANY, RANGES
+from sandbox.values.spec import Spec
+from sandbox.values.units import units_of
 
 DOCS = Path(__file__).parent
 SCHEMA = DOCS.parent / "scenes" / "scene.schema.json"

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from sandbox import build, gym, search
-    from sandbox.control.custom import Custom, StopRun
     from sandbox.draw.film.video import render
+    from sandbox.elements.controllers.custom import Custom, StopRun
     from sandbox.engine.live import Live
     from sandbox.engine.simulate import simulate
     from sandbox.engine.simulation import Simulation
@@ -61,7 +61,7 @@ __all__ = [
 
 _HOMES = {
     "ControllerFailed": "sandbox.errors",
-    "Custom": "sandbox.control.custom",
+    "Custom": "sandbox.elements.controllers.custom",
     "Interrupted": "sandbox.errors",
     "Live": "sandbox.engine.live",
     "OutputError": "sandbox.errors",
@@ -71,7 +71,7 @@ _HOMES = {
     "SceneError": "sandbox.errors",
     "Simulation": "sandbox.engine.simulation",
     "SimulationDiverged": "sandbox.errors",
-    "StopRun": "sandbox.control.custom",
+    "StopRun": "sandbox.elements.controllers.custom",
     "expand": "sandbox.scene.expand",
     "load_scene": "sandbox.scene.read.load",
     "render": "sandbox.draw.film.video",

@@ -4,42 +4,49 @@
 :class:`sandbox.SceneError` if one is wrong. A number may be a text with a unit.
 """
 
-from sandbox.scene.document import Assembly, Scene
-from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Material, Polygon, Polyline
-from sandbox.scene.elements.controllers import (
-    EquilibriumController,
+from sandbox.elements.bars import Actuator, Rod, Rope
+from sandbox.elements.body_drives import ForceDrive, RadiusDrive, SurfaceDrive
+from sandbox.elements.controllers.equilibrium import EquilibriumController, FingerGeometry
+from sandbox.elements.controllers.pid import PidController
+from sandbox.elements.controllers.relay import RelayController
+from sandbox.elements.controllers.simple import (
     FeedbackController,
-    FingerGeometry,
-    PidController,
-    RelayController,
     ScheduleController,
-    StateFeedbackController,
     SwitchController,
 )
-from sandbox.scene.elements.drives import (
-    BrakeDrive,
-    ExtendDrive,
+from sandbox.elements.controllers.state_feedback import StateFeedbackController
+from sandbox.elements.element_drives import HoldDrive, PullDrive, StiffnessDrive
+from sandbox.elements.fluids import (
+    Cylinder,
     FlowDrive,
-    ForceDrive,
-    HoldDrive,
-    LengthDrive,
-    MotorDrive,
+    Line,
     OpeningDrive,
     PressureDrive,
-    PullDrive,
+    Valve,
+    Vane,
+)
+from sandbox.elements.joint_drives import (
+    BrakeDrive,
+    ExtendDrive,
+    LengthDrive,
+    MotorDrive,
     PushDrive,
-    RadiusDrive,
     ServoDrive,
-    StiffnessDrive,
-    SurfaceDrive,
     TorqueDrive,
 )
-from sandbox.scene.elements.events import Event
-from sandbox.scene.elements.fluids import Cylinder, Line, Valve, Vane
-from sandbox.scene.elements.joints import Actuator, Gear, Pin, Rack, Rod, Roll, Rope, Slot, Weld
-from sandbox.scene.elements.loads import BuoyancyLoad, DragLoad, LawLoad
-from sandbox.scene.elements.outlines import DiscCam, Drawing, SmoothCurve
-from sandbox.scene.elements.settings import (
+from sandbox.elements.loads import BuoyancyLoad, DragLoad, LawLoad
+from sandbox.elements.points import Pin, Slot, Weld
+from sandbox.elements.springs import LinearSpring, RotarySpring
+from sandbox.elements.tendons import Guide, Tendon
+from sandbox.elements.wheels import Gear, Rack, Roll
+from sandbox.scene.bodies import Body, Box, Capsule, Circle, Material, Polygon, Polyline
+from sandbox.scene.derived_shapes import DiscCam, Drawing, SmoothCurve
+from sandbox.scene.document import Assembly, Scene
+from sandbox.scene.events import Event
+from sandbox.scene.parts.finger import Finger, FingerSprings, FingerTendon
+from sandbox.scene.parts.section import Section
+from sandbox.scene.parts.trees import Leaf, PulleyTree, RockerTree
+from sandbox.scene.settings import (
     ContactRule,
     Expect,
     Group,
@@ -49,13 +56,8 @@ from sandbox.scene.elements.settings import (
     Trace,
     View,
 )
-from sandbox.scene.elements.springs import LinearSpring, RotarySpring
-from sandbox.scene.elements.tendons import Guide, Tendon
-from sandbox.scene.parts.finger import Finger, FingerSprings, FingerTendon
-from sandbox.scene.parts.section import Section
-from sandbox.scene.parts.trees import Leaf, PulleyTree, RockerTree
-from sandbox.scene.values.signals import Constant, Formula, Path, Ramp, Table
-from sandbox.scene.values.tables import NamedTable
+from sandbox.values.signals import Constant, Formula, Path, Ramp, Table
+from sandbox.values.tables import NamedTable
 
 __all__ = [
     "Actuator",

@@ -9,8 +9,8 @@ import pytest
 
 import sandbox
 from sandbox import build
-from sandbox.scene.elements.spec import Spec
 from sandbox.scene.library import shipped_scenes
+from sandbox.values.spec import Spec
 
 
 def rebuilt(value: Any) -> Any:

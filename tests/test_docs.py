@@ -28,11 +28,10 @@ import pytest
 from sandbox.cli.console import COMPILE_TIME
 from sandbox.cli.entry import invoke
 from sandbox.cli.failures import Exit
-from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.models import fields_page
 from sandbox.scene.schema import descriptions, scene_schema
+from sandbox.values.models import fields_page
 
 from .golden.scenes import WHOLE
 from .test_architecture import FLOORS
@@ -286,7 +285,7 @@ def test_the_exit_codes_are_those_of_the_program() -> None:
 
 
 def test_the_units_are_those_of_the_program() -> None:
-    from sandbox.scene.values.units import UNITS
+    from sandbox.values.units import UNITS
 
     text = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
     paragraph = text.partition("The units:")[2].partition("- an expression")[0]
@@ -296,13 +295,13 @@ def test_the_units_are_those_of_the_program() -> None:
 
 def _units(group: str) -> list[str]:
     """One unit, or several single words side by side."""
-    from sandbox.scene.values.units import UNITS
+    from sandbox.values.units import UNITS
 
     return [group] if group in UNITS or not group else group.split()
 
 
 def test_the_measures_of_a_grasp_are_explained() -> None:
-    from sandbox.kinds.quantities import GRASP
+    from sandbox.elements.quantities import GRASP
 
     text = (ROOT / "docs" / "grasp.md").read_text(encoding="utf-8")
     rows = text.partition("| quantity |")[2].partition("\n\n")[0]
@@ -322,8 +321,11 @@ def test_the_objects_of_hands_are_told_and_hung_up() -> None:
 def test_every_kind_without_a_counterpart_is_told() -> None:
     text = (ROOT / "docs" / "export.md").read_text(encoding="utf-8")
     told = text.partition("## What has no counterpart")[2].partition("`--without")[0]
-    kinds = [*JOINTS.values(), *SPRINGS.values(), *DRIVES.values()]
-    without = {value for kind in kinds for name, value in vars(kind).items()
+    from sandbox.elements.registry import KINDS as ALL
+
+    facts = [kind.facts for kinds in ALL.values() for kind in kinds.values()
+             if hasattr(kind, "facts")]
+    without = {value for kind in facts for name, value in vars(kind).items()
                if name.startswith("mujoco") and value}
     assert len(without) > 4
     assert [each for each in without if each not in told] == []
@@ -372,9 +374,9 @@ def test_every_place_is_where_a_page_says(page: str) -> None:
 
 
 def test_a_lost_place_is_found() -> None:
-    assert lost("`kinds/elements.py: JOINTS`, `errors.py`, `engine/`, `tests/test_docs.py`") == []
-    assert lost("`kinds/element.py`, `kinds/elements.py: PEDALS`, `machine/`") == [
-        "kinds/element.py", "kinds/elements.py: PEDALS", "machine/"]
+    assert lost("`elements/registry.py: KINDS`, `errors.py`, `engine/`, `tests/test_docs.py`") == []
+    assert lost("`elements/pedals.py`, `elements/registry.py: PEDALS`, `machine/`") == [
+        "elements/pedals.py", "elements/registry.py: PEDALS", "machine/"]
 
 
 def test_the_packages_and_layers_are_listed() -> None:

@@ -24,8 +24,8 @@ from sandbox.audit.evidence import REBOUND, Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, STILL, Figure, Worst, judged, missing, peak
 from sandbox.audit.outlines import contact_geometry, reach_of
 from sandbox.audit.touching import overlaps
-from sandbox.kinds.arrays import Arrays
-from sandbox.model.friction import friction_of, restitution_of, static_friction_of
+from sandbox.elements.arrays import Arrays
+from sandbox.model.pairs import friction_of, restitution_of, static_friction_of
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.contacts import TOUCH

@@ -25,9 +25,8 @@ from sandbox.audit.figures import (
 from sandbox.model.starts import lengthening, turning
 from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.scene.elements.controllers import writes_of
-from sandbox.scene.mechanism import Mechanism, signal_of
-from sandbox.scene.values.signals import values
+from sandbox.scene.mechanism import Mechanism
+from sandbox.values.signals import values
 
 SOLVED = 1e-9
 """Share of the fastest that bounded rows see by which their rates may be off."""
@@ -46,7 +45,7 @@ def driven_figures(evidence: Evidence) -> Iterator[Figure]:
 
 def set_while_running(mechanism: Mechanism) -> set[str]:
     """Names of all that controllers and events set, drives among them."""
-    names = {name for controller in mechanism.controllers for name in writes_of(controller)}
+    names = {name for controller in mechanism.controllers for name in controller.written}
     keys = {key for event in mechanism.events for key in event.set}
     return names | keys | {key.split(".")[0] for key in keys}
 
@@ -60,7 +59,7 @@ def _signals(evidence: Evidence) -> Figure:
             left_out.append(drive.name)
             continue
         late = evidence.h * float(drives.late[i])
-        signal = np.maximum(values(signal_of(drive, mechanism), evidence.run.time + late,
+        signal = np.maximum(values(drive.signal(mechanism), evidence.run.time + late,
                                    mechanism.functions), drives.floor[i])
         most = whole(signal)
         worst.add(drive.name, np.abs(a["drive_value"][:, i] - signal) / most, ROUNDING)

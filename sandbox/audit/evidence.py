@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL
-from sandbox.model.friction import restitution_of
+from sandbox.model.pairs import restitution_of
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Loads

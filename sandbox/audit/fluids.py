@@ -24,7 +24,7 @@ from sandbox.audit.figures import (
     missing,
     whole,
 )
-from sandbox.kinds.elements import ATMOSPHERE
+from sandbox.elements.element import ATMOSPHERE
 from sandbox.model.model import NONE
 from sandbox.numeric import Array
 

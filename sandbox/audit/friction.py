@@ -20,7 +20,7 @@ from sandbox.audit.figures import (
     whole,
 )
 from sandbox.model.model import NONE
-from sandbox.model.spans import CordSpan, spans_of
+from sandbox.model.tendons import CordSpan, spans_of
 from sandbox.model.ties import held_of, held_one
 from sandbox.numeric import Array, Flags
 from sandbox.samples.cords import (

@@ -9,14 +9,14 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, STOPPED, Figure, Worst, missing
-from sandbox.kinds.elements import GRAZE
+from sandbox.elements.element import GRAZE
 from sandbox.mechanics.springs import spring_length
 from sandbox.mechanics.tendon import segment_length
-from sandbox.model.wheels import flank_gaps, slipped
+from sandbox.model.joints import flank_gaps, slipped
 from sandbox.numeric import Array
 from sandbox.samples.cords import lengths, lying, wound_up
-from sandbox.scene.elements.settings import Group
 from sandbox.scene.geometry import pose_of, to_world
+from sandbox.scene.settings import Group
 
 
 def geometry_figures(evidence: Evidence) -> Iterator[Figure]:

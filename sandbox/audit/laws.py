@@ -19,8 +19,8 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, Figure, Worst, lost_rate, whole
+from sandbox.model.loads import load_at
 from sandbox.model.model import NONE
-from sandbox.model.motion import load_at
 from sandbox.model.ties import held_of, held_one
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cords import lengths, rest_lengths

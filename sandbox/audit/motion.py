@@ -9,7 +9,7 @@ import numpy as np
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, judged, missing, peak
 from sandbox.samples.cords import lengths_at_start, rest_lengths
-from sandbox.scene.values.signals import values
+from sandbox.values.signals import values
 
 FEW = 8
 """Fewer samples than this tell nothing of what lies between them."""

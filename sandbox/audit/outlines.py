@@ -17,10 +17,10 @@ import numpy as np
 
 from sandbox.audit.evidence import LEFT, Evidence
 from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, missing
-from sandbox.model.friction import restitution_of
+from sandbox.model.pairs import restitution_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
-from sandbox.scene.elements.bodies import Circle, Polygon, Polyline, Solid
+from sandbox.scene.bodies import Circle, Polygon, Polyline, Solid
 from sandbox.scene.geometry import core, solids, true_curves
 from sandbox.scene.outlines.curves import on_spans, spans_of
 

@@ -11,11 +11,11 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, Worst, judged, missing
 from sandbox.audit.touching import touched
 from sandbox.mechanics.statics import contact_forces, determined_forces, point_jacobian
-from sandbox.model.friction import friction_of
 from sandbox.model.model import Model
+from sandbox.model.pairs import friction_of
 from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH
-from sandbox.scene.elements.settings import Group
+from sandbox.scene.settings import Group
 from sandbox.wording import counted
 
 LAST = 0.05

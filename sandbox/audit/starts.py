@@ -22,8 +22,7 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, peak
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags
-from sandbox.scene.mechanism import signal_of
-from sandbox.scene.values.signals import values
+from sandbox.values.signals import values
 
 
 class StartsAtSpeed(NamedTuple):
@@ -113,7 +112,7 @@ def _first_speed(evidence: Evidence, drive: int) -> tuple[float, float]:
     if spec.name in set_while_running(mechanism):
         return float(evidence.run.arrays["drive_value"][0, drive]), 0.0
     one, two = values(
-        signal_of(spec, mechanism), np.array([h, 2 * h]), mechanism.functions).tolist()
+        spec.signal(mechanism), np.array([h, 2 * h]), mechanism.functions).tolist()
     return float(2 * one - two), float(abs(two - one))
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import DIGITS
 from sandbox.audit.outlines import from_faces
-from sandbox.kinds.arrays import CONTACT, Arrays
+from sandbox.elements.arrays import CONTACT, Arrays
 from sandbox.model.pairs import allowed_pairs
 from sandbox.numeric import Array, Integers
 from sandbox.samples import patches

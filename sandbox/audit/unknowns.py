@@ -20,14 +20,14 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, STOPPED
 from sandbox.audit.friction import carried
 from sandbox.audit.touching import pressed
-from sandbox.model.friction import static_friction_of
+from sandbox.elements.tendons import RIGID
+from sandbox.model.joints import flank_of
 from sandbox.model.model import NONE
+from sandbox.model.pairs import static_friction_of
 from sandbox.model.supports import about_centre, joint_rows
 from sandbox.model.ties import held_of
-from sandbox.model.wheels import flank_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Batch
-from sandbox.scene.elements.tendons import RIGID
 
 
 @dataclass

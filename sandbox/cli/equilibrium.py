@@ -118,7 +118,7 @@ Answer = tuple[dict[str, Any], list[str], list[Path]]
 
 def _starts(words: tuple[str, ...]) -> list[dict[str, float]]:
     """All combinations of the values of ``--from``."""
-    from sandbox.scene.values.numbers import number_from
+    from sandbox.values.numbers import number_from
     from sandbox.wording import WrongValueError
 
     given: dict[str, list[float]] = {}

@@ -14,7 +14,7 @@ from sandbox.cli.console import Console
 from sandbox.wording import meant
 
 if TYPE_CHECKING:
-    from sandbox.scene.elements.spec import Spec
+    from sandbox.values.spec import Spec
 
 WIDTH = 100
 """Of the text, in characters, or that of the terminal if it is narrower."""
@@ -111,7 +111,8 @@ def _overview() -> list[str]:
 
 def _elements() -> list[_Element]:
     """All elements, in the order of the reference."""
-    from sandbox.scene.reference import ELEMENTS, PARTS, VALUES, tag_of
+    from sandbox.elements.element import tag_of
+    from sandbox.scene.reference import ELEMENTS, PARTS, VALUES
 
     places = _places()
     return [_Element(topic, *(places[model] if model in places and topic != VALUES
@@ -121,8 +122,8 @@ def _elements() -> list[_Element]:
 
 def _places() -> dict[type[Spec], tuple[str, str]]:
     """The outermost place of each model: a name such as ``drives.motor``, and the key."""
+    from sandbox.elements.element import tag_of
     from sandbox.scene.document import Scene
-    from sandbox.scene.reference import tag_of
 
     found: dict[type[Spec], tuple[str, str]] = {Scene: ("scene", "")}
     waiting: list[type[Spec]] = [Scene]
@@ -142,7 +143,7 @@ def _snake_case(name: str) -> str:
 
 
 def _models(annotation: Any) -> Iterator[type[Spec]]:
-    from sandbox.scene.elements.spec import Spec
+    from sandbox.values.spec import Spec
 
     if isinstance(annotation, type) and issubclass(annotation, Spec):
         yield annotation
@@ -152,8 +153,14 @@ def _models(annotation: Any) -> Iterator[type[Spec]]:
 
 def _element_lines(each: _Element) -> list[str]:
     """Description, fields, example and quantities of an element."""
-    from sandbox.kinds.elements import NAMED
-    from sandbox.scene.reference import KINDS, about, field_rows, quantity_rows, recorded_by
+    from sandbox.elements.element import NAMED
+    from sandbox.scene.reference import (
+        about,
+        field_rows,
+        kinds_of,
+        quantity_rows,
+        recorded_by,
+    )
 
     lines = []
     for paragraph in about(each.model).split("\n\n"):
@@ -168,7 +175,7 @@ def _element_lines(each: _Element) -> list[str]:
         lines += ["", "Example", *(f"  {line}" for line in example.splitlines())]
     one = NAMED[each.key].one if each.key in NAMED and each.name.startswith(each.key) else ""
     rows = [row for row in quantity_rows() if one and row.element == one and (
-        one not in KINDS or any(kind.split()[0] == each.tag
+        not kinds_of(one) or any(kind.split()[0] == each.tag
                                 for kind in recorded_by(one, row.name)))]
     if rows:
         lines += ["", "Quantities", *_quantity_lines(
@@ -223,7 +230,7 @@ def _limit_lines() -> list[str]:
 
 
 def _layer_lines() -> list[str]:
-    from sandbox.kinds.layers import LAYERS
+    from sandbox.scene.layers import LAYERS
 
     return ["Layers of pictures; --show of 'sandbox render' and view.show select them.", "",
             *_definitions([(f"  {name}", ("" if layer.default else "(not by default) ")

@@ -118,7 +118,7 @@ def read_length(
 def _measured(
     ctx: click.Context, param: click.Parameter, word: str | None, dimension: str,
 ) -> float | None:
-    from sandbox.scene.values.units import parse_quantity
+    from sandbox.values.units import parse_quantity
 
     try:
         return None if word is None else parse_quantity(word, dimension)

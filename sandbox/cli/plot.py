@@ -139,7 +139,7 @@ def target_values(texts: dict[str, str], runs: Sequence[Recording]) -> dict[str,
     Raises:
         BadParameter: a quantity that no run has, with a suggestion; an unreadable value.
     """
-    from sandbox.scene.values.units import UNITS, normal_unit, parse_quantity
+    from sandbox.values.units import UNITS, normal_unit, parse_quantity
 
     found = {}
     for name, text in texts.items():
@@ -344,7 +344,7 @@ def quantity_data(run: Recording) -> list[dict[str, str]]:
 
 def _examples(run: Recording, word: str, pairs: list[str]) -> Iterator[str]:
     """Commands for one quantity, a pattern, one quantity against another, a contact force."""
-    from sandbox.kinds.quantities import USUAL
+    from sandbox.elements.quantities import USUAL
     from sandbox.samples.targets import led
 
     units, usual = run.catalogue.units, run.catalogue.usual
@@ -391,7 +391,7 @@ def _rows(rows: list[tuple[str, str, str]]) -> list[str]:
 
 
 def _about(kind: str, quantity: str) -> str:
-    from sandbox.kinds.quantities import about
+    from sandbox.elements.quantities import about
 
     return about(kind, quantity).replace("`", "'")
 

@@ -191,7 +191,7 @@ def read_size(
 
 def read_layers(ctx: click.Context, param: click.Parameter, word: str | None) -> str | None:
     """Check the names of layers such as ``traces,-contacts``."""
-    from sandbox.kinds.layers import asked
+    from sandbox.scene.layers import asked
     from sandbox.wording import WrongValueError
 
     try:

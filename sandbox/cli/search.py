@@ -195,7 +195,7 @@ def sensitivity(scene: str, method: str, count: int, seed: int, **shared: Any) -
 
 def _quantity(text: str | None, option: str) -> float | None:
     """A quantity of an option, SI."""
-    from sandbox.scene.values.units import parse_quantity
+    from sandbox.values.units import parse_quantity
     from sandbox.wording import WrongValueError
 
     try:

@@ -101,7 +101,7 @@ def problems_at_options(vary: Mapping[str, str], keep: Sequence[str]) -> Iterato
 
 
 def _at_option(problem: Problem, vary: Mapping[str, str], keep: Sequence[str]) -> Problem:
-    from sandbox.scene.read.paths import parse_path
+    from sandbox.values.paths import parse_path
 
     head, *steps = (*parse_path(problem.path), "", "") if problem.path.startswith("$") else ("",)
     if head not in ("vary", "keep", "set", "design", "count", "seed"):

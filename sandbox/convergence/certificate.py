@@ -17,8 +17,8 @@ from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import Verdict, among, number_of, verdicts, window
 from sandbox.samples.outcome import Status
-from sandbox.scene.elements.settings import Expect
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.settings import Expect
 
 PEAKS = ("max", "min")
 OF_THE_MECHANISM = ("contact.shared", "tendon.slack")

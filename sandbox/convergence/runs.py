@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 
 from sandbox.audit.audit import Figure, audit
+from sandbox.elements.controllers.controller import every
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SimulationDiverged
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Outcome
-from sandbox.scene.elements.controllers import every
 from sandbox.scene.mechanism import Mechanism
 
 Progress = Callable[[float], None]

@@ -15,7 +15,7 @@ import numpy as np
 from sandbox.model.model import Model
 from sandbox.model.pairs import Words, allowed_pairs, joined
 from sandbox.numeric import Array, Flags, Integers, Stack
-from sandbox.scene.elements.bodies import Material
+from sandbox.scene.bodies import Material
 from sandbox.scene.mechanism import Mechanism
 
 CATEGORIES = 32

@@ -12,13 +12,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sandbox.control.law import Law
+from sandbox.elements.controllers.controller import Law
 from sandbox.engine.readings import Readings
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.numeric import Array
-from sandbox.scene.values.closures import Read
-from sandbox.scene.values.signals import AnySignal, Constant, Ramp, values
-from sandbox.scene.values.tables import NONE, Tables
+from sandbox.values.closures import Read
+from sandbox.values.signals import AnySignal, Constant, Ramp, values
+from sandbox.values.tables import NONE, Tables
 
 Act = Callable[[float, int], None]
 

@@ -19,8 +19,7 @@ from sandbox.engine.network import ASIDE, measure
 from sandbox.engine.placed import PlacedBodies, Rows
 from sandbox.engine.state import DAMPED, ELASTIC, EVEN, GRIPPED, PULL, SOFT, STIFF
 from sandbox.engine.stiffness import cord_responses, stiff_cords
-from sandbox.model.lifts import lifted_at_start
-from sandbox.model.spans import CordSpan, spans_of
+from sandbox.model.tendons import CordSpan, lifted_at_start, spans_of
 from sandbox.numeric import Array, Integers, Records
 
 LEAST = 1e-3

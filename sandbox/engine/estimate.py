@@ -16,13 +16,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sandbox.elements.arrays import CONTACT as CONTACT_ROW
+from sandbox.elements.arrays import MEAN, MEAN_CONTACT, PER_SAMPLE, row_bytes
+from sandbox.elements.controllers.controller import every
 from sandbox.engine.clock import Clock, make_clock
 from sandbox.errors import Problem
-from sandbox.kinds.arrays import CONTACT as CONTACT_ROW
-from sandbox.kinds.arrays import MEAN, MEAN_CONTACT, PER_SAMPLE, row_bytes
 from sandbox.model.model import Model
 from sandbox.numeric import Flags
-from sandbox.scene.elements.controllers import every
 from sandbox.scene.read.limits import Limits, over
 
 STEP = 3e-6

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from sandbox.elements.element import ATMOSPHERE
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.fluids import SMALLEST, growing, growth, pressures, through
 from sandbox.engine.kernel import kernel
-from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.numeric import Array, Matrix
 
 FULL = 1e15

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.elements.element import ATMOSPHERE
 from sandbox.engine.fluid_state import (
     CHAMBER,
     CHAMBER_RESULT,
@@ -22,7 +23,6 @@ from sandbox.engine.fluid_state import (
 )
 from sandbox.engine.state import SOFT
 from sandbox.engine.stiffness import line_responses
-from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.model.model import Model
 from sandbox.numeric import Flags, Integers, Records
 

@@ -28,11 +28,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from sandbox.elements.element import ATMOSPHERE
 from sandbox.engine import memory as at
 from sandbox.engine.ends import ends
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.numeric import Array, Records
 
 GIVEN = 1e12

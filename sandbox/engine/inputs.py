@@ -25,11 +25,9 @@ from sandbox.engine.clock import Clock
 from sandbox.engine.world import World
 from sandbox.errors import Problem, SceneError
 from sandbox.numeric import Array
-from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.controllers import writes_of
-from sandbox.scene.mechanism import signal_of
-from sandbox.scene.values.ranges import range_of
-from sandbox.scene.values.signals import AnySignal, Constant, Path, values
+from sandbox.scene.bodies import Body
+from sandbox.values.ranges import range_of
+from sandbox.values.signals import AnySignal, Constant, Path, values
 
 CHUNK = 4096
 """Steps whose signals are worked out in one go; chunks begin at steps 1, CHUNK + 1, ..."""
@@ -66,7 +64,7 @@ class Inputs:
         switched = {name for event in self.mechanism.events for name in event.set}
         controlled = {name for controller in self.mechanism.controllers
                       if controller.active and f"{controller.name}.active" not in switched
-                      for name in writes_of(controller)}
+                      for name in controller.written}
         drives = self.mechanism.drives
         varied = any(not isinstance(drives[i].value, Constant) and drives[i].name not in controlled
                      for i in self._latches)
@@ -133,7 +131,7 @@ class Inputs:
         for i, drive in enumerate(self.mechanism.drives):
             late = self.clock.step * float(self.model.drives.late[i])
             drives[:, i] = self._values(
-                f"drive {drive.name}", signal_of(drive, self.mechanism), times + late)
+                f"drive {drive.name}", drive.signal(self.mechanism), times + late)
         speeds = np.stack(
             [self._speeds_of(body, path, start, stop)
              for _, body, path in (self._moved[i] for i in self._in_order.tolist())], axis=1,

@@ -40,16 +40,15 @@ from sandbox.engine.inspect_words import (
     mm,
 )
 from sandbox.errors import Problem
-from sandbox.model.asked import check_quantities
 from sandbox.model.compile import compile_mechanism
+from sandbox.model.meters import check_quantities, check_shown
 from sandbox.model.model import Model
 from sandbox.model.pairs import allowed_pairs
-from sandbox.model.shown_meters import check_shown
+from sandbox.scene.bodies import Polygon
 from sandbox.scene.check.ranges import nothing_to_run
-from sandbox.scene.elements.bodies import Polygon
 from sandbox.scene.geometry import outline, pose_of, to_world
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.signals import values
+from sandbox.values.signals import values
 from sandbox.wording import quoted
 
 

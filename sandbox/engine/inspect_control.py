@@ -9,29 +9,22 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from sandbox.control.custom import Custom
-from sandbox.control.equilibrium import joint_model
+from sandbox.elements.controllers.custom import Custom
+from sandbox.elements.controllers.equilibrium import EquilibriumController, Fingers, joint_model
+from sandbox.elements.controllers.simple import FeedbackController
+from sandbox.elements.quantities import LIVE, is_live
 from sandbox.errors import Problem, SceneError
-from sandbox.kinds.quantities import LIVE, is_live
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import names_read, no_pair, order, quotients
 from sandbox.model.model import Model
 from sandbox.scene.check.control import rate_problems
 from sandbox.scene.check.ranges import nothing_to_run
-from sandbox.scene.crossings import Fingers
 from sandbox.scene.document import Scene
-from sandbox.scene.elements.controllers import (
-    EquilibriumController,
-    FeedbackController,
-    readings_of,
-    targets_of,
-    writes_of,
-)
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import read_scene
 from sandbox.scene.read.sound import sound
-from sandbox.scene.values.expressions import dotted, names_in, parse_expression
-from sandbox.scene.values.signals import AnySignal, Constant, Ramp, Table
+from sandbox.values.expressions import dotted, names_in, parse_expression
+from sandbox.values.signals import AnySignal, Constant, Ramp, Table
 from sandbox.wording import MOST_HINTED, MOST_NAMED, NearMisses, listed, quoted
 
 
@@ -40,7 +33,7 @@ def control_problems(mechanism: Mechanism) -> list[Problem]:
     known = LiveCatalogue(mechanism)
     problems: list[Problem] = []
     for i, controller in enumerate(mechanism.controllers):
-        texts = readings_of(controller)
+        texts = controller.readings
         several = isinstance(getattr(controller, "reads", ""), tuple)
         for j, text in enumerate(texts):
             key = "value" if isinstance(controller, FeedbackController) else "reads"
@@ -120,7 +113,7 @@ def _custom_problems(mechanism: Mechanism, customs: Sequence[Custom]) -> Iterato
     """What is wrong with Python callables as controllers of a mechanism."""
     known, near = LiveCatalogue(mechanism), NearMisses()
     drives = dict.fromkeys(drive.name for drive in mechanism.drives)
-    taken = {name for controller in mechanism.controllers for name in writes_of(controller)}
+    taken = {name for controller in mechanism.controllers for name in controller.written}
     taken |= {name for event in mechanism.events for name in event.set}
     named = {controller.name for controller in mechanism.controllers}
     for custom in customs:
@@ -233,7 +226,7 @@ def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
              if isinstance(c, FeedbackController)}
     laws = {mechanism.controllers[i].name: i for i in texts}
     writer = {f"{name}.value": c.name for c in mechanism.controllers
-              if isinstance(c, FeedbackController) for name in writes_of(c)}
+              if isinstance(c, FeedbackController) for name in c.written}
 
     def nexts(node: _Node) -> list[_Node]:
         """What a law or a meter reads: the laws that write it, and meters."""
@@ -296,7 +289,7 @@ def beyond_stops(model: Model) -> Iterator[Problem]:
                               f"$.events[{i}].when", element=event.name, advice="it will probably "
                               "never happen", severity="warning")
     for i, controller in enumerate(mechanism.controllers):
-        for name, target in zip(readings_of(controller), targets_of(controller), strict=False):
+        for name, target in zip(controller.readings, controller.signals, strict=False):
             low, high = stops.get(name, (-math.inf, math.inf))
             goal = _last(target)
             if goal is not None and not low <= goal <= high:

@@ -8,9 +8,8 @@ import numpy as np
 
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
-from sandbox.scene.elements.controllers import writes_of
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.signals import AnySignal, Table, values
+from sandbox.values.signals import AnySignal, Table, values
 
 TRIED = 1025
 """Stretches at which a law's slope is looked at."""
@@ -47,7 +46,7 @@ def _largest_set(model: Model, own: Array, setter: Integers) -> Array:
     limits: dict[str, float] = {}
     for controller in mechanism.controllers:
         given = getattr(controller, "limits", None)
-        writes = writes_of(controller)
+        writes = controller.written
         pairs = [given] if len(writes) == 1 and given and np.isscalar(given[0]) else given or ()
         limits |= {name: pair[1] for name, pair in zip(writes, pairs, strict=False)}
     events: dict[str, float] = {}

@@ -7,9 +7,9 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
+from sandbox.elements.quantities import GRASP
 from sandbox.engine.inspect_words import look
 from sandbox.errors import Problem
-from sandbox.kinds.quantities import GRASP
 from sandbox.model.catalogue import grasp_of
 from sandbox.model.meters import names_read
 from sandbox.model.model import Model

@@ -11,8 +11,7 @@ from sandbox.engine.inspect_words import NEGLIGIBLE, deg, look, mm
 from sandbox.errors import Problem
 from sandbox.model.model import Model
 from sandbox.numeric import Array
-from sandbox.scene.mechanism import signal_of
-from sandbox.scene.values.signals import values
+from sandbox.values.signals import values
 
 INSTANTS = 257
 """Of a run, at which a length or an angle that is asked for is looked at."""
@@ -91,5 +90,5 @@ def _turn(model: Model, i: int) -> Iterator[Problem]:
 def _asked(model: Model, i: int) -> Array:
     """What a drive asks for at some instants of the run, in the unit of its value."""
     mechanism = model.mechanism
-    return values(signal_of(mechanism.drives[i], mechanism),
+    return values(mechanism.drives[i].signal(mechanism),
                   np.linspace(0.0, mechanism.run.duration, INSTANTS), mechanism.functions)

@@ -8,8 +8,8 @@ import numpy as np
 
 from sandbox.engine.inspect_words import error, look
 from sandbox.errors import Problem
+from sandbox.model.loads import motion_of
 from sandbox.model.model import Model
-from sandbox.model.motion import motion_of
 from sandbox.numeric import Array
 from sandbox.scene.geometry import pose_of, to_world
 

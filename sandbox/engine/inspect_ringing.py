@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.elements.tendons import RIGID
 from sandbox.engine.inspect_drives import largest_stiffness
 from sandbox.engine.inspect_groups import groups, linked
 from sandbox.engine.inspect_words import STRAIGHT, look
@@ -28,7 +29,6 @@ from sandbox.model.model import NONE, Model
 from sandbox.model.supports import LARGEST_GROUP, RANK, about_centre, joint_rows
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cords import Pulls, pulls_at_start, rest_lengths
-from sandbox.scene.elements.tendons import RIGID
 
 PERIODS = 15
 """After so many an oscillation should have died to :data:`LEFT`."""

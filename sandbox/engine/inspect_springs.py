@@ -27,8 +27,8 @@ from sandbox.engine.inspect_words import STRAIGHT, deg, look
 from sandbox.engine.state import SOFT
 from sandbox.engine.stiffness import across, responses
 from sandbox.errors import Problem
+from sandbox.model.laws import STRETCH, SpringLaw
 from sandbox.model.model import NONE, Model
-from sandbox.model.spring_laws import STRETCH, SpringLaw
 from sandbox.numeric import Array
 from sandbox.scene.geometry import Vec, to_world
 

@@ -8,13 +8,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from sandbox.elements.tendons import RIGID, Tendon
 from sandbox.engine.inspect_words import STRAIGHT, error, look, mm
 from sandbox.errors import Problem
-from sandbox.model.lifts import lifted_at_start, passes_by
 from sandbox.model.model import NONE, Model
+from sandbox.model.tendons import lifted_at_start, passes_by
 from sandbox.numeric import Flags
 from sandbox.samples.cords import lengths_at_start, rest_lengths, wraps_at_start
-from sandbox.scene.elements.tendons import RIGID, Tendon
 from sandbox.scene.geometry import Vec, pose_of, to_world
 
 MOST_STRETCH = 0.1

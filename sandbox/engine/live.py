@@ -13,11 +13,11 @@ from numbers import Real
 
 import numpy as np
 
+from sandbox.elements.arrays import Arrays
+from sandbox.elements.quantities import is_live
 from sandbox.engine.inspect_control import Checked, checked
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
-from sandbox.kinds.arrays import Arrays
-from sandbox.kinds.quantities import is_live
 from sandbox.numeric import Array
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.latest import Latest
@@ -25,12 +25,11 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Outcome, status_of
 from sandbox.scene.check.control import check_control
 from sandbox.scene.document import Scene
-from sandbox.scene.elements.drives import kind_of
-from sandbox.scene.elements.events import Event
+from sandbox.scene.events import Event
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.played import PLAYED, Input, Nudge, Setting, played, pushing_drives
-from sandbox.scene.read.paths import parse_path
-from sandbox.scene.values.ranges import in_range
+from sandbox.values.paths import parse_path
+from sandbox.values.ranges import in_range
 from sandbox.wording import WrongValueError, listed, near, quoted
 
 ENDLESS = 1e6
@@ -132,7 +131,7 @@ class Live(Simulation):
         if not _finite(value):
             raise SceneError([Problem("bad-argument", f"{value!r} is not a value for "
                                       f"{quoted(name)}", "give", allowed="a finite number")])
-        kind = next((kind_of(drive) for drive in self.scene.drives if drive.name == name), None)
+        kind = next((drive.kind for drive in self.scene.drives if drive.name == name), None)
         try:
             in_range(float(value), (kind.dimension or None) if kind else None)
         except WrongValueError as error:

@@ -16,7 +16,7 @@ from sandbox.engine.load_state import (
     NUMBERS,
 )
 from sandbox.engine.placed import PlacedBodies, Rows
-from sandbox.model.load_laws import MOVED
+from sandbox.model.laws import MOVED
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Records
 

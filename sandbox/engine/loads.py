@@ -38,7 +38,7 @@ from sandbox.engine.state import SOFT
 from sandbox.numeric import Array, Matrix
 
 (X, Y, ANGLE, VX, VY, OMEGA, SPEED, AX, AY, ALPHA, TIME, MASS, INERTIA) = range(13)
-"""What programs of loads read, as :data:`sandbox.scene.elements.loads.MOTION` has it."""
+"""What programs of loads read, as :data:`sandbox.elements.loads.MOTION` has it."""
 WEAK = 1e-14
 """A rate that does so little in a step is none."""
 DRIVING = -0.9

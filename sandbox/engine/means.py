@@ -11,13 +11,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from sandbox.elements.arrays import FORCES
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.impacts import REBOUND
 from sandbox.engine.joint_state import STOP
 from sandbox.engine.kernel import kernel
 from sandbox.engine.touch_state import AWAY, CLOSING, RESTING
-from sandbox.kinds.arrays import FORCES
 from sandbox.numeric import Array
 
 

@@ -13,8 +13,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from sandbox.elements.element import GRAZE
 from sandbox.engine.kernel import kernel
-from sandbox.kinds.elements import GRAZE
 from sandbox.numeric import Array, Records
 
 ASIDE = -math.pi / 2

@@ -11,14 +11,14 @@ from collections.abc import Callable
 
 import numpy as np
 
+from sandbox.elements.quantities import TIED, is_live, numbered
 from sandbox.engine.sampler import Sampler
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
-from sandbox.kinds.quantities import TIED, is_live, numbered
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.numeric import Array
 from sandbox.samples.contacts import Contacts
-from sandbox.scene.values.closures import Read, closure
+from sandbox.values.closures import Read, closure
 
 FORCE = {"reaction_x": "fx", "reaction_y": "fy"}
 """Where the last step keeps these quantities of a joint."""
@@ -49,7 +49,7 @@ class Readings:
         Raises:
             UnknownQuantityError: a name that is not in the catalogue.
             WrongValueError: not an expression.
-            KeyError: a quantity that is not live (:func:`sandbox.kinds.quantities.is_live`).
+            KeyError: a quantity that is not live (:func:`sandbox.elements.quantities.is_live`).
         """
         if text.startswith("=") or ("/" in text and text not in self.catalogue):
             return closure(text, self._named, self.model.mechanism.functions)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sandbox.elements.arrays import Arrays
 from sandbox.engine.advance import advance
 from sandbox.engine.entry_points import prepare
 from sandbox.engine.memory import Memory, make_memory
@@ -25,7 +26,6 @@ from sandbox.engine.state import (
 from sandbox.engine.tables import Tables
 from sandbox.engine.touch_state import CONTACT
 from sandbox.engine.world import World
-from sandbox.kinds.arrays import Arrays
 from sandbox.model.ties import held_one
 from sandbox.numeric import Integers, Records
 from sandbox.recording.builder import RecordingBuilder

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from sandbox.control.custom import Custom
+from sandbox.elements.controllers.custom import Custom
 from sandbox.engine.inspect_control import Runnable
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Interrupted

@@ -17,7 +17,7 @@ import numpy as np
 import pymunk
 
 from sandbox import __version__
-from sandbox.control.custom import Custom, customs
+from sandbox.elements.controllers.custom import Custom, customs
 from sandbox.engine.advance import advance
 from sandbox.engine.beginning import Beginning
 from sandbox.engine.clock import Clock, make_clock
@@ -61,7 +61,7 @@ from sandbox.samples.outcome import (
     status_of,
     unordered,
 )
-from sandbox.scene.values.closures import Read
+from sandbox.values.closures import Read
 from sandbox.wording import WrongValueError, listed, near, quoted
 
 BLOCK = 256

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.elements.arrays import FORCES
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.fluid_report import take_lines
@@ -25,7 +26,6 @@ from sandbox.engine.state import (
     Snapshot,
 )
 from sandbox.engine.touch_state import CONTACT, CONTACT_SUMS
-from sandbox.kinds.arrays import FORCES
 from sandbox.numeric import Array, Records
 
 

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from sandbox.control.build import build
-from sandbox.control.custom import Custom, StopRun
-from sandbox.control.law import Law
+from sandbox.elements.controllers.controller import Law, every
+from sandbox.elements.controllers.custom import Custom, StopRun
+from sandbox.elements.controllers.kinds import Controller
 from sandbox.engine.clock import Clock
 from sandbox.engine.control_loop import ANY, Bound, ControlLoop, Desk, Setpoint
 from sandbox.engine.readings import Readings
@@ -26,15 +26,8 @@ from sandbox.errors import SimulationDiverged
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.samples.outcome import Happened, Stop
-from sandbox.scene.elements.controllers import (
-    Controller,
-    every,
-    readings_of,
-    targets_of,
-    writes_of,
-)
-from sandbox.scene.elements.events import Event, first_step
-from sandbox.scene.values.closures import Read
+from sandbox.scene.events import Event, first_step
+from sandbox.values.closures import Read
 
 NEVER = 1 << 62
 """A step that no run comes to."""
@@ -87,10 +80,10 @@ class Steering:
         count = every(spec.rate, self.clock.step)
         period = count * self.clock.step
         return self._made(
-            spec.name, readings_of(spec), build(spec, self.mechanism, period), writes_of(spec),
+            spec.name, spec.readings, spec.make_law(self.mechanism, period), spec.written,
             count, [Setpoint(signal, period, (self.clock.steps - 1) // count,
                              self.mechanism.functions)
-                    for signal in targets_of(spec)],
+                    for signal in spec.signals],
             spec.limits, spec.slew, active=spec.active)
 
     def _custom(self, custom: Custom) -> ControlLoop:

@@ -15,11 +15,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from sandbox.elements.tendons import RIGID
 from sandbox.engine.inspect_drives import largest_cord_stiffness, largest_stiffness
 from sandbox.engine.state import SOFT
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags
-from sandbox.scene.elements.tendons import RIGID
 
 
 def too_stiff(model: Model, h: float) -> Flags:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sandbox.elements.joint import Keeps
 from sandbox.engine.contact_rules import Filters
 from sandbox.engine.cord_state import SLIP_RESULT, SLIP_STATE
 from sandbox.engine.cord_tables import CordTables, cord_tables
@@ -64,7 +65,6 @@ from sandbox.engine.tie_state import TIE_RESULT
 from sandbox.engine.tie_tables import room_for_breaks, tie_state, tie_table
 from sandbox.engine.touch_state import IMPACT, TOUCH
 from sandbox.engine.wheel_fields import wheel_fields
-from sandbox.kinds.elements import Keeps
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers, Records
 

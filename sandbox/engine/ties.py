@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from sandbox.elements.element import HELD_ABOVE
 from sandbox.engine import memory as at
 from sandbox.engine.ends import ends
 from sandbox.engine.entry_points import entry_point
@@ -24,7 +25,6 @@ from sandbox.engine.joint_state import GROOVE, POINT, RANGE
 from sandbox.engine.kernel import kernel
 from sandbox.engine.teeth import toothed
 from sandbox.engine.tie_state import CORDED, JOINED, NONE, SETTLED, STRAIGHT, TAKEN
-from sandbox.kinds.elements import HELD_ABOVE
 from sandbox.numeric import Array
 
 CLOSED_AFTER = 40.0

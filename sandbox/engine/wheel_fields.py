@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from sandbox.model.joints import flank_of, slip_of
 from sandbox.model.model import Model
-from sandbox.model.wheels import flank_of, slip_of
 
 
 def wheel_fields(model: Model, i: int) -> dict[str, Any]:

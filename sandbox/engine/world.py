@@ -16,7 +16,7 @@ from sandbox.engine.tables import Room, ShapeTables
 from sandbox.engine.touch_state import FACE, SHAPE, SPAN
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers, Records
-from sandbox.scene.elements.bodies import (
+from sandbox.scene.bodies import (
     Body,
     Box,
     Capsule,
@@ -321,4 +321,4 @@ CONSTRAINTS: Mapping[
     str, Callable[[Model, int, pymunk.Body, pymunk.Body], pymunk.Constraint],
 ] = {"point": _point, "groove": _groove, "distance": _distance, "range": _range,
      "gear": _wheels, "rack": _wheels, "roll": _wheels}
-"""How pymunk keeps what joints keep (:attr:`sandbox.kinds.elements.JointKind.keeps`)."""
+"""How pymunk keeps what joints keep (:attr:`sandbox.elements.kinds.JointKind.keeps`)."""

@@ -13,8 +13,8 @@ import numpy as np
 from sandbox.engine.still import Still
 from sandbox.equilibria.balance import PoseBalance, look, polish
 from sandbox.errors import Problem, SceneError
-from sandbox.model.friction import friction_of
 from sandbox.model.model import Model
+from sandbox.model.pairs import friction_of
 from sandbox.numeric import Array
 from sandbox.samples.yielding import without_stiffness
 from sandbox.scene.geometry import centre_of, reach_of

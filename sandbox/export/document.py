@@ -8,9 +8,12 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from typing import cast
 
-from sandbox.export.tree import Freedom, Tree, freedoms, pose
+import numpy as np
+
+from sandbox.export.tree import Freedom, Tree, angle_sum, freedoms, pose
 from sandbox.model.model import NONE, Model
 from sandbox.scene.geometry import Vec, to_world
+from sandbox.values.signals import Constant, values
 
 DIGITS = 12
 
@@ -104,8 +107,14 @@ class Hinge:
     """Whether a torque drives it."""
 
 
+MAX_FORCE = 1e6
+"""A force that no tendon reaches [N], as MuJoCo needs closed ranges."""
+
+
 class Draft:
     """Sections by name, elements on bodies by index (``NONE`` for the world), and notes."""
+
+    MAX_FORCE = MAX_FORCE
 
     def __init__(self, model: Model, tree: Tree) -> None:
         self.model = model
@@ -177,3 +186,46 @@ class Draft:
     def sense(self, kind: str, wanted: str, **what: str) -> None:
         """Add a sensor."""
         add(self.sections["sensor"], kind, name=self.names.made("sensor", wanted), **what)
+
+    def target(self, drive: int) -> int:
+        """The number of the element that a drive acts on."""
+        return int(self.model.drives.target[drive])
+
+    def drive_hinge(self, drive: int) -> dict[str, str]:
+        """What an actuator of a hinge acts on: a joint, or the tendon of one that closes a loop."""
+        joint = self.target(drive)
+        self.hinges[joint].driven = True
+        return {"joint" if self.carried(joint) else "tendon": self.model.joints.name[joint]}
+
+    def angle_offset(self, drive: int) -> float:
+        """What the coordinate of a hinge that closes a loop lacks of its angle [rad]."""
+        return angle_sum(self.model, self.target(drive), self.tree, self.moves).offset
+
+    def final_value(self, drive: int) -> float:
+        """Value of a drive at the end of the run, SI."""
+        signal = self.mechanism.drives[drive].signal(self.mechanism)
+        end = np.array([self.mechanism.run.duration])
+        return float(values(signal, end, self.mechanism.functions)[0])
+
+    def motor(
+        self, drive: int, what: str = "motor", gives: str = "value", **attributes: Value,
+    ) -> None:
+        """Add an actuator whose control is the value of a drive; note a value that varies.
+
+        Args:
+            drive: number of the drive.
+            what: the tag of the actuator.
+            gives: the quantity of the drive that its force is.
+            attributes: of the actuator.
+        """
+        section, name = self.sections["actuator"], self.model.drives.name[drive]
+        signal = self.mechanism.drives[drive].signal(self.mechanism)
+        end = self.final_value(drive)
+        if not isinstance(signal, Constant):
+            law = signal.model_dump_json(exclude_defaults=True)
+            section.append(comment(f"{name} over time: {law}; {number(end)} at the end of the run"))
+            self.notes.append(f"{name}: MuJoCo keeps no signals over time; the keyframe "
+                              f"holds its last value, {number(end)}")
+        add(section, what, name=name, **attributes)
+        self.controls.append(max(end, float(self.model.drives.floor[drive])))
+        self.sense("actuatorfrc", f"{name}.{gives}", actuator=name)

@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
-from sandbox.export.document import Draft, Value, add, comment, element, number
+from sandbox.elements.element import GRAZE
+from sandbox.elements.tendons import RIGID
+from sandbox.export.document import MAX_FORCE, Draft, add, element
 from sandbox.export.tree import anchors, angle_sum, pose, stops, vec
-from sandbox.kinds.elements import GRAZE
-from sandbox.model.lifts import lifted_at_start, passes_by
 from sandbox.model.model import NONE
-from sandbox.scene.elements.tendons import RIGID
+from sandbox.model.tendons import lifted_at_start, passes_by
 from sandbox.scene.geometry import Vec
-from sandbox.scene.mechanism import signal_of
-from sandbox.scene.values.signals import Constant, values
 
 FAR = 1e6
 """A length that no spring reaches [m], as MuJoCo needs closed ranges."""
@@ -27,7 +22,10 @@ def add_links(draft: Draft) -> None:
     """Add rods and ropes, then the joints that close loops."""
     straight = (joint for joint, kind in enumerate(draft.model.joints.kind) if kind.along_line)
     for joint in (*straight, *draft.tree.loops):
-        LINKS[draft.mechanism.joints[joint].type](draft, joint)
+        if draft.model.joints.kind[joint].along_line:
+            _distance(draft, joint)
+        else:
+            _close(draft, joint)
 
 
 def route(draft: Draft, cord: ET.Element, name: str, ends: tuple[tuple[int, Vec], ...]) -> None:
@@ -55,29 +53,16 @@ def _distance(draft: Draft, joint: int) -> None:
         draft.sense("tendonlimitfrc", f"{name}.reaction", tendon=name)
 
 
-def _connect(draft: Draft, joint: int) -> None:
-    _close(draft, joint, "connect", 0.0)
-
-
-def _weld(draft: Draft, joint: int) -> None:
-    a, b = draft.model.joints.bodies[joint].tolist()
-    _close(draft, joint, "weld", pose(draft.model, b)[2] - pose(draft.model, a)[2])
-
-
-def _close(draft: Draft, joint: int, kind: str, angle: float) -> None:
-    """Add an equality constraint of two sites; that on ``a`` is rotated by ``angle`` [rad]."""
+def _close(draft: Draft, joint: int) -> None:
+    """Add an equality constraint of two sites; of a weld that on ``a`` is rotated."""
+    turns = draft.model.joints.turns[joint]
     name = draft.model.joints.name[joint]
     a, b = draft.model.joints.bodies[joint].tolist()
     on_a, on_b = anchors(draft.model, joint)
+    angle = 0.0 if turns else pose(draft.model, b)[2] - pose(draft.model, a)[2]
     more = {"euler": f"0 0 {angle:.12g}"} if angle else {}
-    add(draft.sections["equality"], kind, name=name,
+    add(draft.sections["equality"], "connect" if turns else "weld", name=name,
         site1=draft.site(a, f"{name}.a", on_a, **more), site2=draft.site(b, f"{name}.b", on_b))
-
-
-LINKS: Mapping[str, Callable[[Draft, int], None]] = {
-    "pin": _connect, "weld": _weld, "rod": _distance, "rope": _distance,
-    "actuator": _distance}
-"""Writers of joints that carry no body, by type."""
 
 
 def hinge_law(draft: Draft, joint: int) -> dict[str, float]:
@@ -124,14 +109,15 @@ def _add_closing_angle(draft: Draft, joint: int) -> None:
 FRACTION = 0.2
 """Largest time step, relative to 1 / omega of an elastic tendon between its free bodies."""
 WHEEL = "0.45 0.6 0.75 0.4"
-FORCE = 1e6
-"""A tension that no tendon reaches [N], as MuJoCo needs closed ranges."""
 
 
 def add_springs(draft: Draft) -> None:
     """Add all springs; those of hinges are kept until their hinge is written."""
-    for index, spring in enumerate(draft.mechanism.springs):
-        SPRINGS[spring.type](draft, index)
+    for index, straight in enumerate(draft.model.springs.straight):
+        if straight:
+            _between_points(draft, index)
+        else:
+            draft.hinges[int(draft.model.springs.joint[index])].springs.append(index)
 
 
 def _between_points(draft: Draft, spring: int) -> None:
@@ -153,15 +139,6 @@ def _free_lengths(draft: Draft, spring: int) -> float | tuple[float, float]:
     if law is None:
         return rest
     return (0.0, rest) if law.side > 0 else (rest, FAR)
-
-
-def _in_hinge(draft: Draft, spring: int) -> None:
-    draft.hinges[int(draft.model.springs.joint[spring])].springs.append(spring)
-
-
-SPRINGS: Mapping[str, Callable[[Draft, int], None]] = {
-    "linear": _between_points, "rotary": _in_hinge}
-"""Writers of springs by type."""
 
 
 def add_tendons(draft: Draft) -> float:
@@ -209,7 +186,7 @@ def _pulling_only(draft: Draft, tendon: int, rest: float) -> None:
         draft.model.tendons.stiffness, draft.model.tendons.damping))
     add(draft.sections["actuator"], "general", name=name, tendon=name, gear=-1.0,
         gainprm=0.0, biastype="affine", biasprm=(-stiffness * rest, -stiffness, -damping),
-        ctrlrange=(0.0, 1.0), forcerange=(0.0, FORCE))
+        ctrlrange=(0.0, 1.0), forcerange=(0.0, MAX_FORCE))
     draft.controls.append(0.0)  # it has no input
     draft.sense("actuatorfrc", f"{name}.tension", actuator=name)
 
@@ -353,94 +330,7 @@ def add_drives(draft: Draft) -> None:
         draft.notes.append(f"{steering.name}: MuJoCo keeps no controllers and no events; the "
                            "drives have what their own signals say")
     for i, drive in enumerate(draft.mechanism.drives):
-        DRIVES[drive.type](draft, i)
-
-
-def final_value(draft: Draft, drive: int) -> float:
-    """Value of a drive at the end of the run, SI."""
-    signal = signal_of(draft.mechanism.drives[drive], draft.mechanism)
-    end = np.array([draft.mechanism.run.duration])
-    return float(values(signal, end, draft.mechanism.functions)[0])
-
-
-def _motor(
-    draft: Draft, drive: int, what: str = "motor", gives: str = "value", **attributes: Value,
-) -> None:
-    """Add an actuator whose control is the value of the drive; note a value that varies.
-
-    ``what`` is its element, ``gives`` the quantity of the drive that its force is.
-    """
-    section, name = draft.sections["actuator"], draft.model.drives.name[drive]
-    signal = signal_of(draft.mechanism.drives[drive], draft.mechanism)
-    end = final_value(draft, drive)
-    if not isinstance(signal, Constant):
-        law = signal.model_dump_json(exclude_defaults=True)
-        section.append(comment(f"{name} over time: {law}; {number(end)} at the end of the run"))
-        draft.notes.append(f"{name}: MuJoCo keeps no signals over time; the keyframe "
-                           f"holds its last value, {number(end)}")
-    add(section, what, name=name, **attributes)
-    draft.controls.append(max(end, float(draft.model.drives.floor[drive])))
-    draft.sense("actuatorfrc", f"{name}.{gives}", actuator=name)
-
-
-def _pull(draft: Draft, drive: int) -> None:
-    tendon = draft.model.tendons.name[int(draft.model.drives.target[drive])]
-    draft.sense("actuatorfrc", f"{tendon}.tension", actuator=draft.model.drives.name[drive])
-    _motor(draft, drive, tendon=tendon, gear=-1.0, ctrlrange=(0.0, FORCE))
-
-
-def _torque(draft: Draft, drive: int) -> None:
-    joint = int(draft.model.drives.target[drive])
-    draft.hinges[joint].driven = True
-    where = "joint" if draft.carried(joint) else "tendon"
-    _motor(draft, drive, **{where: draft.model.joints.name[joint]})
-
-
-def _push(draft: Draft, drive: int) -> None:
-    _motor(draft, drive, tendon=draft.model.joints.name[int(draft.model.drives.target[drive])])
-
-
-def _servo(draft: Draft, drive: int) -> None:
-    """The coordinate of a pin that closes a loop is a sum of angles plus an offset."""
-    joint, lacks = int(draft.model.drives.target[drive]), 0.0
-    draft.hinges[joint].driven = True
-    where = "joint" if draft.carried(joint) else "tendon"
-    if where == "tendon":
-        lacks = angle_sum(draft.model, joint, draft.tree, draft.moves).offset
-    _sprung(draft, drive, where, lacks, "torque")
-
-
-def _length(draft: Draft, drive: int) -> None:
-    _sprung(draft, drive, "tendon", 0.0, "force")
-
-
-def _sprung(draft: Draft, drive: int, where: str, lacks: float, gives: str) -> None:
-    """Add an actuator of force k (value - q) - c q' within a range; MuJoCo's q lacks ``lacks``."""
-    drives = draft.model.drives
-    k, c, most = (float(row[drive]) for row in (drives.stiffness, drives.damping, drives.most))
-    name = draft.model.joints.name[int(drives.target[drive])]
-    _motor(draft, drive, "general", gives, gainprm=k, biastype="affine",
-           biasprm=(-k * lacks, -k, -c), forcerange=(-most, most), **{where: name})
-
-
-def _force(draft: Draft, drive: int) -> None:
-    drives = draft.model.drives
-    x, y = drives.direction[drive].tolist()
-    frame = None if drives.turning[drive] else draft.world_frame()
-    at_x, at_y = drives.at[drive].tolist()
-    site = draft.site(int(drives.target[drive]), f"{drives.name[drive]}.site", (at_x, at_y))
-    _motor(draft, drive, gear=(x, y, 0, 0, 0, 0), site=site, refsite=frame)
-
-
-def _brake(draft: Draft, drive: int) -> None:
-    """Keep the torque for the hinge (:func:`hinge_law`); there is no actuator."""
-    draft.hinges[int(draft.model.drives.target[drive])].brake = final_value(draft, drive)
-
-
-DRIVES: Mapping[str, Callable[[Draft, int], None]] = {
-    "force": _force, "torque": _torque, "pull": _pull, "brake": _brake,
-    "servo": _servo, "push": _push, "length": _length}
-"""Writers of drives by type."""
+        drive.write_mujoco(draft, i)
 
 
 def add_start(draft: Draft) -> None:

@@ -27,7 +27,7 @@ from sandbox.export.selection import contact_pairs, leave_out, without_counterpa
 from sandbox.export.tree import Freedom, grow, vec
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import NONE, Bodies
-from sandbox.scene.elements.bodies import (
+from sandbox.scene.bodies import (
     Body,
     Box,
     Capsule,

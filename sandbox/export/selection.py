@@ -7,19 +7,19 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
+from sandbox.elements.element import RELEASED, references
+from sandbox.elements.fluids import FLUID
 from sandbox.errors import Problem, SceneError
 from sandbox.export.elements import wrap_round
 from sandbox.export.tree import Tree, pose, vec
-from sandbox.kinds.elements import FLUID, LAW, LOOSE, SPRINGS
-from sandbox.model.lifts import lifted_at_start
 from sandbox.model.model import Joints, Model, Springs
 from sandbox.model.pairs import Words, allowed_pairs
-from sandbox.scene.elements.bodies import Material, Polyline
-from sandbox.scene.elements.drives import kind_of
-from sandbox.scene.elements.settings import ContactRule
+from sandbox.model.tendons import lifted_at_start
+from sandbox.scene.bodies import Material, Polyline
 from sandbox.scene.geometry import to_world
-from sandbox.scene.mechanism import Mechanism, signal_of
-from sandbox.scene.values.signals import Constant
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.settings import ContactRule
+from sandbox.values.signals import Constant
 from sandbox.wording import listed, near, quoted
 
 ACTING = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives")
@@ -36,23 +36,9 @@ def rule_name(rule: ContactRule) -> str:
 def needs(mechanism: Mechanism) -> dict[str, set[str]]:
     """The names of the elements that each element needs, in the order of :data:`ACTING`."""
     found: dict[str, set[str]] = {body.name: set() for body in mechanism.bodies}
-    for joint in mechanism.joints:
-        found[joint.name] = {joint.a, joint.b}
-    for spring in mechanism.springs:
-        found[spring.name] = {getattr(spring, target.field)
-                              for target in SPRINGS[spring.type].targets}
-    for tendon in mechanism.tendons:
-        found[tendon.name] = {guide.body for guide in tendon.guides}
-    for line in mechanism.lines:
-        found[line.name] = {name for chamber in line.chambers
-                            for name in (getattr(chamber, field, None)
-                                         for field in ("a", "b", "joint")) if name}
-    for valve in mechanism.valves:
-        found[valve.name] = {line for line in (valve.a, valve.b) if line is not None}
-    for load in mechanism.loads:  # a load may lose all its bodies
-        found[load.name] = set()
-    for drive in mechanism.drives:
-        found[drive.name] = {getattr(drive, kind_of(drive).target.field)}
+    for kind in ACTING[1:]:  # a load may lose all its bodies, which patterns name
+        for element in getattr(mechanism, kind):
+            found[element.name] = {name for _, _, name in references(type(element), element, "")}
     return found
 
 
@@ -134,20 +120,19 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
         yield name, (joints.mujoco or (joints.mujoco_loop if joint in tree.loops else "")
                      or _friction(model.joints, joint))
     for spring, name in enumerate(model.springs.name):
-        yield name, model.springs.kind[spring].mujoco or _law(model.springs, spring)
+        yield name, _law(model.springs, spring)
     for tendon, name in enumerate(model.tendons.name):
         yield name, _wheel(model, tendon)
     for name in (*model.lines.name, *model.valves.name):
         yield name, FLUID
     for load in model.mechanism.loads:
-        yield load.name, LAW
+        yield load.name, "a load by a law of a body's own motion"
     for name in model.ties.name:
-        yield name, LOOSE
+        yield name, RELEASED
     for drive, kind in zip(model.mechanism.drives, model.drives.kind, strict=True):
-        varies = not isinstance(signal_of(drive, model.mechanism), Constant)
-        rigid = kind.places and getattr(drive, "stiffness", None) is None
+        varies = not isinstance(drive.signal(model.mechanism), Constant)
         yield drive.name, (kind.mujoco or (kind.mujoco_varied if varies else "")
-                           or ("a drive that goes rigidly to a place" if rigid else ""))
+                           or drive.without_mujoco(model.mechanism))
 
 
 def _friction(joints: Joints, joint: int) -> str:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -187,7 +187,9 @@ def freedoms(model: Model, link: Link) -> list[Freedom]:
         return []
     if link.joint == NONE:
         return _free(model, link.body)
-    return CARRIERS[model.mechanism.joints[link.joint].type](model, link)
+    if model.joints.kind[link.joint].keeps == "groove":
+        return _slide(model, link)
+    return _hinge(model, link) if model.joints.angle[link.joint] else []
 
 
 def _free(model: Model, body: int) -> list[Freedom]:
@@ -238,15 +240,6 @@ def _slide(model: Model, link: Link) -> list[Freedom]:
     if not model.joints.turns[joint]:
         return [slide]
     return [hinge, slide] if backwards else [slide, hinge]
-
-
-def _none(model: Model, link: Link) -> list[Freedom]:
-    return []
-
-
-CARRIERS: Mapping[str, Callable[[Model, Link], list[Freedom]]] = {
-    "pin": _hinge, "slot": _slide, "weld": _none}
-"""Coordinates of a body by the type of the joint that carries it."""
 
 
 @dataclass(frozen=True)

@@ -24,8 +24,8 @@ from sandbox.gym.task import Task
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from sandbox.scene.elements.settings import View
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.settings import View
 from sandbox.wording import listed, quoted
 
 Info = dict[str, Any]

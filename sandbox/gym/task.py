@@ -11,28 +11,26 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.elements.quantities import is_yes_no
 from sandbox.engine.clock import Clock, make_clock
 from sandbox.engine.inspect_control import LiveCatalogue, control_problems, unreadable
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
-from sandbox.kinds.quantities import is_yes_no
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
-from sandbox.scene.elements.controllers import writes_of
-from sandbox.scene.elements.drives import MotorDrive
-from sandbox.scene.mechanism import Mechanism, signal_of
+from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
-from sandbox.scene.values.numbers import number_from
-from sandbox.scene.values.ranges import range_of
-from sandbox.scene.values.signals import values
-from sandbox.scene.values.units import UNITS, unfit
 from sandbox.sweeps.job import STEP, Override
 from sandbox.sweeps.plan import plan_of
 from sandbox.sweeps.points import make_points
 from sandbox.sweeps.spec import SweepSpec
 from sandbox.sweeps.sweep import study_data
+from sandbox.values.numbers import number_from
+from sandbox.values.ranges import range_of
+from sandbox.values.signals import values
+from sandbox.values.units import UNITS, unfit
 from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
 
 Span = tuple[float, float]
@@ -288,7 +286,7 @@ class _TaskReader:
                             "of names to (lowest, highest)")
 
     def _writer(self, drive: str) -> str:
-        owners = [each.name for each in self.mechanism.controllers if drive in writes_of(each)]
+        owners = [each.name for each in self.mechanism.controllers if drive in each.written]
         owners += [event.name for event in self.mechanism.events if drive in event.set]
         return owners[0] if owners else ""
 
@@ -343,10 +341,10 @@ def drive_range(model: Model, drive: str) -> Span | None:
         joint = int(model.drives.target[index])
         return _whole(*(model.joints.stops if kind.dimension == "angle" else model.joints.reach)
                       [joint].tolist())
-    if isinstance(spec, MotorDrive) and spec.no_load is not None:
-        return -float(spec.no_load), float(spec.no_load)
+    if (no_load := getattr(spec, "no_load", None)) is not None:
+        return -float(no_load), float(no_load)
     try:
-        found = values(signal_of(spec, model.mechanism),
+        found = values(spec.signal(model.mechanism),
                        np.linspace(0.0, model.mechanism.run.duration, INSTANTS),
                        model.mechanism.functions)
     except (ValueError, SceneError):

@@ -13,27 +13,23 @@ import fnmatch
 import itertools
 import re
 from bisect import bisect_left
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from sandbox.errors import SandboxError
-from sandbox.kinds.quantities import (
+from sandbox.elements.element import NAMED, RELEASABLE, Element
+from sandbox.elements.quantities import (
     GRASP,
     QUANTITIES,
     TIED,
     USUAL,
     by_telling,
-    drive_quantities,
     grasp_quantities,
-    joint_quantities,
-    needed,
-    numbered,
     quantities_of,
-    spring_quantities,
-    tendon_quantities,
 )
-from sandbox.scene.elements.bodies import Body
+from sandbox.elements.registry import KINDS
+from sandbox.errors import SandboxError
+from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import MOST_COMPARED, is_pattern, listed, nearest, quoted
 
@@ -202,17 +198,23 @@ class Catalogue:
         if unheld := self._unheld(name):
             return unheld
         for head, element in self._prefixes(name):
-            if element.kind not in ("joint", "spring", "tendon"):
+            if f"{element.kind}s" not in KINDS:
                 continue
-            spec, quantity = (getattr(self.mechanism, f"{element.kind}s")[element.index],
-                              name[len(head) + 1:])
-            if at := numbered(element.kind, quantity):
-                pieces = len(self.mechanism.tendons[element.index].path) - 1
-                if not (0 if at[0] == "tension" else 1) <= at[1] < pieces:
-                    continue
-            if need := needed(element.kind, getattr(spec, "type", ""), quantity):
+            quantity = name[len(head) + 1:]
+            need = self._spec(element).needed(quantity)
+            if quantity in TIED and f"{element.kind}s" in RELEASABLE:
+                need = "'breaks_at', or an event that lets go of it"
+            if need:
                 return f"{quoted(head)} has it only with {need}"
         return ""
+
+    def _spec(self, element: CatalogueEntry) -> Element:
+        """The element of an entry; of a load on a body the load."""
+        index = element.index
+        if element.kind == "load":
+            index = self.mechanism.loaded[index][0]
+        found: Element = getattr(self.mechanism, f"{element.kind}s")[index]
+        return found
 
     def _unheld(self, name: str) -> str:
         """Why a body has no measure of how it is held; empty of other names."""
@@ -323,32 +325,15 @@ def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
     ties = {name: {key: row.unit for key, row in TIED.items()} for name in mechanism.releasable}
     for i, body in enumerate(mechanism.bodies):
         yield body.name, CatalogueEntry("body", i, quantities_of("body") | grasp_of(body))
-    for i, joint in enumerate(mechanism.joints):
-        stops = getattr(joint, "limits", None) is not None
-        play = getattr(joint, "backlash", 0.0) > 0
-        rubs = getattr(joint, "rubs", False)
-        yield joint.name, CatalogueEntry(
-            "joint", i, joint_quantities(joint.type, stops=stops, play=play, rubs=rubs)
-            | ties.get(joint.name, {}))
-    for i, spring in enumerate(mechanism.springs):
-        yield spring.name, CatalogueEntry(
-            "spring", i, spring_quantities(spring.type) | ties.get(spring.name, {}))
-    for i, tendon in enumerate(mechanism.tendons):
-        yield tendon.name, CatalogueEntry(
-            "tendon", i, tendon_quantities(
-                len(tendon.path) - 1, tendon.gripping, tendon.lifting)
-            | ties.get(tendon.name, {}))
-    for i, line in enumerate(mechanism.lines):
-        yield line.name, CatalogueEntry("line", i, quantities_of("line"))
-    for i, valve in enumerate(mechanism.valves):
-        yield valve.name, CatalogueEntry("valve", i, quantities_of("valve"))
-    for i, (load, on) in enumerate(mechanism.loaded):
-        name = f"{mechanism.loads[load].name}.{mechanism.bodies[on].name}"
-        yield name, CatalogueEntry("load", i, quantities_of("load"))
-    types = {spring.name: spring.type for spring in mechanism.springs}
-    for i, drive in enumerate(mechanism.drives):
-        acted_on = types.get(getattr(drive, "spring", None) or "", "")
-        yield drive.name, CatalogueEntry("drive", i, drive_quantities(drive.type, spring=acted_on))
+    for kind in KINDS:
+        if kind == "loads":
+            for i, (load, on) in enumerate(mechanism.loaded):
+                name = f"{mechanism.loads[load].name}.{mechanism.bodies[on].name}"
+                yield name, CatalogueEntry("load", i, mechanism.loads[load].quantities(mechanism))
+        elif NAMED[kind].axis:
+            for i, element in enumerate(getattr(mechanism, kind)):
+                yield element.name, CatalogueEntry(NAMED[kind].one, i, element.quantities(
+                    mechanism) | ties.get(element.name, {}))
     for i, group in enumerate(mechanism.groups):
         yield group.name, CatalogueEntry("group", i, quantities_of("group"))
     for i, meter in enumerate(mechanism.meters):
@@ -369,3 +354,46 @@ def _tails(name: str) -> Iterator[tuple[str, str]]:
     for count in (1, 2):
         if len(words) > count:
             yield ".".join(words[:-count]), ".".join(words[-count:])
+
+
+MOST_SHOWN = 4
+"""Units that a refusal gives an example of."""
+
+
+class MixedUnitsError(SandboxError, ValueError):
+    """A pattern that fits quantities of several units, which are no columns of one array."""
+
+    code = "bad-quantity"
+
+
+def unit_of(catalogue: Catalogue, names: Sequence[str], pattern: str) -> str:
+    """The one unit of the quantities that a pattern fits.
+
+    Raises:
+        MixedUnitsError: they have several.
+    """
+    units: dict[str, str] = {}
+    for name in names:
+        units.setdefault(catalogue.find(name).unit, name)
+    if len(units) == 1:
+        return next(iter(units))
+    shown = [f"{name} in {unit}" for unit, name in itertools.islice(units.items(), MOST_SHOWN)]
+    raise MixedUnitsError(
+        f"{pattern!r} fits quantities of {len(units)} units ({', '.join(shown)}"
+        f"{', …' if len(units) > MOST_SHOWN else ''}), which make no array: ask for those of one "
+        "unit, such as '*.angle', or for a table with to_pandas()")
+
+
+def near_pattern(catalogue: Catalogue, pattern: str) -> str:
+    """A pattern with one of its words mended, if that makes it fit something; or a near miss."""
+    if hint := catalogue.near(pattern):
+        return hint
+    known = dict.fromkeys(word for name in catalogue.units for word in name.split("."))
+    words = pattern.split(".")
+    for i, word in enumerate(words):
+        for close in [] if is_pattern(word) else difflib.get_close_matches(
+                word, itertools.islice(known, MOST_COMPARED)):
+            mended = ".".join([*words[:i], close, *words[i + 1:]])
+            if catalogue.fits(mended):
+                return mended
+    return ""

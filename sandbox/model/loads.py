@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.model.load_laws import LoadLaw, law_of_load
-from sandbox.model.model import Bodies, BodyLoads
+from sandbox.model.laws import law_of_load
+from sandbox.model.model import Bodies, BodyLoads, Model
 from sandbox.numeric import Array
-from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Polygon, Shape
-from sandbox.scene.elements.loads import BuoyancyLoad, DragLoad, LawLoad, Load
-from sandbox.scene.geometry import Vec, corners
+from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Shape
+from sandbox.scene.geometry import corners
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.rings import wound
 
@@ -24,52 +22,27 @@ its two ends."""
 
 def compile_loads(mechanism: Mechanism, bodies: Bodies) -> BodyLoads:
     """The loads of a mechanism whose references are right."""
-    pairs, rows = mechanism.loaded, [_load(load, mechanism) for load in mechanism.loads]
-    found = [(rows[load], mechanism.bodies[body]) for load, body in pairs]
+    pairs = mechanism.loaded
+    laws = [law_of_load(load, tuple(mechanism.tables), mechanism.functions)
+            for load in mechanism.loads]
+    columns = [load.columns(mechanism) for load in mechanism.loads]
+    found = [(laws[load], columns[load], mechanism.bodies[body]) for load, body in pairs]
     load, on = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
-    sides = [[] if row.law is not None else list(_outline(body)) for row, body in found]
-    at = [centre if row.at is None else row.at
-          for (row, _), centre in zip(found, bodies.centre[on], strict=True)]
+    sides = [[] if law is not None else list(_outline(body)) for law, _, body in found]
+    at = [row.get("at") or centre
+          for (_, row, _), centre in zip(found, bodies.centre[on], strict=True)]
     return BodyLoads(
         name=tuple(f"{mechanism.loads[i].name}.{mechanism.bodies[body].name}"
                    for i, body in pairs),
         load=load.copy(), body=on.copy(), at=np.array(at, dtype=float).reshape(-1, 2),
-        turning=np.array([row.turning for row, _ in found], dtype=bool),
-        per_mass=np.array([row.per_mass for row, _ in found], dtype=bool),
-        law=tuple(row.law for row, _ in found),
-        level=np.array([row.level for row, _ in found], dtype=float),
-        lift=np.array([row.weight * body.thickness for row, body in found], dtype=float),
+        turning=np.array([row.get("turning", False) for _, row, _ in found], dtype=bool),
+        per_mass=np.array([row.get("per_mass", False) for _, row, _ in found], dtype=bool),
+        law=tuple(law for law, _, _ in found),
+        level=np.array([row.get("level", math.nan) for _, row, _ in found], dtype=float),
+        lift=np.array([row.get("weight", math.nan) * body.thickness for _, row, body in found],
+                      dtype=float),
         sides=np.array([side for each in sides for side in each], dtype=float).reshape(-1, 5),
         first=np.cumsum([0, *map(len, sides)], dtype=np.int64))
-
-
-@dataclass(frozen=True)
-class _LoadFacts:
-    """What a spec of a load says; the defaults stand for what its kind does not have."""
-
-    law: LoadLaw | None
-    """None of a liquid."""
-    at: Vec | None = None
-    turning: bool = False
-    per_mass: bool = False
-    level: float = math.nan
-    weight: float = math.nan
-    """Of a liquid, per volume [N/m^3]."""
-
-
-def _load(load: Load, mechanism: Mechanism) -> _LoadFacts:
-    match load:
-        case LawLoad():
-            return _LoadFacts(_law(load, mechanism), load.at, load.frame == "body",
-                              load.acceleration is not None)
-        case DragLoad():
-            return _LoadFacts(_law(load, mechanism))
-        case BuoyancyLoad():
-            return _LoadFacts(None, level=load.level, weight=-load.density * mechanism.gravity[1])
-
-
-def _law(load: LawLoad | DragLoad, mechanism: Mechanism) -> LoadLaw:
-    return law_of_load(load, tuple(mechanism.tables), mechanism.functions)
 
 
 def _outline(body: Body) -> Iterator[Arc]:
@@ -149,3 +122,60 @@ def _arc(cx: Array, cd: Array, r: float, start: Array, end: Array) -> tuple[Arra
             one = one + sign * flat
             two = two + sign * (cx * flat - r * r * (cd * si**2 / 2 + r * si**3 / 3))
     return one, two
+
+
+def motion_of(
+    model: Model, load: int, pose: Array, velocity: Array, acceleration: Array, time: Array,
+) -> dict[str, Array]:
+    """What the law of a load reads, by name, [n] each.
+
+    Args:
+        model: of the mechanism.
+        load: its number.
+        pose: x, y, angle of the body's centre of mass, [3, n].
+        velocity: of that, and turning, [3, n].
+        acceleration: the same of these.
+        time: [s], [n].
+    """
+    loads = model.loads
+    body = int(loads.body[load])
+    (x, y, angle), (u, v, w), (a, b, alpha) = pose, velocity, acceleration
+    c, s = np.cos(angle), np.sin(angle)
+    px, py = loads.at[load] - model.bodies.centre[body]
+    rx, ry = c * px - s * py, s * px + c * py
+    vx, vy = u - w * ry, v + w * rx
+    ax, ay = a - alpha * ry - w * w * rx, b + alpha * rx - w * w * ry
+    if loads.turning[load]:
+        vx, vy = c * vx + s * vy, c * vy - s * vx
+        ax, ay = c * ax + s * ay, c * ay - s * ax
+    one = np.ones_like(x)
+    return {"x": x + rx, "y": y + ry, "angle": angle, "vx": vx, "vy": vy, "omega": w,
+            "speed": np.hypot(vx, vy), "ax": ax, "ay": ay, "alpha": alpha, "t": time,
+            "mass": model.bodies.mass[body] * one, "inertia": model.bodies.inertia[body] * one}
+
+
+def load_at(
+    model: Model, load: int, pose: Array, velocity: Array, acceleration: Array, time: Array,
+) -> Array:
+    """Force in the world [N] and torque about the centre of mass [N m] of a load, [3, n].
+
+    Arguments as of :func:`motion_of`.
+    """
+    loads, law = model.loads, model.loads.law[load]
+    body = int(loads.body[load])
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    if law is None:
+        cx, cy = model.bodies.centre[body]
+        x = pose[0] - c * cx + s * cy
+        area, moment = below(loads.outline(load), x, pose[1] - s * cx - c * cy, pose[2],
+                             float(loads.level[load]))
+        lift = loads.lift[load]
+        return np.stack([np.zeros_like(x), lift * area, lift * (moment - pose[0] * area)])
+    fx, fy, torque = law.at(motion_of(model, load, pose, velocity, acceleration, time))
+    if loads.per_mass[load]:
+        fx, fy = model.bodies.mass[body] * fx, model.bodies.mass[body] * fy
+    if loads.turning[load]:
+        fx, fy = c * fx - s * fy, s * fx + c * fy
+    px, py = loads.at[load] - model.bodies.centre[body]
+    rx, ry = c * px - s * py, s * px + c * py
+    return np.stack([fx, fy, torque + rx * fy - ry * fx])

@@ -14,9 +14,11 @@ from functools import cached_property
 
 import numpy as np
 
-from sandbox.kinds.elements import TIES, DriveKind, Gives, JointKind, Keeps, SpringKind
-from sandbox.model.load_laws import LoadLaw
-from sandbox.model.spring_laws import SpringLaw
+from sandbox.elements.drive import DriveKind, Gives
+from sandbox.elements.element import RELEASABLES
+from sandbox.elements.joint import JointKind, Keeps
+from sandbox.elements.springs import SpringKind
+from sandbox.model.laws import LoadLaw, SpringLaw
 from sandbox.model.ties import Ties
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.mechanism import Mechanism
@@ -424,7 +426,7 @@ class Model:
     def moved_by(self, drive: int) -> Integers:
         """Numbers of the bodies on which a drive acts, its target's."""
         among, target = self.drives.kind[drive].target.among, int(self.drives.target[drive])
-        if among == TIES:
+        if among == RELEASABLES:
             among, target = self.ties.element(target)
         found: Integers
         match among:

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import fnmatch
+import math
 import re
+from fnmatch import fnmatchcase
+from typing import Literal
 
 import numpy as np
 
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.scene.elements.settings import ContactRule
+from sandbox.scene.bodies import Material
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.planes import ALL
+from sandbox.scene.settings import ContactRule
+from sandbox.values.planes import ALL
 
 LARGE = 16
 """Share of all pairs, as 1 in so many, from which a rule is written by a mask of them all."""
@@ -75,3 +79,38 @@ def joined(model: Model) -> tuple[Integers, Integers]:
     """The two bodies of every joint that keeps them from touching."""
     joints = model.joints
     return joints.bodies[~joints.collide, 0], joints.bodies[~joints.collide, 1]
+
+
+def friction_of(mechanism: Mechanism, one: int, two: int) -> float:
+    """Coefficient of sliding friction of two bodies."""
+    return _of_pair(mechanism, one, two, "friction")
+
+
+def static_friction_of(mechanism: Mechanism, one: int, two: int) -> float:
+    """Coefficient of static friction of two bodies."""
+    return friction_of(mechanism, one, two) * _of_pair(mechanism, one, two, "static")
+
+
+def _of_pair(
+    mechanism: Mechanism, one: int, two: int, field: Literal["friction", "static"],
+) -> float:
+    """Of the last rule that names two bodies and the field, else the mean of their materials."""
+    bodies = mechanism.bodies
+    names = bodies[one].name, bodies[two].name
+    for rule in reversed(mechanism.contacts):
+        value: float | None = getattr(rule, field)
+        if value is not None and any(
+            fnmatchcase(p, rule.between[0]) and fnmatchcase(q, rule.between[1])
+            for p, q in (names, names[::-1])
+        ):
+            return value
+    found = [getattr(mechanism.materials.get(bodies[i].material or "", Material()), field)
+             for i in (one, two)]
+    return math.sqrt(found[0]) * math.sqrt(found[1])
+
+
+def restitution_of(mechanism: Mechanism, one: int, two: int) -> float:
+    """Rebound speed over approach speed of two bodies."""
+    found = [mechanism.materials.get(mechanism.bodies[i].material or "", Material()).restitution
+             for i in (one, two)]
+    return math.sqrt(found[0]) * math.sqrt(found[1])

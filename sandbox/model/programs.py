@@ -13,14 +13,14 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.numeric import Array, Integers, Records
-from sandbox.scene.values.expressions import (
+from sandbox.values.expressions import (
     CONSTANTS,
     MAX_EXPONENT,
     Expression,
     dotted,
     unknown_name,
 )
-from sandbox.scene.values.tables import Function
+from sandbox.values.tables import Function
 
 (NUMBER, NAME, TABLE, ADD, SUB, MUL, DIV, MOD, POW, NEG, SELECT, DROP, AND, OR, NOT, LT, LE, GT,
  GE, EQ, NE, NEXT_LT, NEXT_LE, NEXT_GT, NEXT_GE, NEXT_EQ, NEXT_NE, SIN, COS, TAN, ASIN, ACOS, ATAN,

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.model.joints import flank_of, meeting, outward
 from sandbox.model.model import Model
-from sandbox.model.wheels import flank_of, meeting, outward
 from sandbox.numeric import Array
 
 LARGEST_GROUP = 300

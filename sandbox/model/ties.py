@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.kinds.elements import HELD_ABOVE, NAMED, RELEASABLE
+from sandbox.elements.element import HELD_ABOVE, NAMED, RELEASABLE
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.scene.elements.drives import HoldDrive
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.signals import values
+from sandbox.values.signals import values
 
 
 @dataclass(frozen=True)
@@ -54,8 +53,8 @@ def compile_ties(mechanism: Mechanism) -> Ties:
     place = {name: number for number, name in enumerate(mechanism.releasable)}
     specs = [each for each in mechanism.holding if each.name in place]
 
-    drives = {drive.element: (i, drive) for i, drive in enumerate(mechanism.drives)
-              if isinstance(drive, HoldDrive)}
+    drives = {drive.target[1]: (i, drive) for i, drive in enumerate(mechanism.drives)
+              if drive.kind.gives == "hold"}
 
     def driven(name: str) -> bool:
         """Whether a drive lets it hold at t = 0, or has no say."""

@@ -14,8 +14,8 @@ import numpy as np
 
 from sandbox.audit.audit import Figure
 from sandbox.errors import SandboxError
-from sandbox.model.anchors import apart
 from sandbox.model.compile import compile_mechanism
+from sandbox.model.joints import apart
 from sandbox.notebook.media import Picture, picture
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording

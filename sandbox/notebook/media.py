@@ -21,7 +21,7 @@ from sandbox.errors import OutputError
 from sandbox.recording.recording import Recording
 from sandbox.samples.samples import TIME
 from sandbox.samples.targets import targets
-from sandbox.scene.values.numbers import number_from
+from sandbox.values.numbers import number_from
 from sandbox.wording import WrongValueError, listed, meant, quoted
 
 FILM_SIZE = (640, 480)

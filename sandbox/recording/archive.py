@@ -19,8 +19,8 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sandbox.elements.arrays import IMPACT
 from sandbox.errors import OutputError
-from sandbox.kinds.arrays import IMPACT
 from sandbox.recording.reading import FORMAT, INFO, MECHANISM
 from sandbox.samples.outcome import outcome_data
 from sandbox.samples.samples import Samples

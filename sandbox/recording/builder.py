@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import (
+from sandbox.elements.arrays import (
     CONTACT,
     IMPACT,
     MEAN,

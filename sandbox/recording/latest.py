@@ -10,7 +10,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import CONTACT, IMPACT, Arrays, sizes
+from sandbox.elements.arrays import CONTACT, IMPACT, Arrays, sizes
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.recording.builder import TIME, RecordingBuilder, Rows

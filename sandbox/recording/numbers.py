@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import IN_ORDER, LARGEST, Recorded
+from sandbox.elements.arrays import IN_ORDER, LARGEST, Recorded
 from sandbox.numeric import Array, Flags, Integers
 
 Check = Callable[[int, NDArray[Any]], str]

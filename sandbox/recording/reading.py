@@ -25,8 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
+from sandbox.elements.arrays import ARRAYS, METERS, Arrays, Recorded, dtype_of, misshapen, sizes
 from sandbox.errors import OutputError, Problem, SceneError
-from sandbox.kinds.arrays import ARRAYS, METERS, Arrays, Recorded, dtype_of, misshapen, sizes
 from sandbox.recording.numbers import Span, checks
 from sandbox.samples.outcome import Outcome, read_outcome
 from sandbox.scene.check.ranges import check_ranges
@@ -37,7 +37,7 @@ from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_v
 from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.source import parse_source
 from sandbox.scene.read.tables import check_tables
-from sandbox.scene.values.numbers import message_of
+from sandbox.values.numbers import message_of
 from sandbox.wording import quoted
 
 FORMAT = 1

@@ -21,8 +21,8 @@ from typing import IO, Any
 from sandbox.atomic_files import atomic_file, write_atomic
 from sandbox.audit.bounds import Bounds
 from sandbox.audit.figures import Figure, figure_data
+from sandbox.elements.arrays import LARGEST, Arrays
 from sandbox.errors import OutputError
-from sandbox.kinds.arrays import LARGEST, Arrays
 from sandbox.recording import archive, reading, tables
 from sandbox.recording.new_run import ARCHIVE, CONTACTS, IMPACTS, INCOMPLETE, SUMMARY, writing
 from sandbox.samples.expectations import Verdict

@@ -20,11 +20,11 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from sandbox.audit.bounds import Bounds
-from sandbox.kinds.arrays import IMPACT
-from sandbox.kinds.quantities import CONTACT_COLUMNS, IMPACT_COLUMNS
+from sandbox.elements.arrays import IMPACT
+from sandbox.elements.quantities import CONTACT_COLUMNS, IMPACT_COLUMNS
 from sandbox.numeric import Array, Integers
 from sandbox.samples.samples import Samples
-from sandbox.scene.values.units import normal_unit
+from sandbox.values.units import normal_unit
 
 NUMBER = "%.12g"
 ALWAYS = ("tendons", "joints", "bodies", "drives")

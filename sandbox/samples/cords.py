@@ -18,10 +18,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.kinds.elements import GRAZE
-from sandbox.model.lifts import lifted_at_start
+from sandbox.elements.element import GRAZE
 from sandbox.model.model import Model, Tendons
-from sandbox.model.spans import CordSpan
+from sandbox.model.tendons import CordSpan, lifted_at_start
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.frames import Frames, Places
 from sandbox.scene.geometry import pose_of, to_world

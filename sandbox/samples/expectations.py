@@ -15,12 +15,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sandbox.kinds.quantities import GRASP, NOT_HELD, is_count, is_yes_no
+from sandbox.elements.quantities import GRASP, NOT_HELD, is_count, is_yes_no
 from sandbox.model.catalogue import Source, UnknownQuantityError
 from sandbox.numeric import Array, Flags
 from sandbox.samples.grasps import STIFFNESS
 from sandbox.samples.samples import Samples
-from sandbox.scene.elements.settings import ROUNDING, WITHIN, Expect, Looked
+from sandbox.scene.settings import ROUNDING, WITHIN, Expect, Looked
 from sandbox.wording import is_pattern
 
 WHOLE = ("min", "max", "final")

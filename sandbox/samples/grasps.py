@@ -14,15 +14,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.kinds.quantities import MOST_PRESSING, STRAY, WINDOW
+from sandbox.elements.quantities import MOST_PRESSING, STRAY, WINDOW
 from sandbox.mechanics.closure import force_spread, grasp_epsilon, grasp_isotropy
-from sandbox.model.friction import static_friction_of
+from sandbox.model.pairs import static_friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.samples.patches import flat_sides, pressed
 from sandbox.samples.stored import Stored
 from sandbox.samples.yielding import Yielding, without_stiffness
-from sandbox.scene.elements.bodies import Body
+from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import centre_of, reach_of
 
 OF_HANDS = ("phalanx", "palm", "rocker", "pulley")
@@ -84,7 +84,7 @@ class Grasp:
         self._stiffnesses: dict[int, Array] = {}
 
     def read(self, quantity: str) -> Array:
-        """One of :data:`sandbox.kinds.quantities.GRASP` over time, [n]."""
+        """One of :data:`sandbox.elements.quantities.GRASP` over time, [n]."""
         return MEASURES[quantity](self)
 
     # --- closed forms of contacts
@@ -373,7 +373,7 @@ MEASURES: Mapping[str, Callable[[Grasp], Array]] = {
     "spread": Grasp.spread,
     "spread_bodies": Grasp.spread_bodies,
 }
-"""How each of :data:`sandbox.kinds.quantities.GRASP` is worked out."""
+"""How each of :data:`sandbox.elements.quantities.GRASP` is worked out."""
 
 
 def of_hand(body: Body) -> bool:

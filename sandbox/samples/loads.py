@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.model.joints import meeting
 from sandbox.model.ties import held_of
-from sandbox.model.wheels import meeting
 from sandbox.numeric import Array, Integers
 from sandbox.samples.cords import Stretches, piece_tensions, stretches
 from sandbox.samples.frames import Frames

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import FORCES, Arrays
+from sandbox.elements.arrays import FORCES, Arrays
 from sandbox.numeric import Array, Integers
 
 CANCELLED = 1e-6

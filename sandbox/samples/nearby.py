@@ -10,7 +10,7 @@ import numpy as np
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.samples.stored import Stored
-from sandbox.scene.elements.bodies import Capsule, Circle
+from sandbox.scene.bodies import Capsule, Circle
 from sandbox.scene.geometry import corners, solids
 
 SAME = 1e-12

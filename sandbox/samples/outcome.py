@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, Literal
 
-from sandbox.scene.elements.settings import Run
-from sandbox.scene.values.ranges import size_fault
+from sandbox.scene.settings import Run
+from sandbox.values.ranges import size_fault
 from sandbox.wording import quoted
 
 MOST = 1e18

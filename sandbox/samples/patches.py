@@ -13,7 +13,7 @@ import numpy as np
 from sandbox.numeric import Array
 from sandbox.samples.nearby import pieces_of
 from sandbox.samples.stored import Stored
-from sandbox.scene.elements.bodies import Body, Capsule, Circle
+from sandbox.scene.bodies import Body, Capsule, Circle
 from sandbox.scene.geometry import corners, count_solids, solids
 
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import (
+from sandbox.elements.arrays import (
     CONTACT,
     MEAN,
     MEAN_CONTACT,
@@ -18,26 +18,22 @@ from sandbox.kinds.arrays import (
     Arrays,
     has_numbers,
 )
-from sandbox.kinds.elements import NAMED
-from sandbox.kinds.quantities import GRASP, QUANTITIES, TIED, numbered
-from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError
+from sandbox.elements.element import NAMED
+from sandbox.elements.quantities import GRASP, QUANTITIES, TIED, numbered
+from sandbox.model import meters
+from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError, near_pattern, unit_of
+from sandbox.model.joints import link_tensions, of_wheels
 from sandbox.model.model import Model
 from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Integers
-from sandbox.samples import meters
-from sandbox.samples.breaks import broken
 from sandbox.samples.contacts import Contacts
 from sandbox.samples.cords import piece_tensions, stretches, wound_up
-from sandbox.samples.ends import ended
 from sandbox.samples.frames import Frames
 from sandbox.samples.grasps import STIFFNESS, Grasp
-from sandbox.samples.links import link_tensions
 from sandbox.samples.merging import mean_arrays, mean_contact_rows
 from sandbox.samples.outcome import Outcome
-from sandbox.samples.patterns import near_pattern, unit_of
-from sandbox.samples.stalls import stalled
+from sandbox.samples.remarks import broken, ended, stalled
 from sandbox.samples.stored import Stored
-from sandbox.samples.wheels import of_wheels
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import is_pattern
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import Arrays, completed, dtype_of, faults
+from sandbox.elements.arrays import Arrays, completed, dtype_of, faults
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
 from sandbox.numeric import Array

@@ -16,12 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.elements.controllers.kinds import Controller
 from sandbox.numeric import Array
 from sandbox.samples.response import Response, respond
 from sandbox.samples.samples import Samples
-from sandbox.scene.elements.controllers import Controller, readings_of, targets_of, writes_of
-from sandbox.scene.mechanism import signal_of
-from sandbox.scene.values.signals import values
+from sandbox.values.signals import values
 
 SUFFIX = ".target"
 """Of a meter that holds the target of the quantity before it."""
@@ -122,7 +121,7 @@ def led(run: Samples) -> list[str]:
 
 def controlled(run: Samples) -> list[str]:
     """The drives that controllers set, in the mechanism's order."""
-    written = {name for c in run.mechanism.controllers for name in writes_of(c)}
+    written = {name for c in run.mechanism.controllers for name in c.written}
     return [drive.name for drive in run.mechanism.drives if drive.name in written]
 
 
@@ -135,20 +134,20 @@ def initial(run: Samples, drive: str) -> float:
     spec = run.mechanism.drives[run.model.names.drive[drive]]
     try:
         return float(values(
-            signal_of(spec, run.mechanism), np.zeros(1), run.mechanism.functions)[0])
+            spec.signal(run.mechanism), np.zeros(1), run.mechanism.functions)[0])
     except ValueError:  # such as log(t): what it had first
         return float(run[f"{drive}.value"][0])
 
 
 def _plain_readings(controller: Controller) -> list[str]:
     """What a controller reads, without the ``=`` before a lone name."""
-    return [text.removeprefix("=").strip() for text in readings_of(controller)]
+    return [text.removeprefix("=").strip() for text in controller.readings]
 
 
 def _led(run: Samples) -> list[tuple[str, Array]]:
     found = []
     for controller in sorted(run.mechanism.controllers, key=lambda c: not c.active):
-        pairs = zip(_plain_readings(controller), targets_of(controller), strict=False)
+        pairs = zip(_plain_readings(controller), controller.signals, strict=False)
         for i, (name, signal) in enumerate(pairs):
             if name not in run:
                 continue  # an expression of several quantities

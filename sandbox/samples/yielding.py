@@ -19,9 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.kinds.arrays import CONTACT, LAYOUT, PER_SAMPLE
-from sandbox.model.friction import friction_of
+from sandbox.elements.arrays import CONTACT, LAYOUT, PER_SAMPLE
 from sandbox.model.model import NONE, Model
+from sandbox.model.pairs import friction_of
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH

@@ -6,23 +6,23 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from sandbox.scene.elements.bodies import Body, Material
-from sandbox.scene.elements.controllers import Controller
-from sandbox.scene.elements.drives import Drive
-from sandbox.scene.elements.events import Event
-from sandbox.scene.elements.fluids import Line, Valve
-from sandbox.scene.elements.joints import Joint
-from sandbox.scene.elements.loads import Load
-from sandbox.scene.elements.settings import ContactRule, Group, Meter
-from sandbox.scene.elements.spec import TYPE, Spec
-from sandbox.scene.elements.springs import Spring
-from sandbox.scene.elements.tendons import Tendon
+from sandbox.elements.controllers.kinds import Controller
+from sandbox.elements.drives import Drive
+from sandbox.elements.fluids import Line, Valve
+from sandbox.elements.joints import Joint
+from sandbox.elements.loads import Load
+from sandbox.elements.springs import Spring
+from sandbox.elements.tendons import Tendon
+from sandbox.scene.bodies import Body, Material
+from sandbox.scene.events import Event
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts.finger import Finger
 from sandbox.scene.parts.placement import Mirror
 from sandbox.scene.parts.section import Section
 from sandbox.scene.parts.trees import PulleyTree, RockerTree
-from sandbox.scene.values.numbers import POSITIVE, Angle, Items, Name, Number, Point, Quantity
+from sandbox.scene.settings import ContactRule, Group, Meter
+from sandbox.values.numbers import POSITIVE, Angle, Items, Name, Number, Point, Quantity
+from sandbox.values.spec import TYPE, Spec
 
 
 class Assembly(Spec):

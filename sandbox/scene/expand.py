@@ -7,10 +7,10 @@ import json
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from sandbox.elements.drives import Drive
 from sandbox.errors import Problem, SceneError
+from sandbox.scene.bodies import Body
 from sandbox.scene.document import Assembly, Part, Scene
-from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.drives import Drive, PullDrive, StiffnessDrive
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts.assembly import placed
 from sandbox.scene.parts.expansion import Elements, PartError
@@ -169,8 +169,9 @@ def _pulled_twice(scene: Scene | Assembly) -> list[Problem]:
 
 
 def _resolved(drive: Drive, tendon_of: dict[str, str]) -> Drive:
-    if isinstance(drive, PullDrive | StiffnessDrive) and drive.tendon in tendon_of:
-        return drive.model_copy(update={"tendon": tendon_of[drive.tendon]})
+    reference, name = drive.target
+    if reference.among == "tendons" and name in tendon_of:
+        return drive.model_copy(update={"tendon": tendon_of[name]})
     return drive
 
 

@@ -10,8 +10,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from sandbox.elements.joints import Joint
 from sandbox.numeric import Array
-from sandbox.scene.elements.bodies import (
+from sandbox.scene.bodies import (
     Body,
     Box,
     Capsule,
@@ -21,7 +22,6 @@ from sandbox.scene.elements.bodies import (
     Shape,
     Solid,
 )
-from sandbox.scene.elements.joints import Joint, Pin
 from sandbox.scene.outlines.curves import reversed_nodes
 from sandbox.scene.outlines.pieces import chain_faces, pieces_of
 from sandbox.scene.outlines.rings import signed_area, wound
@@ -225,8 +225,3 @@ def mass_properties(body: Body) -> MassProperties:
         centre = body.centre
     inertia = body.inertia if body.inertia is not None else mass * second / area
     return MassProperties(mass, centre, inertia)
-
-
-def joint_angle_sign(joint: Pin) -> float:
-    """+1 or -1: factor from a counter-clockwise turn to the hinge's positive sense."""
-    return 1.0 if joint.positive == "counterclockwise" else -1.0

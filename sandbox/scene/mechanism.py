@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-import fnmatch
-import re
-
 from pydantic import Field
 
-from sandbox.kinds.elements import LISTS, NAMED, RELEASABLE
-from sandbox.scene.elements.bodies import Body, Material
-from sandbox.scene.elements.controllers import Controller
-from sandbox.scene.elements.drives import Drive, HoldDrive, MotorDrive, StiffnessDrive
-from sandbox.scene.elements.events import Event
-from sandbox.scene.elements.fluids import Line, Valve
-from sandbox.scene.elements.joints import Joint
-from sandbox.scene.elements.loads import Load
-from sandbox.scene.elements.settings import ContactRule, Expect, Group, Meter, Run, View
-from sandbox.scene.elements.spec import Spec
-from sandbox.scene.elements.springs import Spring
-from sandbox.scene.elements.tendons import Tendon
-from sandbox.scene.values.numbers import Acceleration, Items, Name, Pair
-from sandbox.scene.values.signals import AnySignal, Constant
-from sandbox.scene.values.tables import NamedTable, TableName, Tables, tables_of
+from sandbox.elements.controllers.kinds import Controller
+from sandbox.elements.drives import Drive
+from sandbox.elements.element import LISTS, NAMED, RELEASABLE, Vec
+from sandbox.elements.fluids import Line, Valve
+from sandbox.elements.joints import Joint
+from sandbox.elements.loads import Load
+from sandbox.elements.springs import Spring
+from sandbox.elements.tendons import Tendon
+from sandbox.scene.bodies import Body, Material
+from sandbox.scene.events import Event
+from sandbox.scene.geometry import anchors, pose_of, to_world
+from sandbox.scene.settings import ContactRule, Expect, Group, Meter, Run, View
+from sandbox.values.numbers import Acceleration, Items, Name, Pair
+from sandbox.values.spec import Spec
+from sandbox.values.tables import NamedTable, TableName, Tables, tables_of
 
 
 class Mechanism(Spec):
@@ -101,14 +98,14 @@ class Mechanism(Spec):
 
     @property
     def holding(self) -> tuple[Joint | Spring | Tendon, ...]:
-        """All that a run could let go: :data:`sandbox.kinds.elements.RELEASABLE`, in this order."""
+        """All elements that can be released, in the order of :data:`RELEASABLE`."""
         return tuple(each for kind in RELEASABLE for each in getattr(self, kind))
 
     @property
     def releasable(self) -> tuple[str, ...]:
         """Names of those of :attr:`holding` that this run may let go."""
         named = {name for event in self.events for name in (*event.release, *event.take_up)}
-        named |= {drive.element for drive in self.drives if isinstance(drive, HoldDrive)}
+        named |= {drive.target[1] for drive in self.drives if drive.kind.gives == "hold"}
         return tuple(each.name for each in self.holding
                      if each.released or each.breaks_at is not None or each.name in named)
 
@@ -121,25 +118,13 @@ class Mechanism(Spec):
     def loaded(self) -> tuple[tuple[int, int], ...]:
         """Every load with every body that it acts on, by their numbers, load by load."""
         return tuple((i, body) for i, load in enumerate(self.loads)
-                     for body in borne(load, self.bodies))
+                     for body in load.borne(self.bodies))
 
+    def anchors(self, joint: Joint) -> tuple[Vec, Vec]:
+        """Anchors of a joint in the frames of its bodies ``a`` and ``b`` [m]."""
+        bodies = {body.name: body for body in self.bodies}
+        return anchors(joint, bodies[joint.a], bodies[joint.b])
 
-def borne(load: Load, bodies: tuple[Body, ...]) -> list[int]:
-    """Numbers of the bodies that a load acts on, of those that move freely."""
-    fits = [re.compile(fnmatch.translate(pattern)).match for pattern in load.bodies]
-    return [i for i, body in enumerate(bodies) if body.motion == "dynamic"
-            and any(fit(body.name) for fit in fits)]
-
-
-def signal_of(drive: Drive, mechanism: Mechanism) -> AnySignal:
-    """The signal of a drive; of one that says nothing its spring's stiffness, its no-load speed."""
-    if isinstance(drive, StiffnessDrive) and drive.value is None:
-        own = next(each.stiffness for each in (*mechanism.springs, *mechanism.tendons)
-                   if each.name == (drive.spring or drive.tendon))
-        assert own is not None  # a law has none to set, and the references say so
-        return Constant(constant=own)
-    if isinstance(drive, MotorDrive) and drive.value is None:
-        assert drive.no_load is not None  # one without a line has a value
-        return Constant(constant=drive.no_load)
-    assert drive.value is not None  # of others it may not be left out
-    return drive.value
+    def world(self, body: str, point: Vec) -> Vec:
+        """A point of a body's frame [m] in the world at t = 0."""
+        return to_world(pose_of(next(each for each in self.bodies if each.name == body)), point)

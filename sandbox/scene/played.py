@@ -10,12 +10,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
 
-from sandbox.kinds.elements import NAMED
+from sandbox.elements.body_drives import ForceDrive
+from sandbox.elements.drives import Drive
+from sandbox.elements.element import NAMED
 from sandbox.scene.check.control import check_control
-from sandbox.scene.elements.drives import Drive, ForceDrive
-from sandbox.scene.elements.events import Event
+from sandbox.scene.events import Event
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.paths import parse_path
+from sandbox.values.paths import parse_path
 
 HAND = "hand"
 """The drives that push are called so, with a number, and ``x`` and ``y``."""

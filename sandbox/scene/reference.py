@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
@@ -14,37 +14,24 @@ from pydantic import WithJsonSchema
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
-from sandbox.kinds.quantities import GRASP, NUMBERED, QUANTITIES, TIED
+from sandbox.elements import drives, fluids, joints, loads, springs, tendons
+from sandbox.elements.controllers.equilibrium import FingerGeometry
+from sandbox.elements.controllers.kinds import Controller
+from sandbox.elements.quantities import GRASP, QUANTITIES, TIED
+from sandbox.elements.registry import KINDS, members
+from sandbox.elements.tendons import NUMBERED
+from sandbox.scene import bodies, events, layers, settings
 from sandbox.scene.document import Assembly, Scene
-from sandbox.scene.elements import (
-    bodies,
-    controllers,
-    drives,
-    events,
-    fluids,
-    joints,
-    loads,
-    settings,
-    springs,
-    tendons,
-)
-from sandbox.scene.elements.spec import Spec
 from sandbox.scene.parts import finger, section, trees
 from sandbox.scene.parts import per_joint as lists
 from sandbox.scene.schema import descriptions
-from sandbox.scene.values import colours, numbers, planes, shown, signals, tables
-from sandbox.scene.values.units import units_of
-
-
-def members(union: Any) -> list[type[Spec]]:
-    """The models of a discriminated union such as ``Joint``."""
-    return list(get_args(get_args(union)[0]))
-
+from sandbox.values import colours, numbers, planes, signals, tables
+from sandbox.values.spec import Spec
+from sandbox.values.units import units_of
 
 VALUES = "Values over time"
 """Topic of the models that stand for numbers, wherever these stand."""
-ELEMENTS: Mapping[str, list[type[Spec]]] = {
+ELEMENTS: Mapping[str, Sequence[type[Spec]]] = {
     "The scene": [Scene, settings.Run, settings.View, settings.Trace,
                   settings.ShownMeter],
     "Bodies": [bodies.Body, *members(bodies.WrittenShape), signals.Path, bodies.Material,
@@ -57,7 +44,7 @@ ELEMENTS: Mapping[str, list[type[Spec]]] = {
     "Drives": members(drives.Drive),
     VALUES: [signals.Ramp, signals.Table, signals.Formula, signals.Constant],
     "Tables": [tables.NamedTable],
-    "Controllers": [*members(controllers.Controller), controllers.FingerGeometry],
+    "Controllers": [*members(Controller), FingerGeometry],
     "Events": [events.Event],
     "Readings and expectations": [settings.Meter, settings.Expect, settings.Group],
 }
@@ -69,8 +56,6 @@ PARTS: Mapping[str, list[type[Spec]]] = {
     "Assembly": [Assembly],
 }
 """The models of parts by topic."""
-KINDS: Mapping[str, Mapping[str, JointKind | SpringKind | DriveKind]] = {
-    "joint": JOINTS, "spring": SPRINGS, "drive": DRIVES}
 SIGNALS = (signals.ForceSignal, signals.TorqueSignal, signals.LengthSignal, signals.AngleSignal,
            signals.SpeedSignal, signals.FlowSignal, signals.PressureSignal, signals.ShareSignal,
            signals.StiffnessSignal, signals.Signal)
@@ -81,7 +66,7 @@ CHOICES = {
     bodies.BodyShape: "[shape](elements.md#bodies)", joints.Joint: "[joint](elements.md#joints)",
     springs.Spring: "[spring](elements.md#springs)", drives.Drive: "[drive](elements.md#drives)",
     fluids.Chamber: "[chamber](elements.md#fluid)", loads.Load: "[load](elements.md#loads)",
-    controllers.Controller: "[controller](elements.md#controllers)"}
+    Controller: "[controller](elements.md#controllers)"}
 """Unions by name, with the section of the docs that has their members."""
 
 
@@ -96,8 +81,8 @@ def field_type(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
         return planes.WORDS.replace("\"all\"", "`\"all\"`")
     if colours.SCHEMA in metadata:
         return "colour"
-    if shown.SCHEMA in metadata:
-        return shown.WORDS
+    if layers.SCHEMA in metadata:
+        return layers.WORDS
     if metadata and any(set(get_args(alias)[1:]) <= set(metadata) for alias in ONE_FOR_ALL):
         return f"one for all, or {field_type(annotation)}"
     if get_origin(annotation) is Annotated:
@@ -219,17 +204,17 @@ def summary(model: type[Spec]) -> str:
     return re.split(r"(?<=\.) (?=[A-Z`])|\n", about(model))[0]
 
 
-def tag_of(model: type[Spec]) -> str:
-    """The ``type`` of a model, such as ``motor``; empty where it has none."""
-    field = model.model_fields.get("type")
-    return str(get_args(field.annotation)[0]) if field else ""
+def kinds_of(element: str) -> dict[str, Any]:
+    """Facts by ``type`` of a ``joint``, ``spring`` or ``drive``; none of others."""
+    return {tag: kind.facts for tag, kind in KINDS.get(f"{element}s", {}).items()
+            if hasattr(kind, "facts")}
 
 
 def owners(element: str, quantity: str) -> str:
     """The elements that record a quantity: ``joint``, ``drive: motor, brake``."""
     having = recorded_by(element, quantity)
-    kinds = KINDS.get(element, {})
-    lacking = [tag for tag in kinds if tag not in having and f"{tag} with limits" not in having]
+    lacking = [tag for tag in kinds_of(element)
+               if tag not in having and f"{tag} with limits" not in having]
     whole = "pair of bodies" if element == "pair" else element
     if not lacking and not any(" " in word for word in having):
         return whole
@@ -239,13 +224,12 @@ def owners(element: str, quantity: str) -> str:
 
 def recorded_by(element: str, quantity: str) -> list[str]:
     """The kinds of an element that record a quantity, such as ``pin``, ``pin with limits``."""
-    kinds = KINDS.get(element, {}).items()
+    kinds = kinds_of(element).items()
     always = [tag for tag, each in kinds if quantity in each.records]
     for tag, each in kinds:
-        if isinstance(each, JointKind):
-            always += [f"{tag} with limits"] if quantity in each.stopped else []
-            always += [f"{tag} with backlash"] if quantity in each.loose else []
-            always += [f"{tag} with dry friction"] if quantity in each.rubbed else []
+        always += [f"{tag} with {condition}" for field, condition in (
+            ("stopped", "limits"), ("loose", "backlash"), ("rubbed", "dry friction"))
+            if quantity in getattr(each, field, ())]
     return always
 
 
@@ -285,13 +269,13 @@ def quantity_rows() -> Iterator[QuantityRow]:
 def _drive_units() -> str:
     """The units of values of drives, each with its kinds."""
     units: dict[str, list[str]] = {}
-    of_springs = " or ".join(each.unit for each in SPRINGS.values())
-    for tag, each in DRIVES.items():
+    of_springs = " or ".join(each.unit for each in kinds_of("spring").values())
+    for tag, each in kinds_of("drive").items():
         units.setdefault(each.unit or of_springs, []).append(tag)
     return "; ".join(f"{unit} ({', '.join(tags)})" for unit, tags in units.items())
 
 
 def _joint_units(quantity: str) -> str:
     """The units of a quantity of joints that their kind says, each with its kind."""
-    return "; ".join(f"{each.rubs} ({tag})" for tag, each in JOINTS.items()
+    return "; ".join(f"{each.rubs} ({tag})" for tag, each in kinds_of("joint").items()
                      if quantity in each.rubbed)

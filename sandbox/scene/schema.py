@@ -15,7 +15,7 @@ from typing import Any, get_args
 from pydantic import BaseModel
 
 from sandbox.scene.document import Scene
-from sandbox.scene.elements.spec import Spec
+from sandbox.values.spec import Spec
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 IDENTIFIER = "^[A-Za-z][A-Za-z0-9_]*$"

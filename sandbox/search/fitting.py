@@ -23,7 +23,6 @@ from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.errors import SandboxError
 from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array, Integers
-from sandbox.scene.values.units import factor_of
 from sandbox.search.question import Question
 from sandbox.search.session import (
     FOUND,
@@ -36,6 +35,7 @@ from sandbox.search.session import (
 )
 from sandbox.sweeps.job import Keep, ReadAt, SweepRow
 from sandbox.sweeps.vary import Range
+from sandbox.values.units import factor_of
 from sandbox.wording import WrongValueError, listed, or_near, quoted, told_of
 
 COMPARED = "fit.csv"

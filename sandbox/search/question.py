@@ -194,7 +194,7 @@ def _as_written(problem: Problem, source: SceneSource) -> Problem:
     path = problem.path.replace("$.vary[0].over", "$.vary")
     if path == problem.path or problem.file:
         return problem
-    from sandbox.scene.read.paths import parse_path
+    from sandbox.values.paths import parse_path
 
     line, column = source.where(parse_path(path), key=problem.key)
     return replace(problem, path=path, line=line, column=column)

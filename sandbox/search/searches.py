@@ -11,13 +11,13 @@ from typing import Any
 from sandbox.atomic_files import output_path
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.paths import path_text
 from sandbox.search.fitting import Fitted, find_fit
 from sandbox.search.influences import Sensitivity, find_sensitivity
 from sandbox.search.optimum import Chosen, find_best
 from sandbox.search.question import Question, Scene, make_question, read_question
 from sandbox.search.session import RefusedError, Where, check_result, parse_conditions
 from sandbox.search.thresholds import ThresholdFound, find_threshold
+from sandbox.values.paths import path_text
 
 Keep = Mapping[str, Any] | list[str] | None
 Out = str | os.PathLike[str] | None

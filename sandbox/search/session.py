@@ -21,7 +21,6 @@ from sandbox.draw.figure.sweeps import FoundLine
 from sandbox.errors import SandboxError, SceneError
 from sandbox.numeric import Array
 from sandbox.scene.read.limits import over
-from sandbox.scene.values.units import parse_quantity, unfit
 from sandbox.search.question import Point, Question
 from sandbox.sweeps.job import DONE, STEP, SweepRow
 from sandbox.sweeps.log import Log
@@ -29,6 +28,7 @@ from sandbox.sweeps.points import Points
 from sandbox.sweeps.spec import MAX_SEED
 from sandbox.sweeps.table import SweepTable, draw_table, make_table
 from sandbox.sweeps.workers import Evaluator
+from sandbox.values.units import parse_quantity, unfit
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 
 RESULT, FIGURE, FOUND = "search.json", "search.png", "found.png"

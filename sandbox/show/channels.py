@@ -17,13 +17,13 @@ from sandbox.draw.film.marked import marked
 from sandbox.draw.film.pressure import FlatSides
 from sandbox.draw.film.tendons import slipping
 from sandbox.draw.film.vectors import Vectors, accelerations, reactions, velocities
-from sandbox.kinds.arrays import Arrays, largest_size
-from sandbox.kinds.layers import EVERY, meant
+from sandbox.elements.arrays import Arrays, largest_size
+from sandbox.model.joints import link_tensions
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
-from sandbox.samples.acted import contacts_on
+from sandbox.samples.contacts import contacts_on
 from sandbox.samples.cords import piece_tensions
-from sandbox.samples.links import link_tensions
+from sandbox.scene.layers import EVERY, meant
 from sandbox.scene.mechanism import Mechanism
 from sandbox.show.drives import limited
 from sandbox.show.lines import shown_pieces

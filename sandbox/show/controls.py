@@ -14,13 +14,11 @@ from typing import Any, Literal
 from sandbox.engine.live import Live
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import UnknownQuantityError
-from sandbox.scene.elements.controllers import readings_of, targets_of, writes_of
-from sandbox.scene.elements.drives import kind_of
-from sandbox.scene.mechanism import Mechanism, signal_of
+from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.played import Setting
 from sandbox.scene.read.load import Loaded
-from sandbox.scene.values.signals import AnySignal, Constant, Ramp, Table
-from sandbox.scene.values.units import UNITS, Measured, parse_quantity, units_of
+from sandbox.values.signals import AnySignal, Constant, Ramp, Table
+from sandbox.values.units import UNITS, Measured, parse_quantity, units_of
 from sandbox.wording import WrongValueError, listed, quoted
 
 PARAMETER = "parameters."
@@ -81,12 +79,12 @@ def _parameters(loaded: Loaded) -> Iterator[Control]:
 
 
 def _drives(mechanism: Mechanism, live: Live) -> Iterator[Control]:
-    written = {name for controller in mechanism.controllers for name in writes_of(controller)}
+    written = {name for controller in mechanism.controllers for name in controller.written}
     for i, drive in enumerate(mechanism.drives):
         if drive.name in written:
             continue
-        kind, unit = kind_of(drive), live.unit(f"{drive.name}.value")
-        most = _largest(signal_of(drive, mechanism), mechanism.run.duration)
+        kind, unit = drive.kind, live.unit(f"{drive.name}.value")
+        most = _largest(drive.signal(mechanism), mechanism.run.duration)
         low, high = (0.0, 1.0) if kind.gives in ("hold", "opening") else _span(most, unit)
         if kind.floor is not None and math.isfinite(kind.floor):
             low = max(low, kind.floor)
@@ -96,9 +94,9 @@ def _drives(mechanism: Mechanism, live: Live) -> Iterator[Control]:
 def _controllers(live: Live) -> Iterator[Control]:
     given = {each.name: each.value for each in live.inputs if isinstance(each, Setting)}
     for controller in live.scene.controllers:
-        targets = targets_of(controller)
+        targets = controller.signals
         if len(targets) == 1:
-            unit = _unit_of(live, readings_of(controller)[0])
+            unit = _unit_of(live, controller.readings[0])
             value = final(targets[0], math.inf)
             value = 0.0 if value is None else value
             name, (low, high) = f"{controller.name}.target", _span(value, unit)
@@ -123,7 +121,7 @@ def read_value(name: str, text: str, mechanism: Mechanism, live: Live) -> float:
     """
     unit = next((each.unit for each in (*_drives(mechanism, live), *_controllers(live))
                  if each.name == name), "")
-    kind = next((kind_of(drive) for drive in mechanism.drives if drive.name == name), None)
+    kind = next((drive.kind for drive in mechanism.drives if drive.name == name), None)
     dimension = UNITS[unit][1] if unit in UNITS else kind.dimension if kind else ""
     allowed = "a number" + f", or one with a unit: {listed(units_of(dimension))}" * bool(dimension)
     try:  # of what has no dimension a text of any unit is Measured
@@ -191,11 +189,11 @@ def changes(old: Mechanism, new: Mechanism, time: float) -> dict[str, float] | N
         return None
     if len(old.drives) != len(new.drives) or len(old.controllers) != len(new.controllers):
         return None
-    written = {name for controller in new.controllers for name in writes_of(controller)}
+    written = {name for controller in new.controllers for name in controller.written}
     for was, drive in zip(old.drives, new.drives, strict=True):
         if was == drive:
             continue
-        value = final(signal_of(drive, new), time)
+        value = final(drive.signal(new), time)
         if drive.model_copy(update={"value": was.value}) != was or value is None \
                 or drive.name in written:
             return None
@@ -203,7 +201,7 @@ def changes(old: Mechanism, new: Mechanism, time: float) -> dict[str, float] | N
     for before, controller in zip(old.controllers, new.controllers, strict=True):
         if before == controller:
             continue
-        targets = targets_of(controller)
+        targets = controller.signals
         field = "target" if hasattr(controller, "target") else "value"
         if len(targets) != 1 or controller.name != before.name or not hasattr(before, field):
             return None

@@ -17,16 +17,16 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.elements.arrays import ARRAYS, CONTACT, STATIC, Arrays
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.live import Live
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import SceneError, SimulationDiverged
-from sandbox.kinds.arrays import ARRAYS, CONTACT, STATIC, Arrays
 from sandbox.model.catalogue import PAIR, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.recording.recording import Recording
-from sandbox.samples.acted import on_the_other
+from sandbox.samples.contacts import on_the_other
 from sandbox.show.channels import SomeSamples, channels, patch_rows, sides_of, surface_ways
 from sandbox.show.header import drawing
 from sandbox.show.meters import expressions_of, meters_of

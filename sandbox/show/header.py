@@ -22,13 +22,13 @@ from sandbox.draw.film.marked import finger_names
 from sandbox.draw.film.scales import LONGEST, ForceScale, force_scale
 from sandbox.draw.film.symbols import SYMBOLS, fixed_style, signs_in
 from sandbox.draw.film.tensions import SLACK_FRACTION, Tensions, tensions_of
-from sandbox.kinds.layers import LAYERS, shown
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array
-from sandbox.samples.acted import contacts_on, said_of
+from sandbox.samples.contacts import contacts_on, said_of
 from sandbox.samples.expectations import Verdict, window
 from sandbox.samples.samples import Samples
 from sandbox.scene.expand import to_json
+from sandbox.scene.layers import LAYERS, shown
 from sandbox.show.channels import moving, vectors_of
 from sandbox.show.parts import fills_of, parts_of
 from sandbox.show.points import Part, css, short

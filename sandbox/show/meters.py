@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from sandbox.model.catalogue import Catalogue
-from sandbox.model.shown_meters import curves, is_expression
-from sandbox.scene.elements.settings import View
+from sandbox.model.meters import curves, is_expression
+from sandbox.scene.settings import View
 
 if TYPE_CHECKING:
     from sandbox.show.frames import LiveFrames

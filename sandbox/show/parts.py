@@ -25,17 +25,17 @@ from sandbox.draw.film.stalks import far_feet, stalks
 from sandbox.draw.film.unions import bare_outlines, united
 from sandbox.draw.film.vectors import hinges_of, vector_scale
 from sandbox.draw.film.wheels import WheelPicture, wheel_pictures
-from sandbox.kinds.layers import EVERY, LAYERS, PASSES, meant
 from sandbox.model.model import Model
-from sandbox.scene.elements.bodies import Box, Capsule, Circle, Polygon, Polyline, Shape
+from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import solids
-from sandbox.scene.values.planes import depth
+from sandbox.scene.layers import EVERY, LAYERS, PASSES, meant
 from sandbox.show.channels import sides_of, vectors_of
 from sandbox.show.drives import arrows, belts, drive_marks, load_parts, told_parts
 from sandbox.show.fluids import fluid_parts
 from sandbox.show.joints import grooves, joint_marks, latches, links, stops
 from sandbox.show.lines import cord_wheels, cords, springs
 from sandbox.show.points import Part, css, path, point, short
+from sandbox.values.planes import depth
 
 FINE = 1e-3
 """How far the lines of an outline without a fill may be from a round one, in sizes of its shape."""

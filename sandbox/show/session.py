@@ -22,13 +22,13 @@ from sandbox.engine.live import Live
 from sandbox.engine.simulate import simulate
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.model.catalogue import Catalogue, UnknownQuantityError
-from sandbox.model.shown_meters import is_expression
+from sandbox.model.meters import is_expression
 from sandbox.scene.expand import to_json
 from sandbox.scene.read.load import Loaded
-from sandbox.scene.values.units import dimension_of, units_of
 from sandbox.show.controls import PARAMETER, Spans, changes, controls, read_value
 from sandbox.show.frames import LOOK, LiveFrames, Stride, looked_at
 from sandbox.show.meters import MOST_METERS, first_meters
+from sandbox.values.units import dimension_of, units_of
 from sandbox.wording import listed, near, quoted
 
 FRAME = 1 / 60

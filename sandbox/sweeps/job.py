@@ -22,11 +22,11 @@ from sandbox.errors import (
     SceneError,
     SimulationDiverged,
 )
-from sandbox.scene.elements.settings import Looked
-from sandbox.scene.elements.spec import Spec
 from sandbox.scene.outlines.drawings import own_file
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
+from sandbox.scene.settings import Looked
+from sandbox.values.spec import Spec
 
 DONE, DIED = "done", "died"
 """Status of a run that reached its end, and of one whose worker processes died."""

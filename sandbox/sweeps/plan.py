@@ -14,19 +14,19 @@ from pydantic import ValidationError
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue
 from sandbox.samples.samples import TIME
-from sandbox.scene.elements.settings import Expect, Looked
 from sandbox.scene.library import find_scene, shipped_scenes
 from sandbox.scene.read.limits import Limits, over
 from sandbox.scene.read.load import Loaded, read_scene
-from sandbox.scene.read.messages import explain
-from sandbox.scene.read.paths import parse_path
 from sandbox.scene.read.source import SceneSource, read_source
-from sandbox.scene.values.expressions import parse_expression
-from sandbox.scene.values.units import unit_in
+from sandbox.scene.settings import Expect, Looked
 from sandbox.sweeps.job import Override, SweepJob, make_bundle, run_id
 from sandbox.sweeps.points import Points, make_points, number_of
 from sandbox.sweeps.spec import UNCOUNTED, SweepSpec
 from sandbox.sweeps.vary import si_unit
+from sandbox.values.expressions import parse_expression
+from sandbox.values.messages import explain
+from sandbox.values.paths import parse_path
+from sandbox.values.units import unit_in
 from sandbox.wording import WrongValueError, counted, is_pattern, kind_of, listed, near, quoted
 
 COLUMNS = ("run", "id", "status", "reason", "holds", "failed", "looks", "seed")

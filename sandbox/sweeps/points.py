@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from sandbox.numeric import Array, Integers
-from sandbox.scene.values.units import parse_quantity
 from sandbox.sweeps.job import Override
 from sandbox.sweeps.spec import EXPLICIT, SweepSpec
 from sandbox.sweeps.vary import Distribution, Range, Values
+from sandbox.values.units import parse_quantity
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,8 @@ from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import measured, verdicts, window
 from sandbox.scene.read.load import Loaded, read_scene
-from sandbox.scene.values.expressions import parse_expression
 from sandbox.sweeps.job import DONE, ENDED, Keep, Override, ReadAt, SweepJob, SweepRow
+from sandbox.values.expressions import parse_expression
 
 MAX_REASON = 500
 """Characters of a reason that a row keeps."""

@@ -16,11 +16,11 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from sandbox.scene.elements.settings import STATISTICS, Looked
-from sandbox.scene.elements.spec import Spec
-from sandbox.scene.values.expressions import parse_expression
-from sandbox.scene.values.numbers import Quantity, number_from, refusal
+from sandbox.scene.settings import STATISTICS, Looked
 from sandbox.sweeps.vary import MAX_VALUES, Distribution, Given, Range, Values
+from sandbox.values.expressions import parse_expression
+from sandbox.values.numbers import Quantity, number_from, refusal
+from sandbox.values.spec import Spec
 from sandbox.wording import WrongValueError, near, quoted
 
 Design = Literal["grid", "paired", "latin_hypercube", "sobol", "halton", "random"]

@@ -13,7 +13,6 @@ from typing import Any
 from sandbox.atomic_files import output_path
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.paths import JsonPath, path_text
 from sandbox.sweeps.job import DONE
 from sandbox.sweeps.log import Log
 from sandbox.sweeps.plan import Plan, plan_of, read_plan
@@ -22,6 +21,7 @@ from sandbox.sweeps.spec import parse_result
 from sandbox.sweeps.table import SweepTable, make_table, write_spec
 from sandbox.sweeps.vary import parse_values
 from sandbox.sweeps.workers import Evaluator
+from sandbox.values.paths import JsonPath, path_text
 from sandbox.wording import WrongValueError, quoted
 
 RECORDINGS = "runs"

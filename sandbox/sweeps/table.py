@@ -22,7 +22,7 @@ from sandbox.draw.figure import style
 from sandbox.draw.figure.sweeps import FoundLine, SweepColumn, SweepDrawing, draw_sweep
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array, Flags
-from sandbox.scene.elements.settings import Looked
+from sandbox.scene.settings import Looked
 from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.sweeps.plan import Plan
 from sandbox.sweeps.points import number_of

@@ -24,9 +24,9 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from sandbox.numeric import Array
-from sandbox.scene.elements.spec import Spec
-from sandbox.scene.values.numbers import Number, Quantity, number_from, parameters_of, refusal
-from sandbox.scene.values.units import Measured, dimension_of, factor_of, units_of
+from sandbox.values.numbers import Number, Quantity, number_from, parameters_of, refusal
+from sandbox.values.spec import Spec
+from sandbox.values.units import Measured, dimension_of, factor_of, units_of
 from sandbox.wording import WrongValueError, near, quoted
 
 Written = float | int | str | bool | list[Any] | dict[str, Any] | None

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from sandbox.audit.audit import Figure, audit
+from sandbox.elements.points import Pin
 from sandbox.recording.recording import Recording
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.geometry import joint_angle_sign, mass_properties
+from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
 from tests.recording.sample import recording
 
@@ -61,7 +61,7 @@ def still(
             arrays["body_centre"][i] = weight.centre
     for j, joint in enumerate(mechanism.joints):
         if isinstance(joint, Pin):
-            turned = joint_angle_sign(joint) * (angles[joint.b] - angles[joint.a])
+            turned = joint.sense * (angles[joint.b] - angles[joint.a])
             arrays["joint_angle"][:, j] = turned - joint.zero
     if change is not None:
         change(arrays)

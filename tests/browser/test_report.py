@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from sandbox.draw.figure.style import shown_as
-from sandbox.kinds.arrays import LATE
+from sandbox.elements.arrays import LATE
 from sandbox.recording.recording import Recording
 from sandbox.show.header import FoundOut
 from sandbox.show.page import report

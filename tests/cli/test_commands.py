@@ -9,7 +9,7 @@ import pytest
 import sandbox as package
 from sandbox.cli.entry import COMMANDS, REMOVED
 from sandbox.cli.explain import _elements, _example
-from sandbox.kinds.quantities import QUANTITIES
+from sandbox.elements.quantities import QUANTITIES
 from sandbox.scene.library import shipped_scenes
 
 

@@ -7,10 +7,9 @@ from typing import Any
 import pytest
 from pydantic import TypeAdapter
 
-from sandbox.control.build import build
-from sandbox.scene.elements.controllers import Controller, readings_of, targets_of, writes_of
+from sandbox.elements.controllers.kinds import Controller
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.signals import values
+from sandbox.values.signals import values
 
 H = 1e-3
 ONE: dict[str, Any] = {"name": "c", "writes": "u"}
@@ -25,10 +24,10 @@ def first(given: Any, readings: list[float], inputs: list[float]) -> list[float]
     """What a built law wants at its first act, at t = 0."""
     import numpy as np
 
-    law = build(given, Mechanism(), H)
-    targets = [float(values(signal, np.zeros(1))[0]) for signal in targets_of(given)]
-    assert len(readings_of(given)) == len(readings)
-    assert len(writes_of(given)) == len(inputs)
+    law = given.make_law(Mechanism(), H)
+    targets = [float(values(signal, np.zeros(1))[0]) for signal in given.signals]
+    assert len(given.readings) == len(readings)
+    assert len(given.written) == len(inputs)
     law.begin(readings, targets, inputs)
     return law.act(0.0, readings, targets, inputs)
 

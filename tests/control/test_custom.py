@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sandbox.control.custom import Custom, StopRun
+from sandbox.elements.controllers.custom import Custom, StopRun
 from sandbox.errors import ControllerFailed
 
 

@@ -8,16 +8,12 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from sandbox.control.build import build
-from sandbox.control.equilibrium import joint_model
+from sandbox.elements.controllers.equilibrium import Fingers, joint_model
+from sandbox.elements.controllers.kinds import Controller
 from sandbox.engine.inspect_control import control_problems
 from sandbox.errors import SceneError
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
-from sandbox.scene.crossings import Fingers
-from sandbox.scene.elements.controllers import (
-    Controller,
-)
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
@@ -76,7 +72,7 @@ def test_it_sees_the_finger_as_the_closed_forms_do(finger):
 
 def begun(law: dict[str, Any], readings: list[float], inputs: list[float]) -> Any:
     made = mechanism(law)
-    ready = build(made.controllers[0], made, H)
+    ready = made.controllers[0].make_law(made, H)
     ready.begin(readings, TARGETS, inputs)
     return ready
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter, lsim
 
-from sandbox.control.pid import Gains, Pid
+from sandbox.elements.controllers.pid import Gains, Pid
 
 from .loops import Plant, closed, fed
 

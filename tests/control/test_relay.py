@@ -10,8 +10,13 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq, minimize_scalar
 
-from sandbox.control.relay import RULES, Relay, gains_of, ultimate_gain
-from sandbox.scene.elements.controllers import RelayController
+from sandbox.elements.controllers.relay import (
+    RULES,
+    Relay,
+    RelayController,
+    gains_of,
+    ultimate_gain,
+)
 
 from .loops import Plant, closed
 

@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.control.pid import Gains, Pid
-from sandbox.control.state_feedback import StateFeedback
-from sandbox.scene.elements.controllers import StateFeedbackController
+from sandbox.elements.controllers.pid import Gains, Pid
+from sandbox.elements.controllers.state_feedback import StateFeedback, StateFeedbackController
 
 from .loops import cut, fed
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from sandbox.control.switch import Switch
-from sandbox.scene.elements.controllers import SwitchController
+from sandbox.elements.controllers.simple import Switch, SwitchController
 
 
 def switch(**more: Any) -> Switch:

@@ -16,7 +16,7 @@ from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import SimulationDiverged
 from sandbox.recording.recording import Recording
-from sandbox.scene.elements.events import Event
+from sandbox.scene.events import Event
 from sandbox.scene.mechanism import Mechanism
 from tests.support.mechanisms import G, fixed, mass, mechanism
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sandbox.convergence.runs import at_instants, refined
-from sandbox.scene.elements.controllers import every
+from sandbox.elements.controllers.controller import every
 from tests.support.mechanisms import mass, mechanism
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sandbox.kinds.arrays import CONTACT, PER_SAMPLE, STATIC, dtype_of, shape_of, sizes
+from sandbox.elements.arrays import CONTACT, PER_SAMPLE, STATIC, dtype_of, shape_of, sizes
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import planned
 from sandbox.scene.mechanism import Mechanism

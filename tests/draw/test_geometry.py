@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sandbox.draw.film import geometry as g
-from sandbox.scene.elements.bodies import Box, Capsule, Polygon
+from sandbox.scene.bodies import Box, Capsule, Polygon
 
 radius = st.floats(0.0, 1.0)
 place = st.floats(-5, 5)

@@ -12,7 +12,7 @@ from sandbox.draw.film.palette import (
     REACTION,
     VELOCITY,
 )
-from sandbox.kinds.layers import LAYERS
+from sandbox.scene.layers import LAYERS
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import recording

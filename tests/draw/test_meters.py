@@ -12,7 +12,7 @@ from sandbox.draw.film.shapes import DrawnLines, FilledCircle
 from sandbox.draw.film.sheet import Text
 from sandbox.draw.film.video import render
 from sandbox.errors import OutputError
-from sandbox.model.shown_meters import check_shown
+from sandbox.model.meters import check_shown
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import recording

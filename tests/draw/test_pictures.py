@@ -17,7 +17,7 @@ from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.options import view_of
 from sandbox.draw.film.shapes import DrawnLines, FilledCircle, FilledPolygon
 from sandbox.draw.film.sheet import Text
-from sandbox.kinds.layers import LAYERS
+from sandbox.scene.layers import LAYERS
 
 KEPT = Path(__file__).with_name("pictures.json")
 SCENES = ("actuators", "belt_drive", "capstan", "conveyor", "drums", "dry_friction", "fields",

@@ -13,7 +13,7 @@ from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.shapes import DrawnLines, FilledCircle, FilledPolygon
 from sandbox.draw.film.sheet import Text
 from sandbox.draw.film.video import save_picture
-from sandbox.scene.elements.settings import ShownMeter
+from sandbox.scene.settings import ShownMeter
 
 from .reading import AT, Drawn, Seen, check_arrows, check_straight, check_words, everything
 

@@ -17,7 +17,7 @@ from sandbox.draw.film.strip import strip_sheet
 from sandbox.draw.film.vector import save_vector
 from sandbox.draw.film.video import render
 from sandbox.errors import OutputError
-from sandbox.kinds.layers import LAYERS
+from sandbox.scene.layers import LAYERS
 
 SMALL = (320, 240)
 SVG = "{http://www.w3.org/2000/svg}"

@@ -6,7 +6,7 @@ import pytest
 
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.unions import bare_outlines
-from sandbox.scene.elements.bodies import Body
+from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import recording

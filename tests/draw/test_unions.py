@@ -9,9 +9,9 @@ from sandbox.draw.film.palette import ROLES
 from sandbox.draw.film.pressure import PressureDrawer, spread
 from sandbox.draw.film.unions import united
 from sandbox.errors import SceneError
-from sandbox.scene.elements.bodies import Body
+from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.colours import COLOURS, rgb
+from sandbox.values.colours import COLOURS, rgb
 
 from .conftest import recording
 

@@ -12,8 +12,8 @@ import sandbox
 from sandbox.draw.film.bounds import body_box
 from sandbox.draw.film.wheels import FOOT, TOP, WheelPicture, wheel_pictures
 from sandbox.model.compile import compile_mechanism
+from sandbox.model.joints import meeting
 from sandbox.model.model import Model
-from sandbox.model.wheels import meeting
 
 
 def compiled(scene: Any) -> Model:

@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from sandbox.engine.contact_rules import make_filters
 from sandbox.engine.simulate import simulate
 from sandbox.model.compile import compile_mechanism
-from sandbox.model.friction import friction_of, static_friction_of
-from sandbox.model.pairs import allowed_pairs
+from sandbox.model.pairs import allowed_pairs, friction_of, static_friction_of
 from sandbox.scene.mechanism import Mechanism
 
 from .machines import G, disc, fixed, mechanism

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import sandbox
+from sandbox.elements.element import ATMOSPHERE
 from sandbox.engine.inspect import inspect
-from sandbox.kinds.elements import ATMOSPHERE
 
 from .machines import fixed, mechanism
 

@@ -13,7 +13,7 @@ import sandbox
 from sandbox.audit.audit import audit
 from sandbox.engine.inspect import inspect
 from sandbox.model.compile import compile_mechanism
-from sandbox.model.lifts import lifted_at_start
+from sandbox.model.tendons import lifted_at_start
 from sandbox.recording.recording import Recording
 
 

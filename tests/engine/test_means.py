@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sandbox.elements.arrays import MEAN, MEAN_CONTACT
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
-from sandbox.kinds.arrays import MEAN, MEAN_CONTACT
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 

@@ -14,12 +14,12 @@ from sandbox import (
     SimulationDiverged,
     StopRun,
 )
+from sandbox.elements.quantities import is_live
 from sandbox.engine import sampler
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import RecordingFull
-from sandbox.kinds.quantities import is_live
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status, Stop

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import sandbox
-from sandbox.control.custom import Custom
+from sandbox.elements.controllers.custom import Custom
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Happened, Status
 

@@ -1,32 +1,40 @@
-"""Every kind of joint, spring and drive is written by a row of a table, or says why it can't be."""
+"""Every kind of drive is written to a MuJoCo model, or its facts say why it cannot be."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+from dataclasses import replace
 
 import pytest
 
-from sandbox.export.elements import DRIVES as DRIVE_WRITERS
-from sandbox.export.elements import LINKS
-from sandbox.export.elements import SPRINGS as SPRING_WRITERS
-from sandbox.export.tree import CARRIERS
-from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS
-
-TABLES: list[tuple[str, Mapping[str, Any], Iterable[str]]] = [
-    ("export/tree.py: CARRIERS", CARRIERS,
-     [tag for tag, kind in JOINTS.items() if not kind.mujoco and not kind.along_line]),
-    ("export/elements.py: LINKS", LINKS,
-     [tag for tag, kind in JOINTS.items() if not kind.mujoco and not kind.mujoco_loop]),
-    ("export/elements.py: SPRINGS", SPRING_WRITERS,
-     [tag for tag, kind in SPRINGS.items() if not kind.mujoco]),
-    ("export/elements.py: DRIVES", DRIVE_WRITERS,
-     [tag for tag, kind in DRIVES.items() if not kind.mujoco]),
-]
+from sandbox.elements.drive import DriveSpec
+from sandbox.elements.registry import KINDS
+from sandbox.errors import SceneError
+from sandbox.export import export_mechanism
+from sandbox.scene.mechanism import Mechanism
 
 
-@pytest.mark.parametrize(("place", "table", "kinds"), TABLES, ids=[row[0] for row in TABLES])
-def test_every_kind_with_a_counterpart_is_written(
-    place: str, table: Mapping[str, Any], kinds: Iterable[str],
+def test_every_drive_with_a_counterpart_is_written() -> None:
+    drives = KINDS["drives"]
+    assert [tag for tag, kind in drives.items() if issubclass(kind, DriveSpec)
+            and bool(kind.facts.mujoco) == (kind.write_mujoco is not DriveSpec.write_mujoco)] == []
+
+
+SCENE = Mechanism.model_validate({
+    "bodies": [{"name": "frame", "motion": "fixed"},
+               {"name": "load", "at": (0.1, 0.0), "mass": 0.2, "inertia": 1e-4}],
+    "joints": [{"type": "rod", "name": "strut", "a": "frame", "b": "load"}],
+    "drives": [{"type": "force", "name": "jet", "body": "load", "direction": (1, 0), "value": 1}]})
+
+
+@pytest.mark.parametrize(("kinds", "tag", "name"), [
+    ("joints", "rod", "strut"), ("drives", "force", "jet")])
+def test_the_facts_of_a_kind_alone_say_that_it_has_no_counterpart(
+    kinds: str, tag: str, name: str, monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    assert set(table) == set(kinds), f"sandbox/{place} has a row for each of {sorted(kinds)}"
+    kind = KINDS[kinds][tag]
+    monkeypatch.setattr(kind, "facts", replace(kind.facts, mujoco="a toy"))  # type: ignore[attr-defined]
+    with pytest.raises(SceneError) as caught:
+        export_mechanism(SCENE)
+    assert [problem.path for problem in caught.value.problems] == [name]
+    assert "no counterpart of a toy" in caught.value.problems[0].message
+    assert export_mechanism(SCENE, without=[name]).left_out == (name,)

@@ -10,7 +10,7 @@ import sandbox
 from sandbox.errors import SceneError
 from sandbox.export import export_mechanism
 from sandbox.export.selection import leave_out, needs
-from sandbox.scene.elements.bodies import Material
+from sandbox.scene.bodies import Material
 from sandbox.scene.mechanism import Mechanism
 
 FRAME = {"name": "frame", "motion": "fixed"}

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sandbox.elements.quantities import GRASP
 from sandbox.engine.inspect import inspect
 from sandbox.engine.simulate import simulate
-from sandbox.kinds.quantities import GRASP
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import verdicts
 from sandbox.scene.expand import expand, to_json

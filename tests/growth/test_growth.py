@@ -17,7 +17,7 @@ from sandbox.engine import inspect_overlaps
 from sandbox.errors import SceneError
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import load_scene, read_scene
-from sandbox.scene.values.expressions import names_in, parse_expression
+from sandbox.values.expressions import names_in, parse_expression
 from tests.growth.scenes import SCENES
 
 FASTEST = 2.6
@@ -56,7 +56,7 @@ def low_caps(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(wording.NearMisses.__init__, "__defaults__", (3,))
     monkeypatch.setattr(inspect_overlaps, "MOST_LOOKED", 30)
     monkeypatch.setattr("sandbox.scene.read.templates.MAX_DEPTH", 3)
-    monkeypatch.setattr("sandbox.model.asked.MOST_HINTED", 3)
+    monkeypatch.setattr("sandbox.model.meters.MOST_HINTED", 3)
     monkeypatch.setattr("sandbox.engine.inspect_control.MOST_HINTED", 3)
 
 

@@ -1,12 +1,12 @@
 
 import pytest
 
-from sandbox.model.asked import check_quantities
 from sandbox.model.catalogue import (
     Catalogue,
     UnknownQuantityError,
     split,
 )
+from sandbox.model.meters import check_quantities
 from sandbox.scene.mechanism import Mechanism
 from tests.recording.sample import mechanism
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sandbox.kinds.arrays import CONTACT, PER_SAMPLE, STATIC, dtype_of, shape_of, sizes
+from sandbox.elements.arrays import CONTACT, PER_SAMPLE, STATIC, dtype_of, shape_of, sizes
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Outcome, Status
 from sandbox.scene.mechanism import Mechanism

@@ -5,8 +5,8 @@ import tracemalloc
 import numpy as np
 import pytest
 
+from sandbox.elements.arrays import IMPACT, PER_SAMPLE, STATIC
 from sandbox.errors import OutputError
-from sandbox.kinds.arrays import IMPACT, PER_SAMPLE, STATIC
 from sandbox.recording.builder import RecordingBuilder
 
 from .sample import CONTACTS, DISC, DISTAL, INFO, N, arrays, mechanism

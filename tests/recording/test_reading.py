@@ -11,8 +11,8 @@ from functools import partial
 import numpy as np
 import pytest
 
+from sandbox.elements.arrays import LARGEST
 from sandbox.errors import OutputError
-from sandbox.kinds.arrays import LARGEST
 from sandbox.recording import reading
 from sandbox.recording.recording import Recording
 

@@ -8,11 +8,10 @@ import pytest
 
 import sandbox
 from sandbox.errors import SandboxError
-from sandbox.model.catalogue import UnknownQuantityError
+from sandbox.model.catalogue import MixedUnitsError, UnknownQuantityError
 from sandbox.recording import tables
 from sandbox.recording.recording import Recording
 from sandbox.recording.tables import column, column_unit, contact_rows, rows
-from sandbox.samples.patterns import MixedUnitsError
 
 from .sample import CONTACTS, INFO, N, S, arrays, mechanism, recording
 

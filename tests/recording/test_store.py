@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from sandbox.audit.audit import audit
+from sandbox.elements.arrays import LATE
 from sandbox.engine.simulate import simulate
 from sandbox.errors import OutputError
-from sandbox.kinds.arrays import LATE
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status
 from sandbox.samples.samples import OLDER

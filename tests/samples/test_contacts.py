@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sandbox.samples.acted import on_the_other, ways
+from sandbox.samples.contacts import on_the_other, ways
 from sandbox.scene.mechanism import Mechanism
 from tests.draw.conftest import recording as drawn_recording
 from tests.recording.sample import CONTACTS, N, S, recording

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sandbox.model.meters import order
 from sandbox.samples.expectations import verdicts
-from sandbox.samples.meters import order
 from sandbox.samples.outcome import (
     Happened,
     Outcome,
@@ -19,7 +19,7 @@ from sandbox.samples.outcome import (
     read_outcome,
     status_of,
 )
-from sandbox.scene.elements.settings import Run
+from sandbox.scene.settings import Run
 from tests.recording.sample import CONTACTS, H, N, mechanism, recording
 
 

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
+from sandbox.elements.quantities import STRAY, WINDOW
 from sandbox.engine.inspect import inspect
 from sandbox.errors import SceneError
-from sandbox.kinds.quantities import STRAY, WINDOW
-from sandbox.model.asked import check_quantities
 from sandbox.model.catalogue import UnknownQuantityError
+from sandbox.model.meters import check_quantities
 from sandbox.samples.expectations import verdicts
-from sandbox.scene.elements.settings import Expect
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
+from sandbox.scene.settings import Expect
 from tests.audit.still import H, block, machine, still
 
 R = 0.02

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 import sandbox
-from sandbox.scene.read.paths import parse_path
+from sandbox.values.paths import parse_path
 from tests.scene.hand import ARM, FLUIDS, hand
 
 DISC: dict[str, Any] = {

@@ -11,11 +11,10 @@ import sandbox
 from sandbox.engine.inspect import inspect
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.pairs import allowed_pairs
-from sandbox.scene.elements.controllers import readings_of
 from sandbox.scene.expand import expand, to_json
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
-from sandbox.scene.values.planes import share
+from sandbox.values.planes import share
 from tests.scene.hand import ARM, FLUIDS, PID
 
 
@@ -37,7 +36,7 @@ def test_what_is_expanded_reads_the_same_again():
         events=[{"name": "push", "when": "=elbow.angle > goal / 2", "set": {"loop.target": 0},
                  "lasts": "20 ms"}])
     mechanism = expand(sandbox.load_scene(scene))
-    assert readings_of(mechanism.controllers[1]) == ("=-3.0 * wrist.rate",)
+    assert mechanism.controllers[1].readings == ("=-3.0 * wrist.rate",)
     again = expand(sandbox.load_scene(json.loads(to_json(mechanism))))
     assert again.controllers == mechanism.controllers
     assert again.events == mechanism.events

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from sandbox.scene.values.closures import closure
-from sandbox.scene.values.expressions import (
+from sandbox.values.closures import closure
+from sandbox.values.expressions import (
     FUNCTIONS,
     parse_expression,
 )

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sandbox.scene.crossings import Fingers
-from sandbox.scene.elements.bodies import Box, Capsule, Circle, Polygon
+from sandbox.elements.controllers.equilibrium import Fingers
+from sandbox.scene.bodies import Box, Capsule, Circle, Polygon
 from sandbox.scene.geometry import (
     area_properties,
 )

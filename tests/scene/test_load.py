@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from sandbox.engine.inspect import inspect
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import Scene
-from sandbox.scene.elements.settings import Run
 from sandbox.scene.library import wholes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene, read_scene
-from sandbox.scene.read.paths import path_text
+from sandbox.scene.settings import Run
+from sandbox.values.paths import path_text
 from tests.scene.hand import hand
 
 

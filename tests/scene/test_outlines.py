@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from sandbox.errors import SceneError
-from sandbox.scene.elements.bodies import Body, Polygon
+from sandbox.scene.bodies import Body, Polygon
 from sandbox.scene.geometry import area_properties, mass_properties, solids
 from sandbox.scene.outlines.pieces import MOST_CORNERS, pieces_of
 from sandbox.scene.outlines.rings import inside, is_convex, signed_area

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from sandbox.errors import SceneError
+from sandbox.scene.bodies import Body
 from sandbox.scene.document import Scene
-from sandbox.scene.elements.bodies import Body
 from sandbox.scene.expand import expand, to_json
 from sandbox.scene.geometry import anchors, pose_of, to_world
 from sandbox.scene.library import shipped_scenes

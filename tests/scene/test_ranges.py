@@ -12,8 +12,8 @@ from sandbox.errors import SceneError
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits, check_limits
 from sandbox.scene.read.load import load_scene
-from sandbox.scene.values.numbers import number_from
-from sandbox.scene.values.ranges import RANGES, size_fault
+from sandbox.values.numbers import number_from
+from sandbox.values.ranges import RANGES, size_fault
 from sandbox.wording import WrongValueError
 
 

@@ -12,9 +12,9 @@ from pydantic import TypeAdapter
 
 import sandbox
 from sandbox.errors import SceneError
-from sandbox.scene.outlines.spline import PeriodicSpline
-from sandbox.scene.values.signals import AnySignal, Signal, values
-from sandbox.scene.values.tables import Function, NamedTable
+from sandbox.values.signals import AnySignal, Signal, values
+from sandbox.values.spline import PeriodicSpline
+from sandbox.values.tables import Function, NamedTable
 
 PROFILE = {"points": [[0, 1], [1, 3], [3, 2]]}
 

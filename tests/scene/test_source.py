@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from sandbox.errors import SceneError
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.paths import parse_path, path_text
 from sandbox.scene.read.positions import scan
 from sandbox.scene.read.source import parse_source, read_source
+from sandbox.values.paths import parse_path, path_text
 
 json_values = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.scene.values.units import UNITS, parse_quantity
+from sandbox.values.units import UNITS, parse_quantity
 from sandbox.wording import WrongValueError
 
 finite = st.floats(allow_nan=False, allow_infinity=False)

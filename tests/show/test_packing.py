@@ -5,7 +5,7 @@ import zlib
 import numpy as np
 import pytest
 
-from sandbox.kinds.arrays import CONTACT, PER_SAMPLE
+from sandbox.elements.arrays import CONTACT, PER_SAMPLE
 from sandbox.recording.recording import Recording
 from sandbox.show import packing
 from sandbox.show.packing import OFF, Blocks, kept_samples, packed

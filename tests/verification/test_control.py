@@ -8,13 +8,13 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.optimize import brentq
 
+from sandbox.elements.controllers.pid import PidController
 from sandbox.engine.simulate import simulate
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.response import BAND, settling_time
-from sandbox.scene.elements.controllers import PidController
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 from tests.support.reference import SET_A

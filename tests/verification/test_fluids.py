@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.kinds.elements import ATMOSPHERE
+from sandbox.elements.element import ATMOSPHERE
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from tests.support.mechanisms import Json, fixed, force, simulated, spring

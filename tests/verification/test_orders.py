@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.elements.tendons import RIGID
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from sandbox.scene.elements.tendons import RIGID
 from tests.support.mechanisms import G, Json, cord, fixed, mass, pin, simulated, spring
 from tests.support.reference import integrate, stick_slip
 

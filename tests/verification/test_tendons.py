@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sandbox.elements.tendons import RIGID
 from sandbox.engine.simulate import simulate
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import verdicts
-from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.read.load import load_scene
 from tests.support.mechanisms import G, cord, fixed, guide, mass, pin, simulated, spring
 from tests.support.reference import integrate

@@ -18,10 +18,10 @@ from sandbox.draw.film.unions import bare_outlines, united
 from sandbox.draw.film.wheels import WheelPicture, wheel_pictures
 from sandbox.model.model import Model
 from sandbox.numeric import Array
-from sandbox.scene.elements.bodies import Body, Circle, Polygon, Polyline, Shape
+from sandbox.scene.bodies import Body, Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import corners, solids
-from sandbox.scene.values.colours import rgb
-from sandbox.scene.values.planes import ALL, depth
+from sandbox.values.colours import rgb
+from sandbox.values.planes import ALL, depth
 
 EDGE = 1.3
 """Width of an outline in points."""

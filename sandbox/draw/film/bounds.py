@@ -17,10 +17,10 @@ from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.scales import ForceScale
 from sandbox.draw.film.staying import anchored, groups_of, with_it
 from sandbox.draw.film.wheels import wheel_pictures
-from sandbox.kinds.layers import meant
 from sandbox.numeric import Array, Flags
-from sandbox.scene.elements.bodies import Circle
-from sandbox.scene.elements.settings import View
+from sandbox.scene.bodies import Circle
+from sandbox.scene.layers import meant
+from sandbox.scene.settings import View
 
 MOST_SAMPLES = 200
 """Samples looked at; a motion is smooth enough between them for a margin of 4 %."""

@@ -29,8 +29,8 @@ from sandbox.draw.film.tendons import TendonDrawer
 from sandbox.draw.film.tensions import Tensions
 from sandbox.draw.film.traces import TraceDrawer
 from sandbox.draw.film.vectors import VectorDrawer, accelerations, reactions, velocities
-from sandbox.kinds.layers import LAYERS, PASSES, Show, meant, shown
-from sandbox.scene.elements.settings import View
+from sandbox.scene.layers import LAYERS, PASSES, Show, meant, shown
+from sandbox.scene.settings import View
 
 Draw = Callable[[Canvas, Moment], None]
 FAR_FOOT = 16.0

@@ -23,7 +23,6 @@ from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.scales import LONGEST, ForceScale, number, typical
 from sandbox.draw.film.shapes import Area
 from sandbox.draw.film.turning import TURN, brake_mark, motor_mark, servo_mark, turn_arrow
-from sandbox.kinds.elements import ON_TENDON
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 
@@ -160,7 +159,8 @@ DRIVES: Mapping[str, DriveDrawing] = {
 
 def signs_of(model: Model) -> set[str]:
     """What the legend says of drives and of dry friction, of hinges and of guides that hold."""
-    cords = set(np.flatnonzero([kind in ON_TENDON.values() for kind in model.drives.kind]).tolist())
+    cords = set(np.flatnonzero([kind.gives == "stiffness" and kind.target.among == "tendons"
+                                  for kind in model.drives.kind]).tolist())
     there = {drive.type for i, drive in enumerate(model.mechanism.drives) if i not in cords}
     rubs = model.joints.rubbed.size or model.tendons.grips.size
     return {name for tag in there for name in DRIVES[tag].legend} | (

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.model.catalogue import Catalogue
+from sandbox.model.meters import is_expression, worked_out
 from sandbox.model.model import Model
-from sandbox.model.shown_meters import is_expression, worked_out
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
 

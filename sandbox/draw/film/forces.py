@@ -14,7 +14,7 @@ from sandbox.draw.film.geometry import arrow
 from sandbox.draw.film.palette import BACKGROUND, FORCE, Colour
 from sandbox.draw.film.scales import ForceScale, decimals, number
 from sandbox.numeric import Array
-from sandbox.samples.acted import contacts_on, said_of
+from sandbox.samples.contacts import contacts_on, said_of
 
 XY = tuple[float, float]
 

@@ -37,7 +37,7 @@ from sandbox.draw.film.sheet import Hair, Sheet, Text, WrittenFace, new_surface
 from sandbox.draw.film.tensions import tensions_of
 from sandbox.draw.film.typesetter import Typesetter
 from sandbox.numeric import Array
-from sandbox.scene.elements.settings import View
+from sandbox.scene.settings import View
 
 Pixels = NDArray[np.uint8]
 REACH = 6.0

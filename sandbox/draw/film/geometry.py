@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from sandbox.numeric import Array
-from sandbox.scene.elements.bodies import Box, Capsule, Circle, Polyline, Shape, Solid
+from sandbox.scene.bodies import Box, Capsule, Circle, Polyline, Shape, Solid
 from sandbox.scene.geometry import solids
 
 XY = tuple[float, float]

@@ -39,7 +39,7 @@ from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.scales import number
 from sandbox.draw.film.stalks import beside, far_feet
 from sandbox.draw.film.tensions import Tensions
-from sandbox.kinds.arrays import largest_size
+from sandbox.elements.arrays import largest_size
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
 

@@ -11,10 +11,10 @@ from sandbox.draw.film.bodies import colour_of
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.geometry import shape_points
 from sandbox.draw.film.palette import INK, TRACES, Colour, mixed
-from sandbox.kinds.layers import EVERY, meant
 from sandbox.model.model import Model
-from sandbox.scene.elements.settings import View
-from sandbox.scene.values.colours import rgb
+from sandbox.scene.layers import EVERY, meant
+from sandbox.scene.settings import View
+from sandbox.values.colours import rgb
 
 XY = tuple[float, float]
 Place = tuple[int, XY]

@@ -18,9 +18,9 @@ from sandbox.draw.film.fluids import pressure_unit
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour, lighter
 from sandbox.draw.film.sheet import Text
 from sandbox.draw.film.typesetter import Typesetter, ellipsis
-from sandbox.model.shown_meters import curves, is_expression
+from sandbox.model.meters import curves, is_expression
 from sandbox.numeric import Array
-from sandbox.scene.elements.settings import ShownMeter, View
+from sandbox.scene.settings import ShownMeter, View
 
 WIDE, PLOT, TALLEST = 236.0, 58.0, 120.0
 """Least width of a meter, and least and largest height of its curve [points]."""

@@ -11,11 +11,11 @@ from pydantic import ValidationError
 
 from sandbox.draw.film.filmed import Metered
 from sandbox.errors import OutputError
-from sandbox.kinds.layers import BY_ROLE, EVERY, asked, meant, words_for
 from sandbox.model.catalogue import Catalogue
-from sandbox.model.shown_meters import problems_of
-from sandbox.scene.elements.settings import View
-from sandbox.scene.read.messages import explain
+from sandbox.model.meters import problems_of
+from sandbox.scene.layers import BY_ROLE, EVERY, asked, meant, words_for
+from sandbox.scene.settings import View
+from sandbox.values.messages import explain
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 
 OPTIONS = {

@@ -14,8 +14,8 @@ from sandbox.draw.film.geometry import shape_points
 from sandbox.draw.film.palette import FORCE, lighter
 from sandbox.draw.film.scales import LONGEST, ForceScale, largest_of, number, typical
 from sandbox.numeric import Array, Integers
-from sandbox.samples.acted import contacts_on
-from sandbox.scene.elements.bodies import Shape
+from sandbox.samples.contacts import contacts_on
+from sandbox.scene.bodies import Shape
 
 XY = tuple[float, float]
 Patch = tuple[XY, XY, float, float, XY]

@@ -15,7 +15,7 @@ import numpy as np
 
 from sandbox.draw.film.filmed import Filmed
 from sandbox.numeric import Array, Integers
-from sandbox.scene.elements.settings import View
+from sandbox.scene.settings import View
 
 OFTEN = 0.95
 """Share of the time in which anything acts that no arrow is larger than the reference: what is

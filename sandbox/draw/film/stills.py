@@ -19,8 +19,8 @@ from sandbox.draw.film.sheet import Sheet
 from sandbox.draw.film.strip import strip_sheet
 from sandbox.draw.film.vector import SCREEN_PER_INCH, save_vector
 from sandbox.errors import OutputError
-from sandbox.scene.elements.settings import View
-from sandbox.scene.values.numbers import number_from
+from sandbox.scene.settings import View
+from sandbox.values.numbers import number_from
 from sandbox.wording import WrongValueError, near, quoted
 
 ENDINGS = (".png", ".svg", ".pdf")

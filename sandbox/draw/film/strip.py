@@ -23,7 +23,7 @@ from sandbox.draw.film.scales import force_scale
 from sandbox.draw.film.sheet import Sheet, Text
 from sandbox.draw.film.typesetter import Typesetter, ellipsis
 from sandbox.errors import OutputError
-from sandbox.scene.elements.settings import View
+from sandbox.scene.settings import View
 
 ACROSS = 6
 """Pictures in a row, unless the strip's size is asked for."""

@@ -17,9 +17,9 @@ from sandbox.draw.film.drives import signs_of
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.links import has_ropes
 from sandbox.draw.film.palette import Style
-from sandbox.kinds.arrays import largest_size
+from sandbox.elements.arrays import largest_size
 from sandbox.model.model import NONE, Model
-from sandbox.samples.acted import OBJECT
+from sandbox.samples.contacts import OBJECT
 
 
 class Symbol(NamedTuple):

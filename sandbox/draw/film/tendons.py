@@ -31,7 +31,7 @@ from sandbox.model.model import NONE, Model
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.cords import off_wheels
-from sandbox.scene.elements.bodies import Circle
+from sandbox.scene.bodies import Circle
 
 XY = tuple[float, float]
 CORD = 2.4

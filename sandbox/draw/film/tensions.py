@@ -12,10 +12,9 @@ from sandbox.draw.film.camera import round_up
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.palette import PUSH, TENSION, Colour
 from sandbox.draw.film.scales import rounding
-from sandbox.kinds.elements import JOINTS
+from sandbox.model.joints import link_tensions
 from sandbox.numeric import Array, Integers
 from sandbox.samples.cords import piece_tensions
-from sandbox.samples.links import link_tensions
 
 UNLOADED = 1e-3
 """Of the scale's top: a link that carries no more is drawn as one that carries nothing."""
@@ -77,7 +76,7 @@ def tensions_of(run: Filmed, bars: Sequence[PinnedBar] = ()) -> Tensions:
     pieces = piece_tensions(run.model, run.arrays).T
     links = np.zeros(run.arrays["joint_reaction"].shape)
     lines = [k for k, joint in enumerate(run.mechanism.joints)
-             if "tension" in JOINTS[joint.type].records]
+             if "tension" in joint.facts.records]
     links[:, lines] = np.nan_to_num(link_tensions(run.model, run.arrays, np.array(lines, np.intp)))
     carried = bar_tensions(run, bars)
     for each in (pieces, links, carried):

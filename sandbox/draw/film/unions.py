@@ -8,7 +8,7 @@ import numpy as np
 
 from sandbox.draw.film.geometry import shape_outline
 from sandbox.numeric import Array
-from sandbox.scene.elements.bodies import Circle, Polygon, Polyline, Shape
+from sandbox.scene.bodies import Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import solids
 
 TOUCHING = 1e-7

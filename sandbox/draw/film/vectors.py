@@ -15,7 +15,7 @@ from sandbox.draw.film.palette import ACCELERATION, REACTION, VELOCITY, Colour
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.scales import LONGEST, ForceScale, number, rounding, typical
 from sandbox.numeric import Array
-from sandbox.samples.acted import on_the_other, said_of
+from sandbox.samples.contacts import on_the_other, said_of
 
 XY = tuple[float, float]
 Place = tuple[int, XY]

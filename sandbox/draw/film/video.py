@@ -21,8 +21,8 @@ from sandbox.draw.film.stills import ENDINGS as STILLS
 from sandbox.draw.film.stills import Instants, save_stills
 from sandbox.errors import OutputError
 from sandbox.recording.new_run import FRAME
-from sandbox.scene.elements.settings import View
 from sandbox.scene.read.limits import Limits
+from sandbox.scene.settings import View
 
 Drawn = TypeVar("Drawn")
 Progress = Callable[[float], None]

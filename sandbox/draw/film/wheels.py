@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.draw.film.geometry import shape_points
+from sandbox.model.joints import meeting
 from sandbox.model.model import Model
-from sandbox.model.wheels import meeting
 from sandbox.numeric import Array
 
 FEW, MANY = 14, 30

@@ -7,20 +7,14 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from sandbox.elements.controllers.controller import every
+from sandbox.elements.controllers.kinds import Controller
 from sandbox.errors import Problem
-from sandbox.scene.crossings import Fingers
-from sandbox.scene.elements.controllers import (
-    Controller,
-    EquilibriumController,
-    every,
-    targets_of,
-    writes_of,
-)
-from sandbox.scene.elements.events import Event, first_step
+from sandbox.scene.events import Event, first_step
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.paths import path_text
-from sandbox.scene.values.expressions import parse_expression
-from sandbox.scene.values.ranges import size_fault
+from sandbox.values.expressions import parse_expression
+from sandbox.values.paths import path_text
+from sandbox.values.ranges import size_fault
 from sandbox.wording import NearMisses, listed, quoted
 
 MOST_LOOKS = 500_000
@@ -38,13 +32,12 @@ def check_control(
     """
     near = NearMisses()
     drives = dict.fromkeys(drive.name for drive in mechanism.drives)
-    fingers = Fingers(mechanism)
     owners: dict[str, str] = {}
     for i, controller in enumerate(mechanism.controllers):
         path = f"$.controllers[{i}]"
         yield from rate_problems(controller.rate, mechanism.run.step, f"{path}.rate")
         alone = isinstance(getattr(controller, "writes", None), str)
-        for j, name in enumerate(writes_of(controller)):
+        for j, name in enumerate(controller.written):
             place = f"{path}.writes" if alone else f"{path}.writes[{j}]"
             if name not in drives and not assumed(name):
                 yield Problem("name-not-found", f"there is no drive named {quoted(name)} to write",
@@ -54,8 +47,6 @@ def check_control(
                 yield Problem("set-twice", f"the drive {quoted(name)} is written already, by "
                               f"{owners[name]}", place, allowed="one controller for each drive")
             owners.setdefault(name, f"the controller {quoted(controller.name)}")
-        if isinstance(controller, EquilibriumController):
-            yield from fingers.problems(controller, path)
     settable = dict.fromkeys(_settable(mechanism.controllers))
     known = {**drives, **settable}
     for i, event in enumerate(mechanism.events):
@@ -79,7 +70,7 @@ def _settable(controllers: tuple[Controller, ...]) -> list[str]:
     names = []
     for controller in controllers:
         names.append(f"{controller.name}.active")
-        if len(targets_of(controller)) == 1:
+        if len(controller.signals) == 1:
             names.append(f"{controller.name}.target")
     return names
 

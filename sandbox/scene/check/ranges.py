@@ -1,26 +1,28 @@
 """What follows from a mechanism's numbers must be a number that can be computed with, too.
 
 What stands in a field is held to its range where it is read
-(:mod:`sandbox.scene.values.ranges`). Here are the numbers that nobody wrote: what a body weighs
+(:mod:`sandbox.values.ranges`). Here are the numbers that nobody wrote: what a body weighs
 by its shapes, how far apart corners are, which values a drive runs through.
 """
 
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
 
+from sandbox.elements.registry import KINDS
 from sandbox.errors import Problem
-from sandbox.scene.elements.bodies import SHAPES, Body, Polygon, Polyline, Shape
-from sandbox.scene.elements.drives import Drive, ForceDrive, kind_of
-from sandbox.scene.elements.joints import Rack
+from sandbox.numeric import Array
+from sandbox.scene.bodies import SHAPES, Body, Polygon, Polyline, Shape
 from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.ranges import RANGES, in_range, size_fault
-from sandbox.scene.values.signals import AnySignal, Table, values
+from sandbox.values.ranges import RANGES, in_range, size_fault
+from sandbox.values.signals import AnySignal, Formula, Table, values
+from sandbox.values.tables import Tables
 from sandbox.wording import WrongValueError
 
 INSTANTS = 257
@@ -43,33 +45,20 @@ def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:
         for axis, dimension in (("x", "length"), ("y", "length"), ("angle", "angle")):
             if body.path is not None and (signal := getattr(body.path, axis)) is not None:
                 yield from _signal(signal, dimension, mechanism, f"$.bodies[{i}].path.{axis}")
-    for i, joint in enumerate(mechanism.joints):
-        if isinstance(joint, Rack):
-            yield from _direction(joint.along, f"$.joints[{i}].along")
+    for kind in KINDS:
+        for i, element in enumerate(getattr(mechanism, kind)):
+            yield from element.range_problems(f"$.{kind}[{i}]")
     for i, drive in enumerate(mechanism.drives):
-        if isinstance(drive, ForceDrive):
-            yield from _direction(drive.direction, f"$.drives[{i}].direction")
         if drive.value is not None:
-            yield from _signal(drive.value, drive_dimension(drive), mechanism,
+            yield from _signal(drive.value, drive.kind.dimension or "stiffness", mechanism,
                                f"$.drives[{i}].value")
     drives = {drive.name: drive for drive in mechanism.drives}
     for i, event in enumerate(mechanism.events):
         for name in event.set.keys() & drives.keys():
             try:
-                in_range(event.set[name], drive_dimension(drives[name]))
+                in_range(event.set[name], drives[name].kind.dimension or "stiffness")
             except WrongValueError as error:
                 yield Problem.of(error, f"$.events[{i}].set.{name}")
-
-
-def _direction(direction: tuple[float, float], path: str) -> Iterator[Problem]:
-    if fault := size_fault(math.hypot(*direction), "ratio"):
-        yield Problem("out-of-range", f"as a direction its length is {fault}", path,
-                      allowed="a direction such as [1, 0]; its length does not count")
-
-
-def drive_dimension(drive: Drive) -> str:
-    """The dimension of what a drive sets; stiffnesses, rotary or not, have one range."""
-    return kind_of(drive).dimension or "stiffness"
 
 
 def _corners(body: Body, path: str) -> Iterator[Problem]:
@@ -129,3 +118,62 @@ def _signal(
         in_range(float(found[worst]), dimension)
     except WrongValueError as error:
         yield Problem.of(error, path, message=f"{error.message}, at t = {t[worst]:.4g} s")
+
+
+SIGNAL_SAMPLES = 257
+"""Instants of a run at which a formula is tried."""
+
+
+def check_signals(mechanism: Mechanism) -> Iterator[Problem]:
+    """Formulas without a finite value during the run, radii that are not positive."""
+    duration, tables = mechanism.run.duration, mechanism.functions
+    for path, signal, positive in _signals(mechanism):
+        if isinstance(signal, Formula) or positive:
+            yield from _try_signal(signal, duration, path, tables, positive=positive,
+                                   at_once=path.startswith("$.controllers"))
+
+
+def _signals(mechanism: Mechanism) -> Iterator[tuple[str, AnySignal, bool]]:
+    """Every signal with its path, and whether it must stay positive."""
+    for i, drive in enumerate(mechanism.drives):
+        if drive.value is not None:
+            yield f"$.drives[{i}].value", drive.value, drive.positive_value
+    for i, controller in enumerate(mechanism.controllers):
+        signals = controller.signals
+        key = controller.target_key
+        for j, signal in enumerate(signals):
+            place = f"[{j}]" if key == "targets" else ""
+            yield f"$.controllers[{i}].{key}{place}", signal, False
+    for i, body in enumerate(mechanism.bodies):
+        if body.path is not None:
+            for key in ("x", "y", "angle"):
+                if (signal := getattr(body.path, key)) is not None:
+                    yield f"$.bodies[{i}].path.{key}", signal, False
+
+
+def _try_signal(
+    signal: AnySignal, duration: float, path: str, tables: Tables, *, positive: bool,
+    at_once: bool = False,
+) -> Iterator[Problem]:
+    """``at_once`` says that the signal is asked for at t = 0, too: drives have no such step."""
+    t: Array = duration * (np.arange(SIGNAL_SAMPLES, dtype=np.float64) + 0.5) / SIGNAL_SAMPLES
+    if at_once:
+        t = np.append(0.0, t)
+    count = len(t) if not _lacks(signal, t, tables) else bisect_left(
+        range(1, len(t) + 1), True, key=lambda n: _lacks(signal, t[:n], tables) != "")
+    if positive and count and np.any((found := values(signal, t[:count], tables)) <= 0):
+        first = t[int(np.argmax(found <= 0))]
+        yield Problem("out-of-range",
+                      f"the radius is not greater than 0 at t = {first:.4g} s", path)
+    elif count < len(t):
+        yield Problem("out-of-range", f"{_lacks(signal, t[count:count + 1], tables)} at t = "
+                      f"{t[count]:.4g} s", path, allowed=f"a finite value from 0 to {duration:g} s")
+
+
+def _lacks(signal: AnySignal, t: Array, tables: Tables) -> str:
+    """Why a signal has no value at one of some instants, or nothing."""
+    try:
+        values(signal, t, tables)
+    except ValueError as error:
+        return str(error)
+    return ""

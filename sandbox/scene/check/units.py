@@ -2,7 +2,7 @@
 
 The fields of controllers and events take any unit, since only the drive that they
 write, or the quantity that they read, says which one is right. Their numbers keep the
-unit that they were written in (:class:`sandbox.scene.values.units.Measured`), and here
+unit that they were written in (:class:`sandbox.values.units.Measured`), and here
 every element is known.
 """
 
@@ -12,16 +12,14 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
+from sandbox.elements.controllers.kinds import Controller
+from sandbox.elements.quantities import QUANTITIES
 from sandbox.errors import Problem
-from sandbox.kinds.elements import SPRINGS
-from sandbox.kinds.quantities import QUANTITIES
-from sandbox.scene.elements.controllers import Controller, readings_of, targets_of
-from sandbox.scene.elements.drives import Drive, kind_of
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.paths import path_text
-from sandbox.scene.values.numbers import NAME
-from sandbox.scene.values.signals import AnySignal, Constant, Ramp, Table
-from sandbox.scene.values.units import UNITS, Measured, factor_of
+from sandbox.values.numbers import NAME
+from sandbox.values.paths import path_text
+from sandbox.values.signals import AnySignal, Constant, Ramp, Table
+from sandbox.values.units import UNITS, Measured, factor_of
 from sandbox.wording import WrongValueError
 
 READINGS = {name.rpartition(".")[2]: UNITS[quantity.unit][1]
@@ -29,15 +27,6 @@ READINGS = {name.rpartition(".")[2]: UNITS[quantity.unit][1]
             if quantity.live and quantity.unit in UNITS}
 """Dimensions of the quantities that can be read, by the last word of their names."""
 PLAIN = re.compile(rf"{NAME[1:-1]}(/{NAME[1:-1]})?")
-OF_DRIVE = {"pid": ("bias",), "schedule": (), "feedback": (), "relay": ("bias", "amplitude"),
-            "switch": ("value_below", "value_above"), "state_feedback": ("bias",),
-            "equilibrium": ()}
-"""By controller, the numbers in the unit of the drive or drives, besides their limits."""
-OF_READING = {"switch": ("below", "above"), "relay": ("hysteresis",)}
-"""By controller of one reading, the numbers in its unit, besides the target."""
-TARGET = {"schedule": "value", "state_feedback": "targets[{}]", "equilibrium": "targets[{}]"}
-"""By controller, where its targets stand; ``target`` otherwise."""
-
 Place = tuple[str, float | None, str | None]
 """A path, the number there, and the dimension that it should have; None if nobody knows."""
 
@@ -63,17 +52,9 @@ class _Dimensions:
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
-        self.springs = {each.name: SPRINGS[each.type].dimension
-                        for each in reversed(mechanism.springs)}
         self.meters = {meter.name for meter in mechanism.meters}
-        self.drives = {each.name: self._of_drive(each) for each in reversed(mechanism.drives)}
+        self.drives = {each.name: each.dimension(mechanism) for each in reversed(mechanism.drives)}
         self.controllers = {each.name: each for each in reversed(mechanism.controllers)}
-
-    def _of_drive(self, drive: Drive) -> str | None:
-        kind = kind_of(drive)
-        if not kind.dimension:  # that of its spring, if there is one
-            return self.springs.get(getattr(drive, kind.target.field))
-        return kind.dimension
 
     def _of_reading(self, text: str) -> str | None:
         """The dimension of a plain quantity; of an expression or a meter it is not known."""
@@ -89,28 +70,29 @@ class _Dimensions:
 
     def _of_targets(self, law: Controller) -> list[str | None]:
         """The dimension of each target of a controller."""
-        if law.type == "schedule":
-            return [self.drives.get(law.writes)]
-        return [self._of_reading(text) for text in readings_of(law)]
+        if law.sets_target:
+            return [self.drives.get(name) for name in law.written]
+        return [self._of_reading(text) for text in law.readings]
 
     def values(self) -> Iterator[Place]:
         """The drives' own values; only those of stiffnesses are not checked by their models."""
         for i, drive in enumerate(self.mechanism.drives):
             if drive.value is not None:
-                yield from _signal(f"$.drives[{i}].value", drive.value, self._of_drive(drive))
+                yield from _signal(f"$.drives[{i}].value", drive.value,
+                                   drive.dimension(self.mechanism))
 
     def laws(self) -> Iterator[Place]:
         """What the controllers set, and what they lead their readings to."""
         for i, law in enumerate(self.mechanism.controllers):
             path, wanted = f"$.controllers[{i}]", self._of_targets(law)
-            for key in ("limits", *OF_DRIVE[law.type]):
+            for key in ("limits", *law.of_drive):
                 yield from self._by_drive(f"{path}.{key}", law, getattr(law, key))
-            for key in OF_READING.get(law.type, ()):
+            for key in law.of_reading:
                 yield f"{path}.{key}", getattr(law, key), wanted[0]
-            if law.type == "equilibrium":
-                yield f"{path}.pull", law.pull, "force"
-            key = TARGET.get(law.type, "target")
-            for j, (target, dimension) in enumerate(zip(targets_of(law), wanted, strict=False)):
+            for key in law.of_force:
+                yield f"{path}.{key}", getattr(law, key), "force"
+            key = law.target_key + ("[{}]" if law.target_key == "targets" else "")
+            for j, (target, dimension) in enumerate(zip(law.signals, wanted, strict=False)):
                 yield from _signal(f"{path}.{key.format(j)}", target, dimension)
 
     def _by_drive(self, path: str, law: Controller, value: Any) -> Iterator[Place]:

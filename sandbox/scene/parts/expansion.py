@@ -5,17 +5,17 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
+from sandbox.elements.controllers.kinds import Controller
+from sandbox.elements.drives import Drive
+from sandbox.elements.fluids import Line, Valve
+from sandbox.elements.joints import Joint
+from sandbox.elements.loads import Load
+from sandbox.elements.springs import Spring
+from sandbox.elements.tendons import Guide, Tendon
 from sandbox.errors import Problem
-from sandbox.scene.elements.bodies import Body, Material
-from sandbox.scene.elements.controllers import Controller
-from sandbox.scene.elements.drives import Drive
-from sandbox.scene.elements.events import Event
-from sandbox.scene.elements.fluids import Line, Valve
-from sandbox.scene.elements.joints import Joint
-from sandbox.scene.elements.loads import Load
-from sandbox.scene.elements.settings import ContactRule, Group, Meter
-from sandbox.scene.elements.springs import Spring
-from sandbox.scene.elements.tendons import Guide, Tendon
+from sandbox.scene.bodies import Body, Material
+from sandbox.scene.events import Event
+from sandbox.scene.settings import ContactRule, Group, Meter
 
 
 @dataclass(frozen=True)

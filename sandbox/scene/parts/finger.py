@@ -16,12 +16,12 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from sandbox.scene.elements.bodies import Body, Box, Capsule
-from sandbox.scene.elements.joints import Joint, Pin, Turn
-from sandbox.scene.elements.settings import ContactRule, Group
-from sandbox.scene.elements.spec import TYPE, Spec
-from sandbox.scene.elements.springs import LinearSpring, Spring
-from sandbox.scene.elements.tendons import RIGID, Guide, Tendon
+from sandbox.elements.element import Turn
+from sandbox.elements.joints import Joint
+from sandbox.elements.points import Pin
+from sandbox.elements.springs import LinearSpring, Spring
+from sandbox.elements.tendons import RIGID, Guide, Tendon
+from sandbox.scene.bodies import Body, Box, Capsule
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_world
 from sandbox.scene.parts.expansion import Elements
 from sandbox.scene.parts.per_joint import (
@@ -34,7 +34,8 @@ from sandbox.scene.parts.per_joint import (
     Stiffnesses,
     each,
 )
-from sandbox.scene.values.numbers import (
+from sandbox.scene.settings import ContactRule, Group
+from sandbox.values.numbers import (
     Angle,
     Damping,
     Density,
@@ -46,7 +47,8 @@ from sandbox.scene.values.numbers import (
     Ratio,
     Stiffness,
 )
-from sandbox.scene.values.planes import Planes
+from sandbox.values.planes import Planes
+from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError
 
 ANCHOR_DISTANCE = 0.015  # from V_0 back to where a finger's tendon ends by default [m]

@@ -7,7 +7,7 @@ from typing import Annotated, Any, TypeVar
 
 from pydantic import BeforeValidator, WithJsonSchema
 
-from sandbox.scene.values.numbers import (
+from sandbox.values.numbers import (
     Angle,
     Coordinate,
     Damping,

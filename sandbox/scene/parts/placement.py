@@ -14,7 +14,7 @@ A point q on a body of the scene, which stays where it is with its pose B, becom
 
 A number is known by its dimension: every length is scaled by k, a speed too (else links would
 leave their joints), an inertia by k^2; masses, forces, stiffnesses and times stay. What a turn or
-a mirror changes besides stands in :data:`RULES`.
+a mirror changes besides, a field's mark says (:class:`sandbox.elements.element.Placed`).
 """
 
 from __future__ import annotations
@@ -25,36 +25,29 @@ from dataclasses import dataclass, replace
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
+import numpy as np
+
+from sandbox.elements.element import Element, Placed
 from sandbox.errors import Problem
-from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.drives import ForceDrive
-from sandbox.scene.elements.joints import Pin, Rack
-from sandbox.scene.elements.spec import Spec
+from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_body, to_world
 from sandbox.scene.outlines.curves import Node
-from sandbox.scene.parts.affine import added, scaled
 from sandbox.scene.parts.expansion import PartError
-from sandbox.scene.values.numbers import Point, dimension_read
-from sandbox.scene.values.signals import AnySignal, Constant, Path, dimension_over_time
+from sandbox.values.numbers import Point, dimension_read
+from sandbox.values.signals import (
+    AnySignal,
+    Constant,
+    Formula,
+    Path,
+    Ramp,
+    Table,
+    dimension_over_time,
+    values,
+)
+from sandbox.values.spec import Spec
 from sandbox.wording import near
 
 Mirror = Literal["left-right", "up-down"]
-Rule = Literal["place", "turn", "sign", "vector", "nodes", "other", "kept"]
-RULES: Mapping[tuple[str, str], Rule] = {
-    ("Body", "at"): "place", ("Body", "angle"): "turn", ("Body", "path"): "kept",
-    ("Body", "velocity"): "vector", ("Body", "angular_velocity"): "sign",
-    ("Body", "thickness"): "kept", ("Box", "angle"): "sign",
-    ("Polygon", "nodes"): "nodes", ("Polyline", "nodes"): "nodes",
-    ("SurfaceDrive", "positive"): "other",
-    ("Pin", "positive"): "other", ("Pin", "zero"): "kept", ("Pin", "limits"): "kept",
-    ("RotarySpring", "rest_angle"): "kept", ("Guide", "side"): "other",
-    ("Gear", "pressure_angle"): "kept", ("Rack", "pressure_angle"): "kept",
-    ("Rack", "along"): "kept",
-    ("ForceDrive", "direction"): "kept", ("DragLoad", "flow"): "kept",
-    ("BuoyancyLoad", "level"): "kept", ("MotorDrive", "value"): "kept",
-}
-"""Of fields that are angles, turns, sides or vectors: what a placement does to them. ``kept`` is
-what a hinge counts in its own sense, what lies across the plane, and what is done below."""
 OTHER = {"left": "right", "right": "left",
          "clockwise": "counterclockwise", "counterclockwise": "clockwise"}
 HOLDERS = {"on_a": "a", "on_b": "b", "start": "a", "end": "a", "at": "body"}
@@ -65,6 +58,7 @@ TINY = 1e-15
 """A sine or cosine of a quarter turn that only rounding keeps from 0."""
 
 SpecType = TypeVar("SpecType", bound=Spec)
+ElementType = TypeVar("ElementType", bound=Element)
 
 
 @dataclass(frozen=True)
@@ -137,34 +131,27 @@ class Mover:
             raise PartError([replace(each, path=f"{path}.path") for each in error.problems]) \
                 from None
 
-    def element(self, element: SpecType, path: str) -> SpecType:
+    def element(self, element: ElementType, path: str) -> ElementType:
         """A joint, spring, tendon or drive; ``path`` is its place in the assembly.
 
         Raises:
             PartError: it is on a body that is not there before the assembly.
         """
-        moved = self.spec(element, path)
-        if isinstance(element, Pin) and isinstance(moved, Pin):
-            return moved.model_copy(update={"zero": self._zero(element)})
-        if isinstance(element, ForceDrive):
-            return moved.model_copy(update={"direction": self._direction(element)})
-        if isinstance(element, Rack):
-            return moved.model_copy(update={"along": self._on_body(element.b, element.along)})
-        return moved
+        return self.spec(element, path).model_copy(update=dict(element.placed(self)))
 
     def spec(self, spec: SpecType, path: str = "") -> SpecType:
         """Any record, field by field."""
         changed: dict[str, Any] = {}
         for name, field in type(spec).model_fields.items():
             value = getattr(spec, name)
-            rule = RULES.get((type(spec).__name__, name))
+            rule = next((mark.how for mark in field.metadata if isinstance(mark, Placed)), None)
             holder = getattr(spec, HOLDERS.get(name, ""), None)
             if value is None or rule == "kept":
                 continue
             if rule is not None:
                 new = self._ruled(rule, value)
             elif isinstance(holder, str) and holder not in self.own:
-                body = self._outside(holder, f"{path}.{HOLDERS[name]}")
+                body = self.outer_body(holder, f"{path}.{HOLDERS[name]}")
                 new = self.placement.on(pose_of(body), value)
             else:
                 new = self._value(value, field.annotation, tuple(field.metadata),
@@ -173,14 +160,19 @@ class Mover:
                 changed[name] = new
         return spec.model_copy(update=changed) if changed else spec
 
-    def _outside(self, name: str, path: str) -> Body:
+    def outer_body(self, name: str, path: str) -> Body:
+        """A body outside of the assembly.
+
+        Raises:
+            PartError: there is none.
+        """
         body = self.outside(name)
         if body is None:
             raise PartError([Problem("name-not-found", "no body of this assembly or before it is "
                                      f"named {name!r}", path=path, hint=near(name, self.own))])
         return body
 
-    def _ruled(self, rule: Rule, value: Any) -> Any:
+    def _ruled(self, rule: str, value: Any) -> Any:
         place = self.placement
         if rule == "place":
             return place.point(value)
@@ -228,31 +220,11 @@ class Mover:
         power = POWERS.get(dimension_read(metadata), 0)
         return value * self.placement.scale**power if power else value
 
-    def _zero(self, pin: Pin) -> float:
-        """Of a hinge between the assembly and the scene: its angle stays what it was at t = 0.
-
-        From sense (b - a) - zero, with s a + g for the angle of a body of the assembly and
-        s sense for the sense.
-        """
-        inner = [name in self.own for name in (pin.a, pin.b)]
-        if all(inner) or not any(inner):
-            return pin.zero
-        body = self._outside(pin.a if inner[1] else pin.b, "")
-        sense = 1.0 if pin.positive == "counterclockwise" else -1.0
-        s, turn = self.placement.sign, self.placement.angle
-        moved = s * sense * (turn - body.angle) + sense * body.angle
-        return pin.zero + (moved if inner[1] else -moved)
-
-    def _direction(self, drive: ForceDrive) -> Vec:
-        if drive.frame == "world":
-            return self.placement.vector(drive.direction)
-        return self._on_body(drive.body, drive.direction)
-
-    def _on_body(self, body: str, direction: Vec) -> Vec:
-        """A direction in a body's frame."""
+    def direction(self, body: str, direction: Vec) -> Vec:
+        """A direction in a body's frame, placed."""
         if body in self.own:
             return self.placement.flip(direction)
-        turn = (0.0, 0.0, self._outside(body, "").angle)
+        turn = (0.0, 0.0, self.outer_body(body, "").angle)
         return to_body(turn, self.placement.vector(to_world(turn, direction)))
 
     def _path(self, body: Body) -> Path | None:
@@ -273,3 +245,57 @@ class Mover:
             "x": along(a, b, place.at[0]) if moves else None,
             "y": along(c, d, place.at[1]) if moves else None,
             "angle": scaled(path.angle, place.sign, place.angle) if path.angle else None})
+
+
+def scaled(signal: AnySignal, factor: float, offset: float = 0.0) -> AnySignal:
+    """The signal ``factor`` s(t) + ``offset``."""
+    if factor == 1.0 and offset == 0.0:
+        return signal
+    if isinstance(signal, Constant):
+        return Constant(constant=factor * signal.constant + offset)
+    if isinstance(signal, Ramp):
+        return signal.model_copy(update={"start_value": factor * signal.start_value + offset,
+                                         "to": factor * signal.to + offset})
+    if isinstance(signal, Table):
+        return signal.model_copy(update={
+            "table": tuple((t, factor * value + offset) for t, value in signal.table)})
+    return Formula(expression=f"={factor!r} * ({_text(signal)}) + {offset!r}")
+
+
+def added(one: AnySignal, other: AnySignal) -> AnySignal:
+    """The sum of two signals.
+
+    Raises:
+        PartError: of a table and an expression, and of tables with steps at times of their own.
+    """
+    if isinstance(one, Constant):
+        return scaled(other, 1.0, one.constant)
+    if isinstance(other, Constant):
+        return scaled(one, 1.0, other.constant)
+    if isinstance(one, Table) and isinstance(other, Table) and one.between == other.between:
+        return _tables(one, other)
+    if isinstance(one, Table) or isinstance(other, Table):
+        raise PartError([Problem(
+            "bad-part",
+            "a path with a table for one of x and y and something else for the other cannot be "
+            "turned", path="", allowed="tables for both, expressions for both, or a quarter turn")])
+    return Formula(expression=f"={_text(one)} + {_text(other)}")
+
+
+def _tables(one: Table, other: Table) -> Table:
+    """At the times of both: between two of them both are linear, or both constant."""
+    times = np.array(sorted({t for t, _ in (*one.table, *other.table)}))
+    total = values(one, times) + values(other, times)
+    return one.model_copy(update={"table": tuple(
+        (float(t), float(value)) for t, value in zip(times, total, strict=True))})
+
+
+def _text(signal: AnySignal) -> str:
+    """A ramp or a formula as an expression of ``t``."""
+    if isinstance(signal, Formula):
+        return f"({signal.expression.removeprefix('=')})"
+    assert isinstance(signal, Ramp)  # constants and tables do not come here
+    start, rise = signal.start_value, signal.to - signal.start_value
+    done = (f"clip((t - {signal.start!r}) / {signal.over!r}, 0, 1)" if signal.over
+            else f"(t >= {signal.start!r})")
+    return f"({start!r} + {rise!r} * {done})"

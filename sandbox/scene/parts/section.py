@@ -6,14 +6,15 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, WithJsonSchema, model_validator
 
-from sandbox.scene.elements.bodies import Body, Box, Circle
-from sandbox.scene.elements.joints import Joint, Pin, Rod, Rope, Slot
-from sandbox.scene.elements.settings import Group
-from sandbox.scene.elements.spec import TYPE, Spec
-from sandbox.scene.elements.springs import LinearSpring, RotarySpring, Spring
+from sandbox.elements.bars import Rod, Rope
+from sandbox.elements.joints import Joint
+from sandbox.elements.points import Pin, Slot
+from sandbox.elements.springs import LinearSpring, RotarySpring, Spring
+from sandbox.scene.bodies import Body, Box, Circle
 from sandbox.scene.geometry import pose_of, to_world
 from sandbox.scene.parts.expansion import Elements
-from sandbox.scene.values.numbers import (
+from sandbox.scene.settings import Group
+from sandbox.values.numbers import (
     Angle,
     Damping,
     Distance,
@@ -24,7 +25,8 @@ from sandbox.scene.values.numbers import (
     Stiffness,
     Written,
 )
-from sandbox.scene.values.planes import Planes
+from sandbox.values.planes import Planes
+from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError
 
 ARM_FRACTION = 0.2  # of the square's mass, for the body that carries the rod's angle

@@ -14,14 +14,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from sandbox.elements.element import LISTS
 from sandbox.errors import Problem, SceneError
-from sandbox.kinds.elements import LISTS
 from sandbox.scene.document import ASSEMBLED, KEYS
 from sandbox.scene.read.includes import Library
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.origins import Composed, Origin, OriginMap
 from sandbox.scene.read.parameters import Parameters, resolve_parameters
-from sandbox.scene.read.paths import JsonPath, parse_path
 from sandbox.scene.read.repeat import Copies, RepeatError, read_repeat
 from sandbox.scene.read.scopes import Scope, unknown_key
 from sandbox.scene.read.source import SceneSource
@@ -32,7 +31,8 @@ from sandbox.scene.read.templates import (
     inside_template,
     merge_templates,
 )
-from sandbox.scene.values.numbers import number_from
+from sandbox.values.numbers import number_from
+from sandbox.values.paths import JsonPath, parse_path
 from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
 
 WORDS = ("like", "repeat", "include")

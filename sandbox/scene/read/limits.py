@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import Any
 
+from sandbox.elements.arrays import PER_SAMPLE, row_bytes
+from sandbox.elements.element import LISTS, NAMED
+from sandbox.elements.quantities import QUANTITIES
 from sandbox.errors import Problem
-from sandbox.kinds.arrays import PER_SAMPLE, row_bytes
-from sandbox.kinds.elements import LISTS, NAMED
-from sandbox.kinds.quantities import QUANTITIES
+from sandbox.scene.bodies import MOST_CORNERS, SHAPES
 from sandbox.scene.document import Assembly, Part, Scene
-from sandbox.scene.elements.bodies import MOST_CORNERS, SHAPES
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts.finger import Finger
 from sandbox.scene.parts.section import Section

@@ -18,27 +18,27 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from sandbox.elements.element import LISTS as MECHANISM_LISTS
 from sandbox.errors import Problem, SceneError
-from sandbox.kinds.elements import LISTS as MECHANISM_LISTS
 from sandbox.scene.check.ranges import check_ranges
 from sandbox.scene.check.references import check_references, check_unread
 from sandbox.scene.check.units import check_units
 from sandbox.scene.document import Scene
-from sandbox.scene.elements.spec import Spec
 from sandbox.scene.expand import expand
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.compose import compose
 from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_parts, check_values
-from sandbox.scene.read.messages import explain, written
 from sandbox.scene.read.origins import Composed, Origin, OriginMap, Origins, Relocation
 from sandbox.scene.read.overrides import apply_overrides
 from sandbox.scene.read.parameters import Parameters, resolve_parameters
-from sandbox.scene.read.paths import JsonPath, parse_path, path_text, shown_path
 from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.source import SceneSource, first_problems, read_source
 from sandbox.scene.read.tables import STAND_IN, can_name, others_of, plain_tables, resolved_tables
-from sandbox.scene.values.expressions import NamedValues
+from sandbox.values.expressions import NamedValues
+from sandbox.values.messages import explain, written
+from sandbox.values.paths import JsonPath, parse_path, path_text, shown_path
+from sandbox.values.spec import Spec
 from sandbox.wording import kind_of, quoted
 
 FORMAT = 1

@@ -12,14 +12,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from sandbox.elements.element import LISTS
 from sandbox.errors import Problem
-from sandbox.kinds.elements import LISTS
 from sandbox.scene.document import Assembly, Part, Scene
-from sandbox.scene.elements.settings import ContactRule
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.models import fields_at
-from sandbox.scene.read.paths import JsonPath, parse_path, path_text
 from sandbox.scene.read.source import SceneSource
+from sandbox.scene.settings import ContactRule
+from sandbox.values.models import fields_at
+from sandbox.values.paths import JsonPath, parse_path, path_text
 from sandbox.wording import quoted
 
 

@@ -9,11 +9,11 @@ from typing import Any
 
 from sandbox.errors import Problem
 from sandbox.scene.read.origins import Origin, OriginMap
-from sandbox.scene.read.paths import JsonPath, holds, parse_path
 from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.source import SceneSource
 from sandbox.scene.read.templates import LikeError, merge_templates
-from sandbox.scene.values.units import dimension_of, unit_in, units_of
+from sandbox.values.paths import JsonPath, holds, parse_path
+from sandbox.values.units import dimension_of, unit_in, units_of
 from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
 
 CLOSED = ("parameters", "templates")

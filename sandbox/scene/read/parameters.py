@@ -9,15 +9,15 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sandbox.errors import Problem
-from sandbox.scene.read.paths import path_text
-from sandbox.scene.values.expressions import (
+from sandbox.values.expressions import (
     RESERVED,
     Expression,
     NamedValues,
     parse_expression,
     unknown_name,
 )
-from sandbox.scene.values.numbers import number_from
+from sandbox.values.numbers import number_from
+from sandbox.values.paths import path_text
 from sandbox.wording import WrongValueError, quoted
 
 PLACEHOLDER = 1.0

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from sandbox.scene.elements.bodies import SHAPES
+from sandbox.scene.bodies import SHAPES
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.scopes import Scope, unknown_key, wrong_index
-from sandbox.scene.values.expressions import RESERVED
-from sandbox.scene.values.numbers import number_from
+from sandbox.values.expressions import RESERVED
+from sandbox.values.numbers import number_from
 from sandbox.wording import WrongValueError, kind_of, listed, number_text, quoted
 
 KEYS = ("count", "list", "index", "line", "circle")

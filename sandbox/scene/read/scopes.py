@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from sandbox.scene.values.expressions import parse_expression, unknown_name
+from sandbox.values.expressions import parse_expression, unknown_name
 from sandbox.wording import WrongValueError, near, quoted
 
 _BRACES = re.compile(r"\{\{|\}\}|\{([^{}]*)\}")

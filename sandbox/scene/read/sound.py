@@ -13,8 +13,8 @@ from sandbox.scene.check.units import check_units
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.messages import explain
 from sandbox.scene.read.tables import check_tables
+from sandbox.values.messages import explain
 from sandbox.wording import quoted
 
 WANTED = ("what sandbox.load_scene gives, or what it takes: a path, the name of a shipped scene, "

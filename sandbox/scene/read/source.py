@@ -20,8 +20,8 @@ from typing import Any
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.paths import JsonPath, shown_path
 from sandbox.scene.read.positions import Place, Scan, scan
+from sandbox.values.paths import JsonPath, shown_path
 from sandbox.wording import near
 
 MOST_NAME = 400

@@ -10,10 +10,10 @@ import numpy as np
 from pydantic import ValidationError
 
 from sandbox.errors import Problem
-from sandbox.scene.elements.spec import Spec
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.expressions import RESERVED, call, parse_expression
-from sandbox.scene.values.tables import NamedTable, function_of
+from sandbox.values.expressions import RESERVED, call, parse_expression
+from sandbox.values.spec import Spec
+from sandbox.values.tables import NamedTable, function_of
 from sandbox.wording import WrongValueError
 
 STAND_IN = {"points": [[0, 1], [1, 1]]}

@@ -1,0 +1,338 @@
+"""The arrays of a recording, one row each: axes, unit, one sentence. SI.
+
+Axes: n samples, nb bodies, nj joints, ns springs, nt tendons, nl lines, nv valves,
+nd drives, nm meters (each in the mechanism's order), nk loads, each as often as it
+has bodies, nf guides that hold a tendon by friction, nw wheels that one can lift off, nr
+joints, springs and tendons that may be let go, m contact rows, p rows of means, each of nc
+forces, q rows of mean contacts and k impacts. From here come the layout of recordings, the
+count of their bytes and the table in docs/files.md.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.elements.element import NAMED
+
+PIECE = 1 << 18
+"""Numbers that are looked at at a time."""
+Arrays = dict[str, NDArray[Any]]
+Axes = tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """An array of a recording."""
+
+    name: str
+    axes: Axes
+    unit: str
+    """Empty for numbers of rows and elements."""
+    about: str
+    when: Literal[
+        "sample", "once", "contact", "meters", "mean", "mean contact", "impact"] = "sample"
+    """A row for each sample, one for the run, one for each contact, or where there are meters;
+    where samples are several steps apart, a row for each sample with means of its own, and for
+    each point of touch in its interval; a row for each impact."""
+    element: type[np.float64] | type[np.int64] = np.float64
+    also: Literal["", "nan", "inf"] = ""
+    """What its numbers may be besides finite: nan, where something has no value, or infinite, of
+    what is greater than 0."""
+    points: str = ""
+    """The axis whose rows or elements its numbers name."""
+    late: bool = False
+    """Not in the first recordings: where it is missing it reads as nan. Every new array is."""
+
+
+ARRAYS: tuple[Recorded, ...] = (
+    Recorded("time", ("n",), "s", "the instant of the poses and forces of a sample"),
+    Recorded("body_pose", ("n", "nb", 3), "m, m, rad", "x, y, angle of the body's frame"),
+    Recorded("body_velocity", ("n", "nb", 3), "m/s, m/s, rad/s",
+             "of the centre of mass, and about it"),
+    Recorded("body_acceleration", ("n", "nb", 3), "m/s^2, m/s^2, rad/s^2",
+             "of the centre of mass, and about it"),
+    Recorded("joint_angle", ("n", "nj"), "rad", "of `b` against `a`; nan unless a pin",
+             also="nan"),
+    Recorded("joint_rate", ("n", "nj"), "rad/s", "of that angle; nan unless a pin", also="nan"),
+    Recorded("joint_length", ("n", "nj"), "m", "of an actuator; nan of others", also="nan",
+             late=True),
+    Recorded("joint_speed", ("n", "nj"), "m/s", "at which that grows; nan of others", also="nan",
+             late=True),
+    Recorded("joint_reaction", ("n", "nj"), "N", "size of the force that the joint carries"),
+    Recorded("joint_force", ("n", "nj", 2), "N",
+             "on its body `b` by its body `a`, in the world; ends of grooves and ropes included",
+             late=True),
+    Recorded("joint_couple", ("n", "nj"), "N m",
+             "on its body `b` by its body `a`, of welds and of what slides without turning; 0 of "
+             "others", late=True),
+    Recorded("joint_stop", ("n", "nj"), "N m",
+             "torque of the hard stop, in the joint's sense; nan without limits", also="nan"),
+    Recorded("joint_damping", ("n", "nj"), "N m",
+             "torque of the dampers, in the joint's sense; nan unless a pin", also="nan"),
+    Recorded("joint_damping_work", ("n", "nj"), "J",
+             "done by the dampers on the bodies since t = 0; nan unless a pin", also="nan"),
+    Recorded("joint_friction", ("n", "nj"), "N m",
+             "dry friction: of a pin its torque on `b`, in the joint's sense; of a slot its force "
+             "on `b` [N], positive towards the groove's end; nan without", also="nan", late=True),
+    Recorded("joint_friction_work", ("n", "nj"), "J",
+             "done by dry friction on the bodies since t = 0; nan without", also="nan", late=True),
+    Recorded("joint_sticks", ("n", "nj"), "1",
+             "1 where dry friction holds, 0 where it slips; nan without", also="nan", late=True),
+    Recorded("spring_length", ("n", "ns"), "m", "of a rotary spring its hinge's angle [rad]"),
+    Recorded("spring_force", ("n", "ns"), "N",
+             "positive pulls, damper included; of a rotary spring the torque [N m], which is "
+             "positive against a positive angle"),
+    Recorded("spring_work", ("n", "ns"), "J", "done on the bodies since t = 0"),
+    Recorded("tendon_length", ("n", "nt"), "m", "along the path"),
+    Recorded("tendon_tension", ("n", "nt"), "N",
+             "never below 0; where guides hold it by friction, before its last guide"),
+    Recorded("tendon_work", ("n", "nt"), "J", "done on the bodies since t = 0"),
+    Recorded("guide_friction", ("n", "nf"), "N",
+             "by how much a cord's tension is larger behind a guide that holds it by friction than "
+             "before it", late=True),
+    Recorded("guide_slip", ("n", "nf"), "m",
+             "cord that has passed such a guide since t = 0, towards its last guide; at the end of "
+             "the step, half a step after the sample", late=True),
+    Recorded("guide_lifted", ("n", "nw"), "",
+             "1 while a cord is off such a wheel and goes straight past it, else 0", late=True),
+    Recorded("line_pressure", ("n", "nl"), "Pa", "above the surroundings", late=True),
+    Recorded("line_volume", ("n", "nl"), "m^3", "of its chambers and hoses, by the poses",
+             late=True),
+    Recorded("line_flow", ("n", "nl"), "m^3/s",
+             "into it, through valves and by drives; of a gas at the surroundings' pressure",
+             late=True),
+    Recorded("line_content", ("n", "nl"), "m^3",
+             "what is in it at the pressure of the surroundings, less what filled it at t = 0 with "
+             "none above that; at the end of the step", late=True),
+    Recorded("line_spilled", ("n", "nl"), "m^3", "let out by its relief since t = 0, at the end "
+             "of the step", late=True),
+    Recorded("line_work", ("n", "nl"), "J", "done on the bodies since t = 0", late=True),
+    Recorded("line_ahead", ("n", "nl"), "s",
+             "time after the sample at which volume and content fit its pressure", late=True),
+    Recorded("valve_flow", ("n", "nv"), "m^3/s", "from `a` to `b`", late=True),
+    Recorded("valve_loss", ("n", "nv"), "J", "throttled since t = 0", late=True),
+    Recorded("load_force", ("n", "nk", 2), "N",
+             "of every load on every body that it acts on, in the world", late=True),
+    Recorded("load_torque", ("n", "nk"), "N m", "the same about the body's centre of mass",
+             late=True),
+    Recorded("load_work", ("n", "nk"), "J", "done on the body since t = 0", late=True),
+    Recorded("drive_value", ("n", "nd"), "the drive's",
+             "the value in force; of a motor or `extend` that of its step's end, half a step after "
+             "the sample; of a rigid servo or `length` the place to be at a step after it"),
+    Recorded("drive_work", ("n", "nd"), "J", "done on the bodies since t = 0"),
+    Recorded("drive_torque", ("n", "nd"), "N m",
+             "what a motor, brake or servo gave its hinge, in the hinge's positive sense; what "
+             "`extend` and `length` gave their actuator [N]; nan for other drives", also="nan",
+             late=True),
+    Recorded("drive_flow", ("n", "nd"), "m^3/s",
+             "into its line by a drive of flow or pressure; nan for other drives", also="nan",
+             late=True),
+    Recorded("drive_power", ("n", "nd"), "W",
+             "friction on what touches a surface that runs, times its speed; nan for other drives",
+             also="nan", late=True),
+    Recorded("held", ("n", "nr"), "1",
+             "1 while it holds and 0 while it is let go: of joints, springs and tendons, in this "
+             "order, those that may be let go; 0 also in the step in which it breaks", late=True),
+    Recorded("body_centre", ("nb", 2), "m", "centre of mass in the body's frame", "once"),
+    Recorded("body_mass", ("nb",), "kg", "infinite for what does not move freely", "once",
+             also="inf"),
+    Recorded("body_inertia", ("nb",), "kg m^2",
+             "about the centre of mass; infinite for what does not move freely", "once",
+             also="inf"),
+    Recorded("tendon_initial", ("nt",), "m", "length at t = 0", "once"),
+    Recorded("tendon_rest", ("nt",), "m", "length up to which it is slack", "once"),
+    Recorded("contact_sample", ("m",), "", "which row of `time`", "contact", np.int64,
+             points="n"),
+    Recorded("contact_body", ("m",), "", "the body that the force acts on", "contact", np.int64,
+             points="nb"),
+    Recorded("contact_other", ("m",), "", "the body that it comes from", "contact", np.int64,
+             points="nb"),
+    Recorded("contact_point", ("m", 2), "m", "where, in the world", "contact"),
+    Recorded("contact_force", ("m", 2), "N", "on the body by the other", "contact"),
+    Recorded("contact_normal", ("m", 2), "1", "unit vector into the body", "contact"),
+    Recorded("contact_gap", ("m",), "m", "negative where they overlap", "contact"),
+    Recorded("contact_merged", ("m",), "1",
+             "how many points of touch the row stands for; of one alone place, gap and normal are "
+             "those of the two surfaces, of more their means, the least gap and the place that "
+             "gives all moments", "contact", late=True),
+    Recorded("contact_twist", ("m",), "N m",
+             "moment on the other body besides that of the force at the place: of impacts, which "
+             "happen between the poses of two steps, where both bodies have moved", "contact",
+             late=True),
+    Recorded("mean_sample", ("p",), "", "which row of `time`: a sample with a mean that may differ "
+             "from the force of its step", "mean", np.int64, points="n"),
+    Recorded("mean_force", ("p", "nc"), "N, N m",
+             "means over the sample's interval: for each joint `joint_force` (x, y), "
+             "`joint_couple`, `joint_stop` and `joint_friction`, then `tendon_tension`, "
+             "`guide_friction` and `drive_torque`; 0 where these are nan", "mean"),
+    Recorded("mean_contact_sample", ("q",), "", "which row of `time`, one of `mean_sample`",
+             "mean contact", np.int64, points="n"),
+    Recorded("mean_contact_body", ("q",), "", "the body that the force acts on", "mean contact",
+             np.int64, points="nb"),
+    Recorded("mean_contact_other", ("q",), "", "the body that it comes from", "mean contact",
+             np.int64, points="nb"),
+    Recorded("mean_contact_force", ("q", 7), "N m, N m, N, N, N, N, N",
+             "means over the interval, of each point of touch: its place times the size of the "
+             "normal force (x, y), the normal force (x, y), the force (x, y), the size of the "
+             "normal force", "mean contact"),
+    Recorded("impact_time", ("k",), "s", "the instant at which a contact is hit; without "
+             "restitution that of its step", "impact"),
+    Recorded("impact_body", ("k",), "", "the body that the impulse acts on", "impact", np.int64,
+             points="nb"),
+    Recorded("impact_other", ("k",), "", "the body that it comes from", "impact", np.int64,
+             points="nb"),
+    Recorded("impact_point", ("k", 2), "m", "where, in the world", "impact"),
+    Recorded("impact_impulse", ("k", 2), "N s", "on the body by the other, of the whole step",
+             "impact"),
+    Recorded("meter_value", ("n", "nm"), "the meter's", "if the scene has meters", "meters",
+             also="nan"),
+)
+METERS = "meter_value"
+"""Optional: the meters, once they were evaluated."""
+FORCES = 5
+"""Means of each joint."""
+LARGEST = 1e30
+"""Nothing that is simulated comes near it, and products of a few numbers below it are numbers."""
+_BY_NAME = {row.name: row for row in ARRAYS}
+
+
+def _axes(*when: str) -> dict[str, Axes]:
+    return {row.name: row.axes for row in ARRAYS if row.when in when}
+
+
+PER_SAMPLE, STATIC, CONTACT = _axes("sample"), _axes("once"), _axes("contact")
+LAYOUT = _axes("sample", "once", "contact")
+"""Arrays that every recording has; files of older versions may lack those that are ``late``."""
+MEAN, MEAN_CONTACT, IMPACT = _axes("mean"), _axes("mean contact"), _axes("impact")
+OPTIONAL = ((METERS,), (*MEAN, *MEAN_CONTACT), tuple(IMPACT))
+"""Sets of arrays of which a file has all or none."""
+IN_ORDER = ("contact_sample", "mean_sample", "mean_contact_sample", "impact_time")
+"""Arrays whose numbers never fall."""
+LATE = tuple(row.name for row in ARRAYS if row.late)
+"""What files of older recordings may lack."""
+
+
+def dtype_of(key: str) -> type[np.float64] | type[np.int64]:
+    """The element type of an array."""
+    return _BY_NAME[key].element
+
+
+def sizes(
+    mechanism: Any, *, samples: int, contacts: int = 0, means: int = 0, mean_contacts: int = 0,
+    impacts: int = 0,
+) -> dict[str, int]:
+    """The length of every axis; ``mechanism`` has its elements in lists."""
+    counts = {kind.axis: len(getattr(mechanism, name)) for name, kind in NAMED.items() if kind.axis}
+    grips = sum(len(tendon.gripping) for tendon in mechanism.tendons)
+    wheels = sum(len(tendon.lifting) for tendon in mechanism.tendons)
+    forces = FORCES * counts["nj"] + counts["nt"] + grips + counts["nd"]
+    return {"n": samples, "m": contacts, "p": means, "q": mean_contacts, "k": impacts,
+            "nc": forces, "nf": grips, "nw": wheels, **counts, "nk": len(mechanism.loaded),
+            "nr": len(mechanism.releasable)}
+
+
+def shape_of(key: str, size: Mapping[str, int]) -> tuple[int, ...]:
+    """The shape of the array ``key`` for the given axis lengths."""
+    return tuple(size[axis] if isinstance(axis, str) else axis for axis in _BY_NAME[key].axes)
+
+
+def row_bytes(mechanism: Any, keys: Iterable[str]) -> int:
+    """Bytes that one row takes of all these arrays together."""
+    size = sizes(mechanism, samples=1, contacts=1, means=1, mean_contacts=1, impacts=1)
+    return sum(math.prod(shape_of(key, size)) * np.dtype(dtype_of(key)).itemsize for key in keys)
+
+
+def completed(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
+    """Arrays as today's recordings have them: what came late is nan where it lacks.
+
+    What older recordings hold besides is left out.
+    """
+    result = {key: arrays[key] for key in _wanted(arrays) if key in arrays}
+    shapes = {key: array.shape for key, array in arrays.items()}
+    if "time" in arrays and "contact_gap" in arrays:
+        size = _sizes_of(mechanism, shapes)
+        # one nan that is seen everywhere
+        result |= {key: np.broadcast_to(np.nan, shape_of(key, size))
+                   for key in LATE if key not in arrays}
+        if "impact_time" not in arrays:
+            result |= {key: np.zeros(shape_of(key, size), dtype_of(key)) for key in IMPACT}
+    return result
+
+
+def faults(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> list[str]:
+    """What is wrong with a set of arrays: missing ones, wrong shapes or types, wild indices."""
+    if found := misshapen(mechanism, {key: array.shape for key, array in arrays.items()}):
+        return found
+    found = [f"array {key!r} holds {arrays[key].dtype}, expected {np.dtype(dtype_of(key))}"
+             for key in _wanted(arrays) if key in arrays and arrays[key].dtype != dtype_of(key)]
+    return found or _wild(arrays, sizes(mechanism, samples=arrays["time"].size))
+
+
+def misshapen(mechanism: Any, shapes: Mapping[str, tuple[int, ...]]) -> list[str]:
+    """Arrays that are missing or have another shape than the mechanism gives them."""
+    wanted = _wanted(shapes)
+    missing = [f"array {key!r} is missing" for key in wanted
+               if key not in shapes and key not in LATE]
+    if missing:
+        return missing
+    size = _sizes_of(mechanism, shapes)
+    return [f"array {key!r} has shape {shapes[key]}, expected {shape}" for key in wanted
+            if key in shapes and shapes[key] != (shape := shape_of(key, size))]
+
+
+def _wanted(given: Mapping[str, Any]) -> list[str]:
+    """Arrays that a recording has to have that has some of the optional ones."""
+    return [*LAYOUT, *(key for names in OPTIONAL if not given.keys().isdisjoint(names)
+                       for key in names)]
+
+
+def _sizes_of(mechanism: Any, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, int]:
+    rows = {"samples": "time", "contacts": "contact_gap", "means": "mean_sample",
+            "mean_contacts": "mean_contact_sample", "impacts": "impact_time"}
+    return sizes(mechanism, **{axis: math.prod(shapes.get(key, (0,)))
+                               for axis, key in rows.items()})
+
+
+def _wild(arrays: Mapping[str, NDArray[Any]], size: Mapping[str, int]) -> list[str]:
+    found = []
+    for row in ARRAYS:
+        array, last = arrays.get(row.name), size.get(row.points, 0) - 1
+        if row.points and array is not None and any(
+                piece.min() < 0 or piece.max() > last for piece in pieces(array)):
+            found.append(f"array {row.name!r} points outside 0..{last}")
+    return found or [f"array {key!r} is not in order" for key in IN_ORDER
+                     if key in arrays and not in_order(arrays[key])]
+
+
+def pieces(array: NDArray[Any]) -> Iterator[NDArray[Any]]:
+    """Rows of an array in order, :data:`PIECE` numbers at a time: it may be larger than memory."""
+    step = max(1, PIECE * len(array) // max(array.size, 1))
+    for first in range(0, len(array) if array.size else 0, step):
+        yield array[first:first + step]
+
+
+def in_order(values: NDArray[Any]) -> bool:
+    """Whether values [n] never fall."""
+    last = -math.inf
+    for piece in pieces(values):
+        if piece[0] < last or (piece[1:] < piece[:-1]).any():
+            return False
+        last = piece[-1]
+    return True
+
+
+def largest_size(array: NDArray[np.float64]) -> float:
+    """Of all the numbers that are one; 0 of none."""
+    return max((float(np.fmax.reduce(np.abs(piece), axis=None)) for piece in pieces(array)
+                if not np.isnan(piece).all()), default=0.0)
+
+
+def has_numbers(array: NDArray[np.float64]) -> bool:
+    """Whether anything in it has a value."""
+    return any(not np.isnan(piece).all() for piece in pieces(array))

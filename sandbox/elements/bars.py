@@ -1,0 +1,93 @@
+"""Joints of a distance: rods, ropes and actuators."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, ClassVar, Literal, Self
+
+from pydantic import model_validator
+
+from sandbox.elements.joint import REACTION, Anchors, ClosingJoint, JointKind, JointSpec
+from sandbox.values.numbers import Distance, Length, Point
+from sandbox.values.spec import TYPE
+from sandbox.wording import WrongValueError
+
+
+class Rod(ClosingJoint):
+    """A massless rigid rod between two points."""
+
+    facts: ClassVar[JointKind] = JointKind("distance", (*REACTION, "tension"))
+
+    type: Literal["rod"] = TYPE
+    length: Length | None = None
+    """Distance that the two points keep [m]; by default what it is at t = 0."""
+    on_a: Point | None = (0.0, 0.0)
+    """One of the points, in the frame of ``a`` [m]."""
+    on_b: Point | None = (0.0, 0.0)
+    """The other point, in the frame of ``b`` [m]."""
+
+    def columns(self, at: Anchors) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
+        length = at.distance if self.length is None else self.length
+        return {"reach": (length, length)}
+
+
+class Rope(JointSpec):
+    """Keeps two points between a least and a largest distance.
+
+    With ``shortest`` 0 it is a slack rope, otherwise a telescopic rod. It does
+    not stretch, and its jolt is inelastic: where it becomes taut both ends go
+    on at one speed along it, at any step. A tendon is elastic.
+    """
+
+    facts: ClassVar[JointKind] = JointKind("range", (*REACTION, "tension"))
+
+    type: Literal["rope"] = TYPE
+    longest: Length
+    """Largest distance of the two points [m]."""
+    shortest: Distance = 0.0
+    """Least distance of the two points [m]; 0 leaves them free to come together."""
+    on_a: Point | None = (0.0, 0.0)
+    """One of the points, in the frame of ``a`` [m]."""
+    on_b: Point | None = (0.0, 0.0)
+    """The other point, in the frame of ``b`` [m]."""
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.shortest > self.longest:
+            raise WrongValueError("out-of-range", "'shortest' must not be greater than 'longest'")
+        return self
+
+    def columns(self, at: Anchors) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
+        return {"reach": (self.shortest, self.longest)}
+
+
+class Actuator(JointSpec):
+    """A cylinder, screw or solenoid between two points, as seen from outside.
+
+    By itself it gives way freely between its ends of stroke. Drives make it work: ``push`` sets its
+    force, ``extend`` the speed at which it grows longer, ``length`` its length.
+    """
+
+    facts: ClassVar[JointKind] = JointKind("range", ("length", "speed", *REACTION), line=True)
+
+    type: Literal["actuator"] = TYPE
+    shortest: Distance = 0.0
+    """Distance of the two points with the rod drawn in [m]: a hard stop; none by default."""
+    longest: Length | None = None
+    """Distance of the two points with the rod out [m]: a hard stop; none by default."""
+    on_a: Point | None = (0.0, 0.0)
+    """Where the cylinder is held, in the frame of ``a`` [m]."""
+    on_b: Point | None = (0.0, 0.0)
+    """Where the rod is held, in the frame of ``b`` [m]."""
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.longest is not None and self.shortest >= self.longest:
+            raise WrongValueError("out-of-range", "'shortest' must be less than 'longest'")
+        return self
+
+    def columns(self, at: Anchors) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
+        return {"reach": (self.shortest, self.longest or math.inf)}

@@ -1,0 +1,153 @@
+"""Drives of bodies: forces, radii of circles, surfaces that run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import islice
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, field_validator
+
+from sandbox.elements.drive import DriveKind, DriveSpec
+from sandbox.elements.element import BODY, KEPT, OTHER_SIDE, BodyName, Turn, direction_problems
+from sandbox.errors import Problem
+from sandbox.values.numbers import Name, Number, Pair, Point
+from sandbox.values.signals import ForceSignal, LengthSignal, RateSignal
+from sandbox.values.spec import TYPE
+from sandbox.wording import MOST_NAMED, WrongValueError, quoted
+
+if TYPE_CHECKING:
+    from sandbox.export.document import Draft
+    from sandbox.scene.mechanism import Mechanism
+    from sandbox.scene.parts.placement import Mover
+
+SMALLEST_RADIUS = 1e-9
+"""Of a circle that a drive makes smaller [m]."""
+
+
+class ForceDrive(DriveSpec):
+    """A force on a point of a body, along a fixed direction."""
+
+    facts: ClassVar[DriveKind] = DriveKind(
+        BODY, "force", "N", "force")
+
+    type: Literal["force"] = TYPE
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``."""
+    body: BodyName
+    """Name of the body that is pushed."""
+    at: Point = (0.0, 0.0)
+    """The point that the force acts on, in the body's frame [m]; it moves with the body."""
+    direction: Annotated[Pair[Number], KEPT]
+    """[x, y] of any length but zero: only its direction counts, and a negative value pushes the
+    other way."""
+    frame: Literal["world", "body"] = "world"
+    """Whether the direction stays as it is in the world, or turns with the body."""
+    value: ForceSignal
+    """The force over time [N]."""
+
+    @field_validator("direction")
+    @classmethod
+    def _not_zero(cls, direction: tuple[float, float]) -> tuple[float, float]:
+        if direction == (0.0, 0.0):
+            raise WrongValueError("out-of-range", "[0, 0] is no direction")
+        return direction
+
+    def columns(self) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
+        size = np.hypot(*self.direction)
+        return {"at": self.at, "turning": self.frame == "body", "direction": (
+            float(self.direction[0] / size), float(self.direction[1] / size))}
+
+    def range_problems(self, path: str) -> Iterator[Problem]:
+        """A direction without a length that can be computed with."""
+        return direction_problems(self.direction, f"{path}.direction")
+
+    def placed(self, mover: Mover) -> Mapping[str, Any]:
+        """Fields that are ``kept`` and that a placement changes all the same, with new values."""
+        return {"direction": mover.placement.vector(self.direction) if self.frame == "world"
+                else mover.direction(self.body, self.direction)}
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        """Add the drive to a MuJoCo model."""
+        columns = self.columns()
+        frame = None if columns["turning"] else draft.world_frame()
+        site = draft.site(draft.target(index), f"{self.name}.site", self.at)
+        draft.motor(index, gear=(*columns["direction"], 0, 0, 0, 0), site=site, refsite=frame)
+
+
+class RadiusDrive(DriveSpec):
+    """Sets the radius of a body's circle over time: an object that swells or shrinks."""
+
+    facts: ClassVar[DriveKind] = DriveKind(
+        BODY, "radius", "m", "length", floor=SMALLEST_RADIUS, sole="radius", latched=True,
+        mujoco="a radius that changes")
+
+    type: Literal["radius"] = TYPE
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``."""
+    body: BodyName
+    """Name of the body; mass and inertia stay as they are."""
+    shape: int = Field(default=0, ge=0)
+    """Which of the body's shapes, counted from 0; it has to be a circle."""
+    value: LengthSignal
+    """The radius over time [m]."""
+
+    def columns(self) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
+        return {"shape": self.shape}
+
+    @property
+    def positive_value(self) -> bool:
+        """Whether its value must stay greater than 0."""
+        return True
+
+    @property
+    def owned(self) -> tuple[object, ...]:
+        """What no other drive may set."""
+        return *super().owned, self.shape
+
+    def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """A shape that is none, or no circle."""
+        body = next((each for each in mechanism.bodies if each.name == self.body), None)
+        if body is None:
+            return
+        kinds = [shape.type for shape in body.shapes]
+        if self.shape < len(kinds) and kinds[self.shape] == "circle":
+            return
+        circles = (str(i) for i, kind in enumerate(kinds) if kind == "circle")
+        allowed = ", ".join(islice(circles, MOST_NAMED)) \
+            or f"none: {quoted(self.body)} has no circle"
+        what = (f"{quoted(self.body)} has no shape {self.shape} (they count from 0)"
+                if self.shape >= len(kinds) else
+                f"shape {self.shape} of {quoted(self.body)} is a {kinds[self.shape]}; only a "
+                "circle has a radius to set")
+        yield Problem("not-settable", what, f"{path}.shape", allowed=allowed)
+
+
+class SurfaceDrive(DriveSpec):
+    """Lets the surface of a body run along its outline, as that of a conveyor; the body stays.
+
+    What touches it is carried along by friction.
+    """
+
+    facts: ClassVar[DriveKind] = DriveKind(
+        BODY, "surface", "m/s", "speed", ("value", "work", "power"), sole="surface", timely="end",
+        mujoco="a surface that runs")
+
+    type: Literal["surface"] = TYPE
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``, friction times speed as
+    ``<name>.power``."""
+    body: BodyName
+    """Name of the body, all of whose shapes run; its mass and pose are not changed by that."""
+    positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
+    """Which way round the body, as seen, a positive speed runs: with ``clockwise`` its top runs to
+    the right."""
+    value: RateSignal
+    """The speed along the surface over time [m/s], seen from the body."""
+
+    def columns(self) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
+        return {"sense": 1.0 if self.positive == "counterclockwise" else -1.0}

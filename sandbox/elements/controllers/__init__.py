@@ -1,0 +1,1 @@
+"""Controllers: what reads quantities of the running mechanism and sets its drives."""

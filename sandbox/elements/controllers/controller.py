@@ -1,0 +1,219 @@
+"""The base of controllers, and the interface of their laws.
+
+A controller acts at a rate of its own. When it acts after step k it reads what
+a recording of every step has of step k, and what it writes holds from step k + 1 until
+it acts again; its first act is before the first step. The value of a drive
+that a controller writes is where that drive begins.
+
+What is common to all laws, limits and rate limits, is applied outside of them;
+a law is given what was in force, so that it does not wind up.
+
+Laws know numbers only: readings, targets and drive values come in the order of ``reads`` and
+``writes``, SI. They are plain Python on floats, which is faster than arrays of so few numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol, Self
+
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+
+from sandbox.elements.element import Element
+from sandbox.values.numbers import (
+    POSITIVE,
+    Flag,
+    Frequency,
+    Items,
+    Name,
+    Pair,
+    Quantity,
+    checked_expression,
+    parameters_of,
+)
+from sandbox.values.signals import AnySignal
+from sandbox.wording import WrongValueError
+
+if TYPE_CHECKING:
+    from sandbox.scene.mechanism import Mechanism
+
+RATE = 1000.0
+"""How often a controller acts by default [Hz]; the nearest whole number of steps is used."""
+
+Range = Pair[Quantity]
+Positive = Annotated[Quantity, POSITIVE]
+Matrix = Items[Items[Quantity]]
+
+
+def bound(text: str, info: ValidationInfo) -> str:
+    """An expression of quantities with the scene's parameters put in; a plain name stays."""
+    expression = checked_expression(text, info).bind(parameters_of(info))
+    return f"={expression.text}" if text.lstrip().startswith("=") else text.strip()
+
+
+def _ordered(limits: Range | None) -> None:
+    if limits is not None and limits[0] >= limits[1]:
+        raise WrongValueError("out-of-range", f"limits are [lowest, highest], and {limits[0]:g} is "
+                              f"not below {limits[1]:g}")
+
+
+def every(rate: float | None, step: float) -> int:
+    """Steps of ``step`` [s] between two acts at ``rate`` [Hz]; None is near :data:`RATE`."""
+    return max(1, round(1 / ((rate or RATE) * step)))
+
+
+class Law(Protocol):
+    """What turns readings into drive values."""
+
+    def begin(
+        self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
+    ) -> None:
+        """Begin, or begin anew after having been switched on.
+
+        A law that is switched on during a run goes on from what its drives
+        have, as far as it has a memory that can hold the difference.
+
+        Args:
+            readings: what the controller reads now, [number of readings].
+            targets: what its signals say now, [number of targets].
+            inputs: what its drives have now, [number of drives].
+        """
+
+    def act(
+        self, t: float, readings: Sequence[float], targets: Sequence[float],
+        applied: Sequence[float],
+    ) -> list[float]:
+        """What the law wants of its drives until it acts again.
+
+        Args:
+            t: the instant [s]; one period after the last act.
+            readings: as in :meth:`begin`; at the first act after it the same.
+            targets: as in :meth:`begin`.
+            applied: what was in force since the last act, [number of drives]. It equals what
+                was wanted, to the last bit, unless a limit or a rate limit cut it.
+
+        Returns:
+            One value for each drive, in its unit.
+        """
+
+    def report(self) -> dict[str, Any]:
+        """What the law found out, as plain JSON data for ``run.json``; {} if nothing."""
+
+
+class Memoryless:
+    """The beginning and the end of a law that remembers nothing."""
+
+    __slots__ = ()
+
+    def begin(
+        self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
+    ) -> None:
+        """Nothing to prepare."""
+
+    def report(self) -> dict[str, Any]:
+        """Nothing to tell."""
+        return {}
+
+
+class ControllerSpec(Element):
+    """The base of all controllers."""
+
+    # fields with numbers in the unit of its drives, of its readings, of a force
+    of_drive: ClassVar[tuple[str, ...]] = ()
+    of_reading: ClassVar[tuple[str, ...]] = ()
+    of_force: ClassVar[tuple[str, ...]] = ()
+    # the field that has its targets
+    target_key: ClassVar[str] = "target"
+    # whether it sets its drive to its target
+    sets_target: ClassVar[bool] = False
+
+    name: Name
+    """Its name, by which events set ``<name>.target`` and ``<name>.active``."""
+    rate: Frequency | None = None
+    """How often it acts [Hz]; by default 1 kHz or the nearest rate that the step divides."""
+    active: Flag = True
+    """Whether it acts from the start; an event may switch it by setting ``<name>.active``."""
+
+    if TYPE_CHECKING:
+        writes: Any
+
+    @property
+    def written(self) -> tuple[str, ...]:
+        """The drives that it sets."""
+        writes: str | tuple[str, ...] = self.writes
+        return (writes,) if isinstance(writes, str) else writes
+
+    @property
+    def readings(self) -> tuple[str, ...]:
+        """What it reads: quantities, or expressions of them that begin with ``=``."""
+        return ()
+
+    @property
+    def signals(self) -> tuple[AnySignal, ...]:
+        """The targets of its readings over time; of a schedule its value."""
+        return ()
+
+    def make_law(self, mechanism: Mechanism, period: float) -> Law:
+        """Its law, which acts every ``period`` [s]."""
+        raise NotImplementedError
+
+
+class SingleController(ControllerSpec):
+    """A controller of one drive."""
+
+    writes: Name
+    """Name of the drive that it sets."""
+    limits: Range | None = None
+    """[lowest, highest] that it sets, in the drive's unit; none by default."""
+    slew: Positive | None = None
+    """Largest change a second, either way, in the drive's unit; none by default."""
+
+    @field_validator("limits")
+    @classmethod
+    def _limits_ordered(cls, limits: Range | None) -> Range | None:
+        _ordered(limits)
+        return limits
+
+
+class ReadingController(SingleController):
+    """A controller of one drive by one reading."""
+
+    reads: str
+    """A quantity (``finger.mcp.angle``) or an expression (``"=a.angle - b.angle"``)."""
+
+    @field_validator("reads")
+    @classmethod
+    def _bind_reads(cls, text: str, info: ValidationInfo) -> str:
+        return bound(text, info)
+
+    @property
+    def readings(self) -> tuple[str, ...]:
+        """What it reads."""
+        return (self.reads,)
+
+
+class SeveralController(ControllerSpec):
+    """A controller of several drives."""
+
+    writes: Items[Name] = Field(min_length=1, max_length=32)
+    """Names of the drives that it sets."""
+    limits: Items[Range] | None = None
+    """[lowest, highest] of each drive, in its unit; none by default."""
+    slew: Items[Positive] | None = None
+    """Largest change a second of each drive, either way, in its unit; none by default."""
+
+    @field_validator("limits")
+    @classmethod
+    def _each_ordered(cls, limits: tuple[Range, ...] | None) -> tuple[Range, ...] | None:
+        for pair in limits or ():
+            _ordered(pair)
+        return limits
+
+    @model_validator(mode="after")
+    def _one_each(self) -> Self:
+        for key in ("limits", "slew"):
+            given = getattr(self, key)
+            if given is not None and len(given) != len(self.writes):
+                raise WrongValueError("wrong-type", f"'{key}': expected {len(self.writes)} "
+                                      f"entries, one a drive, got {len(given)}")
+        return self

@@ -1,0 +1,203 @@
+"""A Python callable as a controller, for scripts; scenes never run code."""
+
+from __future__ import annotations
+
+import math
+import numbers
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from sandbox.elements.controllers.controller import Memoryless
+from sandbox.errors import ControllerFailed, SandboxError
+from sandbox.values.expressions import parse_expression
+from sandbox.values.numbers import NAME
+from sandbox.wording import quoted
+
+Act = Callable[[float, Sequence[float]], float | Sequence[float] | None]
+Range = tuple[float, float]
+
+
+class StopRun(Exception):
+    """What the function of a :class:`Custom` raises to end the run, as an event with ``stop`` does.
+
+    The run counts as complete. It ends before the next step, but not before its first sample.
+
+    Args:
+        because: why, for the verdicts.
+        verdict: ``"pass"``, or ``"fail"``, which fails the run.
+
+    Raises:
+        ValueError: another verdict.
+    """
+
+    def __init__(self, because: str = "", *, verdict: Literal["pass", "fail"] = "pass") -> None:
+        if verdict not in ("pass", "fail"):
+            raise ValueError(f"a run is stopped with the verdict 'pass' or 'fail', not "
+                             f"{quoted(verdict)}")
+        super().__init__(because)
+        self.because, self.verdict = str(because), verdict
+
+
+def customs(given: object) -> tuple[Custom, ...]:
+    """The callables that were passed as ``controllers``.
+
+    Raises:
+        SandboxError: they are none.
+    """
+    found = tuple(given) if isinstance(given, Iterable) else (given,)
+    if not isinstance(given, Iterable) or not all(isinstance(one, Custom) for one in found):
+        raise SandboxError(f"controllers: {quoted(given)} are no controllers; "
+                           "pass a list of sandbox.Custom")
+    return found
+
+
+@dataclass(frozen=True)
+class Custom:
+    """A controller made of a Python function.
+
+    ``act(t, readings)`` gets the instant [s] and a list of what ``reads`` names, and
+    returns what the drives of ``writes`` shall have: a number, or one for each drive.
+    If ``writes`` names none it only watches, and returns nothing; the run is the same as without
+    it. It may raise :class:`StopRun`. It is called in the order of time, once an act, so it may
+    remember. Arguments are put into their plain form: tuples, one entry a drive.
+
+    Raises:
+        ValueError: an argument of the wrong kind, or too few or many entries.
+    """
+
+    name: str
+    reads: Sequence[str]
+    """Quantities (``finger.mcp.angle``) or expressions of them (``"=a.angle - b.angle"``)."""
+    writes: Sequence[str]
+    """Drives; ``[]`` for a function that only watches."""
+    act: Act
+    rate: float | None = None
+    """How often it acts [Hz]; by default 1 kHz, or the nearest rate that the step divides."""
+    limits: Sequence[Range] | Range | None = None
+    """(lowest, highest) of each drive; one pair will do for one drive."""
+    slew: Sequence[float] | float | None = None
+    """Largest change a second of each drive; one number will do for one drive."""
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not re.fullmatch(NAME, self.name):
+            raise ValueError(f"a controller's name is made of letters, digits, underscores and "
+                             f"dots, and {quoted(self.name)} is not")
+        reads = tuple(self._reading(text) for text in self._texts("reads"))
+        writes = self._texts("writes")
+        if len(set(writes)) < len(writes):
+            raise self._wrong("'writes' names a drive twice")
+        if not callable(self.act):
+            raise self._wrong(f"'act' must be callable, got {quoted(self.act)}")
+        if self.rate is not None and not self._number("rate", self.rate) > 0:
+            raise self._wrong(f"'rate' must be greater than 0, got {self.rate!r}")
+        for key, value in (("reads", reads), ("writes", writes),
+                           ("limits", self._limits(len(writes))),
+                           ("slew", self._slew(len(writes)))):
+            object.__setattr__(self, key, value)
+
+    def law(self) -> CustomLaw:
+        """The callable as a law."""
+        return CustomLaw(self)
+
+    def _wrong(self, what: str) -> ValueError:
+        return ValueError(f"controller {quoted(self.name)}: {what}")
+
+    def _texts(self, key: str) -> tuple[str, ...]:
+        """A list of names; one name may stand alone."""
+        given = getattr(self, key)
+        if isinstance(given, str):
+            return (given,)
+        if not isinstance(given, Sequence) or not all(isinstance(text, str) for text in given):
+            raise self._wrong(f"'{key}' must be a list of names, got {quoted(given)}")
+        return tuple(given)
+
+    def _reading(self, text: str) -> str:
+        """A quantity's name or an expression, in its plain form."""
+        try:
+            plain = parse_expression(text).text
+            return f"={plain}" if text.lstrip().startswith("=") else plain
+        except ValueError as error:
+            raise self._wrong(f"'reads': {error}") from None
+
+    def _number(self, key: str, value: Any) -> float:
+        if (isinstance(value, bool) or not isinstance(value, numbers.Real)
+                or not math.isfinite(value)):
+            raise self._wrong(f"'{key}' must be made of finite numbers, got {quoted(value)}")
+        return float(value)
+
+    def _limits(self, count: int) -> tuple[Range, ...] | None:
+        given = self.limits
+        if given is None:
+            return None
+        if isinstance(given, Sequence) and any(isinstance(x, numbers.Real) for x in given):
+            given = [given]  # type: ignore[list-item]  # one pair for one drive
+        if not isinstance(given, Sequence) or len(given) != count:
+            raise self._wrong(f"'limits' must be {count} of [lowest, highest], one for each drive")
+        pairs = []
+        for pair in given:
+            if not isinstance(pair, Sequence) or len(pair) != 2:
+                raise self._wrong(f"'limits' must be [lowest, highest], got {quoted(pair)}")
+            low, high = (self._number("limits", x) for x in pair)
+            if low >= high:
+                raise self._wrong(f"'limits' are [lowest, highest], got {quoted(pair)}")
+            pairs.append((low, high))
+        return tuple(pairs)
+
+    def _slew(self, count: int) -> tuple[float, ...] | None:
+        given = self.slew
+        if given is None:
+            return None
+        entries = given if isinstance(given, Sequence) else [given]
+        rates = tuple(self._number("slew", rate) for rate in entries)
+        if len(rates) != count:
+            raise self._wrong(f"'slew' must have {count} entries, one for each drive, "
+                              f"got {len(rates)}")
+        if min(rates) <= 0:
+            raise self._wrong(f"'slew' must be greater than 0, got {min(rates)!r}")
+        return rates
+
+
+class CustomLaw(Memoryless):
+    """Calls the function and looks over what it returns."""
+
+    __slots__ = ("_act", "_count", "_name")
+
+    def __init__(self, spec: Custom) -> None:
+        self._act, self._name, self._count = spec.act, spec.name, len(spec.writes)
+
+    def act(
+        self, t: float, readings: Sequence[float], targets: Sequence[float],
+        applied: Sequence[float],
+    ) -> list[float]:
+        """What the function wants.
+
+        Raises:
+            StopRun: it did.
+            ControllerFailed: it raised something else, or returned something else than one number
+                for each drive.
+        """
+        try:
+            result: Any = self._act(t, readings)
+        except StopRun:
+            raise
+        except Exception as error:
+            raise self._failed(t, f"raised {type(error).__name__}: {error}") from error
+        if not self._count:
+            if result is None:
+                return []
+            raise self._failed(t, f"returned {quoted(result)}, but 'writes' names no drive that "
+                                  "could have it")
+        try:
+            if isinstance(result, str):
+                raise TypeError("a text, although its letters may be digits")
+            wanted = [float(result)] if isinstance(result, numbers.Real) else [*map(float, result)]
+        except (TypeError, ValueError):
+            raise self._failed(t, f"returned {quoted(result)} instead of numbers") from None
+        if len(wanted) != self._count:
+            raise self._failed(t, f"returned {len(wanted)} values for {self._count} drives")
+        return wanted
+
+    def _failed(self, t: float, reason: str) -> ControllerFailed:
+        return ControllerFailed(t, self._name, reason)

@@ -1,0 +1,398 @@
+"""The equilibrium law: the stiffness that balances the tendon at the target, and feedback on it.
+
+At rest T h = k s with s = dlm hm (equations (17), (29), (30)). So k = T h / s at
+the target holds it without any feedback, as far as the law knows the finger; and
+a torque tau that shall resist a joint more is a stiffness of tau / s more, s at
+the joint's present rotation. Near the straight finger s goes to 0: there springs
+can do nothing, and the law reckons with the s of a small rotation instead.
+
+A :class:`Crossing` is in the frames of the paper's section 4: x along the straight finger, the
+joint closing clockwise, so that a joint that counts counter-clockwise is mirrored.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from sandbox.elements.controllers.controller import Law, Positive, SeveralController
+from sandbox.elements.element import Vec
+from sandbox.elements.element_drives import StiffnessDrive
+from sandbox.elements.points import Pin
+from sandbox.elements.springs import LinearSpring, Spring
+from sandbox.elements.tendons import Guide, Tendon
+from sandbox.errors import Problem
+from sandbox.mechanics.springs import spring_set
+from sandbox.mechanics.tendon import route
+from sandbox.values.numbers import Angle, Instant, Items, Length, Name, Point, Quantity
+from sandbox.values.signals import AngleSignal, AnySignal
+from sandbox.values.spec import TYPE, Spec
+from sandbox.wording import NearMisses, WrongValueError, listed, quoted
+
+if TYPE_CHECKING:
+    from sandbox.scene.mechanism import Mechanism
+
+
+class FingerGeometry(Spec):
+    """A finger's tendon and springs as the paper's section 4 gives them; slack at rotation 0."""
+
+    lengths: Items[Length] = Field(min_length=1, max_length=32)
+    """Lengths of the phalanges, the proximal one first [m]."""
+    guides: Items[Point]
+    """V_0 in the palm's frame from the first hinge, V_1 ... V_n in their phalanges' frames [m]."""
+    on_previous: Annotated[Items[Point], Field(alias="from")]
+    """M'' of each spring, on the body before the hinge, from the hinge [m]."""
+    on_phalanx: Annotated[Items[Point], Field(alias="to")]
+    """M' of each spring, in the frame of the body after the hinge [m]."""
+
+    @model_validator(mode="after")
+    def _counts(self) -> Self:
+        n = len(self.lengths)
+        for key, given, wanted in (("guides", self.guides, n + 1), ("from", self.on_previous, n),
+                                   ("to", self.on_phalanx, n)):
+            if len(given) != wanted:
+                raise WrongValueError("wrong-type", f"'{key}': a finger of {n} phalanges has "
+                                      f"{wanted}, got {len(given)}")
+        return self
+
+
+class EquilibriumController(SeveralController):
+    """Holds the joints of a pulled finger by the stiffness of its springs, from T h = k dlm hm.
+
+    k = T h / (dlm hm) at the targets, and what is left, torque = kp (rotation - reference)
+    + kd rate + ki ∫(rotation - reference) dt, as stiffness torque / (dlm hm) at the present
+    rotations. h is the tendon's arm, dlm the spring's elongation and hm its arm.
+    """
+
+    of_force: ClassVar[tuple[str, ...]] = ("pull",)
+    target_key: ClassVar[str] = "targets"
+
+    type: Literal["equilibrium"] = TYPE
+    tendon: Name
+    """Name of the tendon that turns the joints."""
+    joints: Items[Name] = Field(min_length=1, max_length=32)
+    """Names of the hinges; ``writes`` are the stiffness drives of the springs across them, in this
+    order."""
+    targets: Items[AngleSignal]
+    """Of the joints' rotations over time [rad], each in its hinge's sense."""
+    pull: Positive | None = None
+    """T that is reckoned with [N]; by default the tension that the tendon has."""
+    kp: Items[Quantity]
+    """Torque per error of rotation, one for each joint [N m/rad]."""
+    ki: Items[Quantity] | None = None
+    """Torque per integral of the error, one for each joint [N m/(rad s)]; none by default. The
+    integral begins once ``rise`` is over."""
+    kd: Items[Quantity] | None = None
+    """Torque per rate of rotation, one for each joint [N m s/rad]; none by default."""
+    rise: Instant = 0.0
+    """Time in which the reference goes from where the joints are to the targets [s]."""
+    guard: Annotated[Angle, Field(gt=0)] = math.radians(2.0)
+    """dlm hm, 0 in the straight finger, counts as no less than it is at this rotation [rad]."""
+    geometry: FingerGeometry | None = None
+    """What the law takes the finger for; by default what it is."""
+
+    @model_validator(mode="after")
+    def _per_joint(self) -> Self:
+        n = len(self.writes)
+        counts = {key: len(given) for key in ("joints", "targets", "kp", "ki", "kd")
+                  if (given := getattr(self, key)) is not None}
+        if self.geometry is not None:
+            counts["geometry"] = len(self.geometry.lengths)
+        for key, got in counts.items():
+            if got != n:
+                raise WrongValueError("wrong-type", f"'{key}': expected {n} entries, one a drive, "
+                                      f"got {got}")
+        return self
+
+    @property
+    def readings(self) -> tuple[str, ...]:
+        """Angles and rates of its joints, and the tension unless ``pull`` is given."""
+        motion = [f"{joint}.{kind}" for kind in ("angle", "rate") for joint in self.joints]
+        return (*motion, *([f"{self.tendon}.tension"] if self.pull is None else []))
+
+    @property
+    def signals(self) -> tuple[AnySignal, ...]:
+        """The targets of its readings over time; of a schedule its value."""
+        return tuple(self.targets)
+
+    def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """Joints, tendon and springs that are not there, or do not belong to each other."""
+        return Fingers(mechanism).problems(self, path)
+
+    def make_law(self, mechanism: Mechanism, period: float) -> Law:
+        """Its law, which acts every ``period`` [s]."""
+        return Equilibrium(self, joint_model(self, Fingers(mechanism)), period)
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """One hinge with its stretch of tendon and its spring, points from the hinge [m]."""
+
+    guide_before: Vec
+    """V_(i-1), in the frame of the body before the hinge."""
+    guide_after: Vec
+    """V_i, in the frame of the body after it."""
+    spring_before: Vec
+    """M''."""
+    spring_after: Vec
+    """M'."""
+    rest: float
+    """Length of the slack spring [m]."""
+
+
+class Fingers:
+    """What laws of equilibrium are about, by name."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self._mechanism = mechanism
+        self.tendons = {tendon.name: tendon for tendon in reversed(mechanism.tendons)}
+        self.pins = {joint.name: joint for joint in mechanism.joints if isinstance(joint, Pin)}
+        self._springs = {spring.name: spring for spring in reversed(mechanism.springs)}
+        self._drives = {drive.name: drive for drive in mechanism.drives}
+        self._near = NearMisses()
+
+    def spring_of(self, drive: str) -> Spring | None:
+        """The spring whose stiffness a drive sets."""
+        found = self._drives.get(drive)
+        return (self._springs.get(found.spring)
+                if isinstance(found, StiffnessDrive) and found.spring is not None else None)
+
+    def crossings(self, spec: EquilibriumController) -> list[Crossing]:
+        """What crosses the joints of a controller that has no :meth:`problems`."""
+        found = []
+        for name, drive in zip(spec.joints, spec.writes, strict=True):
+            pin, spring = self.pins[name], self.spring_of(drive)
+            guides = _guides(self.tendons[spec.tendon], pin)
+            if guides is None or not isinstance(spring, LinearSpring):
+                raise ValueError(f"no guides or no linear spring across {name}")
+            found.append(_seen_from(self._mechanism, pin, guides, spring))
+        return found
+
+    def problems(self, spec: EquilibriumController, path: str) -> Iterator[Problem]:
+        """Joints, tendon and springs that are not there, or do not belong to each other."""
+        tendons, pins, near = self.tendons, self.pins, self._near
+        if spec.tendon not in tendons:
+            yield Problem("name-not-found",
+                          f"there is no tendon named {quoted(spec.tendon)}", f"{path}.tendon",
+                          allowed=listed(tendons) or "none: the scene has no tendons",
+                          hint=near(spec.tendon, tendons))
+        for i, (name, drive) in enumerate(zip(spec.joints, spec.writes, strict=False)):
+            if name not in pins:
+                yield Problem("name-not-found",
+                              f"there is no hinge named {quoted(name)}", f"{path}.joints[{i}]",
+                              allowed=listed(pins) or "none: the scene has no hinges",
+                              hint=near(name, pins))
+                continue
+            guides = _guides(tendons[spec.tendon], pins[name]) if spec.tendon in tendons else ()
+            if guides is None or any(guide.radius for guide in guides):
+                yield Problem("bad-control-law", f"the tendon {quoted(spec.tendon)} does not run "
+                              f"straight from a guide on one side of {quoted(name)} to a guide on "
+                              "the other", f"{path}.joints[{i}]")
+            spring = self.spring_of(drive)
+            if drive in self._drives and (
+                    not isinstance(spring, LinearSpring)
+                    or {spring.a, spring.b} != {pins[name].a, pins[name].b}):
+                yield Problem("bad-control-law", f"{quoted(drive)} does not set the stiffness of a "
+                              f"linear spring across {quoted(name)}", f"{path}.writes[{i}]",
+                              allowed="a stiffness drive for each joint, in the joints' order")
+
+
+def _guides(tendon: Tendon, pin: Pin) -> tuple[Guide, Guide] | None:
+    """The guides that the tendon runs between across a hinge: before it, after it."""
+    for one, other in pairwise(tendon.guides):
+        for before, after in ((one, other), (other, one)):
+            if (before.body, after.body) == (pin.a, pin.b):
+                return before, after
+    return None
+
+
+def _seen_from(
+    mechanism: Mechanism, pin: Pin, guides: tuple[Guide, Guide], spring: LinearSpring,
+) -> Crossing:
+    on_a, on_b = mechanism.anchors(pin)
+    side = 1.0 if pin.positive == "clockwise" else -1.0
+    c, s = math.cos(pin.zero), math.sin(pin.zero)
+
+    def before(point: Vec) -> Vec:
+        x, y = point[0] - on_a[0], side * (point[1] - on_a[1])
+        # at rotation 0 the frame after the hinge is turned by ``zero`` the joint's way
+        return c * x - s * y, s * x + c * y
+
+    def after(point: Vec) -> Vec:
+        return point[0] - on_b[0], side * (point[1] - on_b[1])
+
+    ends = {spring.a: spring.on_a, spring.b: spring.on_b}
+    rest = spring.rest_length
+    if rest is None:
+        rest = math.dist(*(mechanism.world(name, at) for name, at in ends.items()))
+    return Crossing(before(guides[0].at), after(guides[1].at), before(ends[pin.a]),
+                    after(ends[pin.b]), rest)
+
+
+@dataclass(frozen=True)
+class JointGeometry:
+    """What the law knows of a joint: two triangles at the hinge."""
+
+    product: float
+    """dt rt of the tendon's triangle [m^2]."""
+    squares: float
+    """dt^2 + rt^2 [m^2]."""
+    beta_0: float
+    """[rad], equation (12)."""
+    spring_product: float
+    """dm rm of the spring's triangle [m^2]."""
+    spring_squares: float
+    """dm^2 + rm^2 [m^2]."""
+    delta_0: float
+    """[rad], equation (24)."""
+    rest: float
+    """Length of the slack spring [m]."""
+
+    def tendon_arm(self, theta: float) -> float:
+        """The arm h = dt rt sin(beta) / lt [m], from (17)."""
+        beta = self.beta_0 - theta
+        return self.product * math.sin(beta) / math.sqrt(
+            self.squares - 2 * self.product * math.cos(beta))
+
+    def spring_moment(self, theta: float) -> float:
+        """The spring's moment per stiffness s = dlm hm [N m / (N/m)], from (29) and (30)."""
+        delta = self.delta_0 + theta
+        length = math.sqrt(self.spring_squares - 2 * self.spring_product * math.cos(delta))
+        return (length - self.rest) * self.spring_product * math.sin(delta) / length
+
+
+def joint_model(spec: EquilibriumController, fingers: Fingers) -> list[JointGeometry]:
+    """The joints as the law takes them to be: as given, or as they are in the mechanism."""
+    given = spec.geometry
+    if given is None:
+        return [_crossed(crossing) for crossing in fingers.crossings(spec)]
+    tendon = route(given.guides, given.lengths)
+    springs = spring_set(given.on_previous, given.on_phalanx)
+    rest = springs.lengths(np.zeros(len(given.lengths)))
+    return [_joint(*row) for row in zip(
+        tendon.dt, tendon.rt, tendon.beta_0, springs.dm, springs.rm,
+        springs.delta(np.zeros(len(rest))), rest, strict=True)]
+
+
+def _crossed(at: Crossing) -> JointGeometry:
+    # one joint as a finger of one phalanx: its length moves no guide
+    tendon = route([at.guide_before, at.guide_after], [1.0])
+    spring = spring_set([at.spring_before], [at.spring_after])
+    return _joint(tendon.dt[0], tendon.rt[0], tendon.beta_0[0], spring.dm[0], spring.rm[0],
+                  spring.delta([0.0])[0], at.rest)
+
+
+def _joint(
+    dt: float, rt: float, beta_0: float, dm: float, rm: float, delta_0: float, rest: float,
+) -> JointGeometry:
+    return JointGeometry(*map(float, (
+        dt * rt, dt**2 + rt**2, beta_0, dm * rm, dm**2 + rm**2, delta_0, rest)))
+
+
+class Equilibrium:
+    """k = T h / s at the target + (kp e + kd rate + I) / s, with e = rotation - reference.
+
+    - The reference goes from where the joint was at the beginning to the target along a
+      straight line, within ``rise``; the feedforward is that of the target itself.
+    - I, a torque, integrates ki e over straight lines between acts once the reference has
+      arrived: on the way there the joint lags behind, which is no error of the model. It is
+      left as it is while its drive's value is cut and it would lead further out.
+    - s is taken no smaller than it is at the guard's rotation, and so never 0.
+    """
+
+    __slots__ = ("_arrived", "_balanced_at", "_balancing", "_errors", "_guards", "_half_ki",
+                 "_integrals", "_joints", "_kd", "_kp", "_pull", "_resumes", "_rise", "_since",
+                 "_starts", "_wanted")
+
+    def __init__(
+        self, spec: EquilibriumController, joints: Sequence[JointGeometry], period: float,
+    ) -> None:
+        n = len(joints)
+        self._joints, self._pull, self._rise = list(joints), spec.pull, spec.rise
+        self._kp, self._kd = spec.kp, spec.kd or (0.0,) * n
+        self._half_ki = tuple(0.5 * period * ki for ki in spec.ki or (0.0,) * n)
+        self._guards = [joint.spring_moment(spec.guard) for joint in joints]
+        self._starts = self._errors = self._wanted = [0.0] * n
+        self._integrals = [0.0] * n
+        self._since: float | None = None
+        self._arrived, self._resumes = False, not spec.active
+        self._balanced_at: tuple[float, list[float]] | None = None
+        self._balancing: list[float] = []
+
+    def begin(
+        self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
+    ) -> None:
+        """Start the reference where the joints are.
+
+        In the middle of a run the integrals take up the difference to what the drives have;
+        joints without an integral gain could never get rid of it, and begin at 0.
+        """
+        n = len(self._joints)
+        self._starts = list(readings[:n])
+        self._since, self._arrived = None, False
+        self._integrals = [0.0] * n
+        if self._resumes:
+            ahead = self._ahead(readings, targets)
+            rates = readings[n:]
+            for i, angle in enumerate(self._starts):
+                error = 0.0 if self._rise > 0 else angle - targets[i]
+                if self._half_ki[i]:
+                    self._integrals[i] = (
+                        (inputs[i] - ahead[i]) * self._moment(i, angle)
+                        - self._kp[i] * error - self._kd[i] * rates[i])
+        self._resumes = True
+
+    def act(
+        self, t: float, readings: Sequence[float], targets: Sequence[float],
+        applied: Sequence[float],
+    ) -> list[float]:
+        """The stiffnesses; see the class."""
+        if self._since is None:
+            self._since = t
+        fraction = min(1.0, (t - self._since) / self._rise) if self._rise > 0 else 1.0
+        ahead, starts, n = self._ahead(readings, targets), self._starts, len(self._joints)
+        errors, wanted = [], []
+        for i in range(n):
+            angle, start = readings[i], starts[i]
+            error = angle - start - fraction * (targets[i] - start)
+            if self._arrived:
+                self._integrate(i, error, applied[i])
+            torque = self._kp[i] * error + self._kd[i] * readings[n + i] + self._integrals[i]
+            errors.append(error)
+            wanted.append(ahead[i] + torque / self._moment(i, angle))
+        self._errors, self._wanted, self._arrived = errors, wanted, fraction >= 1.0
+        return list(wanted)
+
+    def _ahead(self, readings: Sequence[float], targets: Sequence[float]) -> list[float]:
+        """T h / s at the targets; worked out anew when one of them or T has changed."""
+        pull = readings[-1] if self._pull is None else self._pull
+        balanced_at = (pull, list(targets))
+        if balanced_at != self._balanced_at:
+            self._balanced_at = balanced_at
+            self._balancing = [
+                pull * joint.tendon_arm(target) / self._moment(i, target)
+                for i, (joint, target) in enumerate(zip(self._joints, targets, strict=True))]
+        return self._balancing
+
+    def _moment(self, i: int, theta: float) -> float:
+        """The spring moment s of a joint, no less than the guard's."""
+        moment = self._joints[i].spring_moment(theta)
+        guard = self._guards[i]
+        return moment if moment > guard else guard
+
+    def _integrate(self, i: int, error: float, applied: float) -> None:
+        """Add one period, where it does not lead further out of what can be set."""
+        step = self._half_ki[i] * (error + self._errors[i])
+        cut = self._wanted[i] - applied
+        if not cut or step * cut < 0:
+            self._integrals[i] += step
+
+    def report(self) -> dict[str, Any]:
+        """Nothing to tell."""
+        return {}

@@ -1,0 +1,161 @@
+"""Controllers without dynamics: a value over time, an expression, on/off with hysteresis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+
+from pydantic import ValidationInfo, field_validator, model_validator
+
+from sandbox.elements.controllers.controller import (
+    Law,
+    Memoryless,
+    ReadingController,
+    SingleController,
+    bound,
+)
+from sandbox.values.numbers import Quantity
+from sandbox.values.signals import AnySignal, Signal
+from sandbox.values.spec import TYPE
+from sandbox.wording import WrongValueError
+
+if TYPE_CHECKING:
+    from sandbox.scene.mechanism import Mechanism
+
+
+class ScheduleController(SingleController):
+    """Sets a drive to a value over time, at its own rate and within limits."""
+
+    target_key: ClassVar[str] = "value"
+    sets_target: ClassVar[bool] = True
+
+    type: Literal["schedule"] = TYPE
+    value: Signal
+    """What the drive is set to over time, in its unit."""
+
+    @property
+    def signals(self) -> tuple[AnySignal, ...]:
+        """The targets of its readings over time; of a schedule its value."""
+        return (self.value,)
+
+    def make_law(self, mechanism: Mechanism, period: float) -> Law:
+        """Its law, which acts every ``period`` [s]."""
+        return Schedule()
+
+
+class Schedule(Memoryless):
+    """Wants its target."""
+
+    __slots__ = ()
+
+    def act(
+        self, t: float, readings: Sequence[float], targets: Sequence[float],
+        applied: Sequence[float],
+    ) -> list[float]:
+        """The target as it is now."""
+        return [targets[0]]
+
+
+class FeedbackController(SingleController):
+    """Sets a drive to an expression of quantities and of the time ``t``."""
+
+    type: Literal["feedback"] = TYPE
+    value: str
+    """What the drive is set to, in its unit: an expression of quantities, of parameters and of the
+    time ``t`` [s], such as ``"=0.2 * cos(axle.angle)"``."""
+
+    @field_validator("value")
+    @classmethod
+    def _bind_value(cls, text: str, info: ValidationInfo) -> str:
+        return bound(text, info)
+
+    @property
+    def readings(self) -> tuple[str, ...]:
+        """The expression."""
+        return (self.value,)
+
+    def make_law(self, mechanism: Mechanism, period: float) -> Law:
+        """Its law, which acts every ``period`` [s]."""
+        return Feedback()
+
+
+class Feedback(Memoryless):
+    """Wants its reading."""
+
+    __slots__ = ()
+
+    def act(
+        self, t: float, readings: Sequence[float], targets: Sequence[float],
+        applied: Sequence[float],
+    ) -> list[float]:
+        """The value of the expression."""
+        return [readings[0]]
+
+
+class SwitchController(ReadingController):
+    """On/off with hysteresis: one value once the reading fell below, another once it rose above.
+
+    In between the drive keeps what it has; at the start of a run that is ``value_below``.
+    """
+
+    of_drive: ClassVar[tuple[str, ...]] = ("value_below", "value_above")
+    of_reading: ClassVar[tuple[str, ...]] = ("below", "above")
+
+    type: Literal["switch"] = TYPE
+    below: Quantity
+    """The reading under which ``value_below`` is set, in the reading's unit."""
+    above: Quantity
+    """The reading over which ``value_above`` is set, in the reading's unit; more than ``below``."""
+    value_below: Quantity
+    """What the drive is set to once the reading is less than ``below``, in the drive's unit."""
+    value_above: Quantity
+    """What the drive is set to once the reading is more than ``above``, in the drive's unit."""
+
+    @model_validator(mode="after")
+    def _thresholds(self) -> Self:
+        if self.below >= self.above:
+            raise WrongValueError("out-of-range", "'below' must be less than 'above'")
+        return self
+
+    def make_law(self, mechanism: Mechanism, period: float) -> Law:
+        """Its law, which acts every ``period`` [s]."""
+        return Switch(self)
+
+
+class Switch:
+    """One value from the moment the reading is below a threshold, another once it is above one.
+
+    Between the thresholds it keeps what it has. In the middle of a run it
+    begins with what the drive has, at the start of one with ``value_below``.
+    """
+
+    __slots__ = ("_above", "_below", "_keeps", "_value", "_value_above", "_value_below")
+
+    def __init__(self, spec: SwitchController) -> None:
+        self._below, self._above = spec.below, spec.above
+        self._value_below, self._value_above = spec.value_below, spec.value_above
+        self._value = spec.value_below
+        self._keeps = not spec.active
+
+    def begin(
+        self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
+    ) -> None:
+        """Take the value to be kept between the thresholds."""
+        self._value = inputs[0] if self._keeps else self._value_below
+        self._keeps = True
+
+    def act(
+        self, t: float, readings: Sequence[float], targets: Sequence[float],
+        applied: Sequence[float],
+    ) -> list[float]:
+        """Switch if the reading is outside of the thresholds; on one of them it is not."""
+        reading = readings[0]
+        if reading < self._below:
+            self._value = self._value_below
+        elif reading > self._above:
+            self._value = self._value_above
+        return [self._value]
+
+    def report(self) -> dict[str, Any]:
+        """Nothing to tell."""
+        return {}

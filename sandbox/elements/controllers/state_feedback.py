@@ -1,0 +1,153 @@
+"""Linear feedback of several readings to several drives, with integrals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from operator import add, mul, sub
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+
+from sandbox.elements.controllers.controller import Law, Matrix, SeveralController, bound
+from sandbox.values.numbers import Items, Quantity
+from sandbox.values.signals import AnySignal, Signal
+from sandbox.values.spec import TYPE
+from sandbox.wording import WrongValueError
+
+if TYPE_CHECKING:
+    from sandbox.scene.mechanism import Mechanism
+
+
+class StateFeedbackController(SeveralController):
+    """Brings several readings to their targets at once, by a gain for each.
+
+    u = bias + gains (targets - readings) + integral_gains ∫(targets - readings) dt.
+
+    The gains come from a design such as a linear-quadratic one.
+    """
+
+    of_drive: ClassVar[tuple[str, ...]] = ("bias",)
+    target_key: ClassVar[str] = "targets"
+
+    type: Literal["state_feedback"] = TYPE
+    reads: Items[str] = Field(min_length=1, max_length=64)
+    """Quantities, or expressions of them, in the order of the columns of ``gains``."""
+    targets: Items[Signal]
+    """What each reading shall be over time, in the reading's unit."""
+    gains: Matrix
+    """A row for each drive, a column for each reading [drive's unit per reading's unit]."""
+    integral_gains: Matrix | None = None
+    """Gains of the errors' integrals, in the shape of ``gains``; none by default. Where a row's
+    drive is at its limit, that row's integral is held."""
+    bias: Items[Quantity] | None = None
+    """What is added for each drive, in its unit; by default the drives' values when the controller
+    begins."""
+
+    @field_validator("reads")
+    @classmethod
+    def _bind_each(cls, texts: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
+        return tuple(bound(text, info) for text in texts)
+
+    @model_validator(mode="after")
+    def _shapes(self) -> Self:
+        rows, columns = len(self.writes), len(self.reads)
+        wrong = [key for key in ("gains", "integral_gains")
+                 if (given := getattr(self, key)) is not None
+                 and (len(given) != rows or any(len(row) != columns for row in given))]
+        if wrong:
+            raise WrongValueError("wrong-type", f"'{wrong[0]}': expected {rows} rows (drives) and "
+                                  f"{columns} columns")
+        if len(self.targets) != columns:
+            raise WrongValueError("wrong-type", f"'targets': expected {columns} entries, one a "
+                                  "reading")
+        if self.bias is not None and len(self.bias) != rows:
+            raise WrongValueError("wrong-type", f"'bias': expected {rows} entries, one a drive")
+        return self
+
+    @property
+    def readings(self) -> tuple[str, ...]:
+        """What it reads."""
+        return tuple(self.reads)
+
+    @property
+    def signals(self) -> tuple[AnySignal, ...]:
+        """The targets of its readings over time; of a schedule its value."""
+        return tuple(self.targets)
+
+    def make_law(self, mechanism: Mechanism, period: float) -> Law:
+        """Its law, which acts every ``period`` [s]."""
+        return StateFeedback(self, period)
+
+
+class StateFeedback:
+    """u = bias + K e + I with e = targets - readings, and for each drive an integral of its own.
+
+    I is the integral of the row of ``integral_gains`` times e over straight lines
+    between acts. It is left as it is while its drive's output is cut, by limits or the
+    rate limit, and the integral would lead further out. Columns without an integral gain are
+    left out of the integrals. Rows are lists: numpy needs as long for 4 x 6 numbers.
+    """
+
+    __slots__ = ("_bias", "_errors", "_fresh", "_gains", "_given", "_half_gains", "_integrals",
+                 "_kept", "_resumes", "_wanted")
+
+    def __init__(self, spec: StateFeedbackController, period: float) -> None:
+        rows = len(spec.writes)
+        self._gains = spec.gains
+        integral_gains = spec.integral_gains or ()
+        self._kept = [j for j, column in enumerate(zip(*integral_gains, strict=True))
+                      if any(column)]
+        self._half_gains = tuple(
+            tuple(0.5 * period * row[j] for j in self._kept) for row in integral_gains)
+        self._given = spec.bias
+        self._bias: Sequence[float] = (0.0,) * rows
+        self._integrals = self._wanted = [0.0] * rows
+        self._errors: list[float] = []
+        self._resumes, self._fresh = not spec.active, True
+
+    def begin(
+        self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
+    ) -> None:
+        """Set bias and integrals.
+
+        In the middle of a run the rows with integral gains take up the
+        difference to what their drives have; others keep to their bias.
+        """
+        self._bias = tuple(inputs) if self._given is None else self._given
+        self._integrals = [0.0] * len(self._bias)
+        if self._resumes and self._kept:
+            errors = list(map(sub, targets, readings))
+            self._integrals = [
+                now - bias - sum(map(mul, row, errors)) if any(half) else 0.0
+                for now, bias, row, half in zip(
+                    inputs, self._bias, self._gains, self._half_gains, strict=True)]
+        self._resumes = self._fresh = True
+
+    def act(
+        self, t: float, readings: Sequence[float], targets: Sequence[float],
+        applied: Sequence[float],
+    ) -> list[float]:
+        """The output; see the class."""
+        errors = list(map(sub, targets, readings))
+        if self._kept:
+            kept = [errors[j] for j in self._kept]
+            if not self._fresh:
+                self._integrate(list(map(add, kept, self._errors)), applied)
+            self._fresh, self._errors = False, kept
+        self._wanted = [
+            bias + sum(map(mul, row, errors)) + integral
+            for bias, row, integral in zip(self._bias, self._gains, self._integrals, strict=True)]
+        return self._wanted.copy()
+
+    def _integrate(self, sums: list[float], applied: Sequence[float]) -> None:
+        """Add one period, where it does not lead further out of what can be set."""
+        integrals = self._integrals
+        for i, half in enumerate(self._half_gains):
+            step = sum(map(mul, half, sums))
+            cut = self._wanted[i] - applied[i]
+            if not cut or step * cut < 0:
+                integrals[i] += step
+
+    def report(self) -> dict[str, Any]:
+        """Nothing to tell."""
+        return {}

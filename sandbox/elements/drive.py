@@ -1,0 +1,123 @@
+"""The base of drives: what the world outside does to the mechanism, as a signal over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+from sandbox.elements.element import Element, Quantity, Reference, recorded, references
+from sandbox.values.signals import AnySignal
+
+if TYPE_CHECKING:
+    from sandbox.export.document import Draft
+    from sandbox.scene.mechanism import Mechanism
+
+Gives = Literal["force", "torque", "push", "tension", "radius", "stiffness", "flow", "pressure",
+                "opening", "surface", "hold"]
+QUANTITIES: Mapping[str, Quantity] = {
+    "value": recorded("drive_value", "", "the value in force", live=True),
+    "work": recorded("drive_work", "J", "done on the bodies, or on the fluid, since t = 0"),
+    "flow": recorded("drive_flow", "m^3/s", "what it gave its line", live=True),
+    "torque": recorded("drive_torque", "N m", "what it gave its hinge, in the hinge's sense",
+                       live=True),
+    "force": recorded("drive_torque", "N", "what it gave its actuator; positive pushes apart",
+                      live=True),
+    "power": Quantity("W", "what it gives times the rate of its hinge or actuator, positive "
+                      "where it works on the bodies; of a surface that runs friction on what "
+                      "touches it, times its speed"),
+}
+
+
+@dataclass(frozen=True)
+class DriveKind:
+    """What drives of a kind set, and how the mechanism feels it."""
+
+    target: Reference
+    gives: Gives
+    """A force on a body, a torque between the two bodies of a hinge, a push between the two points
+    of an actuator, and so on."""
+    unit: str
+    """Of its value; empty where that is its spring's."""
+    dimension: str
+    records: tuple[str, ...] = ("value", "work")
+    floor: float = -math.inf
+    """The least value that is in force: what is set below counts as this."""
+    sole: str = ""
+    """What no other drive may set of the same target; empty where several add up."""
+    limited: bool = False
+    """Whether the solver works out what it gives, up to a torque or force."""
+    places: bool = False
+    """Whether its value is a place that it goes to; otherwise, of a limited one, a rate or a
+    limit."""
+    latched: bool = False
+    """Whether pymunk keeps its value from step to step, so that it must be given each change."""
+    timely: Literal["pose", "end"] = "pose"
+    """The instant of a step that its value is taken at: that of the pose, or the step's end."""
+    twin: str = ""
+    """Of drives of hinges the kind that does the same to an actuator, and the other way round."""
+    mujoco: str = ""
+    """Why MuJoCo has no counterpart; empty where it has one."""
+    mujoco_varied: str = ""
+    """Why it has none of a value that varies, though of a constant one."""
+
+
+class DriveSpec(Element):
+    """The base of all drives."""
+
+    facts: ClassVar[DriveKind]
+
+    if TYPE_CHECKING:
+        name: str
+        value: Any
+
+    @property
+    def kind(self) -> DriveKind:
+        """What it sets, by what it names."""
+        return self.facts
+
+    @property
+    def target(self) -> tuple[Reference, str]:
+        """The element that it acts on: the mark of the field that names it, and the name."""
+        return next((reference, name) for _, reference, name in references(type(self), self, ""))
+
+    @property
+    def owned(self) -> tuple[object, ...]:
+        """What no other drive may set."""
+        return self.kind.sole, self.target[1]
+
+    @property
+    def positive_value(self) -> bool:
+        """Whether its value must stay greater than 0."""
+        return False
+
+    def unit(self, mechanism: Mechanism) -> str:
+        """The unit of its value."""
+        return self.kind.unit
+
+    def dimension(self, mechanism: Mechanism) -> str | None:
+        """The dimension of its value; None where no element has the name of its target."""
+        return self.kind.dimension
+
+    def signal(self, mechanism: Mechanism) -> AnySignal:
+        """Its value over time."""
+        found: AnySignal = self.value
+        return found
+
+    def quantities(self, mechanism: Mechanism) -> dict[str, str]:
+        """The quantities that it records, with their units."""
+        own = self.unit(mechanism)
+        return {name: QUANTITIES[name].unit or own for name in self.kind.records}
+
+    def columns(self) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
+        return {}
+
+    def without_mujoco(self, mechanism: Mechanism) -> str:
+        """Why MuJoCo has no counterpart, besides what the facts of its kind say."""
+        return ""
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        """Add the drive to a MuJoCo model."""
+        raise NotImplementedError

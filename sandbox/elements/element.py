@@ -1,0 +1,214 @@
+"""The base of all elements: lists of a mechanism, references between elements, quantities.
+
+A class of an element is its schema (a pydantic model) and all that the rest of the package needs
+to know of its kind: ``facts``, ``quantities``, ``problems``, ``columns`` and so on. Other modules
+call these methods; none of them names a kind.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin
+
+from sandbox.errors import Problem
+from sandbox.values.numbers import Name
+from sandbox.values.ranges import size_fault
+from sandbox.values.spec import Spec
+from sandbox.wording import quoted
+
+if TYPE_CHECKING:
+    from sandbox.scene.mechanism import Mechanism
+    from sandbox.scene.parts.placement import Mover
+
+Vec = tuple[float, float]
+Turn = Literal["counterclockwise", "clockwise"]
+RELEASED = "what is let go, breaks or is taken up"
+"""Why MuJoCo has none of these."""
+ATMOSPHERE = 101325.0
+"""Pressure of the surroundings [Pa]; recorded pressures are relative to it."""
+GRAZE = 1e-9
+"""An angle of wrap [rad] below which a tendon touches its wheel in one point."""
+HELD_ABOVE = 0.5
+"""The value above which a hold drive engages its element."""
+NO_POINT: Vec = (float("nan"), float("nan"))
+
+
+@dataclass(frozen=True)
+class Named:
+    """A list of a mechanism whose elements have names; all names are in one space."""
+
+    one: str
+    """The singular, such as ``body``."""
+    axis: str = ""
+    """The axis of recorded arrays that counts them; empty where no array has it."""
+
+
+NAMED: Mapping[str, Named] = {
+    "bodies": Named("body", "nb"), "joints": Named("joint", "nj"), "springs": Named("spring", "ns"),
+    "tendons": Named("tendon", "nt"), "lines": Named("line", "nl"),
+    "valves": Named("valve", "nv"), "loads": Named("load", "nk"), "drives": Named("drive", "nd"),
+    "controllers": Named("controller"), "events": Named("event"), "groups": Named("group"),
+    "meters": Named("meter", "nm"),
+}
+RELEASABLES = "releasables"
+"""In a :class:`Reference`: all lists of :data:`RELEASABLE`."""
+LISTS = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives",
+         "controllers", "events", "contacts", "groups", "meters", "expect")
+"""All lists of a mechanism, in its order."""
+RELEASABLE = ("joints", "springs", "tendons")
+"""Lists of elements that can be released, in the order in which recordings have them."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Marks a field that names another element: ``Annotated[Name, Reference("bodies")]``."""
+
+    among: str
+    """The list of that element, or :data:`RELEASABLES`."""
+    hinge: bool = False
+    """Only a joint with an angle is allowed."""
+    line: bool = False
+    """Only a joint with a length that drives set is allowed."""
+
+
+BODY, HINGE, ACTUATOR = (Reference("bodies"), Reference("joints", hinge=True),
+                         Reference("joints", line=True))
+SPRING, TENDON, LINE, VALVE = (Reference(name) for name in (
+    "springs", "tendons", "lines", "valves"))
+HELD = Reference(RELEASABLES)
+BodyName = Annotated[Name, BODY]
+HingeName = Annotated[Name, HINGE]
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Marks a field that an assembly's placement changes in another way than its type says."""
+
+    how: Literal["place", "turn", "sign", "vector", "nodes", "other", "kept"]
+    """``kept``: a hinge counts it in its own sense, or :meth:`Element.placed` changes it."""
+
+
+KEPT, OTHER_SIDE = Placed("kept"), Placed("other")
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number that an element has in every sample."""
+
+    unit: str
+    """Empty where the element's kind says it."""
+    about: str
+    array: str = ""
+    """The recorded array that has it; empty for what is computed from others."""
+    component: int | None = None
+    """Index in the array's last axis, where it has several components."""
+    live: bool = False
+    """Whether it can be read while a run goes on; the rest is computed afterwards."""
+    nothing: str = ""
+    """When it has no value, if that can be."""
+    of_free: bool = False
+    """Whether only bodies that move freely have it."""
+    yes_no: bool = False
+    """Whether it is 1 or 0 and nothing between."""
+    count: bool = False
+    """Whether it is a whole number of things."""
+
+
+def recorded(array: str, unit: str, about: str, component: int | None = None, *,
+             live: bool = False, yes_no: bool = False) -> Quantity:
+    """A quantity that a recorded array has."""
+    return Quantity(unit, about, array, component, live, yes_no=yes_no)
+
+
+class Element(Spec):
+    """The base of all kinds of element."""
+
+    def quantities(self, mechanism: Mechanism) -> dict[str, str]:
+        """The quantities that it records, with their units."""
+        raise NotImplementedError
+
+    def needed(self, quantity: str) -> str:
+        """The field that it needs to record a quantity; empty where no field adds it."""
+        return ""
+
+    def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """Errors that need the whole mechanism, besides names that are not found."""
+        return iter(())
+
+    def range_problems(self, path: str) -> Iterator[Problem]:
+        """Numbers that follow from its fields and are out of range."""
+        return iter(())
+
+    def placed(self, mover: Mover) -> Mapping[str, Any]:
+        """Fields that are ``kept`` and that a placement changes all the same, with new values."""
+        return {}
+
+
+def references(
+    model: type[Spec], data: Any, path: str,
+) -> Iterator[tuple[str, Reference, str]]:
+    """All fields of an element that name others: path, mark and name.
+
+    Args:
+        model: the class of the element.
+        data: the element, or its JSON data, which may be invalid.
+        path: its place in the scene.
+    """
+    for field, key, mark, models in _marked(model):
+        value = data.get(key) if isinstance(data, dict) else getattr(data, field)
+        entries = [(f"{path}.{key}", value)]
+        if isinstance(value, (list, tuple)):
+            entries = [(f"{path}.{key}[{i}]", each) for i, each in enumerate(value)]
+        for place, entry in entries:
+            if mark is not None and isinstance(entry, str):
+                yield place, mark, entry
+            for each in models:
+                if isinstance(entry, each) or (isinstance(entry, dict)
+                                               and tag_of(each) in ("", entry.get("type"))):
+                    yield from references(each, entry, place)
+
+
+@cache
+def _marked(
+    model: type[Spec],
+) -> tuple[tuple[str, str, Reference | None, tuple[type[Spec], ...]], ...]:
+    """Fields with references: name, key, mark, and classes of records with references."""
+    found = []
+    for name, field in model.model_fields.items():
+        parts = [*field.metadata, *_parts(field.annotation)]
+        mark = next((part for part in parts if isinstance(part, Reference)), None)
+        models = tuple(part for part in parts if isinstance(part, type)
+                       and issubclass(part, Spec) and _marked(part))
+        if mark is not None or models:
+            found.append((name, field.alias or name, mark, models))
+    return tuple(found)
+
+
+def _parts(annotation: Any) -> Iterator[Any]:
+    """An annotation's types and marks, those inside of unions and tuples too."""
+    if get_origin(annotation) is None:
+        yield annotation
+    for part in get_args(annotation):
+        yield from _parts(part)
+
+
+def tag_of(model: type[Spec]) -> str:
+    """The ``type`` of a model, such as ``motor``; empty where it has none."""
+    field = model.model_fields.get("type")
+    return str(get_args(field.annotation)[0]) if field else ""
+
+
+def direction_problems(direction: Vec, path: str) -> Iterator[Problem]:
+    """A direction without a length that can be computed with."""
+    if fault := size_fault(math.hypot(*direction), "ratio"):
+        yield Problem("out-of-range", f"as a direction its length is {fault}", path,
+                      allowed="a direction such as [1, 0]; its length does not count")
+
+
+def no_mesh(name: str, path: str) -> Problem:
+    """The problem of wheels that are engaged during a run."""
+    return Problem("not-releasable", f"{quoted(name)} joins wheels where they meet at t = 0, so "
+                   "events cannot take it up again", path, allowed="a joint that joins points")

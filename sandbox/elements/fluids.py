@@ -1,0 +1,305 @@
+"""Fluid under pressure: lines with their chambers, valves between lines, and their drives.
+
+A line is to pressure and volume what a tendon is to tension and length: one pressure in all of
+its chambers, which grow as the fluid pushes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import Field, model_validator
+
+from sandbox.elements.drive import DriveKind, DriveSpec
+from sandbox.elements.element import (
+    ATMOSPHERE,
+    LINE,
+    VALVE,
+    BodyName,
+    Element,
+    HingeName,
+    Quantity,
+    Vec,
+    recorded,
+)
+from sandbox.errors import Problem
+from sandbox.values.numbers import (
+    Area,
+    Density,
+    Displacement,
+    Flag,
+    FlowResistance,
+    Items,
+    Modulus,
+    Name,
+    Number,
+    Point,
+    Pressure,
+    Volume,
+)
+from sandbox.values.ranges import size_fault
+from sandbox.values.signals import FlowSignal, PressureSignal, ShareSignal
+from sandbox.values.spec import TYPE, Spec
+from sandbox.wording import WrongValueError, quoted
+
+if TYPE_CHECKING:
+    from sandbox.model.compile import Scope
+    from sandbox.scene.mechanism import Mechanism
+
+FLUID = "fluid under pressure in lines"
+"""Why MuJoCo has none of these."""
+OIL = 1.4e9
+"""Modulus of oil with a little air in it [Pa]."""
+LineName = Annotated[Name, LINE]
+LINE_QUANTITIES: Mapping[str, Quantity] = {
+    "pressure": recorded("line_pressure", "Pa", "above the surroundings", live=True),
+    "volume": recorded("line_volume", "m^3", "of its chambers and hoses", live=True),
+    "flow": recorded("line_flow", "m^3/s", "into it, through valves and by drives; of a gas as it "
+                     "would be at the pressure of the surroundings", live=True),
+    "spilled": recorded("line_spilled", "m^3", "let out by its relief since t = 0"),
+    "work": recorded("line_work", "J", "done on the bodies since t = 0"),
+}
+VALVE_QUANTITIES: Mapping[str, Quantity] = {
+    "flow": recorded("valve_flow", "m^3/s", "from its `a` to its `b`", live=True),
+    "loss": recorded("valve_loss", "J", "throttled since t = 0"),
+}
+
+
+class Cylinder(Spec):
+    """A chamber between a point of ``a`` and a point of ``b``: area times distance."""
+
+    type: Literal["cylinder"] = TYPE
+    a: BodyName
+    """The body that its tube is tied to."""
+    b: BodyName
+    """The body that its rod is tied to."""
+    on_a: Point = (0.0, 0.0)
+    """Where it is tied, in the frame of ``a`` [m]."""
+    on_b: Point = (0.0, 0.0)
+    """Where it is tied, in the frame of ``b`` [m]."""
+    area: Area
+    """Of the piston that the fluid presses [m^2]; the force along the line through the two points
+    is this times the pressure."""
+    pulls: Flag = False
+    """Whether the fluid is on the rod's side: its volume then grows as the points come nearer, and
+    pressure pulls them together, as in an artificial muscle."""
+
+    def length(self, world: Callable[[str, Vec], Vec]) -> float:
+        """Distance of its two points at t = 0 [m]; ``world`` gives points of bodies."""
+        return math.dist(world(self.a, self.on_a), world(self.b, self.on_b))
+
+    def columns(self, scope: Scope) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Lines`."""
+        return {"bodies": (scope.number("bodies", self.a), scope.number("bodies", self.b)),
+                "anchor": (self.on_a, self.on_b), "gain": -self.area if self.pulls else self.area,
+                "start": self.length(scope.world)}
+
+
+class Vane(Spec):
+    """A chamber on a hinge, such as a vane or a bellows: a volume for each angle."""
+
+    type: Literal["vane"] = TYPE
+    joint: HingeName
+    """Name of the pin that it turns."""
+    displacement: Displacement
+    """Volume per angle of the hinge, in its own sense [m^3/rad]; the torque is this times the
+    pressure, and against that sense where it is negative."""
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if abs(self.displacement) < 1e-24:
+            raise WrongValueError("out-of-range", "must not be 0: give a volume per angle such as "
+                                  "2 ml/rad; a negative one reverses the direction")
+        return self
+
+    def columns(self, scope: Scope) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Lines`."""
+        joint = scope.number("joints", self.joint)
+        return {"bodies": scope.joints.bodies[joint], "joint": joint, "gain": self.displacement,
+                "start": scope.joints.start[joint]}
+
+
+Chamber = Annotated[Cylinder | Vane, Field(discriminator="type")]
+
+
+class Line(Element):
+    """Chambers and hoses that are filled with one fluid under one pressure.
+
+    content - volume = volume / modulus * pressure; what is in it changes by what drives and valves
+    let in and out. Every chamber pushes with its area times the pressure.
+    """
+
+    name: Name
+    """Its name; quantities are ``<name>.pressure``, ``<name>.volume`` and so on."""
+    chambers: Items[Chamber] = Field(default=(), max_length=64)
+    """What the fluid moves; none where the line only stores some, as an accumulator does."""
+    volume: Volume | None = None
+    """Of all the fluid at t = 0, in chambers and hoses [m^3]; by default that of its cylinders that
+    push, area times distance."""
+    modulus: Modulus | None = None
+    """Pressure per share by which the fluid is pressed together, walls of hoses included [Pa]; by
+    default 1.4 GPa, that of oil. Not of a gas."""
+    gas: Number | None = Field(default=None, ge=1, le=2)
+    """The line is filled with gas: (pressure + 101325 Pa) * volume^gas stays the same while nothing
+    comes in, with 1 where it is slow and stays as warm as its surroundings, 1.4 where air has no
+    time for that. By default it is a liquid."""
+    pressure: Pressure = 0.0
+    """At t = 0, above the surroundings [Pa]."""
+    least: Pressure = -ATMOSPHERE
+    """The least pressure [Pa]: where it would be less the line is no longer full, with a void, as
+    a cord hangs slack. By default -101325 Pa, a vacuum."""
+    relief: Pressure | None = None
+    """The most pressure [Pa]: where it would be more fluid is let out into the tank. By default
+    there is no such valve."""
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        most = self.least if self.relief is None else self.relief
+        if self.least > 0 or self.least < -ATMOSPHERE:
+            raise WrongValueError("out-of-range", "the least pressure must be from -101325 Pa, a "
+                                  "vacuum, to 0")
+        if self.relief is not None and most <= 0:
+            raise WrongValueError("out-of-range", "the relief must open at more than 0 Pa")
+        if self.pressure < self.least or (self.relief is not None and self.pressure > most):
+            raise WrongValueError("out-of-range", "the pressure at t = 0 must lie between least "
+                                  "and relief")
+        if self.gas is not None and self.modulus is not None:
+            raise WrongValueError("conflicting-keys", "'gas' and 'modulus' exclude each other")
+        if self.gas is not None and self.pressure <= -ATMOSPHERE:
+            raise WrongValueError("out-of-range", "a line with gas needs a pressure above a vacuum")
+        return self
+
+    def volume_at(self, world: Callable[[str, Vec], Vec]) -> float:
+        """Volume at t = 0 [m^3]; 0 where neither a field nor the cylinders give it."""
+        if self.volume is not None:
+            return self.volume
+        return math.fsum(chamber.area * chamber.length(world) for chamber in self.chambers
+                         if isinstance(chamber, Cylinder) and not chamber.pulls)
+
+    def compliance(self, volume: float) -> float:
+        """Volume per pressure of its fluid [m^3/Pa], for its volume at t = 0 [m^3]."""
+        if self.gas is not None:
+            return volume / (self.gas * (self.pressure + ATMOSPHERE))
+        return volume / (OIL if self.modulus is None else self.modulus)
+
+    def quantities(self, mechanism: Mechanism) -> dict[str, str]:
+        """The quantities that it records, with their units."""
+        return {name: each.unit for name, each in LINE_QUANTITIES.items()}
+
+    def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """A volume that cannot be computed with; hinges of vanes that can be released."""
+        bodies = {body.name for body in mechanism.bodies}
+        known = all(chamber.a in bodies and chamber.b in bodies
+                    for chamber in self.chambers if isinstance(chamber, Cylinder))
+        if known and (fault := size_fault(self.volume_at(mechanism.world), "volume")):
+            yield Problem("out-of-range", "its volume at t = 0 follows from the cylinders that "
+                          f"push and is {fault}", f"{path}.volume",
+                          allowed='the volume of its fluid, such as "0.1 l"')
+        for j, chamber in enumerate(self.chambers):
+            if isinstance(chamber, Vane) and chamber.joint in mechanism.releasable:
+                yield Problem("not-releasable", f"{quoted(chamber.joint)} can be released, but "
+                              "this chamber needs it", f"{path}.chambers[{j}].joint",
+                              allowed="a hinge that stays")
+
+
+class Valve(Element):
+    """Lets fluid from one line into another, or out of and into the tank.
+
+    p_a - p_b = resistance * Q + density / 2 * (Q / (discharge * area))^2, of Q / opening where a
+    drive has it partly open.
+    """
+
+    name: Name
+    """Its name; quantities are ``<name>.flow`` and ``<name>.loss``."""
+    a: Annotated[Name | None, LINE] = None
+    """The line at its one end; left out it is the tank, whose pressure is 0."""
+    b: Annotated[Name | None, LINE] = None
+    """The line at its other end; left out it is the tank."""
+    resistance: FlowResistance = 0.0
+    """Pressure per flow of a long narrow passage [Pa s/m^3]."""
+    area: Area | None = None
+    """Of the opening of an orifice [m^2]; by default it is no orifice."""
+    discharge: Annotated[Number, Field(gt=0.01, le=1)] = 0.61
+    """How much of the orifice's area the jet takes."""
+    density: Density = 870.0
+    """Of the fluid, which counts in an orifice [kg/m^3]; by default that of oil."""
+    one_way: Flag = False
+    """A check valve: it lets fluid from ``a`` to ``b`` and not back."""
+
+    @model_validator(mode="after")
+    def _between(self) -> Self:
+        if self.a == self.b:
+            raise WrongValueError("conflicting-keys", "a valve needs a line: give 'a', 'b' or both")
+        if self.resistance < 1e-12 and self.area is None:
+            raise WrongValueError("conflicting-keys", "a valve needs 'area', or a 'resistance' "
+                                  "greater than 0")
+        return self
+
+    @property
+    def orifice(self) -> float:
+        """Pressure per square of the flow [Pa s^2/m^6]."""
+        if self.area is None:
+            return 0.0
+        return self.density / 2 / (self.discharge * self.area) ** 2
+
+    def quantities(self, mechanism: Mechanism) -> dict[str, str]:
+        """The quantities that it records, with their units."""
+        return {name: each.unit for name, each in VALVE_QUANTITIES.items()}
+
+
+class FlowDrive(DriveSpec):
+    """Pumps fluid into a line, however high the pressure: the line's ``relief`` bounds it."""
+
+    facts: ClassVar[DriveKind] = DriveKind(
+        LINE, "flow", "m^3/s", "flow", ("value", "work", "flow"), mujoco=FLUID)
+
+    type: Literal["flow"] = TYPE
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``, the work on the fluid as
+    ``<name>.work``."""
+    line: LineName
+    """Name of the line that it feeds."""
+    value: FlowSignal
+    """The flow over time [m^3/s], of a gas as it would be at the pressure of the surroundings;
+    below 0 it is sucked out."""
+
+
+class PressureDrive(DriveSpec):
+    """A source of pressure that a line is fed from, and that takes fluid back."""
+
+    facts: ClassVar[DriveKind] = DriveKind(
+        LINE, "pressure", "Pa", "pressure", ("value", "work", "flow"), sole="pressure",
+        mujoco=FLUID)
+
+    type: Literal["pressure"] = TYPE
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.flow``."""
+    line: LineName
+    """Name of the line that it feeds."""
+    value: PressureSignal
+    """The pressure over time [Pa], above the surroundings; the line's ``least`` and ``relief``
+    bound what it comes to there."""
+    resistance: FlowResistance = 0.0
+    """Pressure that is lost per flow between the source and the line [Pa s/m^3]; with 0, the
+    default, the line has the pressure of the source."""
+
+    def columns(self) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
+        return {"resistance": self.resistance}
+
+
+class OpeningDrive(DriveSpec):
+    """Opens and shuts a valve."""
+
+    facts: ClassVar[DriveKind] = DriveKind(
+        VALVE, "opening", "1", "ratio", ("value",), floor=0.0, sole="opening", mujoco=FLUID)
+
+    type: Literal["opening"] = TYPE
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``."""
+    valve: Annotated[Name, VALVE]
+    """Name of the valve; one that no drive opens is fully open."""
+    value: ShareSignal
+    """How far it is open over time: 0 is shut, 1 fully open. Below 0 counts as 0."""

@@ -1,0 +1,223 @@
+"""The base of joints. Anchors are in the frames of their bodies [m]."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import Field, model_validator
+
+from sandbox.elements.element import BodyName, Element, Quantity, Vec, recorded
+from sandbox.errors import Problem
+from sandbox.values.numbers import POSITIVE, Duration, Flag, Force, Name, Point, Ratio
+from sandbox.wording import WrongValueError, quoted
+
+if TYPE_CHECKING:
+    from sandbox.scene.mechanism import Mechanism
+
+Keeps = Literal["point", "groove", "distance", "range", "gear", "rack", "roll"]
+
+
+@dataclass(frozen=True)
+class JointKind:
+    """What every joint of a kind keeps of the motion of ``b`` against ``a``."""
+
+    keeps: Keeps
+    """Two points together; a point of ``b`` on a line of ``a``; two points at one distance, or
+    between a least and a largest one; the teeth of two gears, or of a gear and a rack, together;
+    two circles that touch and roll."""
+    records: tuple[str, ...]
+    line: bool = False
+    """Whether it has a length: then it may have drives that push, and set that."""
+    angle: bool = False
+    """Whether it has an angle: then it may have stops, springs, torques, brakes and motors."""
+    stopped: tuple[str, ...] = ()
+    """What it records besides where it has stops."""
+    loose: tuple[str, ...] = ()
+    """What it records besides where its teeth have play."""
+    rubs: str = ""
+    """Unit of its dry friction; empty where it has none."""
+    rubbed: tuple[str, ...] = ()
+    """What it records besides where it has dry friction."""
+    mujoco: str = ""
+    """Why MuJoCo has no counterpart; empty where it has one."""
+    mujoco_loop: str = ""
+    """Why it has none where the joint closes a loop, though where it carries a body."""
+
+    @property
+    def forces(self) -> int:
+        """Components of its reaction that are not known beforehand; along a line there is one."""
+        return 2 if self.keeps in ("point", "roll") else 1
+
+    @property
+    def wheels(self) -> bool:
+        """Whether its bodies push one another where two wheels meet, or a wheel and a rack."""
+        return self.teeth or self.keeps == "roll"
+
+    @property
+    def teeth(self) -> bool:
+        """Whether these are teeth, of two gears or of a gear and a rack."""
+        return self.keeps in ("gear", "rack")
+
+    @property
+    def along_line(self) -> bool:
+        """Whether it pushes and pulls along the line through its two points."""
+        return self.keeps in ("distance", "range")
+
+
+REACTION = ("reaction", "reaction_x", "reaction_y")
+FRICTION = ("friction", "friction_work", "sticks")
+QUANTITIES: Mapping[str, Quantity] = {
+    "angle": recorded("joint_angle", "rad", "of `b` against `a`, in the hinge's positive sense",
+                      live=True),
+    "rate": recorded("joint_rate", "rad/s", "of the angle", live=True),
+    "length": recorded("joint_length", "m", "of an actuator, between its two points", live=True),
+    "speed": recorded("joint_speed", "m/s", "at which an actuator grows longer", live=True),
+    "reaction": recorded("joint_reaction", "N",
+                         "size of the force that it carries", live=True),
+    "reaction_x": recorded("joint_force", "N",
+                           "force on its body `b` by its body `a`, in the world", 0, live=True),
+    "reaction_y": recorded("joint_force", "N", "the same, upwards", 1, live=True),
+    "tension": Quantity(
+        "N", "of rods and ropes: the reaction with its sign, positive where it pulls its two "
+        "points together, negative where it pushes", live=True),
+    "tangential": Quantity(
+        "N", "of wheels: force on `b` along their circles where they meet, positive as `a` "
+        "pushes by turning counter-clockwise"),
+    "radial": Quantity(
+        "N", "of wheels: force across that, positive where it presses the two apart"),
+    "gap": Quantity(
+        "m", "of teeth with play: way along the pitch circles until they meet, on the nearer "
+        "side"),
+    "damping": recorded("joint_damping", "N m", "torque of all its dampers, in the hinge's sense"),
+    "damping_work": recorded("joint_damping_work", "J", "done by all its dampers since t = 0"),
+    "stop": recorded("joint_stop", "N m", "torque of its hard stop, in the hinge's sense"),
+    "friction": recorded("joint_friction", "", "dry friction: of a pin the torque on `b`, in the "
+                         "hinge's sense; of a slot the force on `b`, positive towards the "
+                         "groove's `end`", live=True),
+    "friction_work": recorded("joint_friction_work", "J", "done by dry friction since t = 0: what "
+                              "became heat, as a number below 0"),
+    "sticks": recorded("joint_sticks", "1", "1 while dry friction keeps it from moving, 0 while "
+                       "it slips", live=True, yes_no=True),
+}
+
+
+@dataclass(frozen=True)
+class Anchors:
+    """The two points of a joint at t = 0 [m]."""
+
+    on_a: Vec
+    """In the frame of ``a``."""
+    on_b: Vec
+    """In the frame of ``b``."""
+    a_in_b: Vec
+    """The first one in the frame of ``b``."""
+    distance: float
+
+
+class JointSpec(Element):
+    """The base of all joints."""
+
+    facts: ClassVar[JointKind]
+
+    name: Name
+    """Its name; quantities are ``<name>.reaction`` and so on."""
+    a: BodyName
+    """The body that is counted from: a hinge's angle is that of ``b`` against it, a slot's groove
+    moves with it."""
+    b: BodyName
+    """The other body; ``reaction_x`` and ``reaction_y`` are the force on it by ``a``."""
+    on_a: Point | None = None
+    """Anchor in the frame of ``a`` [m]; by default where ``on_b`` is at t = 0."""
+    on_b: Point | None = None
+    """Anchor in the frame of ``b`` [m]; by default where ``on_a`` is at t = 0."""
+    collide: Flag = False
+    """Whether the two bodies may touch each other; by default they pass through each other, also
+    while the joint is let go."""
+    breaks_at: Annotated[Force, POSITIVE] | None = None
+    """The size of its ``reaction`` above which it is let go [N], for good unless an event takes it
+    up again; by default it never breaks."""
+    released: Flag = False
+    """Whether it is let go from the start, until an event takes it up."""
+
+    @model_validator(mode="after")
+    def _anchored(self) -> Self:
+        if self.a == self.b:
+            raise WrongValueError("conflicting-keys", "'a' and 'b' must be two bodies")
+        if self.on_a is None and self.on_b is None:
+            raise WrongValueError("conflicting-keys", "give 'on_a' or 'on_b'")
+        return self
+
+    @property
+    def rubs(self) -> bool:
+        """Whether it has dry friction."""
+        return False
+
+    def quantities(self, mechanism: Mechanism) -> dict[str, str]:
+        """The quantities that it records, with their units."""
+        kind = self.facts
+        names = (*kind.records, *(kind.stopped if getattr(self, "limits", None) else ()),
+                 *(kind.loose if getattr(self, "backlash", 0.0) > 0 else ()),
+                 *(kind.rubbed if self.rubs else ()))
+        return {name: QUANTITIES[name].unit or kind.rubs for name in names}
+
+    def needed(self, quantity: str) -> str:
+        """The field that it needs to record a quantity; empty where no field adds it."""
+        kind = self.facts
+        return next((field for names, field in (
+            (kind.stopped, "'limits'"), (kind.loose, "'backlash'"),
+            (kind.rubbed, "'friction' or 'friction_coefficient'")) if quantity in names), "")
+
+    def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """A joint between bodies that cannot move freely; wheels that would mesh anew."""
+        ends = [next((body for body in mechanism.bodies if body.name == name), None)
+                for name in (self.a, self.b)]
+        if all(body is not None and body.motion != "dynamic" for body in ends):
+            yield Problem("no-effect",
+                          f"neither {quoted(self.a)} nor {quoted(self.b)} can move freely",
+                          path, allowed="a joint of at least one dynamic body")
+
+    def columns(self, at: Anchors) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
+        return {}
+
+
+class ClosingJoint(JointSpec):
+    """A joint that closes its gap when it is engaged again."""
+
+    takes_up_in: Duration = 0.01
+    """How gently a gap closes once the joint is taken up again [s]: over so long most of it goes,
+    without a jolt, with a force of some m * gap / takes_up_in^2."""
+
+
+class FrictionJoint(ClosingJoint):
+    """A joint that may have dry friction."""
+
+    friction_coefficient: Ratio = 0.0
+    """Of dry friction that hangs on what the joint carries: it rubs with this times its reaction;
+    none by default."""
+    static: Ratio = Field(default=1.0, ge=1)
+    """How many times as much as it rubs with while it slides it holds with while it does not, 1 or
+    more; by default just as much."""
+
+    @property
+    def rubs(self) -> bool:
+        """Whether it has dry friction."""
+        return bool(self.constant_friction or self.friction_coefficient)
+
+    @property
+    def constant_friction(self) -> float:
+        """Its dry friction that hangs on nothing [N m, N]."""
+        return float(getattr(self, "friction", 0.0))
+
+    @model_validator(mode="after")
+    def _rubbing(self) -> Self:
+        constant = self.constant_friction
+        if constant and self.friction_coefficient:
+            raise WrongValueError("conflicting-keys", "give 'friction' or 'friction_coefficient', "
+                                  "not both")
+        if self.static > 1 and not self.rubs:
+            raise WrongValueError("conflicting-keys", "'static' needs 'friction' or "
+                                  "'friction_coefficient'")
+        return self

@@ -1,0 +1,301 @@
+"""Drives of hinges and of actuators: torques and forces, motors, brakes, servos."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import Field, model_validator
+
+from sandbox.elements.drive import DriveKind, DriveSpec
+from sandbox.elements.element import ACTUATOR, HINGE, KEPT, HingeName
+from sandbox.values.numbers import (
+    AngularSpeed,
+    Damping,
+    Force,
+    Name,
+    RotaryDamping,
+    RotaryStiffness,
+    Speed,
+    Stiffness,
+    Torque,
+)
+from sandbox.values.signals import (
+    AngleSignal,
+    AnySignal,
+    Constant,
+    ForceSignal,
+    LengthSignal,
+    RateSignal,
+    SpeedSignal,
+    TorqueSignal,
+)
+from sandbox.values.spec import TYPE
+from sandbox.wording import WrongValueError
+
+if TYPE_CHECKING:
+    from sandbox.export.document import Draft
+    from sandbox.scene.mechanism import Mechanism
+
+ActuatorName = Annotated[Name, ACTUATOR]
+
+
+class TorqueDrive(DriveSpec):
+    """A torque between the two bodies of a hinge, positive as the hinge turns."""
+
+    facts: ClassVar[DriveKind] = DriveKind(
+        HINGE, "torque", "N m", "torque", ("value", "work", "power"), twin="push")
+
+    type: Literal["torque"] = TYPE
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``."""
+    joint: HingeName
+    """Name of the pin that it acts on."""
+    value: TorqueSignal
+    """The torque over time [N m], in the hinge's sense: on its body ``b``, and the opposite on
+    ``a``."""
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        """Add the drive to a MuJoCo model."""
+        draft.motor(index, **draft.drive_hinge(index))
+
+
+class MotorDrive(DriveSpec):
+    """Turns a hinge: at a set speed with no more than a given torque, or along a line.
+
+    With ``stall`` and ``no_load`` its torque is on a line that falls with the speed w of the hinge,
+    T = stall (u - w) / no_load, u the ``value``: it drives while w is between 0 and u, brakes and
+    gives power back where w is beyond u, and brakes with more than ``stall`` where it is turned
+    against u; where u is below 0, all of it the other way round.
+    """
+
+    facts: ClassVar[DriveKind] = DriveKind(
+        HINGE, "torque", "rad/s", "angular speed", ("value", "work", "torque", "power"),
+        sole="motor", limited=True, timely="end", twin="extend",
+        mujoco="a motor of a set speed or with a line")
+
+    type: Literal["motor"] = TYPE
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.torque``."""
+    joint: HingeName
+    """Name of the pin that it acts on."""
+    value: Annotated[SpeedSignal | None, KEPT] = None
+    """The speed of ``b`` against ``a`` over time [rad/s], in the hinge's own sense. Of a motor with
+    a line it is that at which it gives no torque, by default ``no_load``: half of it is half the
+    voltage, minus it the full voltage backwards."""
+    torque: Torque | None = Field(default=None, gt=0)
+    """The most that it can give, either way [N m]; may be left out of a motor with a line, which
+    then gives whatever the line says."""
+    stall: Torque | None = Field(default=None, gt=0)
+    """Of a motor with a line: its torque at rest [N m], while ``value`` is ``no_load``."""
+    no_load: AngularSpeed | None = Field(default=None, gt=0)
+    """Of a motor with a line: the speed at which its torque is 0 [rad/s], while ``value`` is this,
+    as it is by default."""
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        if (self.stall is None) != (self.no_load is None):
+            lacks = "stall" if self.stall is None else "no_load"
+            raise WrongValueError("missing-key", f"'{lacks}' is missing: 'stall' (torque at rest) "
+                                  "and 'no_load' (speed without load) belong together")
+        if self.stall is None:
+            for field, what in (("value", "the speed that it is to keep"),
+                                ("torque", "the most that it can give")):
+                if getattr(self, field) is None:
+                    raise WrongValueError("missing-key", f"a motor needs '{field}', {what}; or a "
+                                          "line, 'stall' and 'no_load'")
+        return self
+
+    def columns(self) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
+        return {"most": math.inf if self.torque is None else self.torque,
+                "slope": self.stall / self.no_load
+                if self.stall is not None and self.no_load is not None else math.nan}
+
+    def signal(self, mechanism: Mechanism) -> AnySignal:
+        """Its value over time: by default the speed without load."""
+        return Constant(constant=self.no_load) if self.value is None else self.value
+
+
+class BrakeDrive(DriveSpec):
+    """Holds a hinge with at most a given torque and slips above it: a lock, a brake.
+
+    Friction that a hinge always has is its own ``friction``.
+    """
+
+    facts: ClassVar[DriveKind] = DriveKind(
+        HINGE, "torque", "N m", "torque", ("value", "work", "torque", "power"), floor=0.0,
+        sole="brake", limited=True, mujoco_varied="a brake that changes")
+
+    type: Literal["brake"] = TYPE
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``, what it holds with as
+    ``<name>.torque``."""
+    joint: HingeName
+    """Name of the pin that it holds."""
+    value: TorqueSignal
+    """The torque up to which it holds over time [N m]; 0 lets go, below 0 counts as 0."""
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        """Add the drive to a MuJoCo model."""
+        draft.hinges[draft.target(index)].brake = draft.final_value(index)
+
+
+class PlaceDrive(DriveSpec):
+    """Brings something to a place: as a spring would, or as hard as a limit allows."""
+
+    @model_validator(mode="after")
+    def _one_law(self) -> Self:
+        stiffness, damping, speed = (getattr(self, name) for name in (
+            "stiffness", "damping", "speed"))
+        if stiffness is None and damping:
+            raise WrongValueError("conflicting-keys", "'damping' needs 'stiffness'")
+        if stiffness is not None and speed is not None:
+            raise WrongValueError("conflicting-keys", "'speed' and 'stiffness' exclude each other; "
+                                  "use 'damping'")
+        return self
+
+    @property
+    def most(self) -> float:
+        """The most that it can give [N m, N]."""
+        raise NotImplementedError
+
+    def columns(self) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
+        stiffness, damping, speed = (getattr(self, name) for name in (
+            "stiffness", "damping", "speed"))
+        return {"most": self.most, "stiffness": math.nan if stiffness is None else stiffness,
+                "damping": damping, "fastest": math.inf if speed is None else speed}
+
+    def without_mujoco(self, mechanism: Mechanism) -> str:
+        """Why MuJoCo has no counterpart; empty where it has one."""
+        return ("a drive that goes rigidly to a place"
+                if getattr(self, "stiffness", None) is None else "")
+
+    def write_spring(self, draft: Draft, index: int, where: str, offset: float) -> None:
+        """Add an actuator of force k (value - q) - c q', for a q that lacks ``offset`` there."""
+        k, c = (float(getattr(self, name)) for name in ("stiffness", "damping"))
+        draft.motor(index, "general", self.facts.records[2], gainprm=k, biastype="affine",
+                    biasprm=(-k * offset, -k, -c), forcerange=(-self.most, self.most),
+                    **{where: draft.model.joints.name[draft.target(index)]})
+
+
+class ServoDrive(PlaceDrive):
+    """Brings a hinge to an angle and holds it there, with no more than a given torque.
+
+    With ``stiffness`` it is a controller with a spring's law: torque = stiffness (value - angle) -
+    damping rate, up to ``torque``. Loads then move it away from its target, as they do a real one
+    without an integrator. Without ``stiffness`` it is rigid: it goes to its target with ``torque``,
+    brakes in time so as not to overshoot, and holds it exactly as long as ``torque`` suffices.
+    """
+
+    facts: ClassVar[DriveKind] = DriveKind(
+        HINGE, "torque", "rad", "angle", ("value", "work", "torque", "power"), sole="motor",
+        limited=True, places=True, twin="length")
+
+    type: Literal["servo"] = TYPE
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.torque``."""
+    joint: HingeName
+    """Name of the pin that it acts on."""
+    value: AngleSignal
+    """The angle to go to over time [rad], as the hinge counts it: in its own sense, from its
+    ``zero``."""
+    torque: Torque = Field(gt=0)
+    """The most that it can give, either way [N m]."""
+    stiffness: RotaryStiffness | None = Field(default=None, gt=0)
+    """Torque for each radian that is missing [N m/rad]; without, the default, it is rigid."""
+    damping: RotaryDamping = 0.0
+    """With ``stiffness``: torque against the hinge's rate, per rate [N m s/rad]."""
+    speed: AngularSpeed | None = Field(default=None, gt=0)
+    """Of a rigid one the most that it turns at [rad/s]; no limit by default."""
+
+    @property
+    def most(self) -> float:
+        """The most that it can give [N m]."""
+        return self.torque
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        """Add the drive to a MuJoCo model."""
+        where, = draft.drive_hinge(index)
+        self.write_spring(draft, index, where,
+                          draft.angle_offset(index) if where == "tendon" else 0.0)
+
+
+class PushDrive(DriveSpec):
+    """A force between the two points of an actuator, along the line through them."""
+
+    facts: ClassVar[DriveKind] = DriveKind(
+        ACTUATOR, "push", "N", "force", ("value", "work", "power"), twin="torque")
+
+    type: Literal["push"] = TYPE
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``."""
+    joint: ActuatorName
+    """Name of the actuator that it acts on."""
+    value: ForceSignal
+    """The force over time [N]; positive pushes the points apart, negative pulls them together."""
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        """Add the drive to a MuJoCo model."""
+        draft.motor(index, tendon=draft.model.joints.name[draft.target(index)])
+
+
+class ExtendDrive(DriveSpec):
+    """Lengthens an actuator at a set speed, with no more than a given force."""
+
+    facts: ClassVar[DriveKind] = DriveKind(
+        ACTUATOR, "push", "m/s", "speed", ("value", "work", "force", "power"), sole="length",
+        limited=True, timely="end", twin="motor", mujoco="an actuator of a set speed")
+
+    type: Literal["extend"] = TYPE
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.force``."""
+    joint: ActuatorName
+    """Name of the actuator that it acts on."""
+    value: RateSignal
+    """The speed over time [m/s]; positive makes the actuator longer."""
+    force: Force = Field(gt=0)
+    """The most that it can give, either way [N]."""
+
+    def columns(self) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
+        return {"most": self.force}
+
+
+class LengthDrive(PlaceDrive):
+    """Brings an actuator to a length and holds it there, with no more than a given force.
+
+    With ``stiffness`` its force = stiffness (value - length) - damping speed, up to ``force``.
+    Without, it is rigid: it goes to its target with ``force``, brakes in time so as not to
+    overshoot, and holds it exactly as long as ``force`` suffices.
+    """
+
+    facts: ClassVar[DriveKind] = DriveKind(
+        ACTUATOR, "push", "m", "length", ("value", "work", "force", "power"), sole="length",
+        limited=True, places=True, twin="servo")
+
+    type: Literal["length"] = TYPE
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.force``."""
+    joint: ActuatorName
+    """Name of the actuator that it acts on."""
+    value: LengthSignal
+    """The distance of the actuator's two points to go to over time [m]."""
+    force: Force = Field(gt=0)
+    """The most that it can give, either way [N]."""
+    stiffness: Stiffness | None = Field(default=None, gt=0)
+    """Force for each metre that is missing [N/m]; without, the default, it is rigid."""
+    damping: Damping = 0.0
+    """With ``stiffness``: force against the actuator's speed, per speed [N s/m]."""
+    speed: Speed | None = Field(default=None, gt=0)
+    """Of a rigid one the fastest that its length changes [m/s]; no limit by default."""
+
+    @property
+    def most(self) -> float:
+        """The most that it can give [N]."""
+        return self.force
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        """Add the drive to a MuJoCo model."""
+        self.write_spring(draft, index, "tendon", 0.0)

@@ -1,0 +1,245 @@
+"""Loads: forces on bodies by a law of their own motion; drag, buoyancy, fields."""
+
+from __future__ import annotations
+
+import fnmatch
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
+
+from sandbox.elements.element import KEPT, NAMED, Element, Quantity, recorded
+from sandbox.errors import Problem
+from sandbox.values.numbers import (
+    Area,
+    Coordinate,
+    Damping,
+    Density,
+    Items,
+    Name,
+    Pair,
+    Point,
+    Ratio,
+    RotaryDamping,
+    Speed,
+    Written,
+    law_of,
+    number_from,
+    parameters_of,
+)
+from sandbox.values.spec import TYPE
+from sandbox.wording import WrongValueError, quoted
+
+if TYPE_CHECKING:
+    from sandbox.scene.bodies import Body
+    from sandbox.scene.mechanism import Mechanism
+
+MOTION = ("x", "y", "angle", "vx", "vy", "omega", "speed", "ax", "ay", "alpha", "t", "mass",
+          "inertia")
+"""What the law of a load may read, in the order in which programs number it."""
+MOST_PATTERNS = 100
+
+
+def _law(dimension: str) -> Any:
+    """What reads a law: an expression of a body's motion, or a number of a dimension."""
+    def read(value: Any, info: ValidationInfo) -> str:
+        if isinstance(value, str) and value.lstrip().startswith("="):
+            return law_of(value, MOTION, "body", info)
+        return f"={number_from(value, dimension, parameters_of(info))!r}"
+
+    return BeforeValidator(read)
+
+
+_SCHEMA = WithJsonSchema({
+    "anyOf": [{"type": "number"}, {"type": "string"}],
+    "description": 'A number, a string with a unit, or an expression of the body\'s motion such as '
+                   '"=-2 * vx".'})
+ForceLaw = Annotated[Written[str], _law("force"), _SCHEMA]
+TorqueLaw = Annotated[Written[str], _law("torque"), _SCHEMA]
+AccelerationLaw = Annotated[Written[str], _law("acceleration"), _SCHEMA]
+_PATTERN = {"type": "string", "minLength": 1, "maxLength": 100}
+Patterns = Annotated[
+    Items[Annotated[str, Field(min_length=1, max_length=100)]],
+    Field(min_length=1, max_length=MOST_PATTERNS),
+    BeforeValidator(lambda value: (value,) if isinstance(value, str) else value),
+    WithJsonSchema({"anyOf": [_PATTERN, {"type": "array", "items": _PATTERN, "minItems": 1,
+                                         "maxItems": MOST_PATTERNS}]})]
+EVERY = ("*",)
+QUANTITIES: Mapping[str, Quantity] = {
+    "fx": recorded("load_force", "N", "force on the body, in the world", 0, live=True),
+    "fy": recorded("load_force", "N", "the same, upwards", 1, live=True),
+    "torque": recorded("load_torque", "N m", "about the body's centre of mass", live=True),
+    "work": recorded("load_work", "J", "done on the body since t = 0"),
+}
+
+
+class LoadSpec(Element):
+    """The base of all loads."""
+
+    if TYPE_CHECKING:
+        name: str
+        bodies: tuple[str, ...]
+
+    def borne(self, bodies: Sequence[Body]) -> list[int]:
+        """Numbers of the bodies that it acts on, of those that move freely."""
+        fits = [re.compile(fnmatch.translate(pattern)).match for pattern in self.bodies]
+        return [i for i, body in enumerate(bodies) if body.motion == "dynamic"
+                and any(fit(body.name) for fit in fits)]
+
+    def laws(self) -> tuple[str | None, str | None, str | None] | None:
+        """The two components of the force and the torque, as expressions; None without a law."""
+        return None
+
+    def columns(self, mechanism: Mechanism) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.BodyLoads`."""
+        return {}
+
+    def quantities(self, mechanism: Mechanism) -> dict[str, str]:
+        """The quantities that it records of each body, with their units."""
+        return {name: each.unit for name, each in QUANTITIES.items()}
+
+    def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """A name that would mean two things."""
+        names = {each.name for kind in NAMED for each in getattr(mechanism, kind)}
+        for body in self.borne(mechanism.bodies):
+            other = mechanism.bodies[body].name
+            if (both := f"{self.name}.{other}") in names:
+                yield Problem("duplicate-name",
+                              f"{quoted(both)} is the name of another element, and here it "
+                              f"would mean this load on {quoted(other)}",
+                              f"{path}.name", allowed="another name")
+
+
+class LawLoad(LoadSpec):
+    """A force or a torque on bodies, by an expression of each body's own motion.
+
+    An expression may read ``x``, ``y``, ``vx``, ``vy``, ``speed``, ``ax``, ``ay`` of the point
+    ``at``, ``angle``, ``omega``, ``alpha``, ``mass``, ``inertia`` of the body, the time ``t``,
+    parameters and tables.
+    """
+
+    LOCAL = ("force", "acceleration", "torque")
+
+    type: Literal["law"] = TYPE
+    name: Name
+    """Its name; quantities are ``<name>.<body>.fx`` and so on."""
+    bodies: Patterns = EVERY
+    """The bodies that it acts on, each by its own motion: a name, a pattern such as ``"ball*"``, or
+    a list of them. By default every body that moves freely; what a pattern fits and does not move
+    freely is left out."""
+    force: Pair[ForceLaw] | None = None
+    """The force [x, y] at the point ``at`` [N]: ``["=-0.2 * vx", "=-0.2 * vy"]``."""
+    acceleration: Pair[AccelerationLaw] | None = None
+    """In place of ``force`` the force [x, y] per mass of the body [m/s^2], as a field has it:
+    ``[0, "-1.62 m/s^2"]``."""
+    torque: TorqueLaw | None = None
+    """A torque on the body besides [N m], positive counter-clockwise: ``"=-0.01 * omega"``."""
+    at: Point | None = None
+    """The point that the force acts on, in the frame of each body [m]; by default its centre of
+    mass. Where it is and how it moves is what the expressions read."""
+    frame: Literal["world", "body"] = "world"
+    """Along whose axes the two components are: the world's, or those of the body, which turn with
+    it. ``vx``, ``vy``, ``ax``, ``ay`` are along the same ones; ``x``, ``y`` and ``angle`` are of
+    the world."""
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if self.force is not None and self.acceleration is not None:
+            raise WrongValueError("conflicting-keys", "give 'force' or 'acceleration', the force "
+                                  "per mass, not both")
+        if self.force is None and self.acceleration is None and self.torque is None:
+            raise WrongValueError("conflicting-keys", "give a 'force', an 'acceleration' or a "
+                                  "'torque'")
+        return self
+
+    def laws(self) -> tuple[str | None, str | None, str | None]:
+        """The two components of the force and the torque, as expressions."""
+        return *(self.force or self.acceleration or (None, None)), self.torque
+
+    def columns(self, mechanism: Mechanism) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.BodyLoads`."""
+        return {"at": self.at, "turning": self.frame == "body",
+                "per_mass": self.acceleration is not None}
+
+
+class DragLoad(LoadSpec):
+    """What a medium does against the motion of bodies through it, at their centres of mass.
+
+    F = -(linear + density / 2 * coefficient * area * |v|) v, v against the medium.
+    """
+
+    type: Literal["drag"] = TYPE
+    name: Name
+    """Its name; quantities are ``<name>.<body>.fx`` and so on."""
+    bodies: Patterns = EVERY
+    """The bodies that it acts on: a name, a pattern such as ``"ball*"``, or a list of them. By
+    default every body that moves freely."""
+    linear: Damping = 0.0
+    """Force per speed [N s/m], as of what is slow and small in what is viscous."""
+    area: Area | None = None
+    """Of the body as the flow sees it, across the motion [m^2]; by default there is no part that
+    grows with the square of the speed."""
+    coefficient: Ratio = 1.0
+    """The drag coefficient of that area: 0.47 of a ball, 1.1 of a disc across the flow."""
+    density: Density = 1.2
+    """Of the medium [kg/m^3]; by default that of air."""
+    turning: RotaryDamping = 0.0
+    """Torque per angular speed [N m s/rad], against it."""
+    flow: Annotated[Pair[Speed], KEPT] = (0.0, 0.0)
+    """The velocity [x, y] of the medium in the world, such as wind [m/s]; none by default."""
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if self.area is None and not self.linear and not self.turning:
+            raise WrongValueError("conflicting-keys", "give 'linear', 'area' or 'turning'")
+        return self
+
+    def laws(self) -> tuple[str | None, str | None, str | None]:
+        """The two components of the force and the torque, as expressions."""
+        u, v = (f"(v{axis} - {float(speed)!r})" if speed else f"v{axis}"
+                for axis, speed in zip("xy", self.flow, strict=True))
+        square = 0.5 * self.density * self.coefficient * (self.area or 0.0)
+        size = repr(float(self.linear))
+        if square:
+            size = f"({size} + {square!r} * hypot({u}, {v}))"
+        return f"=-{size} * {u}", f"=-{size} * {v}", f"=-{float(self.turning)!r} * omega"
+
+
+class BuoyancyLoad(LoadSpec):
+    """What a liquid at rest lifts bodies by, as far as their shapes are below its level.
+
+    A body that ``displaces`` more than its shapes, an open bin, is lifted by that instead.
+
+    F = density * thickness * (area below the level) * g, upwards, at the centroid of that area,
+    with the ``thickness`` of the body and the scene's gravity, which has to point downwards. It is
+    exact of every shape; shapes that overlap count twice, as they do in a body's mass. It takes no
+    energy; a ``drag`` beside it does.
+    """
+
+    type: Literal["buoyancy"] = TYPE
+    name: Name
+    """Its name; quantities are ``<name>.<body>.fy`` and so on."""
+    bodies: Patterns = EVERY
+    """The bodies that it lifts: a name, a pattern such as ``"boat*"``, or a list of them. By
+    default every body that moves freely and has an area."""
+    level: Annotated[Coordinate, KEPT] = 0.0
+    """How high the liquid stands: its ``y`` in the world [m]."""
+    density: Density = 1000.0
+    """Of the liquid [kg/m^3]; by default that of water."""
+
+    def columns(self, mechanism: Mechanism) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.BodyLoads`."""
+        return {"level": self.level, "weight": -self.density * mechanism.gravity[1]}
+
+    def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """Gravity that does not point downwards."""
+        yield from super().problems(mechanism, path)
+        x, y = mechanism.gravity
+        if x or y >= 0:
+            yield Problem("bad-fluid", "a liquid lifts against gravity, which has to point "
+                          f"downwards here, and it is [{x:g}, {y:g}]", path,
+                          allowed='a scene with "gravity": [0, -9.81]')
+
+
+Load = Annotated[LawLoad | DragLoad | BuoyancyLoad, Field(discriminator="type")]

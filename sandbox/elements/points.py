@@ -1,0 +1,129 @@
+"""Joints of a point: pins, slots and welds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import Field, model_validator
+
+from sandbox.elements.element import KEPT, NO_POINT, OTHER_SIDE, Turn
+from sandbox.elements.joint import (
+    FRICTION,
+    REACTION,
+    Anchors,
+    ClosingJoint,
+    FrictionJoint,
+    JointKind,
+)
+from sandbox.values.numbers import Angle, Flag, Force, Length, Pair, Point, RotaryDamping, Torque
+from sandbox.values.spec import TYPE
+from sandbox.wording import WrongValueError
+
+if TYPE_CHECKING:
+    from sandbox.scene.parts.placement import Mover
+
+
+class Pin(FrictionJoint):
+    """A hinge: two bodies turn about one point.
+
+    Its angle is that of ``b`` against ``a``, in its own sense.
+    """
+
+    facts: ClassVar[JointKind] = JointKind(
+        "point", ("angle", "rate", *REACTION, "damping", "damping_work"), angle=True,
+        stopped=("stop",), rubs="N m", rubbed=FRICTION)
+
+    type: Literal["pin"] = TYPE
+    positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
+    """The turn of ``b`` against ``a``, as seen, that counts as positive: of angle, rate, limits,
+    springs, torques and motors of this hinge."""
+    zero: Annotated[Angle, KEPT] = 0.0
+    """Subtracted from the angle between the two frames [rad] once that is counted in the positive
+    sense: where it is clockwise, the hinge's angle is minus the frames' angle, minus ``zero``."""
+    limits: Annotated[Pair[Angle] | None, KEPT] = None
+    """Hard stops [lowest, highest] of the hinge's angle [rad]; none by default."""
+    damping: RotaryDamping = 0.0
+    """Viscous friction of the hinge [N m s/rad]: torque against the rate, per rate."""
+    friction: Torque = Field(default=0.0, ge=0)
+    """Dry friction of the hinge [N m]: it holds against torques up to this, and slips against this
+    one; none by default."""
+    pin_radius: Length | None = None
+    """Radius at which a pin with a 'friction_coefficient' rubs [m]: its torque is the coefficient
+    times this times the reaction."""
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.limits is not None and self.limits[0] >= self.limits[1]:
+            raise WrongValueError("out-of-range", "limits are [lowest, highest]")
+        if self.friction_coefficient and self.pin_radius is None:
+            raise WrongValueError("conflicting-keys", "the 'friction_coefficient' of a pin needs a "
+                                  "'pin_radius'")
+        if self.pin_radius is not None and not self.friction_coefficient:
+            raise WrongValueError("conflicting-keys", "'pin_radius' needs a 'friction_coefficient'")
+        return self
+
+    @property
+    def sense(self) -> float:
+        """+1 or -1: the factor from a counter-clockwise turn to the positive one."""
+        return 1.0 if self.positive == "counterclockwise" else -1.0
+
+    def columns(self, at: Anchors) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
+        return {"sense": self.sense, "zero": self.zero, "stops": self.limits or NO_POINT,
+                "damping": self.damping, "friction": self.friction, "static": self.static,
+                "rubbing": self.friction_coefficient * (self.pin_radius or 0.0)}
+
+    def placed(self, mover: Mover) -> Mapping[str, Any]:
+        """Keep the angle at t = 0 of a hinge between an assembly and the scene around it.
+
+        From sense (b - a) - zero, with s a + g for the angle of a body of the assembly and
+        s sense for the sense.
+        """
+        inner = [name in mover.own for name in (self.a, self.b)]
+        if all(inner) or not any(inner):
+            return {}
+        body = mover.outer_body(self.a if inner[1] else self.b, "")
+        s, turn = mover.placement.sign, mover.placement.angle
+        moved = s * self.sense * (turn - body.angle) + self.sense * body.angle
+        return {"zero": self.zero + (moved if inner[1] else -moved)}
+
+
+class Slot(FrictionJoint):
+    """A point of ``b`` slides along a groove of ``a`` that runs from ``start`` to ``end``."""
+
+    facts: ClassVar[JointKind] = JointKind(
+        "groove", REACTION, rubs="N", rubbed=FRICTION, mujoco_loop="a groove that closes a loop")
+
+    type: Literal["slot"] = TYPE
+    start: Point
+    """One end of the groove, in the frame of ``a`` [m]."""
+    end: Point
+    """Other end of the groove, in the frame of ``a`` [m]; the point stops hard at either."""
+    turns: Flag = True
+    """Whether ``b`` may turn on the groove: true leaves its angle free, false keeps the angle that
+    the two bodies have to each other at t = 0, as a slider does."""
+    on_a: Point | None = None
+    """Not used: ``start`` and ``end`` say where the groove is."""
+    on_b: Point | None = (0.0, 0.0)
+    """The point of ``b`` that stays on the groove, in its frame [m]."""
+    friction: Force = Field(default=0.0, ge=0)
+    """Dry friction along the groove [N]: it holds against forces up to this, and slides against
+    this one; none by default."""
+
+    def columns(self, at: Anchors) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
+        return {"turns": self.turns, "groove": (self.start, self.end), "friction": self.friction,
+                "static": self.static, "rubbing": self.friction_coefficient}
+
+
+class Weld(ClosingJoint):
+    """Two bodies held rigidly together."""
+
+    facts: ClassVar[JointKind] = JointKind("point", REACTION)
+
+    type: Literal["weld"] = TYPE
+
+    def columns(self, at: Anchors) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
+        return {"turns": False}

@@ -1,0 +1,175 @@
+"""The quantities that a run can be asked for: unit, recorded array, one sentence each.
+
+Those of an element stand with its kind; here are those of bodies, groups and pairs. From here
+come the catalogue, the heads of the CSV files, the reserved names and docs/scenes.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from sandbox.elements import drive, fluids, joint, loads, springs, tendons
+from sandbox.elements.element import NAMED, RELEASABLE, Quantity, recorded
+from sandbox.elements.tendons import NUMBERED
+
+QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
+    "body": {
+        "x": recorded("body_pose", "m", "where its frame's origin is in the world", 0, live=True),
+        "y": recorded("body_pose", "m", "the same, upwards", 1, live=True),
+        "angle": recorded("body_pose", "rad", "of its frame, counter-clockwise", 2, live=True),
+        "vx": recorded("body_velocity", "m/s", "velocity of its centre of mass", 0, live=True),
+        "vy": recorded("body_velocity", "m/s", "the same, upwards", 1, live=True),
+        "omega": recorded("body_velocity", "rad/s", "angular velocity", 2, live=True),
+        "ax": recorded("body_acceleration", "m/s^2",
+                       "acceleration of its centre of mass", 0, live=True),
+        "ay": recorded("body_acceleration", "m/s^2", "the same, upwards", 1, live=True),
+        "alpha": recorded("body_acceleration", "rad/s^2", "angular acceleration", 2, live=True),
+        "contact.normal": Quantity(
+            "N", "sum of the sizes of the normal forces of all that touches it", live=True),
+        "contact.tangential": Quantity(
+            "N", "sum of the sizes of the friction forces of all that touches it", live=True),
+        "contact.fx": Quantity("N", "resultant of all contact forces on it"),
+        "contact.fy": Quantity("N", "the same, upwards"),
+    },
+    "joint": joint.QUANTITIES, "spring": springs.QUANTITIES, "tendon": tendons.QUANTITIES,
+    "line": fluids.LINE_QUANTITIES, "valve": fluids.VALVE_QUANTITIES, "load": loads.QUANTITIES,
+    "drive": drive.QUANTITIES,
+    "group": {
+        "contact.count": Quantity("1", "how many of its bodies are touched from outside",
+                                  live=True, count=True),
+        "contact.normal": Quantity("N", "sum of the sizes of all normal forces on it from outside",
+                                   live=True),
+    },
+    "pair": {
+        "normal": Quantity("N", "normal force between the two", live=True),
+        "tangential": Quantity(
+            "N", "friction force on the first by the second, positive in the direction of the "
+            "normal force on the first turned by +90°; with `b/a` the same number", live=True),
+    },
+}
+"""By what an element is called (:class:`sandbox.elements.element.Named`), then by name."""
+USUAL: Mapping[str, str] = {"meter": "", "tendon": "tension", "joint": "angle", "drive": "value",
+                            "spring": "length", "body": "y"}
+"""What is looked at first of a run, by kind of element, the kinds that tell most first."""
+TELLING = ("value", "x", "y", "contact.normal", "force", "torque", "angle", "length", "tension",
+           "reaction", "pressure", "flow", "fx", "fy", "power")
+"""What is looked at first of one element, in this order; then comes all else that it has."""
+TIED: Mapping[str, Quantity] = {
+    "held": recorded("held", "1", "of what may be let go: 1 while it holds, 0 while it is let go",
+                  live=True, yes_no=True),
+}
+"""What a joint, a spring or a tendon has besides if an event or its load may let it go."""
+MOST_PRESSING = 24
+"""Contacts of an object beyond which closure, epsilon and isotropy are not worked out."""
+WINDOW = 0.1
+"""So long [s] an object has to be at rest in a hand to be held."""
+STRAY = 0.01
+"""By less than so much of its size it moves and slides meanwhile."""
+_MANY = f"more than {MOST_PRESSING} bodies press on it"
+NOT_HELD = "it is not held"
+_LIMP = (f"{NOT_HELD}, or stiffness can't be told: with fluids, teeth, loads by laws, cords "
+         "that rub, contacts in a notch")
+_NO_HAND = f"no hand presses on it, or more than {MOST_PRESSING} bodies do"
+GRASP: Mapping[str, Quantity] = {
+    "held": Quantity("1", "1 while a hand holds it: something of the hand pressed on it for the "
+                     f"last {WINDOW:g} s, it moved and slid by less than {100 * STRAY:g} % of its "
+                     "size, nothing else carries it; else 0", of_free=True, yes_no=True),
+    "drift": Quantity("m", "how far it has come since it began to be held, at its farthest point",
+                      nothing=NOT_HELD, of_free=True),
+    "closure": Quantity("1", "1 with force closure, else 0: whether contacts where these are could "
+                        "balance any load",
+                        nothing=_MANY, yes_no=True),
+    "epsilon": Quantity("1", "Ferrari and Canny's measure: the least load that forces of sum 1 can "
+                        "balance at most; 0 without force closure",
+                        nothing=_NO_HAND),
+    "stiffness": Quantity("N/m", "force over way of a small push at its centre of mass in the "
+                          "direction in which it gives way most; inf where no push moves it, 0 "
+                          "where nothing brings it back", nothing=_LIMP, of_free=True),
+    "stiffness_x": Quantity("N/m", "of a small push along x: force over way along x",
+                            nothing=_LIMP, of_free=True),
+    "stiffness_y": Quantity("N/m", "the same of a push upwards", nothing=_LIMP, of_free=True),
+    "stiffness_turn": Quantity("N m/rad", "of a small couple: moment over turn", nothing=_LIMP,
+                               of_free=True),
+    "isotropy": Quantity("1", "least over largest singular value of the grasp map: 1 if contacts "
+                         "act alike in all directions", nothing=_NO_HAND),
+    "spread": Quantity("1", "standard deviation over mean of the normal forces of the fingers that "
+                       "press on it: 0 if they press alike", nothing="no finger presses on it"),
+    "spread_bodies": Quantity("1", "the same of the bodies that press on it, such as phalanges",
+                              nothing="no finger presses on it"),
+}
+"""What a body with the role ``object`` has besides; docs/grasp.md."""
+LIVE: Mapping[str, tuple[str, ...]] = {
+    element: tuple(name for name, quantity in rows.items() if quantity.live)
+    for element, rows in QUANTITIES.items()} | {"meter": ("",)}
+"""What can be read while a run goes on; the one quantity of a meter has no name."""
+CONTACT_COLUMNS: Mapping[str, str] = {
+    "x": "m", "y": "m", "fx": "N", "fy": "N", "normal": "N", "tangential": "N"}
+"""The numbers of a contact's row in ``contacts.csv`` and their units."""
+IMPACT_COLUMNS: Mapping[str, str] = {"x": "m", "y": "m", "px": "N s", "py": "N s"}
+"""The numbers of a row in ``impacts.csv`` and their units."""
+
+
+def numbered(element: str, quantity: str) -> tuple[str, int] | None:
+    """``tension_3`` of a tendon as ``("tension", 3)``; None for what has no number."""
+    word, _, number = quantity.rpartition("_")
+    return (word, int(number)) if element == "tendon" and word in NUMBERED and (
+        number.isdecimal()) else None
+
+
+def about(element: str, quantity: str) -> str:
+    """The sentence on a quantity of a ``body``, ``joint``, ..., without its last number."""
+    if found := numbered(element, quantity):
+        return NUMBERED[found[0]].about
+    rows = QUANTITIES.get(element, {})
+    held = GRASP if element == "body" else TIED
+    return (rows.get(quantity) or held[quantity]).about
+
+
+def is_yes_no(element: str, quantity: str) -> bool:
+    """Whether an element's quantity is 1 or 0 and nothing between."""
+    if found := numbered(element, quantity):
+        return NUMBERED[found[0]].yes_no
+    row = QUANTITIES.get(element, {}).get(quantity) or (
+        GRASP if element == "body" else TIED).get(quantity)
+    return row is not None and row.yes_no
+
+
+def is_count(element: str, quantity: str) -> bool:
+    """Whether an element's quantity is a whole number of things."""
+    row = QUANTITIES.get(element, {}).get(quantity)
+    return row is not None and row.count
+
+
+def is_live(element: str, quantity: str) -> bool:
+    """Whether an element's quantity can be read while a run goes on."""
+    if found := numbered(element, quantity):
+        return NUMBERED[found[0]].live
+    return quantity in LIVE[element] or (quantity in TIED and element != "body")
+
+
+def reserved(kind: str) -> frozenset[str]:
+    """What may not follow the name of an element of a list and a dot in another's name.
+
+    ``contact`` and ``contact.normal``, of bodies: whole names of quantities, and what
+    those begin with.
+    """
+    names = [*QUANTITIES.get(NAMED[kind].one, {}),
+             *(TIED if kind in RELEASABLE else ())]
+    return frozenset(".".join(name.split(".")[:count]) for name in names
+                     for count in range(1, name.count(".") + 2))
+
+
+def grasp_quantities(*, free: bool) -> dict[str, str]:
+    """Quantity to unit of what an object has besides; ``free`` where it moves freely."""
+    return {name: row.unit for name, row in GRASP.items() if free or not row.of_free}
+
+
+def quantities_of(element: str) -> dict[str, str]:
+    """Quantity to unit of a ``body``, ``tendon``, ``group`` or ``pair``: of all of its kind."""
+    return {name: quantity.unit for name, quantity in QUANTITIES[element].items()}
+
+
+def by_telling(quantities: Iterable[str]) -> list[str]:
+    """Quantities of an element, those first that are looked at first."""
+    rank = {name: place for place, name in enumerate(TELLING)}
+    return sorted(quantities, key=lambda name: rank.get(name, len(rank)))

@@ -1,0 +1,162 @@
+"""Joints of two wheels: gears, racks, and circles that roll on one another."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from sandbox.elements.element import KEPT, Vec, direction_problems, no_mesh
+from sandbox.elements.joint import REACTION, Anchors, JointKind, JointSpec
+from sandbox.errors import Problem
+from sandbox.values.numbers import Angle, Distance, Flag, Length, Number, Pair, Point, Stiffness
+from sandbox.values.spec import TYPE
+from sandbox.wording import WrongValueError
+
+if TYPE_CHECKING:
+    from sandbox.scene.mechanism import Mechanism
+    from sandbox.scene.parts.placement import Mover
+
+MESH = (*REACTION, "tangential", "radial")
+TEETH = "teeth: what it couples are joint angles, which push no bearing"
+PressureAngle = Annotated[Angle, Field(gt=0, le=math.pi / 4), KEPT]
+
+
+class WheelJoint(JointSpec):
+    """A joint of wheels, which mesh as they stand at t = 0."""
+
+    def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """Wheels that are released at t = 0 and would have to mesh anew."""
+        yield from super().problems(mechanism, path)
+        if self.released:
+            yield no_mesh(self.name, f"{path}.released")
+
+
+class Gear(WheelJoint):
+    """Two gears that mesh, with involute teeth, outside or one inside the other.
+
+    What holds their centres is up to other joints: pins on the ground or on a carrier. Teeth mesh
+    as they stand at t = 0. They push along the line of action, which makes the pressure angle with
+    the common tangent of the pitch circles; so beside the tangential force there is a radial one,
+    which the bearings carry.
+    """
+
+    facts: ClassVar[JointKind] = JointKind("gear", MESH, loose=("gap",), mujoco=TEETH)
+
+    type: Literal["gear"] = TYPE
+    radius_a: Length
+    """Of the pitch circle of ``a``, whose centre is ``on_a``."""
+    radius_b: Length
+    """Of the pitch circle of ``b``, whose centre is ``on_b``."""
+    inside: Flag = False
+    """True: the smaller gear runs inside the larger one, a ring with teeth inside."""
+    pressure_angle: PressureAngle = math.radians(20.0)
+    """Between the line of action and the common tangent of the pitch circles, up to 45 deg."""
+    backlash: Distance = 0.0
+    """Play of the teeth along the pitch circles; at t = 0 they stand in its middle."""
+    stiffness: Stiffness = Field(default=1e9, gt=0)
+    """Of teeth without play, along the line of action [N/m]: by this several planets share a
+    load. Of steel teeth about 1.4e10 N/m per metre of their width."""
+    on_a: Point = (0.0, 0.0)
+    """Centre of the first wheel in the frame of ``a`` [m]."""
+    on_b: Point = (0.0, 0.0)
+    """Centre of the second wheel in the frame of ``b`` [m]."""
+
+    @model_validator(mode="after")
+    def _different(self) -> Self:
+        if self.inside and self.radius_a == self.radius_b:
+            raise WrongValueError("out-of-range", "the radii of gear and ring must differ")
+        return self
+
+    def columns(self, at: Anchors) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
+        return {"radii": (self.radius_a, self.radius_b), "inside": self.inside,
+                "pressure": self.pressure_angle, "play": self.backlash,
+                "stiffness": self.stiffness}
+
+
+class Rack(WheelJoint):
+    """A gear ``a`` and a straight rack ``b`` that mesh, as gears do.
+
+    The pitch line has no ends: a rack that is drawn shorter goes on meshing beyond what is drawn.
+    """
+
+    facts: ClassVar[JointKind] = JointKind("rack", MESH, loose=("gap",), mujoco=TEETH)
+
+    type: Literal["rack"] = TYPE
+    radius: Length
+    """Of the pitch circle of ``a``, whose centre is ``on_a``."""
+    along: Annotated[Pair[Number], KEPT] = (1.0, 0.0)
+    """Direction of the rack's pitch line in the frame of ``b``; its length does not count."""
+    pressure_angle: PressureAngle = math.radians(20.0)
+    """Between the line of action and the pitch line, up to 45 deg."""
+    backlash: Distance = 0.0
+    """Play of the teeth along the pitch line; at t = 0 they stand in its middle."""
+    stiffness: Stiffness = Field(default=1e9, gt=0)
+    """Of teeth without play, along the line of action [N/m]."""
+    on_a: Point = (0.0, 0.0)
+    """Centre of the gear in the frame of ``a`` [m]."""
+    on_b: Point = (0.0, 0.0)
+    """A point of the pitch line in the frame of ``b`` [m]."""
+
+    @field_validator("along")
+    @classmethod
+    def _not_zero(cls, along: tuple[float, float]) -> tuple[float, float]:
+        if along == (0.0, 0.0):
+            raise WrongValueError("out-of-range", "[0, 0] is no direction")
+        return along
+
+    def columns(self, at: Anchors) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
+        return {"radii": (self.radius, math.nan), "pressure": self.pressure_angle,
+                "play": self.backlash, "stiffness": self.stiffness,
+                "along": self._pitch_line(at)}
+
+    def _pitch_line(self, at: Anchors) -> Vec:
+        """The rack's direction in its frame, of length 1, with the gear to its left."""
+        x, y = self.along
+        left = x * (at.a_in_b[1] - at.on_b[1]) - y * (at.a_in_b[0] - at.on_b[0])
+        length = math.copysign(math.hypot(x, y), left)
+        return x / length, y / length
+
+    def range_problems(self, path: str) -> Iterator[Problem]:
+        """A direction without a length that can be computed with."""
+        return direction_problems(self.along, f"{path}.along")
+
+    def placed(self, mover: Mover) -> Mapping[str, Any]:
+        """Fields that are ``kept`` and that a placement changes all the same, with new values."""
+        return {"along": mover.direction(self.b, self.along)}
+
+
+class Roll(WheelJoint):
+    """Two circles that roll on one another without slip and stay in touch (a Hillberry joint).
+
+    Crossed bands hold such a joint together; here it can be pulled as well as pressed.
+    """
+
+    facts: ClassVar[JointKind] = JointKind(
+        "roll", MESH, mujoco="circles that roll on one another as a joint")
+
+    type: Literal["roll"] = TYPE
+    radius_a: Length
+    """Of the circle of ``a``, whose centre is ``on_a``."""
+    radius_b: Length
+    """Of the circle of ``b``, whose centre is ``on_b``."""
+    inside: Flag = False
+    """True: the smaller circle rolls inside the larger one."""
+    on_a: Point = (0.0, 0.0)
+    """Centre of the first wheel in the frame of ``a`` [m]."""
+    on_b: Point = (0.0, 0.0)
+    """Centre of the second wheel in the frame of ``b`` [m]."""
+
+    @model_validator(mode="after")
+    def _different(self) -> Self:
+        if self.inside and self.radius_a == self.radius_b:
+            raise WrongValueError("out-of-range", "the radii of both circles must differ")
+        return self
+
+    def columns(self, at: Anchors) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
+        return {"radii": (self.radius_a, self.radius_b), "inside": self.inside}

@@ -1,1 +1,0 @@
-"""Facts that stand once: kinds of element, recorded arrays, quantities. Tables, and no spec."""

@@ -1,0 +1,153 @@
+"""Laws of springs and loads: expressions of a stretch or of a body's motion, as programs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sandbox.elements.loads import MOTION, LoadSpec
+from sandbox.elements.springs import Spring
+from sandbox.model.programs import (
+    ADD,
+    DROP,
+    GT,
+    LT,
+    MAX,
+    MIN,
+    MUL,
+    NAME,
+    NUMBER,
+    SELECT,
+    Program,
+    Step,
+    compile_expression,
+)
+from sandbox.numeric import Array
+from sandbox.values.expressions import Expression, parse_expression
+from sandbox.values.tables import Tables
+from sandbox.wording import WrongValueError
+
+STRETCH, RATE, STIFFNESS = 0, 1, 2
+"""What a law's program reads."""
+FULL = ("pull", "above")
+
+
+@dataclass(frozen=True)
+class SpringLaw:
+    """The law of one spring."""
+
+    own: Expression | None
+    """Of its stretch and rate; None for k s."""
+    names: tuple[str, ...]
+    """What it calls these."""
+    damping: float
+    """[N s/m, N m s/rad]"""
+    side: int
+    """+1 for one that acts only where it is stretched, -1 only where it is not; 0 for both."""
+    program: Program
+    tables: Tables
+
+    @property
+    def of_rate(self) -> bool:
+        """Whether it hangs on the rate."""
+        return self.damping > 0 or (self.own is not None and self.names[RATE] in self.own.names)
+
+    def force(self, stretch: Array, rate: Array, stiffness: Array | float = 0.0) -> Array:
+        """The force [N, N m] at stretches and rates [n]; nan where it has no value."""
+        found = stiffness * stretch
+        if self.own is not None:
+            read = {self.names[STRETCH]: stretch, self.names[RATE]: rate, **self.tables}
+            try:
+                found = np.broadcast_to(self.own.evaluate(read, finite=False), np.shape(stretch))
+            except WrongValueError:  # an exponent that is too large at one of them
+                found = np.full(np.shape(stretch), np.nan)
+        found = found + self.damping * rate
+        if self.side:
+            some = self.side * stretch > 0
+            found = np.where(some, self.side * np.maximum(self.side * found, 0.0), 0.0)
+        return np.asarray(found, dtype=float)
+
+    def slopes(self, stretch: Array, stiffness: float = 0.0) -> Array:
+        """dF/ds at rest between neighbours of rising stretches, [n - 1]."""
+        with np.errstate(all="ignore"):
+            found: Array = np.diff(self.force(stretch, np.zeros(len(stretch)), stiffness))
+            return found / np.diff(stretch)
+
+
+def law_of(spring: Spring, order: Sequence[str], tables: Tables) -> SpringLaw | None:
+    """The law of a spring; None of one that is linear either way.
+
+    Args:
+        spring: as the scene has it.
+        order: names of the scene's tables, in the order in which programs number them.
+        tables: the same by their calls.
+    """
+    text, names = spring.law, spring.OWN
+    if text is None and spring.only is None:
+        return None
+    own = None if text is None else parse_expression(text)
+    side = 0 if spring.only is None else 1 if spring.only in FULL else -1
+    program = Program(((NAME, STIFFNESS), (NAME, STRETCH), (MUL, 0)), 2) if own is None else (
+        compile_expression(own, names, order))
+    return SpringLaw(own, names, float(spring.damping), side,
+                     _whole(program, float(spring.damping), side), tables)
+
+
+def _whole(own: Program, damping: float, side: int) -> Program:
+    """A law's program with its damper, and one-sided."""
+    steps: list[Step] = [*own.steps]
+    if damping:
+        steps += [(NUMBER, damping), (NAME, RATE), (MUL, 0), (ADD, 0)]
+    if side:
+        steps = [(NAME, STRETCH), (NUMBER, 0.0), (GT if side > 0 else LT, 0), (DROP, 0), *steps,
+                 (NUMBER, 0.0), (MAX if side > 0 else MIN, 0), (NUMBER, 0.0), (SELECT, 0)]
+    return Program(tuple(steps), own.depth + 3)
+
+
+MOVED = frozenset(MOTION) - {"t", "mass", "inertia"}
+"""What a step changes of what a law reads, apart from the time."""
+
+
+@dataclass(frozen=True)
+class LoadLaw:
+    """The law of one load: components of its force, and its torque; None for 0."""
+
+    parts: tuple[Expression | None, Expression | None, Expression | None]
+    programs: tuple[Program | None, Program | None, Program | None]
+    tables: Tables
+
+    @property
+    def names(self) -> frozenset[str]:
+        """What it reads."""
+        return frozenset[str]().union(*(part.names for part in self.parts if part is not None))
+
+    def at(self, motion: Mapping[str, Array]) -> Array:
+        """Its three numbers [3, n] for a motion [n] under each of its names; nan for no value."""
+        count = np.shape(motion["x"])
+        found = np.zeros((3, *count))
+        for row, part in zip(found, self.parts, strict=True):
+            if part is not None:
+                try:
+                    row[...] = part.evaluate({**motion, **self.tables}, finite=False)
+                except WrongValueError:  # an exponent that is too large at one of them
+                    row[...] = np.nan
+        return found
+
+
+def law_of_load(load: LoadSpec, order: Sequence[str], tables: Tables) -> LoadLaw | None:
+    """The law of a load; None of one without.
+
+    Args:
+        load: as the scene has it.
+        order: names of the scene's tables, in the order in which programs number them.
+        tables: the same by their calls.
+    """
+    texts = load.laws()
+    if texts is None:
+        return None
+    x, y, turn = (None if text is None else parse_expression(text) for text in texts)
+    a, b, c = (None if part is None else compile_expression(part, MOTION, order)
+               for part in (x, y, turn))
+    return LoadLaw((x, y, turn), (a, b, c), tables)

@@ -1,0 +1,172 @@
+"""Remarks on a run, in sentences: what broke, came to an end of its groove, or stalled."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from sandbox.model.model import Model
+from sandbox.model.supports import LARGEST_GROUP, RANK, joint_rows, together
+from sandbox.numeric import Array, Flags
+from sandbox.samples.loads import Loads
+from sandbox.samples.stored import Stored
+
+MOST = 8
+"""How many are told one by one."""
+
+
+def broken(run: Stored) -> Iterator[str]:
+    """A sentence for each joint, spring and tendon that let go at its load, in order of time."""
+    ties, springs = run.model.ties, run.model.springs
+    turning = {ties.name[tie] for tie in ties.spring[~springs.straight].tolist() if tie >= 0}
+    known = {name: float(most) for name, most in zip(ties.name, ties.breaks_at, strict=True)}
+    broke = [one for one in run.info.broke if one.event in known]
+    for one in broke[:MOST]:
+        unit = "N m" if one.event in turning else "N"
+        yield f"{one.event} broke at its load of {known[one.event]:g} {unit}, t = {one.time:.6g} s"
+    if len(broke) > MOST:
+        yield f"{len(broke) - MOST} more broke after that"
+
+
+AT_END = 1e-5
+"""A point nearer to an end than this [m], which presses against it, is there."""
+PRESSES = 1e-9
+"""Of a joint's largest force the share along the groove that is no rounding."""
+TREES = ("rocker_tree", "pulley_tree")
+
+
+def ended(run: Stored) -> Iterator[str]:
+    """A sentence for each point that came to an end of its groove, in order of time.
+
+    What is at an end from the start on does not come to it.
+    """
+    joints = run.model.joints
+    slots = joints.keeping("groove").tolist()
+    if not slots or not len(run):
+        return
+    divide = {name for group in run.mechanism.groups if group.kind in TREES
+              for name in group.bodies}
+    told = []
+    for joint in slots:
+        way, pressed, length = _along(run, joint)
+        for left in (way, length - way):
+            there = np.flatnonzero((left < AT_END) & pressed)
+            if len(there) and left[0] >= AT_END:
+                told.append((int(there[0]), joint, float(left[0])))
+    for sample, joint, gone in sorted(told)[:MOST]:
+        name = run.model.bodies.name[int(joints.bodies[joint, 1])]
+        more = ", and divides its pull no longer while it is there" if name in divide else ""
+        yield (f"{joints.name[joint]}: {name} came to the end of its slot, {1e3 * gone:.4g} mm "
+               f"from where it began, t = {run.time[sample]:.6g} s{more}")
+    if len(told) > MOST:
+        yield f"{len(told) - MOST} more came to the ends of their slots after that"
+
+
+def _along(run: Stored, joint: int) -> tuple[Array, Flags, float]:
+    """How far a point is on its groove [m], [n], whether it presses along it, [n], its length."""
+    joints, pose = run.model.joints, run.arrays["body_pose"]
+    groove, (a, b) = joints.groove[joint], joints.bodies[joint].tolist()
+    length = float(np.hypot(*(groove[1] - groove[0])))
+    way = _turned(pose[:, a], (groove[1] - groove[0]) / length)
+    start = pose[:, a, :2] + _turned(pose[:, a], groove[0])
+    point = pose[:, b, :2] + _turned(pose[:, b], joints.anchor[joint, 1])
+    force = np.nan_to_num(run.arrays["joint_force"][:, joint])
+    pressed = np.abs(np.einsum("ij,ij->i", force, way))
+    return (np.einsum("ij,ij->i", point - start, way),
+            pressed > PRESSES * np.abs(force).max(initial=0.0), length)
+
+
+def _turned(pose: Array, arm: Array) -> Array:
+    """An arm of a body's frame along the world's axes, in poses [n, 3], [n, 2]."""
+    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    return np.stack([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]], axis=1)
+
+
+AT_REST = 1e-6
+"""Bodies that are slower [m/s, rad/s] do not move."""
+AT_MOST = 1e-6
+"""Within this share of its limit a drive gives all that it can."""
+NUDGE = 1e-4
+"""A motion [rad, m] that leads out of a dead centre; forces change by some such share of them."""
+NOTHING, LEADS = 1e-9, 1e-2
+"""Share of a force that is none along a motion; the least by which it grows with a motion [1/m]."""
+
+
+def stalled(run: Stored) -> Iterator[str]:
+    """A sentence for each drive whose mechanism is at rest at the end though it acts."""
+    drives = run.model.drives
+    if not len(run) or not len(drives.name):
+        return
+    loads = Loads(run)
+    still = np.abs(run.arrays["body_velocity"]).max(axis=2) < AT_REST
+    for i, kind in enumerate(drives.kind):
+        if not kind.limited or not np.isfinite(drives.most[i]):
+            continue
+        a, b = run.model.joints.bodies[drives.target[i]].tolist()
+        rests = still[:, a] & still[:, b] & (
+            np.abs(loads.given[i]) >= (1 - AT_MOST) * drives.most[i])
+        if rests[-1]:
+            since = run.time[len(run) - np.argmin(rests[::-1])] if not rests.all() else run.time[0]
+            unit = "N" if kind.gives == "push" else "N m"
+            yield (f"{drives.name[i]} has stalled: from t = {since:.6g} s on it gives all of its "
+                   f"{drives.most[i]:g} {unit}, and nothing moves")
+    pose = run.arrays["body_pose"][-1]
+    if not np.isfinite(pose).all():
+        return
+    for joints in together(run.model):
+        bodies = sorted({body for body in run.model.joints.bodies[joints].ravel().tolist()
+                         if run.model.bodies.free[body]})
+        if len(bodies) > LARGEST_GROUP // 3 or not still[-1, bodies].all():
+            continue
+        for i, kind in enumerate(drives.kind):
+            if (kind.gives in ("force", "torque") and loads.given[i, -1]
+                    and _dead_centre(run.model, pose, bodies, joints, i)):
+                yield (f"{drives.name[i]} acts on a dead centre: where its mechanism stands at the "
+                       "end it moves nothing, and a little to either side it would")
+
+
+def _dead_centre(model: Model, pose: Array, bodies: list[int], joints: list[int], i: int) -> bool:
+    """Whether a drive pushes along no motion in a pose, and along some in the poses beside it."""
+    load = _load(model, pose, bodies, i)
+    size = float(np.abs(load).max(initial=0.0))
+    motions = _motions(model, pose, bodies, joints)
+    if not size or not motions.shape[1] or np.abs(motions.T @ load).max() > NOTHING * size:
+        return False
+    for motion in motions.T:
+        moved = pose.copy()
+        moved[bodies] += NUDGE * motion.reshape(-1, 3)
+        beside = _motions(model, moved, bodies, joints)
+        if motion @ beside @ beside.T @ _load(model, moved, bodies, i) > LEADS * NUDGE * size:
+            return True
+    return False
+
+
+def _motions(model: Model, pose: Array, bodies: list[int], joints: list[int]) -> Array:
+    """The motions of bodies that joints leave, orthonormal, [3 n, k]."""
+    rows = [row for joint in joints for row in joint_rows(model, pose, joint)]
+    J = np.zeros((len(rows), 3 * len(bodies)))
+    for i, row in enumerate(rows):
+        for body, coefficients in row:
+            if body in bodies:
+                J[i, 3 * bodies.index(body):][:3] += coefficients
+    _, values, right = np.linalg.svd(J)
+    return np.asarray(right[np.count_nonzero(values > RANK * values.max(initial=0.0)):].T)
+
+
+def _load(model: Model, pose: Array, bodies: list[int], i: int) -> Array:
+    """A unit of a drive's force or torque on bodies, moments about their frames, [3 n]."""
+    drives, joints, load = model.drives, model.joints, np.zeros((len(bodies), 3))
+    target = int(drives.target[i])
+    if drives.kind[i].gives == "force":
+        c, s = np.cos(pose[target, 2]), np.sin(pose[target, 2])
+        turned = np.array([[c, -s], [s, c]])
+        force = turned @ drives.direction[i] if drives.turning[i] else drives.direction[i]
+        arm = turned @ drives.at[i]
+        if target in bodies:
+            load[bodies.index(target)] = *force, arm[0] * force[1] - arm[1] * force[0]
+    else:
+        for body, sign in zip(joints.bodies[target].tolist(), (-1.0, 1.0), strict=True):
+            if body in bodies:
+                load[bodies.index(body), 2] = sign * joints.sense[target]
+    return load.ravel()

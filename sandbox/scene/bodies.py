@@ -1,0 +1,403 @@
+"""Bodies and their shapes. A body's points are in its own frame [m]."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import (
+    AfterValidator,
+    Field,
+    PrivateAttr,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+
+from sandbox.elements.element import Placed
+from sandbox.errors import SceneError
+from sandbox.numeric import Array
+from sandbox.scene.derived_shapes import DiscCam, Drawing, SmoothCurve
+from sandbox.scene.outlines.cams import cam_nodes
+from sandbox.scene.outlines.curves import flattened, is_straight, turned
+from sandbox.scene.outlines.drawings import curves_of, own_file
+from sandbox.scene.outlines.pieces import MOST_CORNERS as PIECE_CORNERS
+from sandbox.scene.outlines.pieces import CutError, pieces_of
+from sandbox.scene.outlines.rings import Ring, hole_fault, is_convex, ring_fault
+from sandbox.values.colours import FillColour
+from sandbox.values.numbers import (
+    Angle,
+    AngularSpeed,
+    Coordinate,
+    Density,
+    Distance,
+    Flag,
+    Inertia,
+    Items,
+    Length,
+    Mass,
+    Name,
+    Pair,
+    Point,
+    Ratio,
+    Share,
+    Speed,
+)
+from sandbox.values.planes import Planes
+from sandbox.values.signals import Path
+from sandbox.values.spec import TYPE, Spec
+from sandbox.wording import WrongValueError
+
+
+class Circle(Spec):
+    """A disc."""
+
+    type: Literal["circle"] = TYPE
+    radius: Length
+    """Its radius [m]."""
+    at: Point = (0.0, 0.0)
+    """Its centre in the body's frame [m]."""
+
+
+class Box(Spec):
+    """A rectangle about ``at``, turned by ``angle`` in the body's frame."""
+
+    type: Literal["box"] = TYPE
+    size: Pair[Length]
+    """[width, height] along its own x and y [m]."""
+    at: Point = (0.0, 0.0)
+    """Its middle in the body's frame [m]."""
+    angle: Annotated[Angle, Placed("sign")] = 0.0
+    """Its turn against the body's frame [rad], counter-clockwise."""
+
+
+SHAPES = ("shapes", "displaces")
+"""Of a body the fields that hold outlines."""
+MOST_CORNERS = 2000
+"""Of a polygon, those of its holes among them; of a polyline."""
+Outline = Annotated[Items[Point], Field(min_length=3, max_length=MOST_CORNERS)]
+
+
+Nodes = tuple[tuple[tuple[Coordinate, Coordinate, float, float], ...], ...]
+AT_CORNER = 1e-6
+"""How far a node may be from a corner of its outline, as a share of the outline's size."""
+
+
+def _checked_nodes(nodes: Nodes, rings: Sequence[Ring]) -> Nodes:
+    """Nodes that belong to these outlines: each lies at one of its outline's corners.
+
+    Raises:
+        WrongValueError: they do not.
+    """
+    if nodes and len(nodes) != len(rings):
+        raise WrongValueError("bad-outline", f"there are {len(nodes)} curves of 'nodes'",
+                              allowed=f"{len(rings)}, one for each outline, or none")
+    for number, (curve, ring) in enumerate(zip(nodes, rings, strict=False)):
+        places, corners = np.array(curve).reshape(-1, 4)[:, :2], np.array(ring)
+        size = float(np.ptp(corners, axis=0).max())
+        apart = np.hypot(*(places[:, None] - corners).transpose(2, 0, 1)).min(axis=1)
+        if len(np.unique(places, axis=0)) < 2 or apart.max() > AT_CORNER * size:
+            raise WrongValueError("bad-outline", f"the nodes of curve {number} are not on its "
+                                  "outline", allowed="two or more nodes, each at a corner")
+    return nodes
+
+
+class Polygon(Spec):
+    """An outline of straight sides, convex or not, with holes if there are any.
+
+    The program cuts it up into convex pieces, whose seams are no surface and are not drawn; mass,
+    centre and inertia are those of the outline. It has at most 2000 corners, those of its holes
+    among them.
+    """
+
+    type: Literal["polygon"] = TYPE
+    points: Outline
+    """Its corners in the body's frame [m], one after the other, clockwise or counter-clockwise; the
+    outline may not touch or cross itself."""
+    holes: Annotated[Items[Outline], Field(max_length=MOST_CORNERS)] = ()
+    """Outlines of holes in it, each by itself within the outline; corners as in ``points``."""
+    nodes: Annotated[Nodes, Placed("nodes")] = ()
+    """The true curves of the outline and of each hole, if it was worked out from a curve, a cam or
+    a drawing: contacts follow them instead of the sides. A node is `[x, y, direction, curvature]`;
+    two at the same place are a corner or a jump of the curvature."""
+    _swing: tuple[float, float, float] | None = PrivateAttr(None)
+
+    @property
+    def swing(self) -> tuple[float, float, float] | None:
+        """Of a cam just read, :meth:`sandbox.scene.outlines.cams.CamCurve.swing`."""
+        return self._swing
+
+    @field_validator("points")
+    @classmethod
+    def _outlined(cls, ring: Ring) -> Ring:
+        if fault := ring_fault(ring):
+            raise WrongValueError("bad-outline", f"{fault}", allowed=SOUND)
+        return ring
+
+    @field_validator("holes")
+    @classmethod
+    def _punched(
+        cls, holes: tuple[Ring, ...], info: ValidationInfo,
+    ) -> tuple[Ring, ...]:
+        outer = info.data.get("points")
+        if not holes or outer is None:  # what is wrong with the points was said
+            return holes
+        found = next(((k, fault) for k, ring in enumerate(holes) if (fault := ring_fault(ring))),
+                     None) or hole_fault(outer, holes)
+        if found is not None:
+            raise WrongValueError("bad-outline", f"hole {found[0]}: {found[1]}", allowed=SOUND)
+        return holes
+
+    @model_validator(mode="after")
+    def _cut(self) -> Self:
+        corners = len(self.points) + sum(map(len, self.holes))
+        if corners > MOST_CORNERS:
+            raise WrongValueError("bad-outline", f"this outline and its holes have {corners} "
+                                  "corners", allowed=f"at most {MOST_CORNERS}")
+        _checked_nodes(self.nodes, (self.points, *self.holes))
+        if self.whole:
+            return self
+        try:
+            pieces_of(self.points, self.holes)
+        except CutError as error:
+            raise WrongValueError("bad-outline", "this outline cannot be cut into convex pieces: "
+                                  f"{error!s}", allowed="sides further apart than "
+                                  "rounding") from None
+        return self
+
+    @property
+    def whole(self) -> bool:
+        """Whether it is one convex piece by itself."""
+        return not self.holes and len(self.points) <= PIECE_CORNERS and is_convex(self.points)
+
+
+class Polyline(Spec):
+    """A line from point to point, such as uneven ground, of a body that does not move freely.
+
+    What slides along it is not caught at its joints. Both of its sides can be touched.
+    """
+
+    type: Literal["polyline"] = TYPE
+    points: Annotated[Items[Point], Field(min_length=2, max_length=MOST_CORNERS)]
+    """Where it bends, and its ends; where the last point is the first it is closed."""
+    radius: Distance = 0.0
+    """How far its surface lies from the line through its points."""
+    nodes: Annotated[Nodes, Placed("nodes")] = ()
+    """The true curve, if the polyline was worked out from one; as of a polygon."""
+
+    @field_validator("points")
+    @classmethod
+    def _apart(cls, points: tuple[Point, ...]) -> tuple[Point, ...]:
+        for i, (one, two) in enumerate(pairwise(points)):
+            if one == two:
+                raise WrongValueError("bad-outline", f"points {i} and {i + 1} are the same point")
+        return points
+
+    @model_validator(mode="after")
+    def _curved(self) -> Self:
+        _checked_nodes(self.nodes, (self.points,))
+        return self
+
+
+class Capsule(Spec):
+    """A segment from ``start`` to ``end`` with a radius: a phalanx."""
+
+    type: Literal["capsule"] = TYPE
+    start: Point = (0.0, 0.0)
+    """Middle of its one round end, in the body's frame [m]."""
+    end: Point
+    """Middle of its other round end, in the body's frame [m]."""
+    radius: Length
+    """Half its thickness, and the radius of its ends [m]."""
+
+
+SOUND = "an outline with an area that does not touch or cross itself"
+Solid = Circle | Box | Polygon | Capsule
+"""What is convex, of polygons those that are."""
+Shape = Circle | Box | Polygon | Capsule | Polyline
+WrittenShape = Annotated[
+    Circle | Box | Polygon | Capsule | Polyline | SmoothCurve | DiscCam | Drawing,
+    Field(discriminator="type")]
+"""What an author may write."""
+
+
+def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -> Shape:
+    """The polygon or polyline of what is one once it is worked out; any other shape as it is."""
+    if not isinstance(shape, DiscCam | Drawing | SmoothCurve):
+        return shape
+    if isinstance(shape, DiscCam):
+        rings, turn = [cam_nodes(shape.curve())], 0.0
+    elif isinstance(shape, SmoothCurve):
+        rings, turn = [shape.curve()], shape.angle
+    else:
+        rings, turn = _drawn(shape, info.context or {}), shape.angle
+    rings = [turned(nodes, turn, shape.at) for nodes in rings]
+    closed = not isinstance(shape, SmoothCurve) or shape.closed
+    flat = _flat(rings, shape.tolerance, closed=closed)
+    nodes: Nodes = ()
+    if not all(map(is_straight, rings)):
+        nodes = tuple(tuple((x, y, way, bend) for x, y, way, bend in each.tolist())
+                      for each in rings)
+    found = _worked_out(flat, nodes, closed=closed, radius=getattr(shape, "radius", 0.0))
+    if isinstance(shape, DiscCam) and isinstance(found, Polygon):
+        found._swing = shape.curve().swing()
+    return found
+
+
+def _drawn(shape: Drawing, context: Mapping[str, Any]) -> list[Array]:
+    """Nodes of the outline and holes of a drawing, of the files that a scene was given with."""
+    text = own_file(context.get("folder"), shape.file)
+    return curves_of(shape.file, text, unit=shape.unit, layer=shape.layer,
+                     tolerance=shape.tolerance)
+
+
+def _flat(curves: list[Array], tolerance: float, *, closed: bool) -> list[Ring]:
+    """Corners of curves, chords within a tolerance [m].
+
+    Raises:
+        WrongValueError: there are too many.
+    """
+    def flat(within: float) -> list[Ring]:
+        return [flattened(nodes, within, closed=closed) for nodes in curves]
+
+    rings = flat(tolerance)
+    if (corners := sum(map(len, rings))) <= MOST_CORNERS:
+        return rings
+    wider = tolerance
+    while sum(map(len, flat(wider))) > MOST_CORNERS and wider < 1e3 * tolerance:
+        wider *= 2
+    raise WrongValueError("bad-outline", f"the tolerance of {tolerance:.3g} m needs {corners} "
+                          f"corners, more than {MOST_CORNERS}", allowed="a tolerance of "
+                          f"{wider:.3g} m")
+
+
+def _worked_out(rings: list[Ring], nodes: Nodes, *, closed: bool, radius: float) -> Shape:
+    """A polygon or polyline that was worked out, if it is sound.
+
+    Raises:
+        WrongValueError: it is not.
+    """
+    try:
+        if not closed:
+            return Polyline(points=rings[0], radius=radius, nodes=nodes)
+        return Polygon(points=rings[0], holes=tuple(rings[1:]), nodes=nodes)
+    except SceneError as error:
+        # corners of chords are not those that the author wrote: the place is enough
+        raise WrongValueError("bad-outline", error.problems[0].message.partition(", where")[0],
+                              allowed=SOUND) from None
+
+
+if TYPE_CHECKING:
+    BodyShape = Shape
+else:
+    BodyShape = Annotated[WrittenShape, AfterValidator(made)]
+Role = Literal["link", "ground", "palm", "phalanx", "rocker", "pulley", "object"]
+
+
+class Body(Spec):
+    """A rigid body: where it starts, how it moves, what it weighs, what it looks like.
+
+    Mass comes from ``mass``, or from ``density`` times the shapes' area times
+    ``thickness``. Centre and inertia follow from the shapes (an even spread of
+    the mass over their area) unless given.
+    """
+
+    name: Name
+    """Its name; quantities are ``<name>.x``, ``<name>.angle`` and so on."""
+    at: Annotated[Point, Placed("place")] = (0.0, 0.0)
+    """Origin of the body's frame in the world at t = 0 [m]."""
+    angle: Annotated[Angle, Placed("turn")] = 0.0
+    """Turn of the body's frame against the world at t = 0 [rad], counter-clockwise."""
+    motion: Literal["dynamic", "fixed", "scheduled"] = "dynamic"
+    """``dynamic`` is moved by forces, ``fixed`` stays where it is, ``scheduled`` follows its
+    ``path`` whatever the forces on it."""
+    path: Annotated[Path | None, Placed("kept")] = None
+    """Pose over time; for ``"motion": "scheduled"`` only, which needs it."""
+    shapes: Items[BodyShape] = ()
+    """What it consists of, in its frame: its outline for contacts and pictures and, unless given,
+    its mass's spread. One without shapes touches nothing."""
+    displaces: Items[BodyShape] = ()
+    """What of it keeps a liquid away (a load ``buoyancy``), in its frame; by default its
+    ``shapes``. A bin of three walls floats by the outline round it, one polygon. It touches and
+    weighs nothing."""
+    mass: Mass | None = None
+    """Of the whole body [kg]; a dynamic body has either this or ``density``."""
+    density: Density | None = None
+    """Mass per volume [kg/m^3]; with the shapes' areas and ``thickness`` it gives the mass."""
+    thickness: Annotated[Length, Placed("kept")] = 0.01
+    """Depth across the plane [m], which counts with ``density`` and in a liquid only."""
+    centre: Point | None = None
+    """Centre of mass in the body's frame [m]; by default that of the shapes' area."""
+    inertia: Inertia | None = None
+    """Moment of inertia about the centre of mass [kg m^2]; by default the mass spread evenly over
+    the shapes' area."""
+    velocity: Annotated[Pair[Speed], Placed("vector")] = (0.0, 0.0)
+    """Velocity [x, y] of the centre of mass at t = 0, in the world [m/s]."""
+    angular_velocity: Annotated[AngularSpeed, Placed("sign")] = 0.0
+    """Angular velocity at t = 0 [rad/s], counter-clockwise."""
+    material: Name | None = None
+    """Name of one of the scene's ``materials``; without one, friction is 0.5 and restitution 0."""
+    plane: Planes = (0,)
+    """Layer that it lies in, a whole number, higher ones nearer to the eye: bodies of different
+    planes pass each other, whatever contact rules say, and are drawn in this order. In a list of
+    planes it meets the bodies of each and is drawn in the lowest; ``"all"`` meets everything and is
+    drawn behind."""
+    role: Role = "link"
+    """What it is to a reader: how it is drawn, and in a grasp what holds what. An ``object`` has
+    quantities of how it is held, ``ground`` is no part of a hand. It changes no motion."""
+    colour: FillColour | None = None
+    """Its fill in pictures: white, grey, black, blue, teal, green, yellow, orange, red, pink,
+    purple, brown, or ``"#f5c542"``; by default that of its material, else that of its role."""
+    fill: Flag = True
+    """False draws its outline alone, so that what lies behind it is seen; a circle that a drive
+    changes stays filled."""
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if (self.motion == "scheduled") != (self.path is not None):
+            raise WrongValueError("conflicting-keys", "'path' and \"motion\": \"scheduled\" belong "
+                                  "together")
+        if any(isinstance(shape, Polyline) for shape in self.displaces):
+            raise WrongValueError("bad-outline", "a polyline has no area that could keep a liquid "
+                                  "away", allowed="shapes with an area for 'displaces'")
+        if self.motion == "dynamic":
+            if any(isinstance(shape, Polyline) for shape in self.shapes):
+                raise WrongValueError(
+                    "bad-outline", "a dynamic body cannot have a polyline or open curve: it has no "
+                    "area", allowed='"motion": "fixed" or "scheduled"; or a closed shape')
+            if (self.mass is None) == (self.density is None):
+                raise WrongValueError("conflicting-keys", "a dynamic body needs either 'mass' or "
+                                      "'density'")
+            if not self.shapes and (self.inertia is None or self.mass is None):
+                raise WrongValueError("conflicting-keys", "a dynamic body without shapes needs "
+                                      "'mass' and 'inertia'")
+        return self
+
+
+STATIC_OF_NOTHING = "'static' is a multiple of 'friction', which is 0"
+
+
+class Material(Spec):
+    """A contact surface: how it rubs and how it bounces.
+
+    Friction, static and restitution of a pair are the geometric means of the two.
+    """
+
+    friction: Ratio = 0.5
+    """Coulomb coefficient, 0 or more, of two surfaces of this material."""
+    static: Ratio = Field(default=1.0, ge=1)
+    """How many times as much as it rubs with while it slides it holds with while it does not, 1 or
+    more, as of a joint; by default just as much."""
+    restitution: Share = 0.0
+    """Rebound speed over approach speed of two surfaces of this material: 0 does not bounce, 1
+    loses nothing."""
+    colour: FillColour | None = None
+    """Fill in pictures of the bodies of this material, as a body's ``colour``."""
+
+    @model_validator(mode="after")
+    def _rubs(self) -> Self:
+        if self.static > 1 and not self.friction:
+            raise WrongValueError("conflicting-keys", STATIC_OF_NOTHING)
+        return self

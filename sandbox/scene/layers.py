@@ -1,0 +1,227 @@
+"""The layers of a picture, one row each: what it shows, and whether it does so unasked.
+
+Films, pages and the live view read them here. A scene's ``view.show`` and ``--show`` ask for them
+by :func:`asked`; what is shown in the end is :func:`shown`.
+"""
+
+from __future__ import annotations
+
+import fnmatch
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, Protocol
+
+from pydantic import BeforeValidator, WithJsonSchema
+
+from sandbox.values.numbers import Written
+from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One kind of thing that a picture may show."""
+
+    words: str
+    """What a switch for it is called."""
+    about: str
+    """What it shows."""
+    default: bool = True
+    """Whether it is shown unasked."""
+    per_body: bool = False
+    """Whether it may be shown of some bodies only."""
+
+
+LAYERS: Mapping[str, Layer] = {
+    "bodies": Layer("bodies", "outlines of bodies, of fixed ones hatched", per_body=True),
+    "springs": Layer("springs", "coils, spirals about hinges"),
+    "tendons": Layer("cords", "tendons with their guides, lines of fluid"),
+    "joints": Layer("joints", "pins, grooves, rods, ropes, grounds, stops that act"),
+    "contacts": Layer("contact forces", "arrows of contact forces with their sizes",
+                      per_body=True),
+    "tensions": Layer("tensions", "colours of cords, rods and ropes by what they carry, and "
+                      "numbers beside rods and ropes"),
+    "drives": Layer("drives", "arrows and marks of what drives"),
+    "loads": Layer("loads", "arrows of loads", per_body=True),
+    "names": Layer("names", "names of fingers"),
+    "traces": Layer("traces", "ways of points with marks of time: those of `view.traces`, else of "
+                    "fingertips, else of centres of mass; shown unasked where `view.traces` names "
+                    "any", default=False, per_body=True),
+    "velocity": Layer("velocity", "velocity of traced points, else of the centre of mass",
+                      default=False, per_body=True),
+    "acceleration": Layer("acceleration", "acceleration of the same points", default=False,
+                          per_body=True),
+    "reactions": Layer("reactions", "forces that pins, slots and welds carry", default=False,
+                       per_body=True),
+    "bars": Layer("bars", "bodies between two pins, coloured by the tension or compression that "
+                  "they carry from one to the other", default=False, per_body=True),
+    "pressure": Layer("pressure", "contact forces along flat sides, as a force per length that has "
+                      "the same sum and moment",
+                      default=False, per_body=True),
+    "axes": Layer("axes", "the frames of bodies: x and y from the origin", default=False,
+                  per_body=True),
+    "coordinates": Layer("coordinates", "a grid of the world with numbers", default=False),
+    "body_names": Layer("names of bodies", "names beside bodies", default=False, per_body=True),
+}
+"""By name, from the ordinary ones to those that are shown on wish."""
+PASSES: Mapping[str, str] = {
+    "rails": "joints", "stalks": "bodies", "links": "joints", "bodies": "bodies",
+    "grooves": "joints", "wheels": "tendons", "belts": "drives", "bars": "bars",
+    "traces": "traces", "fluids": "tendons", "springs": "springs", "stops": "joints",
+    "grounds": "joints", "marks": "drives", "latches": "joints", "pins": "joints",
+    "cords": "tendons", "axes": "axes", "pressure": "pressure", "contacts": "contacts",
+    "told": "joints", "loads": "loads", "velocity": "velocity", "acceleration": "acceleration",
+    "reactions": "reactions", "drives": "drives", "body_names": "body_names",
+}
+"""What is drawn of a run, back to front, each with its layer. Films and pages keep this order."""
+EVERY = ("*",)
+"""Patterns that mean all bodies."""
+BY_ROLE = "role:"
+"""Begins a pattern of roles, as in ``role:object``; no name has a colon."""
+WHOLE = "all"
+"""As a layer: all of them."""
+Show = Mapping[str, tuple[str, ...]]
+"""Layers that something was said of, each with patterns of bodies: none where it is not shown."""
+
+
+def asked(value: Any) -> dict[str, tuple[str, ...]]:
+    """What is asked for, of each layer that is named.
+
+    Args:
+        value: layers, as a list or as a text with commas between them, where ``-contacts`` takes
+            one away and ``all`` means every one; or an object that says of each layer whether it
+            is shown, or a list of names and patterns of bodies. Of two words the later one counts.
+
+    Raises:
+        WrongValueError: what is none of these, and unknown layers.
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    if isinstance(value, Mapping):
+        for word, of in value.items():
+            for layer in _layers(word):
+                found[layer] = _patterns(layer, of)
+        return found
+    words = value.split(",") if isinstance(value, str) else value
+    if not isinstance(words, list | tuple):
+        raise WrongValueError("wrong-type", f"{kind_of(value)} names no layers", allowed=FORMS)
+    for word in words:
+        named = word.strip() if isinstance(word, str) else word
+        away = isinstance(named, str) and named.startswith("-")
+        for layer in _layers(named[1:].strip() if away else named):
+            found[layer] = () if away else EVERY
+    return found
+
+
+FORMS = 'a list of layers such as ["traces", "-contacts"], or an object such as ' \
+        '{"velocity": ["finger*"], "contacts": false}'
+"""What :func:`asked` takes of a scene."""
+
+
+def _layers(word: Any) -> list[str]:
+    """The layers that a word means."""
+    if word == WHOLE:
+        return list(LAYERS)
+    if word in LAYERS:
+        return [word]
+    if not isinstance(word, str):
+        raise WrongValueError("wrong-type", f"{kind_of(word)} is no layer", allowed=_all())
+    raise WrongValueError("not-allowed", f"there is no layer named {quoted(word)}", allowed=_all(),
+                          hint=near(word, [*LAYERS, WHOLE], cutoff=0.5))
+
+
+def _all() -> str:
+    return listed([*LAYERS, WHOLE], most=len(LAYERS) + 1)
+
+
+def _patterns(layer: str, of: Any) -> tuple[str, ...]:
+    if isinstance(of, bool):
+        return EVERY if of else ()
+    patterns = (of,) if isinstance(of, str) else of
+    if not isinstance(patterns, list | tuple) or not all(isinstance(p, str) for p in patterns):
+        raise WrongValueError("wrong-type",
+                              f"{kind_of(of)} does not say of what {quoted(layer)} is shown",
+                              allowed="true, false, or a list of names and patterns of bodies")
+    if not LAYERS[layer].per_body and tuple(patterns) not in ((), EVERY):
+        some = (name for name, row in LAYERS.items() if row.per_body)
+        raise WrongValueError("wrong-type", f"{quoted(layer)} is shown for all bodies or for none",
+                              allowed=f"true or false; of some bodies: {', '.join(some)}")
+    return tuple(patterns)
+
+
+def shown(show: Show, *, traced: bool) -> dict[str, tuple[str, ...]]:
+    """The layers of a picture, each with patterns of the bodies that it is shown of.
+
+    Args:
+        show: what was asked for, as :func:`asked` gives it.
+        traced: whether the scene names points whose ways are drawn.
+    """
+    unasked = {name: EVERY for name, layer in LAYERS.items()
+               if layer.default or (name == "traces" and traced)}
+    return {name: patterns for name, patterns in (unasked | dict(show)).items() if patterns}
+
+
+WORDS = "list of layers, or object of layer: true, false or bodies"
+_PATTERN_LIST: dict[str, Any] = {"type": "array", "items": {"type": "string"}}
+SCHEMA = WithJsonSchema({"anyOf": [
+    {"type": "array", "items": {"enum": [
+        *LAYERS, WHOLE, *(f"-{name}" for name in (*LAYERS, WHOLE))]}},
+    {"type": "object", "additionalProperties": False, "properties": {
+        name: {"anyOf": [{"type": "boolean"}, {"type": "string"}, _PATTERN_LIST]}
+        for name in (*LAYERS, WHOLE)}},
+]})
+
+
+def _read_layers(value: Any) -> dict[str, tuple[str, ...]]:
+    if isinstance(value, str):
+        raise WrongValueError("not-allowed", f"{kind_of(value)} names no layers", allowed=FORMS)
+    return asked(value)
+
+
+ShownLayers = Annotated[Written[dict[str, tuple[str, ...]]], BeforeValidator(_read_layers), SCHEMA]
+"""Of each layer that is named the patterns of bodies that it is shown of; none hides it."""
+
+
+class NamedBody(Protocol):
+    """What a pattern of bodies looks at."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def role(self) -> str:
+        """What it is to a reader."""
+
+
+class NamedGroup(Protocol):
+    """Bodies that a pattern may name together."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Their names."""
+
+
+def meant(patterns: Iterable[str], bodies: Iterable[NamedBody],
+          groups: Iterable[NamedGroup] = ()) -> list[int]:
+    """The numbers of the bodies that one of the patterns fits, in order.
+
+    A pattern is held against names, of bodies and of ``groups``, one that begins with
+    :data:`BY_ROLE` against roles.
+    """
+    tests = [(pattern.startswith(BY_ROLE),
+              re.compile(fnmatch.translate(pattern.removeprefix(BY_ROLE))).match)
+             for pattern in patterns]
+    named = {name for group in groups if any(test(group.name) for by_role, test in tests
+                                             if not by_role) for name in group.bodies}
+    return [i for i, body in enumerate(bodies) if body.name in named
+            or any(test(body.role if by_role else body.name) for by_role, test in tests)]
+
+
+def words_for(bodies: Sequence[NamedBody], groups: Iterable[NamedGroup] = ()) -> list[str]:
+    """Every name, and every role as a pattern has it: what a pattern may be a slip of."""
+    return [*(body.name for body in bodies), *(group.name for group in groups),
+            *dict.fromkeys(BY_ROLE + body.role for body in bodies)]

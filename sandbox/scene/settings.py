@@ -1,0 +1,382 @@
+"""What is not a part of the machine: run, contact rules, meters, expectations, view, groups."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    BeforeValidator,
+    Field,
+    GetJsonSchemaHandler,
+    ModelWrapValidatorHandler,
+    PrivateAttr,
+    ValidationInfo,
+    WithJsonSchema,
+    field_serializer,
+    field_validator,
+    model_validator,
+)
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
+
+from sandbox.elements.element import BODY, BodyName
+from sandbox.scene.bodies import STATIC_OF_NOTHING
+from sandbox.scene.layers import ShownLayers
+from sandbox.values.numbers import (
+    Distance,
+    Duration,
+    Flag,
+    Frequency,
+    Instant,
+    Items,
+    Length,
+    Name,
+    Number,
+    Pair,
+    Point,
+    Quantity,
+    Ratio,
+    Written,
+    checked_expression,
+    number_from,
+    parameters_of,
+)
+from sandbox.values.spec import Spec
+from sandbox.wording import WrongValueError
+
+RETIRED = ("iterations", "slop")
+"""Settings of :class:`Run` that older scenes and recordings hold; nothing reads them."""
+
+
+class Run(Spec):
+    """How long a run lasts, and how finely it is stepped and recorded.
+
+    Older scenes may hold ``iterations`` and ``slop``, too: how often a solver that is gone went
+    over a step, and how far it let contacts overlap. They do nothing any more.
+    """
+
+    duration: Duration = 1.0
+    """How long the run lasts [s]."""
+    step: Duration = 5e-4
+    """Time step h [s]: shorter is more accurate and takes longer in proportion."""
+    sample_rate: Frequency = 1000.0
+    """Samples recorded per second [Hz]; the nearest whole number of steps is used."""
+    _ignored: tuple[str, ...] = PrivateAttr(())
+
+    @property
+    def ignored(self) -> tuple[str, ...]:
+        """Those of :data:`RETIRED` that were given, whatever their values."""
+        return self._ignored
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _retire(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        given = tuple(key for key in RETIRED if key in data) if isinstance(data, dict) else ()
+        if not given:
+            return handler(data)
+        run = handler({key: value for key, value in data.items() if key not in RETIRED})
+        run._ignored = given
+        return run
+
+
+class ContactRule(Spec):
+    """What two sets of bodies do when they meet; later rules win over earlier ones."""
+
+    between: Pair[str]
+    """Two names or patterns: ``finger*`` stands for all bodies whose name begins so."""
+    collide: Flag = True
+    """False lets the two pass through each other, true lets them touch again that an earlier rule
+    did not; a joint's own ``collide`` comes after all rules."""
+    friction: Ratio | None = None
+    """Coulomb coefficient of this pair, 0 or more; by default the geometric mean of the two
+    materials'."""
+    static: Ratio | None = Field(default=None, ge=1)
+    """How many times as much as the pair rubs with while it slides it holds with while it does not,
+    1 or more; by default the geometric mean of the two materials'."""
+
+    @model_validator(mode="after")
+    def _rubs(self) -> Self:
+        if self.friction == 0 and (self.static or 1) > 1:
+            raise WrongValueError("conflicting-keys", STATIC_OF_NOTHING)
+        return self
+
+
+class Meter(Spec):
+    """A named quantity made of recorded ones, written into ``run.npz``."""
+
+    name: Name
+    """Its name, by which it is recorded, expected and plotted like any other quantity."""
+    value: str
+    """An expression of quantities, SI: ``"=finger1.mcp.angle + finger1.pip.angle"``."""
+    unit: str = ""
+    """Unit that stands beside its values in files and plots; nothing is converted by it."""
+
+    @field_validator("value")
+    @classmethod
+    def _bind(cls, text: str, info: ValidationInfo) -> str:
+        return f"={checked_expression(text, info).bind(parameters_of(info)).text}"
+
+
+def _window(value: object, info: ValidationInfo) -> object:
+    if isinstance(value, str) and value.startswith("last "):
+        parameters = (info.context or {}).get("parameters", {})
+        return (-number_from(value.removeprefix("last "), "time", parameters), None)
+    return value
+
+
+_NUMBER = {"anyOf": [{"type": "number"}, {"type": "string"}]}
+Window = Annotated[
+    Written[tuple[Quantity, Quantity | None]],
+    BeforeValidator(_window),
+    WithJsonSchema({"anyOf": [
+        {"type": "string", "pattern": "^last "},
+        {"type": "array", "minItems": 2, "maxItems": 2,
+         "prefixItems": [_NUMBER, {"anyOf": [*_NUMBER["anyOf"], {"type": "null"}]}]},
+    ]}),
+]
+STATISTICS = ("mean", "min", "max", "std", "final")
+
+
+ROUNDING = 1e-9
+"""Two instants closer than this [s] are one."""
+WITHIN = "0.1 %"
+"""By how much an expectation's value may be off where nothing is said."""
+
+
+class Looked(Spec):
+    """A number made of a recorded quantity: its value at an instant, or a statistic in a window."""
+
+    mean: str | None = None
+    """Quantity, or pattern of quantities, whose mean over the window is looked at."""
+    min: str | None = None
+    """Quantity, or pattern of quantities, whose least sample of the window is looked at."""
+    max: str | None = None
+    """Quantity, or pattern of quantities, whose largest sample of the window is looked at."""
+    std: str | None = None
+    """Quantity, or pattern of quantities, whose standard deviation over the window is looked at."""
+    final: str | None = None
+    """Quantity, or pattern of quantities, whose last sample of the window is looked at."""
+    over: Window = (0.0, None)
+    """Window of time: ``"last 0.2 s"`` or ``[from, to]`` [s]; the whole run by default."""
+    of: Annotated[str | None, Field(alias="quantity")] = None
+    """Quantity, or pattern of quantities, whose value at the instant ``at`` is looked at."""
+    at: Instant | None = None
+    """Instant at which ``quantity`` is looked at [s], on the straight line between the two samples
+    about it."""
+
+    @property
+    def statistic(self) -> str:
+        """Which of :data:`STATISTICS` is asked for, or the instant, as in ``at 0.5 s``."""
+        return self.key if self.at is None else f"at {self.at:g} s"
+
+    @property
+    def key(self) -> str:
+        """The JSON key that names the quantity."""
+        return next((name for name in STATISTICS if getattr(self, name) is not None), "quantity")
+
+    @property
+    def quantity(self) -> str:
+        """The quantity, or pattern of quantities."""
+        return str(getattr(self, self.key) if self.of is None else self.of)
+
+    def past_end(self, duration: float) -> str:
+        """Why no run of a duration [s] has what is looked at; empty if it may have it."""
+        start, end = self.over
+        if self.at is not None and self.at > duration + ROUNDING:
+            return f"the instant is {self.at:g} s, the run ends at {duration:g} s"
+        if end is not None and end > duration + ROUNDING:
+            return f"the window ends at {end:g} s, the run at {duration:g} s"
+        if end is None and -start > duration + ROUNDING:
+            return f"the window is the last {-start:g} s, the run has {duration:g} s"
+        return ""
+
+    @model_validator(mode="after")
+    def _one_statistic(self) -> Self:
+        if sum(getattr(self, name) is not None for name in (*STATISTICS, "of")) != 1:
+            raise WrongValueError("conflicting-keys", "give exactly one of "
+                                  f"{', '.join(STATISTICS)}, or 'quantity' with 'at'")
+        if (self.of is None) != (self.at is None):
+            raise WrongValueError("conflicting-keys", "'quantity' and 'at' go together")
+        if self.at is not None and self.over != (0.0, None):
+            raise WrongValueError("conflicting-keys", "'at' is one instant and 'over' a window: "
+                                  "give one of them")
+        return self
+
+
+class Expect(Looked):
+    """A range that a recorded quantity must keep: the scene's own regression test.
+
+    One of ``mean``, ``min``, ``max``, ``std`` or ``final`` names the quantity, or ``quantity``
+    with the instant ``at`` (patterns allowed: every match must hold); one of ``is``, ``between``,
+    ``above`` or ``below`` says what it must be.
+    """
+
+    value: Annotated[Quantity | None, Field(alias="is")] = None
+    """What it must be, in the quantity's unit, up to ``within``."""
+    within: str | Quantity = WITHIN
+    """How far it may be from ``is``, to either side: a fraction of it as ``"0.1 %"``, the default,
+    or an absolute quantity. By default 0 of what is 1 or 0, such as ``held``."""
+    between: Pair[Quantity] | None = None
+    """[lowest, highest] that it may be, both included."""
+    above: Quantity | None = None
+    """The least that it may be, this value included; may stand together with ``below``."""
+    below: Quantity | None = None
+    """The most that it may be, this value included; may stand together with ``above``."""
+    because: str = ""
+    """Where the range comes from: a closed form, a paper, a measurement."""
+
+    @field_validator("within", mode="before")
+    @classmethod
+    def _tolerance(cls, value: object, info: ValidationInfo) -> object:
+        fraction = isinstance(value, str) and value.strip().endswith("%")
+        number = number_from(
+            value, "ratio" if fraction else None, (info.context or {}).get("parameters", {}))
+        return value if fraction else number
+
+    @field_serializer("within")
+    def _without_unit(self, within: str | float) -> str | float:
+        """A plain number: pydantic takes a union's members by their very types."""
+        return within if isinstance(within, str) else float(within)
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> Self:
+        if sum(x is not None for x in (self.value, self.between)) + (
+            self.above is not None or self.below is not None
+        ) != 1:
+            raise WrongValueError("conflicting-keys", "give one of 'is', 'between', or "
+                                  "'above'/'below'")
+        if self.between is not None and self.between[0] > self.between[1]:
+            raise WrongValueError("out-of-range", "'between' is [lowest, highest]")
+        return self
+
+    def range(self) -> tuple[float, float]:
+        """Lowest and highest value that pass (infinite where open)."""
+        if self.value is not None:
+            if isinstance(self.within, str):
+                width = abs(self.value) * number_from(self.within, "ratio", {})
+            else:
+                width = self.within
+            return self.value - width, self.value + width
+        if self.between is not None:
+            return self.between
+        low = -float("inf") if self.above is None else self.above
+        high = float("inf") if self.below is None else self.below
+        return low, high
+
+
+class Trace(Spec):
+    """The way of a point, drawn as far as it has gone."""
+
+    body: BodyName
+    """Name of the body that the point belongs to."""
+    at: Point = (0.0, 0.0)
+    """The point in the body's frame [m], on the body or beside it."""
+
+
+_ONE_OR_MORE = WithJsonSchema({"anyOf": [
+    {"type": "string"},
+    {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": 32}]})
+
+
+class ShownMeter(Spec):
+    """A meter in the picture: the curve of a quantity with a cursor of time, or its value alone.
+
+    A text stands for the meter ``of`` it alone.
+    """
+
+    of: Annotated[Items[str], _ONE_OR_MORE] = Field(min_length=1, max_length=32)
+    """Names or patterns of quantities, or expressions of them (SI) such as
+    ``"=finger1.tendon.tension - 2"``, one or a list: curves of one meter, in one unit."""
+    title: str = ""
+    """What stands above it; by default the quantity's name."""
+    unit: str = ""
+    """Unit of expressions, which stands beside their values; a quantity has its own."""
+    range: Pair[Quantity] | None = None
+    """[lowest, highest] value of the plot, SI; by default what the run needs."""
+    style: Literal["plot", "number"] = "plot"
+    """``"plot"`` has the curve below the value, ``"number"`` is the value alone."""
+
+    @field_validator("of", mode="before")
+    @classmethod
+    def _one(cls, value: object) -> object:
+        return [value] if isinstance(value, str) else value
+
+    @field_validator("of")
+    @classmethod
+    def _bind(cls, words: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
+        return tuple(
+            f"={checked_expression(word, info).bind(parameters_of(info)).text}"
+            if word.lstrip().startswith("=") else word for word in words)
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if self.range is not None and not self.range[0] < self.range[1]:
+            raise WrongValueError("out-of-range", "'range' is [lowest, highest]")
+        return self
+
+
+def _lift(value: object) -> object:
+    return {"of": value} if isinstance(value, str) else value
+
+
+class _TextToo:
+    """Adds to the JSON Schema what :func:`_lift` accepts."""
+
+    def __get_pydantic_json_schema__(
+        self, core_schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"type": "string"}, handler(core_schema)]}
+
+
+class View(Spec):
+    """The picture: what part of the world, how large, how fast. Fitted to the motion by default."""
+
+    centre: Point | None = None
+    """Point of the world in the middle of the picture [m]; by default the middle of all that moves
+    in sight."""
+    width: Length | None = None
+    """Width of the world that is shown [m]; by default as much as the motion needs. The height
+    follows from ``size``."""
+    size: Pair[Annotated[int, Field(ge=64, le=8192)]] = (800, 600)
+    """Width and height of the picture [pixels]."""
+    fps: Literal[20, 25, 50] = 25
+    """Frames per second of film."""
+    speed: Number = Field(default=1.0, gt=0)
+    """Seconds of motion per second of film: 0.1 is ten times slower, 2 twice as fast."""
+    force_scale: Distance = 0.0
+    """Length in the world at which a contact force of 1 N is drawn [m]; 0, the default, fits it to
+    the largest lasting force of the run. It changes pictures only, no number."""
+    start: Instant = 0.0
+    """Time of the run at which the film begins [s]."""
+    traces: Items[Trace] = Field(default=(), max_length=64)
+    """Points whose ways are drawn, such as that of a coupler's point or of a projectile."""
+    meters: Items[Annotated[ShownMeter, BeforeValidator(_lift), _TextToo()]] = Field(
+        default=(), max_length=12)
+    """Meters beside or below the motion, wherever that leaves it larger: quantities, patterns,
+    expressions, or objects that say more."""
+    show: ShownLayers = Field(default={})
+    """Layers shown besides the usual ones; one with a minus, such as ``"-contacts"``, is left out,
+    and ``"all"`` means every one. Or an object that says of each layer ``true``, ``false`` or the
+    bodies (names, patterns, roles) that it is shown of. The layers stand in the table of
+    docs/pictures.md and in ``sandbox render --help``."""
+    bodies: Items[str] = Field(default=(), max_length=64)
+    """Names and patterns of the bodies or groups that the picture is fitted to, or roles, as in
+    ``"role:object"``; what else lies around is drawn as far as it is in sight. By default all, but
+    such as fall or fly off for good only while they are near what stays. ``["*"]`` means all,
+    always."""
+    follow: Annotated[Name | None, BODY] = None
+    """Body that the picture goes with: its centre of mass stays where it is on the picture at
+    t = 0. The picture does not turn, and what is fixed passes by. It holds all of the machine that
+    the body is a part of, what is near a body that goes far in its machine, and a body alone that
+    is free of all that stays."""
+
+
+class Group(Spec):
+    """Bodies that belong together: a finger, a section, a tree."""
+
+    name: Name
+    """Its name; quantities are ``<name>.contact.count`` and ``<name>.contact.normal``."""
+    kind: Literal["finger", "section", "rocker_tree", "pulley_tree", "group"] = "group"
+    """What it is, for the audit and the pictures; ``"group"`` for bodies of one's own choice."""
+    bodies: Items[BodyName] = ()
+    """Names of its bodies; a finger's are its phalanges, the proximal one first."""

@@ -1,0 +1,222 @@
+"""Translation of pydantic's validation errors to problems."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from sandbox.codes import CODES
+from sandbox.errors import Problem
+from sandbox.values.models import bare, fields_page, type_at
+from sandbox.values.numbers import message_of
+from sandbox.values.paths import JsonPath, holds, path_text
+from sandbox.wording import MOST_NAMED, NearMisses, WrongValueError, kind_of, listed, quoted
+
+COMPOSING = ("like", "repeat", "include", "parameters")
+"""Words that an entry of a list may hold before the models see it: offered where they are meant."""
+_QUOTED = re.compile(r"'([^']*)'")
+
+
+def explain(
+    error: ValidationError, data: Any, model: type[BaseModel], most: int | None = None,
+) -> list[Problem]:
+    """Every complaint of a validation of ``data`` by ``model``, with its path in the data.
+
+    The first ``most`` of them, if that is said.
+    """
+    errors = error.errors(include_url=False)[:most]
+    paths = [locate(data, each["loc"], each["input"], each["type"]) for each in errors]
+    near = NearMisses()
+    problems = [_problem(*each, model, near) for each in zip(errors, paths, strict=True)]
+    misspelt = {(path[:-1], problem.hint.strip("'"))
+                for problem, path in zip(problems, paths, strict=True)
+                if problem.key and problem.hint}
+    return [
+        problem for problem, path, each in zip(problems, paths, errors, strict=True)
+        if not (each["type"] == "missing" and (path, each["loc"][-1]) in misspelt)
+        and not _short_of_right_ones(each)
+    ]
+
+
+def _short_of_right_ones(error: ErrorDetails) -> bool:
+    """Whether a list is called too short for wrong entries, which are told themselves."""
+    least = error.get("ctx", {}).get("min_length", 0)
+    return (error["type"] == "too_short" and isinstance(error["input"], list)
+            and len(error["input"]) >= least)
+
+
+def _problem(
+    error: ErrorDetails, path: JsonPath, model: type[BaseModel], near: NearMisses,
+) -> Problem:
+    if error["type"] == "extra_forbidden":
+        return _unknown_key(error, path, model, near)
+    if error["type"] in ("union_tag_invalid", "union_tag_not_found", "literal_error"):
+        return _choice(error, path, model, near)
+    context: Mapping[str, Any] = error.get("ctx", {})
+    kind, on_key = error["type"], error["loc"][-1:] == ("[key]",)
+    if isinstance(wrong := context.get("error"), WrongValueError):
+        return Problem.of(wrong, path_text(path), key=on_key)
+    translate = _WORDS.get(kind)
+    message = translate(error, context) if translate else _tidy(message_of(error))
+    code = kind if kind in CODES else _CODES.get(kind, "wrong-type")
+    return Problem(code, message, path_text(path), allowed=str(context.get("allowed", "")),
+                   hint=str(context.get("hint", "")), key=on_key)
+
+
+def locate(data: Any, loc: tuple[int | str, ...], wrong: Any, kind: str) -> JsonPath:
+    """The path in ``data`` of pydantic's ``loc``.
+
+    A ``loc`` also names the chosen members of unions, and the entries of lists
+    that a model made of a single value; neither exists in the data, except by chance:
+    ``{"to": 3, "over": "1 N", "ramp": 3}`` has a key that is called as the member is.
+    """
+    if kind == "missing":
+        loc = loc[:-1]
+    path = written(data, loc)
+    if _at(data, path) is wrong or kind == "missing":
+        return path
+    for i, step in enumerate(loc):
+        other = written(data, loc[:i] + loc[i + 1:])
+        if (isinstance(step, int) or len(other) == len(path)) and _at(data, other) is wrong:
+            return other
+    return path
+
+
+def written(data: Any, loc: Iterable[int | str]) -> JsonPath:
+    """The path in ``data`` of a path of the models: steps that the data does not have left out."""
+    path: JsonPath = ()
+    tagged = False
+    for step in loc:
+        names_type = isinstance(data, dict) and data.get("type") == step and not tagged
+        if names_type or not holds(data, step):
+            tagged = names_type
+            continue
+        path, data, tagged = (*path, step), data[step], False
+    return path
+
+
+def _at(data: Any, path: JsonPath) -> Any:
+    for step in path:
+        data = data[step]
+    return data
+
+
+def _unknown_key(
+    error: ErrorDetails, path: JsonPath, model: type[BaseModel], near: NearMisses,
+) -> Problem:
+    key = str(error["loc"][-1])
+    kind = type_at(model, error["loc"][:-1])
+    known = isinstance(kind, type) and issubclass(kind, BaseModel)
+    keys = _keys(kind) if known else []
+    words = COMPOSING if len(path) > 1 and isinstance(path[-2], int) else ()
+    return Problem("unknown-key", f"unknown key {quoted(key)}", path_text(path),
+                   allowed=_few(kind) if known else "", hint=near(key, [*keys, *words]), key=True)
+
+
+def _few(kind: type[BaseModel]) -> str:
+    """Keys without quotes, and where all of them stand if they are many."""
+    keys = _keys(kind)
+    more = len(keys) - MOST_NAMED
+    return ", ".join(keys[:MOST_NAMED]) + (
+        f" and {more} more ({fields_page(kind)})" if more > 0 else "")
+
+
+def _keys(model: type[BaseModel]) -> list[str]:
+    return [field.alias or name for name, field in model.model_fields.items()]
+
+
+def _choice(
+    error: ErrorDetails, path: JsonPath, model: type[BaseModel], near: NearMisses,
+) -> Problem:
+    place = path_text(path)
+    context: Mapping[str, Any] = error.get("ctx", {})
+    if error["type"] == "literal_error":
+        given, choices = error["input"], _QUOTED.findall(str(context["expected"]))
+        if not choices:
+            return Problem("not-allowed", f"{quoted(given)} is not allowed here", place,
+                           allowed=str(context["expected"]))
+        hint = near(given, choices) if isinstance(given, str) else ""
+        return Problem("not-allowed", f"{quoted(given)} is not allowed here", place,
+                       allowed=listed(choices), hint=hint)
+    given = error["input"].get("type") if isinstance(error["input"], dict) else None
+    choices = _tags(model, error["loc"])
+    if error["type"] == "union_tag_not_found" or given is None:
+        if not isinstance(error["input"], dict):
+            return Problem("wrong-type",
+                           f"expected an object {{…}}, got {kind_of(error['input'])}", place)
+        return Problem("missing-key", "'type' is missing", place, allowed=listed(choices))
+    hint = near(given, choices) if isinstance(given, str) else ""
+    return Problem("unknown-type", f"unknown type {quoted(given)}", f"{place}.type",
+                   allowed=listed(choices), hint=hint)
+
+
+def _tags(model: type[BaseModel], loc: tuple[int | str, ...]) -> list[str]:
+    """The types that an object at ``loc`` may be of."""
+    members = [bare(member)[0] for member in get_args(type_at(model, loc))]
+    fields = [member.model_fields.get("type") for member in members]
+    return [str(tag) for field in fields if field for tag in get_args(field.annotation)]
+
+
+def _tidy(message: str) -> str:
+    """A message that needs no translation, without its leading capital."""
+    return message[:1].lower() + message[1:]
+
+
+def _missing(error: ErrorDetails, context: Mapping[str, Any]) -> str:
+    last = error["loc"][-1]
+    what = f"entry {last} of the list" if isinstance(last, int) else quoted(last)
+    return f"{what} is missing"
+
+
+def _length(error: ErrorDetails, context: Mapping[str, Any]) -> str:
+    most, least = context.get("max_length"), context.get("min_length")
+    actual = context.get("actual_length")
+    actual = len(error["input"]) if actual is None and isinstance(error["input"], list) else actual
+    wanted = f"at most {most}" if most is not None else f"at least {least}"
+    return f"expected {wanted} entries, got {actual}"
+
+
+def _pattern(error: ErrorDetails, context: Mapping[str, Any]) -> str:
+    return (f"{quoted(error['input'])} is not a name: letters, digits and _, "
+            "parts joined by dots, none beginning with a digit")
+
+
+def _expected(what: str) -> Callable[[ErrorDetails, Mapping[str, Any]], str]:
+    return lambda error, context: f"expected {what}, got {kind_of(error['input'])}"
+
+
+def _bound(words: str, key: str) -> Callable[[ErrorDetails, Mapping[str, Any]], str]:
+    return lambda error, context: (
+        f"must be {words} {context[key]:g}, got {kind_of(error['input'])}")
+
+
+_CODES = {
+    "missing": "missing-key", "string_pattern_mismatch": "invalid-name",
+    "string_too_long": "limit-exceeded", "string_unicode": "invalid-json",
+    **dict.fromkeys(("greater_than", "greater_than_equal", "less_than", "less_than_equal"),
+                    "out-of-range"),
+}
+"""Codes of pydantic's own types of errors; all others are of a wrong type."""
+_LIST, _OBJECT = _expected("a list […]"), _expected("an object {…}")
+_TRUTH, _WHOLE = _expected("true or false"), _expected("a whole number")
+_WORDS: dict[str, Callable[[ErrorDetails, Mapping[str, Any]], str]] = {
+    "missing": _missing,
+    "tuple_type": _LIST, "list_type": _LIST,
+    "model_type": _OBJECT, "model_attributes_type": _OBJECT, "dict_type": _OBJECT,
+    "string_type": _expected("text"),
+    "bool_type": _TRUTH, "bool_parsing": _TRUTH,
+    "int_type": _WHOLE, "int_parsing": _WHOLE, "int_from_float": _WHOLE,
+    "int_parsing_size": _WHOLE, "finite_number": _WHOLE,
+    "too_long": _length, "too_short": _length,
+    "string_too_long": lambda error, context: f"at most {context['max_length']} characters",
+    "string_pattern_mismatch": _pattern,
+    "string_unicode": lambda error, context: "the text holds characters that are not Unicode",
+    "greater_than": _bound("greater than", "gt"),
+    "greater_than_equal": _bound("at least", "ge"),
+    "less_than": _bound("less than", "lt"),
+    "less_than_equal": _bound("at most", "le"),
+}

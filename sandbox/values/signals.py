@@ -1,0 +1,255 @@
+"""Values over time: constant, ramp, table or expression of ``t``.
+
+A number stands for a constant. ``values(signal, t)`` is the one place that
+evaluates them; time is an array in seconds. The unit of a signal is that of
+its field: a force's ``value`` refuses ``"3 mm"``.
+"""
+
+from __future__ import annotations
+
+import numbers
+from collections.abc import Iterable, Iterator
+from itertools import pairwise
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    GetJsonSchemaHandler,
+    Tag,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, InitErrorDetails
+
+from sandbox.numeric import Array
+from sandbox.values.expressions import parse_expression, unknown_name
+from sandbox.values.numbers import (
+    Instant,
+    Items,
+    Quantity,
+    Written,
+    checked_expression,
+    number_from,
+    parameters_of,
+    refusal,
+)
+from sandbox.values.spec import Spec
+from sandbox.values.tables import NONE, Tables
+from sandbox.values.units import units_of
+from sandbox.wording import WrongValueError
+
+
+class Ramp(Spec):
+    """Linear from ``from`` to ``to``, then held."""
+
+    start_value: Annotated[Quantity, Field(alias="from")] = 0.0
+    """Value before and at the beginning, in the unit of what is set."""
+    to: Quantity
+    """Value at the end and after it, in the unit of what is set."""
+    start: Instant = 0.0
+    """When the ramp begins [s]."""
+    over: Instant
+    """How long it takes [s]; 0 is a step."""
+
+
+class Table(Spec):
+    """Points ``[t, value]`` in order of time, held before the first and after the last."""
+
+    table: Items[tuple[Instant, Quantity]] = Field(min_length=1)
+    """Points ``[t, value]``: times [s] that increase, and values in the unit of what is set."""
+    between: Literal["linear", "step"] = "linear"
+    """How values between two points follow: ``linear`` on the straight line, ``step`` as at the
+    point before."""
+
+    @field_validator("table")
+    @classmethod
+    def _in_order(cls, table: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+        if any(b[0] <= a[0] for a, b in pairwise(table)):
+            raise WrongValueError("bad-table", "the times of a table must increase")
+        return table
+
+
+class Formula(Spec):
+    """An expression of the time ``t`` [s]; parameters are bound when it is read."""
+
+    expression: str
+    """An expression of ``t`` [s] and of parameters, such as ``"=pull * sin(2 * pi * t)"``."""
+
+    @field_validator("expression")
+    @classmethod
+    def _bind(cls, text: str, info: ValidationInfo) -> str:
+        parameters = parameters_of(info)
+        bound = checked_expression(text, info).bind(parameters)
+        if unknown := sorted(bound.names - {"t"}):
+            raise unknown_name(unknown[0], parameters, also="t")
+        return f"={bound.text}"
+
+
+class Constant(Spec):
+    """The same value at all times."""
+
+    constant: Quantity
+    """The value, in the unit of what is set."""
+
+
+AnySignal = Ramp | Table | Formula | Constant
+
+
+def _kind(value: Any) -> str | None:
+    if isinstance(value, Spec):
+        return type(value).__name__.lower()
+    if isinstance(value, dict):
+        for key, tag in (("to", "ramp"), ("table", "table"), ("expression", "formula"),
+                         ("constant", "constant")):
+            if key in value:
+                return tag
+    return None
+
+
+def _lift(value: Any) -> Any:
+    """Let a bare number (or its string) stand for a constant, ``{"ramp": {...}}`` for its body."""
+    if isinstance(value, str) and value.lstrip().startswith("="):
+        try:
+            timeless = "t" not in parse_expression(value).names
+        except ValueError:
+            timeless = False
+        return {"constant": value} if timeless else {"expression": value}
+    if isinstance(value, (numbers.Real, str)) and not isinstance(value, bool):
+        return {"constant": value}
+    if isinstance(value, dict) and len(value) == 1 and isinstance(value.get("ramp"), dict):
+        return value["ramp"]
+    return value
+
+
+def _quantities(value: dict[str, Any]) -> Iterator[tuple[tuple[str | int, ...], Any, Any, Any]]:
+    """Every value of a lifted signal: its place, its container, its key there, and itself."""
+    for key in ("constant", "from", "to"):
+        if key in value:
+            yield (key,), value, key, value[key]
+    table = value.get("table")
+    for i, row in enumerate(table if isinstance(table, list) else ()):
+        if isinstance(row, list) and len(row) == 2:
+            yield ("table", i, 1), row, 1, row[1]
+
+
+def _reader(dimension: str | None) -> BeforeValidator:
+    """Lifts a signal and turns its quantities into SI, refusing units of another dimension."""
+
+    def read(value: Any, info: ValidationInfo) -> Any:
+        written, value = value, _lift(value)
+        inside = ("ramp",) if isinstance(written, dict) and value is not written else ()
+        if not isinstance(value, dict) or dimension is None:
+            return value
+        value = {key: [list(row) if isinstance(row, (list, tuple)) else row for row in entry]
+                 if isinstance(entry, (list, tuple)) else entry for key, entry in value.items()}
+        wrong: list[InitErrorDetails] = []
+        for place, holder, key, quantity in list(_quantities(value)):
+            if not isinstance(quantity, str) or quantity.lstrip().startswith("="):
+                continue
+            try:
+                holder[key] = number_from(quantity, dimension, parameters_of(info))
+            except ValueError as error:
+                wrong.append({"type": refusal(error), "loc": (*inside, *place), "input": quantity})
+        if wrong:
+            raise ValidationError.from_exception_data("signal", wrong)
+        return value
+
+    return BeforeValidator(read)
+
+
+class _Schema:
+    """Adds to the JSON Schema what :func:`_lift` accepts."""
+
+    def __init__(self, dimension: str | None) -> None:
+        self.dimension = dimension
+
+    def __get_pydantic_json_schema__(
+        self, core_schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        objects = handler(core_schema)["oneOf"]
+        ramp = {"type": "object", "required": ["ramp"], "additionalProperties": False,
+                "properties": {"ramp": objects[0]}}
+        unit = f" [{units_of(self.dimension)[0]}]" if self.dimension else ""
+        return {
+            "anyOf": [{"type": "number"}, {"type": "string"}, *objects, ramp],
+            "description": f"A value over time{unit}: a number, a string with a unit, an "
+            'expression such as "=pull * sin(t)", a ramp, or a table.',
+        }
+
+
+def dimension_over_time(metadata: Iterable[Any]) -> str | None:
+    """What a value over time measures, by its type's annotations; None if it is no such value."""
+    return next((each.dimension or "" for each in metadata if isinstance(each, _Schema)), None)
+
+
+_WANTED = "expected a number, a ramp {…}, a table {…} or an expression"
+_Union = Written[Annotated[
+    Annotated[Ramp, Tag("ramp")] | Annotated[Table, Tag("table")]
+    | Annotated[Formula, Tag("formula")] | Annotated[Constant, Tag("constant")],
+    Discriminator(_kind, custom_error_type="signal", custom_error_message=_WANTED),
+]]
+Signal = Annotated[_Union, _reader(None), _Schema(None)]
+ForceSignal = Annotated[_Union, _reader("force"), _Schema("force")]
+TorqueSignal = Annotated[_Union, _reader("torque"), _Schema("torque")]
+LengthSignal = Annotated[_Union, _reader("length"), _Schema("length")]
+AngleSignal = Annotated[_Union, _reader("angle"), _Schema("angle")]
+SpeedSignal = Annotated[_Union, _reader("angular speed"), _Schema("angular speed")]
+RateSignal = Annotated[_Union, _reader("speed"), _Schema("speed")]
+FlowSignal = Annotated[_Union, _reader("flow"), _Schema("flow")]
+PressureSignal = Annotated[_Union, _reader("pressure"), _Schema("pressure")]
+ShareSignal = Annotated[_Union, _reader("ratio"), _Schema(None)]
+StiffnessSignal = Annotated[_Union, _reader(None), _Schema(None)]
+"""Its dimension depends on the spring, linear or rotary."""
+
+
+def values(signal: AnySignal, t: Array, tables: Tables = NONE) -> Array:
+    """The signal at times ``t`` [s], shape [n]; SI. Formulas may call ``tables``, the scene's.
+
+    Raises:
+        WrongValueError: an expression that is not finite at one of the times.
+    """
+    if isinstance(signal, Constant):
+        return np.full(len(t), signal.constant)
+    if isinstance(signal, Ramp):
+        fraction = _fraction(signal, t)
+        return signal.start_value * (1 - fraction) + signal.to * fraction
+    if isinstance(signal, Table):
+        at, value = np.array(signal.table).T
+        row: Array = np.interp(t, at, value)
+        if signal.between == "step":
+            row = value[np.clip(np.searchsorted(at, t, side="right") - 1, 0, None)]
+        return row
+    result = parse_expression(signal.expression).evaluate({**tables, "t": t})
+    return np.broadcast_to(np.asarray(result, dtype=float), t.shape).copy()
+
+
+def _fraction(ramp: Ramp, t: Array) -> Array:
+    """How much of a ramp is done, 0 to 1."""
+    if ramp.over == 0:
+        return np.where(t >= ramp.start, 1.0, 0.0)
+    with np.errstate(over="ignore"):  # a ramp of next to no length is a step
+        fraction: Array = np.clip((t - ramp.start) / ramp.over, 0.0, 1.0)
+    return fraction
+
+
+class Path(Spec):
+    """A scheduled body's pose over time [m, rad]; what is left out keeps its initial value."""
+
+    x: LengthSignal | None = None
+    """World x of the body's origin [m]."""
+    y: LengthSignal | None = None
+    """World y of the body's origin [m]."""
+    angle: AngleSignal | None = None
+    """Turn of the body's frame against the world [rad], counter-clockwise."""
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if self.x is None and self.y is None and self.angle is None:
+            raise WrongValueError("conflicting-keys", "a path needs 'x', 'y' or 'angle'")
+        return self

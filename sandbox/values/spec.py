@@ -1,0 +1,50 @@
+"""The base of all that a scene specifies: closed, frozen, SI."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar, get_args
+
+from pydantic import ConfigDict, Field, ValidationError
+
+from sandbox.errors import SceneError
+
+TYPE: Any = Field()
+"""The default of a field ``type``: a file must have it, the constructor fills it in."""
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel as Model
+else:
+    from pydantic import BaseModel
+
+    class _Constructor(type(BaseModel)):
+        def __call__(cls, /, **fields: Any) -> Any:
+            """Build an element in Python.
+
+            Raises:
+                SceneError: every value that is missing, unknown or wrong.
+            """
+            if "type" in cls.model_fields:
+                tag, = get_args(cls.model_fields["type"].annotation)
+                fields = {"type": tag} | fields
+            fields = {name: value.tolist() if hasattr(value, "tolist") else value
+                      for name, value in fields.items()}  # arrays
+            try:
+                return super().__call__(**fields)
+            except ValidationError as error:
+                from sandbox.values.messages import explain
+
+                raise SceneError(explain(error, fields, cls), cls.__name__) from None
+
+    class Model(BaseModel, metaclass=_Constructor):
+        """The base of schema models."""
+
+
+class Spec(Model):
+    """Immutable data; an unknown key is an error, NaN and infinity are refused."""
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True,
+        serialize_by_alias=True, validate_default=False,
+    )
+    # fields that hold expressions of names of their own: no element is meant by them
+    LOCAL: ClassVar[tuple[str, ...]] = ()

@@ -1,0 +1,175 @@
+"""Tables that a scene names, and that expressions call like functions: ``"=profile(x)"``.
+
+A table is a curve in pieces, each a polynomial of the distance t from where it begins:
+
+    y = y0 + t (b + t (c + t d))
+
+One piece lies before the first point and one after the last: they hold the value there, or go on
+straight with the slope there. Arrays, single numbers and the compiled step all use these pieces.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Mapping
+from functools import lru_cache
+from itertools import pairwise
+from types import MappingProxyType
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import AfterValidator, Field, field_validator, model_validator
+
+from sandbox.numeric import Array
+from sandbox.values.expressions import RESERVED, call
+from sandbox.values.numbers import Items, Pair, Quantity
+from sandbox.values.spec import Spec
+from sandbox.values.spline import PeriodicSpline, natural
+from sandbox.values.units import Measured, dimension_of
+from sandbox.wording import WrongValueError, quoted
+
+MOST_POINTS = 1000
+"""Of one table."""
+CLOSEST = 1e-9
+"""The least distance of two points, as a share of the whole table."""
+CLOSES = 1e-9
+"""How far apart first and last value of a table that repeats may be, as a share of its range."""
+STEEPEST = 1e15
+"""The steepest that a table may be anywhere, SI; what follows from it is still a number."""
+
+
+class NamedTable(Spec):
+    """A function of one number, given by points; expressions call it by its name."""
+
+    points: Items[Pair[Quantity]] = Field(min_length=2, max_length=MOST_POINTS)
+    """Points ``[x, y]``, 2 to 1000, x rising: numbers in SI, or with units, one kind of unit for
+    all x and one for all y."""
+    between: Literal["linear", "cubic"] = "linear"
+    """How it goes from point to point: ``linear`` straight, ``cubic`` by the cubic spline, which
+    has no kinks."""
+    beyond: Literal["hold", "extend", "repeat"] = "hold"
+    """What it is before the first and after the last point: ``hold`` the value there, ``extend``
+    straight on with the slope there, ``repeat`` from the start again; then it ends as it begins."""
+
+    @field_validator("points")
+    @classmethod
+    def _rising(cls, points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+        span = abs(points[-1][0] - points[0][0])
+        for i, (one, two) in enumerate(pairwise(points)):
+            if two[0] <= one[0]:
+                raise WrongValueError("bad-table", f"the x of a table must increase: point {i + 1} "
+                                      f"has {two[0]:g} after {one[0]:g}")
+            if two[0] - one[0] < CLOSEST * span:
+                raise WrongValueError("bad-table", f"points {i} and {i + 1} are "
+                                      f"{two[0] - one[0]:g} apart, less than {CLOSEST * span:g}")
+        for axis in (0, 1):
+            numbers = (point[axis] for point in points)
+            kinds = {dimension_of(number.unit) for number in numbers
+                     if isinstance(number, Measured)}
+            if len(kinds) > 1:
+                raise WrongValueError("bad-table", f"all {'xy'[axis]} of a table are of one kind, "
+                                      f"and here are {' and '.join(sorted(kinds))}")
+        return points
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        first, last = self.points[0][1], self.points[-1][1]
+        values = [y for _, y in self.points]
+        if self.beyond == "repeat":
+            if abs(last - first) > CLOSES * (max(values) - min(values)):
+                raise WrongValueError("bad-table", "the ends of a table that repeats must be "
+                                      f"equal: {first:g}, {last:g}")
+            if len(self.points) < 4 and self.between == "cubic":
+                raise WrongValueError("bad-table", "a cubic table that repeats needs at least 4 "
+                                      "points")
+        steepest = float(np.abs(function_of(self).pieces[:, 1]).max())
+        if not steepest <= STEEPEST:
+            raise WrongValueError("bad-table", f"the table is too steep: {steepest:.3g}, and "
+                                  f"{STEEPEST:g} is the most")
+        return self
+
+
+def _free(name: str) -> str:
+    if name in RESERVED or "__" in name:
+        raise WrongValueError("invalid-name", f"a table cannot have the name {quoted(name)}, which "
+                              "expressions reserve")
+    return name
+
+
+TableName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=100),
+                      AfterValidator(_free)]
+
+
+class Function:
+    """A table as a function of arrays or of single numbers."""
+
+    def __init__(self, table: NamedTable) -> None:
+        at, value = np.array(table.points, dtype=float).T
+        self.knots: Array = at
+        """Where pieces but the first begin, [n]."""
+        self.repeats = table.beyond == "repeat"
+        """Whether it starts again after its last knot."""
+        inner = self._between(table, at, value)
+        step = at[-1] - at[-2]
+        end = inner[-1, 1] + step * (2 * inner[-1, 2] + step * 3 * inner[-1, 3])
+        on = 1.0 if table.beyond == "extend" else 0.0
+        self.pieces: Array = np.vstack([
+            [value[0], on * inner[0, 1], 0.0, 0.0], inner, [value[-1], on * end, 0.0, 0.0]])
+        """Coefficients y0, b, c, d of each piece, that before the first knot first, [n + 1, 4]."""
+        self._origin = np.concatenate([at[:1], at])
+        self._list = at.tolist(), self.pieces.tolist()
+
+    @staticmethod
+    def _between(table: NamedTable, at: Array, value: Array) -> Array:
+        with np.errstate(all="ignore"):  # what is too steep is refused with its number
+            if table.between == "linear":
+                slope = np.diff(value) / np.diff(at)
+                return np.stack([value[:-1], slope, 0 * slope, 0 * slope], axis=1)
+            if table.beyond == "repeat":
+                return PeriodicSpline(at[:-1], value[:-1], float(at[-1] - at[0])).pieces
+            return natural(at, value)
+
+    @property
+    def period(self) -> float:
+        """From its first to its last knot."""
+        return float(self.knots[-1] - self.knots[0])
+
+    def __call__(self, x: Any) -> Array:
+        """Its values at ``x``, of any shape; nan where that is nan."""
+        at = np.asarray(x, dtype=float)
+        if self.repeats:
+            at = np.mod(at - self.knots[0], self.period) + self.knots[0]
+        k = np.searchsorted(self.knots, at, side="right")
+        y, b, c, d = np.moveaxis(self.pieces[k], -1, 0)
+        t = np.where(b == 0.0, np.clip(at, self.knots[0], self.knots[-1]), at) - self._origin[k]
+        return np.asarray(y + t * (b + t * (c + t * d)))
+
+    def at(self, x: float) -> float:
+        """Its value at one number; the same as of an array, much faster."""
+        knots, pieces = self._list
+        if not math.isfinite(x):
+            return float(self(x))
+        if self.repeats:
+            x = (x - knots[0]) % self.period + knots[0]
+        k = bisect_right(knots, x)
+        y, b, c, d = pieces[k]
+        t = x - knots[max(k - 1, 0)]
+        return float(y + t * (b + t * (c + t * d)))
+
+
+Tables = Mapping[str, Function]
+"""Tables by their calls, as expressions find them."""
+NONE: Tables = MappingProxyType({})
+"""Of a scene without tables."""
+
+
+@lru_cache(maxsize=256)
+def function_of(table: NamedTable) -> Function:
+    """The function that a table stands for."""
+    return Function(table)
+
+
+def tables_of(tables: Mapping[str, NamedTable]) -> dict[str, Function]:
+    """The functions of named tables, by what calls them in expressions."""
+    return {call(name): function_of(table) for name, table in tables.items()}

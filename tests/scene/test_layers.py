@@ -1,0 +1,57 @@
+"""Layers of pictures: what words mean, what is shown unasked, what is said of slips."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from sandbox.scene.layers import EVERY, LAYERS, asked, meant, shown
+from sandbox.wording import WrongValueError
+
+
+def test_words_are_taken_in_order():
+    assert asked("traces, -contacts") == {"traces": EVERY, "contacts": ()}
+    assert asked(["contacts", "-contacts"]) == {"contacts": ()}
+    assert asked(["-contacts", "contacts"]) == {"contacts": EVERY}
+
+
+def test_all_means_every_layer_and_what_comes_later_counts():
+    assert asked("all") == dict.fromkeys(LAYERS, EVERY)
+    assert set(shown(asked(["-all", "bodies"]), traced=True)) == {"bodies"}
+    assert set(LAYERS) - set(shown(asked("all,-velocity"), traced=False)) == {"velocity"}
+
+
+def test_unasked_the_usual_ones_are_shown_and_traces_where_there_are_any():
+    usual = {name for name, layer in LAYERS.items() if layer.default}
+    assert set(shown({}, traced=False)) == usual
+    assert set(shown({}, traced=True)) == usual | {"traces"}
+    assert set(shown(asked("-traces"), traced=True)) == usual
+
+
+def test_an_object_says_of_which_bodies():
+    found = asked({"velocity": ["finger*", "disc"], "contacts": False, "axes": True,
+                   "body_names": "disc"})
+    assert found == {"velocity": ("finger*", "disc"), "contacts": (), "axes": EVERY,
+                     "body_names": ("disc",)}
+    bodies = [SimpleNamespace(name=name, role=role) for name, role in (
+        ("palm", "palm"), ("finger.distal", "phalanx"), ("disc", "object"))]
+    assert meant(found["velocity"], bodies) == [1, 2]
+    assert meant(found["contacts"], bodies) == []
+    assert meant(["role:obj*", "pa*"], bodies) == [0, 2]
+    assert meant(EVERY, bodies) == [0, 1, 2]
+
+
+@pytest.mark.parametrize(("value", "message", "hint"), [
+    (["velocty"], "no layer named 'velocty'", "'velocity'"),
+    ("contact", "no layer named 'contact'", "'contacts'"),
+    ("-trace", "no layer named 'trace'", "'traces'"),
+    ([3], "the number 3 is no layer", ""),
+    (7, "the number 7 names no layers", ""),
+    ({"velocity": 3}, "the number 3 does not say of what 'velocity' is shown", ""),
+    ({"tensions": ["a"]}, "'tensions' is shown for all bodies or for none", ""),
+])
+def test_what_is_no_layer_is_said_with_what_is(value, message, hint):
+    with pytest.raises(WrongValueError) as caught:
+        asked(value)
+    assert message in caught.value.message
+    assert caught.value.hint == hint
+    assert caught.value.allowed
