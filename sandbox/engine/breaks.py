@@ -20,9 +20,9 @@ from sandbox.engine import memory as at
 from sandbox.engine.bounded import push
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
+from sandbox.engine.records import CORDED, GRIPPED, JOINED, STRAIGHT
 from sandbox.engine.report import add_limit, joint_force
-from sandbox.engine.state import DRIVEN, GRIPPED, LIMITED, RUBBING
-from sandbox.engine.tie_state import CORDED, JOINED, STRAIGHT
+from sandbox.engine.state import DRIVEN, LIMITED, RUBBING
 from sandbox.engine.ties import empty_joint, empty_row, holds
 
 TOGETHER = 1e-6

@@ -8,8 +8,8 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import FADE, MOVING, rate
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.joint_state import FLANK, PACED, STOP
 from sandbox.engine.kernel import kernel
+from sandbox.engine.records import FLANK, PACED, STOP
 from sandbox.engine.rows import beyond
 from sandbox.engine.rubs import rub_rows
 from sandbox.engine.servos import servo_row

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from sandbox.engine.joint_state import GEAR, RACK, ROLL
+from sandbox.engine.records import GEAR, RACK, ROLL
 from sandbox.engine.state import Constants
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.engine.fluid_state import (
+from sandbox.engine.records import (
     CHAMBER,
     CHAMBER_RESULT,
     FLUID,
@@ -16,11 +16,11 @@ from sandbox.engine.fluid_state import (
     PUMP,
     PUMP_RESULT,
     PUMP_STATE,
+    SOFT,
     VALVE,
     VALVE_RESULT,
     VALVE_STATE,
 )
-from sandbox.engine.state import SOFT
 from sandbox.engine.stiffness import line_responses
 from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.model.model import Model

@@ -15,7 +15,7 @@ from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.laws import action_law, spring_law
 from sandbox.engine.network import measure, wound_up
-from sandbox.engine.state import GRIPPED, PULL
+from sandbox.engine.records import GRIPPED, PULL
 from sandbox.engine.ties import action_holds, holds
 from sandbox.numeric import Array
 

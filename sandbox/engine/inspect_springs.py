@@ -24,7 +24,7 @@ import numpy as np
 
 from sandbox.engine.inspect_drives import largest_stiffness, range_of_stretch
 from sandbox.engine.inspect_words import STRAIGHT, deg, look
-from sandbox.engine.state import SOFT
+from sandbox.engine.records import SOFT
 from sandbox.engine.stiffness import across, responses
 from sandbox.errors import Problem
 from sandbox.model.model import NONE, Model

@@ -24,8 +24,8 @@ from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.formulas import formula
 from sandbox.engine.kernel import kernel
+from sandbox.engine.records import SOFT
 from sandbox.engine.rows import LEAST, NOTHING, spring_rate
-from sandbox.engine.state import SOFT
 from sandbox.engine.ties import action_holds, holds
 from sandbox.numeric import Array
 

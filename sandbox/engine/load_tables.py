@@ -7,15 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.engine.law_tables import LawTables
-from sandbox.engine.load_state import (
-    LOAD,
-    LOAD_RESULT,
-    LOAD_STATE,
-    LOADED,
-    LOADED_RESULT,
-    NUMBERS,
-)
 from sandbox.engine.placed import PlacedBodies, Rows
+from sandbox.engine.records import LOAD, LOAD_RESULT, LOAD_STATE, LOADED, LOADED_RESULT, NUMBERS
 from sandbox.model.load_laws import MOVED
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Records

@@ -32,9 +32,8 @@ from sandbox.engine.entry_points import entry_point
 from sandbox.engine.formulas import formula
 from sandbox.engine.kernel import kernel
 from sandbox.engine.laws import SAME
-from sandbox.engine.load_state import AXES, GIVEN, SCRATCH, SLOPES, SUM, YIELDS
+from sandbox.engine.records import AXES, GIVEN, SCRATCH, SLOPES, SOFT, SUM, YIELDS
 from sandbox.engine.rows import NOTHING
-from sandbox.engine.state import SOFT
 from sandbox.numeric import Array, Matrix
 
 (X, Y, ANGLE, VX, VY, OMEGA, SPEED, AX, AY, ALPHA, TIME, MASS, INERTIA) = range(13)

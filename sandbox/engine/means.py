@@ -14,9 +14,9 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.impacts import REBOUND
-from sandbox.engine.joint_state import STOP
 from sandbox.engine.kernel import kernel
-from sandbox.engine.touch_state import AWAY, CLOSING, RESTING
+from sandbox.engine.records import STOP
+from sandbox.engine.state import AWAY, CLOSING, RESTING
 from sandbox.kinds.arrays import FORCES
 from sandbox.numeric import Array
 
@@ -24,9 +24,10 @@ from sandbox.numeric import Array
 @kernel
 def room_for_contacts(table: int) -> bool:
     """Whether there is room for the impacts and mean contacts of one more step; noted if not."""
-    near, unfinished = len(at.touches(table)), at.unfinished(table)
+    near, unfinished = len(at.touches(table)), at.kept_unfinished(table)
     rows = unfinished[0] + unfinished[1] + 2 * near
-    if rows > len(at.mean_contacts(table)) or at.made(table)[3] + near > len(at.impacts(table)):
+    impacts = at.made(table)[3] + near
+    if rows > len(at.kept_mean_contacts(table)) or impacts > len(at.impacts(table)):
         at.kept_taken(table)[2] = 2
         return False
     return True
@@ -38,7 +39,7 @@ def count_step(table: int, h: float, every: int, due: int) -> None:
 
     ``due`` steps later comes the next sample.
     """
-    waiting = at.waiting(table)
+    waiting = at.kept_waiting(table)
     if every - due != every // 2:
         waiting[0] += 1.0
         return
@@ -54,15 +55,15 @@ def add_waiting(table: int, h: float) -> None:
 
     As long as everything is at rest there is no need to.
     """
-    if at.waiting(table)[0] > 0.0:
+    if at.kept_waiting(table)[0] > 0.0:
         add_forces(table, h)
 
 
 @entry_point()
 def keep_means(table: int, h: float, every: int) -> None:
     """Keep the means of an interval, if it is that of a sample, and begin the next one."""
-    sums, taken, unfinished, waiting = (
-        at.sums(table), at.kept_taken(table), at.unfinished(table), at.waiting(table))
+    sums, taken = at.kept_sums(table), at.kept_taken(table)
+    unfinished, waiting = at.kept_unfinished(table), at.kept_waiting(table)
     if taken[3] < taken[0]:
         n = taken[0] - taken[1] - 1
         if waiting[1] > 0.0:
@@ -71,7 +72,7 @@ def keep_means(table: int, h: float, every: int) -> None:
             for k in range(len(sums)):
                 at.kept_means(table)[n, k] = sums[k] / every
             unfinished[0] += unfinished[1]
-        at.mean_fill(table)[n] = unfinished[0]
+        at.kept_mean_fill(table)[n] = unfinished[0]
         taken[3] = taken[0]
     if waiting[1] > 0.0:
         for k in range(len(sums)):
@@ -86,10 +87,10 @@ def keep_means(table: int, h: float, every: int) -> None:
 @entry_point()
 def add_forces(table: int, h: float) -> None:
     """Add the forces of the last step to the unfinished interval, as often as they are waiting."""
-    waiting = at.waiting(table)
+    waiting = at.kept_waiting(table)
     share = waiting[0]
     waiting[0], waiting[1] = 0.0, 1.0
-    sums, joints, results = at.sums(table), at.joints(table), at.joint_results(table)
+    sums, joints, results = at.kept_sums(table), at.joints(table), at.joint_results(table)
     for i in range(len(joints)):
         k = FORCES * i
         sums[k] += share * results[i]["fx"]
@@ -122,7 +123,7 @@ def add_forces(table: int, h: float) -> None:
 
 @kernel
 def _add_contacts(table: int, share: float) -> None:
-    touches, body, unfinished = at.touches(table), at.body(table), at.unfinished(table)
+    touches, body, unfinished = at.touches(table), at.body(table), at.kept_unfinished(table)
     for i in range(at.touching(table)[0]):
         t = touches[i]
         normal = share * (t["normal"] + t["bounce"])
@@ -131,7 +132,7 @@ def _add_contacts(table: int, share: float) -> None:
             if new:
                 t["sums"] = unfinished[1]
                 unfinished[1] += 1
-            c = at.mean_contacts(table)[unfinished[0] + t["sums"]]
+            c = at.kept_mean_contacts(table)[unfinished[0] + t["sums"]]
             if new:
                 c["a"], c["b"] = t["a"], t["b"]
                 c["x"] = c["y"] = c["nx"] = c["ny"] = c["px"] = c["py"] = c["normal"] = 0.0

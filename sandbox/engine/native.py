@@ -11,7 +11,7 @@ against each other.
 from __future__ import annotations
 
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pymunk
@@ -106,6 +106,17 @@ byte_to: Any = intrinsic(_byte_to)
 as_pointer: Any = intrinsic(_pointer_to)
 
 
+FOUND = np.dtype([
+    ("shape_a", np.int64), ("shape_b", np.int64),   # numbers of shapes
+    ("feature", np.int64),  # which point of the two it is
+    ("nx", float), ("ny", float),   # normal from a to b
+    ("ax", float), ("ay", float),   # places on both surfaces, from the bodies' centres of
+    ("bx", float), ("by", float),   # mass [m]
+    ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k / d
+])
+"""A point in which two shapes meet, as pymunk has it, and curvatures for the engine's use."""
+
+
 class Native(NamedTuple):
     """What the compiled loop calls, and with what: addresses in memory, and two counters."""
 
@@ -123,12 +134,12 @@ class Native(NamedTuple):
     """Fill of the buffer that is written from, [1]; 0 before each call."""
     place_count: NDArray[np.intc]
     """The same of the buffer of poses."""
-    placed: Array
+    placed: Annotated[Array, 2]
     """Poses for pymunk, [nb, 3]: those of the step, displaced by impacts after them."""
-    found: Integers
-    """That of :class:`Finder`, whose first number is set to 0 before each call, [4]."""
-    raw: Records
-    """FOUND, [room]."""
+    near: Integers
+    """The table of :class:`Finder`, whose first number is set to 0 before each call, [4]."""
+    raw: Annotated[Records, FOUND]
+    """[room]"""
 
 
 def address(pointer: Any) -> int:
@@ -168,19 +179,8 @@ def make_native(
         put=address(ffi.addressof(lib, "pmSpaceBodySetIteratorFuncBatched")),
         write=address(write.request), place=address(place.request),
         read_count=read.count, write_count=write.count, place_count=place.count,
-        placed=place.memory, found=finder.table, raw=finder.raw,
+        placed=place.memory, near=finder.table, raw=finder.raw,
     )
-
-
-FOUND = np.dtype([
-    ("shape_a", np.int64), ("shape_b", np.int64),   # numbers of shapes
-    ("feature", np.int64),  # which point of the two it is
-    ("nx", float), ("ny", float),   # normal from a to b
-    ("ax", float), ("ay", float),   # places on both surfaces, from the bodies' centres of
-    ("bx", float), ("by", float),   # mass [m]
-    ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k / d
-])
-"""A point in which two shapes meet, as pymunk has it, and curvatures for the engine's use."""
 
 
 class Finder:

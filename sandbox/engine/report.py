@@ -7,21 +7,12 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.joint_state import FLANK, GROOVE, LINE, POINT, ROLL
 from sandbox.engine.kernel import kernel
+from sandbox.engine.records import FLANK, GROOVE, LINE, POINT, ROLL
 from sandbox.engine.rows import LEAST
 from sandbox.engine.rubs import forget_rub, report_rub
 from sandbox.engine.slips import slipped
-from sandbox.engine.state import (
-    HOLDS,
-    LIMITED,
-    NORMAL,
-    PRESSED,
-    PULLED,
-    RUBBING,
-    SLIPPING,
-    TANGENT,
-)
+from sandbox.engine.state import HOLDS, LIMITED, NORMAL, PRESSED, PULLED, RUBBING, SLIPPING, TANGENT
 from sandbox.engine.teeth import toothed
 from sandbox.engine.ties import acts, holds, tied
 from sandbox.numeric import Array

@@ -29,9 +29,8 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.ends import ends
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.joint_state import GROOVE, POINT, RANGE, ROLL
 from sandbox.engine.kernel import kernel
-from sandbox.engine.state import DAMPED, EVEN, STIFF
+from sandbox.engine.records import DAMPED, EVEN, GROOVE, POINT, RANGE, ROLL, STIFF
 from sandbox.engine.teeth import flank, rolled, toothed
 from sandbox.engine.ties import joint_holds, left_over
 from sandbox.numeric import Array, Records

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sandbox.engine.joint_state import RUB, RUB_STATE
+from sandbox.engine.records import RUB, RUB_STATE
 from sandbox.model.model import Model
 from sandbox.model.starts import sliding, turning
 from sandbox.numeric import Records

@@ -20,8 +20,8 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.joint_state import GROOVE
 from sandbox.engine.kernel import kernel
+from sandbox.engine.records import GROOVE
 from sandbox.engine.rows import beyond, way_rate
 from sandbox.engine.state import HOLDS, PRESSED, RUBBING, SLIDES, STILL, STILL_TURNING
 from sandbox.numeric import Array, Matrix

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 from sandbox.engine.advance import advance
 from sandbox.engine.entry_points import prepare
 from sandbox.engine.memory import Memory, make_memory
+from sandbox.engine.records import PULL
 from sandbox.engine.snapshot import list_contacts, make_snapshot
 from sandbox.engine.state import (
     ANGLE,
+    CONTACT,
     DAMPED_WORK,
     DAMPING,
-    PULL,
     RATE,
     RUBBED,
     RUBBED_WORK,
@@ -23,7 +24,6 @@ from sandbox.engine.state import (
     STOPPING,
 )
 from sandbox.engine.tables import Tables
-from sandbox.engine.touch_state import CONTACT
 from sandbox.engine.world import World
 from sandbox.kinds.arrays import Arrays
 from sandbox.model.ties import held_one

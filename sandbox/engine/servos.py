@@ -24,8 +24,8 @@ import math
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import HOLD, eliminate, rate
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.joint_state import PACED, PLACED, SPRUNG
 from sandbox.engine.kernel import kernel
+from sandbox.engine.records import PACED, PLACED, SPRUNG
 from sandbox.engine.state import DRIVEN
 
 CAUTION = 0.999

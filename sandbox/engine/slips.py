@@ -24,8 +24,9 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
+from sandbox.engine.records import PULL, STIFF
 from sandbox.engine.rows import asked_by_cord, cord_lead, shortening
-from sandbox.engine.state import PULL, PULLED, SLIPPING, STIFF
+from sandbox.engine.state import PULLED, SLIPPING
 
 
 @kernel

@@ -9,11 +9,13 @@ import numpy as np
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.fluid_report import take_lines
-from sandbox.engine.joint_state import STOP
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import take_loads
+from sandbox.engine.records import STOP
 from sandbox.engine.state import (
     ANGLE,
+    CONTACT,
+    CONTACT_SUMS,
     DAMPED_WORK,
     DAMPING,
     RATE,
@@ -24,7 +26,6 @@ from sandbox.engine.state import (
     Constants,
     Snapshot,
 )
-from sandbox.engine.touch_state import CONTACT, CONTACT_SUMS
 from sandbox.kinds.arrays import FORCES
 from sandbox.numeric import Array, Records
 
@@ -57,7 +58,7 @@ def room_to_keep(table: int) -> bool:
     n = taken[0] - taken[1]
     used = fill[n - 1] if n > 0 else 0
     if (n == len(fill) or used + len(at.touches(table)) > len(at.kept_contacts(table))
-            or 2 * at.unfinished(table)[0] > len(at.mean_contacts(table))):
+            or 2 * at.kept_unfinished(table)[0] > len(at.kept_mean_contacts(table))):
         taken[2] = 1
     return bool(taken[2] == 0)
 

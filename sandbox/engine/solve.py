@@ -43,6 +43,7 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.laws import change_laws, law_rows
 from sandbox.engine.lemke import MOST, lemke_modes
 from sandbox.engine.loads import change_loads, load_rows, timed
+from sandbox.engine.records import GRIPPED, STIFF
 from sandbox.engine.report import report
 from sandbox.engine.rows import (
     LEAST,
@@ -62,7 +63,7 @@ from sandbox.engine.rows import (
 from sandbox.engine.rubs import change_rubs
 from sandbox.engine.servos import brake_in_time
 from sandbox.engine.slips import ask_slips, change_whole, slacken_whole
-from sandbox.engine.state import GRIPPED, LIMITED, NORMAL, STIFF, STILL, STILL_TURNING
+from sandbox.engine.state import LIMITED, NORMAL, STILL, STILL_TURNING
 from sandbox.engine.ties import holds, slacken_tied, tie_rows
 from sandbox.numeric import Array, Records
 

@@ -17,8 +17,8 @@ from __future__ import annotations
 import numpy as np
 
 from sandbox.engine.advance import UNKEPT, advance
-from sandbox.engine.joint_state import PACED
 from sandbox.engine.memory import Memory
+from sandbox.engine.records import PACED
 from sandbox.engine.tables import WORKSPACE, Tables
 from sandbox.engine.world import World
 from sandbox.numeric import Array

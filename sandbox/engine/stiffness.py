@@ -16,7 +16,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from sandbox.engine.inspect_drives import largest_cord_stiffness, largest_stiffness
-from sandbox.engine.state import SOFT
+from sandbox.engine.records import SOFT
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags
 from sandbox.scene.elements.tendons import RIGID

@@ -8,11 +8,23 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.engine.contact_rules import Filters
-from sandbox.engine.cord_state import SLIP_RESULT, SLIP_STATE
 from sandbox.engine.cord_tables import CordTables, cord_tables
 from sandbox.engine.fluid_tables import Circuits, make_circuits
-from sandbox.engine.joint_state import (
+from sandbox.engine.law_tables import LawTables, law_tables
+from sandbox.engine.lemke import MOST
+from sandbox.engine.load_tables import ROWS, LoadTables, load_tables
+from sandbox.engine.placed import PlacedBodies, Rows, place_bodies
+from sandbox.engine.plan import Pattern, make_pattern
+from sandbox.engine.records import (
+    ACTION,
+    ACTION_RESULT,
+    ACTION_STATE,
+    DAMPED,
+    DAMPER,
+    DAMPER_RESULT,
+    DAMPER_STATE,
     DISTANCE,
+    ELASTIC,
     FLANK,
     GEAR,
     GROOVE,
@@ -31,38 +43,20 @@ from sandbox.engine.joint_state import (
     RANGE,
     ROLL,
     RUB_RESULT,
-    SPRUNG,
-    STOP,
-)
-from sandbox.engine.law_tables import LawTables, law_tables
-from sandbox.engine.lemke import MOST
-from sandbox.engine.load_tables import ROWS, LoadTables, load_tables
-from sandbox.engine.placed import PlacedBodies, Rows, place_bodies
-from sandbox.engine.plan import Pattern, make_pattern
-from sandbox.engine.rub_tables import rub_state, rub_table
-from sandbox.engine.state import (
-    ACTION,
-    ACTION_RESULT,
-    ACTION_STATE,
-    BODY,
-    BOUND,
-    DAMPED,
-    DAMPER,
-    DAMPER_RESULT,
-    DAMPER_STATE,
-    ELASTIC,
+    SLIP_RESULT,
+    SLIP_STATE,
     SPRING,
     SPRING_RESULT,
     SPRING_STATE,
+    SPRUNG,
     STIFF,
-    Constants,
-    Result,
-    State,
+    STOP,
+    TIE_RESULT,
 )
+from sandbox.engine.rub_tables import rub_state, rub_table
+from sandbox.engine.state import BODY, BOUND, IMPACT, TOUCH, Constants, Result, State
 from sandbox.engine.stiffness import stiff_servos, too_stiff
-from sandbox.engine.tie_state import TIE_RESULT
 from sandbox.engine.tie_tables import room_for_breaks, tie_state, tie_table
-from sandbox.engine.touch_state import IMPACT, TOUCH
 from sandbox.engine.wheel_fields import wheel_fields
 from sandbox.kinds.elements import Keeps
 from sandbox.model.model import Model

@@ -13,8 +13,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sandbox.engine.joint_state import GEAR, RACK
 from sandbox.engine.kernel import kernel
+from sandbox.engine.records import GEAR, RACK
 from sandbox.numeric import Array
 
 

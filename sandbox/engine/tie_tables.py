@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sandbox.engine.tie_state import (
+from sandbox.engine.records import (
     BROKEN,
     CORDED,
     JOINED,

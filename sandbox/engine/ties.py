@@ -20,10 +20,19 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.ends import ends
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.joint_state import GROOVE, POINT, RANGE
 from sandbox.engine.kernel import kernel
+from sandbox.engine.records import (
+    CORDED,
+    GROOVE,
+    JOINED,
+    NONE,
+    POINT,
+    RANGE,
+    SETTLED,
+    STRAIGHT,
+    TAKEN,
+)
 from sandbox.engine.teeth import toothed
-from sandbox.engine.tie_state import CORDED, JOINED, NONE, SETTLED, STRAIGHT, TAKEN
 from sandbox.kinds.elements import HELD_ABOVE
 from sandbox.numeric import Array
 

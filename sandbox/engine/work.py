@@ -13,9 +13,9 @@ from sandbox.engine.entry_points import entry_point
 from sandbox.engine.fluid_report import add_fluid_work
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import add_load_work
+from sandbox.engine.records import GRIPPED, PULL
 from sandbox.engine.rows import shortening, spring_rate, way_rate
 from sandbox.engine.rubs import add_rubbed_work
-from sandbox.engine.state import GRIPPED, PULL
 from sandbox.numeric import Array
 
 

@@ -12,8 +12,8 @@ from pymunk import batch
 
 from sandbox.engine import native
 from sandbox.engine.contact_rules import Filters, make_filters
+from sandbox.engine.state import FACE, SHAPE, SPAN
 from sandbox.engine.tables import Room, ShapeTables
-from sandbox.engine.touch_state import FACE, SHAPE, SPAN
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers, Records
 from sandbox.scene.elements.bodies import (
