@@ -6,13 +6,14 @@ from sandbox.engine import memory as at
 from sandbox.engine.entry_points import CalledFromPython
 from sandbox.engine.fluid_report import contained
 from sandbox.engine.fluids import swell
-from sandbox.engine.forces import act, begin, let_go, pull, stretch
+from sandbox.engine.forces import act, begin, let_go, pull
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import press
 from sandbox.engine.means import add_waiting, count_step, note_impacts, room_for_contacts
 from sandbox.engine.native import call_each, call_step
 from sandbox.engine.snapshot import room_to_keep, take
 from sandbox.engine.solve import SETTLED, solve
+from sandbox.engine.springs import stretch
 from sandbox.engine.ties import let_go_or_take_up, run_surfaces
 from sandbox.engine.touching import list_touches, short
 from sandbox.engine.work import add_work
@@ -142,6 +143,6 @@ def advance(
         if every > 1:
             count_step(table, h, every, due)
         if due == 0:
-            take(table, h, drive[i])
+            take(table, drive[i])
             due = every
     return len(drive)

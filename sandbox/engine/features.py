@@ -20,7 +20,6 @@ FEATURES: dict[str, Callable[[Constants], bool]] = {
     "bounded": _bounded,
     "cords": lambda c: len(c.cords) > 0,
     "curves": lambda c: len(c.spans) > 0,
-    "dampers": lambda c: len(c.dampers) > 0,
     "fluids": lambda c: bool(len(c.fluids) or len(c.valves) or len(c.pumps)),
     "laws": lambda c: len(c.steps) > 0,
     "loads": lambda c: bool(len(c.loads) or len(c.loaded)),

@@ -29,7 +29,7 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.ends import ends
+from sandbox.engine.coordinates import ends
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.kinds.elements import ATMOSPHERE

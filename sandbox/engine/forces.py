@@ -10,42 +10,35 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.ends import ends
+from sandbox.engine.coordinates import ends
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.laws import action_law, spring_law
 from sandbox.engine.network import measure, wound_up
 from sandbox.engine.records import GRIPPED, PULL
-from sandbox.engine.ties import action_holds, holds
+from sandbox.engine.ties import holds
 from sandbox.numeric import Array
 
 
 @entry_point("actions")
 def act(table: int, drive: Array) -> None:
-    """Forces and torques of drives [nd], torques of rotary springs that have no row."""
+    """Forces and torques of drives [nd]."""
     actions, results = at.actions(table), at.action_results(table)
     body, out = at.body(table), at.force(table)
     for i in range(len(actions)):
         action, result = actions[i], results[i]
         a = action["a"]
-        if action["motor"] >= 0 or action["row"] >= 0 or action["runs"]:
+        if action["motor"] >= 0 or action["runs"]:
             continue
-        if not action_holds(table, action):
+        if not holds(table, action["tie"]):
             result["torque"] = 0.0
             continue
-        value = drive[action["drive"]] if action["drive"] >= 0 else action["k"]
+        value = drive[action["drive"]]
         if action["line"] >= 0:
             result["torque"] = value
             _push(table, action, value)
             continue
         if action["b"] >= 0:
             result["torque"] = action["sense"] * value
-            if action["spring"] >= 0:
-                angle = body[action["b"], 2] - body[a, 2]
-                result["torque"] = -value * (angle - action["rest"])
-            if action["code"] >= 0:  # between two still bodies
-                twist = action["sense"] * (body[action["b"], 2] - body[a, 2] - action["rest"])
-                result["torque"] = -action["sense"] * action_law(table, i, twist, drive)
             out[action["b"], 2] += result["torque"]
             out[a, 2] -= result["torque"]
             continue
@@ -75,39 +68,6 @@ def _push(table: int, action: Any, force: float) -> None:
         out[b, 0] += fx
         out[b, 1] += fy
         out[b, 2] += bx * fy - by * fx
-
-
-@entry_point("springs")
-def stretch(table: int, drive: Array) -> None:
-    """Where straight springs are, and the forces of those that have no row."""
-    springs, results = at.springs(table), at.spring_results(table)
-    body, turn, out = at.body(table), at.turn(table), at.force(table)
-    states = at.spring_states(table)
-    for i in range(len(springs)):
-        s, result = springs[i], results[i]
-        a, b = s["a"], s["b"]
-        ax, ay, bx, by, dx, dy = ends(s, body, turn)
-        length = math.hypot(dx, dy)
-        ux, uy = (dx / length, dy / length) if length > 0.0 else (0.0, 0.0)
-        ta, tb = ax * uy - ay * ux, bx * uy - by * ux
-        result["length"], result["ux"], result["uy"] = length, ux, uy
-        result["ta"], result["tb"] = ta, tb
-        if s["row"] >= 0:
-            continue
-        if not holds(table, s["tie"]):
-            result["force"] = 0.0
-            continue
-        k, extent = s["k"] if s["drive"] < 0 else drive[s["drive"]], length - states[i]["rest"]
-        force = k * extent
-        if s["code"] >= 0:  # between two still bodies
-            force = spring_law(table, i, extent, drive)
-        result["force"] = force
-        out[a, 0] += ux * force
-        out[a, 1] += uy * force
-        out[a, 2] += ta * force
-        out[b, 0] -= ux * force
-        out[b, 1] -= uy * force
-        out[b, 2] -= tb * force
 
 
 @entry_point("cords")

@@ -31,9 +31,9 @@ from sandbox.engine.buoyancy import below
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.formulas import formula
 from sandbox.engine.kernel import kernel
-from sandbox.engine.laws import SAME
 from sandbox.engine.records import AXES, GIVEN, SCRATCH, SLOPES, SOFT, SUM, YIELDS
 from sandbox.engine.rows import NOTHING
+from sandbox.engine.springs import SAME
 from sandbox.numeric import Array, Matrix
 
 (X, Y, ANGLE, VX, VY, OMEGA, SPEED, AX, AY, ALPHA, TIME, MASS, INERTIA) = range(13)
@@ -333,14 +333,3 @@ def add_load_work(table: int, h: float, v: Matrix) -> None:
         out["step_work"] = h * (out["fx"] * v[b, 0] + out["fy"] * v[b, 1]
                                 + out["torque"] * v[b, 2])
         states[i]["work"] += out["step_work"]
-
-
-@entry_point("loads")
-def take_loads(table: int, n: int) -> None:
-    """Copy the step just made into row ``n`` that samples are kept in."""
-    loads, states, results = at.loads(table), at.load_states(table), at.load_results(table)
-    kept = at.kept_loads(table)
-    for i in range(len(loads)):
-        m, out = loads[i]["number"], results[i]
-        kept[n, m, 0], kept[n, m, 1], kept[n, m, 2] = out["fx"], out["fy"], out["torque"]
-        kept[n, m, 3] = states[i]["work"] - out["step_work"] / 2

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from sandbox.engine.native import Native
 from sandbox.engine.state import Constants, Result, Snapshot, State
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array, Integers, Records
 
 _arrays: Any = arrayobj
 _WORD = ir.IntType(64)
@@ -113,24 +113,30 @@ def _number(name: str, place: int) -> Any:
     return result
 
 
-def _views() -> Iterator[tuple[str, Any]]:
-    """Names of all views with the intrinsics that make them.
+def view_name(part: Any, field: str) -> str:
+    """The name of the view of a field of one of the parts.
 
-    A view is named after its field. Where :class:`Constants` has a field of that name, too,
-    ``actions`` becomes ``action_states`` or ``action_results``. Fields of a :class:`Snapshot` get
-    the prefix ``kept_``.
+    It is the field's name. Where :class:`Constants` has a field of that name, too, ``actions``
+    becomes ``action_states`` or ``action_results``. Fields of a :class:`Snapshot` get the prefix
+    ``kept_``.
     """
+    if part is Snapshot:
+        return f"kept_{field}"
+    if part in (State, Result) and field in Constants._fields:
+        return field.removesuffix("s") + ("_states" if part is State else "_results")
+    return field
+
+
+def _views() -> Iterator[tuple[str, Any]]:
+    """Names of all views with the intrinsics that make them."""
     place = 0
-    for part, ending in ((Native, ""), (Constants, ""), (State, "_states"),
-                         (Result, "_results"), (Snapshot, "")):
-        for name, note in get_type_hints(part, include_extras=True).items():
-            view = f"kept_{name}" if part is Snapshot else name
-            if ending and name in Constants._fields:
-                view = name.removesuffix("s") + ending
+    for part in _PARTS:
+        for field, note in get_type_hints(part, include_extras=True).items():
+            view = view_name(part, field)
             array, more = get_args(note) if get_origin(note) is Annotated else (note, 1)
             if note is int:
                 yield view, _number(view, place)
-            elif note is not float:
+            elif str(array) in _ITEMS or array is Records:
                 axes, dtype = (more, _ITEMS[str(array)]) if isinstance(more, int) else (1, more)
                 yield view, _view(view, place, dtype, axes)
             place += WIDTH

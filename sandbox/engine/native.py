@@ -17,6 +17,7 @@ import numpy as np
 import pymunk
 from llvmlite import ir
 from numba import cfunc, types
+from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
@@ -87,6 +88,16 @@ def _pointer_to(context: Any, address: Any) -> Any:
     return types.voidptr(types.intp), generate
 
 
+def _copy(context: Any, source: Any, target: Any, words: Any) -> Any:
+    """Copy so many words of 8 bytes."""
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        source, target = (builder.inttoptr(one, _WORD.as_pointer()) for one in args[:2])
+        cgutils.raw_memcpy(builder, target, source, args[2], 8)
+        return context.get_dummy_value()
+
+    return types.void(types.intp, types.intp, types.intp), generate
+
+
 def _caller(arguments: list[ir.Type], result: ir.Type | None = None) -> Any:
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         function = ir.FunctionType(result or ir.VoidType(), arguments).as_pointer()
@@ -104,6 +115,7 @@ word_at: Any = intrinsic(_word)
 int_at: Any = intrinsic(_int)
 byte_to: Any = intrinsic(_byte_to)
 as_pointer: Any = intrinsic(_pointer_to)
+copy_words: Any = intrinsic(_copy)
 
 
 FOUND = np.dtype([

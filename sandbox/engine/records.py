@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 STIFF, PULL, ELASTIC, DAMPED, EVEN, GRIPPED = 0, 1, 2, 3, 4, 5
-"""Kinds of cord and straight spring: solved at the step's end; of given tension; soft, its tension
+"""Kinds of cord and spring: solved at the step's end; of given tension; soft, its tension
 that of the pose; soft with a damper, solved at mid-step. Of spans of a cord that guides hold by
 friction: soft, solved evenly about the pose; and that cord as a whole, whose spans pull."""
 SOFT = 1.0
@@ -18,24 +18,16 @@ SOFT = 1.0
 leapfrog breaks down at 4."""
 
 ACTION = np.dtype([
-    ("drive", np.int64),    # whose value it takes, -1 for a spring of constant stiffness
+    ("drive", np.int64),    # whose value it takes
     ("a", np.int64),        # the body of a force; the first body of a hinge
     ("b", np.int64),        # -1 for a force; the second body of the hinge
     ("x", float), ("y", float),     # where a force acts [m]
     ("dx", float), ("dy", float),   # its direction, a unit vector
     ("turning", np.int64),  # whether that turns with the body
     ("line", np.int64),     # the actuator that is pushed, or -1
-    ("spring", np.int64),   # -1, or the rotary spring
-    ("k", float),           # its stiffness, if no drive sets it [N m/rad]
-    ("rest", float),        # angle of b against a at which that spring is at rest [rad]
     ("motor", np.int64),    # -1, or the number of a motor or brake
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
-    ("row", np.int64),      # unknown of a rotary spring too stiff for the step, or -1
-    ("entry", np.int64),    # the first of its two entries
-    ("code", np.int64), ("code_end", np.int64),     # steps of a rotary spring's law, or -1
-    ("of_rate", np.int64),  # whether that hangs on the rate
-    ("response", float),    # how its ends answer a unit torque, at most [1/(kg m^2)]
-    ("tie", np.int64), ("hinge_tie", np.int64),     # TIE of a spring and of its hinge, or -1
+    ("tie", np.int64),      # TIE of the hinge, or -1
     ("runs", np.int64),     # whether it is the surface of a that runs
 ])
 ACTION_STATE = np.dtype([
@@ -45,48 +37,36 @@ ACTION_RESULT = np.dtype([
     ("fx", float), ("fy", float),   # of a force, in the world [N]
     ("torque", float),      # about the centre of mass of a, or on b of a hinge [N m]; of a surface
                             # that runs its power [W]
-    ("stiff", np.int64),    # whether a law is taken at the step's end
     ("step_work", float),   # of the last step [J]
 ])
 
 SPRING = np.dtype([
+    ("number", np.int64),   # the model's; -1 for the damping of a hinge
+    ("joint", np.int64),    # the hinge about which it acts, or -1
+    ("turning", np.int64),  # whether its coordinate is an angle; a distance otherwise
     ("kind", np.int64),     # STIFF, ELASTIC or DAMPED
     ("drive", np.int64),    # that sets its stiffness; -1 for its own
     ("a", np.int64), ("ax", float), ("ay", float),  # body and point of one end [m]
     ("b", np.int64), ("bx", float), ("by", float),
-    ("k", float),           # [N/m]
-    ("c", float),           # [N s/m]
+    ("k", float),           # [N/m, N m/rad]
+    ("c", float),           # [N s/m, N m s/rad]
+    ("sense", float),       # from its coordinate to the stretch that its law takes, 1 or -1
     ("row", np.int64),      # its unknown, or -1
     ("entry", np.int64),    # the first of its two entries
     ("code", np.int64), ("code_end", np.int64),     # steps of its law, or -1
-    ("of_rate", np.int64),  # whether that hangs on the rate
-    ("response", float),    # how its ends answer a unit push, at most [1/kg]
-    ("tie", np.int64),      # its TIE, or -1
+    ("of_rate", np.int64),  # whether its law depends on the rate
+    ("response", float),    # bound of the response of its ends to a unit effort [1/kg, 1/(kg m^2)]
+    ("tie", np.int64), ("hinge_tie", np.int64),     # TIE of the spring and of its hinge, or -1
 ])
 SPRING_STATE = np.dtype([
-    ("rest", float),        # length at rest [m]
+    ("rest", float),        # its coordinate at rest [m, rad]
     ("work", float),        # [J]
 ])
 SPRING_RESULT = np.dtype([
-    ("length", float),      # [m]
-    ("force", float),       # positive pulls [N]
-    ("ux", float), ("uy", float),   # direction from a to b
-    ("ta", float), ("tb", float),   # its moment about either centre of mass, for 1 N [m]
+    ("way", float),         # its coordinate [m, rad]
+    ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # and what it depends on
+    ("effort", float),      # positive where it lets the coordinate grow [N, N m]
     ("stiff", np.int64),    # whether a law is taken at the step's end
-    ("step_work", float),   # [J]
-])
-
-DAMPER = np.dtype([
-    ("a", np.int64), ("b", np.int64),   # bodies of the hinge
-    ("c", float),           # [N m s/rad]
-    ("joint", np.int64),    # number of the hinge
-    ("row", np.int64), ("entry", np.int64),     # its unknown, the first of its two entries
-])
-DAMPER_STATE = np.dtype([
-    ("torque", float),      # on b [N m]
-    ("work", float),        # [J]
-])
-DAMPER_RESULT = np.dtype([
     ("step_work", float),   # [J]
 ])
 
@@ -374,15 +354,15 @@ which loads slow motion along each of three axes [1/s]; these axes; scratch."""
 NUMBERS = 13
 """How many rows there are."""
 
-JOINED, STRAIGHT, TURNING, CORDED = 0, 1, 2, 3
-"""What is let go: a joint, a straight spring, a rotary spring, a cord."""
+JOINED, SPRINGY, CORDED = 0, 1, 2
+"""What is released: a joint, a spring, a cord."""
 SETTLED, TAKEN = -1.0, -2.0
 """As the time since a joint was taken up: its gap is closed; it is still to be looked at."""
 NONE = -1
 """No wish."""
 
 TIE = np.dtype([
-    ("what", np.int64),     # JOINED, STRAIGHT, TURNING or CORDED
+    ("what", np.int64),     # JOINED, SPRINGY or CORDED
     ("index", np.int64),    # in the table of these
     ("breaks_at", float),   # [N, N m]
     ("over", float),        # time in which a joint's gap closes [s]

@@ -12,6 +12,7 @@ from sandbox.engine.records import FLANK, GROOVE, LINE, POINT, ROLL
 from sandbox.engine.rows import LEAST
 from sandbox.engine.rubs import forget_rub, report_rub
 from sandbox.engine.slips import slipped
+from sandbox.engine.springs import report_springs
 from sandbox.engine.state import HOLDS, LIMITED, NORMAL, PRESSED, PULLED, RUBBING, SLIPPING, TANGENT
 from sandbox.engine.teeth import toothed
 from sandbox.engine.ties import acts, holds, tied
@@ -22,19 +23,7 @@ from sandbox.numeric import Array
 def report(table: int, h: float, n: int) -> None:
     """Impulses into the tables of their elements."""
     unknown = at.unknowns(table)[3]
-    dampers, damper_states = at.dampers(table), at.damper_states(table)
-    for i in range(len(dampers)):
-        if acts(table, at.joints(table)[dampers[i]["joint"]]["tie"]):
-            damper_states[i]["torque"] = unknown[dampers[i]["row"]] / h
-    actions, action_results = at.actions(table), at.action_results(table)
-    for i in range(len(actions)):
-        if actions[i]["row"] >= 0 and (
-                acts(table, actions[i]["tie"]) and acts(table, actions[i]["hinge_tie"])):
-            action_results[i]["torque"] = _whole(unknown[actions[i]["row"]] / h)
-    springs, spring_results = at.springs(table), at.spring_results(table)
-    for i in range(len(springs)):
-        if springs[i]["row"] >= 0 and acts(table, springs[i]["tie"]):
-            spring_results[i]["force"] = _whole(unknown[springs[i]["row"]] / h)
+    report_springs(table, h)
     cords, cord_states, cord_results = (
         at.cords(table), at.cord_states(table), at.cord_results(table))
     for i in range(len(cords)):

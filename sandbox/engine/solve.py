@@ -8,7 +8,7 @@ masses, f the forces that the poses tell, B the bilateral rows and C those with 
 gives the velocities v at the step's end. B is factored once (:mod:`sandbox.engine.factor`), the
 rows C are solved on what it leaves (:mod:`sandbox.engine.bounded`); only those come in that carry
 something or would be broken without. Whether cords are taut is tried last, and whether springs
-and loads with laws of their own gave what these say (:mod:`sandbox.engine.laws`,
+and loads with laws of their own gave what these say (:mod:`sandbox.engine.springs`,
 :mod:`sandbox.engine.loads`).
 
 Contacts that give back speed do so before all forces (:mod:`sandbox.engine.impacts`).
@@ -40,7 +40,6 @@ from sandbox.engine.fluid_report import flowing, report_lines
 from sandbox.engine.fluids import change_lines, fluid_rows, join_lines
 from sandbox.engine.impacts import impacts, late_hits, lead_back
 from sandbox.engine.kernel import kernel
-from sandbox.engine.laws import change_laws, law_rows
 from sandbox.engine.lemke import MOST, lemke_modes
 from sandbox.engine.loads import change_loads, load_rows, timed
 from sandbox.engine.records import GRIPPED, STIFF
@@ -50,19 +49,17 @@ from sandbox.engine.rows import (
     asked_by_cord,
     closed,
     cord_rows,
-    damper_rows,
     joint_gaps,
     joint_rows,
     right_side,
     shortening,
     spread,
-    spring_rows,
-    turning_rows,
     weigh,
 )
 from sandbox.engine.rubs import change_rubs
 from sandbox.engine.servos import brake_in_time
 from sandbox.engine.slips import ask_slips, change_whole, slacken_whole
+from sandbox.engine.springs import change_laws, law_rows, spring_rows
 from sandbox.engine.state import LIMITED, NORMAL, STILL, STILL_TURNING
 from sandbox.engine.ties import holds, slacken_tied, tie_rows
 from sandbox.numeric import Array, Records
@@ -108,9 +105,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
     Y, reached = at.columns(table), at.reached(table)
     at.standing(table)[2] = 0
     joint_rows(table, h)
-    damper_rows(table, h)
     spring_rows(table, h, drive)
-    turning_rows(table, h, drive)
     law_rows(table, h, drive)
     load_rows(table, h)
     tie_rows(table, h)

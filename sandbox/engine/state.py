@@ -25,9 +25,6 @@ from sandbox.engine.records import (
     CORD,
     CORD_RESULT,
     CORD_STATE,
-    DAMPER,
-    DAMPER_RESULT,
-    DAMPER_STATE,
     FLUID,
     FLUID_RESULT,
     FLUID_STATE,
@@ -195,7 +192,6 @@ class Constants(NamedTuple):
     """Numbers of the bodies that move as a schedule has it."""
     actions: Annotated[Records, ACTION]
     springs: Annotated[Records, SPRING]
-    dampers: Annotated[Records, DAMPER]
     cords: Annotated[Records, CORD]
     guides: Annotated[Records, GUIDE]
     slips: Annotated[Records, SLIP]
@@ -256,7 +252,6 @@ class State(NamedTuple):
     """x, y, angle, vx, vy, omega of the centres of mass, [nb, 6]; pymunk's, filled after moves."""
     actions: Annotated[Records, ACTION_STATE]
     springs: Annotated[Records, SPRING_STATE]
-    dampers: Annotated[Records, DAMPER_STATE]
     cords: Annotated[Records, CORD_STATE]
     guides: Annotated[Records, GUIDE_STATE]
     slips: Annotated[Records, SLIP_STATE]
@@ -315,7 +310,6 @@ class Result(NamedTuple):
     """Cosine and sine of the bodies' angles, [nb, 2]."""
     actions: Annotated[Records, ACTION_RESULT]
     springs: Annotated[Records, SPRING_RESULT]
-    dampers: Annotated[Records, DAMPER_RESULT]
     cords: Annotated[Records, CORD_RESULT]
     guides: Annotated[Records, GUIDE_RESULT]
     slips: Annotated[Records, SLIP_RESULT]
@@ -367,50 +361,25 @@ class Result(NamedTuple):
     """Scratch of the same, [3, 2 r + 2]."""
 
 
-ANGLE, RATE, STOPPING, DAMPING, DAMPED_WORK, RUBBED, RUBBED_WORK, STICKS = range(3, 11)
-"""Columns of joints in a :class:`Snapshot`, of hinges only: angle [rad] and its rate, torque of
-stops and of damping, in the angle's sense [N m], work of that [J]; where they have dry friction
-that, in the joint's sense [N m, N], its work [J], whether it holds. Of actuators the first two are
-length [m] and its rate."""
+SAMPLED: dict[type, tuple[str, ...]] = {
+    State: ("body", "actions", "springs", "cords", "guides", "slips", "limits", "rubs", "fluids",
+            "valves", "pumps", "loads", "ties"),
+    Result: ("before", "turn", "actions", "springs", "cords", "slips", "joints", "rubs", "fluids",
+             "valves", "pumps", "loads"),
+}
+"""Arrays that are copied in each sample; recorded values are computed from these later."""
 
 
 class Snapshot(NamedTuple):
-    """Memory for samples on their way to the recording, an axis of samples before all others.
+    """Memory for samples on their way to the recording."""
 
-    Work [J] is that since t = 0, up to the instant of the sample, in the middle of its step.
+    copied: dict[str, Array | Records]
+    """Samples of :data:`SAMPLED` by the names of their views, an axis of samples before all others.
     """
-
-    pose: Annotated[Array, 3]
-    """x, y, angle of the bodies' frames, in the model's order as all of bodies, [n, nb, 3]."""
-    velocity: Annotated[Array, 3]
-    """Of the centres of mass, at the instant of the pose, [n, nb, 3]."""
-    acceleration: Annotated[Array, 3]
-    """[n, nb, 3]"""
-    springs: Annotated[Array, 3]
-    """Length [m], force [N], work, [n, ns, 3]."""
-    cords: Annotated[Array, 3]
-    """Length [m], tension [N], work, [n, nt and spans, 3]."""
-    slips: Annotated[Array, 3]
-    """Friction [N], way [m], [n, nf, 2]."""
-    lifted: Annotated[Array, 2]
-    """Whether a cord is off its wheel, [n, nw]."""
-    actions: Annotated[Array, 3]
-    """Torque [N m], work, [n, na, 2]."""
-    joints: Annotated[Array, 3]
-    """Force on b in the world [N], couple on b [N m], and the columns that follow, [n, nj, 11]."""
-    fluids: Annotated[Array, 3]
-    """Pressure [Pa], volume beside that at t = 0, flow into it [m^3/s], content, spilled, work, the
-    three before that at the step's end, [n, nq, 6]."""
-    valves: Annotated[Array, 3]
-    """Flow [m^3/s], loss [J], [n, nv, 2]."""
-    pumps: Annotated[Array, 3]
-    """Flow [m^3/s], work, [n, np, 2]."""
-    loads: Annotated[Array, 3]
-    """Force in the world [N], torque about the centre of mass [N m], work, [n, nk, 4]."""
-    ties: Annotated[Integers, 2]
-    """Whether what may be let go holds, [n, nr]."""
+    copies: Annotated[Integers, 2]
+    """Of each the address of what is copied, that of the first sample, words to copy, [k, 3]."""
     drive: Annotated[Array, 2]
-    """What the drives gave in that step, [n, nd]."""
+    """Values of the drives in the step of each sample, [n, nd]."""
     contacts: Annotated[Records, CONTACT]
     """Of all samples, one after the other."""
     fill: Integers

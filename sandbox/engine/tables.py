@@ -20,9 +20,6 @@ from sandbox.engine.records import (
     ACTION_RESULT,
     ACTION_STATE,
     DAMPED,
-    DAMPER,
-    DAMPER_RESULT,
-    DAMPER_STATE,
     DISTANCE,
     ELASTIC,
     FLANK,
@@ -72,13 +69,11 @@ WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system
 
 
 class Tables(NamedTuple):
-    """A run's numbers, and which elements of the model the straight springs are."""
+    """All arrays of a run but those of samples."""
 
     constants: Constants
     state: State
     result: Result
-    straight: Integers
-    """Numbers, in the model, of the springs in ``constants.springs``."""
 
 
 class ShapeTables(NamedTuple):
@@ -125,9 +120,8 @@ def make_tables(
     joints = _joint_table(places, rows)
     rigid, stiff = len(rows.bodies), too_stiff(model, h)
     laws = law_tables(model)
-    actions = _action_table(places, motor_of, stiff, laws, rows)
-    springs = _spring_table(places, stiff, laws, rows)
-    dampers = _damper_table(places, rows)
+    actions = _action_table(places, motor_of)
+    springs, rests = _spring_table(places, stiff, laws, rows)
     cords = cord_tables(places, h, rows)
     limits = _limit_table(places)
     rubs, sums = rub_table(joints, model, len(places.inverse_mass) + 2 * len(cords.slips))
@@ -138,30 +132,28 @@ def make_tables(
                            sums=[*cords.sums, *sums], joined=joined)
     cords.slips["row"] = pattern.hubs[cords.slips["slide"], 0]
     circuits.valves["slot"][circuits.between] = pattern.joined
-    _place_rows(pattern, (joints, ("row", "row_y", "row_turn")), (actions, ("row",)),
-                (springs, ("row",)), (dampers, ("row",)), (cords.constants, ("row",)),
-                (circuits.fluids, ("row",)), (loads.loaded, ROWS))
+    _place_rows(pattern, (joints, ROWS), (springs, ("row",)),
+                (cords.constants, ("row",)), (circuits.fluids, ("row",)), (loads.loaded, ROWS))
     constants = Constants(
         h, np.array(model.mechanism.gravity, dtype=float), places.inverse_mass,
         _body_table(model, order), np.flatnonzero(model.bodies.scheduled[order]), actions, springs,
-        dampers, cords.constants, cords.guides, cords.slips, model.tendons.wheels, joints, limits,
-        motors, rubs, *circuits[:4], *loads, tie_table(model, actions, cords.constants),
+        cords.constants, cords.guides, cords.slips, model.tendons.wheels, joints, limits,
+        motors, rubs, *circuits[:4], *loads, tie_table(model, springs, cords.constants),
         *shapes, laws.steps, laws.curves, laws.knots,
         *pair_tables(filters, order), pattern.starts, pattern.below, pattern.updates,
         pattern.entry_row, pattern.entry_body,
         pattern.pairs, pattern.direct, pattern.body_starts, pattern.body_entries,
         pattern.branch_starts, pattern.branches, pattern.hubs)
     state = State(
-        body, np.zeros(len(actions), ACTION_STATE), _spring_state(model),
-        np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
-        np.zeros(len(cords.slips), SLIP_STATE), _joint_state(joints),
+        body, np.zeros(len(actions), ACTION_STATE), _spring_state(rests), cords.state,
+        cords.guide_state, np.zeros(len(cords.slips), SLIP_STATE), _joint_state(joints),
         np.zeros(len(limits), LIMIT_STATE), _motor_state(motors), rub_state(rubs, model),
         *circuits.states(), loads.states(), np.zeros(4, dtype=np.int64), tie_state(model),
         room_for_breaks(model), np.zeros(_impacts(room), IMPACT), np.zeros(room.contacts, TOUCH),
         np.zeros(2, dtype=np.int64),
         np.full(len(model.drives.name), np.nan), np.zeros(6, dtype=np.int64))
     result = _results(places, constants, pattern, cords, circuits, laws, loads, velocity, room)
-    return Tables(constants, state, result, np.flatnonzero(model.springs.straight))
+    return Tables(constants, state, result)
 
 
 def _place_rows(pattern: Pattern, *tables: tuple[Records, tuple[str, ...]]) -> None:
@@ -217,7 +209,7 @@ def _results(
         velocity, velocity.copy(), np.zeros((count, 3)), np.zeros((count, 3)),
         np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 2)),
         np.zeros(len(constants.actions), ACTION_RESULT),
-        _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
+        _spring_results(constants.springs, places), cords.result,
         cords.guide_result, np.zeros(len(constants.slips), SLIP_RESULT),
         np.zeros(len(constants.joints), JOINT_RESULT), np.zeros(len(constants.rubs), RUB_RESULT),
         *circuits.results(), *loads.results(), np.zeros((3, 4)),
@@ -277,16 +269,13 @@ def _motor_state(motors: Records) -> Records:
     return state
 
 
-def _action_table(
-    places: PlacedBodies, motors: dict[int, int], stiff: Flags, laws: LawTables, bilateral: Rows,
-) -> Records:
+def _action_table(places: PlacedBodies, motors: dict[int, int]) -> Records:
     model, number = places.model, places.number
-    drives, joints, springs, ties = model.drives, model.joints, model.springs, model.ties
+    drives, joints = model.drives, model.joints
     rows: list[dict[str, Any]] = []
     for i in drives.giving("force", "torque", "push", "surface").tolist():
         target = int(drives.target[i])
-        row: dict[str, Any] = {"drive": i, "spring": -1, "motor": motors.get(i, -1),
-                               "row": -1, "code": -1, "tie": -1, "hinge_tie": -1, "line": -1}
+        row: dict[str, Any] = {"drive": i, "motor": motors.get(i, -1), "tie": -1, "line": -1}
         if drives.kind[i].gives == "surface":
             rows.append(row | {"a": number[target], "b": -1, "runs": 1, "sense": drives.sense[i]})
             continue
@@ -300,18 +289,7 @@ def _action_table(
         line = drives.kind[i].gives == "push"
         rows.append(row | {"a": a, "b": b, "line": target if line else -1,
                            "sense": 1.0 if line else joints.sense[target],
-                           "hinge_tie": ties.joint[target]})
-    for i in np.flatnonzero(~springs.straight).tolist():
-        joint = int(springs.joint[i])
-        a, b = number[joints.bodies[joint]]
-        row = {"drive": springs.drive[i], "a": a, "b": b, "spring": i, "motor": -1, "row": -1,
-               "line": -1, "k": springs.stiffness[i], "sense": joints.sense[joint],
-               "tie": ties.spring[i], "hinge_tie": ties.joint[joint],
-               "rest": joints.sense[joint] * (springs.rest[i] + joints.zero[joint]),
-               **laws.of(i)}
-        if (stiff[i] or springs.law[i]) and places.inverse_mass[[a, b]].any():
-            row["row"], row["entry"] = bilateral.add(int(a), int(b))
-        rows.append(row)
+                           "tie": model.ties.joint[target]})
     return _table(rows, ACTION)
 
 
@@ -382,47 +360,55 @@ def _both(joint: int, what: int, low: float, high: float) -> list[dict[str, Any]
             and not (what == LINE and side > 0 and bound <= 0.0 and high == math.inf)]
 
 
-def _spring_table(places: PlacedBodies, stiff: Flags, laws: LawTables, rows: Rows) -> Records:
-    springs = places.model.springs
-    table = []
-    for i in np.flatnonzero(springs.straight).tolist():
-        bodies = springs.bodies[i].tolist()
-        a, b = places.number[bodies].tolist()
-        ends = [places.local(body, springs.anchor[i, n]) for n, body in enumerate(bodies)]
-        (ax, ay), (bx, by) = ends
-        k, c = springs.stiffness[i], springs.damping[i]
-        inverse = places.inverse_mass[[a, b]]
-        kind = STIFF if stiff[i] else DAMPED if c > 0 else ELASTIC
-        row = {"kind": kind, "drive": springs.drive[i], "a": a, "ax": ax, "ay": ay, "b": b,
-               "bx": bx, "by": by, "k": k, "c": c, "row": -1,
-               "tie": places.model.ties.spring[i], **laws.of(i)}
-        if (kind != ELASTIC or springs.law[i]) and inverse.any():
+def _spring_table(
+    places: PlacedBodies, stiff: Flags, laws: LawTables, rows: Rows,
+) -> tuple[Records, list[float]]:
+    """Rotary springs, straight springs, damping of hinges; their coordinates at rest."""
+    model, number, inverse = places.model, places.number, places.inverse_mass
+    springs, joints, ties = model.springs, model.joints, model.ties
+    table: list[dict[str, Any]] = []
+    rests: list[float] = []
+    for i in np.argsort(springs.straight, kind="stable").tolist():
+        row: dict[str, Any] = {
+            "number": i, "joint": -1, "drive": springs.drive[i], "k": springs.stiffness[i],
+            "sense": 1.0, "row": -1, "tie": ties.spring[i], "hinge_tie": -1, **laws.of(i)}
+        if springs.straight[i]:
+            bodies, rest, c = springs.bodies[i].tolist(), springs.rest[i], springs.damping[i]
+            (ax, ay), (bx, by) = (
+                places.local(body, springs.anchor[i, n]) for n, body in enumerate(bodies))
+            row |= {"ax": ax, "ay": ay, "bx": bx, "by": by, "c": c}
+        else:  # its damper is that of the hinge
+            joint = int(springs.joint[i])
+            bodies, sense, c = joints.bodies[joint].tolist(), joints.sense[joint], 0.0
+            rest = sense * (springs.rest[i] + joints.zero[joint])
+            row |= {"joint": joint, "turning": 1, "sense": sense, "hinge_tie": ties.joint[joint]}
+        row["a"], row["b"] = a, b = number[bodies].tolist()
+        row["kind"] = STIFF if stiff[i] else DAMPED if c > 0 else ELASTIC
+        if (row["kind"] != ELASTIC or springs.law[i]) and inverse[[a, b]].any():
             row["row"], row["entry"] = rows.add(a, b)
         table.append(row)
-    return _table(table, SPRING)
+        rests.append(rest)
+    for joint in joints.hinges.tolist():
+        a, b = number[joints.bodies[joint]].tolist()
+        if model.hinge_damping[joint] > 0 and inverse[[a, b]].any():
+            first, entry = rows.add(a, b)
+            table.append({"number": -1, "joint": joint, "turning": 1, "kind": DAMPED, "drive": -1,
+                          "a": a, "b": b, "c": model.hinge_damping[joint], "sense": 1.0,
+                          "row": first, "entry": entry, "code": -1, "tie": -1,
+                          "hinge_tie": ties.joint[joint]})
+            rests.append(0.0)
+    return _table(table, SPRING), rests
 
 
-def _spring_state(model: Model) -> Records:
-    state = np.zeros(int(model.springs.straight.sum()), SPRING_STATE)
-    state["rest"] = model.springs.rest[model.springs.straight]
+def _spring_state(rests: list[float]) -> Records:
+    state = np.zeros(len(rests), SPRING_STATE)
+    state["rest"] = rests
     return state
 
 
-def _spring_results(places: PlacedBodies) -> Records:
-    """What straight springs have before the first step: their lengths at t = 0."""
-    springs = places.model.springs
-    results = np.zeros(int(springs.straight.sum()), SPRING_RESULT)
-    results["length"] = springs.start[springs.straight]
+def _spring_results(springs: Records, places: PlacedBodies) -> Records:
+    """Lengths of straight springs at t = 0, which are read before the first step."""
+    results = np.zeros(len(springs), SPRING_RESULT)
+    straight = springs["turning"] == 0
+    results["way"][straight] = places.model.springs.start[springs["number"][straight]]
     return results
-
-
-def _damper_table(places: PlacedBodies, rows: Rows) -> Records:
-    model = places.model
-    table: list[dict[str, Any]] = []
-    for joint in model.joints.hinges.tolist():
-        a, b = places.number[model.joints.bodies[joint]].tolist()
-        if model.hinge_damping[joint] > 0 and places.inverse_mass[[a, b]].any():
-            row, entry = rows.add(a, b)
-            table.append({"a": a, "b": b, "c": model.hinge_damping[joint], "joint": joint,
-                          "row": row, "entry": entry})
-    return _table(table, DAMPER)

@@ -13,10 +13,9 @@ from sandbox.engine.records import (
     JOINED,
     NONE,
     SETTLED,
-    STRAIGHT,
+    SPRINGY,
     TIE,
     TIE_STATE,
-    TURNING,
 )
 from sandbox.model.model import Model
 from sandbox.numeric import Records
@@ -31,18 +30,14 @@ LEAST = 1024
 """Breaks for which there is room at least."""
 
 
-def tie_table(model: Model, actions: Records, cords: Records) -> Records:
+def tie_table(model: Model, springs: Records, cords: Records) -> Records:
     """TIE, [nr]; spans of cords get the number of theirs."""
-    ties, springs = model.ties, model.springs
+    ties = model.ties
     table = np.zeros(len(ties.name), TIE)
     table["breaks_at"], table["over"] = ties.breaks_at, ties.over
     table["as_is"], table["drive"] = ties.as_is, ties.drive
-    straight = np.cumsum(springs.straight) - 1
-    for spring in np.flatnonzero(ties.spring >= 0):
-        turning = not springs.straight[spring]
-        table[ties.spring[spring]]["what"] = TURNING if turning else STRAIGHT
-        table[ties.spring[spring]]["index"] = (
-            np.flatnonzero(actions["spring"] == spring)[0] if turning else straight[spring])
+    for row in np.flatnonzero(springs["tie"] >= 0):
+        table[springs["tie"][row]]["what"], table[springs["tie"][row]]["index"] = SPRINGY, row
     for what, numbers in ((JOINED, ties.joint), (CORDED, ties.tendon)):
         own = np.flatnonzero(numbers >= 0)
         table["what"][numbers[own]], table["index"][numbers[own]] = what, own

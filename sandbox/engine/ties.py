@@ -18,7 +18,7 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.ends import ends
+from sandbox.engine.coordinates import ends
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import (
@@ -29,7 +29,7 @@ from sandbox.engine.records import (
     POINT,
     RANGE,
     SETTLED,
-    STRAIGHT,
+    SPRINGY,
     TAKEN,
 )
 from sandbox.engine.teeth import toothed
@@ -53,9 +53,9 @@ def joint_holds(table: int, joint: int) -> bool:
 
 
 @kernel
-def action_holds(table: int, action: Any) -> bool:
-    """Whether a drive or rotary spring holds, and the joint that it acts on."""
-    return holds(table, action["tie"]) and holds(table, action["hinge_tie"])
+def spring_holds(table: int, spring: Any) -> bool:
+    """Whether a spring acts: neither it nor its hinge is released."""
+    return holds(table, spring["tie"]) and holds(table, spring["hinge_tie"])
 
 
 @kernel
@@ -92,8 +92,9 @@ def _take_up(table: int, i: int) -> None:
     tie, index = at.ties(table)[i], at.ties(table)[i]["index"]
     if tie["what"] == JOINED:
         at.tie_states(table)[i]["age"] = TAKEN
-    elif tie["as_is"] and tie["what"] == STRAIGHT:
-        at.spring_states(table)[index]["rest"] = at.spring_results(table)[index]["length"]
+    elif tie["as_is"] and tie["what"] == SPRINGY:
+        if not at.springs(table)[index]["turning"]:
+            at.spring_states(table)[index]["rest"] = at.spring_results(table)[index]["way"]
     elif tie["as_is"] and tie["what"] == CORDED:
         for k in range(len(at.cords(table))):
             if at.cords(table)[k]["tie"] == i:
@@ -117,22 +118,15 @@ def tie_rows(table: int, h: float) -> None:
     results = at.tie_results(table)
     for i in range(len(results)):
         results[i]["broke"] = 0
-    joints, dampers, springs, actions = (
-        at.joints(table), at.dampers(table), at.springs(table), at.actions(table))
+    joints, springs = at.joints(table), at.springs(table)
     for k in range(len(joints)):
         if not joint_holds(table, k):
             empty_joint(table, k)
         elif joints[k]["tie"] >= 0:
             _ask_gently(table, h, k)
-    for k in range(len(dampers)):
-        if not joint_holds(table, dampers[k]["joint"]):
-            empty_row(table, dampers[k]["row"], dampers[k]["entry"], 2)
     for k in range(len(springs)):
-        if springs[k]["row"] >= 0 and not holds(table, springs[k]["tie"]):
+        if springs[k]["row"] >= 0 and not spring_holds(table, springs[k]):
             empty_row(table, springs[k]["row"], springs[k]["entry"], 2)
-    for k in range(len(actions)):
-        if actions[k]["row"] >= 0 and not action_holds(table, actions[k]):
-            empty_row(table, actions[k]["row"], actions[k]["entry"], 2)
 
 
 @kernel

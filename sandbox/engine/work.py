@@ -14,8 +14,9 @@ from sandbox.engine.fluid_report import add_fluid_work
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import add_load_work
 from sandbox.engine.records import GRIPPED, PULL
-from sandbox.engine.rows import shortening, spring_rate, way_rate
+from sandbox.engine.rows import shortening, way_rate
 from sandbox.engine.rubs import add_rubbed_work
+from sandbox.engine.springs import add_spring_work
 from sandbox.numeric import Array
 
 
@@ -51,8 +52,7 @@ def add_work(table: int, h: float) -> None:
                      + result["torque"] * v[a, 2])
         result["step_work"] = h * power
         states[i]["work"] += h * power
-    _springs(table, h, v)
-    _dampers(table, h, v)
+    add_spring_work(table, h, v)
     _cords(table, h, v)
     add_rubbed_work(table, h, v)
     add_fluid_work(table, h, v)
@@ -67,25 +67,6 @@ def _rubbed(table: int, body: int) -> float:
         if touches[i]["a"] == body or touches[i]["b"] == body:
             p += touches[i]["tangent"] + touches[i]["rub"]
     return p
-
-
-@kernel
-def _springs(table: int, h: float, v: Array) -> None:
-    springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
-    for i in range(len(springs)):
-        result = results[i]
-        result["step_work"] = -h * result["force"] * spring_rate(springs[i], result, v)
-        states[i]["work"] += result["step_work"]
-
-
-@kernel
-def _dampers(table: int, h: float, v: Array) -> None:
-    dampers, states, results = at.dampers(table), at.damper_states(table), at.damper_results(table)
-    for i in range(len(dampers)):
-        d = dampers[i]
-        work = h * states[i]["torque"] * (v[d["b"], 2] - v[d["a"], 2])
-        results[i]["step_work"] = work
-        states[i]["work"] += work
 
 
 @kernel
