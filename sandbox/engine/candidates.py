@@ -7,15 +7,15 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import FADE, MOVING, rate
+from sandbox.engine.coordinates import flank
 from sandbox.engine.entry_points import entry_point
+from sandbox.engine.friction import rub_rows
 from sandbox.engine.kernel import kernel
+from sandbox.engine.motors import motor_row, servo_row
 from sandbox.engine.records import FLANK, PACED, STOP
 from sandbox.engine.rows import beyond
-from sandbox.engine.rubs import rub_rows
-from sandbox.engine.servos import servo_row
-from sandbox.engine.slips import slip_rows
-from sandbox.engine.state import DRIVEN, HOLDS, LIMITED, NORMAL, SLIDES, STILL, TANGENT
-from sandbox.engine.teeth import flank
+from sandbox.engine.state import HOLDS, LIMITED, NORMAL, SLIDES, STILL, TANGENT
+from sandbox.engine.tendons import slip_rows
 from sandbox.engine.ties import holds, joint_holds
 from sandbox.numeric import Array, Records
 
@@ -96,29 +96,6 @@ def _limit_row(table: int, h: float, i: int, out: Any) -> None:
     out["ax"], out["ay"], out["at"] = -side * way["dx"], -side * way["dy"], side * way["ta"]
     out["bx"], out["by"], out["bt"] = side * way["dx"], side * way["dy"], side * way["tb"]
     out["want"] = returning(h, side * (way["way"] - limit["bound"]), RETURN)
-
-
-@entry_point("motors")
-def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
-    """Row ``n``, that of a motor or brake."""
-    out = at.rows(table)[n]
-    motor, states = at.motors(table)[i], at.motor_states(table)
-    value = drive[motor["drive"]]
-    brake = motor["most"] != motor["most"]
-    most = h * min(value if brake else motor["most"], 1e300)
-    out["source"], out["index"], out["normal"], out["friction"] = DRIVEN, i, -1, 0.0
-    out["a"], out["b"], out["branch"] = motor["a"], motor["b"], 0
-    out["low"], out["high"] = -most, most
-    out["ax"] = out["ay"] = out["bx"] = out["by"] = 0.0
-    out["at"], out["bt"] = -1.0, 1.0
-    out["want"] = 0.0 if brake else -motor["sense"] * value
-    out["soft"] = 0.0
-    if motor["slope"] > 0.0:  # at mid-step, as dampers are
-        before = at.before(table)
-        out["want"] = (before[motor["b"], 2] - before[motor["a"], 2]
-                       - 2.0 * motor["sense"] * value)
-        out["soft"] = 2.0 / (h * motor["slope"])
-    out["last"], out["mode"] = states[i]["impulse"], states[i]["mode"]
 
 
 @entry_point()

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.engine.network import ASIDE, measure
-from sandbox.engine.placed import PlacedBodies, Rows
+from sandbox.engine.plan import PlacedBodies, Rows
 from sandbox.engine.records import (
     CORD,
     CORD_RESULT,

@@ -28,9 +28,9 @@ from sandbox.engine.bounded import (
 )
 from sandbox.engine.candidates import rub_row, touch_row
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.factor import backward, forward
 from sandbox.engine.instants import meet, place_as_found, rubbing, time_to_close
 from sandbox.engine.kernel import kernel
+from sandbox.engine.plan import backward, forward
 from sandbox.engine.rows import closed, joint_gaps, right_side, spread
 from sandbox.engine.state import NORMAL, TANGENT
 from sandbox.numeric import Array, Records

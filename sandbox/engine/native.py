@@ -26,6 +26,7 @@ from pymunk._chipmunk_cffi import ffi, lib
 
 from sandbox.numeric import Array, Integers, Records
 
+_cgutils: Any = cgutils
 _WORD, _REAL, _BYTE = ir.IntType(64), ir.DoubleType(), ir.IntType(8)
 
 
@@ -92,7 +93,7 @@ def _copy(context: Any, source: Any, target: Any, words: Any) -> Any:
     """Copy so many words of 8 bytes."""
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         source, target = (builder.inttoptr(one, _WORD.as_pointer()) for one in args[:2])
-        cgutils.raw_memcpy(builder, target, source, args[2], 8)
+        _cgutils.raw_memcpy(builder, target, source, args[2], 8)
         return context.get_dummy_value()
 
     return types.void(types.intp, types.intp, types.intp), generate

@@ -1,22 +1,15 @@
-"""The bilateral rows of one step: of joints and of stiff and damped cords.
+"""The bilateral rows of joints.
 
 At the pose x of the step, with W the inverse masses and v_f the velocities that all forces known
-from the pose lead to, impulses p of the rows B give v = v_f + W B^T p, and each row asks for
+from the pose lead to, impulses p of the rows B give v = v_f + W B^T p, and that of a joint asks for
 
-    joint        B v               = - gap / h
-    damped cord  D v + 2 p / (h c) = 2 k (L - L0) / c - D v_before          (mid-step)
-    stiff cord   D v + p / (h (c + h k)) = k (L - L0) / (c + h k)           (the step's end)
-    soft span    D v + p / (h e)         = (k (L - L0) - (c - e) D v_before) / e
+    B v = - gap / h
 
-where D v is the rate at which a cord shortens, and p / h the tension; rows of springs and dampers:
-:mod:`sandbox.engine.springs`. A span of a cord that guides hold by friction
-is solved evenly about the pose where it is soft, e = c / 2 + h k / 4; what slips into it and out
-of it is added to its rate (:mod:`sandbox.engine.slips`).
+Other rows: :mod:`sandbox.engine.springs`, :mod:`sandbox.engine.tendons`, fluids and loads.
 
 A joint besides asks for how its points bend away from their tangents, - h/2 times that, as the
 velocities before have it, and then for what :func:`joint_gaps` finds open where the velocities
-after lead (SHAKE, solved to the end). The damper's rule is the implicit midpoint with the inertia
-of the whole mechanism.
+after lead (SHAKE, solved to the end).
 """
 
 from __future__ import annotations
@@ -25,11 +18,10 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.coordinates import ends, rate
+from sandbox.engine.coordinates import ends, flank, rate, rolled, toothed
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.records import EVEN, GROOVE, POINT, RANGE, ROLL, STIFF
-from sandbox.engine.teeth import flank, rolled, toothed
+from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
 from sandbox.engine.ties import joint_holds, left_over
 from sandbox.numeric import Array, Records
 
@@ -269,72 +261,6 @@ def joint_gaps(table: int, h: float) -> float:
             asked[joint["row_y"]] = -gap / h
             worst = max(worst, abs(gap))
     return worst
-
-
-@entry_point("cords")
-def cord_rows(table: int, h: float) -> None:
-    """Those of stiff and damped cords, and of spans; that of a slack one has no coefficients."""
-    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
-    guides, pulls, before = at.guides(table), at.guide_results(table), at.before(table)
-    J, rhs, compliance = at.entries(table)[0], at.unknowns(table)[0], at.unknowns(table)[1]
-    for i in range(len(cords)):
-        cord = cords[i]
-        r, first = cord["row"], cord["entry"]
-        if r < 0:
-            continue
-        for e in range(first, first + cord["entries"]):
-            J[e, 0] = J[e, 1] = J[e, 2] = 0.0
-        if cord["into"] >= 0:
-            J[cord["into"], 0] = 1.0
-        if cord["out_of"] >= 0:
-            J[cord["out_of"], 0] = -1.0
-        if not states[i]["active"]:
-            rhs[r], compliance[r] = 0.0, 1.0
-            continue
-        for n in range(cord["first"], cord["last"]):
-            e = guides[n]["entry"]
-            J[e, 0] -= pulls[n]["jx"]
-            J[e, 1] -= pulls[n]["jy"]
-            J[e, 2] -= pulls[n]["jt"]
-        rhs[r] = asked_by_cord(h, cord, states[i], results[i]["length"], guides, pulls, before)
-        compliance[r] = 1.0 / (h * cord_lead(h, cord, states[i]))
-
-
-@kernel
-def cord_lead(h: float, cord: Any, state: Any) -> float:
-    """By how much a cord's tension falls for a rate at which it shortens after the step [N s/m]."""
-    share = 1.0 / state["inside"] if cord["whole"] >= 0 else 1.0
-    k, c = share * state["k"], share * cord["c"]
-    if cord["kind"] == STIFF:
-        return max(float(c + h * k), LEAST)
-    return float(c / 2 + h * k / 4 if cord["kind"] == EVEN else c / 2)
-
-
-@kernel
-def asked_by_cord(
-    h: float, cord: Any, state: Any, length: float, guides: Records, pulls: Records,
-    before: Array,
-) -> float:
-    """The rate at which a taut cord wants to shorten, were there no tension [m/s]."""
-    share = 1.0 / state["inside"] if cord["whole"] >= 0 else 1.0
-    lead, pull = cord_lead(h, cord, state), share * state["k"] * (length - state["rest"])
-    if cord["kind"] == STIFF:
-        return float(pull / lead)
-    speed = shortening(cord, guides, pulls, before)
-    if cord["kind"] == EVEN:
-        return float((pull - (share * cord["c"] - lead) * speed) / lead)
-    return float(pull / lead - speed)
-
-
-@kernel
-def shortening(cord: Any, guides: Records, pulls: Records, velocity: Array) -> float:
-    """The rate at which a cord shortens as bodies move with ``velocity`` [nb, 3] [m/s]."""
-    speed = 0.0
-    for n in range(cord["first"], cord["last"]):
-        b = guides[n]["body"]
-        speed -= (pulls[n]["jx"] * velocity[b, 0] + pulls[n]["jy"] * velocity[b, 1]
-                 + pulls[n]["jt"] * velocity[b, 2])
-    return speed
 
 
 @kernel

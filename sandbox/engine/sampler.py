@@ -61,7 +61,8 @@ class Sampler:
             old = getattr(self.kept, name)
             new = np.zeros(max(count, len(old)), old.dtype)
             new[:len(old)] = old
-            self.kept = self.kept._replace(**{name: new})
+            room: dict[str, Any] = {name: new}
+            self.kept = self.kept._replace(**room)
         self.memory = self._memory()
 
     @property

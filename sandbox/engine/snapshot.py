@@ -1,4 +1,11 @@
-"""Memory for samples, which compiled code fills with copies of arrays."""
+"""Samples: copies of arrays, contacts, and means of forces over sample intervals.
+
+Where samples are several steps apart, the force of the sample's own step says nothing about the
+steps between. The mean over the sample interval does, and the interval lies around the sample,
+from half an interval before it to half an interval after it: so the mean belongs to the instant
+of the sample, to second order. With an even number of steps per interval, the step between two
+samples counts half for either. Intervals meet, so that the sum of means is the sum of impulses.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +15,12 @@ import numpy as np
 
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
+from sandbox.engine.impacts import REBOUND
 from sandbox.engine.kernel import kernel
 from sandbox.engine.memory import view_name
 from sandbox.engine.native import copy_words
-from sandbox.engine.state import CONTACT, CONTACT_SUMS, SAMPLED, Snapshot
+from sandbox.engine.records import STOP
+from sandbox.engine.state import AWAY, CLOSING, CONTACT, CONTACT_SUMS, RESTING, SAMPLED, Snapshot
 from sandbox.engine.tables import Tables
 from sandbox.kinds.arrays import FORCES
 from sandbox.numeric import Array, Records
@@ -97,3 +106,174 @@ def twist_of(body: Array, t: Any) -> float:
     normal, tangent = t["normal"] + t["bounce"], t["tangent"] + t["rub"]
     return float(x * (normal * t["ny"] + tangent * t["nx"])
                  - y * (normal * t["nx"] - tangent * t["ny"]))
+
+
+@kernel
+def room_for_contacts(table: int) -> bool:
+    """Whether there is room for the impacts and mean contacts of one more step; noted if not."""
+    near, unfinished = len(at.touches(table)), at.kept_unfinished(table)
+    rows = unfinished[0] + unfinished[1] + 2 * near
+    impacts = at.made(table)[3] + near
+    if rows > len(at.kept_mean_contacts(table)) or impacts > len(at.impacts(table)):
+        at.kept_taken(table)[2] = 2
+        return False
+    return True
+
+
+@kernel
+def count_step(table: int, h: float, every: int, due: int) -> None:
+    """Count the step just made to the means of samples ``every`` steps apart.
+
+    ``due`` steps later comes the next sample.
+    """
+    waiting = at.kept_waiting(table)
+    if every - due != every // 2:
+        waiting[0] += 1.0
+        return
+    share = 1.0 if every % 2 else 0.5
+    waiting[0] += share
+    keep_means(table, h, every)
+    waiting[0] = 1.0 - share
+
+
+@kernel
+def add_waiting(table: int, h: float) -> None:
+    """Add the forces of the last steps to the means, before the next step finds other ones.
+
+    As long as everything is at rest there is no need to.
+    """
+    if at.kept_waiting(table)[0] > 0.0:
+        add_forces(table, h)
+
+
+@entry_point()
+def keep_means(table: int, h: float, every: int) -> None:
+    """Keep the means of an interval, if it is that of a sample, and begin the next one."""
+    sums, taken = at.kept_sums(table), at.kept_taken(table)
+    unfinished, waiting = at.kept_unfinished(table), at.kept_waiting(table)
+    if taken[3] < taken[0]:
+        n = taken[0] - taken[1] - 1
+        if waiting[1] > 0.0:
+            add_forces(table, h)
+            at.kept_steady(table)[n] = 0
+            for k in range(len(sums)):
+                at.kept_means(table)[n, k] = sums[k] / every
+            unfinished[0] += unfinished[1]
+        at.kept_mean_fill(table)[n] = unfinished[0]
+        taken[3] = taken[0]
+    if waiting[1] > 0.0:
+        for k in range(len(sums)):
+            sums[k] = 0.0
+        unfinished[1] = 0
+        touches = at.touches(table)
+        for i in range(at.touching(table)[0]):
+            touches[i]["sums"] = -1
+        waiting[1] = 0.0
+
+
+@entry_point()
+def add_forces(table: int, h: float) -> None:
+    """Add the forces of the last step to the unfinished interval, as often as they are waiting."""
+    waiting = at.kept_waiting(table)
+    share = waiting[0]
+    waiting[0], waiting[1] = 0.0, 1.0
+    sums, joints, results = at.kept_sums(table), at.joints(table), at.joint_results(table)
+    for i in range(len(joints)):
+        k = FORCES * i
+        sums[k] += share * results[i]["fx"]
+        sums[k + 1] += share * results[i]["fy"]
+        sums[k + 2] += share * results[i]["couple"]
+    limits, stops = at.limits(table), at.limit_states(table)
+    for i in range(len(limits)):
+        if limits[i]["what"] == STOP and stops[i]["impulse"] > 0.0:
+            j = limits[i]["joint"]
+            torque = joints[j]["sense"] * limits[i]["side"] * stops[i]["impulse"] / h
+            sums[FORCES * j + 3] += share * torque
+    rubs, rubbed = at.rubs(table), at.rub_results(table)
+    for i in range(len(rubs)):
+        sums[FORCES * rubs[i]["joint"] + 4] += share * rubbed[i]["force"]
+    k = FORCES * len(joints)
+    cords, slips = at.cord_results(table), at.slip_results(table)
+    tendons = len(sums) - k - len(slips) - len(at.last_drive(table))
+    for i in range(tendons):  # spans of cords come after these
+        sums[k + i] += share * cords[i]["tension"]
+    k += tendons
+    for i in range(len(slips)):
+        sums[k + i] += share * slips[i]["force"]
+    k += len(slips)
+    actions, given = at.actions(table), at.action_results(table)
+    for i in range(len(actions)):
+        if actions[i]["motor"] >= 0:
+            sums[k + actions[i]["drive"]] += share * actions[i]["sense"] * given[i]["torque"]
+    _add_contacts(table, share)
+
+
+@kernel
+def _add_contacts(table: int, share: float) -> None:
+    touches, body, unfinished = at.touches(table), at.body(table), at.kept_unfinished(table)
+    for i in range(at.touching(table)[0]):
+        t = touches[i]
+        normal = share * (t["normal"] + t["bounce"])
+        if normal > 0.0:
+            new = t["sums"] < 0
+            if new:
+                t["sums"] = unfinished[1]
+                unfinished[1] += 1
+            c = at.kept_mean_contacts(table)[unfinished[0] + t["sums"]]
+            if new:
+                c["a"], c["b"] = t["a"], t["b"]
+                c["x"] = c["y"] = c["nx"] = c["ny"] = c["px"] = c["py"] = c["normal"] = 0.0
+            px, py = _impulse(t)
+            c["x"] += normal * (body[t["a"], 0] + t["ax"])
+            c["y"] += normal * (body[t["a"], 1] + t["ay"])
+            c["nx"] -= normal * t["nx"]
+            c["ny"] -= normal * t["ny"]
+            c["px"] += share * px
+            c["py"] += share * py
+            c["normal"] += normal
+
+
+@kernel
+def _impulse(touch: Any) -> tuple[float, float]:
+    """Of a contact on its first body in the step just made [N s]."""
+    normal, tangent = touch["normal"] + touch["bounce"], touch["tangent"] + touch["rub"]
+    return (tangent * touch["ny"] - normal * touch["nx"],
+            -tangent * touch["nx"] - normal * touch["ny"])
+
+
+@entry_point("shapes")
+def note_impacts(table: int) -> None:
+    """Note the contacts that were hit in the step just made.
+
+    A contact is hit if it carried nothing in the step before and approached faster than
+    :data:`~sandbox.engine.impacts.REBOUND`. Without restitution, a step may leave the speed that
+    closes the gap to the next step, which is noted, too.
+    """
+    touches, body, made = at.touches(table), at.body(table), at.made(table)
+    for i in range(at.touching(table)[0]):
+        t = touches[i]
+        last = t["phase"]
+        t["phase"] = RESTING if t["normal"] + t["bounce"] > 0.0 else AWAY
+        if t["phase"] == AWAY:
+            continue
+        fast = last == AWAY and _approach(at.before(table), t) > REBOUND
+        if fast and _approach(at.velocity(table), t) > REBOUND:
+            t["phase"] = CLOSING
+        if fast or last == CLOSING or t["bounce"] > 0.0:
+            one = at.impacts(table)[made[3]]
+            made[3] += 1
+            one["step"], one["a"], one["b"] = made[1], t["a"], t["b"]
+            one["x"], one["y"] = body[t["a"], 0] + t["ax"], body[t["a"], 1] + t["ay"]
+            one["px"], one["py"] = _impulse(t)
+            one["after"] = t["instant"] if t["bounce"] > 0.0 else 0.0
+
+
+@kernel
+def _approach(velocity: Array, touch: Any) -> float:
+    """Rate at which two bodies approach at a contact [m/s]."""
+    a, b = touch["a"], touch["b"]
+    x = (velocity[b, 0] - velocity[b, 2] * touch["by"]
+         - velocity[a, 0] + velocity[a, 2] * touch["ay"])
+    y = (velocity[b, 1] + velocity[b, 2] * touch["bx"]
+         - velocity[a, 1] - velocity[a, 2] * touch["ax"])
+    return float(-touch["nx"] * x - touch["ny"] * y)

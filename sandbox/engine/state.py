@@ -11,6 +11,7 @@ are first those of tendons, then those of spans.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -74,7 +75,7 @@ guide and its cord, and what that is measured by: the sum of the tensions on eit
 in a joint, and its measure: what the joint carries."""
 SLIDES, HOLDS, TRIED = 0, 1, 2
 """Phases of a row with static friction in a step: it has sliding friction; static friction; or it
-slipped against that, and sliding friction is tried (:mod:`sandbox.engine.breakaway`)."""
+slipped against that, and sliding friction is tried (:mod:`sandbox.engine.friction`)."""
 
 BOUND = np.dtype([
     ("source", np.int64), ("index", np.int64),  # NORMAL ... DRIVEN, and which one
@@ -373,7 +374,7 @@ SAMPLED: dict[type, tuple[str, ...]] = {
 class Snapshot(NamedTuple):
     """Memory for samples on their way to the recording."""
 
-    copied: dict[str, Array | Records]
+    copied: Mapping[str, Records]
     """Samples of :data:`SAMPLED` by the names of their views, an axis of samples before all others.
     """
     copies: Annotated[Integers, 2]

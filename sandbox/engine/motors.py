@@ -27,6 +27,7 @@ from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import PACED, PLACED, SPRUNG
 from sandbox.engine.state import DRIVEN
+from sandbox.numeric import Array
 
 CAUTION = 0.999
 """Share of the deceleration that a drive could brake with that it counts on."""
@@ -141,3 +142,26 @@ def _held(table: int, h: float, m: int, q: int, loads: bool) -> float:
             A[r, m] = (row["free"] - row["want"] - states[row["index"]]["seen"]) / h
     eliminate(A, m)
     return float(A[q, m])
+
+
+@entry_point("motors")
+def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
+    """Row ``n``, that of a motor or brake."""
+    out = at.rows(table)[n]
+    motor, states = at.motors(table)[i], at.motor_states(table)
+    value = drive[motor["drive"]]
+    brake = motor["most"] != motor["most"]
+    most = h * min(value if brake else motor["most"], 1e300)
+    out["source"], out["index"], out["normal"], out["friction"] = DRIVEN, i, -1, 0.0
+    out["a"], out["b"], out["branch"] = motor["a"], motor["b"], 0
+    out["low"], out["high"] = -most, most
+    out["ax"] = out["ay"] = out["bx"] = out["by"] = 0.0
+    out["at"], out["bt"] = -1.0, 1.0
+    out["want"] = 0.0 if brake else -motor["sense"] * value
+    out["soft"] = 0.0
+    if motor["slope"] > 0.0:  # at mid-step, as dampers are
+        before = at.before(table)
+        out["want"] = (before[motor["b"], 2] - before[motor["a"], 2]
+                       - 2.0 * motor["sense"] * value)
+        out["soft"] = 2.0 / (h * motor["slope"])
+    out["last"], out["mode"] = states[i]["impulse"], states[i]["mode"]
