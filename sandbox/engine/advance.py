@@ -172,7 +172,7 @@ def act(table: int, drive: Array) -> None:
             result["torque"] = 0.0
             continue
         value = drive[action["drive"]]
-        if action["line"] >= 0:
+        if action["line"]:
             result["torque"] = value
             _push_forces(table, action, value)
             continue
@@ -196,7 +196,7 @@ def act(table: int, drive: Array) -> None:
 @kernel
 def _push_forces(table: int, action: Any, force: float) -> None:
     """The force of a drive between the two points of an actuator; none where they meet."""
-    out, joint, a, b = at.force(table), at.joints(table)[action["line"]], action["a"], action["b"]
+    out, joint, a, b = at.force(table), at.joints(table)[action["joint"]], action["a"], action["b"]
     ax, ay, bx, by, dx, dy = ends(joint, at.body(table), at.turn(table))
     length = math.hypot(dx, dy)
     if length > 0.0:

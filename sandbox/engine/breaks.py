@@ -229,12 +229,7 @@ def _cut_spring(table: int, h: float, k: int, share: float) -> None:
 def _cut_action(table: int, h: float, k: int) -> None:
     """Take back the torque about a hinge, or the push of an actuator, that a drive gives."""
     s, out = at.actions(table)[k], at.action_results(table)[k]
-    p = -h * out["torque"]
-    if s["line"] >= 0:
-        _kick_along(table, s, at.joint_results(table)[s["line"]], p)
-    else:
-        _kick(table, s["b"], 0.0, 0.0, p)
-        _kick(table, s["a"], 0.0, 0.0, -p)
+    _kick_along(table, s, at.joint_results(table)[s["joint"]], -h * out["torque"])
     out["torque"] = 0.0
 
 

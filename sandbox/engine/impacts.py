@@ -19,7 +19,6 @@ from sandbox.engine.bounded import (
     eliminate,
     free_rate,
     make_system,
-    measures,
     push,
     rate,
     relax,
@@ -340,7 +339,7 @@ def _holds(table: int, row: Any) -> bool:
     """Whether a row held already before the impacts; a contact that closes in the step did not."""
     if row["source"] == NORMAL or row["source"] == TANGENT:
         return bool(at.found(table)[row["index"]]["listed"] == 1)
-    return not measures(row)
+    return not row["measure"]
 
 
 @kernel

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from sandbox.errors import Problem
 from sandbox.model.model import Model
@@ -61,15 +62,7 @@ def linked(model: Model, *, springs: bool = False, contacts: Flags | None = None
 
 
 def groups(model: Model, links: Flags) -> list[Integers]:
-    """The free bodies gathered by what links them [nb, nb], each group in order."""
-    left, found = model.bodies.free.copy(), []
-    while left.any():
-        group = np.zeros(len(left), dtype=bool)
-        group[left.argmax()] = True
-        new = group
-        while new.any():
-            new = links[new].any(axis=0) & ~group
-            group = group | new
-        found.append(np.flatnonzero(group))
-        left &= ~group
-    return found
+    """Connected components of the free bodies under ``links`` [nb, nb]."""
+    free = np.flatnonzero(model.bodies.free)
+    count, group = connected_components(links[np.ix_(free, free)], directed=False)
+    return [free[group == number] for number in range(count)]

@@ -18,11 +18,9 @@ from sandbox.engine.records import (
     GEAR,
     GROOVE,
     JOINT,
-    JOINT_STATE,
     LIMIT,
     LINE,
     MOTOR,
-    MOTOR_STATE,
     PACED,
     PLACED,
     POINT,
@@ -30,10 +28,7 @@ from sandbox.engine.records import (
     RANGE,
     ROLL,
     RUB,
-    RUB_STATE,
     SPRING,
-    SPRING_RESULT,
-    SPRING_STATE,
     SPRUNG,
     STIFF,
     STOP,
@@ -76,17 +71,10 @@ def motor_table(places: PlacedBodies, h: float) -> tuple[Records, dict[int, int]
             rows.append({
                 "drive": i, "a": a, "b": b, "sense": 1.0 if line else joints.sense[joint],
                 "most": drives.most[i], "slope": drives.slope[i],
-                "tie": places.model.ties.joint[joint], "law": law, "line": joint if line else -1,
+                "tie": places.model.ties.joint[joint], "law": law, "joint": joint, "line": line,
                 "k": drives.stiffness[i], "c": drives.damping[i], "stiff": stiff[i],
                 "fastest": drives.fastest[i], "zero": 0.0 if line else joints.zero[joint]})
     return records_of(rows, MOTOR), found
-
-
-def motor_state(motors: Records) -> Records:
-    """State of motors at t = 0."""
-    state = np.zeros(len(motors), MOTOR_STATE)
-    state["target"] = math.nan
-    return state
 
 
 def action_table(places: PlacedBodies, motors: dict[int, int]) -> Records:
@@ -96,7 +84,7 @@ def action_table(places: PlacedBodies, motors: dict[int, int]) -> Records:
     rows: list[dict[str, Any]] = []
     for i in drives.giving("force", "torque", "push", "surface").tolist():
         target = int(drives.target[i])
-        row: dict[str, Any] = {"drive": i, "motor": motors.get(i, -1), "tie": -1, "line": -1}
+        row: dict[str, Any] = {"drive": i, "motor": motors.get(i, -1), "tie": -1, "joint": -1}
         if drives.kind[i].gives == "surface":
             rows.append(row | {"a": number[target], "b": -1, "runs": 1, "sense": drives.sense[i]})
             continue
@@ -108,7 +96,7 @@ def action_table(places: PlacedBodies, motors: dict[int, int]) -> Records:
             continue
         a, b = number[joints.bodies[target]]
         line = drives.kind[i].gives == "push"
-        rows.append(row | {"a": a, "b": b, "line": target if line else -1,
+        rows.append(row | {"a": a, "b": b, "joint": target, "line": line,
                            "sense": 1.0 if line else joints.sense[target],
                            "tie": model.ties.joint[target]})
     return records_of(rows, ACTION)
@@ -148,13 +136,6 @@ def joint_table(places: PlacedBodies, rows: Rows) -> Records:
                 row["row_turn"], _ = rows.add(a, b)
         table.append(row)
     return records_of(table, JOINT)
-
-
-def joint_state(joints: Records) -> Records:
-    """State of joints at t = 0."""
-    state = np.zeros(len(joints), JOINT_STATE)
-    state["flank"] = 1.0
-    return state
 
 
 def limit_table(places: PlacedBodies) -> Records:
@@ -224,21 +205,6 @@ def spring_table(
     return records_of(table, SPRING), rests
 
 
-def spring_state(rests: list[float]) -> Records:
-    """State of springs at t = 0."""
-    state = np.zeros(len(rests), SPRING_STATE)
-    state["rest"] = rests
-    return state
-
-
-def spring_results(springs: Records, places: PlacedBodies) -> Records:
-    """Lengths of straight springs at t = 0, which are read before the first step."""
-    results = np.zeros(len(springs), SPRING_RESULT)
-    straight = springs["turning"] == 0
-    results["way"][straight] = places.model.springs.start[springs["number"][straight]]
-    return results
-
-
 def rub_table(joints: Records, model: Model, first: int) -> tuple[Records, list[tuple[int, int]]]:
     """RUB of all joints that rub and hold a free body; the rows that some of them hang on.
 
@@ -261,14 +227,12 @@ def rub_table(joints: Records, model: Model, first: int) -> tuple[Records, list[
     return table, sums
 
 
-def rub_state(rubs: Records, model: Model) -> Records:
-    """What they begin with: joints that move at t = 0 slip, those at rest hold."""
-    state = np.zeros(len(rubs), RUB_STATE)
+def begin_friction(state: Records, rubs: Records, model: Model) -> None:
+    """Set RUB_STATE at t = 0: joints that move slip, those at rest hold."""
     state["ux"], state["bound"] = 1.0, np.nan
     for own, j in zip(state, rubs["joint"].tolist(), strict=True):
         slides = model.joints.kind[j].keeps == "groove"
         own["mode"] = -np.sign(sliding(model, j) if slides else turning(model, j))
-    return state
 
 
 def wheel_fields(model: Model, i: int) -> dict[str, Any]:

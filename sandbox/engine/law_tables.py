@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.engine.plan import PlacedBodies, Rows
-from sandbox.engine.records import LOAD, LOAD_RESULT, LOAD_STATE, LOADED, LOADED_RESULT, NUMBERS
+from sandbox.engine.records import LOAD, LOADED
 from sandbox.engine.stiffness import responses
 from sandbox.model.load_laws import MOVED
 from sandbox.model.model import Model
@@ -78,16 +78,6 @@ class LoadTables(NamedTuple):
     """LOADED, of each body that has loads."""
     sides: Array
     """Of what liquids lift, from the centres of mass, [k, 5]."""
-
-    def states(self) -> Records:
-        """LOAD_STATE, [nk]."""
-        return np.zeros(len(self.loads), LOAD_STATE)
-
-    def results(self) -> tuple[Records, Records, Array]:
-        """LOAD_RESULT [nk], LOADED_RESULT and numbers of the bodies."""
-        count = len(self.loaded)
-        return (np.zeros(len(self.loads), LOAD_RESULT), np.zeros(count, LOADED_RESULT),
-                np.zeros((count, NUMBERS, 3)))
 
 
 def load_tables(places: PlacedBodies, laws: LawTables, rows: Rows) -> LoadTables:

@@ -22,7 +22,7 @@ from __future__ import annotations
 import math
 
 from sandbox.engine import memory as at
-from sandbox.engine.bounded import HOLD, eliminate, rate
+from sandbox.engine.bounded import HOLD, UNBOUNDED, begin_row, eliminate, put_coordinate, rate
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import PACED, PLACED, SPRUNG
@@ -61,17 +61,10 @@ def servo_row(table: int, h: float, value: float, i: int, n: int) -> None:
     """
     out = at.rows(table)[n]
     motor, state, before = at.motors(table)[i], at.motor_states(table)[i], at.before(table)
-    body, line = at.body(table), motor["line"]
-    place = body[motor["b"], 2] - body[motor["a"], 2]
+    place, seen = at.joint_results(table)[motor["joint"]]["way"], rate(out, before)
     state["bend"] = 0.0
-    if line >= 0:
-        way = at.joint_results(table)[line]
-        out["ax"], out["ay"], out["at"] = -way["dx"], -way["dy"], way["ta"]
-        out["bx"], out["by"], out["bt"] = way["dx"], way["dy"], way["tb"]
-        place = way["way"]
-    seen = rate(out, before)
-    if line >= 0:
-        state["bend"] = (_ahead(table, line, h) - place) / h - seen
+    if motor["line"]:
+        state["bend"] = (_ahead(table, motor["joint"], h) - place) / h - seen
     if motor["law"] == PACED:
         out["want"] = state["bend"] - value
         return
@@ -151,17 +144,13 @@ def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
     motor, states = at.motors(table)[i], at.motor_states(table)
     value = drive[motor["drive"]]
     brake = motor["most"] != motor["most"]
-    most = h * min(value if brake else motor["most"], 1e300)
-    out["source"], out["index"], out["normal"], out["friction"] = DRIVEN, i, -1, 0.0
-    out["a"], out["b"], out["branch"] = motor["a"], motor["b"], 0
+    most = h * min(value if brake else motor["most"], UNBOUNDED)
+    begin_row(out, DRIVEN, i, motor["a"], motor["b"], states[i]["impulse"], states[i]["mode"])
+    put_coordinate(out, at.joint_results(table)[motor["joint"]], 1.0)
     out["low"], out["high"] = -most, most
-    out["ax"] = out["ay"] = out["bx"] = out["by"] = 0.0
-    out["at"], out["bt"] = -1.0, 1.0
     out["want"] = 0.0 if brake else -motor["sense"] * value
-    out["soft"] = 0.0
     if motor["slope"] > 0.0:  # at mid-step, as dampers are
         before = at.before(table)
         out["want"] = (before[motor["b"], 2] - before[motor["a"], 2]
                        - 2.0 * motor["sense"] * value)
         out["soft"] = 2.0 / (h * motor["slope"])
-    out["last"], out["mode"] = states[i]["impulse"], states[i]["mode"]

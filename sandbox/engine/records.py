@@ -24,7 +24,8 @@ ACTION = np.dtype([
     ("x", float), ("y", float),     # where a force acts [m]
     ("dx", float), ("dy", float),   # its direction, a unit vector
     ("turning", np.int64),  # whether that turns with the body
-    ("line", np.int64),     # the actuator that is pushed, or -1
+    ("joint", np.int64),    # the joint that is driven, or -1
+    ("line", np.int64),     # whether that is an actuator, which is pushed
     ("motor", np.int64),    # -1, or the number of a motor or brake
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
     ("tie", np.int64),      # TIE of the hinge, or -1
@@ -104,9 +105,9 @@ JOINT_STATE = np.dtype([
     ("flank", float),       # which side of the teeth pushes, +1 or -1
 ])
 JOINT_RESULT = np.dtype([
-    ("way", float),         # along a groove from its start; the distance [m]
-    ("dx", float), ("dy", float),   # direction along the groove, or from a to b; push of teeth on b
-    ("ta", float), ("tb", float),   # d way / d angle of a and of b [m]
+    ("way", float),         # its free coordinate: along a groove, distance, angle of a pin [m, rad]
+    ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # what this depends on; of teeth
+                            # the direction of the push on b
     ("fx", float), ("fy", float),   # its force on b [N]
     ("couple", float),      # on b [N m]
 ])
@@ -128,7 +129,8 @@ MOTOR = np.dtype([
     ("slope", float),       # of a motor with a line [N m s/rad]; nan of others
     ("tie", np.int64),      # TIE of the hinge, or -1
     ("law", np.int64),      # PACED, SPRUNG or PLACED
-    ("line", np.int64),     # the actuator that it lengthens [N, m for N m, rad], or -1
+    ("joint", np.int64),    # that it drives
+    ("line", np.int64),     # whether that is an actuator, which it lengthens [N, m for N m, rad]
     ("k", float), ("c", float),     # with which it goes to a place [N m/rad, N m s/rad]
     ("stiff", np.int64),    # whether these are taken at the step's end
     ("fastest", float),     # that it goes there [rad/s]

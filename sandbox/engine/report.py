@@ -174,10 +174,8 @@ def add_work(table: int, h: float) -> None:
             continue
         if action["motor"] >= 0:
             result["torque"] = motors[action["motor"]]["impulse"] / h
-        if action["line"] >= 0:
-            power = result["torque"] * way_rate(table, action["line"], v)
-        elif action["b"] >= 0:
-            power = result["torque"] * (v[action["b"], 2] - v[a, 2])
+        if action["joint"] >= 0:
+            power = result["torque"] * way_rate(table, action["joint"], v)
         else:
             power = (result["fx"] * v[a, 0] + result["fy"] * v[a, 1]
                      + result["torque"] * v[a, 2])

@@ -18,7 +18,7 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.coordinates import ends, flank, rate, rolled, toothed
+from sandbox.engine.coordinates import ends, flank, measure_angle, rate, rolled, toothed
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
@@ -56,7 +56,7 @@ def closed(h: float) -> float:
 
 @entry_point()
 def joint_rows(table: int, h: float) -> None:
-    """Coefficients and right sides of all joints; ``results`` get the way along their line."""
+    """Coefficients and right sides of all joints; ``results`` get their free coordinates."""
     joints, results, body, turn, before = (
         at.joints(table), at.joint_results(table), at.body(table), at.turn(table),
         at.before(table))
@@ -82,6 +82,7 @@ def joint_rows(table: int, h: float) -> None:
                 J[e + 3, 0], J[e + 3, 1], J[e + 3, 2] = 0.0, 1.0, bx
                 rhs[joint["row"]] = -beyond(px) / h - h / 2 * kx
                 rhs[joint["row_y"]] = -beyond(py) / h - h / 2 * ky
+            measure_angle(joint, out, body)
             e += 4
         elif joint["keeps"] == GROOVE:
             c, s = turn[a, 0], turn[a, 1]
@@ -117,7 +118,7 @@ def joint_rows(table: int, h: float) -> None:
 
 @kernel
 def way_rate(table: int, joint: int, velocity: Array) -> float:
-    """Rate [m/s] of a joint's length or displacement as bodies move with ``velocity`` [nb, 3]."""
+    """Rate [m/s, rad/s] of a joint's free coordinate as bodies move with ``velocity`` [nb, 3]."""
     return rate(at.joints(table)[joint], at.joint_results(table)[joint], velocity)
 
 

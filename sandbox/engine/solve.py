@@ -23,7 +23,6 @@ from sandbox.engine import memory as at
 from sandbox.engine.bounded import (
     columns,
     couple,
-    measures,
     push,
     rate,
     relax,
@@ -46,7 +45,7 @@ from sandbox.engine.plan import assemble, backward, factor, forward
 from sandbox.engine.report import report
 from sandbox.engine.rows import closed, joint_gaps, joint_rows, right_side, spread, weigh
 from sandbox.engine.springs import change_laws, law_rows, spring_rows
-from sandbox.engine.state import LIMITED, NORMAL, STILL, STILL_TURNING
+from sandbox.engine.state import STILL, STILL_TURNING
 from sandbox.engine.tendons import (
     ask_slips,
     change_cords,
@@ -247,8 +246,7 @@ def jammed(table: int, n: int, slack: float) -> int:
             moving |= velocity[scheduled[i], j] != 0.0
     for k in range(n if moving else 0):
         row = rows[k]
-        pushes = row["source"] == NORMAL or row["source"] == LIMITED
-        overlaps = pushes and row["want"] <= -RETURN
+        overlaps = row["gentle"] == 1 and row["want"] <= -RETURN
         if row["out"]:
             if overlaps and _goes_on(row, velocity):
                 return k + 1
@@ -353,7 +351,7 @@ def find_velocities(table: int, n: int) -> None:
         unknowns[3, i] = unknowns[2, i]
     for k in range(n):
         p = rows[k]["p"]
-        if p != 0.0 and not measures(rows[k]):
+        if p != 0.0 and not rows[k]["measure"]:
             for q in range(rows[k]["branch"]):
                 i = reached[k, q]
                 unknowns[3, i] -= Y[k, i] * p

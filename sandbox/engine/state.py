@@ -85,7 +85,12 @@ BOUND = np.dtype([
     ("want", float),        # added to y [m/s, rad/s]
     ("trend", float),       # of impacts: how y, "want" at the pose, changes in the step [m/s^2]
     ("gap", float), ("closing", float), ("bend", float),    # gap there, its rate, how that changes
-    ("soft", float),        # of what a drive gives: y for an impulse of 1, besides
+    ("soft", float),        # compliance: added to y for an impulse of 1
+    ("measure", np.int64),  # whether the row acts on nothing: others are bounded by its impulse
+    ("gentle", np.int64),   # whether an overlap is undone slowly
+    ("hold", float),        # how strongly its impulse is held to the last, as a share of base
+    ("passive", np.int64),  # whether it is friction that must not drive where its measure is < 0
+    ("tight", float),       # share of its measure by which it may exceed its bound; 0 for any
     ("normal", np.int64),   # of a tangential row the normal one; -1 of others
     ("friction", float),
     ("low", float), ("high", float),    # of the impulse, of rows that are not tangential

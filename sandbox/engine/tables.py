@@ -2,38 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+import math
+from typing import Any, NamedTuple, get_args, get_type_hints
 
 import numpy as np
 
 from sandbox.engine.cord_tables import CordTables, cord_tables
-from sandbox.engine.fluid_tables import Circuits, make_circuits
+from sandbox.engine.fluid_tables import make_circuits
 from sandbox.engine.joint_tables import (
     action_table,
-    joint_state,
+    begin_friction,
     joint_table,
     limit_table,
-    motor_state,
     motor_table,
-    rub_state,
     rub_table,
-    spring_results,
-    spring_state,
     spring_table,
 )
-from sandbox.engine.law_tables import ROWS, LawTables, LoadTables, law_tables, load_tables
+from sandbox.engine.law_tables import ROWS, LawTables, law_tables, load_tables
 from sandbox.engine.lemke import MOST
-from sandbox.engine.plan import Pattern, PlacedBodies, Rows, make_pattern, place_bodies
-from sandbox.engine.records import (
-    ACTION_RESULT,
-    ACTION_STATE,
-    JOINT_RESULT,
-    LIMIT_STATE,
-    RUB_RESULT,
-    SLIP_RESULT,
-    SLIP_STATE,
-    TIE_RESULT,
-)
+from sandbox.engine.plan import Pattern, Rows, make_pattern, place_bodies
+from sandbox.engine.records import NUMBERS
 from sandbox.engine.state import BODY, BOUND, IMPACT, TOUCH, Constants, Result, State
 from sandbox.engine.stiffness import too_stiff
 from sandbox.engine.ties import room_for_breaks, tie_state, tie_table
@@ -90,26 +78,44 @@ def make_tables(
     circuits.valves["slot"][circuits.between] = pattern.joined
     _place_rows(pattern, (joints, ROWS), (springs, ("row",)),
                 (cords.constants, ("row",)), (circuits.fluids, ("row",)), (loads.loaded, ROWS))
+    tables: dict[str, Any] = {}
+    for part in (shapes, pattern, circuits, loads):
+        tables |= {name: value for name, value in part._asdict().items()
+                   if name in Constants._fields}
+    pairs = np.ix_(order, order)
     constants = Constants(
-        h, np.array(model.mechanism.gravity, dtype=float), places.inverse_mass,
-        _body_table(model, order), np.flatnonzero(model.bodies.scheduled[order]), actions, springs,
-        cords.constants, cords.guides, cords.slips, model.tendons.wheels, joints, limits,
-        motors, rubs, *circuits[:4], *loads, tie_table(model, springs, cords.constants),
-        *shapes, laws.steps, laws.curves, laws.knots,
-        *pair_tables(filters, order), pattern.starts, pattern.below, pattern.updates,
-        pattern.entry_row, pattern.entry_body,
-        pattern.pairs, pattern.direct, pattern.body_starts, pattern.body_entries,
-        pattern.branch_starts, pattern.branches, pattern.hubs)
-    state = State(
-        body, np.zeros(len(actions), ACTION_STATE), spring_state(rests), cords.state,
-        cords.guide_state, np.zeros(len(cords.slips), SLIP_STATE), joint_state(joints),
-        np.zeros(len(limits), LIMIT_STATE), motor_state(motors), rub_state(rubs, model),
-        *circuits.states(), loads.states(), np.zeros(4, dtype=np.int64), tie_state(model),
-        room_for_breaks(model), np.zeros(_impacts(room), IMPACT), np.zeros(room.contacts, TOUCH),
-        np.zeros(2, dtype=np.int64),
-        np.full(len(model.drives.name), np.nan), np.zeros(6, dtype=np.int64))
-    result = _results(places, constants, pattern, cords, circuits, laws, loads, velocity, room)
+        h=h, gravity=np.array(model.mechanism.gravity, dtype=float),
+        inverse_mass=places.inverse_mass, bodies=_body_table(model, order),
+        scheduled=np.flatnonzero(model.bodies.scheduled[order]), actions=actions, springs=springs,
+        cords=cords.constants, guides=cords.guides, slips=cords.slips, wheels=model.tendons.wheels,
+        joints=joints, limits=limits, motors=motors, rubs=rubs,
+        ties=tie_table(model, springs, cords.constants),
+        steps=laws.steps, curves=laws.curves, knots=laws.knots,
+        friction=np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
+        static=filters.static[pairs].copy(), restitution=filters.restitution[pairs].copy(),
+        **tables)
+    state = _filled(
+        State, constants, body=body, cords=cords.state, guides=cords.guide_state,
+        made=np.zeros(4, dtype=np.int64), ties=tie_state(model), broken=room_for_breaks(model),
+        impacts=np.zeros(_impacts(room), IMPACT), touches=np.zeros(room.contacts, TOUCH),
+        touching=np.zeros(2, dtype=np.int64),
+        last_drive=np.full(len(model.drives.name), np.nan), standing=np.zeros(6, dtype=np.int64))
+    state.springs["rest"], state.joints["flank"], state.motors["target"] = rests, 1.0, math.nan
+    state.fluids["content"] = circuits.content()
+    begin_friction(state.rubs, rubs, model)
+    result = _result(constants, pattern, cords, laws, velocity, room)
+    straight = springs["turning"] == 0  # lengths are read before the first step
+    result.springs["way"][straight] = model.springs.start[springs["number"][straight]]
+    result.fluids["pressure"] = circuits.fluids["start"]
     return Tables(constants, state, result)
+
+
+def _filled(part: Any, constants: Constants, **given: Any) -> Any:
+    """A :class:`State` or :class:`Result`: rows of zeros for all elements that are not given."""
+    notes = get_type_hints(part, include_extras=True)
+    return part(**given, **{
+        name: np.zeros(len(getattr(constants, name)), get_args(notes[name])[1])
+        for name in part._fields if name not in given})
 
 
 def _place_rows(pattern: Pattern, *tables: tuple[Records, tuple[str, ...]]) -> None:
@@ -156,34 +162,22 @@ def _body_table(model: Model, order: Integers) -> Records:
     return table
 
 
-def _results(
-    places: PlacedBodies, constants: Constants, pattern: Pattern, cords: CordTables,
-    circuits: Circuits, laws: LawTables, loads: LoadTables, velocity: Array, room: Room,
+def _result(
+    constants: Constants, pattern: Pattern, cords: CordTables, laws: LawTables, velocity: Array,
+    room: Room,
 ) -> Result:
     count, unknowns = len(constants.inverse_mass), len(pattern.starts) - 1
-    result = Result(
-        velocity, velocity.copy(), np.zeros((count, 3)), np.zeros((count, 3)),
-        np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 2)),
-        np.zeros(len(constants.actions), ACTION_RESULT),
-        spring_results(constants.springs, places), cords.result,
-        cords.guide_result, np.zeros(len(constants.slips), SLIP_RESULT),
-        np.zeros(len(constants.joints), JOINT_RESULT), np.zeros(len(constants.rubs), RUB_RESULT),
-        *circuits.results(), *loads.results(), np.zeros((3, 4)),
-        np.zeros(len(constants.ties), TIE_RESULT), np.zeros(count), laws.stack, laws.read,
-        np.zeros((2, len(pattern.entry_row), 3)), np.zeros(len(pattern.below) + unknowns),
-        np.zeros((5, unknowns)), **_workspace(room, unknowns))
+    result: Result = _filled(
+        Result, constants, velocity=velocity, before=velocity.copy(),
+        **{name: np.zeros((count, 3)) for name in ("force", "free", "kick", "delayed", "shift")},
+        turn=np.zeros((count, 2)), cords=cords.result, guides=cords.guide_result,
+        pressing=np.zeros((len(constants.loaded), NUMBERS, 3)), felt=np.zeros((3, 4)),
+        belts=np.zeros(count), stack=laws.stack, read_names=laws.read,
+        entries=np.zeros((2, len(pattern.entry_row), 3)),
+        values=np.zeros(len(pattern.below) + unknowns), unknowns=np.zeros((5, unknowns)),
+        **_workspace(room, unknowns))
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
     result.unknowns[1][constants.slips["row"]] = -cords.drag
     return result
-
-
-def pair_tables(filters: Filters, order: Integers) -> tuple[Array, Array, Array]:
-    """Friction, static and restitution of all pairs of bodies in pymunk's order, [nb, nb] each.
-
-    Friction is negative where two bodies may not touch.
-    """
-    pairs = np.ix_(order, order)
-    return (np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
-            filters.static[pairs].copy(), filters.restitution[pairs].copy())

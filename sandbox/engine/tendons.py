@@ -29,6 +29,7 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.bounded import HOLD_TANGENT, UNBOUNDED, begin_row
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.network import measure, wound_up
@@ -50,6 +51,13 @@ from sandbox.engine.ties import (
     slacken_tied,
 )
 from sandbox.numeric import Array, Records
+
+EXCESS = 1e-10
+"""Share of the tensions on both sides of a guide by which its friction may exceed its bound.
+
+The tolerance of rates, which a fast row elsewhere sets, says little of it: a stiff cable hardly
+slips under a force that is far beyond its bound.
+"""
 
 
 @kernel
@@ -86,19 +94,14 @@ def slip_rows(table: int, h: float, i: int, n: int) -> int:
         return n
     pulled = at.cords(table)[slip["after"]]["kind"] == PULL
     out = rows[n]
-    out["source"], out["a"], out["b"] = PULLED, slip["sum"], slip["sum"]
+    begin_row(out, PULLED, i, slip["sum"], slip["sum"], state["sum"], 0)
+    out["measure"], out["low"], out["high"] = 1, -UNBOUNDED, UNBOUNDED
     out["ax"], out["ay"] = -1.0, 0.0 if pulled else -1.0
     out["want"] = -h * at.cord_results(table)[slip["after"]]["tension"] if pulled else 0.0
-    out["low"], out["high"], out["normal"] = -1e300, 1e300, -1
-    out["last"], out["mode"], out["friction"] = state["sum"], 0, 0.0
     out = rows[n + 1]
-    out["source"], out["a"], out["b"] = SLIPPING, slip["slide"], slip["slide"]
-    out["ax"], out["ay"], out["want"] = -1.0, 0.0, 0.0
-    out["low"], out["high"], out["normal"] = 0.0, 0.0, n
-    out["last"], out["mode"], out["friction"] = state["impulse"], state["mode"], bound
-    for k in range(n, n + 2):
-        rows[k]["index"], rows[k]["branch"] = i, 0
-        rows[k]["at"] = rows[k]["bx"] = rows[k]["by"] = rows[k]["bt"] = 0.0
+    begin_row(out, SLIPPING, i, slip["slide"], slip["slide"], state["impulse"], state["mode"])
+    out["ax"], out["normal"], out["friction"] = -1.0, n, bound
+    out["hold"], out["tight"] = HOLD_TANGENT, EXCESS
     return n + 2
 
 
