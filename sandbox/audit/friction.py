@@ -243,7 +243,7 @@ def _breaking_away(
 ) -> tuple[Array, Array]:
     """Least and largest friction where it slips, [n]: that of sliding, or a share of both bounds.
 
-    The latter where it may have begun to slip in this step (:mod:`sandbox.engine.breakaway`): it
+    The latter where it may have begun to slip in this step (:mod:`sandbox.engine.friction`): it
     held in the sample before, or slipped the other way.
     """
     begins = np.append(True, holds[:-1] | (rate[1:] * rate[:-1] < 0))

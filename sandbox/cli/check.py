@@ -15,8 +15,7 @@ from sandbox.cli.scenes import complete_scene, load, scene_path
 from sandbox.errors import Problem, SceneError
 
 if TYPE_CHECKING:
-    from sandbox.engine.estimate import Estimate
-    from sandbox.engine.inspect import Inspection
+    from sandbox.engine.inspect import Estimate, Inspection
     from sandbox.scene.read.limits import Limits
     from sandbox.scene.read.load import Loaded
 
@@ -92,7 +91,7 @@ def _expand(
 
 def report_of(scene: str, overrides: dict[str, Any], limits: Limits) -> dict[str, Any]:
     """Check one scene; ``lines``, ``takes`` and ``pages`` are text, the rest is JSON data."""
-    from sandbox.engine.inspect_trees import reaches
+    from sandbox.engine.inspect_hands import reaches
     from sandbox.model.compile import compile_mechanism
 
     warned: list[str] = []

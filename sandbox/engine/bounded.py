@@ -28,7 +28,6 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.state import DRIVEN, LIMITED, NORMAL, PRESSED, PULLED, RUBBING, SLIPPING
 from sandbox.numeric import Array, Integers, Records
 
 HOLD, HOLD_TANGENT = 1e-10, 1e-7
@@ -36,6 +35,8 @@ HOLD, HOLD_TANGENT = 1e-10, 1e-7
 FADE, MOVING = 0.01, 1e-3
 """How much of a row's last impulse fades in a step; its rate [m/s, rad/s] up to which it is less.
 """
+UNBOUNDED = 1e300
+"""As the bound of an impulse that has none [N s, N m s]."""
 LEVER = 0.1
 """Where joints leave less than this share of what an impulse does to the bodies alone, overlaps are
 undone the more slowly: by a short lever they would throw them."""
@@ -43,14 +44,27 @@ FIRST, ROUNDS, SWEEPS = 4, 40, 60
 """Rounds in which all rows change; rounds in all; sweeps of relaxation after these."""
 LARGE, FEWEST = 600, 8
 """Of more rows than this each round takes so long that there are fewer, down to the second."""
-GRIPS = 1e-10
-"""Share of the tensions on both sides of a guide by which its friction may be beyond its bound.
-
-A rate that counts as none, which a fast row elsewhere sets, says little of it: stiff cord hardly
-slips under a force that is far beyond.
-"""
 SHARE, ALONE = 0.3, 3
 """Later those change that are wrong by this share of the worst; every so many rounds it alone."""
+
+
+@kernel
+def begin_row(out: Any, source: int, index: int, a: int, b: int, last: float, mode: int) -> None:
+    """Make ``out`` a row on two bodies without coefficients, bounds, friction or compliance."""
+    out["source"], out["index"], out["a"], out["b"] = source, index, a, b
+    out["ax"] = out["ay"] = out["at"] = out["bx"] = out["by"] = out["bt"] = 0.0
+    out["want"] = out["low"] = out["high"] = out["friction"] = out["soft"] = out["tight"] = 0.0
+    out["last"], out["mode"], out["normal"], out["branch"] = last, mode, -1, 0
+    out["measure"] = out["gentle"] = out["passive"] = 0
+    out["hold"], out["static"] = HOLD, 1.0
+
+
+@kernel
+def put_coordinate(out: Any, coordinate: Any, side: float) -> None:
+    """Give a row the coefficients of a coordinate, times ``side``."""
+    out["ax"], out["ay"] = -side * coordinate["dx"], -side * coordinate["dy"]
+    out["bx"], out["by"] = side * coordinate["dx"], side * coordinate["dy"]
+    out["at"], out["bt"] = side * coordinate["ta"], side * coordinate["tb"]
 
 
 @entry_point()
@@ -150,9 +164,9 @@ def couple(table: int, begin: int, first: int, count: int) -> None:
             for q in range(min(n, other["branch"])):
                 r = reached[short, q]
                 x -= y[r] * values[diagonal + r] * z[r]
-            G[k, m] = 0.0 if measures(other) else x
-            G[m, k] = 0.0 if measures(row) else x
-        G[k, k] = 1.0 if measures(row) else G[k, k] + _softness(row)
+            G[k, m] = 0.0 if other["measure"] else x
+            G[m, k] = 0.0 if row["measure"] else x
+        G[k, k] = 1.0 if row["measure"] else G[k, k] + row["soft"]
         _calm(row, G[k, k])
         row["out"] = G[k, k] < HOLD * row["base"]
         if row["out"]:
@@ -181,22 +195,10 @@ def free_rate(
 
 
 @kernel
-def measures(row: Any) -> bool:
-    """Whether a row acts on nothing: it only says what friction is measured by."""
-    return bool(row["source"] == PULLED or row["source"] == PRESSED)
-
-
-@kernel
-def _softness(row: Any) -> float:
-    """By how much a row gives way by itself, as a motor on its line does."""
-    return float(row["soft"]) if row["source"] == DRIVEN else 0.0
-
-
-@kernel
 def _calm(row: Any, own: float) -> None:
     """Ask an overlap back no faster than what throws no body; ``own`` is the row's own G."""
     row["back"] = 0.0
-    if row["want"] < 0.0 and (row["source"] == NORMAL or row["source"] == LIMITED):
+    if row["want"] < 0.0 and row["gentle"]:
         row["back"] = row["want"] * min(1.0, own / (LEVER * row["base"]))
         row["free"] += row["back"] - row["want"]
 
@@ -322,8 +324,7 @@ def _impulses(rows: Records, n: int, A: Array, chosen: Integers, m: int) -> None
 @kernel
 def held(row: Any) -> float:
     """What is added to y for a change of the row's impulse by 1 N s."""
-    tangent = row["normal"] >= 0 and row["source"] != RUBBING
-    return float((HOLD_TANGENT if tangent else HOLD) * row["base"])
+    return float(row["hold"] * row["base"])
 
 
 @kernel
@@ -343,7 +344,7 @@ def _wrong(rows: Records, n: int, G: Array, k: int, slack: float) -> tuple[float
     if t >= 0 and rows[t]["mode"] != 0:
         return 0.0, 0
     if mode != 0:
-        if row["source"] == RUBBING and t >= 0 and rows[t]["p"] < 0.0:
+        if row["passive"] and t >= 0 and rows[t]["p"] < 0.0:
             return float(-row["friction"] * rows[t]["p"] * G[k, k]), 0  # it would drive
         if row["low"] == row["high"] and t < 0:
             return 0.0, mode
@@ -357,7 +358,7 @@ def _wrong(rows: Records, n: int, G: Array, k: int, slack: float) -> tuple[float
     if beyond <= 0.0:
         return 0.0, 0
     bad = float(beyond * G[k, k])
-    if row["source"] == SLIPPING and beyond > GRIPS * abs(rows[t]["p"]):
+    if row["tight"] > 0.0 and beyond > row["tight"] * abs(rows[t]["p"]):
         bad = max(bad, 2.0 * slack)
     return bad, -1 if p < low else 1
 

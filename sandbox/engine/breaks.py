@@ -15,14 +15,15 @@ the torques and pushes that drives are set to, which go with it for the whole st
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import push
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
+from sandbox.engine.records import CORDED, GRIPPED, JOINED, SPRINGY
 from sandbox.engine.report import add_limit, joint_force
-from sandbox.engine.state import DRIVEN, GRIPPED, LIMITED, RUBBING
-from sandbox.engine.tie_state import CORDED, JOINED, STRAIGHT
+from sandbox.engine.state import DRIVEN, LIMITED, RUBBING
 from sandbox.engine.ties import empty_joint, empty_row, holds
 
 TOGETHER = 1e-6
@@ -98,14 +99,10 @@ def _load(table: int, h: float, n: int, tie: int) -> float:
                     at.limits(table)[rows[k]["index"]]["joint"] == i):
                 add_limit(table, h, k)
         return math.hypot(out["fx"], out["fy"])
-    if what == STRAIGHT:
+    if what == SPRINGY:
         row = at.springs(table)[i]["row"]
         return float(abs(
-            unknown[row] / h if row >= 0 else at.spring_results(table)[i]["force"]))
-    if what != CORDED:
-        row = at.actions(table)[i]["row"]
-        return float(abs(
-            unknown[row] / h if row >= 0 else at.action_results(table)[i]["torque"]))
+            unknown[row] / h if row >= 0 else at.spring_results(table)[i]["effort"]))
     cord = at.cords(table)[i]
     if cord["kind"] != GRIPPED:
         return _tension(table, h, i)
@@ -150,21 +147,12 @@ def _cut(table: int, h: float, n: int, tie: int, share: float) -> None:
     what, i = at.ties(table)[tie]["what"], at.ties(table)[tie]["index"]
     if what == JOINED:
         _cut_joint(table, h, n, i, share)
-    elif what == STRAIGHT:
-        s, out = at.springs(table)[i], at.spring_results(table)[i]
-        if s["row"] >= 0:
-            out["force"] = _cut_row(table, h, s["row"], s["entry"], share)
-        else:
-            p = (share - 1.0) * h * out["force"]
-            _kick(table, s["a"], p * out["ux"], p * out["uy"], p * out["ta"])
-            _kick(table, s["b"], -p * out["ux"], -p * out["uy"], -p * out["tb"])
-            out["force"] *= share
     elif what == CORDED:
         _cut_cord(table, h, i, share)
         for k in range(at.cords(table)[i]["spans"], at.cords(table)[i]["spans_end"]):
             _cut_cord(table, h, k, share)
-    elif holds(table, at.actions(table)[i]["hinge_tie"]):  # else it went with its hinge
-        _cut_action(table, h, i, share)
+    elif holds(table, at.springs(table)[i]["hinge_tie"]):  # else it was cut with its hinge
+        _cut_spring(table, h, i, share)
 
 
 @kernel
@@ -190,14 +178,13 @@ def _cut_joint(table: int, h: float, n: int, j: int, share: float) -> None:
             e += 2
     _cut_bounded(table, n, j, share)
     empty_joint(table, j)
-    dampers, actions = at.dampers(table), at.actions(table)
-    for k in range(len(dampers)):
-        if dampers[k]["joint"] == j:
-            at.damper_states(table)[k]["torque"] = _cut_row(
-                table, h, dampers[k]["row"], dampers[k]["entry"], share)
+    springs, actions = at.springs(table), at.actions(table)
+    for k in range(len(springs)):
+        if springs[k]["hinge_tie"] == joint["tie"] and holds(table, springs[k]["tie"]):
+            _cut_spring(table, h, k, share)
     for k in range(len(actions)):
-        if actions[k]["hinge_tie"] == joint["tie"] and holds(table, actions[k]["tie"]):
-            _cut_action(table, h, k, share)
+        if actions[k]["tie"] == joint["tie"] and actions[k]["motor"] < 0:
+            _cut_action(table, h, k)
 
 
 @kernel
@@ -222,26 +209,28 @@ def _cut_bounded(table: int, n: int, j: int, share: float) -> None:
 
 
 @kernel
-def _cut_action(table: int, h: float, k: int, share: float) -> None:
-    """The same of what acts about a hinge, or between an actuator's points.
+def _kick_along(table: int, element: Any, out: Any, p: float) -> None:
+    """Add what an impulse along a coordinate does to the free velocities."""
+    _kick(table, element["b"], p * out["dx"], p * out["dy"], p * out["tb"])
+    _kick(table, element["a"], -p * out["dx"], -p * out["dy"], p * out["ta"])
 
-    A torque or a push is what its drive is set to, or nothing: of these nothing is given.
-    """
-    s, out = at.actions(table)[k], at.action_results(table)[k]
-    if s["spring"] < 0:
-        share = 0.0
+
+@kernel
+def _cut_spring(table: int, h: float, k: int, share: float) -> None:
+    s, out = at.springs(table)[k], at.spring_results(table)[k]
     if s["row"] >= 0:
-        out["torque"] = _cut_row(table, h, s["row"], s["entry"], share)
-    elif s["motor"] < 0:
-        p = (share - 1.0) * h * out["torque"]
-        if s["line"] >= 0:
-            way = at.joint_results(table)[s["line"]]
-            _kick(table, s["b"], p * way["dx"], p * way["dy"], p * way["tb"])
-            _kick(table, s["a"], -p * way["dx"], -p * way["dy"], p * way["ta"])
-        else:
-            _kick(table, s["b"], 0.0, 0.0, p)
-            _kick(table, s["a"], 0.0, 0.0, -p)
-        out["torque"] *= share
+        out["effort"] = _cut_row(table, h, s["row"], s["entry"], share)
+    else:
+        _kick_along(table, s, out, (share - 1.0) * h * out["effort"])
+        out["effort"] *= share
+
+
+@kernel
+def _cut_action(table: int, h: float, k: int) -> None:
+    """Take back the torque about a hinge, or the push of an actuator, that a drive gives."""
+    s, out = at.actions(table)[k], at.action_results(table)[k]
+    _kick_along(table, s, at.joint_results(table)[s["joint"]], -h * out["torque"])
+    out["torque"] = 0.0
 
 
 @kernel

@@ -6,16 +6,24 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.bounded import FADE, MOVING, rate
+from sandbox.engine.bounded import (
+    FADE,
+    HOLD_TANGENT,
+    MOVING,
+    UNBOUNDED,
+    begin_row,
+    put_coordinate,
+    rate,
+)
+from sandbox.engine.coordinates import flank
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.joint_state import FLANK, PACED, STOP
+from sandbox.engine.friction import rub_rows
 from sandbox.engine.kernel import kernel
+from sandbox.engine.motors import motor_row, servo_row
+from sandbox.engine.records import FLANK, PACED, STOP
 from sandbox.engine.rows import beyond
-from sandbox.engine.rubs import rub_rows
-from sandbox.engine.servos import servo_row
-from sandbox.engine.slips import slip_rows
-from sandbox.engine.state import DRIVEN, HOLDS, LIMITED, NORMAL, SLIDES, STILL, TANGENT
-from sandbox.engine.teeth import flank
+from sandbox.engine.state import HOLDS, LIMITED, NORMAL, SLIDES, STILL, TANGENT
+from sandbox.engine.tendons import slip_rows
 from sandbox.engine.ties import holds, joint_holds
 from sandbox.numeric import Array, Records
 
@@ -34,13 +42,11 @@ def touch_row(h: float, touches: Records, i: int, out: Any) -> None:
     """The normal row of contact ``i``, a TOUCH, into a BOUND."""
     t = touches[i]
     nx, ny = t["nx"], t["ny"]
-    out["source"], out["index"], out["normal"] = NORMAL, i, -1
-    out["a"], out["b"] = t["a"], t["b"]
+    begin_row(out, NORMAL, i, t["a"], t["b"], t["normal"], 0)
+    out["gentle"], out["high"] = 1, UNBOUNDED
     out["ax"], out["ay"], out["bx"], out["by"] = -nx, -ny, nx, ny
     out["at"], out["bt"] = t["ay"] * nx - t["ax"] * ny, t["bx"] * ny - t["by"] * nx
     out["want"] = returning(h, t["gap"] + t["led"], RETURN) + 0.5 * h * t["acceleration"]
-    out["low"], out["high"], out["friction"] = 0.0, 1e300, 0.0
-    out["last"], out["mode"], out["branch"] = t["normal"], 0, 0
 
 
 @kernel
@@ -55,13 +61,11 @@ def rub_row(h: float, body: Array, touches: Records, i: int, normal: int, out: A
     x, y = -t["ny"], t["nx"]
     wa, wb = body[t["a"], 5], body[t["b"], 5]
     arm_a, arm_b = t["ax"] * x + t["ay"] * y, t["bx"] * x + t["by"] * y
-    out["source"], out["index"], out["normal"] = TANGENT, i, normal
-    out["a"], out["b"] = t["a"], t["b"]
+    begin_row(out, TANGENT, i, t["a"], t["b"], t["tangent"], t["mode"])
+    out["normal"], out["friction"], out["hold"] = normal, t["friction"], HOLD_TANGENT
     out["ax"], out["ay"], out["bx"], out["by"] = -x, -y, x, y
     out["at"], out["bt"] = t["ay"] * x - t["ax"] * y, t["bx"] * y - t["by"] * x
     out["want"] = 0.5 * h * (wa * wa * arm_a - wb * wb * arm_b) + t["belt"]
-    out["low"], out["high"], out["friction"] = 0.0, 0.0, t["friction"]
-    out["last"], out["mode"], out["branch"] = t["tangent"], t["mode"], 0
     out["static"], out["phase"], out["slip"] = t["static"], SLIDES, t["mode"]
     a, b, carried = t["a"], t["b"], t["normal"] > 0.0
     sliding = (x * (body[b, 3] - body[a, 3]) + y * (body[b, 4] - body[a, 4])
@@ -76,49 +80,18 @@ def rub_row(h: float, body: Array, touches: Records, i: int, normal: int, out: A
 def _limit_row(table: int, h: float, i: int, out: Any) -> None:
     limit = at.limits(table)[i]
     joint, way = at.joints(table)[limit["joint"]], at.joint_results(table)[limit["joint"]]
-    side, a, b = limit["side"], joint["a"], joint["b"]
-    out["source"], out["index"], out["normal"], out["friction"] = LIMITED, i, -1, 0.0
-    out["a"], out["b"], out["low"], out["high"], out["branch"] = a, b, 0.0, 1e300, 0
-    out["last"], out["mode"] = at.limit_states(table)[i]["impulse"], 0
+    side = limit["side"]
+    begin_row(out, LIMITED, i, joint["a"], joint["b"], at.limit_states(table)[i]["impulse"], 0)
+    out["gentle"], out["high"] = 1, UNBOUNDED
     if limit["what"] == FLANK:
         gap, ux, uy, on_a, on_b = flank(joint, side, 0.0, at.body(table), at.before(table))
         out["ax"], out["ay"], out["at"] = -ux, -uy, on_a
         out["bx"], out["by"], out["bt"] = ux, uy, on_b
         out["want"] = returning(h, gap - limit["bound"], RETURN)
         return
-    if limit["what"] == STOP:
-        out["ax"] = out["ay"] = out["bx"] = out["by"] = 0.0
-        out["at"], out["bt"] = -side, side
-        body = at.body(table)
-        gap = side * (body[b, 2] - body[a, 2] - limit["bound"])
-        out["want"] = returning(h, gap, RETURN_TURNING)
-        return
-    out["ax"], out["ay"], out["at"] = -side * way["dx"], -side * way["dy"], side * way["ta"]
-    out["bx"], out["by"], out["bt"] = side * way["dx"], side * way["dy"], side * way["tb"]
-    out["want"] = returning(h, side * (way["way"] - limit["bound"]), RETURN)
-
-
-@entry_point("motors")
-def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
-    """Row ``n``, that of a motor or brake."""
-    out = at.rows(table)[n]
-    motor, states = at.motors(table)[i], at.motor_states(table)
-    value = drive[motor["drive"]]
-    brake = motor["most"] != motor["most"]
-    most = h * min(value if brake else motor["most"], 1e300)
-    out["source"], out["index"], out["normal"], out["friction"] = DRIVEN, i, -1, 0.0
-    out["a"], out["b"], out["branch"] = motor["a"], motor["b"], 0
-    out["low"], out["high"] = -most, most
-    out["ax"] = out["ay"] = out["bx"] = out["by"] = 0.0
-    out["at"], out["bt"] = -1.0, 1.0
-    out["want"] = 0.0 if brake else -motor["sense"] * value
-    out["soft"] = 0.0
-    if motor["slope"] > 0.0:  # at mid-step, as dampers are
-        before = at.before(table)
-        out["want"] = (before[motor["b"], 2] - before[motor["a"], 2]
-                       - 2.0 * motor["sense"] * value)
-        out["soft"] = 2.0 / (h * motor["slope"])
-    out["last"], out["mode"] = states[i]["impulse"], states[i]["mode"]
+    put_coordinate(out, way, side)
+    fastest = RETURN_TURNING if limit["what"] == STOP else RETURN
+    out["want"] = returning(h, side * (way["way"] - limit["bound"]), fastest)
 
 
 @entry_point()
@@ -134,7 +107,7 @@ def kept_rows(table: int, h: float, drive: Array) -> int:
     for i in range(len(motors)):
         if holds(table, motors[i]["tie"]):
             motor_row(table, h, drive, i, n)
-            if motors[i]["law"] != PACED or motors[i]["line"] >= 0:
+            if motors[i]["law"] != PACED or motors[i]["line"]:
                 servo_row(table, h, drive[motors[i]["drive"]], i, n)
             n += 1
     for i in range(len(at.rubs(table))):

@@ -6,18 +6,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.engine.cord_state import (
+from sandbox.engine.network import ASIDE, measure
+from sandbox.engine.plan import PlacedBodies, Rows
+from sandbox.engine.records import (
     CORD,
     CORD_RESULT,
     CORD_STATE,
+    DAMPED,
+    ELASTIC,
+    EVEN,
+    GRIPPED,
     GUIDE,
     GUIDE_RESULT,
     GUIDE_STATE,
+    PULL,
     SLIP,
+    SOFT,
+    STIFF,
 )
-from sandbox.engine.network import ASIDE, measure
-from sandbox.engine.placed import PlacedBodies, Rows
-from sandbox.engine.state import DAMPED, ELASTIC, EVEN, GRIPPED, PULL, SOFT, STIFF
 from sandbox.engine.stiffness import cord_responses, stiff_cords
 from sandbox.model.tendons import CordSpan, lifted_at_start, spans_of
 from sandbox.numeric import Array, Integers, Records

@@ -31,10 +31,9 @@ from numba.extending import intrinsic
 
 from sandbox.engine import source_hash
 from sandbox.engine.compiling import report_compiled, report_progress
-from sandbox.engine.features import FEATURES
-from sandbox.engine.kernel import kernel
+from sandbox.engine.kernel import fast_compilation, kernel
 from sandbox.engine.memory import TABLE_WORDS
-from sandbox.engine.numba_linking import fast_compilation
+from sandbox.engine.records import GEAR, RACK, ROLL
 from sandbox.engine.source_hash import cacheable
 from sandbox.engine.state import Constants
 from sandbox.numeric import Integers
@@ -292,3 +291,27 @@ def _remove_obsolete(made: Any, name: str) -> None:
         with contextlib.suppress(OSError):
             if time.time() - path.stat().st_mtime > _OBSOLETE:
                 path.unlink()
+
+
+def _bounded(c: Constants) -> bool:
+    return bool(len(c.limits) or len(c.motors) or len(c.slips) or len(c.rubs) or len(c.shapes))
+
+
+FEATURES: dict[str, Callable[[Constants], bool]] = {
+    "actions": lambda c: len(c.actions) > 0,
+    "bounces": lambda c: bool((c.restitution > 0.0).any()),
+    "bounded": _bounded,
+    "cords": lambda c: len(c.cords) > 0,
+    "curves": lambda c: len(c.spans) > 0,
+    "fluids": lambda c: bool(len(c.fluids) or len(c.valves) or len(c.pumps)),
+    "laws": lambda c: len(c.steps) > 0,
+    "loads": lambda c: bool(len(c.loads) or len(c.loaded)),
+    "motors": lambda c: len(c.motors) > 0,
+    "rubs": lambda c: len(c.rubs) > 0,
+    "shapes": lambda c: len(c.shapes) > 0,
+    "slips": lambda c: bool(len(c.slips) or (c.cords["spans"] < c.cords["spans_end"]).any()),
+    "springs": lambda c: len(c.springs) > 0,
+    "static": lambda c: bool((c.static > 1.0).any() or (c.rubs["static"] > 1.0).any()),
+    "teeth": lambda c: bool(np.isin(c.joints["keeps"], (GEAR, RACK, ROLL)).any()),
+    "ties": lambda c: len(c.ties) > 0,
+}

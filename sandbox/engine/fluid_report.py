@@ -153,23 +153,3 @@ def add_fluid_work(table: int, h: float, v: Matrix) -> None:
         head = _head(fluids[line], results[line]["pressure"])
         given[i]["step_work"] = h * given[i]["flow"] * head
         works[i]["work"] += given[i]["step_work"]
-
-
-@entry_point("fluids")
-def take_lines(table: int, n: int) -> None:
-    """Copy the step just made into row ``n`` that samples are kept in."""
-    states, results, kept = (
-        at.fluid_states(table), at.fluid_results(table), at.kept_fluids(table))
-    for i in range(len(states)):
-        s, r = states[i], results[i]
-        kept[n, i, 0], kept[n, i, 1], kept[n, i, 2] = r["pressure"], r["grown"], r["flow"]
-        kept[n, i, 3], kept[n, i, 4] = s["content"], s["spilled"]
-        kept[n, i, 5], kept[n, i, 6] = s["work"] - r["step_work"] / 2, r["ahead"]
-    flows, ahead, kept = at.valve_states(table), at.valve_results(table), at.kept_valves(table)
-    for i in range(len(flows)):
-        kept[n, i, 0] = flows[i]["flow"]
-        kept[n, i, 1] = flows[i]["loss"] - ahead[i]["step_loss"] / 2
-    works, given, kept = at.pump_states(table), at.pump_results(table), at.kept_pumps(table)
-    for i in range(len(works)):
-        kept[n, i, 0] = given[i]["flow"]
-        kept[n, i, 1] = works[i]["work"] - given[i]["step_work"] / 2

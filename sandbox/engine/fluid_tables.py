@@ -8,23 +8,16 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.elements.element import ATMOSPHERE
-from sandbox.engine.fluid_state import (
+from sandbox.engine.records import (
     CHAMBER,
-    CHAMBER_RESULT,
     FLUID,
-    FLUID_RESULT,
-    FLUID_STATE,
     PUMP,
-    PUMP_RESULT,
-    PUMP_STATE,
+    SOFT,
     VALVE,
-    VALVE_RESULT,
-    VALVE_STATE,
 )
-from sandbox.engine.state import SOFT
 from sandbox.engine.stiffness import line_responses
 from sandbox.model.model import Model
-from sandbox.numeric import Flags, Integers, Records
+from sandbox.numeric import Array, Flags, Integers, Records
 
 
 class Circuits(NamedTuple):
@@ -34,7 +27,7 @@ class Circuits(NamedTuple):
     chambers: Records
     valves: Records
     pumps: Records
-    bodies: list[list[int]]
+    line_bodies: list[list[int]]
     meet: list[tuple[int, int]]
     """The two lines of every valve that is between two; in the order of these."""
 
@@ -48,7 +41,7 @@ class Circuits(NamedTuple):
 
         ``add`` takes the bodies of a row and gives its number and first entry.
         """
-        for i, bodies in enumerate(self.bodies):
+        for i, bodies in enumerate(self.line_bodies):
             fluid = self.fluids[i]
             fluid["row"], entry = add(*bodies)
             for n in range(fluid["first"], fluid["last"]):
@@ -57,23 +50,12 @@ class Circuits(NamedTuple):
         rows = self.fluids["row"].tolist()
         return [(rows[a], rows[b]) for a, b in self.meet]
 
-    def states(self) -> tuple[Records, Records, Records]:
-        """What changes of lines, valves and pumps, at t = 0."""
-        states = np.zeros(len(self.fluids), FLUID_STATE)
-        gas, c = self.fluids["gas"], self.fluids["c"]
-        start = self.fluids["start"]
+    def content(self) -> Array:
+        """Content of the lines at t = 0 [m^3], by their pressures."""
+        gas, start = self.fluids["gas"], self.fluids["start"]
         with np.errstate(divide="ignore"):
             of_gas = self.fluids["volume"] * (start / ATMOSPHERE + 1.0) ** (1.0 / gas)
-        states["content"] = np.where(gas > 0, of_gas, c * start)
-        return (states, np.zeros(len(self.valves), VALVE_STATE),
-                np.zeros(len(self.pumps), PUMP_STATE))
-
-    def results(self) -> tuple[Records, Records, Records, Records]:
-        """Room for what a step gives of lines, chambers, valves and pumps."""
-        lines = np.zeros(len(self.fluids), FLUID_RESULT)
-        lines["pressure"] = self.fluids["start"]
-        return (lines, np.zeros(len(self.chambers), CHAMBER_RESULT),
-                np.zeros(len(self.valves), VALVE_RESULT), np.zeros(len(self.pumps), PUMP_RESULT))
+        return np.where(gas > 0, of_gas, self.fluids["c"] * start)
 
 
 def make_circuits(model: Model, h: float, number: Integers) -> Circuits:

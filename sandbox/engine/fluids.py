@@ -30,7 +30,7 @@ from typing import Any
 
 from sandbox.elements.element import ATMOSPHERE
 from sandbox.engine import memory as at
-from sandbox.engine.ends import ends
+from sandbox.engine.coordinates import ends
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.numeric import Array, Records

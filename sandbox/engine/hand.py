@@ -14,6 +14,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from sandbox.engine.live import Live
 from sandbox.errors import Problem, SceneError
@@ -142,12 +144,7 @@ def _place(numbers: Sequence[float]) -> tuple[float, float]:
 def _joined_masses(model: Model) -> Array:
     """Of each body the mass of all free ones that joints hold together with it, [nb]."""
     mass = np.where(np.isfinite(model.bodies.mass), model.bodies.mass, 0.0)
-    group = np.arange(len(mass))
-    for _ in range(len(mass)):
-        before = group.copy()
-        for a, b in model.joints.bodies.tolist():
-            if mass[a] > 0 and mass[b] > 0:
-                group[a] = group[b] = min(group[a], group[b])
-        if (group == before).all():
-            break
+    pairs = model.joints.bodies[(mass[model.joints.bodies] > 0).all(axis=1)]
+    links = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(mass), len(mass)))
+    _, group = connected_components(links, directed=False)
     return np.array([mass[group == one].sum() for one in group])

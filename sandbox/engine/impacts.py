@@ -19,7 +19,6 @@ from sandbox.engine.bounded import (
     eliminate,
     free_rate,
     make_system,
-    measures,
     push,
     rate,
     relax,
@@ -28,9 +27,9 @@ from sandbox.engine.bounded import (
 )
 from sandbox.engine.candidates import rub_row, touch_row
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.factor import backward, forward
 from sandbox.engine.instants import meet, place_as_found, rubbing, time_to_close
 from sandbox.engine.kernel import kernel
+from sandbox.engine.plan import backward, forward
 from sandbox.engine.rows import closed, joint_gaps, right_side, spread
 from sandbox.engine.state import NORMAL, TANGENT
 from sandbox.numeric import Array, Records
@@ -340,7 +339,7 @@ def _holds(table: int, row: Any) -> bool:
     """Whether a row held already before the impacts; a contact that closes in the step did not."""
     if row["source"] == NORMAL or row["source"] == TANGENT:
         return bool(at.found(table)[row["index"]]["listed"] == 1)
-    return not measures(row)
+    return not row["measure"]
 
 
 @kernel

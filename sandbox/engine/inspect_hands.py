@@ -1,24 +1,36 @@
-"""Fingers that are too short for what they are to hold.
+"""Checks of hands: fingers too short for their objects, travel of differential mechanisms.
 
-A finger reaches no further from its first hinge than its phalanges are long together.
+A finger reaches as far from its first hinge as the sum of its phalanges.
+
+The pivot of a rocker or pulley moves by the mean of the displacements of its strings, weighted by
+the other's arm, equations (4) to (7). A finger draws its string in until its hinges are at their
+stops. The ends of a rocker with arms a and b, at a tilt theta from across the pull, are
+(a + b) sin(theta) apart along it. So the displacements of its two strings can differ by a + b at
+most; beyond, it turns over. Before that the strings slant: the end on the arm a has come in by
+a (1 - cos(theta)), which is atan(a (1 - cos(theta)) / l) over a string of length l, and the
+torques about the pivot balance with
+
+    T1 a cos(theta + slant1) = T2 b cos(theta - slant2)
+
+where 1 is the string that lags. The longer the strings, the better T1 a = T2 b.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
 import pymunk
 
-from sandbox.engine.inspect_words import NEGLIGIBLE, look, mm
+from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, look, mm
 from sandbox.engine.world import make_shape
 from sandbox.errors import Problem
-from sandbox.model.model import Model
+from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.scene.geometry import outline, pose_of, reach_of, solids, to_world
+from sandbox.scene.geometry import outline, pose_of, reach_of, solids, to_body, to_world
 from sandbox.wording import listed
 
 MOST_LOOKED = 100
@@ -184,3 +196,210 @@ def _distance(model: Model, body: int, point: Array) -> float:
             solid.cache_bb()
             found = min(found, solid.point_query((float(point[0]), float(point[1]))).distance)
     return max(found, 0.0)
+
+
+class StringEnd(NamedTuple):
+    """What draws at a rocker or wheel of a tree: a tendon that ends on it, or a rope."""
+
+    tendon: int
+    """By number; none of a rope."""
+    source: int
+    """The body that it comes from."""
+    at: Array
+    """Where it ends, in the frame of the rocker or wheel [m]."""
+    radius: float
+    """Of the wheel that it is wound on, 0 where it ends in an eye [m]."""
+    length: float
+    """Of its last stretch at t = 0 [m]."""
+
+    @property
+    def arm(self) -> float:
+        """About the pivot [m]."""
+        return self.radius or float(np.hypot(*self.at))
+
+
+def ways(model: Model, names: tuple[str, ...]) -> dict[str, float]:
+    """Of each rocker or wheel of a tree, how far its pivot goes until all fingers are closed [m].
+
+    nan where that is not known: for leaves that are no fingers, and fingers without stops.
+    """
+    shortenings = _shortenings(model, chains(model))
+    strings, found = strings_of(model, names), dict[int, float]()
+
+    def way(node: int) -> float:
+        if node not in found:
+            found[node] = math.nan  # of what leads back to itself
+            if len(strings[node]) == 2:
+                a, b = (string.arm for string in strings[node])
+                one, two = (way(string.source) if string.source in strings
+                            else shortenings.get(string.tendon, math.nan)
+                            for string in strings[node])
+                found[node] = (b * one + a * two) / (a + b) if a + b else math.nan
+        return found[node]
+
+    return {name: way(model.names.body[name]) for name in names}
+
+
+def _shortenings(model: Model, chains: Mapping[str, list[Phalanx]]) -> dict[int, float]:
+    """By tendon, how far a finger draws it in from where it starts to its stops [m].
+
+    Only tendons over eyes of one finger and of what stays, and fingers with stops at every hinge.
+    """
+    tendons, found = model.tendons, dict[int, float]()
+    owner = {link.body: chain for chain in chains.values() for link in chain}
+    for tendon in range(len(tendons.name)):
+        guides = range(*tendons.guides(tendon).indices(len(tendons.guide_body)))
+        held = [owner[body] for g in guides if (body := int(tendons.guide_body[g])) in owner]
+        if held and all(chain is held[0] for chain in held):
+            way = _shortening(model, held[0], list(guides))
+            if way is not None:
+                found[tendon] = way
+    return found
+
+
+def _shortening(model: Model, chain: list[Phalanx], guides: list[int]) -> float | None:
+    tendons, joints = model.tendons, model.joints
+    hinges = [link.hinge for link in chain]
+    stops, sense, start = joints.stops[hinges], joints.sense[hinges], joints.start[hinges]
+    if not np.isfinite(stops).all():
+        return None
+    own = {link.body: k for k, link in enumerate(chain)}
+    paths = []
+    for angles in (start, stops[:, 1], stops[:, 0]):
+        poses = _poses(model, chain, sense * (angles - start))
+        length = 0.0
+        for one, two in itertools.pairwise(guides):
+            bodies = [int(tendons.guide_body[g]) for g in (one, two)]
+            if not any(body in own for body in bodies):
+                continue
+            if tendons.guide_radius[[one, two]].any():
+                return None
+            length += math.dist(*(to_world(poses.get(body, tuple(model.bodies.pose[body])),
+                                           tuple(tendons.guide_at[g]))
+                                  for body, g in zip(bodies, (one, two), strict=True)))
+        paths.append(length)
+    return paths[0] - min(paths)
+
+
+def _poses(
+    model: Model, chain: list[Phalanx], turns: Array,
+) -> dict[int, tuple[float, float, float]]:
+    """Where the phalanges are once each hinge has turned, counter-clockwise [rad], from t = 0."""
+    joints, poses = model.joints, dict[int, tuple[float, float, float]]()
+    total = 0.0
+    for link, turn in zip(chain, turns.tolist(), strict=True):
+        before = int(joints.bodies[link.hinge, 0])
+        x, y = to_world(poses.get(before, tuple(model.bodies.pose[before])),
+                        tuple(joints.anchor[link.hinge, 0]))
+        total += turn
+        angle = float(model.bodies.pose[link.body, 2]) + total
+        ax, ay = joints.anchor[link.hinge, 1]
+        poses[link.body] = (x - ax * math.cos(angle) + ay * math.sin(angle),
+                            y - ax * math.sin(angle) - ay * math.cos(angle), angle)
+    return poses
+
+
+def strings_of(model: Model, names: tuple[str, ...]) -> dict[int, list[StringEnd]]:
+    """What ends on the pivots' bodies: tendons, then ropes."""
+    tendons, joints = model.tendons, model.joints
+    found: dict[int, list[StringEnd]] = {model.names.body[name]: [] for name in names}
+    for tendon in range(len(tendons.name)):
+        guides = range(*tendons.guides(tendon).indices(len(tendons.guide_body)))
+        bodies, at = tendons.guide_body[guides], tendons.guide_at[guides]
+        if (node := int(bodies[-1])) in found:
+            found[node].append(StringEnd(
+                tendon, int(bodies[0]), at[-1], abs(float(tendons.guide_radius[guides[-1]])),
+                _apart(model, bodies[-2:], at[-2:])))
+    for joint in joints.keeping("range"):
+        if (node := int(joints.bodies[joint, 1])) in found:
+            found[node].append(StringEnd(
+                NONE, int(joints.bodies[joint, 0]), joints.anchor[joint, 1], 0.0,
+                _apart(model, joints.bodies[joint], joints.anchor[joint])))
+    return found
+
+
+def _apart(model: Model, bodies: Integers, points: Array) -> float:
+    """Between points of two bodies at t = 0 [m]."""
+    return math.dist(*(to_world(tuple(model.bodies.pose[body]), tuple(point))
+                       for body, point in zip(bodies, points, strict=True)))
+
+
+OFF = 0.01
+"""The error of a rocker's shares that is told."""
+
+
+def reaches(model: Model) -> Iterator[str]:
+    """A line for every tree of rockers or pulleys: ``tree: …``."""
+    for group in model.mechanism.groups:
+        if group.kind not in ("rocker_tree", "pulley_tree"):
+            continue
+        words = [*_rockers(model, group.bodies), *_slots(model, group.bodies)]
+        if words:
+            yield f"{group.name}: {'; '.join(words)}"
+
+
+def _rockers(model: Model, names: tuple[str, ...]) -> Iterator[str]:
+    told: dict[str, list[str]] = {}
+    strings = strings_of(model, names)
+    for name in names:
+        ends = [end for end in strings[model.names.body[name]] if not end.radius]
+        if len(ends) == 2:
+            one, two = ends
+            width = float(np.hypot(*(one.at - two.at)))
+            told.setdefault(f"by {mm(_off(one, two))} and {mm(width)}", []).append(name)
+    if told:
+        where = ", ".join(f"{way} ({listed(named, most=4)})" for way, named in told.items())
+        yield (f"a rocker's shares are {100 * OFF:g} % off, and it turns over, where its strings "
+               f"have gone differently far, {where}")
+
+
+def _off(one: StringEnd, two: StringEnd) -> float:
+    """How differently far the strings have gone where the shares are :data:`OFF` off [m]."""
+    a, b = one.arm, two.arm
+    k, m = (max(end.length, STRAIGHT) for end in (one, two))
+    least, most = 0.0, math.pi / 2
+    for _ in range(50):  # halvings: to rounding
+        tilt = (least + most) / 2
+        if max(_error(tilt, a, b, k, m), _error(tilt, b, a, m, k)) > OFF:
+            most = tilt
+        else:
+            least = tilt
+    return (a + b) * math.sin(least)
+
+
+def _error(tilt: float, a: float, b: float, lags: float, leads: float) -> float:
+    """Of T1 / T2 against b / a, where the string of ``a`` lags.
+
+    Of a string that ends in an eye the last stretch grows, and it slants less.
+    """
+    slant1 = math.atan2(a * (1 - math.cos(tilt)), lags)
+    slant2 = math.atan2(b * (1 - math.cos(tilt)), leads)
+    carries = math.cos(tilt + slant1)
+    return math.cos(tilt - slant2) / carries - 1 if carries > 0 else math.inf
+
+
+def _slots(model: Model, names: tuple[str, ...]) -> Iterator[str]:
+    rooms = {name: room for name in names if (room := _room(model, model.names.body[name]))}
+    if rooms:
+        ahead, behind = (min(way) for way in zip(*rooms.values(), strict=True))
+        yield f"its slots end after {mm(ahead)} along the pull and {mm(behind)} against it"
+        short = {name: way for name, way in ways(model, names).items()
+                 if name in rooms and way > rooms[name][0] + NEGLIGIBLE}
+        if short:
+            most = max(short, key=lambda name: short[name] - rooms[name][0])
+            yield (f"to close on nothing, until its fingers are at their stops, {most!r} would go "
+                   f"{mm(short[most])}")
+
+
+def _room(model: Model, body: int) -> tuple[float, float] | None:
+    """How far a pivot can go in its slot from where it starts, on and back [m]."""
+    joints, pose = model.joints, model.bodies.pose
+    for joint in joints.keeping("groove"):
+        frame, slider = joints.bodies[joint].tolist()
+        if slider == body:
+            start, end = joints.groove[joint]
+            point = to_world(tuple(pose[slider]), tuple(joints.anchor[joint, 1]))
+            length = float(np.hypot(*(end - start)))
+            gone = float((to_body(tuple(pose[frame]), point) - start) @ (end - start)) / length
+            return length - gone, gone
+    return None

@@ -1,14 +1,21 @@
-"""Looks joints over: whether they are assembled, have a direction, and share what they hold."""
+"""Checks of joints at t = 0: assembly, directions, overconstraint, gears, racks, rolling circles.
+
+Involute teeth mesh at other distances of the centres, too, with the pressure angle a' given by
+cos a' = (r_a + r_b) cos a / distance. Beyond cos a' = 1 the base circles have no common tangent,
+and no step can be made.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, deg, error, fitting, look, mm
 from sandbox.errors import Problem
 from sandbox.model.model import Model
-from sandbox.model.supports import shared_joints
+from sandbox.model.supports import parting_wheels, shared_joints
 from sandbox.scene.geometry import Vec, pose_of, to_body, to_world
 from sandbox.wording import listed
 
@@ -89,7 +96,7 @@ def _apart(model: Model, joint: int) -> str:
                 return "its groove begins and ends in one place, where it has no direction"
             off = _from_segment(point, start, end)
             return f"its point is {mm(off)} off the groove" if off > NEGLIGIBLE else ""
-        case "gear" | "rack" | "roll":  # sandbox.engine.inspect_wheels
+        case "gear" | "rack" | "roll":  # sandbox.engine.inspect_joints
             return ""
         case "distance":
             if least <= NEGLIGIBLE:
@@ -120,3 +127,157 @@ def _from_segment(point: Vec, start: Vec, end: Vec) -> float:
     fraction = ((point[0] - start[0]) * along[0] + (point[1] - start[1]) * along[1]) / square
     fraction = min(max(fraction, 0.0), 1.0)
     return math.dist(point, (start[0] + fraction * along[0], start[1] + fraction * along[1]))
+
+
+ASKEW = 1e-4
+"""Sine of the angle from which a rack's pitch line counts as turned from its groove: 0.1 mm in a
+travel of 1 m."""
+
+
+def wheel_problems(model: Model) -> Iterator[Problem]:
+    """Gears, racks and rolling circles that are not where they meet, or that nothing holds."""
+    look_at = {"gear": _gear, "rack": _rack, "roll": _roll}
+    for i, kind in enumerate(model.joints.kind):
+        if kind.keeps in look_at:
+            yield from look_at[kind.keeps](model, i)
+    tied = _tied(model)
+    askew = {i for i, kind in enumerate(model.joints.kind)
+             if kind.keeps == "rack" and _slide(model, i)}
+    for i in sorted(parting_wheels(model, model.bodies.pose) - askew):
+        path, name = f"$.joints[{i}]", model.joints.name[i]
+        whose = ("its rack at the gear" if model.joints.kind[i].keeps == "rack"
+                 else "its wheels together")
+        if not tied & set(model.joints.bodies[i].tolist()):
+            yield look("bad-mesh", path, name, f"no joint holds {whose}: teeth push "
+                       f"{_name(model, i, 0)} and {_name(model, i, 1)} apart", "give each a "
+                       "bearing: a pin on the ground or on a carrier, of a rack a slot")
+        elif not model.joints.play[i] > 0:
+            yield look("bad-mesh", path, name, f"only springs or cords hold {whose}: teeth without "
+                       "play are pulled back into mesh where they change over to the other flank",
+                       "give it a 'backlash', 0.01 mm say")
+
+
+def _tied(model: Model) -> set[int]:
+    """Bodies that springs or cords pull at, which may hold wheels together."""
+    springs, tendons = model.springs, model.tendons
+    return {*springs.bodies[springs.straight].ravel().tolist(), *tendons.guide_body.tolist()}
+
+
+def _name(model: Model, joint: int, end: int) -> str:
+    return repr(model.bodies.name[model.joints.bodies[joint, end]])
+
+
+def _at(model: Model, joint: int) -> tuple[Vec, Vec]:
+    """The centre on ``a`` in the world and, of ``b``, its anchor, at t = 0 [m]."""
+    bodies, anchors = model.joints.bodies[joint].tolist(), model.joints.anchor[joint].tolist()
+    one, two = (to_world(pose_of(model.mechanism.bodies[body]), (x, y))
+                for body, (x, y) in zip(bodies, anchors, strict=True))
+    return one, two
+
+
+def _radii(model: Model, joint: int) -> tuple[float, float, float, float]:
+    """Distance of two centres at t = 0, where their circles touch, and both radii [m]."""
+    ra, rb = model.joints.radii[joint].tolist()
+    right = abs(ra - rb) if model.joints.inside[joint] else ra + rb
+    return math.dist(*_at(model, joint)), right, ra, rb
+
+
+def _wheel_advice(model: Model, joint: int) -> str:
+    """Where the centres should be, or what the second radius should be instead."""
+    distance, right, ra, rb = _radii(model, joint)
+    other = distance - ra
+    if model.joints.inside[joint]:
+        other = ra - distance if ra > rb else ra + distance
+    instead = f", or make 'radius_b' {fitting(other)}" if other > NEGLIGIBLE else ""
+    if model.joints.inside[joint]:
+        inside, fits = "leave 'inside' out", ra + rb
+    else:
+        inside, fits = "say \"inside\": true", abs(ra - rb)
+    as_they_are = (f", or {inside}: then they fit as they are"
+                   if ra != rb and abs(distance - fits) <= NEGLIGIBLE else "")
+    return f"put them {fitting(right)} apart{instead}{as_they_are}"
+
+
+def _gear(model: Model, joint: int) -> Iterator[Problem]:
+    distance, right, *_ = _radii(model, joint)
+    if abs(distance - right) <= NEGLIGIBLE:
+        return
+    path, name = f"$.joints[{joint}]", model.joints.name[joint]
+    apart = f"its centres are {mm(distance)} apart, its pitch circles touch at {mm(right)}"
+    share = right * math.cos(model.joints.pressure[joint]) / max(distance, STRAIGHT)
+    if share >= 1:
+        yield error("bad-mesh", path, name, f"its teeth lie in one another at t = 0: {apart}",
+                    _wheel_advice(model, joint))
+        return
+    yield look("bad-mesh", path, name, f"does not mesh as it should at t = 0: {apart}; teeth would "
+               f"push at {deg(math.acos(share))} instead of {deg(model.joints.pressure[joint])}",
+               _wheel_advice(model, joint))
+
+
+def _roll(model: Model, joint: int) -> Iterator[Problem]:
+    distance, right, *_ = _radii(model, joint)
+    if abs(distance - right) <= NEGLIGIBLE:
+        return
+    told = error if distance < STRAIGHT else look
+    yield told("not-assembled", f"$.joints[{joint}]", model.joints.name[joint],
+               f"not assembled at t = 0: its centres are {mm(distance)} apart, its circles touch "
+               f"at {mm(right)}", _wheel_advice(model, joint))
+
+
+def _rack(model: Model, joint: int) -> Iterator[Problem]:
+    right, off = float(model.joints.radii[joint, 0]), _from_pitch_line(model, joint)
+    path, name = f"$.joints[{joint}]", model.joints.name[joint]
+    if slide := _slide(model, joint):
+        slot, (x, y) = slide
+        off = abs(_from_pitch_line(model, joint, (x, y)))
+        move = ("" if abs(off - right) <= NEGLIGIBLE else
+                f", and move the rack or its 'on_b' by {fitting(abs(off - right))}")
+        gx, gy = model.joints.along[joint].tolist()
+        yield look("bad-mesh", f"{path}.along", name, "its pitch line is turned by "
+                   f"{deg(math.acos(min(abs(gx * x + gy * y), 1.0)))} from the groove of "
+                   f"{model.joints.name[slot]!r}, in which its rack slides: its teeth leave the "
+                   "gear, or jam", f"make 'along' [{x + 0.0:.6g}, {y + 0.0:.6g}]{move}")
+    elif abs(off - right) > NEGLIGIBLE:
+        instead = f", or make 'radius' {fitting(off)}" if off > NEGLIGIBLE else ""
+        yield look("bad-mesh", path, name, f"does not mesh at t = 0: its pitch line is {mm(off)} "
+                   f"from the gear's centre, the pitch circle has a radius of {mm(right)}",
+                   f"move the rack or its 'on_b' by {fitting(abs(off - right))}{instead}")
+
+
+def _slide(model: Model, joint: int) -> tuple[int, Vec] | None:
+    """A slot that lets a rack slide another way than along its pitch line, and its direction.
+
+    It keeps the rack from turning and hangs on what holds the gear's centre. The direction is that
+    of the groove in the rack's frame, of length 1.
+    """
+    joints, free = model.joints, model.bodies.free
+    gear, rack = joints.bodies[joint].tolist()
+    holders = {gear, *(end for i in np.flatnonzero([each.keeps == "point" for each in joints.kind])
+                       if gear in (pair := joints.bodies[i].tolist()) for end in pair)} - {rack}
+    for i, kind in enumerate(joints.kind):
+        pair = joints.bodies[i].tolist()
+        if kind.keeps != "groove" or joints.turns[i] or rack not in pair:
+            continue
+        other = pair[1 - pair.index(rack)]
+        if other not in holders and (free[other] or free[sorted(holders)].all()):
+            continue
+        start, end = (to_world(pose_of(model.mechanism.bodies[pair[0]]), (float(x), float(y)))
+                      for x, y in joints.groove[i])
+        turned = pose_of(model.mechanism.bodies[rack])[2]
+        x, y = to_body((0.0, 0.0, turned), (end[0] - start[0], end[1] - start[1]))
+        length, (gx, gy) = math.hypot(x, y), joints.along[joint].tolist()
+        if length > STRAIGHT and abs(gx * y - gy * x) > ASKEW * length:
+            return i, (x / length, y / length)
+    return None
+
+
+def _from_pitch_line(model: Model, joint: int, along: Vec | None = None) -> float:
+    """Distance at t = 0 [m] of a gear's centre from the pitch line of its rack.
+
+    ``along`` takes the place of the line's own direction, which has the gear to its left.
+    """
+    joints = model.joints
+    x, y = to_body(pose_of(model.mechanism.bodies[joints.bodies[joint, 1]]), _at(model, joint)[0])
+    bx, by = joints.anchor[joint, 1].tolist()
+    gx, gy = joints.along[joint].tolist() if along is None else along
+    return float(gx * (y - by) - gy * (x - bx))

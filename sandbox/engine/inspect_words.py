@@ -1,10 +1,15 @@
-"""Helpers of all inspections: diagnostics, tolerances, formatted numbers."""
+"""Helpers of all checks: messages, formatted numbers, tolerances, connected bodies."""
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+from scipy.sparse.csgraph import connected_components
+
 from sandbox.errors import Problem
+from sandbox.model.model import Model
+from sandbox.numeric import Flags, Integers
 
 NEGLIGIBLE = 1e-5
 """Gaps and overlaps up to this [m] are what a scene written in hundredths of a mm may have."""
@@ -35,3 +40,29 @@ def fitting(length: float) -> str:
 def deg(angle: float) -> str:
     """An angle [rad] in degrees."""
     return f"{math.degrees(angle):.4g} deg"
+
+
+def linked(model: Model, *, springs: bool = False, contacts: Flags | None = None) -> Flags:
+    """Which free bodies joints and cords link, springs if asked, and pairs that may touch.
+
+    Those, ``contacts``, are :func:`sandbox.model.pairs.allowed_pairs`; all are [nb, nb].
+    """
+    tendons, free = model.tendons, model.bodies.free
+    found = np.zeros((len(free), len(free)), dtype=bool)
+    for pairs in (model.joints.bodies, *([model.springs.bodies] if springs else [])):
+        found[pairs[:, 0], pairs[:, 1]] = found[pairs[:, 1], pairs[:, 0]] = True
+    for tendon in range(len(tendons.name)):
+        guides = tendons.guide_body[tendons.guides(tendon)]
+        found[np.ix_(guides, guides)] = True
+    if contacts is not None:
+        shaped = np.array([bool(body.shapes) for body in model.mechanism.bodies])
+        found |= contacts & shaped & shaped[:, None]
+    result: Flags = found & free & free[:, None]
+    return result
+
+
+def groups(model: Model, links: Flags) -> list[Integers]:
+    """Connected components of the free bodies under ``links`` [nb, nb]."""
+    free = np.flatnonzero(model.bodies.free)
+    count, group = connected_components(links[np.ix_(free, free)], directed=False)
+    return [free[group == number] for number in range(count)]

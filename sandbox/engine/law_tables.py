@@ -1,4 +1,4 @@
-"""Programs of laws, and the scene's tables, as flat tables for the compiled step."""
+"""Tables of laws (programs of springs and loads) and of loads, those of one body side by side."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sandbox.engine.plan import PlacedBodies, Rows
+from sandbox.engine.records import LOAD, LOADED
 from sandbox.engine.stiffness import responses
+from sandbox.model.laws import MOVED
 from sandbox.model.model import Model
 from sandbox.model.programs import curve_tables, stack_for, step_table
 from sandbox.numeric import Array, Records
@@ -61,3 +64,68 @@ def law_tables(model: Model) -> LawTables:
               for each in parts),
         frozenset(i for i in own if (law := model.springs.law[i]) and law.of_rate),
         responses(model))
+
+
+ROWS = ("row", "row_y", "row_turn")
+
+
+class LoadTables(NamedTuple):
+    """The loads of a model."""
+
+    loads: Records
+    """LOAD, [nk]."""
+    loaded: Records
+    """LOADED, of each body that has loads."""
+    sides: Array
+    """Of what liquids lift, from the centres of mass, [k, 5]."""
+
+
+def load_tables(places: PlacedBodies, laws: LawTables, rows: Rows) -> LoadTables:
+    """Tables of loads; a body whose loads hang on its motion has three rows."""
+    model, given = places.model, places.model.loads
+    on = places.number[given.body]
+    order = np.argsort(on, kind="stable")
+    loads = np.zeros(len(order), LOAD)
+    for row, i in zip(loads, order.tolist(), strict=True):
+        for key, value in _load(places, laws, i).items():
+            row[key] = value
+    bodies, first = np.unique(on[order], return_index=True)
+    loaded = np.zeros(len(bodies), LOADED)
+    loaded["body"], loaded["first"] = bodies, first
+    loaded["last"] = [*first[1:], len(order)]
+    for name in ROWS:
+        loaded[name] = -1
+    for row in loaded:
+        own = order[row["first"]:row["last"]].tolist()
+        if any(law is not None and law.names & MOVED for law in (given.law[i] for i in own)):
+            row["row"], row["entry"] = rows.add(int(row["body"]))
+            row["row_y"], _ = rows.add(int(row["body"]))
+            row["row_turn"], _ = rows.add(int(row["body"]))
+    return LoadTables(loads, loaded, _from_centres(model))
+
+
+def _load(places: PlacedBodies, laws: LawTables, i: int) -> dict[str, Any]:
+    """The fields of a load, by the model's number."""
+    loads, bodies = places.model.loads, places.model.bodies
+    body, law = int(loads.body[i]), loads.law[i]
+    x, y = places.local(body, loads.at[i])
+    row: dict[str, Any] = {
+        "number": i, "body": places.number[body], "x": x, "y": y, "turning": loads.turning[i],
+        "scale": bodies.mass[body] if loads.per_mass[i] else 1.0,
+        "mass": bodies.mass[body], "inertia": bodies.inertia[body],
+        "timed": law is not None and "t" in law.names,
+        "first": loads.first[i], "last": loads.first[i + 1],
+        "level": loads.level[i], "lift": loads.lift[i]}
+    for axis, part in zip("xyt", laws.loads[i], strict=True):
+        row[f"{axis}_code"], row[f"{axis}_end"] = part
+    return row
+
+
+def _from_centres(model: Model) -> Array:
+    """All sides from their bodies' centres of mass."""
+    loads, sides = model.loads, model.loads.sides.copy()
+    centre = np.repeat(model.bodies.centre[loads.body], np.diff(loads.first), axis=0)
+    sides[:, :2] -= centre
+    straight = sides[:, 4] == 0.0
+    sides[straight, 2:4] -= centre[straight]
+    return sides

@@ -191,7 +191,7 @@ class Live(Simulation):
         if (body, at) != self._grasped:
             index = self._model.names.body[body]
             actions = self._tables.constants.actions
-            rows = np.flatnonzero(np.isin(actions["drive"], self._hand) & (actions["spring"] < 0))
+            rows = np.flatnonzero(np.isin(actions["drive"], self._hand))
             arm: Array = np.array(at) - self._model.bodies.centre[index]
             actions["a"][rows] = self._world.number[index]
             actions["x"][rows], actions["y"][rows] = arm

@@ -19,6 +19,13 @@ slopes by the place among them:
 
     h l below 1    F(x, (v_before + v) / 2, (v - v_before) / h)     (second order)
     above          F(x + h v, v, (v - v_before) / h)                (the step's end)
+
+Buoyancy needs the area of an outline below a level and its moment, by Green's theorem. With d the
+height over the level, of the part of the outline that is below it,
+
+    A = - ∮ d dx          ∬ x dA = - ∮ x d dx
+
+The level itself, which closes that part, has d = 0 and gives nothing.
 """
 
 from __future__ import annotations
@@ -27,14 +34,12 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.buoyancy import below
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.formulas import formula
 from sandbox.engine.kernel import kernel
-from sandbox.engine.laws import SAME
-from sandbox.engine.load_state import AXES, GIVEN, SCRATCH, SLOPES, SUM, YIELDS
+from sandbox.engine.records import AXES, GIVEN, SCRATCH, SLOPES, SOFT, SUM, YIELDS
 from sandbox.engine.rows import NOTHING
-from sandbox.engine.state import SOFT
+from sandbox.engine.springs import SAME
 from sandbox.numeric import Array, Matrix
 
 (X, Y, ANGLE, VX, VY, OMEGA, SPEED, AX, AY, ALPHA, TIME, MASS, INERTIA) = range(13)
@@ -336,12 +341,75 @@ def add_load_work(table: int, h: float, v: Matrix) -> None:
         states[i]["work"] += out["step_work"]
 
 
-@entry_point("loads")
-def take_loads(table: int, n: int) -> None:
-    """Copy the step just made into row ``n`` that samples are kept in."""
-    loads, states, results = at.loads(table), at.load_states(table), at.load_results(table)
-    kept = at.kept_loads(table)
-    for i in range(len(loads)):
-        m, out = loads[i]["number"], results[i]
-        kept[n, m, 0], kept[n, m, 1], kept[n, m, 2] = out["fx"], out["fy"], out["torque"]
-        kept[n, m, 3] = states[i]["work"] - out["step_work"] / 2
+@kernel
+def below(
+    sides: Array, first: int, last: int, c: float, s: float, angle: float, height: float,
+) -> tuple[float, float]:
+    """Area below a level [m^2], and its moment about the upright line through the centre [m^3].
+
+    Args:
+        sides: of all outlines, from the centres of mass, [k, 5].
+        first: the outline's first.
+        last: where it ends.
+        c: cosine of the body's angle.
+        s: sine of it.
+        angle: it [rad].
+        height: of the centre of mass over the level [m].
+    """
+    area, moment = 0.0, 0.0
+    for k in range(first, last):
+        px, py, radius = sides[k, 0], sides[k, 1], sides[k, 4]
+        x, d = c * px - s * py, s * px + c * py + height
+        if radius > 0.0:
+            one, two = _arc(x, d, radius, sides[k, 2] + angle, sides[k, 3] - sides[k, 2])
+        else:
+            qx, qy = sides[k, 2], sides[k, 3]
+            one, two = _straight(x, d, c * qx - s * qy, s * qx + c * qy + height)
+        area -= one
+        moment -= two
+    return area, moment
+
+
+@kernel
+def _straight(x1: float, d1: float, x2: float, d2: float) -> tuple[float, float]:
+    """∫ d dx and ∫ x d dx along what of a side is below d = 0."""
+    if d1 >= 0.0 and d2 >= 0.0:
+        return 0.0, 0.0
+    if d1 > 0.0:
+        x1, d1 = x1 + d1 / (d1 - d2) * (x2 - x1), 0.0
+    elif d2 > 0.0:
+        x2, d2 = x1 + d1 / (d1 - d2) * (x2 - x1), 0.0
+    return ((d1 + d2) / 2 * (x2 - x1),
+            (x2 - x1) / 6 * (2 * x1 * d1 + x1 * d2 + x2 * d1 + 2 * x2 * d2))
+
+
+@kernel
+def _arc(x: float, d: float, r: float, start: float, span: float) -> tuple[float, float]:
+    """The same along an arc about (x, d) that goes counter-clockwise by ``span``."""
+    if d - r >= 0.0:
+        return 0.0, 0.0
+    half = math.asin(min(max(-d / r, -1.0), 1.0))
+    begin = start - math.floor(start / math.tau) * math.tau
+    one, two = 0.0, 0.0
+    for n in range(3):  # below is from pi - half to 2 pi + half
+        turn = (n - 1) * math.tau
+        low = max(begin, math.pi - half + turn)
+        high = min(begin + span, math.tau + half + turn)
+        if high > low:
+            a, b = _flat(d, r, high) - _flat(d, r, low), _flat_x(d, r, high) - _flat_x(d, r, low)
+            one += a
+            two += x * a + b
+    return one, two
+
+
+@kernel
+def _flat(d: float, r: float, phi: float) -> float:
+    """Of the arc up to an angle ∫ d dx."""
+    return -r * (r * (phi - math.sin(phi) * math.cos(phi)) / 2 - d * math.cos(phi))
+
+
+@kernel
+def _flat_x(d: float, r: float, phi: float) -> float:
+    """Of the arc up to an angle ∫ x d dx, x from its centre."""
+    s = math.sin(phi)
+    return -r * r * (d * s**2 / 2 + r * s**3 / 3)

@@ -11,12 +11,13 @@ against each other.
 from __future__ import annotations
 
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pymunk
 from llvmlite import ir
 from numba import cfunc, types
+from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ from pymunk._chipmunk_cffi import ffi, lib
 
 from sandbox.numeric import Array, Integers, Records
 
+_cgutils: Any = cgutils
 _WORD, _REAL, _BYTE = ir.IntType(64), ir.DoubleType(), ir.IntType(8)
 
 
@@ -87,6 +89,16 @@ def _pointer_to(context: Any, address: Any) -> Any:
     return types.voidptr(types.intp), generate
 
 
+def _copy(context: Any, source: Any, target: Any, words: Any) -> Any:
+    """Copy so many words of 8 bytes."""
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        source, target = (builder.inttoptr(one, _WORD.as_pointer()) for one in args[:2])
+        _cgutils.raw_memcpy(builder, target, source, args[2], 8)
+        return context.get_dummy_value()
+
+    return types.void(types.intp, types.intp, types.intp), generate
+
+
 def _caller(arguments: list[ir.Type], result: ir.Type | None = None) -> Any:
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         function = ir.FunctionType(result or ir.VoidType(), arguments).as_pointer()
@@ -104,6 +116,18 @@ word_at: Any = intrinsic(_word)
 int_at: Any = intrinsic(_int)
 byte_to: Any = intrinsic(_byte_to)
 as_pointer: Any = intrinsic(_pointer_to)
+copy_words: Any = intrinsic(_copy)
+
+
+FOUND = np.dtype([
+    ("shape_a", np.int64), ("shape_b", np.int64),   # numbers of shapes
+    ("feature", np.int64),  # which point of the two it is
+    ("nx", float), ("ny", float),   # normal from a to b
+    ("ax", float), ("ay", float),   # places on both surfaces, from the bodies' centres of
+    ("bx", float), ("by", float),   # mass [m]
+    ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k / d
+])
+"""A point in which two shapes meet, as pymunk has it, and curvatures for the engine's use."""
 
 
 class Native(NamedTuple):
@@ -123,12 +147,12 @@ class Native(NamedTuple):
     """Fill of the buffer that is written from, [1]; 0 before each call."""
     place_count: NDArray[np.intc]
     """The same of the buffer of poses."""
-    placed: Array
+    placed: Annotated[Array, 2]
     """Poses for pymunk, [nb, 3]: those of the step, displaced by impacts after them."""
-    found: Integers
-    """That of :class:`Finder`, whose first number is set to 0 before each call, [4]."""
-    raw: Records
-    """FOUND, [room]."""
+    near: Integers
+    """The table of :class:`Finder`, whose first number is set to 0 before each call, [4]."""
+    raw: Annotated[Records, FOUND]
+    """[room]"""
 
 
 def address(pointer: Any) -> int:
@@ -168,19 +192,8 @@ def make_native(
         put=address(ffi.addressof(lib, "pmSpaceBodySetIteratorFuncBatched")),
         write=address(write.request), place=address(place.request),
         read_count=read.count, write_count=write.count, place_count=place.count,
-        placed=place.memory, found=finder.table, raw=finder.raw,
+        placed=place.memory, near=finder.table, raw=finder.raw,
     )
-
-
-FOUND = np.dtype([
-    ("shape_a", np.int64), ("shape_b", np.int64),   # numbers of shapes
-    ("feature", np.int64),  # which point of the two it is
-    ("nx", float), ("ny", float),   # normal from a to b
-    ("ax", float), ("ay", float),   # places on both surfaces, from the bodies' centres of
-    ("bx", float), ("by", float),   # mass [m]
-    ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k / d
-])
-"""A point in which two shapes meet, as pymunk has it, and curvatures for the engine's use."""
 
 
 class Finder:

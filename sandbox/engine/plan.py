@@ -1,4 +1,4 @@
-"""The pattern of the one solve, made once: unknowns, their order, where every product goes.
+"""The bilateral rows: their pattern, made once, and the factorisation in each step.
 
 Each bilateral row r (a joint's, a damper's, a stiff cord's) has entries: a body and three
 coefficients J. With W the inverse masses the rows meet in S = sum J W J' over the free bodies
@@ -9,24 +9,32 @@ make all of them meet; such a hub stays in the system instead, by its three velo
     [ S + c   J_h ] [ p   ]   [ r       ]
     [ J_h'   -M_h ] [ v_h ] = [ -M_h v_f ]
 
-What slips over a guide (:mod:`sandbox.engine.slips`) stays in it likewise, by its one rate, with no
-mass.
+The slip of a cable over a guide (:mod:`sandbox.engine.tendons`) stays in it, too: one unknown
+without mass.
 
 Both kinds of unknown are eliminated alike (the matrix is quasi-definite), but a rigid row has a
 pivot of its own only while other bodies have a freedom left for it: one that acts on nothing but
 hubs, or on a link that other rows hold already, goes after its hubs.
+
+The factorisation is L D L^T in this fixed order. ``values`` holds the columns of L below the
+diagonal one after the other, then the diagonal: the matrix before :func:`factor`, L and 1 / D
+after it.
 """
 
 from __future__ import annotations
 
 import heapq
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.engine.kernel import kernel
 from sandbox.errors import SandboxError
+from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers
+from sandbox.scene.geometry import to_world
 
 MOST = 5_000_000
 """Products that factoring the matrix may take in a step: some hundredths of a second."""
@@ -268,3 +276,102 @@ def _starts(lists: list[list[int]]) -> Integers:
 
 def _flat(lists: list[list[int]]) -> Integers:
     return np.array([i for each in lists for i in each], dtype=np.int64)
+
+
+@dataclass
+class Rows:
+    """The bilateral rows, as they come: of each the bodies of its entries."""
+
+    bodies: list[list[int]] = field(default_factory=list)
+    entries: int = 0
+
+    def add(self, *bodies: int) -> tuple[int, int]:
+        """A row; its number, and that of its first entry."""
+        self.bodies.append(list(bodies))
+        self.entries += len(bodies)
+        return len(self.bodies) - 1, self.entries - len(bodies)
+
+
+@dataclass(frozen=True)
+class PlacedBodies:
+    """Where bodies are: their numbers in pymunk's order, what they weigh, poses at t = 0."""
+
+    model: Model
+    number: Integers
+    """By the model's numbers, [nb]."""
+    inverse_mass: Array
+    """In pymunk's order, [nb, 2]."""
+    pose: Array
+    """Of the centres of mass, in pymunk's order, [nb, 3]."""
+
+    def local(self, body: int, point: Array) -> Array:
+        """A point of a body's frame seen from its centre of mass [m]."""
+        local: Array = point - self.model.bodies.centre[body]
+        return local
+
+
+def place_bodies(model: Model, order: Integers) -> PlacedBodies:
+    """Bodies as pymunk lists them; ``order`` are the model's numbers of these."""
+    bodies = model.bodies
+    number = np.argsort(order)
+    inverse = np.stack([1 / bodies.mass[order], 1 / bodies.inertia[order]], axis=1)
+    pose: Array = np.array([
+        (*to_world(tuple(bodies.pose[i]), tuple(bodies.centre[i])), bodies.pose[i, 2])
+        for i in order]).reshape(-1, 3)
+    return PlacedBodies(model, number, inverse, pose)
+
+
+@kernel
+def assemble(pairs: Integers, direct: Integers, J: Array, WJ: Array, values: Array) -> None:
+    """Add up the matrix, compliances and masses of hubs left out."""
+    for i in range(len(values)):
+        values[i] = 0.0
+    for k in range(len(pairs)):
+        a, b = pairs[k, 1], pairs[k, 2]
+        values[pairs[k, 0]] += J[a, 0] * WJ[b, 0] + J[a, 1] * WJ[b, 1] + J[a, 2] * WJ[b, 2]
+    for k in range(len(direct)):
+        values[direct[k, 0]] += J[direct[k, 1], direct[k, 2]]
+
+
+@kernel
+def factor(
+    starts: Integers, below: Integers, updates: Integers, values: Array, column: Array,
+) -> None:
+    """Turn ``values`` into the factor; ``column`` [m] is scratch."""
+    t, n = 0, len(starts) - 1
+    diagonal = starts[n]
+    for j in range(n):
+        first, last = starts[j], starts[j + 1]
+        inverse = 1.0 / values[diagonal + j]
+        values[diagonal + j] = inverse
+        for p in range(first, last):
+            x = values[p]
+            scaled = x * inverse
+            column[p - first] = x
+            values[p] = scaled
+            values[diagonal + below[p]] -= scaled * x
+            for q in range(p - first):
+                values[updates[t + q]] -= scaled * column[q]
+            t += p - first
+
+
+@kernel
+def forward(starts: Integers, below: Integers, values: Array, y: Array) -> None:
+    """L^-1 y in place."""
+    for j in range(len(starts) - 1):
+        x = y[j]
+        if x != 0.0:
+            for p in range(starts[j], starts[j + 1]):
+                y[below[p]] -= values[p] * x
+
+
+@kernel
+def backward(starts: Integers, below: Integers, values: Array, y: Array) -> None:
+    """L^-T D^-1 y in place."""
+    n = len(starts) - 1
+    diagonal = starts[n]
+    for j in range(n - 1, -1, -1):
+        x = y[j] * values[diagonal + j]
+        for p in range(starts[j], starts[j + 1]):
+            x -= values[p] * y[below[p]]
+        y[j] = x

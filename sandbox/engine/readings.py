@@ -177,8 +177,12 @@ class Readings:
     def _spring(self, source: Source) -> Read:
         springs = self.model.springs
         if source.quantity in ("length", "force"):
-            row = int(np.searchsorted(self.tables.straight, source.index))
-            return _item(self.tables.result.springs[source.quantity], row)
+            rows, result = self.tables.constants.springs, self.tables.result.springs
+            row = int(np.flatnonzero(rows["number"] == source.index)[0])
+            if source.quantity == "length":
+                return _item(result["way"], row)
+            effort = _item(result["effort"], row)
+            return lambda: 0.0 - effort()
         return self._named(f"{self.model.joints.name[springs.joint[source.index]]}.angle")
 
     def _tendon(self, source: Source) -> Read:

@@ -1,4 +1,9 @@
-"""What a step's impulses were, put into the tables of the elements that carried them."""
+"""Results of a step: impulses as forces of the elements, and the work of all of them.
+
+Over one step a force does the work h F . (v_before + v_after) / 2. With this rule the work of all
+forces and impulses on a body is its increase of kinetic energy, to rounding. Work is summed in each
+step, because an impact lasts one step and samples would miss it.
+"""
 
 from __future__ import annotations
 
@@ -6,23 +11,17 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.coordinates import toothed
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.joint_state import FLANK, GROOVE, LINE, POINT, ROLL
+from sandbox.engine.fluid_report import add_fluid_work
+from sandbox.engine.friction import add_rubbed_work, forget_rub, report_rub
 from sandbox.engine.kernel import kernel
-from sandbox.engine.rows import LEAST
-from sandbox.engine.rubs import forget_rub, report_rub
-from sandbox.engine.slips import slipped
-from sandbox.engine.state import (
-    HOLDS,
-    LIMITED,
-    NORMAL,
-    PRESSED,
-    PULLED,
-    RUBBING,
-    SLIPPING,
-    TANGENT,
-)
-from sandbox.engine.teeth import toothed
+from sandbox.engine.loads import add_load_work
+from sandbox.engine.records import FLANK, GROOVE, LINE, POINT, ROLL
+from sandbox.engine.rows import LEAST, way_rate
+from sandbox.engine.springs import add_spring_work, report_springs
+from sandbox.engine.state import HOLDS, LIMITED, NORMAL, PRESSED, PULLED, RUBBING, SLIPPING, TANGENT
+from sandbox.engine.tendons import add_cord_work, slipped
 from sandbox.engine.ties import acts, holds, tied
 from sandbox.numeric import Array
 
@@ -31,19 +30,7 @@ from sandbox.numeric import Array
 def report(table: int, h: float, n: int) -> None:
     """Impulses into the tables of their elements."""
     unknown = at.unknowns(table)[3]
-    dampers, damper_states = at.dampers(table), at.damper_states(table)
-    for i in range(len(dampers)):
-        if acts(table, at.joints(table)[dampers[i]["joint"]]["tie"]):
-            damper_states[i]["torque"] = unknown[dampers[i]["row"]] / h
-    actions, action_results = at.actions(table), at.action_results(table)
-    for i in range(len(actions)):
-        if actions[i]["row"] >= 0 and (
-                acts(table, actions[i]["tie"]) and acts(table, actions[i]["hinge_tie"])):
-            action_results[i]["torque"] = _whole(unknown[actions[i]["row"]] / h)
-    springs, spring_results = at.springs(table), at.spring_results(table)
-    for i in range(len(springs)):
-        if springs[i]["row"] >= 0 and acts(table, springs[i]["tie"]):
-            spring_results[i]["force"] = _whole(unknown[springs[i]["row"]] / h)
+    report_springs(table, h)
     cords, cord_states, cord_results = (
         at.cords(table), at.cord_states(table), at.cord_results(table))
     for i in range(len(cords)):
@@ -162,3 +149,50 @@ def joint_force(h: float, joint: Any, out: Any, unknown: Array) -> None:
             out["fy"] -= out["dx"] * p
     if joint["row_turn"] >= 0:
         out["couple"] = unknown[joint["row_turn"]] / h
+
+
+@entry_point()
+def add_work(table: int, h: float) -> None:
+    """Add the work [J] of the step just made to ``work``, and give it alone as ``step_work``.
+
+    The free velocities are overwritten by the means of before and after the step, and by what
+    impacts displace: h times that is the way on which forces do their work.
+    """
+    body, before, v, shift = at.body(table), at.before(table), at.free(table), at.shift(table)
+    for i in range(len(body)):
+        for j in range(3):
+            v[i, j] = (body[i, 3 + j] + before[i, j]) / 2 + shift[i, j] / h
+    actions, states, results = at.actions(table), at.action_states(table), at.action_results(table)
+    motors = at.motor_states(table)
+    for i in range(len(actions)):
+        action, result = actions[i], results[i]
+        a = action["a"]
+        if action["runs"]:
+            result["torque"] = _rubbed(table, a) * at.belts(table)[a] / h
+            result["step_work"] = h * result["torque"]
+            states[i]["work"] += result["step_work"]
+            continue
+        if action["motor"] >= 0:
+            result["torque"] = motors[action["motor"]]["impulse"] / h
+        if action["joint"] >= 0:
+            power = result["torque"] * way_rate(table, action["joint"], v)
+        else:
+            power = (result["fx"] * v[a, 0] + result["fy"] * v[a, 1]
+                     + result["torque"] * v[a, 2])
+        result["step_work"] = h * power
+        states[i]["work"] += h * power
+    add_spring_work(table, h, v)
+    add_cord_work(table, h, v)
+    add_rubbed_work(table, h, v)
+    add_fluid_work(table, h, v)
+    add_load_work(table, h, v)
+
+
+@kernel
+def _rubbed(table: int, body: int) -> float:
+    """Impulse on what touches a body along the body's surface, counter-clockwise [N s]."""
+    touches, p = at.touches(table), 0.0
+    for i in range(at.touching(table)[0]):
+        if touches[i]["a"] == body or touches[i]["b"] == body:
+            p += touches[i]["tangent"] + touches[i]["rub"]
+    return p

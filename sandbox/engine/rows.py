@@ -1,24 +1,15 @@
-"""The bilateral rows of one step: what joints, dampers and stiff cords ask of the velocities.
+"""The bilateral rows of joints.
 
 At the pose x of the step, with W the inverse masses and v_f the velocities that all forces known
-from the pose lead to, impulses p of the rows B give v = v_f + W B^T p, and each row asks for
+from the pose lead to, impulses p of the rows B give v = v_f + W B^T p, and that of a joint asks for
 
-    joint        B v               = - gap / h
-    hinge damper D v + 2 p / (h c) = - D v_before                           (mid-step)
-    damped cord  D v + 2 p / (h c) = 2 k (L - L0) / c - D v_before          (mid-step)
-    stiff cord   D v + p / (h (c + h k)) = k (L - L0) / (c + h k)           (the step's end)
-    soft span    D v + p / (h e)         = (k (L - L0) - (c - e) D v_before) / e
-    stiff hinge  D v + p / (h^2 k)       = - (angle - rest) / h             (the step's end)
+    B v = - gap / h
 
-where D v is the rate at which a cord or straight spring shortens or a hinge turns, and p / h the
-tension or torque; straight springs go as cords do. A span of a cord that guides hold by friction
-is solved evenly about the pose where it is soft, e = c / 2 + h k / 4; what slips into it and out
-of it is added to its rate (:mod:`sandbox.engine.slips`).
+Other rows: :mod:`sandbox.engine.springs`, :mod:`sandbox.engine.tendons`, fluids and loads.
 
 A joint besides asks for how its points bend away from their tangents, - h/2 times that, as the
 velocities before have it, and then for what :func:`joint_gaps` finds open where the velocities
-after lead (SHAKE, solved to the end). The damper's rule is the implicit midpoint with the inertia
-of the whole mechanism.
+after lead (SHAKE, solved to the end).
 """
 
 from __future__ import annotations
@@ -27,12 +18,10 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.ends import ends
+from sandbox.engine.coordinates import ends, flank, measure_angle, rate, rolled, toothed
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.joint_state import GROOVE, POINT, RANGE, ROLL
 from sandbox.engine.kernel import kernel
-from sandbox.engine.state import DAMPED, EVEN, STIFF
-from sandbox.engine.teeth import flank, rolled, toothed
+from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
 from sandbox.engine.ties import joint_holds, left_over
 from sandbox.numeric import Array, Records
 
@@ -67,7 +56,7 @@ def closed(h: float) -> float:
 
 @entry_point()
 def joint_rows(table: int, h: float) -> None:
-    """Coefficients and right sides of all joints; ``results`` get the way along their line."""
+    """Coefficients and right sides of all joints; ``results`` get their free coordinates."""
     joints, results, body, turn, before = (
         at.joints(table), at.joint_results(table), at.body(table), at.turn(table),
         at.before(table))
@@ -93,6 +82,7 @@ def joint_rows(table: int, h: float) -> None:
                 J[e + 3, 0], J[e + 3, 1], J[e + 3, 2] = 0.0, 1.0, bx
                 rhs[joint["row"]] = -beyond(px) / h - h / 2 * kx
                 rhs[joint["row_y"]] = -beyond(py) / h - h / 2 * ky
+            measure_angle(joint, out, body)
             e += 4
         elif joint["keeps"] == GROOVE:
             c, s = turn[a, 0], turn[a, 1]
@@ -128,24 +118,8 @@ def joint_rows(table: int, h: float) -> None:
 
 @kernel
 def way_rate(table: int, joint: int, velocity: Array) -> float:
-    """At which a joint's way grows, along a groove or between its points [m/s].
-
-    Bodies move with ``velocity`` [nb, 3].
-    """
-    own, way = at.joints(table)[joint], at.joint_results(table)[joint]
-    a, b = own["a"], own["b"]
-    return float(way["dx"] * (velocity[b, 0] - velocity[a, 0])
-                 + way["dy"] * (velocity[b, 1] - velocity[a, 1])
-                 + way["ta"] * velocity[a, 2] + way["tb"] * velocity[b, 2])
-
-
-@kernel
-def spring_rate(spring: Any, result: Any, velocity: Array) -> float:
-    """At which a straight spring grows longer as bodies move with ``velocity`` [nb, 3] [m/s]."""
-    a, b = spring["a"], spring["b"]
-    return float(result["ux"] * (velocity[b, 0] - velocity[a, 0])
-                 + result["uy"] * (velocity[b, 1] - velocity[a, 1])
-                 + result["tb"] * velocity[b, 2] - result["ta"] * velocity[a, 2])
+    """Rate [m/s, rad/s] of a joint's free coordinate as bodies move with ``velocity`` [nb, 3]."""
+    return rate(at.joints(table)[joint], at.joint_results(table)[joint], velocity)
 
 
 @kernel
@@ -288,130 +262,6 @@ def joint_gaps(table: int, h: float) -> float:
             asked[joint["row_y"]] = -gap / h
             worst = max(worst, abs(gap))
     return worst
-
-
-@entry_point("dampers")
-def damper_rows(table: int, h: float) -> None:
-    """Those of damped hinges."""
-    dampers, before, J = at.dampers(table), at.before(table), at.entries(table)[0]
-    rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
-    for k in range(len(dampers)):
-        d = dampers[k]
-        r, e, a, b = d["row"], d["entry"], d["a"], d["b"]
-        J[e, 0], J[e, 1], J[e, 2] = 0.0, 0.0, -1.0
-        J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 0.0, 0.0, 1.0
-        rhs[r] = before[a, 2] - before[b, 2]
-        compliance[r] = 2.0 / (h * d["c"])
-
-
-@entry_point("springs")
-def spring_rows(table: int, h: float, drive: Array) -> None:
-    """Those of straight springs that have a damper or are too stiff for the step."""
-    springs, results, before = at.springs(table), at.spring_results(table), at.before(table)
-    states = at.spring_states(table)
-    J, rhs, compliance = at.entries(table)[0], at.unknowns(table)[0], at.unknowns(table)[1]
-    for k in range(len(springs)):
-        s, out = springs[k], results[k]
-        r, e = s["row"], s["entry"]
-        if r < 0 or s["code"] >= 0:
-            continue
-        a, b, ux, uy, ta, tb = s["a"], s["b"], out["ux"], out["uy"], out["ta"], out["tb"]
-        J[e, 0], J[e, 1], J[e, 2] = ux, uy, ta
-        J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = -ux, -uy, -tb
-        rate = (ux * (before[a, 0] - before[b, 0]) + uy * (before[a, 1] - before[b, 1])
-                + ta * before[a, 2] - tb * before[b, 2])
-        stiffness = s["k"] if s["drive"] < 0 else drive[s["drive"]]
-        stretch = out["length"] - states[k]["rest"]
-        if s["kind"] == DAMPED:
-            compliance[r] = 2.0 / (h * s["c"])
-            rhs[r] = 2.0 * stiffness * stretch / s["c"] - rate
-        else:
-            lead = max(s["c"] + h * stiffness, LEAST)
-            compliance[r] = 1.0 / (h * lead)
-            rhs[r] = stiffness * stretch / lead
-
-
-@entry_point("actions")
-def turning_rows(table: int, h: float, drive: Array) -> None:
-    """Those of rotary springs that are too stiff for the step."""
-    actions, body, J = at.actions(table), at.body(table), at.entries(table)[0]
-    rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
-    for k in range(len(actions)):
-        s = actions[k]
-        r, e, a, b = s["row"], s["entry"], s["a"], s["b"]
-        if r < 0 or s["code"] >= 0:
-            continue
-        J[e, 0], J[e, 1], J[e, 2] = 0.0, 0.0, -1.0
-        J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 0.0, 0.0, 1.0
-        stiffness = s["k"] if s["drive"] < 0 else drive[s["drive"]]
-        rhs[r] = (s["rest"] - body[b, 2] + body[a, 2]) / h
-        compliance[r] = 1.0 / (h * h * max(stiffness, LEAST))
-
-
-@entry_point("cords")
-def cord_rows(table: int, h: float) -> None:
-    """Those of stiff and damped cords, and of spans; that of a slack one has no coefficients."""
-    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
-    guides, pulls, before = at.guides(table), at.guide_results(table), at.before(table)
-    J, rhs, compliance = at.entries(table)[0], at.unknowns(table)[0], at.unknowns(table)[1]
-    for i in range(len(cords)):
-        cord = cords[i]
-        r, first = cord["row"], cord["entry"]
-        if r < 0:
-            continue
-        for e in range(first, first + cord["entries"]):
-            J[e, 0] = J[e, 1] = J[e, 2] = 0.0
-        if cord["into"] >= 0:
-            J[cord["into"], 0] = 1.0
-        if cord["out_of"] >= 0:
-            J[cord["out_of"], 0] = -1.0
-        if not states[i]["active"]:
-            rhs[r], compliance[r] = 0.0, 1.0
-            continue
-        for n in range(cord["first"], cord["last"]):
-            e = guides[n]["entry"]
-            J[e, 0] -= pulls[n]["jx"]
-            J[e, 1] -= pulls[n]["jy"]
-            J[e, 2] -= pulls[n]["jt"]
-        rhs[r] = asked_by_cord(h, cord, states[i], results[i]["length"], guides, pulls, before)
-        compliance[r] = 1.0 / (h * cord_lead(h, cord, states[i]))
-
-
-@kernel
-def cord_lead(h: float, cord: Any, state: Any) -> float:
-    """By how much a cord's tension falls for a rate at which it shortens after the step [N s/m]."""
-    share = 1.0 / state["inside"] if cord["whole"] >= 0 else 1.0
-    k, c = share * state["k"], share * cord["c"]
-    if cord["kind"] == STIFF:
-        return max(float(c + h * k), LEAST)
-    return float(c / 2 + h * k / 4 if cord["kind"] == EVEN else c / 2)
-
-
-@kernel
-def asked_by_cord(
-    h: float, cord: Any, state: Any, length: float, guides: Records, pulls: Records,
-    before: Array,
-) -> float:
-    """The rate at which a taut cord wants to shorten, were there no tension [m/s]."""
-    share = 1.0 / state["inside"] if cord["whole"] >= 0 else 1.0
-    lead, pull = cord_lead(h, cord, state), share * state["k"] * (length - state["rest"])
-    if cord["kind"] == STIFF:
-        return float(pull / lead)
-    rate = shortening(cord, guides, pulls, before)
-    if cord["kind"] == EVEN:
-        return float((pull - (share * cord["c"] - lead) * rate) / lead)
-    return float(pull / lead - rate)
-
-
-@kernel
-def shortening(cord: Any, guides: Records, pulls: Records, velocity: Array) -> float:
-    """The rate at which a cord shortens as bodies move with ``velocity`` [nb, 3] [m/s]."""
-    rate = 0.0
-    for n in range(cord["first"], cord["last"]):
-        b = guides[n]["body"]
-        rate -= (pulls[n]["jx"] * velocity[b, 0] + pulls[n]["jy"] * velocity[b, 1]
-                 + pulls[n]["jt"] * velocity[b, 2])
-    return rate
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""What samples keep: gathered by the compiled loop, and worked out a chunk at a time."""
+"""Samples: copies of arrays that the compiled loop keeps, turned into recorded values in chunks."""
 
 from __future__ import annotations
 
@@ -11,23 +11,13 @@ from sandbox.elements.arrays import Arrays
 from sandbox.engine.advance import advance
 from sandbox.engine.entry_points import prepare
 from sandbox.engine.memory import Memory, make_memory
+from sandbox.engine.records import PULL, STOP
 from sandbox.engine.snapshot import list_contacts, make_snapshot
-from sandbox.engine.state import (
-    ANGLE,
-    DAMPED_WORK,
-    DAMPING,
-    PULL,
-    RATE,
-    RUBBED,
-    RUBBED_WORK,
-    STICKS,
-    STOPPING,
-)
+from sandbox.engine.state import CONTACT
 from sandbox.engine.tables import Tables
-from sandbox.engine.touch_state import CONTACT
 from sandbox.engine.world import World
 from sandbox.model.ties import held_one
-from sandbox.numeric import Integers, Records
+from sandbox.numeric import Array, Integers, Records
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.contacts import Contacts
 from sandbox.samples.merging import merge_contacts
@@ -43,7 +33,7 @@ class Sampler:
     ) -> None:
         self.world, self.tables, self.builder, self.every = world, tables, builder, every
         self.model = world.model
-        self.kept = make_snapshot(CHUNK, tables.constants, len(self.model.drives.name),
+        self.kept = make_snapshot(CHUNK, tables, len(self.model.drives.name),
                                   _contacts_kept(world.room.contacts))
         self._entry_points = prepare(tables.constants, advance)
         self.memory = self._memory()
@@ -71,7 +61,8 @@ class Sampler:
             old = getattr(self.kept, name)
             new = np.zeros(max(count, len(old)), old.dtype)
             new[:len(old)] = old
-            self.kept = self.kept._replace(**{name: new})
+            room: dict[str, Any] = {name: new}
+            self.kept = self.kept._replace(**room)
         self.memory = self._memory()
 
     @property
@@ -118,19 +109,14 @@ class Sampler:
         self._write_bodies(arrays, n)
         self._write_joints(arrays, n)
         self._write_springs(arrays, n)
-        cords = kept.cords[:n, :len(self.model.tendons.name)]  # spans come after these
-        arrays["tendon_length"][:] = cords[:, :, 0]
-        arrays["tendon_tension"][:] = cords[:, :, 1]
-        arrays["tendon_work"][:] = cords[:, :, 2]
-        arrays["guide_friction"][:] = kept.slips[:n, :, 0]
-        arrays["guide_slip"][:] = kept.slips[:n, :, 1]
-        arrays["guide_lifted"][:] = kept.lifted[:n]
+        self._write_tendons(arrays, n)
         self._write_lines(arrays, n)
-        loads = kept.loads[:n]
-        arrays["load_force"][:], arrays["load_torque"][:] = loads[:, :, :2], loads[:, :, 2]
-        arrays["load_work"][:] = loads[:, :, 3]
+        loads, number = self._of("load_results", n), self.tables.constants.loads["number"]
+        arrays["load_force"][:, number] = np.stack([loads["fx"], loads["fy"]], axis=-1)
+        arrays["load_torque"][:, number] = loads["torque"]
+        arrays["load_work"][:, number] = self._work("load", n)
         self._write_drives(arrays, n)
-        arrays["held"][:] = kept.ties[:n]
+        arrays["held"][:] = self._of("tie_states", n)["held"]
         self.builder.put(self.done, arrays)
         each = np.diff(kept.fill[:n], prepend=0)
         sample = np.repeat(np.arange(self.done, self.done + n), each)
@@ -163,73 +149,121 @@ class Sampler:
             done, np.repeat(np.arange(done, done + len(fill)), np.diff(fill, prepend=0)),
             order[found["a"]], order[found["b"]], numbers / (self.every * self.world.h))
 
+    def _of(self, view: str, n: int) -> Any:
+        """The first ``n`` samples of an array, by the name of its view."""
+        return self.kept.copied[view][:n]
+
+    def _work(self, element: str, n: int, name: str = "work") -> Array:
+        """Work [J] of elements up to the instants of samples, which lie amid their steps."""
+        work: Array = (self._of(f"{element}_states", n)[name]
+                       - self._of(f"{element}_results", n)[f"step_{name}"] / 2)
+        return work
+
     def _write_bodies(self, arrays: Arrays, n: int) -> None:
-        kept = self.kept
-        arrays["body_pose"][:] = kept.pose[:n]
-        arrays["body_velocity"][:] = kept.velocity[:n]
-        arrays["body_acceleration"][:] = kept.acceleration[:n]
+        body, before = self._of("body", n), self._of("before", n)
+        c, s = np.moveaxis(self._of("turn", n), 2, 0)
+        frames, number = self.tables.constants.bodies, self.world.number
+        x, y = frames["x"], frames["y"]
+        pose = np.stack([body[..., 0] - (c * x - s * y), body[..., 1] - (s * x + c * y),
+                         body[..., 2]], axis=-1)
+        arrays["body_pose"][:] = pose[:, number]
+        arrays["body_velocity"][:] = ((before + body[..., 3:]) / 2)[:, number]
+        arrays["body_acceleration"][:] = ((body[..., 3:] - before) / self.world.h)[:, number]
 
     def _write_joints(self, arrays: Arrays, n: int) -> None:
-        kept = self.kept.joints[:n]
-        arrays["joint_reaction"][:] = np.hypot(kept[:, :, 0], kept[:, :, 1])
-        arrays["joint_force"][:] = kept[:, :, :2]
-        for name, column in (("couple", 2), ("angle", ANGLE), ("rate", RATE), ("stop", STOPPING),
-                             ("damping", DAMPING), ("damping_work", DAMPED_WORK),
-                             ("friction", RUBBED), ("friction_work", RUBBED_WORK),
-                             ("sticks", STICKS)):
-            arrays[f"joint_{name}"][:] = kept[:, :, column]
-        lines = np.array([kind.line for kind in self.model.joints.kind], dtype=bool)
-        for name, told in (("length", "angle"), ("speed", "rate")):
-            arrays[f"joint_{name}"][:, lines] = arrays[f"joint_{told}"][:, lines]
-            arrays[f"joint_{told}"][:, lines] = np.nan
+        """Joints with their limits and dry friction."""
+        constants, results = self.tables.constants, self._of("joint_results", n)
+        arrays["joint_reaction"][:] = np.hypot(results["fx"], results["fy"])
+        arrays["joint_force"][:] = np.stack([results["fx"], results["fy"]], axis=-1)
+        arrays["joint_couple"][:] = results["couple"]
+        body, before = self._of("body", n), self._of("before", n)
+        hinge, line = constants.joints["hinge"] == 1, constants.joints["line"] == 1
+        joints = constants.joints[hinge]
+        a, b, sense = joints["a"], joints["b"], joints["sense"]
+        arrays["joint_angle"][:, hinge] = (
+            sense * (body[:, b, 2] - body[:, a, 2]) - joints["zero"])
+        arrays["joint_rate"][:, hinge] = sense * (
+            body[:, b, 5] + before[:, b, 2] - body[:, a, 5] - before[:, a, 2]) / 2
+        a, b, own = constants.joints[line]["a"], constants.joints[line]["b"], results[:, line]
+        x, y = (body[:, b, 3 + k] + before[:, b, k] - body[:, a, 3 + k] - before[:, a, k]
+                for k in (0, 1))
+        arrays["joint_length"][:, line] = own["way"]
+        arrays["joint_speed"][:, line] = (
+            own["dx"] * x + own["dy"] * y + own["ta"] * (body[:, a, 5] + before[:, a, 2])
+            + own["tb"] * (body[:, b, 5] + before[:, b, 2])) / 2
+        arrays["joint_stop"][:, constants.joints["stopped"] == 1] = 0.0
+        for i in np.flatnonzero(constants.limits["what"] == STOP).tolist():
+            limit, impulse = constants.limits[i], self._of("limit_states", n)["impulse"][:, i]
+            sense = constants.joints["sense"][limit["joint"]]
+            arrays["joint_stop"][:, limit["joint"]] += (
+                sense * limit["side"] * impulse / self.world.h)
+        joint, friction = constants.rubs["joint"], self._of("rub_results", n)
+        arrays["joint_friction"][:, joint] = friction["force"]
+        arrays["joint_sticks"][:, joint] = friction["sticks"]
+        arrays["joint_friction_work"][:, joint] = self._work("rub", n)
+
+    def _write_tendons(self, arrays: Arrays, n: int) -> None:
+        whole = slice(len(self.model.tendons.name))  # spans come after these
+        for name in ("length", "tension"):
+            arrays[f"tendon_{name}"][:] = self._of("cord_results", n)[name][:, whole]
+        arrays["tendon_work"][:] = self._work("cord", n)[:, whole]
+        arrays["guide_friction"][:] = self._of("slip_results", n)["force"]
+        arrays["guide_slip"][:] = self._of("slip_states", n)["way"]
+        arrays["guide_lifted"][:] = (
+            self._of("guide_states", n)["lifted"][:, self.tables.constants.wheels])
 
     def _write_lines(self, arrays: Arrays, n: int) -> None:
-        lines, valves = self.kept.fluids[:n], self.kept.valves[:n]
-        for column, name in enumerate(
-                ("pressure", "volume", "flow", "content", "spilled", "work", "ahead")):
-            arrays[f"line_{name}"][:] = lines[:, :, column]
-        constants = self.tables.constants
-        arrays["line_ahead"] *= self.world.h
-        arrays["line_volume"] += constants.fluids["volume"]
-        # of a gas what filled it at t = 0 without pressure is in its content
-        arrays["line_content"] -= np.where(constants.fluids["gas"] > 0,
-                                           constants.fluids["volume"], 0.0)
-        arrays["valve_flow"][:], arrays["valve_loss"][:] = valves[:, :, 0], valves[:, :, 1]
+        states, results = self._of("fluid_states", n), self._of("fluid_results", n)
+        fluids = self.tables.constants.fluids
+        arrays["line_pressure"][:], arrays["line_flow"][:] = results["pressure"], results["flow"]
+        arrays["line_volume"][:] = results["grown"] + fluids["volume"]
+        # of a gas the content counts what filled it at t = 0 without pressure
+        arrays["line_content"][:] = states["content"] - np.where(
+            fluids["gas"] > 0, fluids["volume"], 0.0)
+        arrays["line_spilled"][:] = states["spilled"]
+        arrays["line_work"][:] = self._work("fluid", n)
+        arrays["line_ahead"][:] = results["ahead"] * self.world.h
+        arrays["valve_flow"][:] = self._of("valve_states", n)["flow"]
+        arrays["valve_loss"][:] = self._work("valve", n, "loss")
 
     def _write_drives(self, arrays: Arrays, n: int) -> None:
         constants = self.tables.constants
-        actions, cords = constants.actions, constants.cords
+        actions, cords, pumps = constants.actions, constants.cords, constants.pumps["drive"]
+        torque, work = self._of("action_results", n)["torque"], arrays["drive_work"]
         arrays["drive_value"][:] = self.kept.drive[:n]
-        work = arrays["drive_work"]
-        work[:] = 0.0
-        own = actions["spring"] < 0
-        limited = actions["motor"] >= 0
+        limited, runs = actions["motor"] >= 0, actions["runs"] == 1
         arrays["drive_torque"][:, actions["drive"][limited]] = (
-            actions["sense"][limited] * self.kept.actions[:n, limited, 0])
-        work[:, actions["drive"][own]] = self.kept.actions[:n, own, 1]
-        runs = actions["runs"] == 1
-        arrays["drive_power"][:, actions["drive"][runs]] = self.kept.actions[:n, runs, 0]
-        pumps = constants.pumps["drive"]
-        arrays["drive_flow"][:, pumps] = self.kept.pumps[:n, :, 0]
-        work[:, pumps] = self.kept.pumps[:n, :, 1]
+            actions["sense"][limited] * torque[:, limited])
+        arrays["drive_power"][:, actions["drive"][runs]] = torque[:, runs]
+        arrays["drive_flow"][:, pumps] = self._of("pump_results", n)["flow"]
         pulled = cords["kind"] == PULL
-        work[:, cords["drive"][pulled]] = self.kept.cords[:n, pulled, 2]
+        work[:] = 0.0
+        work[:, actions["drive"]] = self._work("action", n)
+        work[:, pumps] = self._work("pump", n)
+        work[:, cords["drive"][pulled]] = self._work("cord", n)[:, pulled]
 
     def _write_springs(self, arrays: Arrays, n: int) -> None:
-        springs, actions = self.model.springs, self.tables.constants.actions
-        straight, kept = self.tables.straight, self.kept.springs[:n]
-        arrays["spring_length"][:, straight] = kept[:, :, 0]
-        arrays["spring_force"][:, straight] = kept[:, :, 1]
-        arrays["spring_work"][:, straight] = kept[:, :, 2]
-        for i in np.flatnonzero(~springs.straight).tolist():
-            j = springs.joint[i]
+        """Springs and the damping of hinges, which springs with a rotary damper share."""
+        joints, springs = self.model.joints, self.tables.constants.springs
+        results, work = self._of("spring_results", n), self._work("spring", n)
+        damped = springs["number"] < 0
+        hinge = springs["joint"][damped]
+        for name, values in (("damping", joints.sense[hinge] * results["effort"][:, damped]),
+                             ("damping_work", work[:, damped])):
+            arrays[f"joint_{name}"][:, joints.angle] = 0.0
+            arrays[f"joint_{name}"][:, hinge] = values
+        for k, s in enumerate(springs[~damped]):
+            i, j, effort = int(s["number"]), int(s["joint"]), results["effort"][:, k]
+            arrays["spring_work"][:, i] = work[:, k]
+            if j < 0:
+                arrays["spring_length"][:, i] = results["way"][:, k]
+                arrays["spring_force"][:, i] = 0.0 - effort
+                continue
+            holds = held_one(self.model.ties.joint[j], self._of("tie_states", n)["held"])
             arrays["spring_length"][:, i] = arrays["joint_angle"][:, j]
-            row = int(np.flatnonzero(actions["spring"] == i)[0])
-            torque = -actions["sense"][row] * self.kept.actions[:n, row, 0]
-            arrays["spring_work"][:, i] = self.kept.actions[:n, row, 1]
-            holds = held_one(self.model.ties.joint[j], self.kept.ties[:n])
             arrays["spring_force"][:, i] = (
-                torque + holds * springs.damping[i] * arrays["joint_rate"][:, j])
+                s["sense"] * -effort
+                + holds * self.model.springs.damping[i] * arrays["joint_rate"][:, j])
 
     def contacts_now(self) -> Contacts:
         """The contacts of the last step, as one sample."""

@@ -19,21 +19,18 @@ import pymunk
 from sandbox import __version__
 from sandbox.elements.controllers.custom import Custom, customs
 from sandbox.engine.advance import advance
-from sandbox.engine.beginning import Beginning
 from sandbox.engine.clock import Clock, make_clock
 from sandbox.engine.divergence import diverged
 from sandbox.engine.inputs import Inputs
 from sandbox.engine.inspect_control import Checked, Runnable, checked
+from sandbox.engine.inspect_elements import line_problems, load_problems, tendon_problems
 from sandbox.engine.inspect_joints import joint_problems
-from sandbox.engine.inspect_lines import line_problems
-from sandbox.engine.inspect_loads import load_problems
-from sandbox.engine.inspect_tendons import tendon_problems
 from sandbox.engine.readings import Readings
 from sandbox.engine.sampler import Sampler
-from sandbox.engine.start import start
+from sandbox.engine.start import Beginning, start
 from sandbox.engine.steering import Steering
 from sandbox.engine.tables import Tables, enlarged, make_tables
-from sandbox.engine.tie_tables import taken_breaks
+from sandbox.engine.ties import taken_breaks
 from sandbox.engine.touching import rows_for
 from sandbox.engine.world import World
 from sandbox.errors import (

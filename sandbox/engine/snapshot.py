@@ -1,4 +1,11 @@
-"""What a sample keeps of a step, copied by compiled code into the next row of the sampler."""
+"""Samples: copies of arrays, contacts, and means of forces over sample intervals.
+
+Where samples are several steps apart, the force of the sample's own step says nothing about the
+steps between. The mean over the sample interval does, and the interval lies around the sample,
+from half an interval before it to half an interval after it: so the mean belongs to the instant
+of the sample, to second order. With an even number of steps per interval, the step between two
+samples counts half for either. Intervals meet, so that the sum of means is the sum of impulses.
+"""
 
 from __future__ import annotations
 
@@ -9,45 +16,33 @@ import numpy as np
 from sandbox.elements.arrays import FORCES
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.fluid_report import take_lines
-from sandbox.engine.joint_state import STOP
+from sandbox.engine.impacts import REBOUND
 from sandbox.engine.kernel import kernel
-from sandbox.engine.loads import take_loads
-from sandbox.engine.state import (
-    ANGLE,
-    DAMPED_WORK,
-    DAMPING,
-    RATE,
-    RUBBED,
-    RUBBED_WORK,
-    STICKS,
-    STOPPING,
-    Constants,
-    Snapshot,
-)
-from sandbox.engine.touch_state import CONTACT, CONTACT_SUMS
+from sandbox.engine.memory import view_name
+from sandbox.engine.native import copy_words
+from sandbox.engine.records import STOP
+from sandbox.engine.state import AWAY, CLOSING, CONTACT, CONTACT_SUMS, RESTING, SAMPLED, Snapshot
+from sandbox.engine.tables import Tables
 from sandbox.numeric import Array, Records
 
 
-def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int) -> Snapshot:
+def make_snapshot(samples: int, tables: Tables, drives: int, contacts: int) -> Snapshot:
     """Memory for so many samples of a run, and so many contacts in all of them together."""
-    bodies = len(constants.inverse_mass)
-    shapes = ((bodies, 3), (bodies, 3), (bodies, 3), (len(constants.springs), 3),
-              (len(constants.cords), 3), (len(constants.slips), 2), (len(constants.wheels),),
-              (len(constants.actions), 2),
-              (len(constants.joints), STICKS + 1), (len(constants.fluids), 7),
-              (len(constants.valves), 2), (len(constants.pumps), 2), (len(constants.loads), 4))
+    constants = tables.constants
+    sampled = {view_name(type(part), name): getattr(part, name)
+               for part in tables[1:] for name in SAMPLED[type(part)]}
+    copied = {name: np.zeros((samples, *array.shape), array.dtype)
+              for name, array in sampled.items()}
+    copies = np.array([(array.ctypes.data, copied[name].ctypes.data, array.nbytes // 8)
+                       for name, array in sampled.items()], dtype=np.int64)
     tendons = np.count_nonzero(constants.cords["whole"] < 0)
     forces = FORCES * len(constants.joints) + tendons + len(constants.slips) + drives
-    kept: list[Any] = [*(np.full((samples, *shape), np.nan) for shape in shapes),
-                       np.zeros((samples, len(constants.ties)), dtype=np.int64),
-                       np.full((samples, drives), np.nan),
-                       np.zeros(contacts, CONTACT), np.zeros(samples, dtype=np.int64),
-                       np.zeros(4, dtype=np.int64), np.zeros(forces), np.zeros((samples, forces)),
-                       np.zeros(samples, dtype=np.int64), np.zeros(2),
-                       np.zeros(2 * contacts, CONTACT_SUMS), np.zeros(samples, dtype=np.int64),
-                       np.zeros(2, dtype=np.int64)]
-    return Snapshot(*kept)
+    return Snapshot(
+        copied, copies, np.full((samples, drives), np.nan), np.zeros(contacts, CONTACT),
+        np.zeros(samples, dtype=np.int64), np.zeros(4, dtype=np.int64), np.zeros(forces),
+        np.zeros((samples, forces)), np.zeros(samples, dtype=np.int64), np.zeros(2),
+        np.zeros(2 * contacts, CONTACT_SUMS), np.zeros(samples, dtype=np.int64),
+        np.zeros(2, dtype=np.int64))
 
 
 @kernel
@@ -57,48 +52,20 @@ def room_to_keep(table: int) -> bool:
     n = taken[0] - taken[1]
     used = fill[n - 1] if n > 0 else 0
     if (n == len(fill) or used + len(at.touches(table)) > len(at.kept_contacts(table))
-            or 2 * at.unfinished(table)[0] > len(at.mean_contacts(table))):
+            or 2 * at.kept_unfinished(table)[0] > len(at.kept_mean_contacts(table))):
         taken[2] = 1
     return bool(taken[2] == 0)
 
 
 @entry_point()
-def take(table: int, h: float, drive: Array) -> None:
+def take(table: int, drive: Array) -> None:
     """Copy the step just made, with its drives [nd], into the next row that samples are kept in."""
     taken = at.kept_taken(table)
     n = taken[0] - taken[1]
-    _take_bodies(table, h, n)
-    springs, spring_results = at.spring_states(table), at.spring_results(table)
-    kept = at.kept_springs(table)
-    for i in range(len(springs)):
-        s = spring_results[i]
-        kept[n, i, 0], kept[n, i, 1] = s["length"], s["force"]
-        kept[n, i, 2] = springs[i]["work"] - s["step_work"] / 2
-    cords, cord_results = at.cord_states(table), at.cord_results(table)
-    kept = at.kept_cords(table)
-    for i in range(len(cords)):
-        t = cord_results[i]
-        kept[n, i, 0], kept[n, i, 1] = t["length"], t["tension"]
-        kept[n, i, 2] = cords[i]["work"] - t["step_work"] / 2
-    slips, slip_results = at.slip_states(table), at.slip_results(table)
-    kept = at.kept_slips(table)
-    for i in range(len(slips)):
-        kept[n, i, 0] = slip_results[i]["force"]
-        kept[n, i, 1] = slips[i]["way"]
-    wheels, guides, off = at.wheels(table), at.guide_states(table), at.kept_lifted(table)
-    for i in range(len(wheels)):
-        off[n, i] = guides[wheels[i]]["lifted"]
-    actions, action_results = at.action_states(table), at.action_results(table)
-    kept = at.kept_actions(table)
-    for i in range(len(actions)):
-        kept[n, i, 0] = action_results[i]["torque"]
-        kept[n, i, 1] = actions[i]["work"] - action_results[i]["step_work"] / 2
-    take_joints(table, h, n)
-    take_lines(table, n)
-    take_loads(table, n)
-    ties, kept_ties = at.tie_states(table), at.kept_ties(table)
-    for i in range(len(ties)):
-        kept_ties[n, i] = ties[i]["held"]
+    copies = at.kept_copies(table)
+    for i in range(len(copies)):
+        words = copies[i, 2]
+        copy_words(copies[i, 0], copies[i, 1] + 8 * n * words, words)
     kept_drive = at.kept_drive(table)
     for i in range(len(drive)):
         kept_drive[n, i] = drive[i]
@@ -108,23 +75,6 @@ def take(table: int, h: float, drive: Array) -> None:
         at.touches(table), at.touching(table)[0], at.body(table), at.kept_contacts(table), first)
     at.kept_steady(table)[n] = 1
     taken[0] += 1
-
-
-@kernel
-def _take_bodies(table: int, h: float, n: int) -> None:
-    body, before, turn, bodies = (
-        at.body(table), at.before(table), at.turn(table), at.bodies(table))
-    pose, velocity, acceleration = (
-        at.kept_pose(table), at.kept_velocity(table), at.kept_acceleration(table))
-    for i in range(len(body)):
-        b, c, s = bodies[i], turn[i, 0], turn[i, 1]
-        m = b["number"]
-        pose[n, m, 0] = body[i, 0] - (c * b["x"] - s * b["y"])
-        pose[n, m, 1] = body[i, 1] - (s * b["x"] + c * b["y"])
-        pose[n, m, 2] = body[i, 2]
-        for j in range(3):  # an assignment of arrays would compile its error messages
-            velocity[n, m, j] = (before[i, j] + body[i, 3 + j]) / 2
-            acceleration[n, m, j] = (body[i, 3 + j] - before[i, j]) / h
 
 
 @kernel
@@ -158,42 +108,172 @@ def twist_of(body: Array, t: Any) -> float:
                  - y * (normal * t["nx"] - tangent * t["ny"]))
 
 
+@kernel
+def room_for_contacts(table: int) -> bool:
+    """Whether there is room for the impacts and mean contacts of one more step; noted if not."""
+    near, unfinished = len(at.touches(table)), at.kept_unfinished(table)
+    rows = unfinished[0] + unfinished[1] + 2 * near
+    impacts = at.made(table)[3] + near
+    if rows > len(at.kept_mean_contacts(table)) or impacts > len(at.impacts(table)):
+        at.kept_taken(table)[2] = 2
+        return False
+    return True
+
+
+@kernel
+def count_step(table: int, h: float, every: int, due: int) -> None:
+    """Count the step just made to the means of samples ``every`` steps apart.
+
+    ``due`` steps later comes the next sample.
+    """
+    waiting = at.kept_waiting(table)
+    if every - due != every // 2:
+        waiting[0] += 1.0
+        return
+    share = 1.0 if every % 2 else 0.5
+    waiting[0] += share
+    keep_means(table, h, every)
+    waiting[0] = 1.0 - share
+
+
+@kernel
+def add_waiting(table: int, h: float) -> None:
+    """Add the forces of the last steps to the means, before the next step finds other ones.
+
+    As long as everything is at rest there is no need to.
+    """
+    if at.kept_waiting(table)[0] > 0.0:
+        add_forces(table, h)
+
+
 @entry_point()
-def take_joints(table: int, h: float, n: int) -> None:
-    """Copy the values of joints into row ``n`` of the samples."""
-    kept = at.kept_joints(table)[n]
-    joints, results, body, before = (
-        at.joints(table), at.joint_results(table), at.body(table), at.before(table))
+def keep_means(table: int, h: float, every: int) -> None:
+    """Keep the means of an interval, if it is that of a sample, and begin the next one."""
+    sums, taken = at.kept_sums(table), at.kept_taken(table)
+    unfinished, waiting = at.kept_unfinished(table), at.kept_waiting(table)
+    if taken[3] < taken[0]:
+        n = taken[0] - taken[1] - 1
+        if waiting[1] > 0.0:
+            add_forces(table, h)
+            at.kept_steady(table)[n] = 0
+            for k in range(len(sums)):
+                at.kept_means(table)[n, k] = sums[k] / every
+            unfinished[0] += unfinished[1]
+        at.kept_mean_fill(table)[n] = unfinished[0]
+        taken[3] = taken[0]
+    if waiting[1] > 0.0:
+        for k in range(len(sums)):
+            sums[k] = 0.0
+        unfinished[1] = 0
+        touches = at.touches(table)
+        for i in range(at.touching(table)[0]):
+            touches[i]["sums"] = -1
+        waiting[1] = 0.0
+
+
+@entry_point()
+def add_forces(table: int, h: float) -> None:
+    """Add the forces of the last step to the unfinished interval, as often as they are waiting."""
+    waiting = at.kept_waiting(table)
+    share = waiting[0]
+    waiting[0], waiting[1] = 0.0, 1.0
+    sums, joints, results = at.kept_sums(table), at.joints(table), at.joint_results(table)
     for i in range(len(joints)):
-        joint, result = joints[i], results[i]
-        kept[i, 0], kept[i, 1], kept[i, 2] = result["fx"], result["fy"], result["couple"]
-        if joint["hinge"]:
-            a, b, sense = joint["a"], joint["b"], joint["sense"]
-            kept[i, ANGLE] = sense * (body[b, 2] - body[a, 2]) - joint["zero"]
-            kept[i, RATE] = sense * (body[b, 5] + before[b, 2] - body[a, 5] - before[a, 2]) / 2
-            kept[i, DAMPING] = kept[i, DAMPED_WORK] = 0.0
-        if joint["line"]:
-            a, b = joint["a"], joint["b"]
-            kept[i, ANGLE] = result["way"]
-            kept[i, RATE] = (
-                result["dx"] * (body[b, 3] + before[b, 0] - body[a, 3] - before[a, 0])
-                + result["dy"] * (body[b, 4] + before[b, 1] - body[a, 4] - before[a, 1])
-                + result["ta"] * (body[a, 5] + before[a, 2])
-                + result["tb"] * (body[b, 5] + before[b, 2])) / 2
-        if joint["stopped"]:
-            kept[i, STOPPING] = 0.0
-    dampers, states, work = at.dampers(table), at.damper_states(table), at.damper_results(table)
-    for i in range(len(dampers)):
-        j = dampers[i]["joint"]
-        kept[j, DAMPING] = joints[j]["sense"] * states[i]["torque"]
-        kept[j, DAMPED_WORK] = states[i]["work"] - work[i]["step_work"] / 2
-    rubs, rubbed, done = at.rubs(table), at.rub_results(table), at.rub_states(table)
-    for i in range(len(rubs)):
-        j = rubs[i]["joint"]
-        kept[j, RUBBED], kept[j, STICKS] = rubbed[i]["force"], rubbed[i]["sticks"]
-        kept[j, RUBBED_WORK] = done[i]["work"] - rubbed[i]["step_work"] / 2
+        k = FORCES * i
+        sums[k] += share * results[i]["fx"]
+        sums[k + 1] += share * results[i]["fy"]
+        sums[k + 2] += share * results[i]["couple"]
     limits, stops = at.limits(table), at.limit_states(table)
     for i in range(len(limits)):
-        if limits[i]["what"] == STOP:
+        if limits[i]["what"] == STOP and stops[i]["impulse"] > 0.0:
             j = limits[i]["joint"]
-            kept[j, STOPPING] += joints[j]["sense"] * limits[i]["side"] * stops[i]["impulse"] / h
+            torque = joints[j]["sense"] * limits[i]["side"] * stops[i]["impulse"] / h
+            sums[FORCES * j + 3] += share * torque
+    rubs, rubbed = at.rubs(table), at.rub_results(table)
+    for i in range(len(rubs)):
+        sums[FORCES * rubs[i]["joint"] + 4] += share * rubbed[i]["force"]
+    k = FORCES * len(joints)
+    cords, slips = at.cord_results(table), at.slip_results(table)
+    tendons = len(sums) - k - len(slips) - len(at.last_drive(table))
+    for i in range(tendons):  # spans of cords come after these
+        sums[k + i] += share * cords[i]["tension"]
+    k += tendons
+    for i in range(len(slips)):
+        sums[k + i] += share * slips[i]["force"]
+    k += len(slips)
+    actions, given = at.actions(table), at.action_results(table)
+    for i in range(len(actions)):
+        if actions[i]["motor"] >= 0:
+            sums[k + actions[i]["drive"]] += share * actions[i]["sense"] * given[i]["torque"]
+    _add_contacts(table, share)
+
+
+@kernel
+def _add_contacts(table: int, share: float) -> None:
+    touches, body, unfinished = at.touches(table), at.body(table), at.kept_unfinished(table)
+    for i in range(at.touching(table)[0]):
+        t = touches[i]
+        normal = share * (t["normal"] + t["bounce"])
+        if normal > 0.0:
+            new = t["sums"] < 0
+            if new:
+                t["sums"] = unfinished[1]
+                unfinished[1] += 1
+            c = at.kept_mean_contacts(table)[unfinished[0] + t["sums"]]
+            if new:
+                c["a"], c["b"] = t["a"], t["b"]
+                c["x"] = c["y"] = c["nx"] = c["ny"] = c["px"] = c["py"] = c["normal"] = 0.0
+            px, py = _impulse(t)
+            c["x"] += normal * (body[t["a"], 0] + t["ax"])
+            c["y"] += normal * (body[t["a"], 1] + t["ay"])
+            c["nx"] -= normal * t["nx"]
+            c["ny"] -= normal * t["ny"]
+            c["px"] += share * px
+            c["py"] += share * py
+            c["normal"] += normal
+
+
+@kernel
+def _impulse(touch: Any) -> tuple[float, float]:
+    """Of a contact on its first body in the step just made [N s]."""
+    normal, tangent = touch["normal"] + touch["bounce"], touch["tangent"] + touch["rub"]
+    return (tangent * touch["ny"] - normal * touch["nx"],
+            -tangent * touch["nx"] - normal * touch["ny"])
+
+
+@entry_point("shapes")
+def note_impacts(table: int) -> None:
+    """Note the contacts that were hit in the step just made.
+
+    A contact is hit if it carried nothing in the step before and approached faster than
+    :data:`~sandbox.engine.impacts.REBOUND`. Without restitution, a step may leave the speed that
+    closes the gap to the next step, which is noted, too.
+    """
+    touches, body, made = at.touches(table), at.body(table), at.made(table)
+    for i in range(at.touching(table)[0]):
+        t = touches[i]
+        last = t["phase"]
+        t["phase"] = RESTING if t["normal"] + t["bounce"] > 0.0 else AWAY
+        if t["phase"] == AWAY:
+            continue
+        fast = last == AWAY and _approach(at.before(table), t) > REBOUND
+        if fast and _approach(at.velocity(table), t) > REBOUND:
+            t["phase"] = CLOSING
+        if fast or last == CLOSING or t["bounce"] > 0.0:
+            one = at.impacts(table)[made[3]]
+            made[3] += 1
+            one["step"], one["a"], one["b"] = made[1], t["a"], t["b"]
+            one["x"], one["y"] = body[t["a"], 0] + t["ax"], body[t["a"], 1] + t["ay"]
+            one["px"], one["py"] = _impulse(t)
+            one["after"] = t["instant"] if t["bounce"] > 0.0 else 0.0
+
+
+@kernel
+def _approach(velocity: Array, touch: Any) -> float:
+    """Rate at which two bodies approach at a contact [m/s]."""
+    a, b = touch["a"], touch["b"]
+    x = (velocity[b, 0] - velocity[b, 2] * touch["by"]
+         - velocity[a, 0] + velocity[a, 2] * touch["ay"])
+    y = (velocity[b, 1] + velocity[b, 2] * touch["bx"]
+         - velocity[a, 1] - velocity[a, 2] * touch["ax"])
+    return float(-touch["nx"] * x - touch["ny"] * y)

@@ -5,10 +5,10 @@ masses, f the forces that the poses tell, B the bilateral rows and C those with 
 
     v = v_before + h W f + W B^T p_b + W C^T p_c
 
-gives the velocities v at the step's end. B is factored once (:mod:`sandbox.engine.factor`), the
+gives the velocities v at the step's end. B is factored once (:mod:`sandbox.engine.plan`), the
 rows C are solved on what it leaves (:mod:`sandbox.engine.bounded`); only those come in that carry
 something or would be broken without. Whether cords are taut is tried last, and whether springs
-and loads with laws of their own gave what these say (:mod:`sandbox.engine.laws`,
+and loads with laws of their own gave what these say (:mod:`sandbox.engine.springs`,
 :mod:`sandbox.engine.loads`).
 
 Contacts that give back speed do so before all forces (:mod:`sandbox.engine.impacts`).
@@ -23,7 +23,6 @@ from sandbox.engine import memory as at
 from sandbox.engine.bounded import (
     columns,
     couple,
-    measures,
     push,
     rate,
     relax,
@@ -31,39 +30,29 @@ from sandbox.engine.bounded import (
     wipe,
     y_of,
 )
-from sandbox.engine.breakaway import break_away
 from sandbox.engine.breaks import breaks
 from sandbox.engine.candidates import RETURN, broken_rows, kept_rows
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.factor import assemble, backward, factor, forward
 from sandbox.engine.fluid_report import flowing, report_lines
 from sandbox.engine.fluids import change_lines, fluid_rows, join_lines
+from sandbox.engine.friction import break_away, change_rubs
 from sandbox.engine.impacts import impacts, late_hits, lead_back
 from sandbox.engine.kernel import kernel
-from sandbox.engine.laws import change_laws, law_rows
 from sandbox.engine.lemke import MOST, lemke_modes
 from sandbox.engine.loads import change_loads, load_rows, timed
+from sandbox.engine.motors import brake_in_time
+from sandbox.engine.plan import assemble, backward, factor, forward
 from sandbox.engine.report import report
-from sandbox.engine.rows import (
-    LEAST,
-    asked_by_cord,
-    closed,
+from sandbox.engine.rows import closed, joint_gaps, joint_rows, right_side, spread, weigh
+from sandbox.engine.springs import change_laws, law_rows, spring_rows
+from sandbox.engine.state import STILL, STILL_TURNING
+from sandbox.engine.tendons import (
+    ask_slips,
+    change_cords,
     cord_rows,
-    damper_rows,
-    joint_gaps,
-    joint_rows,
-    right_side,
-    shortening,
-    spread,
-    spring_rows,
-    turning_rows,
-    weigh,
+    slacken,
 )
-from sandbox.engine.rubs import change_rubs
-from sandbox.engine.servos import brake_in_time
-from sandbox.engine.slips import ask_slips, change_whole, slacken_whole
-from sandbox.engine.state import GRIPPED, LIMITED, NORMAL, STIFF, STILL, STILL_TURNING
-from sandbox.engine.ties import holds, slacken_tied, tie_rows
+from sandbox.engine.ties import tie_rows
 from sandbox.numeric import Array, Records
 
 HARD = 1e-12
@@ -107,9 +96,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
     Y, reached = at.columns(table), at.reached(table)
     at.standing(table)[2] = 0
     joint_rows(table, h)
-    damper_rows(table, h)
     spring_rows(table, h, drive)
-    turning_rows(table, h, drive)
     law_rows(table, h, drive)
     load_rows(table, h)
     tie_rows(table, h)
@@ -259,8 +246,7 @@ def jammed(table: int, n: int, slack: float) -> int:
             moving |= velocity[scheduled[i], j] != 0.0
     for k in range(n if moving else 0):
         row = rows[k]
-        pushes = row["source"] == NORMAL or row["source"] == LIMITED
-        overlaps = pushes and row["want"] <= -RETURN
+        overlaps = row["gentle"] == 1 and row["want"] <= -RETURN
         if row["out"]:
             if overlaps and _goes_on(row, velocity):
                 return k + 1
@@ -365,7 +351,7 @@ def find_velocities(table: int, n: int) -> None:
         unknowns[3, i] = unknowns[2, i]
     for k in range(n):
         p = rows[k]["p"]
-        if p != 0.0 and not measures(rows[k]):
+        if p != 0.0 and not rows[k]["measure"]:
             for q in range(rows[k]["branch"]):
                 i = reached[k, q]
                 unknowns[3, i] -= Y[k, i] * p
@@ -376,56 +362,3 @@ def find_velocities(table: int, n: int) -> None:
     spread(table, unknowns[3], velocity)
     for k in range(n):
         push(inverse_mass, rows[k], rows[k]["p"], velocity)
-
-
-@entry_point("cords")
-def slacken(table: int) -> None:
-    """Let go of all cords that are not stretched: their dampers do not pull before they do."""
-    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
-    for i in range(len(cords)):
-        if slacken_tied(table, i):
-            continue
-        if cords[i]["kind"] == GRIPPED:
-            slacken_whole(table, i)
-        elif cords[i]["whole"] < 0 and results[i]["length"] <= states[i]["rest"]:
-            states[i]["active"] = 0
-
-
-@entry_point("cords")
-def change_cords(table: int, h: float, attempt: int) -> bool:
-    """Let go of cords that would push, take up those that would pull; whether there were any.
-
-    A slack one is taken up only where it is stretched: a stiff one in this step, a soft one now.
-    All at once at first, later the one that is furthest off.
-    """
-    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
-    guides, pulls, unknown = at.guides(table), at.guide_results(table), at.unknowns(table)[3]
-    changed, worst, which = False, 0.0, -1
-    for i in range(len(cords)):
-        cord = cords[i]
-        if not holds(table, cord["tie"]):
-            continue
-        if cord["kind"] == GRIPPED:
-            changed |= change_whole(table, h, i)
-        if cord["row"] < 0 or cord["whole"] >= 0:
-            continue
-        if states[i]["active"]:
-            off = -unknown[cord["row"]]
-        else:
-            gone = shortening(cord, guides, pulls, at.velocity(table))
-            stretch = results[i]["length"] - states[i]["rest"]
-            if stretch <= (h * gone if cord["kind"] == STIFF else 0.0):
-                continue
-            asked = asked_by_cord(
-                h, cord, states[i], results[i]["length"], guides, pulls, at.before(table))
-            off = asked - gone
-            off /= 1.0 / (h * max(cord["c"] + h * states[i]["k"], LEAST)) + cord["response"]
-        if off > 0.0:
-            changed = True
-            if attempt < 3:
-                states[i]["active"] = 1 - states[i]["active"]
-            elif off > worst:
-                worst, which = off, i
-    if which >= 0:
-        states[which]["active"] = 1 - states[which]["active"]
-    return changed

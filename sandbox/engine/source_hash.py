@@ -25,7 +25,7 @@ from llvmlite import binding
 from sandbox.engine.kernel import Kernel
 
 Source = Callable[..., Any]
-_MACHINERY = ("kernel.py", "numba_linking.py", "source_hash.py", "entry_points.py", "memory.py",
+_MACHINERY = ("kernel.py", "source_hash.py", "entry_points.py", "memory.py",
               "native.py")
 _OPTIONS = "CPU_NAME", "CPU_FEATURES", "OPT", "BOUNDSCHECK"
 

@@ -17,8 +17,9 @@ from __future__ import annotations
 import numpy as np
 
 from sandbox.engine.advance import UNKEPT, advance
-from sandbox.engine.joint_state import PACED
+from sandbox.engine.coordinates import rate
 from sandbox.engine.memory import Memory
+from sandbox.engine.records import PACED
 from sandbox.engine.tables import WORKSPACE, Tables
 from sandbox.engine.world import World
 from sandbox.numeric import Array
@@ -70,11 +71,27 @@ def _jumps(tables: Tables, body: Array, drive: Array) -> Array:
     holds = (tables.state.motors["mode"] == 0) & np.isfinite(motors["most"]) & np.isnan(
         motors["slope"])
     for motor in motors[holds & (motors["law"] == PACED)]:
-        rate = motor["sense"] * (body[motor["b"], 5] - body[motor["a"], 5])
-        if motor["line"] >= 0:
-            line, (a, b) = tables.result.joints[motor["line"]], (
-                body[motor["a"], 3:], body[motor["b"], 3:])
-            rate = (line["dx"] * (b[0] - a[0]) + line["dy"] * (b[1] - a[1])
-                    + line["ta"] * a[2] + line["tb"] * b[2])
-        result[motor["drive"]] += begins[motor["drive"]] - rate
+        speed = motor["sense"] * rate(motor, tables.result.joints[motor["joint"]], body[:, 3:])
+        result[motor["drive"]] += begins[motor["drive"]] - speed
     return result
+
+
+class Beginning:
+    """The numbers of tables that were just made.
+
+    Args:
+        tables: of a run that has made no step.
+    """
+
+    def __init__(self, tables: Tables) -> None:
+        self._tables = tables
+        self._kept = [
+            (array, array.copy()) for part in (tables.constants, tables.state, tables.result)
+            for name, array in part._asdict().items()
+            if isinstance(array, np.ndarray) and array.flags.writeable and name not in WORKSPACE]
+
+    def restored(self) -> Tables:
+        """The tables as they were, in the memory that they were made in."""
+        for array, value in self._kept:
+            array[...] = value
+        return self._tables

@@ -1,118 +1,81 @@
-"""What the compiled step works on: constants, the state of a run, what the last step gave.
+"""Arrays of a run: constants, the state that the next step needs, results of the last step.
 
-Three records, so that each number is one of three things: it never changes
-(:class:`Constants`), the next step needs it (:class:`State`), or it is only reported
-(:class:`Result`). A run is its constants, its state and where pymunk's bodies are. Bodies are
-numbered as pymunk lists them (``World.order``); points of bodies are relative to their centres
-of mass, along the body's axes.
+Each number is one of three things: it never changes (:class:`Constants`), the next step needs it
+(:class:`State`), or it is only reported (:class:`Result`). A run is its constants, its state and
+where pymunk's bodies are. Records of elements stand in :mod:`sandbox.engine.records`.
 
-nb bodies, na actions of drives and rotary springs, ns straight springs, nh damped hinges, nt
-tendons, ng guides (first those of tendons, then those of spans), nf guides with friction, nw
-wheels that a cord can lift off, nj joints, nl limits, nm motors and brakes, nu joints with dry
-friction, nz shapes; nq lines of fluid, nc chambers, nv valves, np pumps
-(:mod:`sandbox.engine.fluid_state`); nk loads on no bodies (:mod:`sandbox.engine.load_state`); nr
-joints, springs and tendons that may be let go (:mod:`sandbox.engine.tie_state`); nd
-drives of the model, those of motors and brakes among them; m unknowns of the bilateral rows
-(:mod:`sandbox.engine.plan`), ne entries of these; r bounded rows there is room for.
+Shapes: nb bodies, nd drives, m unknowns of the bilateral rows (:mod:`sandbox.engine.plan`), ne
+entries of these, r bounded rows for which there is room. Arrays of records have one axis. Guides
+are first those of tendons, then those of spans.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from sandbox.engine.records import (
+    ACTION,
+    ACTION_RESULT,
+    ACTION_STATE,
+    BROKEN,
+    CHAMBER,
+    CHAMBER_RESULT,
+    CORD,
+    CORD_RESULT,
+    CORD_STATE,
+    FLUID,
+    FLUID_RESULT,
+    FLUID_STATE,
+    GUIDE,
+    GUIDE_RESULT,
+    GUIDE_STATE,
+    JOINT,
+    JOINT_RESULT,
+    JOINT_STATE,
+    LIMIT,
+    LIMIT_STATE,
+    LOAD,
+    LOAD_RESULT,
+    LOAD_STATE,
+    LOADED,
+    LOADED_RESULT,
+    MOTOR,
+    MOTOR_STATE,
+    PUMP,
+    PUMP_RESULT,
+    PUMP_STATE,
+    RUB,
+    RUB_RESULT,
+    RUB_STATE,
+    SLIP,
+    SLIP_RESULT,
+    SLIP_STATE,
+    SPRING,
+    SPRING_RESULT,
+    SPRING_STATE,
+    TIE,
+    TIE_RESULT,
+    TIE_STATE,
+    VALVE,
+    VALVE_RESULT,
+    VALVE_STATE,
+)
+from sandbox.model.programs import CURVE, KNOT, STEP
 from sandbox.numeric import Array, Integers, Records
 
-STIFF, PULL, ELASTIC, DAMPED, EVEN, GRIPPED = 0, 1, 2, 3, 4, 5
-"""Kinds of cord and straight spring: solved at the step's end; of given tension; soft, its tension
-that of the pose; soft with a damper, solved at mid-step. Of spans of a cord that guides hold by
-friction: soft, solved evenly about the pose; and that cord as a whole, whose spans pull."""
 STILL, STILL_TURNING = 1e-11, 1e-10
 """Where nothing moves faster [m/s, rad/s] all is at rest, and contacts carry what they carried."""
-SOFT = 1.0
-"""h^2 k s from which on an element is solved at the step's end (:mod:`sandbox.engine.stiffness`); a
-leapfrog breaks down at 4."""
+
 NORMAL, TANGENT, LIMITED, DRIVEN, SLIPPING, PULLED, RUBBING, PRESSED = 0, 1, 2, 3, 4, 5, 6, 7
 """Where a bounded row comes from: a contact's two, a limit, a motor or brake; friction between a
 guide and its cord, and what that is measured by: the sum of the tensions on either side; friction
 in a joint, and its measure: what the joint carries."""
 SLIDES, HOLDS, TRIED = 0, 1, 2
 """Phases of a row with static friction in a step: it has sliding friction; static friction; or it
-slipped against that, and sliding friction is tried (:mod:`sandbox.engine.breakaway`)."""
-
-ACTION = np.dtype([
-    ("drive", np.int64),    # whose value it takes, -1 for a spring of constant stiffness
-    ("a", np.int64),        # the body of a force; the first body of a hinge
-    ("b", np.int64),        # -1 for a force; the second body of the hinge
-    ("x", float), ("y", float),     # where a force acts [m]
-    ("dx", float), ("dy", float),   # its direction, a unit vector
-    ("turning", np.int64),  # whether that turns with the body
-    ("line", np.int64),     # the actuator that is pushed, or -1
-    ("spring", np.int64),   # -1, or the rotary spring
-    ("k", float),           # its stiffness, if no drive sets it [N m/rad]
-    ("rest", float),        # angle of b against a at which that spring is at rest [rad]
-    ("motor", np.int64),    # -1, or the number of a motor or brake
-    ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
-    ("row", np.int64),      # unknown of a rotary spring too stiff for the step, or -1
-    ("entry", np.int64),    # the first of its two entries
-    ("code", np.int64), ("code_end", np.int64),     # steps of a rotary spring's law, or -1
-    ("of_rate", np.int64),  # whether that hangs on the rate
-    ("response", float),    # how its ends answer a unit torque, at most [1/(kg m^2)]
-    ("tie", np.int64), ("hinge_tie", np.int64),     # TIE of a spring and of its hinge, or -1
-    ("runs", np.int64),     # whether it is the surface of a that runs
-])
-ACTION_STATE = np.dtype([
-    ("work", float),        # done on the bodies since t = 0 [J]
-])
-ACTION_RESULT = np.dtype([
-    ("fx", float), ("fy", float),   # of a force, in the world [N]
-    ("torque", float),      # about the centre of mass of a, or on b of a hinge [N m]; of a surface
-                            # that runs its power [W]
-    ("stiff", np.int64),    # whether a law is taken at the step's end
-    ("step_work", float),   # of the last step [J]
-])
-
-SPRING = np.dtype([
-    ("kind", np.int64),     # STIFF, ELASTIC or DAMPED
-    ("drive", np.int64),    # that sets its stiffness; -1 for its own
-    ("a", np.int64), ("ax", float), ("ay", float),  # body and point of one end [m]
-    ("b", np.int64), ("bx", float), ("by", float),
-    ("k", float),           # [N/m]
-    ("c", float),           # [N s/m]
-    ("row", np.int64),      # its unknown, or -1
-    ("entry", np.int64),    # the first of its two entries
-    ("code", np.int64), ("code_end", np.int64),     # steps of its law, or -1
-    ("of_rate", np.int64),  # whether that hangs on the rate
-    ("response", float),    # how its ends answer a unit push, at most [1/kg]
-    ("tie", np.int64),      # its TIE, or -1
-])
-SPRING_STATE = np.dtype([
-    ("rest", float),        # length at rest [m]
-    ("work", float),        # [J]
-])
-SPRING_RESULT = np.dtype([
-    ("length", float),      # [m]
-    ("force", float),       # positive pulls [N]
-    ("ux", float), ("uy", float),   # direction from a to b
-    ("ta", float), ("tb", float),   # its moment about either centre of mass, for 1 N [m]
-    ("stiff", np.int64),    # whether a law is taken at the step's end
-    ("step_work", float),   # [J]
-])
-
-DAMPER = np.dtype([
-    ("a", np.int64), ("b", np.int64),   # bodies of the hinge
-    ("c", float),           # [N m s/rad]
-    ("joint", np.int64),    # number of the hinge
-    ("row", np.int64), ("entry", np.int64),     # its unknown, the first of its two entries
-])
-DAMPER_STATE = np.dtype([
-    ("torque", float),      # on b [N m]
-    ("work", float),        # [J]
-])
-DAMPER_RESULT = np.dtype([
-    ("step_work", float),   # [J]
-])
+slipped against that, and sliding friction is tried (:mod:`sandbox.engine.friction`)."""
 
 BOUND = np.dtype([
     ("source", np.int64), ("index", np.int64),  # NORMAL ... DRIVEN, and which one
@@ -122,7 +85,12 @@ BOUND = np.dtype([
     ("want", float),        # added to y [m/s, rad/s]
     ("trend", float),       # of impacts: how y, "want" at the pose, changes in the step [m/s^2]
     ("gap", float), ("closing", float), ("bend", float),    # gap there, its rate, how that changes
-    ("soft", float),        # of what a drive gives: y for an impulse of 1, besides
+    ("soft", float),        # compliance: added to y for an impulse of 1
+    ("measure", np.int64),  # whether the row acts on nothing: others are bounded by its impulse
+    ("gentle", np.int64),   # whether an overlap is undone slowly
+    ("hold", float),        # how strongly its impulse is held to the last, as a share of base
+    ("passive", np.int64),  # whether it is friction that must not drive where its measure is < 0
+    ("tight", float),       # share of its measure by which it may exceed its bound; 0 for any
     ("normal", np.int64),   # of a tangential row the normal one; -1 of others
     ("friction", float),
     ("low", float), ("high", float),    # of the impulse, of rows that are not tangential
@@ -147,6 +115,74 @@ BODY = np.dtype([
     ("x", float), ("y", float),     # the centre of mass in the body's frame [m]
 ])
 
+SHAPE = np.dtype([
+    ("body", np.int64),
+    ("margin", float),      # by which it stands out in pymunk, so that contacts are seen coming [m]
+    ("first", np.int64), ("last", np.int64),    # its FACEs, -1 where all of it is surface
+    ("vertex", np.int64), ("vertex_end", np.int64),     # of its core: a point, a line, a polygon
+    ("radius", float),      # of the surface about the core [m]; that of a circle may change
+    ("span", np.int64), ("span_end", np.int64),     # its SPANs; -1 if the core is no curve
+    ("closed", np.int64),   # whether its curve is closed, counter-clockwise about the material
+    ("leader", np.int64),   # the first shape of the same outline
+])
+FACE = np.dtype([
+    ("x0", float), ("y0", float), ("x1", float), ("y1", float),     # ends, counter-clockwise
+])
+"""An arc of unit normals, in the body's frame, with which a piece of an outline is its surface."""
+SPAN = np.dtype([
+    *((f"{axis}{n}", float) for axis in "xy" for n in range(6)),
+    ("before", np.int64), ("after", np.int64),      # its neighbours; -1 at an end
+    ("corner", np.int64),   # whether there is a corner between it and the span before
+])
+"""A quintic piece of a curve, x = sum x_n w^n for w in [0, 1], from the centre of mass [m]."""
+TOUCH = np.dtype([
+    ("shape_a", np.int64), ("shape_b", np.int64), ("feature", np.int64),    # which point it is
+    ("a", np.int64), ("b", np.int64),       # bodies, a < b
+    ("nx", float), ("ny", float),           # normal from a to b
+    ("ax", float), ("ay", float), ("bx", float), ("by", float),     # arms of the point [m]
+    ("gap", float),         # [m]
+    ("ka", float), ("da", float), ("kb", float), ("db", float),     # curvatures k / d
+    ("acceleration", float),    # of the gap while the bodies keep their velocities [m/s^2]
+    ("friction", float), ("static", float), ("restitution", float),
+    ("normal", float), ("tangent", float),  # impulses on b, along (nx, ny) and (-ny, nx) [N s]
+    ("bounce", float), ("rub", float),      # the same, of impacts, which come before
+    ("mode", np.int64),     # of the tangential row: -1 and 1 slide, 0 sticks
+    ("listed", np.int64),   # whether its rows are among those solved
+    ("late", np.int64),     # whether it is hit only because of the forces of this step
+    ("belt", float),        # by how much surfaces that run add to its rate of sliding [m/s]
+    ("led", float),         # how far impacts of the step lead its gap back [m]
+    ("instant", float),     # of its last impact in the step, after the pose [s]
+    ("phase", np.int64),    # AWAY, CLOSING or RESTING
+    ("sums", np.int64),     # its CONTACT_SUMS in this sample interval, or -1
+])
+AWAY, CLOSING, RESTING = 0, 1, 2
+"""Phases of a contact: it carries nothing; it was hit, and the next step closes its gap; it
+carries."""
+
+CONTACT = np.dtype([
+    ("a", np.int64), ("b", np.int64),   # bodies
+    ("x", float), ("y", float),         # place in the world [m]
+    ("nx", float), ("ny", float),       # normal from a to b
+    ("gap", float),                     # [m]
+    ("normal", float), ("tangent", float),  # impulses on b, along (nx, ny) and (-ny, nx) [N s]
+    ("twist", float),                   # moment on b besides that of these at the place [N m s]
+])
+CONTACT_SUMS = np.dtype([
+    ("a", np.int64), ("b", np.int64),   # bodies
+    ("x", float), ("y", float),         # place, times the normal impulse [m N s]
+    ("nx", float), ("ny", float),       # normal impulse on a [N s]
+    ("px", float), ("py", float),       # impulse on a [N s]
+    ("normal", float),                  # size of the normal impulse [N s]
+])
+"""A contact's sums over the steps of a sample interval, numbers as in ``mean_contact_force``."""
+IMPACT = np.dtype([
+    ("step", np.int64),     # counted from 0 among those made in one go
+    ("a", np.int64), ("b", np.int64),   # bodies
+    ("x", float), ("y", float),         # place in the world [m]
+    ("px", float), ("py", float),       # impulse on a in that step [N s]
+    ("after", float),       # instant after the pose of the step [s]
+])
+
 
 class Constants(NamedTuple):
     """What no step changes."""
@@ -155,69 +191,50 @@ class Constants(NamedTuple):
     """The step [s]."""
     gravity: Array
     """[m/s^2], [2]."""
-    inverse_mass: Array
+    inverse_mass: Annotated[Array, 2]
     """1 / mass and 1 / inertia, [nb, 2]; 0 for bodies that do not move freely."""
-    bodies: Records
-    """BODY, [nb]."""
+    bodies: Annotated[Records, BODY]
     scheduled: Integers
     """Numbers of the bodies that move as a schedule has it."""
-    actions: Records
-    """ACTION, [na]."""
-    springs: Records
-    """SPRING, [ns]."""
-    dampers: Records
-    """DAMPER, [nh]."""
-    cords: Records
-    """CORD, [nt]."""
-    guides: Records
-    """GUIDE, [ng]."""
-    slips: Records
-    """SLIP, [nf]."""
+    actions: Annotated[Records, ACTION]
+    springs: Annotated[Records, SPRING]
+    cords: Annotated[Records, CORD]
+    guides: Annotated[Records, GUIDE]
+    slips: Annotated[Records, SLIP]
     wheels: Integers
     """Guides whose wheels a cord can lift off, [nw]."""
-    joints: Records
-    """JOINT, [nj]."""
-    limits: Records
-    """LIMIT, [nl]."""
-    motors: Records
-    """MOTOR, [nm]."""
-    rubs: Records
-    """RUB, [nu]."""
-    fluids: Records
-    """FLUID, [nq]."""
-    chambers: Records
-    """CHAMBER, [nc]."""
-    valves: Records
-    """VALVE, [nv]."""
-    pumps: Records
-    """PUMP, [np]."""
-    loads: Records
-    """LOAD, [nk], those of a body side by side."""
-    loaded: Records
-    """LOADED, [no]."""
-    sides: Array
+    joints: Annotated[Records, JOINT]
+    limits: Annotated[Records, LIMIT]
+    motors: Annotated[Records, MOTOR]
+    rubs: Annotated[Records, RUB]
+    fluids: Annotated[Records, FLUID]
+    chambers: Annotated[Records, CHAMBER]
+    valves: Annotated[Records, VALVE]
+    pumps: Annotated[Records, PUMP]
+    loads: Annotated[Records, LOAD]
+    """[nk], those of a body side by side."""
+    loaded: Annotated[Records, LOADED]
+    sides: Annotated[Array, 2]
     """Outlines of what liquids lift, from the centres of mass (:mod:`sandbox.model.loads`)."""
-    ties: Records
-    """TIE, [nr]."""
-    shapes: Records
-    """SHAPE, [nz]."""
-    faces: Records
-    """FACE, those of a shape side by side."""
-    vertices: Array
+    ties: Annotated[Records, TIE]
+    shapes: Annotated[Records, SHAPE]
+    faces: Annotated[Records, FACE]
+    """Those of a shape side by side."""
+    vertices: Annotated[Array, 2]
     """Corners of the shapes' cores, from the centres of mass [m], [n, 2]."""
-    spans: Records
-    """SPAN, those of a curve side by side."""
-    steps: Records
-    """STEP of the programs of all laws (:mod:`sandbox.model.programs`)."""
-    curves: Records
-    """CURVE of the scene's tables."""
-    knots: Records
-    """KNOT of these."""
-    friction: Array
+    spans: Annotated[Records, SPAN]
+    """Those of a curve side by side."""
+    steps: Annotated[Records, STEP]
+    """Of the programs of all laws (:mod:`sandbox.model.programs`)."""
+    curves: Annotated[Records, CURVE]
+    """Of the scene's tables."""
+    knots: Annotated[Records, KNOT]
+    """Of these."""
+    friction: Annotated[Array, 2]
     """Coefficient of every pair of bodies, negative where they may not touch, [nb, nb]."""
-    static: Array
+    static: Annotated[Array, 2]
     """Static over sliding friction of every pair of bodies, [nb, nb]."""
-    restitution: Array
+    restitution: Annotated[Array, 2]
     """Of every pair of bodies, [nb, nb]."""
     starts: Integers
     """This and what follows: :class:`sandbox.engine.plan.Pattern`."""
@@ -225,59 +242,43 @@ class Constants(NamedTuple):
     updates: Integers
     entry_row: Integers
     entry_body: Integers
-    pairs: Integers
-    direct: Integers
+    pairs: Annotated[Integers, 2]
+    direct: Annotated[Integers, 2]
     body_starts: Integers
     body_entries: Integers
     branch_starts: Integers
     branches: Integers
-    hubs: Integers
+    hubs: Annotated[Integers, 2]
 
 
 class State(NamedTuple):
     """All that changes in a run and that the next step needs."""
 
-    body: Array
+    body: Annotated[Array, 2]
     """x, y, angle, vx, vy, omega of the centres of mass, [nb, 6]; pymunk's, filled after moves."""
-    actions: Records
-    """ACTION_STATE, [na]."""
-    springs: Records
-    """SPRING_STATE, [ns]."""
-    dampers: Records
-    """DAMPER_STATE, [nh]."""
-    cords: Records
-    """CORD_STATE, [nt]."""
-    guides: Records
-    """GUIDE_STATE, [ng]."""
-    slips: Records
-    """SLIP_STATE, [nf]."""
-    joints: Records
-    """JOINT_STATE, [nj]."""
-    limits: Records
-    """LIMIT_STATE, [nl]."""
-    motors: Records
-    """MOTOR_STATE, [nm]."""
-    rubs: Records
-    """RUB_STATE, [nu]."""
-    fluids: Records
-    """FLUID_STATE, [nq]."""
-    valves: Records
-    """VALVE_STATE, [nv]."""
-    pumps: Records
-    """PUMP_STATE, [np]."""
-    loads: Records
-    """LOAD_STATE, [nk]."""
+    actions: Annotated[Records, ACTION_STATE]
+    springs: Annotated[Records, SPRING_STATE]
+    cords: Annotated[Records, CORD_STATE]
+    guides: Annotated[Records, GUIDE_STATE]
+    slips: Annotated[Records, SLIP_STATE]
+    joints: Annotated[Records, JOINT_STATE]
+    limits: Annotated[Records, LIMIT_STATE]
+    motors: Annotated[Records, MOTOR_STATE]
+    rubs: Annotated[Records, RUB_STATE]
+    fluids: Annotated[Records, FLUID_STATE]
+    valves: Annotated[Records, VALVE_STATE]
+    pumps: Annotated[Records, PUMP_STATE]
+    loads: Annotated[Records, LOAD_STATE]
     made: Integers
     """Steps made, this one among them, but for those in which all was at rest; which of those made
     in one go this one is, from 0; how many of ``broken`` and of ``impacts`` are filled, [4]."""
-    ties: Records
-    """TIE_STATE, [nr]."""
-    broken: Records
-    """BROKEN, what broke in the steps made in one go; room for more than do."""
-    impacts: Records
-    """IMPACT of the steps made in one go, [contacts] or more."""
-    touches: Records
-    """TOUCH of the last step, [contacts]."""
+    ties: Annotated[Records, TIE_STATE]
+    broken: Annotated[Records, BROKEN]
+    """What broke in the steps made in one go; room for more than do."""
+    impacts: Annotated[Records, IMPACT]
+    """Of the steps made in one go, [contacts] or more."""
+    touches: Annotated[Records, TOUCH]
+    """Of the last step, [contacts]."""
     touching: Integers
     """How many of these there are; whether a step waits for room to be gone on with, [2]."""
     last_drive: Array
@@ -295,139 +296,98 @@ class Result(NamedTuple):
     step, and of ``unknowns`` the compliances of rigid rows and hubs are those of the start.
     """
 
-    velocity: Array
+    velocity: Annotated[Array, 2]
     """After the step, [nb, 3]; pymunk's, which takes it from here."""
-    before: Array
+    before: Annotated[Array, 2]
     """Velocities before the step, [nb, 3]."""
-    force: Array
+    force: Annotated[Array, 2]
     """Forces and torques that the poses tell [N, N m], [nb, 3]; once they are in ``free``, scratch:
     cosine and sine of the angles one step on."""
-    free: Array
+    free: Annotated[Array, 2]
     """Velocities that these alone, and impacts, lead to; after the step the mean of before and
     after, [nb, 3]."""
-    kick: Array
+    kick: Annotated[Array, 2]
     """Velocities that impacts add, [nb, 3], in ``free`` already."""
-    delayed: Array
+    delayed: Annotated[Array, 2]
     """The same, each times the instant of its impact after the pose [m, rad], [nb, 3]."""
-    shift: Array
+    shift: Annotated[Array, 2]
     """How far impacts after the pose displace it, so that the next one is right, [nb, 3]."""
-    turn: Array
+    turn: Annotated[Array, 2]
     """Cosine and sine of the bodies' angles, [nb, 2]."""
-    actions: Records
-    """ACTION_RESULT, [na]."""
-    springs: Records
-    """SPRING_RESULT, [ns]."""
-    dampers: Records
-    """DAMPER_RESULT, [nh]."""
-    cords: Records
-    """CORD_RESULT, [nt]."""
-    guides: Records
-    """GUIDE_RESULT, [ng]."""
-    slips: Records
-    """SLIP_RESULT, [nf]."""
-    joints: Records
-    """JOINT_RESULT, [nj]."""
-    rubs: Records
-    """RUB_RESULT, [nu]."""
-    fluids: Records
-    """FLUID_RESULT, [nq]."""
-    chambers: Records
-    """CHAMBER_RESULT, [nc]."""
-    valves: Records
-    """VALVE_RESULT, [nv]."""
-    pumps: Records
-    """PUMP_RESULT, [np]."""
-    loads: Records
-    """LOAD_RESULT, [nk]."""
-    loaded: Records
-    """LOADED_RESULT, [no]."""
-    pressing: Array
+    actions: Annotated[Records, ACTION_RESULT]
+    springs: Annotated[Records, SPRING_RESULT]
+    cords: Annotated[Records, CORD_RESULT]
+    guides: Annotated[Records, GUIDE_RESULT]
+    slips: Annotated[Records, SLIP_RESULT]
+    joints: Annotated[Records, JOINT_RESULT]
+    rubs: Annotated[Records, RUB_RESULT]
+    fluids: Annotated[Records, FLUID_RESULT]
+    chambers: Annotated[Records, CHAMBER_RESULT]
+    valves: Annotated[Records, VALVE_RESULT]
+    pumps: Annotated[Records, PUMP_RESULT]
+    loads: Annotated[Records, LOAD_RESULT]
+    loaded: Annotated[Records, LOADED_RESULT]
+    pressing: Annotated[Array, 3]
     """Numbers of the loaded bodies, [no, NUMBERS, 3]."""
-    felt: Array
+    felt: Annotated[Array, 2]
     """Scratch: a load's force and torque with slopes, [3, 4]."""
-    ties: Records
-    """TIE_RESULT, [nr]."""
+    ties: Annotated[Records, TIE_RESULT]
     belts: Array
     """Speeds at which surfaces run, counter-clockwise round their bodies [m/s], [nb]."""
-    stack: Array
+    stack: Annotated[Array, 2]
     """Scratch of laws: values with their slopes, [depth, 4]."""
-    read_names: Array
+    read_names: Annotated[Array, 2]
     """Scratch: what a law reads, values with slopes, [names, 4]."""
-    entries: Array
+    entries: Annotated[Array, 3]
     """J and W J of the entries, [2, ne, 3]."""
     values: Array
     """The matrix and its factor, [slots + m]."""
-    unknowns: Array
+    unknowns: Annotated[Array, 2]
     """What rows ask for; compliances, of hubs - mass and - inertia; the forward-substituted right
     side; the solution; scratch, [5, m]."""
-    found: Records
-    """TOUCH as pymunk found them in this step, [contacts]."""
+    found: Annotated[Records, TOUCH]
+    """As pymunk found them in this step, [contacts]."""
     order: Integers
     """Scratch, [contacts]."""
-    rows: Records
-    """BOUND, the rows that are solved for, [r]."""
-    columns: Array
+    rows: Annotated[Records, BOUND]
+    """The rows that are solved for, [r]."""
+    columns: Annotated[Array, 2]
     """L^-1 R W C^T of each, [r, m]."""
-    reached: Integers
+    reached: Annotated[Integers, 2]
     """Which unknowns are not 0 in it, [r, m]."""
-    delassus: Array
+    delassus: Annotated[Array, 2]
     """What the rows make of one another, G, [r, r]."""
-    system: Array
+    system: Annotated[Array, 2]
     """Scratch, [r, r + 1]."""
     chosen: Integers
     """Scratch, [r]."""
-    tableau: Array
+    tableau: Annotated[Array, 2]
     """Scratch of Lemke's method, [2 r, 2 r + 2], but r not above what that is tried for."""
-    basis: Integers
+    basis: Annotated[Integers, 2]
     """Scratch of the same, [3, 2 r + 2]."""
 
 
-ANGLE, RATE, STOPPING, DAMPING, DAMPED_WORK, RUBBED, RUBBED_WORK, STICKS = range(3, 11)
-"""Columns of joints in a :class:`Snapshot`, of hinges only: angle [rad] and its rate, torque of
-stops and of damping, in the angle's sense [N m], work of that [J]; where they have dry friction
-that, in the joint's sense [N m, N], its work [J], whether it holds. Of actuators the first two are
-length [m] and its rate."""
+SAMPLED: dict[type, tuple[str, ...]] = {
+    State: ("body", "actions", "springs", "cords", "guides", "slips", "limits", "rubs", "fluids",
+            "valves", "pumps", "loads", "ties"),
+    Result: ("before", "turn", "actions", "springs", "cords", "slips", "joints", "rubs", "fluids",
+             "valves", "pumps", "loads"),
+}
+"""Arrays that are copied in each sample; recorded values are computed from these later."""
 
 
 class Snapshot(NamedTuple):
-    """Memory for samples on their way to the recording, an axis of samples before all others.
+    """Memory for samples on their way to the recording."""
 
-    Work [J] is that since t = 0, up to the instant of the sample, in the middle of its step.
+    copied: Mapping[str, Records]
+    """Samples of :data:`SAMPLED` by the names of their views, an axis of samples before all others.
     """
-
-    pose: Array
-    """x, y, angle of the bodies' frames, in the model's order as all of bodies, [n, nb, 3]."""
-    velocity: Array
-    """Of the centres of mass, at the instant of the pose, [n, nb, 3]."""
-    acceleration: Array
-    """[n, nb, 3]"""
-    springs: Array
-    """Length [m], force [N], work, [n, ns, 3]."""
-    cords: Array
-    """Length [m], tension [N], work, [n, nt and spans, 3]."""
-    slips: Array
-    """Friction [N], way [m], [n, nf, 2]."""
-    lifted: Array
-    """Whether a cord is off its wheel, [n, nw]."""
-    actions: Array
-    """Torque [N m], work, [n, na, 2]."""
-    joints: Array
-    """Force on b in the world [N], couple on b [N m], and the columns that follow, [n, nj, 11]."""
-    fluids: Array
-    """Pressure [Pa], volume beside that at t = 0, flow into it [m^3/s], content, spilled, work, the
-    three before that at the step's end, [n, nq, 6]."""
-    valves: Array
-    """Flow [m^3/s], loss [J], [n, nv, 2]."""
-    pumps: Array
-    """Flow [m^3/s], work, [n, np, 2]."""
-    loads: Array
-    """Force in the world [N], torque about the centre of mass [N m], work, [n, nk, 4]."""
-    ties: Integers
-    """Whether what may be let go holds, [n, nr]."""
-    drive: Array
-    """What the drives gave in that step, [n, nd]."""
-    contacts: Records
-    """CONTACT of all samples, one after the other."""
+    copies: Annotated[Integers, 2]
+    """Of each the address of what is copied, that of the first sample, words to copy, [k, 3]."""
+    drive: Annotated[Array, 2]
+    """Values of the drives in the step of each sample, [n, nd]."""
+    contacts: Annotated[Records, CONTACT]
+    """Of all samples, one after the other."""
     fill: Integers
     """How many contacts there are up to the end of each sample, [n]."""
     taken: Integers
@@ -437,7 +397,7 @@ class Snapshot(NamedTuple):
     sums: Array
     """Sums of forces over the steps of a sample interval, in the columns of the recorded
     ``mean_force`` [N, N m], [nc]."""
-    means: Array
+    means: Annotated[Array, 2]
     """Means of these around each sample, [n, nc]."""
     steady: Integers
     """Whether these are the forces of the sample's step: all steps were the same, or the interval
@@ -445,8 +405,8 @@ class Snapshot(NamedTuple):
     waiting: Array
     """How many steps were made that are not in the sums, with the forces of the last one; whether
     there is anything in the sums, [2]."""
-    mean_contacts: Records
-    """CONTACT_SUMS of the sample intervals, one after the other; last the unfinished one."""
+    mean_contacts: Annotated[Records, CONTACT_SUMS]
+    """Of the sample intervals, one after the other; last the unfinished one."""
     mean_fill: Integers
     """How many of these there are up to the end of each sample's interval, [n]."""
     unfinished: Integers

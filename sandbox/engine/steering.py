@@ -21,7 +21,7 @@ from sandbox.elements.controllers.kinds import Controller
 from sandbox.engine.clock import Clock
 from sandbox.engine.control_loop import ANY, Bound, ControlLoop, Desk, Setpoint
 from sandbox.engine.readings import Readings
-from sandbox.engine.tie_tables import hold
+from sandbox.engine.ties import hold
 from sandbox.errors import SimulationDiverged
 from sandbox.model.model import Model
 from sandbox.numeric import Array

@@ -44,7 +44,8 @@ class Still(Simulation):
         super().__init__(Checked(mechanism.model_copy(update={
             "bodies": bodies, "controllers": (), "events": (), "expect": ()})))
         self.model = self._model
-        self._tables.constants.dampers["c"] *= UNDAMPED
+        springs = self._tables.constants.springs
+        springs["c"][springs["number"] < 0] *= UNDAMPED
         self.mass: Array = np.stack(
             [self.model.bodies.mass, self.model.bodies.mass, self.model.bodies.inertia], axis=1)
         """[kg, kg, kg m^2], [nb, 3]; infinite unless free."""

@@ -3,110 +3,43 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args, get_type_hints
 
 import numpy as np
 
-from sandbox.elements.joint import Keeps
-from sandbox.engine.contact_rules import Filters
-from sandbox.engine.cord_state import SLIP_RESULT, SLIP_STATE
 from sandbox.engine.cord_tables import CordTables, cord_tables
-from sandbox.engine.fluid_tables import Circuits, make_circuits
-from sandbox.engine.joint_state import (
-    DISTANCE,
-    FLANK,
-    GEAR,
-    GROOVE,
-    JOINT,
-    JOINT_RESULT,
-    JOINT_STATE,
-    LIMIT,
-    LIMIT_STATE,
-    LINE,
-    MOTOR,
-    MOTOR_STATE,
-    PACED,
-    PLACED,
-    POINT,
-    RACK,
-    RANGE,
-    ROLL,
-    RUB_RESULT,
-    SPRUNG,
-    STOP,
+from sandbox.engine.fluid_tables import make_circuits
+from sandbox.engine.joint_tables import (
+    action_table,
+    begin_friction,
+    joint_table,
+    limit_table,
+    motor_table,
+    rub_table,
+    spring_table,
 )
-from sandbox.engine.law_tables import LawTables, law_tables
+from sandbox.engine.law_tables import ROWS, LawTables, law_tables, load_tables
 from sandbox.engine.lemke import MOST
-from sandbox.engine.load_tables import ROWS, LoadTables, load_tables
-from sandbox.engine.placed import PlacedBodies, Rows, place_bodies
-from sandbox.engine.plan import Pattern, make_pattern
-from sandbox.engine.rub_tables import rub_state, rub_table
-from sandbox.engine.state import (
-    ACTION,
-    ACTION_RESULT,
-    ACTION_STATE,
-    BODY,
-    BOUND,
-    DAMPED,
-    DAMPER,
-    DAMPER_RESULT,
-    DAMPER_STATE,
-    ELASTIC,
-    SPRING,
-    SPRING_RESULT,
-    SPRING_STATE,
-    STIFF,
-    Constants,
-    Result,
-    State,
-)
-from sandbox.engine.stiffness import stiff_servos, too_stiff
-from sandbox.engine.tie_state import TIE_RESULT
-from sandbox.engine.tie_tables import room_for_breaks, tie_state, tie_table
-from sandbox.engine.touch_state import IMPACT, TOUCH
-from sandbox.engine.wheel_fields import wheel_fields
+from sandbox.engine.plan import Pattern, Rows, make_pattern, place_bodies
+from sandbox.engine.records import NUMBERS
+from sandbox.engine.state import BODY, BOUND, IMPACT, TOUCH, Constants, Result, State
+from sandbox.engine.stiffness import too_stiff
+from sandbox.engine.ties import room_for_breaks, tie_state, tie_table
+from sandbox.engine.world import Filters, Room, ShapeTables
 from sandbox.model.model import Model
-from sandbox.numeric import Array, Flags, Integers, Records
+from sandbox.numeric import Array, Integers, Records
 
-KEEPS: dict[Keeps, int] = {
-    "point": POINT, "groove": GROOVE, "distance": DISTANCE, "range": RANGE, "gear": GEAR,
-    "rack": RACK, "roll": ROLL}
-"""How compiled code tells apart what joints keep."""
 WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system", "chosen",
              "tableau", "basis")
 """Fields of a :class:`Result` that have the room's size, and that nothing is left in by a step."""
 
 
 class Tables(NamedTuple):
-    """A run's numbers, and which elements of the model the straight springs are."""
+    """All arrays of a run but those of samples."""
 
     constants: Constants
     state: State
     result: Result
-    straight: Integers
-    """Numbers, in the model, of the springs in ``constants.springs``."""
-
-
-class ShapeTables(NamedTuple):
-    """What contacts follow."""
-
-    shapes: Records
-    """SHAPE, [nz], in the order of their collision types."""
-    faces: Records
-    """FACE, of shapes that are pieces of an outline."""
-    vertices: Array
-    """Corners of the shapes' cores, from the centres of mass [m], [n, 2]."""
-    spans: Records
-    """SPAN, of shapes that are curves."""
-
-
-class Room(NamedTuple):
-    """How much there is room for in one step."""
-
-    contacts: int
-    """Points in which shapes are near one another."""
-    rows: int
-    """Bounded rows that carry something."""
 
 
 def make_tables(
@@ -127,15 +60,14 @@ def make_tables(
     """
     places = place_bodies(model, order)
     rows = Rows()
-    motors, motor_of = _motor_table(places, h)
-    joints = _joint_table(places, rows)
+    motors, motor_of = motor_table(places, h)
+    joints = joint_table(places, rows)
     rigid, stiff = len(rows.bodies), too_stiff(model, h)
     laws = law_tables(model)
-    actions = _action_table(places, motor_of, stiff, laws, rows)
-    springs = _spring_table(places, stiff, laws, rows)
-    dampers = _damper_table(places, rows)
+    actions = action_table(places, motor_of)
+    springs, rests = spring_table(places, stiff, laws, rows)
     cords = cord_tables(places, h, rows)
-    limits = _limit_table(places)
+    limits = limit_table(places)
     rubs, sums = rub_table(joints, model, len(places.inverse_mass) + 2 * len(cords.slips))
     circuits = make_circuits(model, h, places.number)
     joined = circuits.add_rows(rows.add)
@@ -144,30 +76,46 @@ def make_tables(
                            sums=[*cords.sums, *sums], joined=joined)
     cords.slips["row"] = pattern.hubs[cords.slips["slide"], 0]
     circuits.valves["slot"][circuits.between] = pattern.joined
-    _place_rows(pattern, (joints, ("row", "row_y", "row_turn")), (actions, ("row",)),
-                (springs, ("row",)), (dampers, ("row",)), (cords.constants, ("row",)),
-                (circuits.fluids, ("row",)), (loads.loaded, ROWS))
+    _place_rows(pattern, (joints, ROWS), (springs, ("row",)),
+                (cords.constants, ("row",)), (circuits.fluids, ("row",)), (loads.loaded, ROWS))
+    tables: dict[str, Any] = {}
+    for part in (shapes, pattern, circuits, loads):
+        tables |= {name: value for name, value in part._asdict().items()
+                   if name in Constants._fields}
+    pairs = np.ix_(order, order)
     constants = Constants(
-        h, np.array(model.mechanism.gravity, dtype=float), places.inverse_mass,
-        _body_table(model, order), np.flatnonzero(model.bodies.scheduled[order]), actions, springs,
-        dampers, cords.constants, cords.guides, cords.slips, model.tendons.wheels, joints, limits,
-        motors, rubs, *circuits[:4], *loads, tie_table(model, actions, cords.constants),
-        *shapes, laws.steps, laws.curves, laws.knots,
-        *pair_tables(filters, order), pattern.starts, pattern.below, pattern.updates,
-        pattern.entry_row, pattern.entry_body,
-        pattern.pairs, pattern.direct, pattern.body_starts, pattern.body_entries,
-        pattern.branch_starts, pattern.branches, pattern.hubs)
-    state = State(
-        body, np.zeros(len(actions), ACTION_STATE), _spring_state(model),
-        np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
-        np.zeros(len(cords.slips), SLIP_STATE), _joint_state(joints),
-        np.zeros(len(limits), LIMIT_STATE), _motor_state(motors), rub_state(rubs, model),
-        *circuits.states(), loads.states(), np.zeros(4, dtype=np.int64), tie_state(model),
-        room_for_breaks(model), np.zeros(_impacts(room), IMPACT), np.zeros(room.contacts, TOUCH),
-        np.zeros(2, dtype=np.int64),
-        np.full(len(model.drives.name), np.nan), np.zeros(6, dtype=np.int64))
-    result = _results(places, constants, pattern, cords, circuits, laws, loads, velocity, room)
-    return Tables(constants, state, result, np.flatnonzero(model.springs.straight))
+        h=h, gravity=np.array(model.mechanism.gravity, dtype=float),
+        inverse_mass=places.inverse_mass, bodies=_body_table(model, order),
+        scheduled=np.flatnonzero(model.bodies.scheduled[order]), actions=actions, springs=springs,
+        cords=cords.constants, guides=cords.guides, slips=cords.slips, wheels=model.tendons.wheels,
+        joints=joints, limits=limits, motors=motors, rubs=rubs,
+        ties=tie_table(model, springs, cords.constants),
+        steps=laws.steps, curves=laws.curves, knots=laws.knots,
+        friction=np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
+        static=filters.static[pairs].copy(), restitution=filters.restitution[pairs].copy(),
+        **tables)
+    state = _filled(
+        State, constants, body=body, cords=cords.state, guides=cords.guide_state,
+        made=np.zeros(4, dtype=np.int64), ties=tie_state(model), broken=room_for_breaks(model),
+        impacts=np.zeros(_impacts(room), IMPACT), touches=np.zeros(room.contacts, TOUCH),
+        touching=np.zeros(2, dtype=np.int64),
+        last_drive=np.full(len(model.drives.name), np.nan), standing=np.zeros(6, dtype=np.int64))
+    state.springs["rest"], state.joints["flank"], state.motors["target"] = rests, 1.0, math.nan
+    state.fluids["content"] = circuits.content()
+    begin_friction(state.rubs, rubs, model)
+    result = _result(constants, pattern, cords, laws, velocity, room)
+    straight = springs["turning"] == 0  # lengths are read before the first step
+    result.springs["way"][straight] = model.springs.start[springs["number"][straight]]
+    result.fluids["pressure"] = circuits.fluids["start"]
+    return Tables(constants, state, result)
+
+
+def _filled(part: Any, constants: Constants, **given: Any) -> Any:
+    """A :class:`State` or :class:`Result`: rows of zeros for all elements that are not given."""
+    notes = get_type_hints(part, include_extras=True)
+    return part(**given, **{
+        name: np.zeros(len(getattr(constants, name)), get_args(notes[name])[1])
+        for name in part._fields if name not in given})
 
 
 def _place_rows(pattern: Pattern, *tables: tuple[Records, tuple[str, ...]]) -> None:
@@ -214,221 +162,22 @@ def _body_table(model: Model, order: Integers) -> Records:
     return table
 
 
-def _results(
-    places: PlacedBodies, constants: Constants, pattern: Pattern, cords: CordTables,
-    circuits: Circuits, laws: LawTables, loads: LoadTables, velocity: Array, room: Room,
+def _result(
+    constants: Constants, pattern: Pattern, cords: CordTables, laws: LawTables, velocity: Array,
+    room: Room,
 ) -> Result:
     count, unknowns = len(constants.inverse_mass), len(pattern.starts) - 1
-    result = Result(
-        velocity, velocity.copy(), np.zeros((count, 3)), np.zeros((count, 3)),
-        np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 2)),
-        np.zeros(len(constants.actions), ACTION_RESULT),
-        _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
-        cords.guide_result, np.zeros(len(constants.slips), SLIP_RESULT),
-        np.zeros(len(constants.joints), JOINT_RESULT), np.zeros(len(constants.rubs), RUB_RESULT),
-        *circuits.results(), *loads.results(), np.zeros((3, 4)),
-        np.zeros(len(constants.ties), TIE_RESULT), np.zeros(count), laws.stack, laws.read,
-        np.zeros((2, len(pattern.entry_row), 3)), np.zeros(len(pattern.below) + unknowns),
-        np.zeros((5, unknowns)), **_workspace(room, unknowns))
+    result: Result = _filled(
+        Result, constants, velocity=velocity, before=velocity.copy(),
+        **{name: np.zeros((count, 3)) for name in ("force", "free", "kick", "delayed", "shift")},
+        turn=np.zeros((count, 2)), cords=cords.result, guides=cords.guide_result,
+        pressing=np.zeros((len(constants.loaded), NUMBERS, 3)), felt=np.zeros((3, 4)),
+        belts=np.zeros(count), stack=laws.stack, read_names=laws.read,
+        entries=np.zeros((2, len(pattern.entry_row), 3)),
+        values=np.zeros(len(pattern.below) + unknowns), unknowns=np.zeros((5, unknowns)),
+        **_workspace(room, unknowns))
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
     result.unknowns[1][constants.slips["row"]] = -cords.drag
     return result
-
-
-def pair_tables(filters: Filters, order: Integers) -> tuple[Array, Array, Array]:
-    """Friction, static and restitution of all pairs of bodies in pymunk's order, [nb, nb] each.
-
-    Friction is negative where two bodies may not touch.
-    """
-    pairs = np.ix_(order, order)
-    return (np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
-            filters.static[pairs].copy(), filters.restitution[pairs].copy())
-
-
-def _table(rows: list[dict[str, Any]], record: np.dtype[Any]) -> Records:
-    table = np.zeros(len(rows), dtype=record)
-    for row, values in zip(table, rows, strict=True):
-        for key, value in values.items():
-            row[key] = value
-    return table
-
-
-def _motor_table(places: PlacedBodies, h: float) -> tuple[Records, dict[int, int]]:
-    """Motors and brakes, and the row of each by the drive's number."""
-    drives, joints = places.model.drives, places.model.joints
-    stiff = stiff_servos(places.model, h)
-    rows: list[dict[str, Any]] = []
-    found: dict[int, int] = {}
-    for i, kind in enumerate(drives.kind):
-        if kind.limited:
-            joint = int(drives.target[i])
-            a, b = places.number[joints.bodies[joint]]
-            found[i] = len(rows)
-            line = kind.gives == "push"
-            law = PACED if not kind.places else PLACED if np.isnan(drives.stiffness[i]) else SPRUNG
-            rows.append({
-                "drive": i, "a": a, "b": b, "sense": 1.0 if line else joints.sense[joint],
-                "most": drives.most[i], "slope": drives.slope[i],
-                "tie": places.model.ties.joint[joint], "law": law, "line": joint if line else -1,
-                "k": drives.stiffness[i], "c": drives.damping[i], "stiff": stiff[i],
-                "fastest": drives.fastest[i], "zero": 0.0 if line else joints.zero[joint]})
-    return _table(rows, MOTOR), found
-
-
-def _motor_state(motors: Records) -> Records:
-    state = np.zeros(len(motors), MOTOR_STATE)
-    state["target"] = math.nan
-    return state
-
-
-def _action_table(
-    places: PlacedBodies, motors: dict[int, int], stiff: Flags, laws: LawTables, bilateral: Rows,
-) -> Records:
-    model, number = places.model, places.number
-    drives, joints, springs, ties = model.drives, model.joints, model.springs, model.ties
-    rows: list[dict[str, Any]] = []
-    for i in drives.giving("force", "torque", "push", "surface").tolist():
-        target = int(drives.target[i])
-        row: dict[str, Any] = {"drive": i, "spring": -1, "motor": motors.get(i, -1),
-                               "row": -1, "code": -1, "tie": -1, "hinge_tie": -1, "line": -1}
-        if drives.kind[i].gives == "surface":
-            rows.append(row | {"a": number[target], "b": -1, "runs": 1, "sense": drives.sense[i]})
-            continue
-        if drives.kind[i].gives == "force":
-            x, y = places.local(target, drives.at[i])
-            dx, dy = drives.direction[i]
-            rows.append(row | {"a": number[target], "b": -1, "x": x, "y": y, "dx": dx, "dy": dy,
-                               "turning": drives.turning[i]})
-            continue
-        a, b = number[joints.bodies[target]]
-        line = drives.kind[i].gives == "push"
-        rows.append(row | {"a": a, "b": b, "line": target if line else -1,
-                           "sense": 1.0 if line else joints.sense[target],
-                           "hinge_tie": ties.joint[target]})
-    for i in np.flatnonzero(~springs.straight).tolist():
-        joint = int(springs.joint[i])
-        a, b = number[joints.bodies[joint]]
-        row = {"drive": springs.drive[i], "a": a, "b": b, "spring": i, "motor": -1, "row": -1,
-               "line": -1, "k": springs.stiffness[i], "sense": joints.sense[joint],
-               "tie": ties.spring[i], "hinge_tie": ties.joint[joint],
-               "rest": joints.sense[joint] * (springs.rest[i] + joints.zero[joint]),
-               **laws.of(i)}
-        if (stiff[i] or springs.law[i]) and places.inverse_mass[[a, b]].any():
-            row["row"], row["entry"] = bilateral.add(int(a), int(b))
-        rows.append(row)
-    return _table(rows, ACTION)
-
-
-def _joint_table(places: PlacedBodies, rows: Rows) -> Records:
-    model, number = places.model, places.number
-    joints, poses = model.joints, model.bodies.pose
-    table: list[dict[str, Any]] = []
-    for i, kind in enumerate(joints.kind):
-        bodies = joints.bodies[i].tolist()
-        a, b = number[bodies].tolist()
-        start = joints.groove[i, 0] if kind.keeps == "groove" else joints.anchor[i, 0]
-        (ax, ay), (bx, by) = (places.local(bodies[0], start),
-                              places.local(bodies[1], joints.anchor[i, 1]))
-        row: dict[str, Any] = {
-            "keeps": KEEPS[kind.keeps], "a": a, "ax": ax, "ay": ay, "b": b, "bx": bx, "by": by,
-            "row": -1, "row_y": -1, "row_turn": -1,
-            "turn": poses[bodies[1], 2] - poses[bodies[0], 2], "hinge": joints.angle[i],
-            "stopped": np.isfinite(joints.stops[i]).all(), "sense": joints.sense[i],
-            "zero": joints.zero[i], "tie": model.ties.joint[i], "line": kind.line}
-        if kind.keeps == "groove":
-            along = joints.groove[i, 1] - joints.groove[i, 0]
-            row["gx"], row["gy"] = along / math.hypot(*along)
-            row["reach"] = math.hypot(*along)
-        if kind.keeps == "distance":
-            row["reach"] = joints.reach[i, 0]
-        row |= wheel_fields(model, i)
-        if places.inverse_mass[[a, b]].any():
-            row["entry"] = rows.entries
-            if kind.keeps != "range" and not joints.play[i] > 0:
-                row["row"], _ = rows.add(a, b)
-            if kind.keeps in ("point", "roll"):
-                row["row_y"], _ = rows.add(a, b)
-            if not joints.turns[i]:
-                row["row_turn"], _ = rows.add(a, b)
-        table.append(row)
-    return _table(table, JOINT)
-
-
-def _joint_state(joints: Records) -> Records:
-    state = np.zeros(len(joints), JOINT_STATE)
-    state["flank"] = 1.0
-    return state
-
-
-def _limit_table(places: PlacedBodies) -> Records:
-    joints = places.model.joints
-    rows: list[dict[str, Any]] = []
-    for i, kind in enumerate(joints.kind):
-        if not places.inverse_mass[places.number[joints.bodies[i]]].any():
-            continue
-        if np.isfinite(joints.stops[i]).all():
-            low, high = sorted(joints.sense[i] * (joints.stops[i] + joints.zero[i]))
-            rows += _both(i, STOP, low, high)
-        if kind.keeps == "range":
-            rows += _both(i, LINE, *joints.reach[i])
-        if kind.keeps == "groove":
-            rows += _both(i, LINE, 0.0, math.hypot(*(joints.groove[i, 1] - joints.groove[i, 0])))
-        if joints.play[i] > 0:
-            play = joints.play[i] * math.cos(joints.pressure[i]) / 2
-            rows += [{"joint": i, "what": FLANK, "side": side, "bound": -play}
-                     for side in (1.0, -1.0)]
-    return _table(rows, LIMIT)
-
-
-def _both(joint: int, what: int, low: float, high: float) -> list[dict[str, Any]]:
-    return [{"joint": joint, "what": what, "side": side, "bound": bound}
-            for side, bound in ((1.0, low), (-1.0, high)) if math.isfinite(bound)
-            and not (what == LINE and side > 0 and bound <= 0.0 and high == math.inf)]
-
-
-def _spring_table(places: PlacedBodies, stiff: Flags, laws: LawTables, rows: Rows) -> Records:
-    springs = places.model.springs
-    table = []
-    for i in np.flatnonzero(springs.straight).tolist():
-        bodies = springs.bodies[i].tolist()
-        a, b = places.number[bodies].tolist()
-        ends = [places.local(body, springs.anchor[i, n]) for n, body in enumerate(bodies)]
-        (ax, ay), (bx, by) = ends
-        k, c = springs.stiffness[i], springs.damping[i]
-        inverse = places.inverse_mass[[a, b]]
-        kind = STIFF if stiff[i] else DAMPED if c > 0 else ELASTIC
-        row = {"kind": kind, "drive": springs.drive[i], "a": a, "ax": ax, "ay": ay, "b": b,
-               "bx": bx, "by": by, "k": k, "c": c, "row": -1,
-               "tie": places.model.ties.spring[i], **laws.of(i)}
-        if (kind != ELASTIC or springs.law[i]) and inverse.any():
-            row["row"], row["entry"] = rows.add(a, b)
-        table.append(row)
-    return _table(table, SPRING)
-
-
-def _spring_state(model: Model) -> Records:
-    state = np.zeros(int(model.springs.straight.sum()), SPRING_STATE)
-    state["rest"] = model.springs.rest[model.springs.straight]
-    return state
-
-
-def _spring_results(places: PlacedBodies) -> Records:
-    """What straight springs have before the first step: their lengths at t = 0."""
-    springs = places.model.springs
-    results = np.zeros(int(springs.straight.sum()), SPRING_RESULT)
-    results["length"] = springs.start[springs.straight]
-    return results
-
-
-def _damper_table(places: PlacedBodies, rows: Rows) -> Records:
-    model = places.model
-    table: list[dict[str, Any]] = []
-    for joint in model.joints.hinges.tolist():
-        a, b = places.number[model.joints.bodies[joint]].tolist()
-        if model.hinge_damping[joint] > 0 and places.inverse_mass[[a, b]].any():
-            row, entry = rows.add(a, b)
-            table.append({"a": a, "b": b, "c": model.hinge_damping[joint], "joint": joint,
-                          "row": row, "entry": entry})
-    return _table(table, DAMPER)

@@ -1,4 +1,4 @@
-"""Joints, springs and cords that are let go and taken up again.
+"""Release and engagement of joints, springs and cables, and their tables.
 
 The pattern of the one solve is made once, so what is let go keeps its rows: they then act on
 nothing, ask for nothing and have a compliance of 1, which makes their impulses 0. Where and when
@@ -15,17 +15,36 @@ at once would take m f0 / h^2.
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from sandbox.elements.element import HELD_ABOVE
 from sandbox.engine import memory as at
-from sandbox.engine.ends import ends
+from sandbox.engine.coordinates import ends, toothed
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.joint_state import GROOVE, POINT, RANGE
 from sandbox.engine.kernel import kernel
-from sandbox.engine.teeth import toothed
-from sandbox.engine.tie_state import CORDED, JOINED, NONE, SETTLED, STRAIGHT, TAKEN
-from sandbox.numeric import Array
+from sandbox.engine.records import (
+    BROKEN,
+    CORDED,
+    GROOVE,
+    JOINED,
+    NONE,
+    POINT,
+    RANGE,
+    SETTLED,
+    SPRINGY,
+    TAKEN,
+    TIE,
+    TIE_STATE,
+)
+from sandbox.model.model import Model
+from sandbox.numeric import Array, Records
+from sandbox.samples.outcome import Happened
+
+if TYPE_CHECKING:
+    from sandbox.engine.tables import Tables
 
 CLOSED_AFTER = 40.0
 """So many times that time after it was taken up a joint is closed: e^-40 of its gap is left."""
@@ -44,9 +63,9 @@ def joint_holds(table: int, joint: int) -> bool:
 
 
 @kernel
-def action_holds(table: int, action: Any) -> bool:
-    """Whether a drive or rotary spring holds, and the joint that it acts on."""
-    return holds(table, action["tie"]) and holds(table, action["hinge_tie"])
+def spring_holds(table: int, spring: Any) -> bool:
+    """Whether a spring acts: neither it nor its hinge is released."""
+    return holds(table, spring["tie"]) and holds(table, spring["hinge_tie"])
 
 
 @kernel
@@ -83,8 +102,9 @@ def _take_up(table: int, i: int) -> None:
     tie, index = at.ties(table)[i], at.ties(table)[i]["index"]
     if tie["what"] == JOINED:
         at.tie_states(table)[i]["age"] = TAKEN
-    elif tie["as_is"] and tie["what"] == STRAIGHT:
-        at.spring_states(table)[index]["rest"] = at.spring_results(table)[index]["length"]
+    elif tie["as_is"] and tie["what"] == SPRINGY:
+        if not at.springs(table)[index]["turning"]:
+            at.spring_states(table)[index]["rest"] = at.spring_results(table)[index]["way"]
     elif tie["as_is"] and tie["what"] == CORDED:
         for k in range(len(at.cords(table))):
             if at.cords(table)[k]["tie"] == i:
@@ -108,22 +128,15 @@ def tie_rows(table: int, h: float) -> None:
     results = at.tie_results(table)
     for i in range(len(results)):
         results[i]["broke"] = 0
-    joints, dampers, springs, actions = (
-        at.joints(table), at.dampers(table), at.springs(table), at.actions(table))
+    joints, springs = at.joints(table), at.springs(table)
     for k in range(len(joints)):
         if not joint_holds(table, k):
             empty_joint(table, k)
         elif joints[k]["tie"] >= 0:
             _ask_gently(table, h, k)
-    for k in range(len(dampers)):
-        if not joint_holds(table, dampers[k]["joint"]):
-            empty_row(table, dampers[k]["row"], dampers[k]["entry"], 2)
     for k in range(len(springs)):
-        if springs[k]["row"] >= 0 and not holds(table, springs[k]["tie"]):
+        if springs[k]["row"] >= 0 and not spring_holds(table, springs[k]):
             empty_row(table, springs[k]["row"], springs[k]["entry"], 2)
-    for k in range(len(actions)):
-        if actions[k]["row"] >= 0 and not action_holds(table, actions[k]):
-            empty_row(table, actions[k]["row"], actions[k]["entry"], 2)
 
 
 @kernel
@@ -234,3 +247,76 @@ def run_surfaces(table: int, drive: Array) -> None:
     for i in range(len(actions)):
         if actions[i]["runs"]:
             belts[actions[i]["a"]] = actions[i]["sense"] * drive[actions[i]["drive"]]
+
+
+AGAIN = 8
+"""So often one thing may break in the steps made in one go, and be told of each time."""
+LEAST = 1024
+"""Breaks for which there is room at least."""
+
+
+def tie_table(model: Model, springs: Records, cords: Records) -> Records:
+    """TIE, [nr]; spans of cords get the number of theirs."""
+    ties = model.ties
+    table = np.zeros(len(ties.name), TIE)
+    table["breaks_at"], table["over"] = ties.breaks_at, ties.over
+    table["as_is"], table["drive"] = ties.as_is, ties.drive
+    for row in np.flatnonzero(springs["tie"] >= 0):
+        table[springs["tie"][row]]["what"], table[springs["tie"][row]]["index"] = SPRINGY, row
+    for what, numbers in ((JOINED, ties.joint), (CORDED, ties.tendon)):
+        own = np.flatnonzero(numbers >= 0)
+        table["what"][numbers[own]], table["index"][numbers[own]] = what, own
+    whole = len(model.tendons.name)
+    cords["tie"][:whole] = ties.tendon
+    cords["tie"][whole:] = ties.tendon[cords["whole"][whole:]]
+    return table
+
+
+def tie_state(model: Model) -> Records:
+    """TIE_STATE at t = 0, [nr]."""
+    state = np.zeros(len(model.ties.name), TIE_STATE)
+    state["held"], state["load"], state["age"] = model.ties.held, np.nan, SETTLED
+    state["wish"], state["driven"] = NONE, model.ties.held
+    return state
+
+
+def room_for_breaks(model: Model) -> Records:
+    """BROKEN, with room for what breaks in the steps that are made in one go.
+
+    There nothing but a drive can take up anew what broke, and that so often is no mechanism; few
+    have room for one in every step.
+    """
+    breaking = int(np.isfinite(model.ties.breaks_at).sum())
+    return np.zeros(max(AGAIN * breaking, LEAST if breaking else 0), BROKEN)
+
+
+def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) -> list[Happened]:
+    """What broke in the steps made since this was last asked, and when, in order of time.
+
+    What breaks in the same step as another, and by what that leaves to it, does so no earlier: the
+    others are asked again once the first is gone, and its load then jumped.
+
+    Args:
+        tables: the run's, which forgets it.
+        names: of what may be let go, in the model's order.
+        before: how many steps were made before these.
+        h: the step [s].
+    """
+    made, broken = tables.state.made, tables.state.broken
+    found: list[Happened] = []
+    for one in broken[:made[2]]:
+        time = (before + float(one["row"]) - 0.5 + float(one["when"])) * h
+        found.append(Happened(names[one["tie"]], max(time, found[-1].time if found else time)))
+    made[2] = 0
+    return found
+
+
+def hold(tables: Tables, tie: int, *, held: bool) -> None:
+    """Let go of something, or take it up, with the next step.
+
+    Args:
+        tables: the run's, whose state is changed.
+        tie: its number in the model's ties.
+        held: whether it is to hold.
+    """
+    tables.state.ties[tie]["wish"], tables.state.standing[1] = held, 0

@@ -1,32 +1,44 @@
-"""The World: pymunk's objects under the mechanism's names, read and written in batches."""
+"""The World: pymunk's objects under the mechanism's names, read and written in batches.
+
+Contact rules become pymunk's shape filters: a group number (no contact within a group) and 32
+category bits. The links of a finger become a group; bodies that meet the same others share a
+category. This is exact up to 32 kinds of body; other pairs are sorted out when contacts are listed.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import pymunk
 from pymunk import batch
 
 from sandbox.engine import native
-from sandbox.engine.contact_rules import Filters, make_filters
-from sandbox.engine.tables import Room, ShapeTables
-from sandbox.engine.touch_state import FACE, SHAPE, SPAN
+from sandbox.engine.state import (
+    FACE,
+    SHAPE,
+    SPAN,
+)
 from sandbox.model.model import Model
-from sandbox.numeric import Array, Integers, Records
+from sandbox.model.pairs import Words, allowed_pairs, joined
+from sandbox.numeric import Array, Flags, Integers, Records, Stack
 from sandbox.scene.bodies import (
     Body,
     Box,
     Capsule,
     Circle,
+    Material,
     Polygon,
     Polyline,
     Shape,
     Solid,
 )
 from sandbox.scene.geometry import Vec, core, corners, pose_of, solids, to_world, true_curves
+from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.curves import spans_of
 
 POSE = batch.BodyFields.POSITION | batch.BodyFields.ANGLE
@@ -321,4 +333,96 @@ CONSTRAINTS: Mapping[
     str, Callable[[Model, int, pymunk.Body, pymunk.Body], pymunk.Constraint],
 ] = {"point": _point, "groove": _groove, "distance": _distance, "range": _range,
      "gear": _wheels, "rack": _wheels, "roll": _wheels}
-"""How pymunk keeps what joints keep (:attr:`sandbox.elements.kinds.JointKind.keeps`)."""
+"""How pymunk keeps what joints keep (:attr:`sandbox.kinds.elements.JointKind.keeps`)."""
+
+
+CATEGORIES = 32
+
+
+@dataclass(frozen=True)
+class Filters:
+    """Per body, in mechanism order: group, category bits, mask; and what filters can't say.
+
+    ``allowed`` is the matrix of pairs that may touch, ``friction``, ``static`` and
+    ``restitution`` hold the coefficients of all pairs, each of shape [nb, nb].
+    """
+
+    group: Integers
+    category: Integers
+    mask: Integers
+    allowed: Flags
+    friction: Array
+    static: Array
+    restitution: Array
+
+
+def make_filters(model: Model) -> Filters:
+    """Filters for every body of a model."""
+    mechanism, words = model.mechanism, Words(model.bodies.name)
+    count = len(words.names)
+    allowed = allowed_pairs(model)
+    settled = np.eye(count, dtype=bool)  # pairs that need no category: told apart otherwise
+    rests = ~model.bodies.free
+    settled[np.ix_(rests, rests)] = True
+    i, j = joined(model)
+    settled[i, j] = settled[j, i] = True
+    group = np.zeros(count, dtype=np.int64)
+    for number, rule in enumerate(mechanism.contacts, start=1):
+        if rule.collide or rule.between[0] != rule.between[1]:
+            continue
+        members = words(rule.between[0])
+        block = np.ix_(members, members)
+        if len(members) > 1 and not group[members].any() and not allowed[block].any():
+            group[members] = number
+            settled[block] = True
+    rows = allowed | settled
+    kinds, kind = _kinds(rows)
+    bits = np.left_shift(np.int64(1), kind) if kinds <= CATEGORIES else np.ones_like(kind)
+    mask = np.ones(count, dtype=np.int64)  # beyond that all meet, and are told apart later
+    if kinds <= CATEGORIES:
+        mask = np.array(
+            [np.bitwise_or.reduce(bits[row], initial=0) for row in rows], dtype=np.int64)
+    return Filters(group, bits, mask, allowed, *_pair_materials(mechanism, words))
+
+
+def _kinds(rows: Flags) -> tuple[int, Integers]:
+    """How many different rows there are, and which kind each is, shape [nb]."""
+    if not len(rows):
+        return 0, np.zeros(0, dtype=np.int64)
+    kinds, kind = np.unique(rows, axis=0, return_inverse=True)
+    return len(kinds), np.reshape(kind, -1).astype(np.int64)
+
+
+def _pair_materials(mechanism: Mechanism, words: Words) -> Stack:
+    """Friction, static and restitution of all pairs: geometric means, or what rules say, [3]."""
+    materials = [mechanism.materials.get(body.material or "", Material())
+                 for body in mechanism.bodies]
+    roots = np.sqrt([[m.friction, m.static, m.restitution] for m in materials]).reshape(-1, 3).T
+    found = np.ascontiguousarray(roots[:, :, None] * roots[:, None, :])
+    for rule in mechanism.contacts:
+        for table, value in zip(found, (rule.friction, rule.static), strict=False):
+            if value is not None:
+                words.fill(table, rule, value)
+    return found
+
+
+class ShapeTables(NamedTuple):
+    """What contacts follow."""
+
+    shapes: Records
+    """SHAPE, [nz], in the order of their collision types."""
+    faces: Records
+    """FACE, of shapes that are pieces of an outline."""
+    vertices: Array
+    """Corners of the shapes' cores, from the centres of mass [m], [n, 2]."""
+    spans: Records
+    """SPAN, of shapes that are curves."""
+
+
+class Room(NamedTuple):
+    """How much there is room for in one step."""
+
+    contacts: int
+    """Points in which shapes are near one another."""
+    rows: int
+    """Bounded rows that carry something."""

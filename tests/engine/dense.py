@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sandbox.engine.state import DAMPED, ELASTIC, PULL, STIFF
+from sandbox.engine.records import DAMPED, ELASTIC, PULL, STIFF
 from sandbox.model.model import Model
 
 FASTEST, FASTEST_TURN = 0.1, 1.0

@@ -64,9 +64,9 @@ class Bench:
         self.tables = tables = make_tables(
             world.model, world.h, world.order, world.body, world.velocity, world.filters,
             world.shape_tables, world.room)
-        self.constants, self.state, self.result, _ = tables
+        self.constants, self.state, self.result = tables
         drives = len(self.world.model.drives.name)
-        self.kept = make_snapshot(1, self.constants, drives, 2 * self.world.room.contacts)
+        self.kept = make_snapshot(1, tables, drives, 2 * self.world.room.contacts)
         self.memory = make_memory(self.world.native, *tables[:3], self.kept,
                                   prepare(self.constants, advance))
 

@@ -25,10 +25,11 @@ def rows_for(
     """BOUND for a matrix; ``friction`` tells of tangential rows their normal one and mu."""
     rows = np.zeros(len(free), dtype=BOUND)
     rows["normal"], rows["low"], rows["high"], rows["last"] = -1, low, high, last
-    rows["free"], rows["base"] = free, np.diag(delassus)
+    rows["free"], rows["base"], rows["hold"] = free, np.diag(delassus), HOLD
     for k, (normal, mu) in (friction or {}).items():
         rows[k]["normal"], rows[k]["friction"] = normal, mu
         rows[k]["low"] = rows[k]["high"] = 0.0
+        rows[k]["hold"] = HOLD_TANGENT
     return rows
 
 
@@ -37,15 +38,10 @@ def solved(rows: np.ndarray, delassus: np.ndarray, slack: float = 1e-12) -> int:
     return int(solve_modes(rows, n, delassus, np.zeros((n, n + 1)), np.zeros(n, np.int64), slack))
 
 
-def held(rows: np.ndarray) -> np.ndarray:
-    """How strongly each impulse is held to its last."""
-    return np.where(rows["normal"] < 0, HOLD, HOLD_TANGENT) * rows["base"]
-
-
 def keeps(rows: np.ndarray, delassus: np.ndarray, tol: float) -> bool:
     """Whether the impulses satisfy all conditions; rates to ``tol``, impulses to as much / G."""
     p = rows["p"]
-    y = delassus @ p + rows["free"] + held(rows) * (p - rows["last"])
+    y = delassus @ p + rows["free"] + rows["hold"] * rows["base"] * (p - rows["last"])
     for k, row in enumerate(rows):
         low, high, small = row["low"], row["high"], tol / delassus[k, k]
         if row["normal"] >= 0:
@@ -88,7 +84,7 @@ def contacts(
 def by_hand(rows: np.ndarray, delassus: np.ndarray) -> list[np.ndarray]:
     """All impulses that satisfy the conditions, by trying every mode of every contact."""
     count, found = len(rows) // 2, []
-    A, f = delassus + np.diag(held(rows)), rows["free"]
+    A, f = delassus + np.diag(rows["hold"] * rows["base"]), rows["free"]
     for modes in itertools.product(("open", "stick", "left", "right"), repeat=count):
         basis: list[np.ndarray] = []  # how impulses hang on the unknowns of a mode
         wanted: list[int] = []

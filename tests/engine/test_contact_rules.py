@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sandbox.engine.contact_rules import make_filters
 from sandbox.engine.simulate import simulate
+from sandbox.engine.world import make_filters
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.pairs import allowed_pairs, friction_of, static_friction_of
 from sandbox.scene.mechanism import Mechanism

@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 from numba.core import caching
 
-from sandbox.engine import entry_points, numba_linking
+from sandbox.engine import entry_points
+from sandbox.engine import kernel as kernels
 from sandbox.engine.advance import advance
 from sandbox.engine.entry_points import CalledFromPython
 from sandbox.engine.kernel import kernel
@@ -150,18 +151,18 @@ def test_documented_interfaces_of_numba_suffice(monkeypatch: pytest.MonkeyPatch)
     def changed() -> None:
         raise ImportError
 
-    numba_linking._tested_options.cache_clear()
-    monkeypatch.setattr(numba_linking, "_linking_options", changed)
+    kernels._tested_options.cache_clear()
+    monkeypatch.setattr(kernels, "_linking_options", changed)
     monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
-    with numba_linking.fast_compilation():
-        assert numba_linking.kernel_options() == {}
+    with kernels.fast_compilation():
+        assert kernels.kernel_options() == {}
         assert CalledFromPython(outer)(1) == 5
-    numba_linking._tested_options.cache_clear()
+    kernels._tested_options.cache_clear()
 
 
 def test_private_interfaces_of_numba_are_used_where_they_work():
-    """A version of Numba for which they do not compiles twice as long: adapt numba_linking.py."""
-    assert numba_linking.kernel_options()
+    """A version of Numba for which they do not compiles twice as long: adapt kernel.py."""
+    assert kernels.kernel_options()
 
 
 def test_old_code_of_other_versions_is_removed(tmp_path: Path):

@@ -6,8 +6,7 @@ from typing import Any
 
 import pytest
 
-from sandbox.engine.estimate import Estimate
-from sandbox.engine.inspect import look_over
+from sandbox.engine.inspect import Estimate, look_over
 from sandbox.engine.simulate import simulate
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits

@@ -12,8 +12,7 @@ import pytest
 
 from sandbox.engine import inspect_hands
 from sandbox.engine.inspect import inspect
-from sandbox.engine.inspect_travel import ways
-from sandbox.engine.inspect_trees import reaches
+from sandbox.engine.inspect_hands import reaches, ways
 from sandbox.engine.simulate import simulate
 from sandbox.model.compile import compile_mechanism
 from sandbox.scene.expand import expand

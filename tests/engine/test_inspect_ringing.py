@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sandbox.engine.inspect_ringing import ringing_problems
+from sandbox.engine.inspect_springs import ringing_problems
 from sandbox.engine.simulate import simulate
 from sandbox.model.compile import compile_mechanism
 from tests.engine.machines import G, mechanism

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from sandbox.engine.inspect_trees import reaches
+from sandbox.engine.inspect_hands import reaches
 from sandbox.engine.simulate import simulate
 from sandbox.model.compile import compile_mechanism
 from sandbox.scene.expand import expand

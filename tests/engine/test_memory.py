@@ -13,8 +13,6 @@ from .machines import Bench, cord, disc, fixed, mass, mechanism
 
 PARTS = ("native", "constants", "state", "result", "snapshot")
 NUMBERS = ("step", "each_body", "space", "get", "read", "put", "write", "place")
-NAMED = {"near": ("native", "found")}
-"""Views that are not called as their field or after a rule."""
 
 
 def busy():
@@ -47,9 +45,8 @@ def arrays(bench):
         for name, value in record._asdict().items():
             if not isinstance(value, np.ndarray):
                 continue
-            special = [view for view, place in NAMED.items() if place == (part, name)]
             stem = name.removesuffix("s") if part in ("state", "result") else name
-            names = [*special, endings[part].format(stem), name]
+            names = [endings[part].format(stem), name]
             found[next(one for one in names if hasattr(at, one))] = value
     return found
 

@@ -11,7 +11,7 @@ import pytest
 from sandbox.engine import simulation as module
 from sandbox.engine import world
 from sandbox.engine.simulate import simulate
-from sandbox.engine.tables import Room
+from sandbox.engine.world import Room
 from sandbox.errors import SandboxError
 from sandbox.scene.mechanism import Mechanism
 

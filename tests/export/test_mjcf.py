@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import sandbox
-from sandbox.engine.contact_rules import make_filters
+from sandbox.engine.world import make_filters
 from sandbox.errors import SceneError
 from sandbox.export import Export, export_mechanism
 from sandbox.export.document import UniqueNames, add, comment, document

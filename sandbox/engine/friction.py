@@ -11,6 +11,24 @@ which the joint pushed last; that is a row of its own, which measures and acts o
 step u is compared with where q points now, and where that is not the same the step is solved again
 with the new one: the error of |q| is that of u squared. Only of one row is the sign of q what may
 change.
+
+Break-away: friction that holds with more than it slides with gives way.
+
+A row that held in the last step has the bound of static friction. If it slips against that, its
+load T came to the bound at t = (n - 3/2 + s) h, as in :mod:`sandbox.engine.breaks`, and the
+friction of the step has the impulse
+
+    h ((s - 1/2) F_s + (3/2 - s) F_k),      s = A / (A + B)
+
+F_s and F_k are static and sliding friction, A = F_s - T is what was left of the bound in the last
+step, B = T - F_s the load beyond it in this one. Velocities and places are then right to second
+order, unless F_s > 3 F_k: friction never drives. T is not known. The step is solved with F_s, which
+gives the rate of slip y_s, and with F_k, which gives y_k. Rates are linear in friction, so
+B = (F_s - F_k) y_s / (y_k - y_s). Rows that act on each other, as those of a box on two corners,
+slip as one: A and B are sums, weighted with y_s.
+
+A row that slides back passes through rest, and is tried with static friction, too. What was left of
+its bound is not known: s = 1/2.
 """
 
 from __future__ import annotations
@@ -19,12 +37,21 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.bounded import UNBOUNDED, begin_row, put_coordinate, y_of
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.joint_state import GROOVE
 from sandbox.engine.kernel import kernel
+from sandbox.engine.records import GROOVE
 from sandbox.engine.rows import beyond, way_rate
-from sandbox.engine.state import HOLDS, PRESSED, RUBBING, SLIDES, STILL, STILL_TURNING
-from sandbox.numeric import Array, Matrix
+from sandbox.engine.state import (
+    HOLDS,
+    PRESSED,
+    RUBBING,
+    SLIDES,
+    STILL,
+    STILL_TURNING,
+    TRIED,
+)
+from sandbox.numeric import Array, Matrix, Records
 
 SAME = 1e-10
 """By what share of what a joint carries its friction may be measured wrongly."""
@@ -39,16 +66,12 @@ def _along(table: int, h: float, joint: Any, k: int, state: Any, out: Any) -> No
     Where a groove turns, or bodies turn against it, the way bends: the step asks for that in
     advance, and for what is left of it in the next one, so that what holds stays where it is.
     """
-    out["want"] = 0.0
-    if joint["keeps"] != GROOVE:
-        out["ax"] = out["ay"] = out["bx"] = out["by"] = 0.0
-        out["at"], out["bt"] = -1.0, 1.0
-        return
     way, body, before, turn = (
         at.joint_results(table)[k], at.body(table), at.before(table), at.turn(table))
+    put_coordinate(out, way, 1.0)
+    if joint["keeps"] != GROOVE:
+        return
     dx, dy, a, b = way["dx"], way["dy"], joint["a"], joint["b"]
-    out["ax"], out["ay"], out["at"] = -dx, -dy, way["ta"]
-    out["bx"], out["by"], out["bt"] = dx, dy, way["tb"]
     bx = turn[b, 0] * joint["bx"] - turn[b, 1] * joint["by"]
     by = turn[b, 1] * joint["bx"] + turn[b, 0] * joint["by"]
     qx, qy = body[b, 0] + bx - body[a, 0], body[b, 1] + by - body[a, 1]
@@ -77,19 +100,17 @@ def rub_rows(table: int, h: float, i: int, n: int) -> int:
     hangs = rub["share"] > 0.0
     if hangs:
         out = rows[n]
-        out["source"], out["index"], out["a"], out["b"] = PRESSED, i, rub["sum"], rub["sum"]
+        begin_row(out, PRESSED, i, rub["sum"], rub["sum"], state["pressed"], 0)
+        out["measure"], out["low"], out["high"] = 1, -UNBOUNDED, UNBOUNDED
         out["ax"], out["ay"] = -state["ux"], -state["uy"]
-        out["at"] = out["bx"] = out["by"] = out["bt"] = out["want"] = 0.0
-        out["low"], out["high"], out["normal"], out["branch"] = -1e300, 1e300, -1, 0
-        out["last"], out["mode"], out["friction"] = state["pressed"], 0, 0.0
     m = n + 1 if hangs else n
     out = rows[m]
-    out["source"], out["index"], out["a"], out["b"] = RUBBING, i, joint["a"], joint["b"]
+    begin_row(out, RUBBING, i, joint["a"], joint["b"], state["impulse"], state["mode"])
+    out["passive"] = 1
     _along(table, h, joint, k, state, out)
     most = 0.0 if hangs else h * more * rub["most"]
-    out["low"], out["high"], out["branch"] = -most, most, 0
+    out["low"], out["high"] = -most, most
     out["normal"], out["friction"] = n if hangs else -1, more * rub["share"]
-    out["last"], out["mode"] = state["impulse"], state["mode"]
     out["static"], out["phase"] = rub["static"], HOLDS if holds and more > 1.0 else SLIDES
     out["spare"], out["gave"], out["slip"] = state["bound"], state["impulse"], state["mode"]
     return m + 1
@@ -126,7 +147,7 @@ def report_rub(table: int, h: float, i: int, p: float, mode: int, bound: float) 
     state["impulse"], state["mode"], state["bound"] = p, mode, bound
     out["force"] = p / h * (1.0 if joint["keeps"] == GROOVE else joint["sense"])
     # a rigid drive may hold what friction has left at its bound: nothing moves all the same
-    rate = abs(_rubbed_rate(table, k, at.velocity(table)))
+    rate = abs(way_rate(table, k, at.velocity(table)))
     still = STILL if joint["keeps"] == GROOVE else STILL_TURNING
     out["sticks"] = 1.0 if mode == 0 or rate < still else 0.0
 
@@ -139,19 +160,10 @@ def forget_rub(table: int, h: float, i: int, p: float) -> None:
     """
     state = at.rub_states(table)[i]
     state["pressed"] = state["place"] = 0.0
-    rate = _rubbed_rate(table, at.rubs(table)[i]["joint"], at.velocity(table))
+    rate = way_rate(table, at.rubs(table)[i]["joint"], at.velocity(table))
     report_rub(table, h, i, p, -1 if rate > 0.0 else 1 if rate < 0.0 else 0, math.nan)
     state["kept"] = 0
     at.rub_results(table)[i]["sticks"] = 0.0
-
-
-@kernel
-def _rubbed_rate(table: int, k: int, v: Array) -> float:
-    """At which a joint turns counter-clockwise or goes along its groove, bodies moving with v."""
-    joint = at.joints(table)[k]
-    if joint["keeps"] == GROOVE:
-        return way_rate(table, k, v)
-    return float(v[joint["b"], 2] - v[joint["a"], 2])
 
 
 @entry_point("rubs")
@@ -159,5 +171,59 @@ def add_rubbed_work(table: int, h: float, v: Matrix) -> None:
     """Work of the step just made, with ``v`` [nb, 3] the means of before and after it."""
     rubs, states, results = at.rubs(table), at.rub_states(table), at.rub_results(table)
     for i in range(len(rubs)):
-        results[i]["step_work"] = states[i]["impulse"] * _rubbed_rate(table, rubs[i]["joint"], v)
+        results[i]["step_work"] = states[i]["impulse"] * way_rate(table, rubs[i]["joint"], v)
         states[i]["work"] += results[i]["step_work"]
+
+
+@entry_point("static")
+def break_away(table: int, n: int) -> bool:
+    """Change the friction of rows that begin to slip; whether the step must be solved again."""
+    rows, G, changed, tried = at.rows(table), at.delassus(table), False, False
+    for k in range(n):
+        row, mode = rows[k], rows[k]["mode"]
+        if row["static"] <= 1.0:
+            continue
+        y = y_of(rows, n, G, k)
+        if row["phase"] == SLIDES and mode * row["slip"] < 0.0:
+            row["phase"], row["mode"], row["spare"] = HOLDS, 0, math.nan
+            _multiply(row, row["static"])
+            changed = True
+        elif row["phase"] == HOLDS and mode != 0 and abs(y) > STILL:
+            row["phase"], row["slip"] = TRIED, abs(y)
+            row["spare"] -= mode * row["gave"]
+            row["gave"] = row["p"]
+            _multiply(row, 1.0 / row["static"])
+            changed = True
+        tried |= row["phase"] == TRIED
+    if tried and not changed:
+        for k in range(n):
+            rows[k]["wrong"] = _share(rows, n, G, k)
+        for k in range(n):
+            if rows[k]["static"] > 1.0 and rows[k]["phase"] == TRIED:
+                s = rows[k]["wrong"]
+                _multiply(rows[k], max((s - 0.5) * rows[k]["static"] + 1.5 - s, 0.0))
+                rows[k]["phase"], rows[k]["slip"] = SLIDES, 0.0
+    return changed or tried
+
+
+@kernel
+def _multiply(row: Any, by: float) -> None:
+    row["friction"] *= by
+    row["low"] *= by
+    row["high"] *= by
+
+
+@kernel
+def _share(rows: Records, n: int, G: Array, k: int) -> float:
+    """The share s of row ``k``, whose step was solved with static and with sliding friction."""
+    before = beyond = slip = more = 0.0
+    for i in range(n):
+        row = rows[i]
+        if row["static"] > 1.0 and row["phase"] == TRIED and G[k, i] != 0.0:
+            before += row["slip"] * row["spare"]
+            beyond += row["slip"] * abs(row["gave"] - row["p"])
+            slip += row["slip"] * row["slip"]
+            more += row["slip"] * (abs(y_of(rows, n, G, i)) - row["slip"])
+    beyond *= slip / more
+    share = before / (before + beyond)
+    return min(max(share, 0.0), 1.0) if share == share else 0.5

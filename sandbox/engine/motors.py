@@ -22,11 +22,12 @@ from __future__ import annotations
 import math
 
 from sandbox.engine import memory as at
-from sandbox.engine.bounded import HOLD, eliminate, rate
+from sandbox.engine.bounded import HOLD, UNBOUNDED, begin_row, eliminate, put_coordinate, rate
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.joint_state import PACED, PLACED, SPRUNG
 from sandbox.engine.kernel import kernel
+from sandbox.engine.records import PACED, PLACED, SPRUNG
 from sandbox.engine.state import DRIVEN
+from sandbox.numeric import Array
 
 CAUTION = 0.999
 """Share of the deceleration that a drive could brake with that it counts on."""
@@ -60,17 +61,10 @@ def servo_row(table: int, h: float, value: float, i: int, n: int) -> None:
     """
     out = at.rows(table)[n]
     motor, state, before = at.motors(table)[i], at.motor_states(table)[i], at.before(table)
-    body, line = at.body(table), motor["line"]
-    place = body[motor["b"], 2] - body[motor["a"], 2]
+    place, seen = at.joint_results(table)[motor["joint"]]["way"], rate(out, before)
     state["bend"] = 0.0
-    if line >= 0:
-        way = at.joint_results(table)[line]
-        out["ax"], out["ay"], out["at"] = -way["dx"], -way["dy"], way["ta"]
-        out["bx"], out["by"], out["bt"] = way["dx"], way["dy"], way["tb"]
-        place = way["way"]
-    seen = rate(out, before)
-    if line >= 0:
-        state["bend"] = (_ahead(table, line, h) - place) / h - seen
+    if motor["line"]:
+        state["bend"] = (_ahead(table, motor["joint"], h) - place) / h - seen
     if motor["law"] == PACED:
         out["want"] = state["bend"] - value
         return
@@ -141,3 +135,22 @@ def _held(table: int, h: float, m: int, q: int, loads: bool) -> float:
             A[r, m] = (row["free"] - row["want"] - states[row["index"]]["seen"]) / h
     eliminate(A, m)
     return float(A[q, m])
+
+
+@entry_point("motors")
+def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
+    """Row ``n``, that of a motor or brake."""
+    out = at.rows(table)[n]
+    motor, states = at.motors(table)[i], at.motor_states(table)
+    value = drive[motor["drive"]]
+    brake = motor["most"] != motor["most"]
+    most = h * min(value if brake else motor["most"], UNBOUNDED)
+    begin_row(out, DRIVEN, i, motor["a"], motor["b"], states[i]["impulse"], states[i]["mode"])
+    put_coordinate(out, at.joint_results(table)[motor["joint"]], 1.0)
+    out["low"], out["high"] = -most, most
+    out["want"] = 0.0 if brake else -motor["sense"] * value
+    if motor["slope"] > 0.0:  # at mid-step, as dampers are
+        before = at.before(table)
+        out["want"] = (before[motor["b"], 2] - before[motor["a"], 2]
+                       - 2.0 * motor["sense"] * value)
+        out["soft"] = 2.0 / (h * motor["slope"])

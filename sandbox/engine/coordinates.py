@@ -1,0 +1,156 @@
+"""Coordinates of elements between two bodies: distance, angle, teeth, rolling.
+
+A coordinate q has the rate
+
+    q' = d . (v_b - v_a) + t_a omega_a + t_b omega_b
+
+An effort along it (a force or a torque that is positive where q grows) is the force d on ``b``, the
+opposite force on ``a``, and the moments t_a and t_b.
+
+Teeth of gears and racks: an involute flank is met along the common tangent of the base circles, of
+radius r cos(pressure angle), as a cable would run that is unwound from one circle and wound on the
+other: crossed where the wheels lie side by side, open where one is inside the other. The gap is the
+length of such a cable, and teeth push where it would pull. Each of the two tangents is the line of
+action of one flank. The line of action of a rack turns with the rack.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sandbox.engine.kernel import kernel
+from sandbox.engine.records import GEAR, RACK
+from sandbox.numeric import Array
+
+
+@kernel
+def ends(element: Any, body: Array, turn: Array) -> tuple[float, float, float, float, float, float]:
+    """Arms of the two points of an element, and the vector from the first point to the second.
+
+    Args:
+        element: a record with bodies ``a`` and ``b`` and the points ``ax``, ``ay``, ``bx``, ``by``.
+        body: poses of the centres of mass, [nb, 6].
+        turn: cosine and sine of their angles, [nb, 2].
+
+    Returns:
+        x and y [m] in the world of the arm on ``a``, the arm on ``b``, and the vector.
+    """
+    a, b = element["a"], element["b"]
+    ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
+    ax, ay = ca * element["ax"] - sa * element["ay"], sa * element["ax"] + ca * element["ay"]
+    bx, by = cb * element["bx"] - sb * element["by"], sb * element["bx"] + cb * element["by"]
+    return ax, ay, bx, by, body[b, 0] + bx - body[a, 0] - ax, body[b, 1] + by - body[a, 1] - ay
+
+
+@kernel
+def measure_distance(element: Any, out: Any, body: Array, turn: Array) -> None:
+    """Measure the distance of two points; points that coincide have no direction.
+
+    ``out`` gets the value ``way`` and the coefficients ``dx``, ``dy``, ``ta``, ``tb``.
+    """
+    ax, ay, bx, by, x, y = ends(element, body, turn)
+    length = math.hypot(x, y)
+    dx, dy = (x / length, y / length) if length > 0.0 else (0.0, 0.0)
+    out["way"], out["dx"], out["dy"] = length, dx, dy
+    out["ta"], out["tb"] = ay * dx - ax * dy, bx * dy - by * dx
+
+
+@kernel
+def measure_angle(element: Any, out: Any, body: Array) -> None:
+    """The same of the angle of ``b`` against ``a``."""
+    out["way"] = body[element["b"], 2] - body[element["a"], 2]
+    out["dx"] = out["dy"] = 0.0
+    out["ta"], out["tb"] = -1.0, 1.0
+
+
+@kernel
+def rate(element: Any, out: Any, velocity: Array) -> float:
+    """Rate of a coordinate as its bodies move with ``velocity`` [nb, 3]."""
+    a, b = element["a"], element["b"]
+    return float(out["dx"] * (velocity[b, 0] - velocity[a, 0])
+                 + out["dy"] * (velocity[b, 1] - velocity[a, 1])
+                 + out["ta"] * velocity[a, 2] + out["tb"] * velocity[b, 2])
+
+
+@kernel
+def put_row(J: Array, entry: int, out: Any) -> None:
+    """The two entries of a bilateral row on a coordinate."""
+    J[entry, 0], J[entry, 1], J[entry, 2] = 0.0 - out["dx"], 0.0 - out["dy"], out["ta"]
+    J[entry + 1, 0], J[entry + 1, 1], J[entry + 1, 2] = out["dx"], out["dy"], out["tb"]
+
+
+@kernel
+def add_effort(element: Any, out: Any, effort: float, force: Array) -> None:
+    """Add an effort along a coordinate to forces and torques on the bodies, [nb, 3]."""
+    a, b = element["a"], element["b"]
+    force[a, 0] -= out["dx"] * effort
+    force[a, 1] -= out["dy"] * effort
+    force[a, 2] += out["ta"] * effort
+    force[b, 0] += out["dx"] * effort
+    force[b, 1] += out["dy"] * effort
+    force[b, 2] += out["tb"] * effort
+
+
+@kernel
+def _ahead(h: float, body: Array, velocity: Array, b: int) -> Any:
+    """Pose x, y, angle of a body where ``velocity`` leads in ``h``; cosine, sine of the angle."""
+    angle = body[b, 2] + h * velocity[b, 2]
+    return (body[b, 0] + h * velocity[b, 0], body[b, 1] + h * velocity[b, 1], angle,
+            math.cos(angle), math.sin(angle))
+
+
+@kernel
+def toothed(joint: Any) -> bool:
+    """Whether a JOINT keeps teeth together."""
+    return bool(joint["keeps"] == GEAR or joint["keeps"] == RACK)
+
+
+@kernel
+def flank(joint: Any, side: float, h: float, body: Array, velocity: Array) -> Any:
+    """A flank of a JOINT where ``velocity`` [nb, 3] leads from the poses of the step in ``h``.
+
+    Returns:
+        gap [m] of the teeth on this ``side`` (+1 or -1), were there no play; of the row that keeps
+        it: direction x, y of the push on b, moments of the push on a and on b for 1 N [m].
+    """
+    xa, ya, angle_a, ca, sa = _ahead(h, body, velocity, joint["a"])
+    xb, yb, angle_b, cb, sb = _ahead(h, body, velocity, joint["b"])
+    ax, ay = ca * joint["ax"] - sa * joint["ay"], sa * joint["ax"] + ca * joint["ay"]
+    bx, by = cb * joint["bx"] - sb * joint["by"], sb * joint["bx"] + cb * joint["by"]
+    dx, dy = xb + bx - xa - ax, yb + by - ya - ay
+    start = joint["start"] if side > 0.0 else joint["start_back"]
+    if joint["keeps"] == RACK:
+        gx, gy = cb * joint["gx"] - sb * joint["gy"], sb * joint["gx"] + cb * joint["gy"]
+        along, across = side * joint["tilt_c"], joint["tilt_s"]
+        ux, uy = along * gx + across * gy, along * gy - across * gx
+        r = -side * joint["ra"]
+        gap = ux * dx + uy * dy + r * (angle_a - angle_b) - start
+        px, py = ax - r * uy, ay + r * ux
+        qx, qy = px + xa - xb, py + ya - yb
+        return gap, ux, uy, py * ux - px * uy, qx * uy - qy * ux
+    ra, rb, push = side * joint["ra"], side * joint["rb"], joint["push"]
+    offset = ra - rb
+    straight = math.sqrt(max(dx * dx + dy * dy - offset * offset, 1e-24))
+    square = straight * straight + offset * offset
+    ux, uy = (straight * dx + offset * dy) / square, (straight * dy - offset * dx) / square
+    angle = math.atan2(uy, ux)
+    gap = straight - ra * (angle - angle_a) + rb * (angle - angle_b) - start
+    turn = 2.0 * math.pi * offset
+    gap -= turn * math.floor(gap / turn + 0.5)
+    px, py, qx, qy = ax - ra * uy, ay + ra * ux, bx - rb * uy, by + rb * ux
+    return (push * gap, push * ux, push * uy, push * (py * ux - px * uy),
+            push * (qx * uy - qy * ux))
+
+
+@kernel
+def rolled(joint: Any, h: float, body: Array, velocity: Array) -> float:
+    """How far two circles are from where they roll to, along them [m]; as :func:`flank`."""
+    xa, ya, angle_a, ca, sa = _ahead(h, body, velocity, joint["a"])
+    xb, yb, angle_b, cb, sb = _ahead(h, body, velocity, joint["b"])
+    dx = xb + cb * joint["bx"] - sb * joint["by"] - xa - ca * joint["ax"] + sa * joint["ay"]
+    dy = yb + sb * joint["bx"] + cb * joint["by"] - ya - sa * joint["ax"] - ca * joint["ay"]
+    ra, rb = joint["ra"], joint["rb"]
+    way = ra * angle_a + rb * angle_b - (ra + rb) * math.atan2(dy, dx) - joint["start"]
+    turn = 2.0 * math.pi * (ra + rb)
+    return float(way - turn * math.floor(way / turn + 0.5))

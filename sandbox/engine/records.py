@@ -1,0 +1,392 @@
+"""Records of the elements in the tables of the compiled step: one row for each element.
+
+A record with the name alone never changes in a run, ``*_STATE`` is needed by the next step, and
+``*_RESULT`` is computed anew in each step. Bodies are numbered as pymunk lists them
+(``World.order``); points of bodies are relative to their centres of mass, along the body's axes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+STIFF, PULL, ELASTIC, DAMPED, EVEN, GRIPPED = 0, 1, 2, 3, 4, 5
+"""Kinds of cord and spring: solved at the step's end; of given tension; soft, its tension
+that of the pose; soft with a damper, solved at mid-step. Of spans of a cord that guides hold by
+friction: soft, solved evenly about the pose; and that cord as a whole, whose spans pull."""
+SOFT = 1.0
+"""h^2 k s from which on an element is solved at the step's end (:mod:`sandbox.engine.stiffness`); a
+leapfrog breaks down at 4."""
+
+ACTION = np.dtype([
+    ("drive", np.int64),    # whose value it takes
+    ("a", np.int64),        # the body of a force; the first body of a hinge
+    ("b", np.int64),        # -1 for a force; the second body of the hinge
+    ("x", float), ("y", float),     # where a force acts [m]
+    ("dx", float), ("dy", float),   # its direction, a unit vector
+    ("turning", np.int64),  # whether that turns with the body
+    ("joint", np.int64),    # the joint that is driven, or -1
+    ("line", np.int64),     # whether that is an actuator, which is pushed
+    ("motor", np.int64),    # -1, or the number of a motor or brake
+    ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
+    ("tie", np.int64),      # TIE of the hinge, or -1
+    ("runs", np.int64),     # whether it is the surface of a that runs
+])
+ACTION_STATE = np.dtype([
+    ("work", float),        # done on the bodies since t = 0 [J]
+])
+ACTION_RESULT = np.dtype([
+    ("fx", float), ("fy", float),   # of a force, in the world [N]
+    ("torque", float),      # about the centre of mass of a, or on b of a hinge [N m]; of a surface
+                            # that runs its power [W]
+    ("step_work", float),   # of the last step [J]
+])
+
+SPRING = np.dtype([
+    ("number", np.int64),   # the model's; -1 for the damping of a hinge
+    ("joint", np.int64),    # the hinge about which it acts, or -1
+    ("turning", np.int64),  # whether its coordinate is an angle; a distance otherwise
+    ("kind", np.int64),     # STIFF, ELASTIC or DAMPED
+    ("drive", np.int64),    # that sets its stiffness; -1 for its own
+    ("a", np.int64), ("ax", float), ("ay", float),  # body and point of one end [m]
+    ("b", np.int64), ("bx", float), ("by", float),
+    ("k", float),           # [N/m, N m/rad]
+    ("c", float),           # [N s/m, N m s/rad]
+    ("sense", float),       # from its coordinate to the stretch that its law takes, 1 or -1
+    ("row", np.int64),      # its unknown, or -1
+    ("entry", np.int64),    # the first of its two entries
+    ("code", np.int64), ("code_end", np.int64),     # steps of its law, or -1
+    ("of_rate", np.int64),  # whether its law depends on the rate
+    ("response", float),    # bound of the response of its ends to a unit effort [1/kg, 1/(kg m^2)]
+    ("tie", np.int64), ("hinge_tie", np.int64),     # TIE of the spring and of its hinge, or -1
+])
+SPRING_STATE = np.dtype([
+    ("rest", float),        # its coordinate at rest [m, rad]
+    ("work", float),        # [J]
+])
+SPRING_RESULT = np.dtype([
+    ("way", float),         # its coordinate [m, rad]
+    ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # and what it depends on
+    ("effort", float),      # positive where it lets the coordinate grow [N, N m]
+    ("stiff", np.int64),    # whether a law is taken at the step's end
+    ("step_work", float),   # [J]
+])
+
+POINT, GROOVE, DISTANCE, RANGE, GEAR, RACK, ROLL = 0, 1, 2, 3, 4, 5, 6
+"""What joints keep."""
+PACED, SPRUNG, PLACED = 0, 1, 2
+"""What motors do: keep a rate, or none; go to a place as a spring would, or rigidly."""
+STOP, LINE, FLANK = 0, 1, 2
+"""What is limited: a hinge's angle; the way along a groove or a distance; the play of teeth."""
+
+JOINT = np.dtype([
+    ("keeps", np.int64),    # POINT ... ROLL
+    ("a", np.int64), ("ax", float), ("ay", float),  # body and point [m]; of a groove its start
+    ("b", np.int64), ("bx", float), ("by", float),
+    ("gx", float), ("gy", float),   # direction of a groove in a, or of a rack in b, a unit vector
+    ("reach", float),       # distance kept; length of a groove; what teeth bend about [m]
+    ("turn", float),        # angle of b against a kept by what does not turn [rad]
+    ("ra", float), ("rb", float),   # of teeth the base circles, of what rolls the circles; rb with
+                                    # the sign by which it turns with a [m]
+    ("push", float),        # of gears: 1 side by side, -1 one inside the other
+    ("tilt_c", float), ("tilt_s", float),   # of a rack: of its pressure angle
+    ("k", float),           # of teeth without play [N/m]
+    ("start", float), ("start_back", float),    # what its flanks, or its rolling, begin with [m]
+    ("row", np.int64), ("row_y", np.int64),     # unknowns of its force, or -1; of what rolls the
+                                                # second is that along the circles
+    ("row_turn", np.int64),     # unknown of its couple, or -1
+    ("entry", np.int64),    # the first of two entries a row
+    ("hinge", np.int64), ("stopped", np.int64),     # whether it has an angle; and stops
+    ("sense", float),       # of a hinge, from a counter-clockwise turn to its positive one
+    ("zero", float),        # what its angle is less by [rad]
+    ("tie", np.int64),      # its TIE, or -1
+    ("line", np.int64),     # whether it is an actuator, whose length is told
+])
+JOINT_STATE = np.dtype([
+    ("flank", float),       # which side of the teeth pushes, +1 or -1
+])
+JOINT_RESULT = np.dtype([
+    ("way", float),         # its free coordinate: along a groove, distance, angle of a pin [m, rad]
+    ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # what this depends on; of teeth
+                            # the direction of the push on b
+    ("fx", float), ("fy", float),   # its force on b [N]
+    ("couple", float),      # on b [N m]
+])
+
+LIMIT = np.dtype([
+    ("joint", np.int64),
+    ("what", np.int64),     # STOP, LINE or FLANK
+    ("side", float),        # +1 for the least value, -1 for the largest; which flank
+    ("bound", float),       # [rad, m]
+])
+LIMIT_STATE = np.dtype([
+    ("impulse", float),     # of the last step [N s, N m s]
+])
+
+MOTOR = np.dtype([
+    ("drive", np.int64), ("a", np.int64), ("b", np.int64),
+    ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
+    ("most", float),        # of a motor [N m]; nan of a brake, whose value that is
+    ("slope", float),       # of a motor with a line [N m s/rad]; nan of others
+    ("tie", np.int64),      # TIE of the hinge, or -1
+    ("law", np.int64),      # PACED, SPRUNG or PLACED
+    ("joint", np.int64),    # that it drives
+    ("line", np.int64),     # whether that is an actuator, which it lengthens [N, m for N m, rad]
+    ("k", float), ("c", float),     # with which it goes to a place [N m/rad, N m s/rad]
+    ("stiff", np.int64),    # whether these are taken at the step's end
+    ("fastest", float),     # that it goes there [rad/s]
+    ("zero", float),        # what the hinge's angle is less by [rad]
+])
+MOTOR_STATE = np.dtype([
+    ("target", float),      # the place that it was to be at after the last step, nan before [rad]
+    ("aim", float),         # the same after this one [rad]
+    ("short", float),       # by how much it is not where it was to be [rad]
+    ("along", float),       # the rate of its target [rad/s]
+    ("seen", float),        # its rate before the step [rad/s]
+    ("asked", float),       # the rate that it is asked for [rad/s]
+    ("bend", float),        # rate by which its line grows besides in the step [m/s]
+    ("impulse", float),     # on b, of the last step [N m s]
+    ("mode", np.int64),     # -1 and 1 at its least and largest torque, 0 in between
+])
+
+RUB = np.dtype([
+    ("joint", np.int64),
+    ("sum", np.int64),      # what the joint carries, counted on from bodies, slips and sums
+    ("most", float),        # what it rubs with, of what hangs on nothing [N m, N]
+    ("share", float),       # or of 1 N that the joint carries [m, 1]; 0 of what hangs on nothing
+    ("static", float),      # how many times as much it holds with
+])
+RUB_STATE = np.dtype([
+    ("impulse", float),     # on b, counter-clockwise or along the groove, of the last step
+    ("pressed", float),     # that of the joint which it hangs on [N s]
+    ("mode", np.int64),     # -1 and 1 where it slipped, 0 where it held
+    ("bound", float),       # static friction where it held, else nan [N s, N m s]
+    ("ux", float), ("uy", float),   # where the joint pushed: of rows, not of the world
+    ("kept", np.int64),     # whether it has held since a place along its groove was noted
+    ("place", float),       # that place [m]
+    ("work", float),        # [J]
+])
+RUB_RESULT = np.dtype([
+    ("force", float),       # on b, in the joint's sense [N m, N]
+    ("sticks", float),      # 1 where it held, else 0
+    ("step_work", float),   # [J]
+])
+
+CORD = np.dtype([
+    ("first", np.int64), ("last", np.int64),    # its guides
+    ("kind", np.int64),     # STIFF, PULL, ELASTIC, DAMPED, EVEN or GRIPPED
+    ("closed", np.int64),   # whether its last guide is its first
+    ("lifts", np.int64),    # whether it can lift off any of its wheels
+    ("drive", np.int64),    # that pulls it, or -1
+    ("stiffener", np.int64),    # drive that sets its stiffness, or -1
+    ("c", float),           # [N s/m]; of a span it is this over what is in it [N s]
+    ("whole", np.int64),    # of a span the cord that it is of, or -1
+    ("spans", np.int64), ("spans_end", np.int64),   # of a cord that guides grip
+    ("least", float),       # so much of a cord counts as being in a span, at least [m]
+    ("response", float),    # largest J M^-1 J^T in any pose [1/kg]
+    ("row", np.int64),      # its unknown, or -1
+    ("entry", np.int64), ("entries", np.int64),     # the first of its entries, and how many
+    ("into", np.int64), ("out_of", np.int64),   # entries of what slips into a span and out of it
+    ("tie", np.int64),      # TIE of the cord, or -1
+])
+CORD_STATE = np.dtype([
+    ("active", np.int64),   # whether it pulled in the last solve
+    ("k", float),           # in force [N/m]; of a span it is this over what is in it [N]
+    ("rest", float),        # length up to which it is slack; of a span with what it wound up [m]
+    ("inside", float),      # what is in a span between its wheels [m]
+    ("work", float),        # [J]
+])
+CORD_RESULT = np.dtype([
+    ("length", float),      # [m]
+    ("wound", float),       # share of that which a span's wheels have wound up since t = 0 [m]
+    ("tension", float),     # [N]
+    ("step_work", float),   # [J]
+])
+
+GUIDE = np.dtype([
+    ("body", np.int64), ("x", float), ("y", float),     # place [m]
+    ("radius", float),      # of the wheel, positive where its centre lies right of the path [m]
+    ("turns", float),       # whole ones round it at t = 0, besides
+    ("lifts", np.int64),    # whether the cord can lift off its wheel
+    ("entry", np.int64),    # where its share of the cord's row is added, if that has one
+])
+GUIDE_STATE = np.dtype([
+    ("wrap", float),        # angle round the wheel, or where a wound cord leaves it [rad]
+    ("wrap0", float),       # the same at t = 0, of a wound cord
+    ("lifted", np.int64),   # whether the cord is off its wheel
+])
+GUIDE_RESULT = np.dtype([
+    ("jx", float), ("jy", float),   # dL/dx, dL/dy of the body
+    ("jt", float),          # dL/dangle [m]
+])
+
+SLIP = np.dtype([
+    ("cord", np.int64),     # whole, that slips
+    ("guide", np.int64),    # its guide at which it does
+    ("twin", np.int64),     # the same guide at the end of a loop, or -1
+    ("before", np.int64), ("after", np.int64),      # spans on either side
+    ("friction", float),    # coefficient
+    ("row", np.int64),      # unknown of its rate
+    ("slide", np.int64), ("sum", np.int64),     # where bounded rows find it, and the tensions' sum
+])
+SLIP_STATE = np.dtype([
+    ("way", float),         # of cord from the span before into that after since t = 0 [m]
+    ("impulse", float),     # of friction in the last step [N s]
+    ("sum", float),         # of both tensions' impulses in the last step [N s]
+    ("mode", np.int64),     # as of BOUND
+])
+SLIP_RESULT = np.dtype([
+    ("rate", float),        # [m/s]
+    ("force", float),       # by how much the tension behind is larger than that before [N]
+])
+
+FLUID = np.dtype([
+    ("first", np.int64), ("last", np.int64),    # its chambers
+    ("ahead", float),       # the least k of its law (fluids.py)
+    ("ratio", float),       # its r
+    ("drive", np.int64),    # that sets its pressure, or -1
+    ("volume", float),      # at t = 0 [m^3]
+    ("c", float),           # of a liquid [m^3/Pa]
+    ("gas", float),         # the exponent of a gas, 0 of a liquid
+    ("start", float), ("least", float), ("most", float),    # pressure at t = 0, its bounds [Pa]
+    ("response", float),    # largest A M^-1 A^T in any pose [m^4/kg]
+    ("row", np.int64),      # its unknown
+])
+"""A line."""
+FLUID_STATE = np.dtype([
+    ("content", float),     # at 0 Pa, of a liquid beside what filled it at t = 0 [m^3]
+    ("mode", np.int64),     # -1 not full, 0 full, 1 let out by its relief
+    ("spilled", float),     # by the relief [m^3]
+    ("work", float),        # done on the bodies [J]
+])
+FLUID_RESULT = np.dtype([
+    ("grown", float),       # volume, beside that at t = 0 [m^3]
+    ("pressure", float),    # [Pa]
+    ("ahead", float),       # the k of its law: steps from the pose to its instant
+    ("flow", float),        # into it [m^3/s]
+    ("rigid", float),       # pressure, were the volume to stay [Pa]
+    ("yields", float),      # volume per pressure, there [m^3/Pa]
+    ("swells", float),      # volume per content, at one pressure
+    ("lets", float),        # how much flow falls with its pressure, over valves [m^3/(s Pa)]
+    ("gets", float),        # flow where all pressures at the ends of valves are 0 [m^3/s]
+    ("step_work", float),   # [J]
+])
+
+CHAMBER = np.dtype([
+    ("a", np.int64), ("ax", float), ("ay", float),  # body and point [m]
+    ("b", np.int64), ("bx", float), ("by", float),
+    ("turns", np.int64),    # whether it is on a hinge
+    ("gain", float),        # volume per distance of the points, or per angle of b against a
+    ("start", float),       # distance or angle at t = 0
+    ("entry_a", np.int64), ("entry_b", np.int64),   # where its share of the row is added
+])
+CHAMBER_RESULT = np.dtype([
+    ("x", float), ("y", float),     # force on b for 1 Pa
+    ("ta", float), ("tb", float),   # moments for 1 Pa
+])
+
+VALVE = np.dtype([
+    ("a", np.int64), ("b", np.int64),   # lines, -1 for the tank
+    ("r", float), ("k", float),     # pressure per flow and per square of it
+    ("one_way", np.int64),
+    ("drive", np.int64),    # that opens it, or -1
+    ("slot", np.int64),     # of the matrix where its lines meet, -1 with the tank
+])
+VALVE_STATE = np.dtype([
+    ("flow", float),        # from a to b [m^3/s]
+    ("shut", np.int64),     # whether a check valve is
+    ("loss", float),        # [J]
+])
+VALVE_RESULT = np.dtype([
+    ("about", float),       # the flow that its law is taken straight about [m^3/s]
+    ("lets", float),        # flow per pressure there [m^3/(s Pa)]
+    ("gets", float),        # flow without pressure there [m^3/s]
+    ("step_loss", float),   # [J]
+])
+
+PUMP = np.dtype([
+    ("drive", np.int64), ("line", np.int64),
+    ("source", np.int64),   # whether its value is a pressure; a flow otherwise
+    ("r", float),           # between source and line
+])
+PUMP_STATE = np.dtype([
+    ("work", float),        # on the fluid [J]
+])
+PUMP_RESULT = np.dtype([
+    ("flow", float),        # into the line [m^3/s]
+    ("step_work", float),   # [J]
+])
+
+LOAD = np.dtype([
+    ("number", np.int64),   # the model's
+    ("body", np.int64),
+    ("x", float), ("y", float),     # where its force acts, from the centre of mass [m]
+    ("turning", np.int64),  # whether its components are along the body's axes
+    ("scale", float),       # of its force: the mass where it is an acceleration, else 1
+    ("mass", float), ("inertia", float),    # of the body [kg, kg m^2]
+    ("x_code", np.int64), ("x_end", np.int64),  # steps of the programs of its two components and
+    ("y_code", np.int64), ("y_end", np.int64),  # its torque, or -1
+    ("t_code", np.int64), ("t_end", np.int64),
+    ("timed", np.int64),    # whether it hangs on the time
+    ("first", np.int64), ("last", np.int64),    # sides of what a liquid lifts
+    ("level", float),       # of the liquid [m]
+    ("lift", float),        # its force per area below that [N/m^2]
+])
+LOAD_STATE = np.dtype([
+    ("work", float),        # done on the body [J]
+])
+LOAD_RESULT = np.dtype([
+    ("fx", float), ("fy", float),   # in the world [N]
+    ("torque", float),      # about the centre of mass [N m]
+    ("step_work", float),   # of the last step [J]
+])
+
+LOADED = np.dtype([
+    ("body", np.int64),
+    ("first", np.int64), ("last", np.int64),    # its loads
+    ("row", np.int64), ("row_y", np.int64), ("row_turn", np.int64),     # unknowns, or -1
+    ("entry", np.int64),    # the first of the three entries of these
+])
+LOADED_RESULT = np.dtype([
+    ("stiff", np.int64),    # whether its loads are taken at the step's end
+])
+SUM, SLOPES, GIVEN, YIELDS, AXES, SCRATCH = 0, 1, 4, 5, 6, 9
+"""Rows of numbers of each loaded body, three a row: the sum of its loads [N, N, N m]; by how much
+that grows with each velocity after the step; what of it is among the known forces; the rates at
+which loads slow motion along each of three axes [1/s]; these axes; scratch."""
+NUMBERS = 13
+"""How many rows there are."""
+
+JOINED, SPRINGY, CORDED = 0, 1, 2
+"""What is released: a joint, a spring, a cord."""
+SETTLED, TAKEN = -1.0, -2.0
+"""As the time since a joint was taken up: its gap is closed; it is still to be looked at."""
+NONE = -1
+"""No wish."""
+
+TIE = np.dtype([
+    ("what", np.int64),     # JOINED, SPRINGY or CORDED
+    ("index", np.int64),    # in the table of these
+    ("breaks_at", float),   # [N, N m]
+    ("over", float),        # time in which a joint's gap closes [s]
+    ("as_is", np.int64),    # whether it is taken up with the length that it has then
+    ("drive", np.int64),    # that holds it, or -1
+])
+TIE_STATE = np.dtype([
+    ("held", np.int64),
+    ("wish", np.int64),     # of an event: to let go, 0, or take up, 1, with the next step; NONE
+    ("driven", np.int64),   # as a drive had it last; at first whether it holds
+    ("load", float),        # of the last step, nan where it did not hold then [N, N m]
+    ("age", float),         # since a joint was taken up [s], SETTLED or TAKEN
+    ("x", float), ("y", float), ("t", float),       # its gaps then [m, m, rad]
+    ("vx", float), ("vy", float), ("vt", float),    # and their rates
+    ("turns", float),       # whole turns that a couple leaves alone [rad]
+])
+BROKEN = np.dtype([
+    ("tie", np.int64),      # what came to its load
+    ("row", np.int64),      # the step in which it did, counted from 0 among those made in one go
+    ("when", float),        # since the middle of the step before it, as a share of the step
+])
+TIE_RESULT = np.dtype([
+    ("load", float),        # in this step [N, N m]
+    ("broke", np.int64),    # whether it broke in this step
+])

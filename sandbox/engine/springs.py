@@ -1,0 +1,221 @@
+"""Springs and dampers: straight ones, rotary ones, and the damping of hinges.
+
+A spring acts along a coordinate q (:mod:`sandbox.engine.coordinates`). Its effort is -F, with F its
+force for the stretch s = q - q_rest and the rate r = q'. At the pose x, with the velocities before
+the step, it is taken in one of these ways:
+
+    elastic     F = k s at the pose, a known force                                    (explicit)
+    damped      D v + 2 p / (h c)       = - 2 k s / c - D v_before                    (mid-step)
+    stiff       D v + p / (h (c + h k)) = - k s / (c + h k)                           (step's end)
+
+D v is the rate at the step's end and p / h the effort. The damping of a hinge has k = 0.
+
+A law F(s, r) of any shape is linearised in the rate at the step's end, F0 + l r, so that its row is
+that of a damper l with a force. The slope k = dF/ds decides in each step:
+
+    soft, h^2 k S below 1    F(s, (r_before + r) / 2)    l = (dF/dr) / 2          (second order)
+    stiff                    F(s + h r, r)               l = h k + dF/dr          (the step's end)
+
+with S the response of the bodies (:mod:`sandbox.engine.stiffness`). After the solve the law gives
+the force for the rate that resulted. Where that force differs, the step is solved again with the
+tangent there (Newton's method). Negative slopes count as 0 in l.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sandbox.engine import memory as at
+from sandbox.engine.coordinates import (
+    add_effort,
+    measure_angle,
+    measure_distance,
+    put_row,
+    rate,
+)
+from sandbox.engine.entry_points import entry_point
+from sandbox.engine.formulas import formula
+from sandbox.engine.kernel import kernel
+from sandbox.engine.records import DAMPED, SOFT
+from sandbox.engine.rows import LEAST, NOTHING
+from sandbox.engine.ties import acts, spring_holds
+from sandbox.numeric import Array, Matrix
+
+SAME = 1e-10
+"""Relative difference of two forces that count as equal."""
+
+
+@entry_point("springs")
+def stretch(table: int, drive: Array) -> None:
+    """Measure all springs; add the forces of those that have no row."""
+    springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
+    for i in range(len(springs)):
+        s, out = springs[i], results[i]
+        if s["turning"]:
+            measure_angle(s, out, at.body(table))
+        else:
+            measure_distance(s, out, at.body(table), at.turn(table))
+        if s["row"] >= 0:
+            continue
+        if not spring_holds(table, s):
+            out["effort"] = 0.0
+            continue
+        extent = out["way"] - states[i]["rest"]
+        out["effort"] = -(s["k"] if s["drive"] < 0 else drive[s["drive"]]) * extent
+        if s["code"] >= 0:  # between two bodies that do not move freely
+            out["effort"] = -s["sense"] * spring_law(table, i, s["sense"] * extent, drive)
+        add_effort(s, out, out["effort"], at.force(table))
+
+
+@entry_point("springs")
+def spring_rows(table: int, h: float, drive: Array) -> None:
+    """Rows of springs that have a damper, a law, or are too stiff for the step."""
+    springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
+    J, rhs, compliance = at.entries(table)[0], at.unknowns(table)[0], at.unknowns(table)[1]
+    for i in range(len(springs)):
+        s, out, r = springs[i], results[i], springs[i]["row"]
+        if r < 0:
+            continue
+        put_row(J, s["entry"], out)
+        if s["code"] >= 0:
+            continue
+        k = s["k"] if s["drive"] < 0 else drive[s["drive"]]
+        extent = out["way"] - states[i]["rest"]
+        if s["kind"] == DAMPED:
+            compliance[r] = 2.0 / (h * s["c"])
+            rhs[r] = 0.0 - 2.0 * k * extent / s["c"] - rate(s, out, at.before(table))
+        else:
+            lead = max(s["c"] + h * k, LEAST)
+            compliance[r] = 1.0 / (h * lead)
+            rhs[r] = -(k * extent / lead)
+
+
+@kernel
+def _law(table: int, s: Any, extent: float, speed: float, drive: Array) -> Any:
+    """Force of a spring's law with its slopes by stretch and rate, [1 + slopes]."""
+    read = at.read_names(table)
+    for i in range(3):
+        for j in range(read.shape[1]):
+            read[i, j] = 0.0
+    read[0, 0], read[0, 1] = extent, 1.0
+    read[1, 0], read[1, 2] = speed, 1.0
+    read[2, 0] = s["k"] if s["drive"] < 0 else drive[s["drive"]]
+    return formula(table, s["code"], s["code_end"], read)
+
+
+@entry_point("laws")
+def spring_law(table: int, i: int, extent: float, drive: Array) -> float:
+    """Force of a spring's law at rest."""
+    return float(_law(table, at.springs(table)[i], extent, 0.0, drive)[0])
+
+
+@kernel
+def law_rate(s: Any, out: Any, velocity: Array) -> float:
+    """Rate of a spring's coordinate; its terms are summed in the order of laws and work."""
+    a, b = s["a"], s["b"]
+    return float(out["dx"] * (velocity[b, 0] - velocity[a, 0])
+                 + out["dy"] * (velocity[b, 1] - velocity[a, 1])
+                 + out["tb"] * velocity[b, 2] + out["ta"] * velocity[a, 2])
+
+
+@kernel
+def _at_pose(
+    table: int, s: Any, out: Any, extent: float, speed: float, h: float, drive: Array,
+) -> tuple[float, float]:
+    """The law's force for the rate before the step, and its slope l; decides how it is taken."""
+    law = _law(table, s, extent, speed, drive)
+    force, lead = law[0], 0.5 * max(law[2], 0.0)
+    out["stiff"] = 1 if h * h * s["response"] * law[1] > SOFT else 0
+    law = _law(table, s, extent + h * speed, speed, drive)
+    if h * h * s["response"] * law[1] > SOFT:
+        out["stiff"] = 1
+    if out["stiff"] == 1:
+        return law[0], h * max(law[1], 0.0) + max(law[2], 0.0)
+    return force, lead
+
+
+@kernel
+def _tangent(
+    table: int, s: Any, out: Any, extent: float, before: float, speed: float, h: float,
+    given: float, drive: Array,
+) -> tuple[bool, float, float]:
+    """Whether ``given`` differs from the law's force for the rate at the step's end; force, l."""
+    law = _law(table, s, extent + h * speed, speed, drive)
+    slope = max(law[1], 0.0)
+    if h * h * s["response"] * slope > SOFT:
+        out["stiff"] = 1
+    if out["stiff"] == 0:
+        if not s["of_rate"]:
+            return False, 0.0, 0.0
+        law = _law(table, s, extent, 0.5 * (before + speed), drive)
+        force, lead = law[0], 0.5 * max(law[2], 0.0)
+    else:
+        force, lead = law[0], h * slope + max(law[2], 0.0)
+    off = abs(force - given) > SAME * (abs(force) + abs(given)) + NOTHING * slope
+    return bool(off), force, lead
+
+
+@kernel
+def _set_row(table: int, s: Any, force: float, lead: float, speed: float, h: float) -> None:
+    """Set the row of a law whose force is ``force`` at the rate ``speed``, with slope ``lead``."""
+    lead = max(lead, LEAST)
+    at.unknowns(table)[0][s["row"]] = -s["sense"] * (force - lead * speed) / lead
+    at.unknowns(table)[1][s["row"]] = 1.0 / (h * lead)
+
+
+@entry_point("laws")
+def law_rows(table: int, h: float, drive: Array) -> None:
+    """Rows of all springs with laws, for the rates before the step."""
+    springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
+    for i in range(len(springs)):
+        s, out, sense = springs[i], results[i], springs[i]["sense"]
+        if s["code"] >= 0 and s["row"] >= 0:
+            speed = sense * law_rate(s, out, at.before(table))
+            force, lead = _at_pose(
+                table, s, out, sense * (out["way"] - states[i]["rest"]), speed, h, drive)
+            _set_row(table, s, force, lead, speed, h)
+
+
+@entry_point("laws")
+def change_laws(table: int, h: float, drive: Array) -> bool:
+    """Linearise laws at the rates that the solve gave; whether any force differs."""
+    springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
+    given, changed = at.unknowns(table)[3], False
+    for i in range(len(springs)):
+        s, out, sense = springs[i], results[i], springs[i]["sense"]
+        if s["code"] < 0 or s["row"] < 0 or not spring_holds(table, s):
+            continue
+        speed = sense * law_rate(s, out, at.velocity(table))
+        off, force, lead = _tangent(
+            table, s, out, sense * (out["way"] - states[i]["rest"]),
+            sense * law_rate(s, out, at.before(table)), speed, h, -sense * given[s["row"]] / h,
+            drive)
+        if off:
+            _set_row(table, s, force, lead, speed, h)
+            changed = True
+    return changed
+
+
+@entry_point("springs")
+def report_springs(table: int, h: float) -> None:
+    """Efforts of springs that have rows, from the impulses of the step."""
+    springs, results, unknown = at.springs(table), at.spring_results(table), at.unknowns(table)[3]
+    for i in range(len(springs)):
+        s = springs[i]
+        if s["row"] >= 0 and acts(table, s["tie"]) and acts(table, s["hinge_tie"]):
+            effort = unknown[s["row"]] / h
+            # the row of a released spring has an impulse of next to nothing
+            results[i]["effort"] = effort if abs(effort) > LEAST else 0.0
+
+
+@entry_point("springs")
+def add_spring_work(table: int, h: float, v: Matrix) -> None:
+    """Work of the step; ``v`` [nb, 3] are the mean velocities of before and after it."""
+    springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
+    for i in range(len(springs)):
+        out, speed = results[i], law_rate(springs[i], results[i], v)
+        # the order of the factors decides the last digit
+        out["step_work"] = (h * (out["effort"] * speed)
+                            if springs[i]["turning"] and springs[i]["number"] >= 0
+                            else h * out["effort"] * speed)
+        states[i]["work"] += out["step_work"]

@@ -1,0 +1,384 @@
+"""Tendons: cables over guides, with friction at guides (capstan friction).
+
+Rows of cables, with D v the rate at which a cable shortens and p / h its tension:
+
+    damped       D v + 2 p / (h c)       = 2 k (L - L0) / c - D v_before    (mid-step)
+    stiff        D v + p / (h (c + h k)) = k (L - L0) / (c + h k)           (the step's end)
+    soft span    D v + p / (h e)         = (k (L - L0) - (c - e) D v_before) / e
+
+A span of a cable that guides hold by friction is solved evenly about the pose where it is soft, e =
+c / 2 + h k / 4. Between such guides a cord is cut into spans, of which each has a tension of its
+own and holds so much of the cord, M. A span ends wound on its guides: as a wheel turns, cord goes
+with it, and both its length and M count what was wound up. What slips over guide j besides, out of
+the span before and into the one after, at the rate s, adds to the rows of both and has no mass, so
+that friction f is all that the tensions differ by:
+
+    span i       D v + s_i - s_(i+1) + c p_i = asked              M_i += h (s_i - s_(i+1))
+    guide j      p_j - p_(j-1) = h f_j,   |f_j| <= tanh(mu phi / 2) (T_j + T_(j-1)),   f s >= 0
+
+The bound is that of Euler and Eytelwein, T_(j-1) e^(-mu phi) <= T_j <= T_(j-1) e^(mu phi), over the
+angle phi that the cord bends by. It is affine in the unknowns, and friction one more row with
+bounds (:mod:`sandbox.engine.bounded`). A loop could go round freely where no guide holds it: a drag
+of next to nothing keeps its speed a number. By friction no span can be slack alone: a cord pulls as
+a whole or not at all, and where it does not its material spreads evenly.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sandbox.engine import memory as at
+from sandbox.engine.bounded import HOLD_TANGENT, UNBOUNDED, begin_row
+from sandbox.engine.entry_points import entry_point
+from sandbox.engine.kernel import kernel
+from sandbox.engine.network import measure, wound_up
+from sandbox.engine.records import (
+    EVEN,
+    GRIPPED,
+    PULL,
+    STIFF,
+)
+from sandbox.engine.rows import (
+    LEAST,
+)
+from sandbox.engine.state import (
+    PULLED,
+    SLIPPING,
+)
+from sandbox.engine.ties import (
+    holds,
+    slacken_tied,
+)
+from sandbox.numeric import Array, Records
+
+EXCESS = 1e-10
+"""Share of the tensions on both sides of a guide by which its friction may exceed its bound.
+
+The tolerance of rates, which a fast row elsewhere sets, says little of it: a stiff cable hardly
+slips under a force that is far beyond its bound.
+"""
+
+
+@kernel
+def _bend(table: int, slip: Any) -> float:
+    """The angle that a cord bends by at a guide [rad]; 0 where it does not touch its wheel."""
+    g = slip["guide"]
+    if at.guides(table)[g]["radius"] != 0.0:
+        twin = slip["twin"] if slip["twin"] >= 0 else g
+        return max(0.0, float(at.guide_states(table)[twin]["wrap"]))
+    pulls = at.guide_results(table)
+    x, y = pulls[g]["jx"], pulls[g]["jy"]
+    if slip["twin"] >= 0:
+        x += pulls[slip["twin"]]["jx"]
+        y += pulls[slip["twin"]]["jy"]
+    return 2.0 * math.asin(min(1.0, 0.5 * math.hypot(x, y)))
+
+
+@entry_point("slips")
+def ask_slips(table: int, h: float) -> None:
+    """What a drive pulls with goes to the last guide that holds its cord."""
+    slips, asked = at.slips(table), at.unknowns(table)[0]
+    for i in range(len(slips)):
+        end = slips[i]["after"]
+        if at.cords(table)[end]["kind"] == PULL:
+            asked[slips[i]["row"]] = -h * at.cord_results(table)[end]["tension"]
+
+
+@entry_point("slips")
+def slip_rows(table: int, h: float, i: int, n: int) -> int:
+    """Add the rows of guide ``i``: the sum of the tensions, and friction; how many there are."""
+    slip, state, rows = at.slips(table)[i], at.slip_states(table)[i], at.rows(table)
+    bound = math.tanh(0.5 * slip["friction"] * _bend(table, slip))
+    if bound <= 0.0:
+        return n
+    pulled = at.cords(table)[slip["after"]]["kind"] == PULL
+    out = rows[n]
+    begin_row(out, PULLED, i, slip["sum"], slip["sum"], state["sum"], 0)
+    out["measure"], out["low"], out["high"] = 1, -UNBOUNDED, UNBOUNDED
+    out["ax"], out["ay"] = -1.0, 0.0 if pulled else -1.0
+    out["want"] = -h * at.cord_results(table)[slip["after"]]["tension"] if pulled else 0.0
+    out = rows[n + 1]
+    begin_row(out, SLIPPING, i, slip["slide"], slip["slide"], state["impulse"], state["mode"])
+    out["ax"], out["normal"], out["friction"] = -1.0, n, bound
+    out["hold"], out["tight"] = HOLD_TANGENT, EXCESS
+    return n + 2
+
+
+@entry_point("slips")
+def slipped(table: int, h: float) -> None:
+    """Move cord from span to span as it slipped, and note the tension behind the last guide."""
+    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    slips, slip_states, rates = at.slips(table), at.slip_states(table), at.slip_results(table)
+    unknown = at.unknowns(table)[3]
+    for i in range(len(slips)):
+        slip = slips[i]
+        before, after = slip["before"], slip["after"]
+        cord, state = cords[before], states[before]
+        # rates of soft spans stand in the rows by what they make of one another
+        scale = (cord["c"] + h * state["k"]) / (state["inside"] * cord_lead(h, cord, state))
+        rate = unknown[slip["row"]] / scale
+        rates[i]["rate"] = rate
+        rates[i]["force"] = results[after]["tension"] - results[before]["tension"]
+        slip_states[i]["way"] += h * rate
+        state["rest"] -= h * rate
+        if cords[after]["kind"] != PULL:
+            states[after]["rest"] += h * rate
+    for i in range(len(cords)):
+        if cords[i]["spans"] < cords[i]["spans_end"]:
+            results[i]["tension"] = results[cords[i]["spans_end"] - 1]["tension"]
+            if not states[i]["active"]:
+                _even_out(table, i)
+
+
+@kernel
+def _even_out(table: int, i: int) -> None:
+    """Spread what is in a slack cord over its spans as they are long."""
+    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    length = inside = 0.0
+    for k in range(cords[i]["spans"], cords[i]["spans_end"]):
+        length += results[k]["length"] - results[k]["wound"]
+        inside += states[k]["rest"] - results[k]["wound"]
+    for k in range(cords[i]["spans"], cords[i]["spans_end"]):
+        free = results[k]["length"] - results[k]["wound"]
+        states[k]["rest"] = results[k]["wound"] + inside * free / length
+
+
+@kernel
+def _stretch(table: int, i: int) -> float:
+    """By how much a whole cord is longer than what is in its spans [m]."""
+    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    stretch = 0.0
+    for k in range(cords[i]["spans"], cords[i]["spans_end"]):
+        if cords[k]["kind"] != PULL:
+            stretch += results[k]["length"] - states[k]["rest"]
+    return stretch
+
+
+@kernel
+def _set(table: int, i: int, active: int) -> None:
+    states = at.cord_states(table)
+    states[i]["active"] = active
+    for k in range(at.cords(table)[i]["spans"], at.cords(table)[i]["spans_end"]):
+        states[k]["active"] = active
+
+
+@kernel
+def _drawn(table: int, i: int) -> bool:
+    """Whether a drive pulls a whole cord at this moment."""
+    last = at.cords(table)[i]["spans_end"] - 1
+    return bool(at.cords(table)[last]["kind"] == PULL
+                and at.cord_results(table)[last]["tension"] > 0.0)
+
+
+@entry_point("slips")
+def slacken_whole(table: int, i: int) -> None:
+    """Let go of a whole cord that is not stretched; take up one that a drive pulls."""
+    if _drawn(table, i):
+        _set(table, i, 1)
+    elif _stretch(table, i) <= 0.0:
+        _set(table, i, 0)
+
+
+@entry_point("slips")
+def change_whole(table: int, h: float, i: int) -> bool:
+    """Let go of a whole cord all of which would push, take up one that would pull; whether so."""
+    if _drawn(table, i):
+        return False
+    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    guides, pulls, unknown = at.guides(table), at.guide_results(table), at.unknowns(table)[3]
+    first, last = cords[i]["spans"], cords[i]["spans_end"]
+    if states[i]["active"]:
+        if cords[last - 1]["kind"] == PULL:  # whose end is free slides until it does not pull
+            return False
+        for k in range(first, last):
+            if cords[k]["row"] >= 0 and unknown[cords[k]["row"]] >= 0.0:
+                return False
+        _set(table, i, 0)
+        return True
+    gone = off = 0.0
+    for k in range(first, last):
+        if cords[k]["row"] >= 0:
+            rate = shortening(cords[k], guides, pulls, at.velocity(table))
+            gone += rate
+            off += asked_by_cord(h, cords[k], states[k], results[k]["length"], guides, pulls,
+                                 at.before(table)) - rate
+    ahead = h * gone if cords[first]["kind"] == STIFF else 0.0
+    if _stretch(table, i) <= ahead or off <= 0.0:
+        return False
+    _set(table, i, 1)
+    return True
+
+
+@entry_point("cords")
+def cord_rows(table: int, h: float) -> None:
+    """Those of stiff and damped cords, and of spans; that of a slack one has no coefficients."""
+    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    guides, pulls, before = at.guides(table), at.guide_results(table), at.before(table)
+    J, rhs, compliance = at.entries(table)[0], at.unknowns(table)[0], at.unknowns(table)[1]
+    for i in range(len(cords)):
+        cord = cords[i]
+        r, first = cord["row"], cord["entry"]
+        if r < 0:
+            continue
+        for e in range(first, first + cord["entries"]):
+            J[e, 0] = J[e, 1] = J[e, 2] = 0.0
+        if cord["into"] >= 0:
+            J[cord["into"], 0] = 1.0
+        if cord["out_of"] >= 0:
+            J[cord["out_of"], 0] = -1.0
+        if not states[i]["active"]:
+            rhs[r], compliance[r] = 0.0, 1.0
+            continue
+        for n in range(cord["first"], cord["last"]):
+            e = guides[n]["entry"]
+            J[e, 0] -= pulls[n]["jx"]
+            J[e, 1] -= pulls[n]["jy"]
+            J[e, 2] -= pulls[n]["jt"]
+        rhs[r] = asked_by_cord(h, cord, states[i], results[i]["length"], guides, pulls, before)
+        compliance[r] = 1.0 / (h * cord_lead(h, cord, states[i]))
+
+
+@kernel
+def cord_lead(h: float, cord: Any, state: Any) -> float:
+    """By how much a cord's tension falls for a rate at which it shortens after the step [N s/m]."""
+    share = 1.0 / state["inside"] if cord["whole"] >= 0 else 1.0
+    k, c = share * state["k"], share * cord["c"]
+    if cord["kind"] == STIFF:
+        return max(float(c + h * k), LEAST)
+    return float(c / 2 + h * k / 4 if cord["kind"] == EVEN else c / 2)
+
+
+@kernel
+def asked_by_cord(
+    h: float, cord: Any, state: Any, length: float, guides: Records, pulls: Records,
+    before: Array,
+) -> float:
+    """The rate at which a taut cord wants to shorten, were there no tension [m/s]."""
+    share = 1.0 / state["inside"] if cord["whole"] >= 0 else 1.0
+    lead, pull = cord_lead(h, cord, state), share * state["k"] * (length - state["rest"])
+    if cord["kind"] == STIFF:
+        return float(pull / lead)
+    speed = shortening(cord, guides, pulls, before)
+    if cord["kind"] == EVEN:
+        return float((pull - (share * cord["c"] - lead) * speed) / lead)
+    return float(pull / lead - speed)
+
+
+@kernel
+def shortening(cord: Any, guides: Records, pulls: Records, velocity: Array) -> float:
+    """The rate at which a cord shortens as bodies move with ``velocity`` [nb, 3] [m/s]."""
+    speed = 0.0
+    for n in range(cord["first"], cord["last"]):
+        b = guides[n]["body"]
+        speed -= (pulls[n]["jx"] * velocity[b, 0] + pulls[n]["jy"] * velocity[b, 1]
+                 + pulls[n]["jt"] * velocity[b, 2])
+    return speed
+
+
+@entry_point("cords")
+def slacken(table: int) -> None:
+    """Let go of all cords that are not stretched: their dampers do not pull before they do."""
+    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    for i in range(len(cords)):
+        if slacken_tied(table, i):
+            continue
+        if cords[i]["kind"] == GRIPPED:
+            slacken_whole(table, i)
+        elif cords[i]["whole"] < 0 and results[i]["length"] <= states[i]["rest"]:
+            states[i]["active"] = 0
+
+
+@entry_point("cords")
+def change_cords(table: int, h: float, attempt: int) -> bool:
+    """Let go of cords that would push, take up those that would pull; whether there were any.
+
+    A slack one is taken up only where it is stretched: a stiff one in this step, a soft one now.
+    All at once at first, later the one that is furthest off.
+    """
+    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    guides, pulls, unknown = at.guides(table), at.guide_results(table), at.unknowns(table)[3]
+    changed, worst, which = False, 0.0, -1
+    for i in range(len(cords)):
+        cord = cords[i]
+        if not holds(table, cord["tie"]):
+            continue
+        if cord["kind"] == GRIPPED:
+            changed |= change_whole(table, h, i)
+        if cord["row"] < 0 or cord["whole"] >= 0:
+            continue
+        if states[i]["active"]:
+            off = -unknown[cord["row"]]
+        else:
+            gone = shortening(cord, guides, pulls, at.velocity(table))
+            stretch = results[i]["length"] - states[i]["rest"]
+            if stretch <= (h * gone if cord["kind"] == STIFF else 0.0):
+                continue
+            asked = asked_by_cord(
+                h, cord, states[i], results[i]["length"], guides, pulls, at.before(table))
+            off = asked - gone
+            off /= 1.0 / (h * max(cord["c"] + h * states[i]["k"], LEAST)) + cord["response"]
+        if off > 0.0:
+            changed = True
+            if attempt < 3:
+                states[i]["active"] = 1 - states[i]["active"]
+            elif off > worst:
+                worst, which = off, i
+    if which >= 0:
+        states[which]["active"] = 1 - states[which]["active"]
+    return changed
+
+
+@entry_point("cords")
+def pull(table: int, drive: Array) -> None:
+    """Lengths of all cords, and the tensions of those that have no row."""
+    cords, results, body = at.cords(table), at.cord_results(table), at.body(table)
+    states = at.cord_states(table)
+    guides, wraps, pulls = at.guides(table), at.guide_states(table), at.guide_results(table)
+    out = at.force(table)
+    for i in range(len(cords)):
+        cord, result = cords[i], results[i]
+        if cord["stiffener"] >= 0:
+            states[i]["k"] = drive[cord["stiffener"]]
+        result["length"] = measure(cord, guides, wraps, pulls, body, False)
+        if cord["whole"] >= 0:
+            result["wound"] = wound_up(cord, guides, wraps)
+            states[i]["inside"] = max(cord["least"], states[i]["rest"] - result["wound"])
+        if cord["row"] >= 0 or cord["kind"] == GRIPPED:
+            continue
+        if not holds(table, cord["tie"]):
+            result["tension"] = 0.0
+        elif cord["kind"] == PULL:
+            result["tension"] = drive[cord["drive"]]
+        else:
+            result["tension"] = max(states[i]["k"] * (result["length"] - states[i]["rest"]), 0.0)
+        for n in range(cord["first"], cord["last"]):
+            b = guides[n]["body"]
+            out[b, 0] -= pulls[n]["jx"] * result["tension"]
+            out[b, 1] -= pulls[n]["jy"] * result["tension"]
+            out[b, 2] -= pulls[n]["jt"] * result["tension"]
+
+
+@kernel
+def add_cord_work(table: int, h: float, v: Array) -> None:
+    """Work of the step; ``v`` [nb, 3] are the mean velocities of before and after it."""
+    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    guides, pulls = at.guides(table), at.guide_results(table)
+    for i in range(len(cords)):
+        if cords[i]["kind"] != GRIPPED:
+            rate = shortening(cords[i], guides, pulls, v)
+            results[i]["step_work"] = h * results[i]["tension"] * rate
+            states[i]["work"] += results[i]["step_work"]
+    for i in range(len(cords)):
+        if cords[i]["kind"] == GRIPPED:
+            results[i]["step_work"] = 0.0
+            for k in range(cords[i]["spans"], cords[i]["spans_end"]):
+                results[i]["step_work"] += results[k]["step_work"]
+            states[i]["work"] += results[i]["step_work"]
+    slips, slip_results = at.slips(table), at.slip_results(table)
+    for i in range(len(slips)):  # what a drive pulls over the last guide is work of it, too
+        end = slips[i]["after"]
+        if cords[end]["kind"] == PULL:
+            drawn = h * results[end]["tension"] * slip_results[i]["rate"]
+            results[end]["step_work"] += drawn
+            states[end]["work"] += drawn
