@@ -333,7 +333,7 @@ CONSTRAINTS: Mapping[
     str, Callable[[Model, int, pymunk.Body, pymunk.Body], pymunk.Constraint],
 ] = {"point": _point, "groove": _groove, "distance": _distance, "range": _range,
      "gear": _wheels, "rack": _wheels, "roll": _wheels}
-"""How pymunk keeps what joints keep (:attr:`sandbox.kinds.elements.JointKind.keeps`)."""
+"""How pymunk keeps what joints keep (:attr:`sandbox.elements.joint.JointKind.keeps`)."""
 
 
 CATEGORIES = 32
