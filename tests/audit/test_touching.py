@@ -10,6 +10,7 @@ import pytest
 
 from sandbox.audit.bounds import contact_bounds
 from sandbox.audit.evidence import Evidence
+from sandbox.audit.touching import touched
 from sandbox.engine.simulate import simulate
 from tests.audit.still import H, block, figures, machine, still
 from tests.engine.machines import mechanism
@@ -140,3 +141,14 @@ def test_a_near_phalanx_that_touches_without_force_may_press():
     assert (figure.verdict, figure.value) == ("look", 1.0)
     assert "1 of 2 on finger" in figure.why
     assert figures(run)["contact.bounds"].verdict == "pass"
+
+
+def test_a_seam_between_pieces_is_no_surface():
+    """A disc on the notched side of a U: its bottom is two pieces; below the seam nothing lies."""
+    outline = [(-0.04, 0.0), (0.04, 0.0), (0.04, 0.06), (0.03, 0.06), (0.03, 0.02), (-0.03, 0.02),
+               (-0.03, 0.06), (-0.04, 0.06)]
+    cup = {"name": "cup", "motion": "fixed", "shapes": [{"type": "polygon", "points": outline}]}
+    disc = {**block("disc", (0.0, 0.03)), "shapes": [{"type": "circle", "radius": 0.01}]}
+    a = touched(Evidence(still(machine(disc, cup), n=1)).last).run.arrays
+    assert a["contact_normal"] == pytest.approx(np.array([(0.0, 1.0)]))
+    assert a["contact_point"] == pytest.approx(np.array([(0.0, 0.02)]))
