@@ -143,9 +143,6 @@ def test_a_near_phalanx_that_touches_without_force_may_press():
     assert figures(run)["contact.bounds"].verdict == "pass"
 
 
-# -- places
-
-
 def test_a_seam_between_pieces_is_no_surface():
     """A disc on the notched side of a U: its bottom is two pieces; below the seam nothing lies."""
     outline = [(-0.04, 0.0), (0.04, 0.0), (0.04, 0.06), (0.03, 0.06), (0.03, 0.02), (-0.03, 0.02),
