@@ -4,7 +4,7 @@ A ``console`` block has commands (``$ sandbox ...``, with ``# exits 2`` for anot
 0; a backslash at the end of a line continues it) and below each of them parts of its output; ``…``
 stands for anything. The blocks of a page run in order in one directory. A ``json scene`` block is a
 whole scene, written to ``scene.json``; ``tests/golden`` simulates it with its expectations. One
-that diverges on purpose is a ``json scene diverges``. ``json broken`` is written to ``broken.json``,
+that diverges on purpose is ``json scene diverges``. ``json broken`` is written to ``broken.json``,
 ``json study`` to ``study.json``. A ``json piece`` must occur in the next whole scene of its page. A
 ``sh`` block has commands that are too slow or too particular to run here.
 """
