@@ -28,6 +28,7 @@ myst_heading_anchors = 4
 suppress_warnings = ["myst.header", "misc.highlighting_failure"]
 """Sections that begin where a generated table stands; printed lines with a single apostrophe."""
 copybutton_prompt_text = "$ "
+copybutton_line_continuation_character = "\\"
 
 autodoc_member_order = "bysource"
 autodoc_type_aliases = {"Array": "Array", "ArrayLike": "ArrayLike"}

@@ -137,7 +137,8 @@ def page_file(page: str, file: str, *, python: bool = False) -> Draw:
                     Path("scene.json").write_text(text)
                 if python and kind == "python":
                     exec(compile(text, page, "exec"), {"__name__": "__main__"})
-                for line in text.splitlines() if kind == "console" else []:
+                joined = text.replace("\\\n", "")
+                for line in joined.splitlines() if kind == "console" else []:
                     if line.startswith("$ sandbox "):
                         invoke(shlex.split(line, comments=True)[2:])
         shutil.copyfile(folder / file, path)

@@ -1,13 +1,12 @@
-"""The docs are true: their commands are run, their scenes loaded, their Python executed.
+"""The docs are tested: commands and Python blocks run, scenes load, links resolve.
 
-A ``console`` block holds commands (``$ sandbox ...``, with ``# exits 2`` where they do
-not exit 0) and below each of them pieces of what it prints; ``…`` stands for anything.
-The blocks of a page run in order in one directory. A ``json scene`` block is a whole
-scene, which ``tests/golden`` simulates with its expectations; one that diverges on purpose
-is a ``json scene diverges``. ``scene.json`` is the last one before a command;
-``json broken`` is kept as ``broken.json`` and not looked at, ``json study`` as ``study.json``.
-A ``json piece`` is found in the next whole scene of its page, white space aside. A ``sh``
-block holds what is too slow or too particular to be run here.
+A ``console`` block has commands (``$ sandbox ...``, with ``# exits 2`` for another exit code than
+0; a backslash at the end of a line continues it) and below each of them parts of its output; ``…``
+stands for anything. The blocks of a page run in order in one directory. A ``json scene`` block is a
+whole scene, written to ``scene.json``; ``tests/golden`` simulates it with its expectations. One
+that diverges on purpose is ``json scene diverges``. ``json broken`` is written to ``broken.json``,
+``json study`` to ``study.json``. A ``json piece`` must occur in the next whole scene of its page. A
+``sh`` block has commands that are too slow or too particular to run here.
 """
 
 from __future__ import annotations
@@ -107,7 +106,7 @@ def whole(page: Path) -> str:
 def steps(text: str) -> list[tuple[list[str], int, list[str]]]:
     """Of a console block: the words of each command, its exit code, what it is to print."""
     found: list[tuple[list[str], int, list[str]]] = []
-    for line in text.splitlines():
+    for line in text.replace("\\\n", "").splitlines():
         if line.startswith("$ "):
             command, _, code = line[2:].partition("  # exits ")
             found.append((shlex.split(command), int(code or 0), []))
