@@ -79,13 +79,13 @@ Edit = tuple[str, str, str]
 """File, what stands there, what shall."""
 EDITS: list[Edit] = [
     ("sandbox/elements/bars.py", "\nclass Rope(", STRUT),
-    ("sandbox/elements/joints.py", "Actuator, Rod, Rope\n", "Actuator, Rod, Rope, Strut\n"),
-    ("sandbox/elements/joints.py", "| Rope |", "| Rope | Strut |"),
+    ("sandbox/elements/registry.py", "Actuator, Rod, Rope\n", "Actuator, Rod, Rope, Strut\n"),
+    ("sandbox/elements/registry.py", "| Rope |", "| Rope | Strut |"),
     ("sandbox/draw/film/joints.py", '    "rod": JointDrawing(',
      '    "strut": JointDrawing("ends", "rod"),\n    "rod": JointDrawing('),
     ("sandbox/elements/joint_drives.py", "\nclass BrakeDrive(", CLUTCH),
-    ("sandbox/elements/drives.py", "    BrakeDrive,\n", "    BrakeDrive,\n    ClutchDrive,\n"),
-    ("sandbox/elements/drives.py", "| MotorDrive | BrakeDrive\n",
+    ("sandbox/elements/registry.py", "    BrakeDrive,\n", "    BrakeDrive,\n    ClutchDrive,\n"),
+    ("sandbox/elements/registry.py", "| MotorDrive | BrakeDrive\n",
      "| MotorDrive | BrakeDrive\n    | ClutchDrive\n"),
     ("sandbox/draw/film/drives.py", '    "radius": DriveDrawing(),',
      '    "radius": DriveDrawing(),\n    "clutch": DriveDrawing(mark="brake"),'),

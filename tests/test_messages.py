@@ -14,7 +14,7 @@ from sandbox.cli.entry import invoke
 from sandbox.codes import CODES
 from sandbox.errors import Problem
 from sandbox.scene.document import Scene
-from sandbox.values.models import ELEMENTS, fields_at
+from sandbox.values.messages import ELEMENTS, fields_at
 
 PACKAGE = Path(sandbox.__file__).parent
 SCENE = """{

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin
 
 from sandbox.errors import Problem
 from sandbox.values.numbers import Name
-from sandbox.values.ranges import size_fault
 from sandbox.values.spec import Spec
+from sandbox.values.units import size_fault
 from sandbox.wording import quoted
 
 if TYPE_CHECKING:

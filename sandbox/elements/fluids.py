@@ -39,9 +39,9 @@ from sandbox.values.numbers import (
     Pressure,
     Volume,
 )
-from sandbox.values.ranges import size_fault
 from sandbox.values.signals import FlowSignal, PressureSignal, ShareSignal
 from sandbox.values.spec import TYPE, Spec
+from sandbox.values.units import size_fault
 from sandbox.wording import WrongValueError, quoted
 
 if TYPE_CHECKING:

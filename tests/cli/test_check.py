@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from sandbox.values.models import ELEMENTS
+from sandbox.values.messages import ELEMENTS
 
 from .conftest import BALL
 

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from pydantic import TypeAdapter
 
-from sandbox.elements.controllers.kinds import Controller
 from sandbox.elements.controllers.pid import Pid
+from sandbox.elements.registry import Controller
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.signals import values
 

@@ -21,11 +21,17 @@ from sandbox.scene.document import ASSEMBLED, KEYS
 from sandbox.scene.read.includes import Library
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.origin_map import Layered, Origin, OriginMap
-from sandbox.scene.read.parameters import Parameters, resolve_parameters
 from sandbox.scene.read.repeat import Copies, RepeatError, read_repeat
-from sandbox.scene.read.scopes import Scope, misspelt
+from sandbox.scene.read.scopes import (
+    Parameters,
+    Scope,
+    misspelt,
+    others_of,
+    plain_tables,
+    resolve_parameters,
+    resolved_tables,
+)
 from sandbox.scene.read.source import SceneSource
-from sandbox.scene.read.tables import others_of, plain_tables, resolved_tables
 from sandbox.scene.read.templates import LikeError, layered, own, plain
 from sandbox.scene.read.writing import CONTAINER, Composed, Context, TooLargeError, Trail, Writer
 from sandbox.values.numbers import number_from

@@ -8,7 +8,7 @@ from typing import Any
 from sandbox.errors import Problem
 from sandbox.scene.document import Scene
 from sandbox.scene.read.source import SceneSource
-from sandbox.values.models import fields_at
+from sandbox.values.messages import fields_at
 from sandbox.values.paths import JsonPath, path_text
 
 Layered = dict[str, tuple[Any, "Origin", bool]]
