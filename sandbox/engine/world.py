@@ -321,4 +321,4 @@ CONSTRAINTS: Mapping[
     str, Callable[[Model, int, pymunk.Body, pymunk.Body], pymunk.Constraint],
 ] = {"point": _point, "groove": _groove, "distance": _distance, "range": _range,
      "gear": _wheels, "rack": _wheels, "roll": _wheels}
-"""How pymunk keeps what joints keep (:attr:`sandbox.elements.kinds.JointKind.keeps`)."""
+"""How pymunk keeps what joints keep (:attr:`sandbox.elements.joint.JointKind.keeps`)."""
