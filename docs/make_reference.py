@@ -37,9 +37,8 @@ from sandbox.scene.reference import (
     summary,
 )
 from sandbox.scene.schema import scene_schema
-from sandbox.values.ranges import ANY, RANGES
 from sandbox.values.spec import Spec
-from sandbox.values.units import units_of
+from sandbox.values.units import ANY, RANGES, units_of
 
 DOCS = Path(__file__).parent
 SCHEMA = DOCS.parent / "scenes" / "scene.schema.json"

@@ -11,11 +11,9 @@ from typing import Annotated, Any, NamedTuple, get_args, get_origin
 import pytest
 
 import sandbox
-from sandbox.elements.drives import Drive
 from sandbox.elements.element import tag_of
-from sandbox.elements.joints import Joint
 from sandbox.elements.loads import Load
-from sandbox.elements.registry import KINDS
+from sandbox.elements.registry import KINDS, Drive, Joint
 from sandbox.elements.springs import Spring
 from sandbox.scene.expand import expand
 from sandbox.scene.library import shipped_scenes

@@ -12,7 +12,7 @@ import sandbox
 from sandbox.cli.entry import invoke
 from sandbox.errors import Problem
 from sandbox.scene.document import Scene
-from sandbox.values.models import ELEMENTS, fields_at
+from sandbox.values.messages import ELEMENTS, fields_at
 
 SCENE = """{
 "run": {"duration": 1, "step": 0.001},

@@ -19,7 +19,7 @@ from sandbox.audit.outlines import from_faces
 from sandbox.elements.arrays import CONTACT, Arrays
 from sandbox.model.pairs import allowed_pairs
 from sandbox.numeric import Array, Integers
-from sandbox.samples import patches
+from sandbox.samples import nearby
 from sandbox.samples.nearby import PlacedPiece, apart, pieces_of
 
 ASKEW, ALIKE = 1e-6, 1e-3
@@ -163,14 +163,14 @@ def _surface(evidence: Evidence, body: int, piece: PlacedPiece, out: Array) -> b
 def pressed(evidence: Evidence, row: int) -> Array | None:
     """The places between which a contact row of the one sample may press.
 
-    As :func:`sandbox.samples.patches.pressed` has them, with what the engine may leave open.
+    As :func:`sandbox.samples.nearby.pressed` has them, with what the engine may leave open.
     """
     a, h = evidence.run.arrays, evidence.h
     pair = int(a["contact_body"][row]), int(a["contact_other"][row])
     pose, velocity = a["body_pose"][0, pair], a["body_velocity"][0, pair]
     size = float(np.abs(pose[:, :2]).max())
     near = evidence.near + 8 * DIGITS * size + h * float(np.hypot(*velocity[:, :2].T).sum())
-    return patches.pressed(evidence.run, row, near)
+    return nearby.pressed(evidence.run, row, near)
 
 
 def _parts(evidence: Evidence, one: int, two: int, at: Array, normal: Array) -> float:

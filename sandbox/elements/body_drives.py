@@ -7,15 +7,22 @@ from itertools import islice
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import Field
 
 from sandbox.elements.drive import DriveKind, DriveSpec
-from sandbox.elements.element import BODY, KEPT, OTHER_SIDE, BodyName, Turn, direction_problems
+from sandbox.elements.element import (
+    BODY,
+    OTHER_SIDE,
+    BodyName,
+    Direction,
+    Turn,
+    direction_problems,
+)
 from sandbox.errors import Problem
-from sandbox.values.numbers import Name, Number, Pair, Point
+from sandbox.values.numbers import Name, Point
 from sandbox.values.signals import ForceSignal, LengthSignal, RateSignal
 from sandbox.values.spec import TYPE
-from sandbox.wording import MOST_NAMED, WrongValueError, quoted
+from sandbox.wording import MOST_NAMED, quoted
 
 if TYPE_CHECKING:
     from sandbox.export.document import Draft
@@ -39,20 +46,13 @@ class ForceDrive(DriveSpec):
     """Name of the body that is pushed."""
     at: Point = (0.0, 0.0)
     """The point that the force acts on, in the body's frame [m]; it moves with the body."""
-    direction: Annotated[Pair[Number], KEPT]
+    direction: Direction
     """[x, y] of any length but zero: only its direction counts, and a negative value pushes the
     other way."""
     frame: Literal["world", "body"] = "world"
     """Whether the direction stays as it is in the world, or turns with the body."""
     value: ForceSignal
     """The force over time [N]."""
-
-    @field_validator("direction")
-    @classmethod
-    def _not_zero(cls, direction: tuple[float, float]) -> tuple[float, float]:
-        if direction == (0.0, 0.0):
-            raise WrongValueError("out-of-range", "[0, 0] is no direction")
-        return direction
 
     def columns(self) -> dict[str, Any]:
         """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""

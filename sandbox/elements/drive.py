@@ -32,9 +32,10 @@ QUANTITIES: Mapping[str, Quantity] = {
 
 @dataclass(frozen=True)
 class DriveKind:
-    """What drives of a kind set, and how the mechanism feels it."""
+    """Facts about a kind of drive."""
 
     target: Reference
+    """The mark of the field that names what it acts on."""
     gives: Gives
     """A force on a body, a torque between the two bodies of a hinge, a push between the two points
     of an actuator, and so on."""
@@ -43,24 +44,24 @@ class DriveKind:
     dimension: str
     records: tuple[str, ...] = ("value", "work")
     floor: float = -math.inf
-    """The least value that is in force: what is set below counts as this."""
+    """Lower bound of its value; smaller values count as this."""
     sole: str = ""
-    """What no other drive may set of the same target; empty where several add up."""
+    """What only one drive may set of a target; empty where several add up."""
     limited: bool = False
-    """Whether the solver works out what it gives, up to a torque or force."""
+    """Whether the solver computes its effort, within a limit of torque or force."""
     places: bool = False
-    """Whether its value is a place that it goes to; otherwise, of a limited one, a rate or a
+    """Whether its value is a target position; otherwise the value of a limited drive is a rate or a
     limit."""
     latched: bool = False
-    """Whether pymunk keeps its value from step to step, so that it must be given each change."""
+    """Whether pymunk keeps its value from step to step, so that only changes are set."""
     timely: Literal["pose", "end"] = "pose"
-    """The instant of a step that its value is taken at: that of the pose, or the step's end."""
+    """The time in a step at which its value is evaluated: that of the pose, or the step's end."""
     twin: str = ""
-    """Of drives of hinges the kind that does the same to an actuator, and the other way round."""
+    """The same drive of an actuator for one of a hinge, and the other way round."""
     mujoco: str = ""
     """Why MuJoCo has no counterpart; empty where it has one."""
     mujoco_varied: str = ""
-    """Why it has none of a value that varies, though of a constant one."""
+    """Why MuJoCo has no counterpart if the value varies."""
 
 
 class DriveSpec(Element):

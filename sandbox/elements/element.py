@@ -11,13 +11,15 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args, get_origin
+
+from pydantic import AfterValidator
 
 from sandbox.errors import Problem
-from sandbox.values.numbers import Name
-from sandbox.values.ranges import size_fault
+from sandbox.values.numbers import Name, Number, Pair
 from sandbox.values.spec import Spec
-from sandbox.wording import quoted
+from sandbox.values.units import size_fault
+from sandbox.wording import WrongValueError, quoted
 
 if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
@@ -94,6 +96,16 @@ class Placed:
 KEPT, OTHER_SIDE = Placed("kept"), Placed("other")
 
 
+def _not_zero(direction: Vec) -> Vec:
+    if direction == (0.0, 0.0):
+        raise WrongValueError("out-of-range", "[0, 0] is no direction")
+    return direction
+
+
+Direction = Annotated[Pair[Number], AfterValidator(_not_zero), KEPT]
+"""A vector of which only the direction counts."""
+
+
 @dataclass(frozen=True)
 class Quantity:
     """A number that an element has in every sample."""
@@ -126,9 +138,11 @@ def recorded(array: str, unit: str, about: str, component: int | None = None, *,
 class Element(Spec):
     """The base of all kinds of element."""
 
+    RECORDED: ClassVar[Mapping[str, Quantity]] = {}
+
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
         """The quantities that it records, with their units."""
-        raise NotImplementedError
+        return {name: quantity.unit for name, quantity in self.RECORDED.items()}
 
     def needed(self, quantity: str) -> str:
         """The field that it needs to record a quantity; empty where no field adds it."""

@@ -39,9 +39,9 @@ from sandbox.values.numbers import (
     Pressure,
     Volume,
 )
-from sandbox.values.ranges import size_fault
 from sandbox.values.signals import FlowSignal, PressureSignal, ShareSignal
 from sandbox.values.spec import TYPE, Spec
+from sandbox.values.units import size_fault
 from sandbox.wording import WrongValueError, quoted
 
 if TYPE_CHECKING:
@@ -131,6 +131,8 @@ class Line(Element):
     let in and out. Every chamber pushes with its area times the pressure.
     """
 
+    RECORDED = LINE_QUANTITIES
+
     name: Name
     """Its name; quantities are ``<name>.pressure``, ``<name>.volume`` and so on."""
     chambers: Items[Chamber] = Field(default=(), max_length=64)
@@ -184,10 +186,6 @@ class Line(Element):
             return volume / (self.gas * (self.pressure + ATMOSPHERE))
         return volume / (OIL if self.modulus is None else self.modulus)
 
-    def quantities(self, mechanism: Mechanism) -> dict[str, str]:
-        """The quantities that it records, with their units."""
-        return {name: each.unit for name, each in LINE_QUANTITIES.items()}
-
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
         """A volume that cannot be computed with; hinges of vanes that can be released."""
         bodies = {body.name for body in mechanism.bodies}
@@ -210,6 +208,8 @@ class Valve(Element):
     p_a - p_b = resistance * Q + density / 2 * (Q / (discharge * area))^2, of Q / opening where a
     drive has it partly open.
     """
+
+    RECORDED = VALVE_QUANTITIES
 
     name: Name
     """Its name; quantities are ``<name>.flow`` and ``<name>.loss``."""
@@ -243,10 +243,6 @@ class Valve(Element):
         if self.area is None:
             return 0.0
         return self.density / 2 / (self.discharge * self.area) ** 2
-
-    def quantities(self, mechanism: Mechanism) -> dict[str, str]:
-        """The quantities that it records, with their units."""
-        return {name: each.unit for name, each in VALVE_QUANTITIES.items()}
 
 
 class FlowDrive(DriveSpec):

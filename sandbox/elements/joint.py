@@ -21,48 +21,49 @@ Keeps = Literal["point", "groove", "distance", "range", "gear", "rack", "roll"]
 
 @dataclass(frozen=True)
 class JointKind:
-    """What every joint of a kind keeps of the motion of ``b`` against ``a``."""
+    """Facts about a kind of joint."""
 
     keeps: Keeps
-    """Two points together; a point of ``b`` on a line of ``a``; two points at one distance, or
-    between a least and a largest one; the teeth of two gears, or of a gear and a rack, together;
-    two circles that touch and roll."""
+    """Its constraint: two coinciding points; a point of ``b`` on a line of ``a``; a distance of two
+    points, or a range of it; meshing teeth of two gears, or of a gear and a rack; rolling circles.
+    """
     records: tuple[str, ...]
+    """The quantities that every joint of the kind records."""
     line: bool = False
-    """Whether it has a length: then it may have drives that push, and set that."""
+    """Whether it has a length, which drives can push and set."""
     angle: bool = False
-    """Whether it has an angle: then it may have stops, springs, torques, brakes and motors."""
+    """Whether it has an angle, for stops, rotary springs, torques, brakes and motors."""
     stopped: tuple[str, ...] = ()
-    """What it records besides where it has stops."""
+    """Additional quantities of a joint with stops."""
     loose: tuple[str, ...] = ()
-    """What it records besides where its teeth have play."""
+    """Additional quantities of teeth with backlash."""
     rubs: str = ""
     """Unit of its dry friction; empty where it has none."""
     rubbed: tuple[str, ...] = ()
-    """What it records besides where it has dry friction."""
+    """Additional quantities of a joint with dry friction."""
     mujoco: str = ""
     """Why MuJoCo has no counterpart; empty where it has one."""
     mujoco_loop: str = ""
-    """Why it has none where the joint closes a loop, though where it carries a body."""
+    """Why MuJoCo has no counterpart of such a joint that closes a loop."""
 
     @property
     def forces(self) -> int:
-        """Components of its reaction that are not known beforehand; along a line there is one."""
+        """Number of unknown components of its reaction: 1 if its direction is known, else 2."""
         return 2 if self.keeps in ("point", "roll") else 1
 
     @property
     def wheels(self) -> bool:
-        """Whether its bodies push one another where two wheels meet, or a wheel and a rack."""
+        """Whether its bodies act on each other where two wheels, or a wheel and a rack, meet."""
         return self.teeth or self.keeps == "roll"
 
     @property
     def teeth(self) -> bool:
-        """Whether these are teeth, of two gears or of a gear and a rack."""
+        """Whether it has teeth."""
         return self.keeps in ("gear", "rack")
 
     @property
     def along_line(self) -> bool:
-        """Whether it pushes and pulls along the line through its two points."""
+        """Whether its force is along the line through its two points."""
         return self.keeps in ("distance", "range")
 
 
@@ -170,7 +171,7 @@ class JointSpec(Element):
             (kind.rubbed, "'friction' or 'friction_coefficient'")) if quantity in names), "")
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        """A joint between bodies that cannot move freely; wheels that would mesh anew."""
+        """A joint between two bodies that cannot move freely."""
         ends = [next((body for body in mechanism.bodies if body.name == name), None)
                 for name in (self.a, self.b)]
         if all(body is not None and body.motion != "dynamic" for body in ends):

@@ -77,6 +77,8 @@ QUANTITIES: Mapping[str, Quantity] = {
 class LoadSpec(Element):
     """The base of all loads."""
 
+    RECORDED = QUANTITIES
+
     if TYPE_CHECKING:
         name: str
         bodies: tuple[str, ...]
@@ -94,10 +96,6 @@ class LoadSpec(Element):
     def columns(self, mechanism: Mechanism) -> dict[str, Any]:
         """Its columns of :class:`sandbox.model.model.BodyLoads`."""
         return {}
-
-    def quantities(self, mechanism: Mechanism) -> dict[str, str]:
-        """The quantities that it records of each body, with their units."""
-        return {name: each.unit for name, each in QUANTITIES.items()}
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
         """A name that would mean two things."""

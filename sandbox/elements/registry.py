@@ -3,17 +3,53 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, get_args
+from typing import Annotated, Any, get_args
 
-from sandbox.elements.controllers.kinds import Controller
-from sandbox.elements.drives import Drive
+from pydantic import Field
+
+from sandbox.elements.bars import Actuator, Rod, Rope
+from sandbox.elements.body_drives import ForceDrive, RadiusDrive, SurfaceDrive
+from sandbox.elements.controllers.equilibrium import EquilibriumController
+from sandbox.elements.controllers.pid import PidController
+from sandbox.elements.controllers.relay import RelayController
+from sandbox.elements.controllers.simple import (
+    FeedbackController,
+    ScheduleController,
+    SwitchController,
+)
+from sandbox.elements.controllers.state_feedback import StateFeedbackController
 from sandbox.elements.element import Element, tag_of
-from sandbox.elements.fluids import Line, Valve
-from sandbox.elements.joints import Joint
+from sandbox.elements.element_drives import HoldDrive, PullDrive, StiffnessDrive
+from sandbox.elements.fluids import FlowDrive, Line, OpeningDrive, PressureDrive, Valve
+from sandbox.elements.joint_drives import (
+    BrakeDrive,
+    ExtendDrive,
+    LengthDrive,
+    MotorDrive,
+    PushDrive,
+    ServoDrive,
+    TorqueDrive,
+)
 from sandbox.elements.loads import Load
+from sandbox.elements.points import Pin, Slot, Weld
 from sandbox.elements.springs import Spring
 from sandbox.elements.tendons import Tendon
+from sandbox.elements.wheels import Gear, Rack, Roll
 from sandbox.values.spec import Spec
+
+Joint = Annotated[Pin | Slot | Weld | Rod | Rope | Actuator | Gear | Rack | Roll,
+                  Field(discriminator="type")]
+Drive = Annotated[
+    ForceDrive | TorqueDrive | PullDrive | RadiusDrive | StiffnessDrive | MotorDrive | BrakeDrive
+    | ServoDrive | PushDrive | ExtendDrive | LengthDrive | FlowDrive | PressureDrive | OpeningDrive
+    | SurfaceDrive | HoldDrive,
+    Field(discriminator="type"),
+]
+Controller = Annotated[
+    PidController | ScheduleController | FeedbackController | SwitchController | RelayController
+    | StateFeedbackController | EquilibriumController,
+    Field(discriminator="type"),
+]
 
 
 def members(union: Any) -> tuple[type[Spec], ...]:

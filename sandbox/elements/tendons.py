@@ -106,6 +106,8 @@ class Tendon(Element):
     needs a ``damping`` of some times sqrt(stiffness * mass).
     """
 
+    RECORDED = QUANTITIES
+
     name: Name
     """Its name; quantities are ``<name>.tension``, ``<name>.length`` and so on."""
     guides: Items[Guide] = Field(min_length=2, max_length=64)
@@ -170,7 +172,7 @@ class Tendon(Element):
 
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
         """The quantities that it records, with their units."""
-        found = {name: each.unit for name, each in QUANTITIES.items()}
+        found = super().quantities(mechanism)
         if self.gripping:
             found |= {f"tension_{k}": NUMBERED["tension"].unit for k in range(len(self.path) - 1)}
             found |= {f"slip_{k}": NUMBERED["slip"].unit for k in self.gripping}

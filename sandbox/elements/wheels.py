@@ -6,12 +6,12 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
-from sandbox.elements.element import KEPT, Vec, direction_problems, no_mesh
+from sandbox.elements.element import KEPT, Direction, Vec, direction_problems, no_mesh
 from sandbox.elements.joint import REACTION, Anchors, JointKind, JointSpec
 from sandbox.errors import Problem
-from sandbox.values.numbers import Angle, Distance, Flag, Length, Number, Pair, Point, Stiffness
+from sandbox.values.numbers import Angle, Distance, Flag, Length, Point, Stiffness
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
@@ -88,7 +88,7 @@ class Rack(WheelJoint):
     type: Literal["rack"] = TYPE
     radius: Length
     """Of the pitch circle of ``a``, whose centre is ``on_a``."""
-    along: Annotated[Pair[Number], KEPT] = (1.0, 0.0)
+    along: Direction = (1.0, 0.0)
     """Direction of the rack's pitch line in the frame of ``b``; its length does not count."""
     pressure_angle: PressureAngle = math.radians(20.0)
     """Between the line of action and the pitch line, up to 45 deg."""
@@ -100,13 +100,6 @@ class Rack(WheelJoint):
     """Centre of the gear in the frame of ``a`` [m]."""
     on_b: Point = (0.0, 0.0)
     """A point of the pitch line in the frame of ``b`` [m]."""
-
-    @field_validator("along")
-    @classmethod
-    def _not_zero(cls, along: tuple[float, float]) -> tuple[float, float]:
-        if along == (0.0, 0.0):
-            raise WrongValueError("out-of-range", "[0, 0] is no direction")
-        return along
 
     def columns(self, at: Anchors) -> dict[str, Any]:
         """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""

@@ -23,7 +23,7 @@ from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.scene.played import Nudge
-from sandbox.values.ranges import in_range
+from sandbox.values.units import in_range
 from sandbox.wording import WrongValueError
 
 QUICK = 40.0

@@ -26,8 +26,8 @@ from sandbox.engine.world import World
 from sandbox.errors import Problem, SceneError
 from sandbox.numeric import Array
 from sandbox.scene.bodies import Body
-from sandbox.values.ranges import range_of
 from sandbox.values.signals import AnySignal, Constant, Path, values
+from sandbox.values.units import range_of
 
 CHUNK = 4096
 """Steps whose signals are worked out in one go; chunks begin at steps 1, CHUNK + 1, ..."""

@@ -19,8 +19,7 @@ from sandbox.engine.inspect_control import Checked, checked
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
 from sandbox.numeric import Array
-from sandbox.recording.builder import RecordingBuilder
-from sandbox.recording.latest import Latest
+from sandbox.recording.builder import Latest, RecordingBuilder
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Outcome, status_of
 from sandbox.scene.check.control import check_control
@@ -29,7 +28,7 @@ from sandbox.scene.events import Event
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.played import PLAYED, Input, Nudge, Setting, played, pushing_drives
 from sandbox.values.paths import parse_path
-from sandbox.values.ranges import in_range
+from sandbox.values.units import in_range
 from sandbox.wording import WrongValueError, listed, near, quoted
 
 ENDLESS = 1e6

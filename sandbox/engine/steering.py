@@ -17,7 +17,7 @@ from typing import Any
 
 from sandbox.elements.controllers.controller import Law, every
 from sandbox.elements.controllers.custom import Custom, StopRun
-from sandbox.elements.controllers.kinds import Controller
+from sandbox.elements.registry import Controller
 from sandbox.engine.clock import Clock
 from sandbox.engine.control_loop import ANY, Bound, ControlLoop, Desk, Setpoint
 from sandbox.engine.readings import Readings

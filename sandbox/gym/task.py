@@ -28,9 +28,8 @@ from sandbox.sweeps.points import make_points
 from sandbox.sweeps.spec import SweepSpec
 from sandbox.sweeps.sweep import study_data
 from sandbox.values.numbers import number_from
-from sandbox.values.ranges import range_of
 from sandbox.values.signals import values
-from sandbox.values.units import UNITS, unfit
+from sandbox.values.units import UNITS, range_of, unfit
 from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
 
 Span = tuple[float, float]

@@ -10,7 +10,7 @@ from typing import Any, Self
 
 from sandbox.atomic_files import output_path
 from sandbox.audit.audit import Figure, audit
-from sandbox.recording import frames, store
+from sandbox.recording import store, tables
 from sandbox.samples.expectations import Verdict, verdicts
 from sandbox.samples.samples import Samples
 
@@ -65,14 +65,14 @@ class Recording(Samples):
             SandboxError: pandas is not installed.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
-        return frames.to_pandas(self, quantities)
+        return tables.to_pandas(self, quantities)
 
     def to_xarray(self, *quantities: str) -> Any:
         """An ``xarray.Dataset``: a variable over ``time`` for each quantity, SI, with its unit.
 
         Arguments and errors are those of :meth:`to_pandas`.
         """
-        return frames.to_xarray(self, quantities)
+        return tables.to_xarray(self, quantities)
 
     def plot(
         self, *quantities: str, x: str = "", begin: float | str = 0.0,

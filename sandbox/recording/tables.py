@@ -1,5 +1,6 @@
-"""The CSV files of a run: one row per sample, columns ``time_s,<name>.<quantity>_<unit>``.
+"""The CSV files of a run, and its tables of pandas and data sets of xarray.
 
+CSV files have one row per sample, columns ``time_s,<name>.<quantity>_<unit>``.
 A unit is spelled for a column's name: a space becomes ``_``, ``/`` becomes
 ``_per_``, ``%`` becomes ``percent``, ``^`` and ``1`` vanish:
 
@@ -16,14 +17,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from importlib import import_module
+from typing import Any
 
 import numpy as np
 
 from sandbox.audit.bounds import Bounds
 from sandbox.elements.arrays import IMPACT
 from sandbox.elements.quantities import CONTACT_COLUMNS, IMPACT_COLUMNS
+from sandbox.errors import SandboxError
 from sandbox.numeric import Array, Integers
-from sandbox.samples.samples import Samples
+from sandbox.samples.samples import TABLES, Samples
 from sandbox.values.units import normal_unit
 
 NUMBER = "%.12g"
@@ -111,3 +115,42 @@ def _pair_rows(
     line = ",".join([NUMBER, "%s", "%s", *[NUMBER] * (values.shape[1] - 1)]) + "\n"
     return "".join([line % (row[0], names[one], names[two], *row[1:]) for row, one, two in zip(
         values.tolist(), body.tolist(), other.tolist(), strict=True)])
+
+
+def chosen(run: Samples, quantities: tuple[str, ...]) -> list[str]:
+    """The names that names and patterns stand for, each once; of none all that CSV files have.
+
+    Raises:
+        UnknownQuantityError: what fits nothing; with a near miss.
+    """
+    if quantities:
+        return list(dict.fromkeys(name for each in quantities for name in run.names(each)))
+    return [name for kind in TABLES for name in run.table(kind).names]
+
+
+def to_pandas(run: Samples, quantities: tuple[str, ...]) -> Any:
+    """See :meth:`sandbox.Recording.to_pandas`."""
+    pandas = _library("pandas")
+    names = chosen(run, quantities)
+    table = pandas.DataFrame({name: run[name] for name in names},
+                             index=pandas.Index(run.time, name="time"))
+    table.attrs["units"] = {name: run.unit(name) for name in names}
+    return table
+
+
+def to_xarray(run: Samples, quantities: tuple[str, ...]) -> Any:
+    """See :meth:`sandbox.Recording.to_xarray`."""
+    xarray = _library("xarray")
+    return xarray.Dataset(
+        {name: ("time", run[name], {"units": run.unit(name)}) for name in chosen(run, quantities)},
+        coords={"time": ("time", run.time, {"units": "s"})},
+        attrs={"scene": run.mechanism.name, "title": run.mechanism.title})
+
+
+def _library(name: str) -> Any:
+    try:
+        return import_module(name)
+    except ImportError:
+        raise SandboxError(f"to_{name}() needs the package {name!r}, which is not installed: "
+                           f"pip install {name}; run[name] gives plain arrays without it",
+                           code="missing-package") from None

@@ -19,8 +19,8 @@ from sandbox.mechanics.closure import force_spread, grasp_epsilon, grasp_isotrop
 from sandbox.model.pairs import static_friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
-from sandbox.samples.patches import flat_sides, pressed
-from sandbox.samples.stored import Stored
+from sandbox.samples.nearby import flat_sides, pressed
+from sandbox.samples.outcome import Stored
 from sandbox.samples.yielding import Yielding, without_stiffness
 from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import centre_of, reach_of

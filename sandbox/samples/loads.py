@@ -17,7 +17,7 @@ from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Integers
 from sandbox.samples.cords import Stretches, piece_tensions, stretches
 from sandbox.samples.frames import Frames
-from sandbox.samples.stored import Stored
+from sandbox.samples.outcome import Stored
 
 
 class Batch(NamedTuple):

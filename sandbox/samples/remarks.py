@@ -10,7 +10,7 @@ from sandbox.model.model import Model
 from sandbox.model.supports import LARGEST_GROUP, RANK, joint_rows, together
 from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Loads
-from sandbox.samples.stored import Stored
+from sandbox.samples.outcome import Stored
 
 MOST = 8
 """How many are told one by one."""

@@ -31,9 +31,8 @@ from sandbox.samples.cords import piece_tensions, stretches, wound_up
 from sandbox.samples.frames import Frames
 from sandbox.samples.grasps import STIFFNESS, Grasp
 from sandbox.samples.merging import mean_arrays, mean_contact_rows
-from sandbox.samples.outcome import Outcome
+from sandbox.samples.outcome import Outcome, Stored
 from sandbox.samples.remarks import broken, ended, stalled
-from sandbox.samples.stored import Stored
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import is_pattern
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.elements.controllers.kinds import Controller
+from sandbox.elements.registry import Controller
 from sandbox.numeric import Array
 from sandbox.samples.response import Response, respond
 from sandbox.samples.samples import Samples

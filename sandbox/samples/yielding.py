@@ -25,10 +25,10 @@ from sandbox.model.pairs import friction_of
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH
+from sandbox.samples.frames import RANK, SMALL, Form, Rigid, null_space, wrenches
 from sandbox.samples.loads import Batch, Loads
-from sandbox.samples.patches import Face, faces, pressed
-from sandbox.samples.rigid import RANK, SMALL, Form, Rigid, null_space, wrenches
-from sandbox.samples.stored import Stored
+from sandbox.samples.nearby import Face, faces, pressed
+from sandbox.samples.outcome import Stored
 
 NOTHING = 1e-6
 """A stiffness below this share of the largest force over the object's size counts as none: the

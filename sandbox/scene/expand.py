@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from sandbox.elements.drives import Drive
+from sandbox.elements.registry import Drive
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.bodies import Body
 from sandbox.scene.document import Assembly, Part, Scene

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from sandbox.elements.joints import Joint
+from sandbox.elements.registry import Joint
 from sandbox.numeric import Array
 from sandbox.scene.bodies import (
     Body,

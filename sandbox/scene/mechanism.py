@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from sandbox.elements.controllers.kinds import Controller
-from sandbox.elements.drives import Drive
 from sandbox.elements.element import LISTS, NAMED, RELEASABLE, Vec
 from sandbox.elements.fluids import Line, Valve
-from sandbox.elements.joints import Joint
 from sandbox.elements.loads import Load
+from sandbox.elements.registry import Controller, Drive, Joint
 from sandbox.elements.springs import Spring
 from sandbox.elements.tendons import Tendon
 from sandbox.scene.bodies import Body, Material

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from itertools import count
 
 from sandbox.elements.body_drives import ForceDrive
-from sandbox.elements.drives import Drive
 from sandbox.elements.element import NAMED
+from sandbox.elements.registry import Drive
 from sandbox.scene.check.control import check_control
 from sandbox.scene.events import Event
 from sandbox.scene.mechanism import Mechanism

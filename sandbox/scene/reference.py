@@ -14,16 +14,15 @@ from pydantic import WithJsonSchema
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from sandbox.elements import drives, fluids, joints, loads, springs, tendons
+from sandbox.elements import fluids, loads, springs, tendons
 from sandbox.elements.controllers.equilibrium import FingerGeometry
-from sandbox.elements.controllers.kinds import Controller
 from sandbox.elements.quantities import GRASP, QUANTITIES, TIED
-from sandbox.elements.registry import KINDS, members
+from sandbox.elements.registry import KINDS, Controller, Drive, Joint, members
 from sandbox.elements.tendons import NUMBERED
 from sandbox.scene import bodies, events, layers, settings
 from sandbox.scene.document import Assembly, Scene
+from sandbox.scene.parts import expansion as lists
 from sandbox.scene.parts import finger, section, trees
-from sandbox.scene.parts import per_joint as lists
 from sandbox.scene.schema import descriptions
 from sandbox.values import colours, numbers, planes, signals, tables
 from sandbox.values.spec import Spec
@@ -36,12 +35,12 @@ ELEMENTS: Mapping[str, Sequence[type[Spec]]] = {
                   settings.ShownMeter],
     "Bodies": [bodies.Body, *members(bodies.WrittenShape), signals.Path, bodies.Material,
                settings.ContactRule],
-    "Joints": members(joints.Joint),
+    "Joints": members(Joint),
     "Springs": members(springs.Spring),
     "Tendons": [tendons.Tendon, tendons.Guide],
     "Fluid": [fluids.Line, *members(fluids.Chamber), fluids.Valve],
     "Loads": members(loads.Load),
-    "Drives": members(drives.Drive),
+    "Drives": members(Drive),
     VALUES: [signals.Ramp, signals.Table, signals.Formula, signals.Constant],
     "Tables": [tables.NamedTable],
     "Controllers": [*members(Controller), FingerGeometry],
@@ -63,8 +62,8 @@ ONE_FOR_ALL = (lists.Stiffnesses, lists.Dampings, lists.RotaryDampings, lists.Co
                lists.Angles, lists.Points, lists.Limits)
 """Lists that accept one value for all entries."""
 CHOICES = {
-    bodies.BodyShape: "[shape](elements.md#bodies)", joints.Joint: "[joint](elements.md#joints)",
-    springs.Spring: "[spring](elements.md#springs)", drives.Drive: "[drive](elements.md#drives)",
+    bodies.BodyShape: "[shape](elements.md#bodies)", Joint: "[joint](elements.md#joints)",
+    springs.Spring: "[spring](elements.md#springs)", Drive: "[drive](elements.md#drives)",
     fluids.Chamber: "[chamber](elements.md#fluid)", loads.Load: "[load](elements.md#loads)",
     Controller: "[controller](elements.md#controllers)"}
 """Unions by name, with the section of the docs that has their members."""

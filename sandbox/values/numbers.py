@@ -27,8 +27,7 @@ from pydantic import (
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from sandbox.values.expressions import Expression, parse_expression, unknown_name
-from sandbox.values.ranges import in_range, range_of, with_unit
-from sandbox.values.units import Measured, parse_quantity, units_of
+from sandbox.values.units import Measured, in_range, parse_quantity, range_of, units_of, with_unit
 from sandbox.wording import WrongValueError, kind_of, quoted
 
 T = TypeVar("T")
@@ -54,7 +53,7 @@ def number_from(value: Any, dimension: str | None, parameters: Mapping[str, floa
 
     Raises:
         WrongValueError: none of the three, a wrong unit, not finite, or beyond the range of
-            its dimension (:mod:`sandbox.values.ranges`).
+            its dimension (:mod:`sandbox.values.units`).
     """
     return in_range(_number(value, dimension, parameters), dimension)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from sandbox.values.models import ELEMENTS
+from sandbox.values.messages import ELEMENTS
 
 from .conftest import BALL
 

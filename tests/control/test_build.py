@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from pydantic import TypeAdapter
 
-from sandbox.elements.controllers.kinds import Controller
+from sandbox.elements.registry import Controller
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.signals import values
 

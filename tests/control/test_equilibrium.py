@@ -9,7 +9,7 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from sandbox.elements.controllers.equilibrium import Fingers, joint_model
-from sandbox.elements.controllers.kinds import Controller
+from sandbox.elements.registry import Controller
 from sandbox.engine.inspect_control import control_problems
 from sandbox.errors import SceneError
 from sandbox.mechanics.springs import spring_set

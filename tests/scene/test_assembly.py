@@ -9,10 +9,9 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 
-from sandbox.elements.drives import Drive
 from sandbox.elements.element import Placed
-from sandbox.elements.joints import Joint
 from sandbox.elements.loads import Load
+from sandbox.elements.registry import Drive, Joint
 from sandbox.elements.springs import Spring
 from sandbox.elements.tendons import Tendon
 from sandbox.engine.simulate import simulate

@@ -13,7 +13,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits, check_limits
 from sandbox.scene.read.load import load_scene
 from sandbox.values.numbers import number_from
-from sandbox.values.ranges import RANGES, size_fault
+from sandbox.values.units import RANGES, size_fault
 from sandbox.wording import WrongValueError
 
 

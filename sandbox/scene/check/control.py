@@ -8,13 +8,13 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from sandbox.elements.controllers.controller import every
-from sandbox.elements.controllers.kinds import Controller
+from sandbox.elements.registry import Controller
 from sandbox.errors import Problem
 from sandbox.scene.events import Event, first_step
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.expressions import parse_expression
 from sandbox.values.paths import path_text
-from sandbox.values.ranges import size_fault
+from sandbox.values.units import size_fault
 from sandbox.wording import NearMisses, listed, quoted
 
 MOST_LOOKS = 500_000

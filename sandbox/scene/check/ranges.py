@@ -1,7 +1,7 @@
 """What follows from a mechanism's numbers must be a number that can be computed with, too.
 
 What stands in a field is held to its range where it is read
-(:mod:`sandbox.values.ranges`). Here are the numbers that nobody wrote: what a body weighs
+(:mod:`sandbox.values.units`). Here are the numbers that nobody wrote: what a body weighs
 by its shapes, how far apart corners are, which values a drive runs through.
 """
 
@@ -20,9 +20,9 @@ from sandbox.numeric import Array
 from sandbox.scene.bodies import SHAPES, Body, Polygon, Polyline, Shape
 from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
-from sandbox.values.ranges import RANGES, in_range, size_fault
 from sandbox.values.signals import AnySignal, Formula, Table, values
 from sandbox.values.tables import Tables
+from sandbox.values.units import RANGES, in_range, size_fault
 from sandbox.wording import WrongValueError
 
 INSTANTS = 257

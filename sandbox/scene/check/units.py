@@ -12,8 +12,8 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-from sandbox.elements.controllers.kinds import Controller
 from sandbox.elements.quantities import QUANTITIES
+from sandbox.elements.registry import Controller
 from sandbox.errors import Problem
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.numbers import NAME

@@ -3,19 +3,30 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated, Any, TypeVar
 
-from sandbox.elements.controllers.kinds import Controller
-from sandbox.elements.drives import Drive
+from pydantic import BeforeValidator, WithJsonSchema
+
 from sandbox.elements.fluids import Line, Valve
-from sandbox.elements.joints import Joint
 from sandbox.elements.loads import Load
+from sandbox.elements.registry import Controller, Drive, Joint
 from sandbox.elements.springs import Spring
 from sandbox.elements.tendons import Guide, Tendon
 from sandbox.errors import Problem
 from sandbox.scene.bodies import Body, Material
 from sandbox.scene.events import Event
 from sandbox.scene.settings import ContactRule, Group, Meter
+from sandbox.values.numbers import (
+    Angle,
+    Coordinate,
+    Damping,
+    Items,
+    Point,
+    RotaryDamping,
+    Stiffness,
+)
 
 
 @dataclass(frozen=True)
@@ -66,3 +77,46 @@ class PartError(Exception):
     """What is wrong with one part; ``path`` of each problem starts at the part itself."""
 
     problems: list[Problem]
+
+
+_NUMBER: dict[str, Any] = {"anyOf": [{"type": "number"}, {"type": "string"}]}
+_PAIR: dict[str, Any] = {"type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2}
+
+T = TypeVar("T")
+
+
+def each(given: Sequence[T], count: int) -> tuple[T, ...]:
+    """``given`` for ``count`` joints: as it is, or its one entry for all of them."""
+    return tuple(given) * count if len(given) == 1 else tuple(given)
+
+
+def _lift(value: Any) -> Any:
+    return value if isinstance(value, (list, tuple)) else [value]
+
+
+def _lift_point(value: Any) -> Any:
+    listed = isinstance(value, (list, tuple))
+    return value if listed and value and isinstance(value[0], (list, tuple)) else [value]
+
+
+def _lift_limit(value: Any) -> Any:
+    if not isinstance(value, (list, tuple)):
+        value = [value]
+    return [limit if isinstance(limit, (list, tuple)) else [0.0, limit] for limit in value]
+
+
+def _schema(item: dict[str, Any], *, single: bool = True) -> WithJsonSchema:
+    several = {"type": "array", "items": item, "minItems": 1}
+    return WithJsonSchema({"anyOf": [item, several]} if single else several)
+
+
+Stiffnesses = Annotated[Items[Stiffness], BeforeValidator(_lift), _schema(_NUMBER)]
+Dampings = Annotated[Items[Damping], BeforeValidator(_lift), _schema(_NUMBER)]
+RotaryDampings = Annotated[Items[RotaryDamping], BeforeValidator(_lift), _schema(_NUMBER)]
+Coordinates = Annotated[Items[Coordinate], BeforeValidator(_lift), _schema(_NUMBER)]
+Angles = Annotated[Items[Angle], BeforeValidator(_lift), _schema(_NUMBER)]
+Points = Annotated[Items[Point], BeforeValidator(_lift_point), _schema(_PAIR)]
+Limits = Annotated[
+    Items[tuple[Angle, Angle]], BeforeValidator(_lift_limit),
+    _schema({"anyOf": [*_NUMBER["anyOf"], _PAIR]}),
+]

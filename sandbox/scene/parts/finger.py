@@ -17,17 +17,17 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from sandbox.elements.element import Turn
-from sandbox.elements.joints import Joint
 from sandbox.elements.points import Pin
+from sandbox.elements.registry import Joint
 from sandbox.elements.springs import LinearSpring, Spring
 from sandbox.elements.tendons import RIGID, Guide, Tendon
 from sandbox.scene.bodies import Body, Box, Capsule
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_world
-from sandbox.scene.parts.expansion import Elements
-from sandbox.scene.parts.per_joint import (
+from sandbox.scene.parts.expansion import (
     Angles,
     Coordinates,
     Dampings,
+    Elements,
     Limits,
     Points,
     RotaryDampings,

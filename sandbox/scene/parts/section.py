@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, WithJsonSchema, model_validator
 
 from sandbox.elements.bars import Rod, Rope
-from sandbox.elements.joints import Joint
 from sandbox.elements.points import Pin, Slot
+from sandbox.elements.registry import Joint
 from sandbox.elements.springs import LinearSpring, RotarySpring, Spring
 from sandbox.scene.bodies import Body, Box, Circle
 from sandbox.scene.geometry import pose_of, to_world

@@ -20,11 +20,17 @@ from sandbox.scene.document import ASSEMBLED, KEYS
 from sandbox.scene.read.includes import Library
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.origins import Composed, Origin, OriginMap
-from sandbox.scene.read.parameters import Parameters, resolve_parameters
 from sandbox.scene.read.repeat import Copies, RepeatError, read_repeat
-from sandbox.scene.read.scopes import Scope, unknown_key
+from sandbox.scene.read.scopes import (
+    Parameters,
+    Scope,
+    others_of,
+    plain_tables,
+    resolve_parameters,
+    resolved_tables,
+    unknown_key,
+)
 from sandbox.scene.read.source import SceneSource
-from sandbox.scene.read.tables import others_of, plain_tables, resolved_tables
 from sandbox.scene.read.templates import (
     Context,
     LikeError,

@@ -31,10 +31,17 @@ from sandbox.scene.read.compose import compose
 from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_parts, check_values
 from sandbox.scene.read.origins import Composed, Origin, OriginMap, Origins, Relocation
 from sandbox.scene.read.overrides import apply_overrides
-from sandbox.scene.read.parameters import Parameters, resolve_parameters
 from sandbox.scene.read.positions import half_character
+from sandbox.scene.read.scopes import (
+    STAND_IN,
+    Parameters,
+    can_name,
+    others_of,
+    plain_tables,
+    resolve_parameters,
+    resolved_tables,
+)
 from sandbox.scene.read.source import SceneSource, first_problems, read_source
-from sandbox.scene.read.tables import STAND_IN, can_name, others_of, plain_tables, resolved_tables
 from sandbox.values.expressions import NamedValues
 from sandbox.values.messages import explain, written
 from sandbox.values.paths import JsonPath, parse_path, path_text, shown_path

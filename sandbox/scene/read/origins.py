@@ -18,7 +18,7 @@ from sandbox.scene.document import Assembly, Part, Scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.source import SceneSource
 from sandbox.scene.settings import ContactRule
-from sandbox.values.models import fields_at
+from sandbox.values.messages import fields_at
 from sandbox.values.paths import JsonPath, parse_path, path_text
 from sandbox.wording import quoted
 

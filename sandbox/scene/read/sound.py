@@ -13,7 +13,7 @@ from sandbox.scene.check.units import check_units
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.tables import check_tables
+from sandbox.scene.read.scopes import check_tables
 from sandbox.values.messages import explain
 from sandbox.wording import quoted
 
