@@ -197,10 +197,10 @@ class Sampler:
             sense = constants.joints["sense"][limit["joint"]]
             arrays["joint_stop"][:, limit["joint"]] += (
                 sense * limit["side"] * impulse / self.world.h)
-        joint, friction = constants.rubs["joint"], self._of("rub_results", n)
+        joint, friction = constants.dry_friction["joint"], self._of("dry_friction_results", n)
         arrays["joint_friction"][:, joint] = friction["force"]
         arrays["joint_sticks"][:, joint] = friction["sticks"]
-        arrays["joint_friction_work"][:, joint] = self._work("rub", n)
+        arrays["joint_friction_work"][:, joint] = self._work("dry_friction", n)
 
     def _write_tendons(self, arrays: Arrays, n: int) -> None:
         whole = slice(len(self.model.tendons.name))  # spans come after these

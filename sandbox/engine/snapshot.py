@@ -189,7 +189,7 @@ def add_forces(table: int, h: float) -> None:
             j = limits[i]["joint"]
             torque = joints[j]["sense"] * limits[i]["side"] * stops[i]["impulse"] / h
             sums[FORCES * j + 3] += share * torque
-    rubs, rubbed = at.rubs(table), at.rub_results(table)
+    rubs, rubbed = at.dry_friction(table), at.dry_friction_results(table)
     for i in range(len(rubs)):
         sums[FORCES * rubs[i]["joint"] + 4] += share * rubbed[i]["force"]
     k = FORCES * len(joints)
