@@ -153,7 +153,7 @@ def advance(
         if every > 1:
             count_step(table, h, every, due)
         if due == 0:
-            take(table, drive[i])
+            take(table, h, drive[i])
             due = every
     return len(drive)
 

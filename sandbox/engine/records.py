@@ -108,6 +108,7 @@ JOINT_RESULT = np.dtype([
     ("way", float),         # its free coordinate: along a groove, distance, angle of a pin [m, rad]
     ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # what this depends on; of teeth
                             # the direction of the push on b
+    ("rate", float),        # of what is recorded of this, in samples only [m/s, rad/s]
     ("fx", float), ("fy", float),   # its force on b [N]
     ("couple", float),      # on b [N m]
 ])

@@ -369,20 +369,25 @@ class Result(NamedTuple):
 
 
 SAMPLED: dict[type, tuple[str, ...]] = {
-    State: ("body", "actions", "springs", "cords", "guides", "slips", "limits", "dry_friction",
+    State: ("actions", "springs", "cords", "guides", "slips", "limits", "dry_friction",
             "fluids", "valves", "pumps", "loads", "ties"),
-    Result: ("before", "turn", "actions", "springs", "cords", "slips", "joints", "dry_friction",
+    Result: ("actions", "springs", "cords", "slips", "joints", "dry_friction",
              "fluids", "valves", "pumps", "loads"),
 }
 """Arrays that are copied in each sample; recorded values are computed from these later."""
 
 
 class Snapshot(NamedTuple):
-    """Memory for samples on their way to the recording."""
+    """Memory for samples on their way to the recording, an axis of samples before all others."""
 
+    pose: Annotated[Array, 3]
+    """x, y, angle of the bodies' frames, in the model's order as all of bodies, [n, nb, 3]."""
+    velocity: Annotated[Array, 3]
+    """Of the centres of mass, at the instant of the pose, [n, nb, 3]."""
+    acceleration: Annotated[Array, 3]
+    """[n, nb, 3]"""
     copied: Mapping[str, Records]
-    """Samples of :data:`SAMPLED` by the names of their views, an axis of samples before all others.
-    """
+    """Samples of :data:`SAMPLED` by the names of their views."""
     copies: Annotated[Integers, 2]
     """Of each the address of what is copied, that of the first sample, words to copy, [k, 3]."""
     drive: Annotated[Array, 2]
