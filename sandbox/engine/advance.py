@@ -25,8 +25,8 @@ from sandbox.engine.snapshot import (
 from sandbox.engine.solve import SETTLED, solve
 from sandbox.engine.springs import stretch
 from sandbox.engine.tendons import pull
-from sandbox.engine.ties import holds, let_go_or_take_up, run_surfaces
-from sandbox.engine.touching import list_touches, short
+from sandbox.engine.ties import holds, release_and_engage, run_surfaces
+from sandbox.engine.touching import list_contacts_of_step, short
 from sandbox.numeric import Array, Matrix, Stack
 
 FAR = 1e6
@@ -90,7 +90,7 @@ def _move(table: int, h: float) -> bool:
 def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
     """Find the velocities after the step and hand them on; whether it is sound, and not jammed."""
     body, velocity = at.body(table), at.velocity(table)
-    let_go_or_take_up(table, drive)
+    release_and_engage(table, drive)
     begin(table)
     act(table, drive)
     stretch(table, drive)
@@ -99,7 +99,7 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
     press(table, h)
     let_go(table, h, speeds)
     run_surfaces(table, drive)
-    list_touches(table)
+    list_contacts_of_step(table)
     struck = solve(table, h, drive)
     for b in range(len(body)):
         for j in range(3):
@@ -153,7 +153,7 @@ def advance(
         if every > 1:
             count_step(table, h, every, due)
         if due == 0:
-            take(table, drive[i])
+            take(table, h, drive[i])
             due = every
     return len(drive)
 

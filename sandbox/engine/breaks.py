@@ -23,7 +23,7 @@ from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import CORDED, GRIPPED, JOINED, SPRINGY
 from sandbox.engine.report import add_limit, joint_force
-from sandbox.engine.state import DRIVEN, LIMITED, RUBBING
+from sandbox.engine.state import DRIVEN, JOINT_FRICTION, LIMITED
 from sandbox.engine.ties import empty_joint, empty_row, holds
 
 TOGETHER = 1e-6
@@ -191,7 +191,7 @@ def _cut_joint(table: int, h: float, n: int, j: int, share: float) -> None:
 def _cut_bounded(table: int, n: int, j: int, share: float) -> None:
     """The same of a joint's limits and dry friction, and of motors and servos about it."""
     rows, limits, ends = at.rows(table), at.limits(table), at.limit_states(table)
-    rubs, motors, tie = at.rub_states(table), at.motor_states(table), at.joints(table)[j]["tie"]
+    motors, tie = at.motor_states(table), at.joints(table)[j]["tie"]
     for k in range(len(limits)):
         if limits[k]["joint"] == j:
             ends[k]["impulse"] = 0.0
@@ -199,8 +199,8 @@ def _cut_bounded(table: int, n: int, j: int, share: float) -> None:
         source, i, p = rows[k]["source"], rows[k]["index"], share * rows[k]["p"]
         if source == LIMITED and limits[i]["joint"] == j:
             ends[i]["impulse"] = p
-        elif source == RUBBING and at.rubs(table)[i]["joint"] == j:
-            rubs[i]["impulse"] = p
+        elif source == JOINT_FRICTION and at.dry_friction(table)[i]["joint"] == j:
+            at.dry_friction_states(table)[i]["impulse"] = p
         elif source == DRIVEN and at.motors(table)[i]["tie"] == tie:
             motors[i]["impulse"] = p
         else:

@@ -17,7 +17,7 @@ from sandbox.engine.bounded import (
 )
 from sandbox.engine.coordinates import flank
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.friction import rub_rows
+from sandbox.engine.friction import friction_rows
 from sandbox.engine.kernel import kernel
 from sandbox.engine.motors import motor_row, servo_row
 from sandbox.engine.records import FLANK, PACED, STOP
@@ -32,13 +32,13 @@ RETURN, RETURN_TURNING = 0.1, 1.0
 
 
 @kernel
-def returning(h: float, gap: float, fastest: float) -> float:
+def closing_rate(h: float, gap: float, fastest: float) -> float:
     """What a row adds to its rate for its gap: all of it may go in this step, an overlap too."""
     return max(beyond(gap) / h, -fastest)
 
 
 @kernel
-def touch_row(h: float, touches: Records, i: int, out: Any) -> None:
+def normal_row(h: float, touches: Records, i: int, out: Any) -> None:
     """The normal row of contact ``i``, a TOUCH, into a BOUND."""
     t = touches[i]
     nx, ny = t["nx"], t["ny"]
@@ -46,11 +46,11 @@ def touch_row(h: float, touches: Records, i: int, out: Any) -> None:
     out["gentle"], out["high"] = 1, UNBOUNDED
     out["ax"], out["ay"], out["bx"], out["by"] = -nx, -ny, nx, ny
     out["at"], out["bt"] = t["ay"] * nx - t["ax"] * ny, t["bx"] * ny - t["by"] * nx
-    out["want"] = returning(h, t["gap"] + t["led"], RETURN) + 0.5 * h * t["acceleration"]
+    out["want"] = closing_rate(h, t["gap"] + t["led"], RETURN) + 0.5 * h * t["acceleration"]
 
 
 @kernel
-def rub_row(h: float, body: Array, touches: Records, i: int, normal: int, out: Any) -> None:
+def tangent_row(h: float, body: Array, touches: Records, i: int, normal: int, out: Any) -> None:
     """The tangential row of contact ``i``.
 
     Its arms turn on with their bodies, by half a step up to the instant of the velocities: the
@@ -87,11 +87,11 @@ def _limit_row(table: int, h: float, i: int, out: Any) -> None:
         gap, ux, uy, on_a, on_b = flank(joint, side, 0.0, at.body(table), at.before(table))
         out["ax"], out["ay"], out["at"] = -ux, -uy, on_a
         out["bx"], out["by"], out["bt"] = ux, uy, on_b
-        out["want"] = returning(h, gap - limit["bound"], RETURN)
+        out["want"] = closing_rate(h, gap - limit["bound"], RETURN)
         return
     put_coordinate(out, way, side)
     fastest = RETURN_TURNING if limit["what"] == STOP else RETURN
-    out["want"] = returning(h, side * (way["way"] - limit["bound"]), fastest)
+    out["want"] = closing_rate(h, side * (way["way"] - limit["bound"]), fastest)
 
 
 @entry_point()
@@ -110,9 +110,9 @@ def kept_rows(table: int, h: float, drive: Array) -> int:
             if motors[i]["law"] != PACED or motors[i]["line"]:
                 servo_row(table, h, drive[motors[i]["drive"]], i, n)
             n += 1
-    for i in range(len(at.rubs(table))):
-        if joint_holds(table, at.rubs(table)[i]["joint"]):
-            n = rub_rows(table, h, i, n)
+    for i in range(len(at.dry_friction(table))):
+        if joint_holds(table, at.dry_friction(table)[i]["joint"]):
+            n = friction_rows(table, h, i, n)
     for i in range(len(at.slips(table))):
         n = slip_rows(table, h, i, n)
     for i in range(len(limits)):
@@ -136,10 +136,10 @@ def _with_touch(
     h: float, body: Array, touches: Records, rows: Records, i: int, n: int,
 ) -> int:
     """Add the rows of a contact."""
-    touch_row(h, touches, i, rows[n])
+    normal_row(h, touches, i, rows[n])
     touches[i]["listed"] = 1
     if touches[i]["friction"] > 0.0:
-        rub_row(h, body, touches, i, n, rows[n + 1])
+        tangent_row(h, body, touches, i, n, rows[n + 1])
         return n + 2
     return n + 1
 
@@ -158,7 +158,7 @@ def broken_rows(table: int, h: float, n: int, slack: float) -> int:
             n += 1
     for i in range(at.touching(table)[0]):
         if not touches[i]["listed"]:
-            touch_row(h, touches, i, rows[n])
+            normal_row(h, touches, i, rows[n])
             if rate(rows[n], velocity) + rows[n]["want"] < -slack:
                 n = _with_touch(h, at.body(table), touches, rows, i, n)
     return n

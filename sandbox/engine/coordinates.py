@@ -20,7 +20,7 @@ import math
 from typing import Any
 
 from sandbox.engine.kernel import kernel
-from sandbox.engine.records import GEAR, RACK
+from sandbox.engine.records import GEAR, GROOVE, POINT, RACK
 from sandbox.numeric import Array
 
 
@@ -41,6 +41,33 @@ def ends(element: Any, body: Array, turn: Array) -> tuple[float, float, float, f
     ax, ay = ca * element["ax"] - sa * element["ay"], sa * element["ax"] + ca * element["ay"]
     bx, by = cb * element["bx"] - sb * element["by"], sb * element["bx"] + cb * element["by"]
     return ax, ay, bx, by, body[b, 0] + bx - body[a, 0] - ax, body[b, 1] + by - body[a, 1] - ay
+
+
+@kernel
+def vector_ahead(
+    element: Any, h: float, body: Array, velocity: Array, ca: float, sa: float, cb: float,
+    sb: float,
+) -> tuple[float, float]:
+    """The vector between the points of an element where ``velocity`` leads in a step ``h`` [m].
+
+    The last arguments are cosine and sine of the angles of ``a`` and ``b`` there.
+    """
+    a, b = element["a"], element["b"]
+    return (body[b, 0] + h * velocity[b, 0] + cb * element["bx"] - sb * element["by"]
+            - body[a, 0] - h * velocity[a, 0] - ca * element["ax"] + sa * element["ay"],
+            body[b, 1] + h * velocity[b, 1] + sb * element["bx"] + cb * element["by"]
+            - body[a, 1] - h * velocity[a, 1] - sa * element["ax"] - ca * element["ay"])
+
+
+@kernel
+def gaps(joint: Any, x: float, y: float, ca: float, sa: float) -> tuple[float, float]:
+    """Gaps [m] of a joint with the vector (x, y) between its points; ca, sa are of ``a``."""
+    if joint["keeps"] == POINT:
+        return x, y
+    if joint["keeps"] == GROOVE:
+        return ((ca * joint["gx"] - sa * joint["gy"]) * y
+                - (sa * joint["gx"] + ca * joint["gy"]) * x), 0.0
+    return math.hypot(x, y) - joint["reach"], 0.0
 
 
 @kernel

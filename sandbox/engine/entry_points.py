@@ -294,7 +294,7 @@ def _remove_obsolete(made: Any, name: str) -> None:
 
 
 def _bounded(c: Constants) -> bool:
-    return bool(len(c.limits) or len(c.motors) or len(c.slips) or len(c.rubs) or len(c.shapes))
+    return any(map(len, (c.limits, c.motors, c.slips, c.dry_friction, c.shapes)))
 
 
 FEATURES: dict[str, Callable[[Constants], bool]] = {
@@ -307,11 +307,11 @@ FEATURES: dict[str, Callable[[Constants], bool]] = {
     "laws": lambda c: len(c.steps) > 0,
     "loads": lambda c: bool(len(c.loads) or len(c.loaded)),
     "motors": lambda c: len(c.motors) > 0,
-    "rubs": lambda c: len(c.rubs) > 0,
+    "joint_friction": lambda c: len(c.dry_friction) > 0,
     "shapes": lambda c: len(c.shapes) > 0,
     "slips": lambda c: bool(len(c.slips) or (c.cords["spans"] < c.cords["spans_end"]).any()),
     "springs": lambda c: len(c.springs) > 0,
-    "static": lambda c: bool((c.static > 1.0).any() or (c.rubs["static"] > 1.0).any()),
+    "static": lambda c: bool((c.static > 1.0).any() or (c.dry_friction["static"] > 1.0).any()),
     "teeth": lambda c: bool(np.isin(c.joints["keeps"], (GEAR, RACK, ROLL)).any()),
     "ties": lambda c: len(c.ties) > 0,
 }

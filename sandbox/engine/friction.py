@@ -41,11 +41,11 @@ from sandbox.engine.bounded import UNBOUNDED, begin_row, put_coordinate, y_of
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import GROOVE
-from sandbox.engine.rows import beyond, way_rate
+from sandbox.engine.rows import beyond, joint_rate
 from sandbox.engine.state import (
     HOLDS,
-    PRESSED,
-    RUBBING,
+    JOINT_FRICTION,
+    JOINT_LOAD,
     SLIDES,
     STILL,
     STILL_TURNING,
@@ -90,22 +90,22 @@ def _along(table: int, h: float, joint: Any, k: int, state: Any, out: Any) -> No
         out["want"] += beyond(way["way"] - state["place"]) / h
 
 
-@entry_point("rubs")
-def rub_rows(table: int, h: float, i: int, n: int) -> int:
-    """Add the rows of joint ``i`` of those that rub: what it carries, and friction; how many."""
-    rub, state, rows = at.rubs(table)[i], at.rub_states(table)[i], at.rows(table)
+@entry_point("joint_friction")
+def friction_rows(table: int, h: float, i: int, n: int) -> int:
+    """Add the rows of a joint's load and of its dry friction; the number of rows then."""
+    rub, state, rows = at.dry_friction(table)[i], at.dry_friction_states(table)[i], at.rows(table)
     k = rub["joint"]
     joint, holds = at.joints(table)[k], state["mode"] == 0
     more = rub["static"] if holds else 1.0
     hangs = rub["share"] > 0.0
     if hangs:
         out = rows[n]
-        begin_row(out, PRESSED, i, rub["sum"], rub["sum"], state["pressed"], 0)
+        begin_row(out, JOINT_LOAD, i, rub["sum"], rub["sum"], state["pressed"], 0)
         out["measure"], out["low"], out["high"] = 1, -UNBOUNDED, UNBOUNDED
         out["ax"], out["ay"] = -state["ux"], -state["uy"]
     m = n + 1 if hangs else n
     out = rows[m]
-    begin_row(out, RUBBING, i, joint["a"], joint["b"], state["impulse"], state["mode"])
+    begin_row(out, JOINT_FRICTION, i, joint["a"], joint["b"], state["impulse"], state["mode"])
     out["passive"] = 1
     _along(table, h, joint, k, state, out)
     most = 0.0 if hangs else h * more * rub["most"]
@@ -116,13 +116,13 @@ def rub_rows(table: int, h: float, i: int, n: int) -> int:
     return m + 1
 
 
-@entry_point("rubs")
-def change_rubs(table: int, n: int) -> bool:
+@entry_point("joint_friction")
+def change_friction(table: int, n: int) -> bool:
     """Measure along what joints carry now; whether any friction was measured along another way."""
-    rows, rubs, states = at.rows(table), at.rubs(table), at.rub_states(table)
+    rows, rubs, states = at.rows(table), at.dry_friction(table), at.dry_friction_states(table)
     unknown, changed = at.unknowns(table)[3], False
     for k in range(n - 1):
-        if rows[k]["source"] != PRESSED:
+        if rows[k]["source"] != JOINT_LOAD:
             continue
         row, friction = rows[k], rows[k + 1]
         i = row["index"]
@@ -139,39 +139,41 @@ def change_rubs(table: int, n: int) -> bool:
     return changed
 
 
-@entry_point("rubs")
-def report_rub(table: int, h: float, i: int, p: float, mode: int, bound: float) -> None:
+@entry_point("joint_friction")
+def report_friction(table: int, h: float, i: int, p: float, mode: int, bound: float) -> None:
     """Note what friction was in the step: its impulse on ``b``, the row's mode and static bound."""
-    state, out, k = at.rub_states(table)[i], at.rub_results(table)[i], at.rubs(table)[i]["joint"]
+    state, out = at.dry_friction_states(table)[i], at.dry_friction_results(table)[i]
+    k = at.dry_friction(table)[i]["joint"]
     joint = at.joints(table)[k]
     state["impulse"], state["mode"], state["bound"] = p, mode, bound
     out["force"] = p / h * (1.0 if joint["keeps"] == GROOVE else joint["sense"])
     # a rigid drive may hold what friction has left at its bound: nothing moves all the same
-    rate = abs(way_rate(table, k, at.velocity(table)))
+    rate = abs(joint_rate(table, k, at.velocity(table)))
     still = STILL if joint["keeps"] == GROOVE else STILL_TURNING
     out["sticks"] = 1.0 if mode == 0 or rate < still else 0.0
 
 
-@entry_point("rubs")
-def forget_rub(table: int, h: float, i: int, p: float) -> None:
+@entry_point("joint_friction")
+def release_friction(table: int, h: float, i: int, p: float) -> None:
     """Let friction of a joint that is let go be none; taken up again it starts as the joint moves.
 
     Where it once held it is not drawn back to. ``p`` is what it still gave as the joint broke.
     """
-    state = at.rub_states(table)[i]
+    state = at.dry_friction_states(table)[i]
     state["pressed"] = state["place"] = 0.0
-    rate = way_rate(table, at.rubs(table)[i]["joint"], at.velocity(table))
-    report_rub(table, h, i, p, -1 if rate > 0.0 else 1 if rate < 0.0 else 0, math.nan)
+    rate = joint_rate(table, at.dry_friction(table)[i]["joint"], at.velocity(table))
+    report_friction(table, h, i, p, -1 if rate > 0.0 else 1 if rate < 0.0 else 0, math.nan)
     state["kept"] = 0
-    at.rub_results(table)[i]["sticks"] = 0.0
+    at.dry_friction_results(table)[i]["sticks"] = 0.0
 
 
-@entry_point("rubs")
-def add_rubbed_work(table: int, h: float, v: Matrix) -> None:
+@entry_point("joint_friction")
+def add_friction_work(table: int, h: float, v: Matrix) -> None:
     """Work of the step just made, with ``v`` [nb, 3] the means of before and after it."""
-    rubs, states, results = at.rubs(table), at.rub_states(table), at.rub_results(table)
-    for i in range(len(rubs)):
-        results[i]["step_work"] = states[i]["impulse"] * way_rate(table, rubs[i]["joint"], v)
+    friction, states = at.dry_friction(table), at.dry_friction_states(table)
+    results = at.dry_friction_results(table)
+    for i in range(len(friction)):
+        results[i]["step_work"] = states[i]["impulse"] * joint_rate(table, friction[i]["joint"], v)
         states[i]["work"] += results[i]["step_work"]
 
 

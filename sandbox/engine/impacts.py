@@ -25,12 +25,12 @@ from sandbox.engine.bounded import (
     solve_modes,
     wipe,
 )
-from sandbox.engine.candidates import rub_row, touch_row
+from sandbox.engine.candidates import normal_row, tangent_row
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.instants import meet, place_as_found, rubbing, time_to_close
+from sandbox.engine.instants import meet, place_as_found, tangent_motion, time_to_close
 from sandbox.engine.kernel import kernel
 from sandbox.engine.plan import backward, forward
-from sandbox.engine.rows import closed, joint_gaps, right_side, spread
+from sandbox.engine.rows import apply_impulses, closed, joint_gaps, right_side
 from sandbox.engine.state import NORMAL, TANGENT
 from sandbox.numeric import Array, Records
 
@@ -56,7 +56,7 @@ def _hit(table: int, h: float) -> bool:
     for i in range(at.touching(table)[0]):
         t = touches[i]
         if t["restitution"] > 0.0:
-            touch_row(h, touches, i, row)
+            normal_row(h, touches, i, row)
             u = rate(row, before)
             if u < -REBOUND and (
                     t["late"] == 1 or h * min(u, rate(row, free)) + t["gap"] < 0.0):
@@ -76,8 +76,8 @@ def _list(table: int, h: float, rows: Records) -> tuple[int, float]:
             rows[n]["last"] = 0.0
             n += 1
             if t["friction"] > 0.0:
-                rub_row(h, at.body(table), touches, i, n - 1, rows[n])
-                rubbing(table, h, rows[n], t["belt"])
+                tangent_row(h, at.body(table), touches, i, n - 1, rows[n])
+                tangent_motion(table, h, rows[n], t["belt"])
                 rows[n]["last"] = 0.0
                 n += 1
     return n, first
@@ -228,9 +228,9 @@ def _renew(table: int, h: float, k: int) -> None:
     row, touches = at.rows(table)[k], at.touches(table)
     last, mode = row["last"], row["mode"]
     if row["source"] == NORMAL:
-        touch_row(h, touches, row["index"], row)
+        normal_row(h, touches, row["index"], row)
     elif row["source"] == TANGENT:
-        rub_row(h, at.body(table), touches, row["index"], row["normal"], row)
+        tangent_row(h, at.body(table), touches, row["index"], row["normal"], row)
     row["last"], row["mode"] = last, mode
 
 
@@ -265,7 +265,7 @@ def _foresee(table: int, kept: int) -> None:
     for r in range(unknowns.shape[1]):
         unknowns[4, r] = unknowns[2, r]
     backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
-    spread(table, unknowns[4], velocity)
+    apply_impulses(table, unknowns[4], velocity)
 
 
 @entry_point("bounces")
@@ -304,7 +304,7 @@ def lead_back(table: int, h: float, n: int) -> None:
         if k + 1 < n and rows[k + 1]["normal"] == k and rows[k + 1]["mode"] != 0:
             _answer(table, k + 1, rows[k + 1]["mode"] * rows[k + 1]["friction"] * A[q, m])
     backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
-    spread(table, unknowns[4], shift)
+    apply_impulses(table, unknowns[4], shift)
     _close(table, h)
 
 
@@ -328,7 +328,7 @@ def _close(table: int, h: float) -> None:
         backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
         for r in range(unknowns.shape[1]):
             unknowns[4, r] *= h
-        spread(table, unknowns[4], shift)
+        apply_impulses(table, unknowns[4], shift)
     for b in range(len(shift)):
         for j in range(3):
             velocity[b, j] = kept[b, j]

@@ -18,7 +18,7 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import rate
-from sandbox.engine.candidates import touch_row
+from sandbox.engine.candidates import normal_row
 from sandbox.engine.kernel import kernel
 from sandbox.engine.narrow_phase import rotated
 
@@ -49,7 +49,7 @@ def meet(table: int, h: float, i: int, row: Any) -> float:
     """
     t = at.found(table)[i]
     place_as_found(table, i)
-    touch_row(h, at.touches(table), i, row)
+    normal_row(h, at.touches(table), i, row)
     start, trend = _motion(table, h, row, 0.0)
     row["want"], row["trend"] = start, trend
     row["gap"], row["closing"], row["bend"] = max(t["gap"], 0.0), start, trend
@@ -59,7 +59,7 @@ def meet(table: int, h: float, i: int, row: Any) -> float:
     for _ in range(ITERATIONS):
         s = _within(h, s)
         _carry(table, h, i, s)
-        touch_row(h, at.touches(table), i, row)
+        normal_row(h, at.touches(table), i, row)
         row["want"], row["trend"] = _motion(table, h, row, 0.0)
         row["gap"] = t["gap"]
         if abs(s) < TIME_TOLERANCE * h:
@@ -91,7 +91,7 @@ def _motion(table: int, h: float, row: Any, s: float) -> tuple[float, float]:
 
 
 @kernel
-def rubbing(table: int, h: float, row: Any, belt: float) -> None:
+def tangent_motion(table: int, h: float, row: Any, belt: float) -> None:
     """Rate and trend of a tangential row."""
     row["want"], row["trend"] = _motion(table, h, row, 0.0)
     row["want"] += belt

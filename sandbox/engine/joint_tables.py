@@ -14,6 +14,7 @@ from sandbox.engine.records import (
     ACTION,
     DAMPED,
     DISTANCE,
+    DRY_FRICTION,
     ELASTIC,
     FLANK,
     GEAR,
@@ -28,7 +29,6 @@ from sandbox.engine.records import (
     RACK,
     RANGE,
     ROLL,
-    RUB,
     SPRING,
     SPRUNG,
     STIFF,
@@ -205,8 +205,10 @@ def spring_table(
     return records_of(table, SPRING), rests
 
 
-def rub_table(joints: Records, model: Model, first: int) -> tuple[Records, list[tuple[int, int]]]:
-    """RUB of all joints that rub and hold a free body; the rows that some of them hang on.
+def dry_friction_table(
+    joints: Records, model: Model, first: int,
+) -> tuple[Records, list[tuple[int, int]]]:
+    """Dry friction of joints on free bodies; pairs of rows whose load bounds it.
 
     Args:
         joints: JOINT, with the numbers of their rows.
@@ -214,7 +216,7 @@ def rub_table(joints: Records, model: Model, first: int) -> tuple[Records, list[
         first: the number of the first sum of rows.
     """
     held = [j for j in model.joints.rubbed.tolist() if joints[j]["row"] >= 0]
-    table = np.zeros(len(held), RUB)
+    table = np.zeros(len(held), DRY_FRICTION)
     sums: list[tuple[int, int]] = []
     for rub, j in zip(table, held, strict=True):
         rub["joint"], rub["sum"] = j, -1
@@ -228,7 +230,7 @@ def rub_table(joints: Records, model: Model, first: int) -> tuple[Records, list[
 
 
 def begin_friction(state: Records, rubs: Records, model: Model) -> None:
-    """Set RUB_STATE at t = 0: joints that move slip, those at rest hold."""
+    """Set DRY_FRICTION_STATE at t = 0: joints that move slip, those at rest hold."""
     state["ux"], state["bound"] = 1.0, np.nan
     for own, j in zip(state, rubs["joint"].tolist(), strict=True):
         slides = model.joints.kind[j].keeps == "groove"

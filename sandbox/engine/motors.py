@@ -23,6 +23,7 @@ import math
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import HOLD, UNBOUNDED, begin_row, eliminate, put_coordinate, rate
+from sandbox.engine.coordinates import vector_ahead
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import PACED, PLACED, SPRUNG
@@ -39,13 +40,10 @@ LEAST = 0.01
 def _ahead(table: int, joint: int, h: float) -> float:
     """Length of an actuator [m] where the velocities before lead in a step."""
     line, body, v = at.joints(table)[joint], at.body(table), at.before(table)
-    a, b = line["a"], line["b"]
-    p, q = body[a, 2] + h * v[a, 2], body[b, 2] + h * v[b, 2]
-    dx = (body[b, 0] + h * v[b, 0] + math.cos(q) * line["bx"] - math.sin(q) * line["by"]
-          - body[a, 0] - h * v[a, 0] - math.cos(p) * line["ax"] + math.sin(p) * line["ay"])
-    dy = (body[b, 1] + h * v[b, 1] + math.sin(q) * line["bx"] + math.cos(q) * line["by"]
-          - body[a, 1] - h * v[a, 1] - math.sin(p) * line["ax"] - math.cos(p) * line["ay"])
-    return math.hypot(dx, dy)
+    p = body[line["a"], 2] + h * v[line["a"], 2]
+    q = body[line["b"], 2] + h * v[line["b"], 2]
+    x, y = vector_ahead(line, h, body, v, math.cos(p), math.sin(p), math.cos(q), math.sin(q))
+    return math.hypot(x, y)
 
 
 @entry_point("motors")

@@ -294,7 +294,7 @@ class Rows:
 
 @dataclass(frozen=True)
 class PlacedBodies:
-    """Where bodies are: their numbers in pymunk's order, what they weigh, poses at t = 0."""
+    """Where bodies are: their numbers in pymunk's order, inverse masses, poses at t = 0."""
 
     model: Model
     number: Integers

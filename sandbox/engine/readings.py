@@ -130,8 +130,8 @@ class Readings:
         if source.quantity == "length":
             return _item(self.tables.result.joints["way"], index)
         if source.quantity in RUBBED:
-            row = int(np.searchsorted(self.tables.constants.rubs["joint"], index))
-            rubs = self.tables.result.rubs
+            row = int(np.searchsorted(self.tables.constants.dry_friction["joint"], index))
+            rubs = self.tables.result.dry_friction
             return _item(rubs[RUBBED[source.quantity]], row) if row < len(rubs) else lambda: 0.0
         a, b = self.world.number[joints.bodies[index]].tolist()
         if source.quantity == "speed":
@@ -144,21 +144,12 @@ class Readings:
 
     def _link(self, joint: int) -> Read:
         """Tension of a joint along a line: its force on ``b``, positive towards ``a``."""
-        joints, item = self.model.joints, self.tables.state.body.item
-        force = self.tables.result.joints
-        fx, fy = _item(force["fx"], joint), _item(force["fy"], joint)
-        bodies = joints.bodies[joint]
-        (a, b), arms = self.world.number[bodies].tolist(), (
-            joints.anchor[joint] - self.model.bodies.centre[bodies]).tolist()
-
-        def end(n: int, arm: list[float]) -> tuple[float, float]:
-            c, s = math.cos(item(n, 2)), math.sin(item(n, 2))
-            return item(n, 0) + c * arm[0] - s * arm[1], item(n, 1) + s * arm[0] + c * arm[1]
+        fx, fy, dx, dy = (_item(self.tables.result.joints[name], joint)
+                          for name in ("fx", "fy", "dx", "dy"))
 
         def tension() -> float:
-            (ax, ay), (bx, by) = end(a, arms[0]), end(b, arms[1])
             size = math.hypot(fx(), fy())
-            return -size if (bx - ax) * fx() + (by - ay) * fy() > 0 else size
+            return -size if dx() * fx() + dy() * fy() > 0 else size
 
         return tension
 

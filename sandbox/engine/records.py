@@ -108,6 +108,7 @@ JOINT_RESULT = np.dtype([
     ("way", float),         # its free coordinate: along a groove, distance, angle of a pin [m, rad]
     ("dx", float), ("dy", float), ("ta", float), ("tb", float),     # what this depends on; of teeth
                             # the direction of the push on b
+    ("rate", float),        # of what is recorded of this, in samples only [m/s, rad/s]
     ("fx", float), ("fy", float),   # its force on b [N]
     ("couple", float),      # on b [N m]
 ])
@@ -148,14 +149,14 @@ MOTOR_STATE = np.dtype([
     ("mode", np.int64),     # -1 and 1 at its least and largest torque, 0 in between
 ])
 
-RUB = np.dtype([
+DRY_FRICTION = np.dtype([
     ("joint", np.int64),
     ("sum", np.int64),      # what the joint carries, counted on from bodies, slips and sums
     ("most", float),        # what it rubs with, of what hangs on nothing [N m, N]
     ("share", float),       # or of 1 N that the joint carries [m, 1]; 0 of what hangs on nothing
     ("static", float),      # how many times as much it holds with
 ])
-RUB_STATE = np.dtype([
+DRY_FRICTION_STATE = np.dtype([
     ("impulse", float),     # on b, counter-clockwise or along the groove, of the last step
     ("pressed", float),     # that of the joint which it hangs on [N s]
     ("mode", np.int64),     # -1 and 1 where it slipped, 0 where it held
@@ -165,7 +166,7 @@ RUB_STATE = np.dtype([
     ("place", float),       # that place [m]
     ("work", float),        # [J]
 ])
-RUB_RESULT = np.dtype([
+DRY_FRICTION_RESULT = np.dtype([
     ("force", float),       # on b, in the joint's sense [N m, N]
     ("sticks", float),      # 1 where it held, else 0
     ("step_work", float),   # [J]

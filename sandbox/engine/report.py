@@ -14,13 +14,22 @@ from sandbox.engine import memory as at
 from sandbox.engine.coordinates import toothed
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.fluid_report import add_fluid_work
-from sandbox.engine.friction import add_rubbed_work, forget_rub, report_rub
+from sandbox.engine.friction import add_friction_work, release_friction, report_friction
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import add_load_work
 from sandbox.engine.records import FLANK, GROOVE, LINE, POINT, ROLL
-from sandbox.engine.rows import LEAST, way_rate
+from sandbox.engine.rows import LEAST, joint_rate
 from sandbox.engine.springs import add_spring_work, report_springs
-from sandbox.engine.state import HOLDS, LIMITED, NORMAL, PRESSED, PULLED, RUBBING, SLIPPING, TANGENT
+from sandbox.engine.state import (
+    CABLE_FRICTION,
+    CABLE_LOAD,
+    HOLDS,
+    JOINT_FRICTION,
+    JOINT_LOAD,
+    LIMITED,
+    NORMAL,
+    TANGENT,
+)
 from sandbox.engine.tendons import add_cord_work, slipped
 from sandbox.engine.ties import acts, holds, tied
 from sandbox.numeric import Array
@@ -57,7 +66,7 @@ def _whole(force: float) -> float:
 @kernel
 def _report_bounded(table: int, h: float, n: int) -> None:
     rows, touches, motors = at.rows(table), at.touches(table), at.motor_states(table)
-    states, rubs = at.limit_states(table), at.rub_states(table)
+    states, rubs = at.limit_states(table), at.dry_friction_states(table)
     slips, motor_table, joints = at.slip_states(table), at.motors(table), at.joints(table)
     for i in range(len(slips)):
         slips[i]["impulse"] = slips[i]["sum"] = slips[i]["mode"] = 0
@@ -71,9 +80,9 @@ def _report_bounded(table: int, h: float, n: int) -> None:
             if acts(table, tie):
                 motors[i]["impulse"] = 0.0
     for i in range(len(rubs)):
-        tie = joints[at.rubs(table)[i]["joint"]]["tie"]
+        tie = joints[at.dry_friction(table)[i]["joint"]]["tie"]
         if not holds(table, tie):
-            forget_rub(table, h, i, 0.0 if acts(table, tie) else rubs[i]["impulse"])
+            release_friction(table, h, i, 0.0 if acts(table, tie) else rubs[i]["impulse"])
     for i in range(at.touching(table)[0]):
         t = touches[i]
         t["normal"] = t["tangent"] = 0.0
@@ -90,19 +99,19 @@ def _report_bounded(table: int, h: float, n: int) -> None:
         elif row["source"] == LIMITED:
             states[i]["impulse"] = max(p, 0.0)
             add_limit(table, h, k)
-        elif row["source"] == PULLED:
+        elif row["source"] == CABLE_LOAD:
             slips[i]["sum"] = p
-        elif row["source"] == SLIPPING:
+        elif row["source"] == CABLE_FRICTION:
             slips[i]["impulse"], slips[i]["mode"] = p, row["mode"]
-        elif row["source"] == PRESSED:
+        elif row["source"] == JOINT_LOAD:
             rubs[i]["pressed"] = p
-        elif row["source"] == RUBBING:
+        elif row["source"] == JOINT_FRICTION:
             mode, bound = row["mode"], math.nan
             if row["phase"] == HOLDS:
                 mode, bound = 0, row["high"]
                 if row["normal"] >= 0:
                     bound = row["friction"] * rows[row["normal"]]["p"]
-            report_rub(table, h, i, p, mode, bound)
+            report_friction(table, h, i, p, mode, bound)
         else:
             motors[i]["impulse"], motors[i]["mode"] = p, row["mode"]
             motors[i]["target"] = motors[i]["aim"]
@@ -168,14 +177,14 @@ def add_work(table: int, h: float) -> None:
         action, result = actions[i], results[i]
         a = action["a"]
         if action["runs"]:
-            result["torque"] = _rubbed(table, a) * at.belts(table)[a] / h
+            result["torque"] = _tangential_impulse(table, a) * at.belts(table)[a] / h
             result["step_work"] = h * result["torque"]
             states[i]["work"] += result["step_work"]
             continue
         if action["motor"] >= 0:
             result["torque"] = motors[action["motor"]]["impulse"] / h
         if action["joint"] >= 0:
-            power = result["torque"] * way_rate(table, action["joint"], v)
+            power = result["torque"] * joint_rate(table, action["joint"], v)
         else:
             power = (result["fx"] * v[a, 0] + result["fy"] * v[a, 1]
                      + result["torque"] * v[a, 2])
@@ -183,13 +192,13 @@ def add_work(table: int, h: float) -> None:
         states[i]["work"] += h * power
     add_spring_work(table, h, v)
     add_cord_work(table, h, v)
-    add_rubbed_work(table, h, v)
+    add_friction_work(table, h, v)
     add_fluid_work(table, h, v)
     add_load_work(table, h, v)
 
 
 @kernel
-def _rubbed(table: int, body: int) -> float:
+def _tangential_impulse(table: int, body: int) -> float:
     """Impulse on what touches a body along the body's surface, counter-clockwise [N s]."""
     touches, p = at.touches(table), 0.0
     for i in range(at.touching(table)[0]):

@@ -18,11 +18,20 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.coordinates import ends, flank, measure_angle, rate, rolled, toothed
+from sandbox.engine.coordinates import (
+    ends,
+    flank,
+    gaps,
+    measure_angle,
+    rate,
+    rolled,
+    toothed,
+    vector_ahead,
+)
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
-from sandbox.engine.ties import joint_holds, left_over
+from sandbox.engine.ties import joint_holds, remaining_gap
 from sandbox.numeric import Array, Records
 
 LEAST = 1e-100
@@ -117,7 +126,7 @@ def joint_rows(table: int, h: float) -> None:
 
 
 @kernel
-def way_rate(table: int, joint: int, velocity: Array) -> float:
+def joint_rate(table: int, joint: int, velocity: Array) -> float:
     """Rate [m/s, rad/s] of a joint's free coordinate as bodies move with ``velocity`` [nb, 3]."""
     return rate(at.joints(table)[joint], at.joint_results(table)[joint], velocity)
 
@@ -232,31 +241,21 @@ def joint_gaps(table: int, h: float) -> float:
         if joint["row"] < 0 or not joint_holds(table, k):
             continue
         a, b = joint["a"], joint["b"]
-        left_x, left_y, _ = left_over(table, joint["tie"], h)
+        left_x, left_y, _ = remaining_gap(table, joint["tie"], h)
         if toothed(joint):
             gap = flank_gap(table, h, k)
             gap += at.unknowns(table)[3][joint["row"]] / (h * joint["k"])
             asked[joint["row"]] = -gap / h
             worst = max(worst, abs(gap))
             continue
-        ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
-        px = (body[b, 0] + h * velocity[b, 0] + cb * joint["bx"] - sb * joint["by"]
-              - body[a, 0] - h * velocity[a, 0] - ca * joint["ax"] + sa * joint["ay"])
-        py = (body[b, 1] + h * velocity[b, 1] + sb * joint["bx"] + cb * joint["by"]
-              - body[a, 1] - h * velocity[a, 1] - sa * joint["ax"] - ca * joint["ay"])
+        ca, sa = turn[a, 0], turn[a, 1]
+        px, py = vector_ahead(joint, h, body, velocity, ca, sa, turn[b, 0], turn[b, 1])
+        x, y = gaps(joint, px, py, ca, sa)
+        asked[joint["row"]] = -(x - left_x) / h
+        worst = max(worst, abs(x - left_x))
         if joint["keeps"] == POINT:
-            px, py = px - left_x, py - left_y
-            asked[joint["row"]], asked[joint["row_y"]] = -px / h, -py / h
-            worst = max(worst, abs(px), abs(py))
-            continue
-        if joint["keeps"] == GROOVE:
-            gap = ((ca * joint["gx"] - sa * joint["gy"]) * py
-                   - (sa * joint["gx"] + ca * joint["gy"]) * px)
-        else:
-            gap = math.hypot(px, py) - joint["reach"]
-        gap -= left_x
-        asked[joint["row"]] = -gap / h
-        worst = max(worst, abs(gap))
+            asked[joint["row_y"]] = -(y - left_y) / h
+            worst = max(worst, abs(y - left_y))
         if joint["keeps"] == ROLL:
             gap = rolled_gap(table, h, k)
             asked[joint["row_y"]] = -gap / h
@@ -265,7 +264,7 @@ def joint_gaps(table: int, h: float) -> float:
 
 
 @kernel
-def weigh(table: int) -> None:
+def scale_entries(table: int) -> None:
     """W J of all entries."""
     entry_body, inverse_mass = at.entry_body(table), at.inverse_mass(table)
     J, WJ = at.entries(table)[0], at.entries(table)[1]
@@ -295,7 +294,7 @@ def right_side(table: int, free: Array, asked: Array) -> None:
 
 
 @kernel
-def spread(table: int, impulses: Array, velocity: Array) -> None:
+def apply_impulses(table: int, impulses: Array, velocity: Array) -> None:
     """Add W B^T p to the velocities of free bodies."""
     entry_row, entry_body, WJ = (
         at.entry_row(table), at.entry_body(table), at.entries(table)[1])

@@ -109,8 +109,10 @@ class Sampler:
         self._write_bodies(arrays, n)
         self._write_joints(arrays, n)
         self._write_springs(arrays, n)
-        self._write_tendons(arrays, n)
-        self._write_lines(arrays, n)
+        if self.model.tendons.name:
+            self._write_tendons(arrays, n)
+        if len(self.tables.constants.fluids):
+            self._write_lines(arrays, n)
         loads, number = self._of("load_results", n), self.tables.constants.loads["number"]
         arrays["load_force"][:, number] = np.stack([loads["fx"], loads["fy"]], axis=-1)
         arrays["load_torque"][:, number] = loads["torque"]
@@ -160,15 +162,8 @@ class Sampler:
         return work
 
     def _write_bodies(self, arrays: Arrays, n: int) -> None:
-        body, before = self._of("body", n), self._of("before", n)
-        c, s = np.moveaxis(self._of("turn", n), 2, 0)
-        frames, number = self.tables.constants.bodies, self.world.number
-        x, y = frames["x"], frames["y"]
-        pose = np.stack([body[..., 0] - (c * x - s * y), body[..., 1] - (s * x + c * y),
-                         body[..., 2]], axis=-1)
-        arrays["body_pose"][:] = pose[:, number]
-        arrays["body_velocity"][:] = ((before + body[..., 3:]) / 2)[:, number]
-        arrays["body_acceleration"][:] = ((body[..., 3:] - before) / self.world.h)[:, number]
+        for name in ("pose", "velocity", "acceleration"):
+            arrays[f"body_{name}"][:] = getattr(self.kept, name)[:n]
 
     def _write_joints(self, arrays: Arrays, n: int) -> None:
         """Joints with their limits and dry friction."""
@@ -176,31 +171,22 @@ class Sampler:
         arrays["joint_reaction"][:] = np.hypot(results["fx"], results["fy"])
         arrays["joint_force"][:] = np.stack([results["fx"], results["fy"]], axis=-1)
         arrays["joint_couple"][:] = results["couple"]
-        body, before = self._of("body", n), self._of("before", n)
         hinge, line = constants.joints["hinge"] == 1, constants.joints["line"] == 1
-        joints = constants.joints[hinge]
-        a, b, sense = joints["a"], joints["b"], joints["sense"]
-        arrays["joint_angle"][:, hinge] = (
-            sense * (body[:, b, 2] - body[:, a, 2]) - joints["zero"])
-        arrays["joint_rate"][:, hinge] = sense * (
-            body[:, b, 5] + before[:, b, 2] - body[:, a, 5] - before[:, a, 2]) / 2
-        a, b, own = constants.joints[line]["a"], constants.joints[line]["b"], results[:, line]
-        x, y = (body[:, b, 3 + k] + before[:, b, k] - body[:, a, 3 + k] - before[:, a, k]
-                for k in (0, 1))
-        arrays["joint_length"][:, line] = own["way"]
-        arrays["joint_speed"][:, line] = (
-            own["dx"] * x + own["dy"] * y + own["ta"] * (body[:, a, 5] + before[:, a, 2])
-            + own["tb"] * (body[:, b, 5] + before[:, b, 2])) / 2
+        sense, zero = constants.joints["sense"][hinge], constants.joints["zero"][hinge]
+        arrays["joint_angle"][:, hinge] = sense * results["way"][:, hinge] - zero
+        arrays["joint_rate"][:, hinge] = results["rate"][:, hinge]
+        arrays["joint_length"][:, line] = results["way"][:, line]
+        arrays["joint_speed"][:, line] = results["rate"][:, line]
         arrays["joint_stop"][:, constants.joints["stopped"] == 1] = 0.0
         for i in np.flatnonzero(constants.limits["what"] == STOP).tolist():
             limit, impulse = constants.limits[i], self._of("limit_states", n)["impulse"][:, i]
             sense = constants.joints["sense"][limit["joint"]]
             arrays["joint_stop"][:, limit["joint"]] += (
                 sense * limit["side"] * impulse / self.world.h)
-        joint, friction = constants.rubs["joint"], self._of("rub_results", n)
+        joint, friction = constants.dry_friction["joint"], self._of("dry_friction_results", n)
         arrays["joint_friction"][:, joint] = friction["force"]
         arrays["joint_sticks"][:, joint] = friction["sticks"]
-        arrays["joint_friction_work"][:, joint] = self._work("rub", n)
+        arrays["joint_friction_work"][:, joint] = self._work("dry_friction", n)
 
     def _write_tendons(self, arrays: Arrays, n: int) -> None:
         whole = slice(len(self.model.tendons.name))  # spans come after these
@@ -252,17 +238,18 @@ class Sampler:
                              ("damping_work", work[:, damped])):
             arrays[f"joint_{name}"][:, joints.angle] = 0.0
             arrays[f"joint_{name}"][:, hinge] = values
-        for k, s in enumerate(springs[~damped]):
-            i, j, effort = int(s["number"]), int(s["joint"]), results["effort"][:, k]
-            arrays["spring_work"][:, i] = work[:, k]
-            if j < 0:
-                arrays["spring_length"][:, i] = results["way"][:, k]
-                arrays["spring_force"][:, i] = 0.0 - effort
-                continue
+        straight = springs["joint"] < 0
+        own = springs["number"][straight]
+        arrays["spring_length"][:, own] = results["way"][:, straight]
+        arrays["spring_force"][:, own] = 0.0 - results["effort"][:, straight]
+        arrays["spring_work"][:, own] = work[:, straight]
+        for k in np.flatnonzero(~straight & ~damped).tolist():
+            i, j = int(springs["number"][k]), int(springs["joint"][k])
             holds = held_one(self.model.ties.joint[j], self._of("tie_states", n)["held"])
+            arrays["spring_work"][:, i] = work[:, k]
             arrays["spring_length"][:, i] = arrays["joint_angle"][:, j]
             arrays["spring_force"][:, i] = (
-                s["sense"] * -effort
+                springs["sense"][k] * -results["effort"][:, k]
                 + holds * self.model.springs.damping[i] * arrays["joint_rate"][:, j])
 
     def contacts_now(self) -> Contacts:

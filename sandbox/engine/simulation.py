@@ -313,7 +313,7 @@ class Simulation:
                                f"{MOST_CONTACTS} that can be solved together: fewer or simpler "
                                "bodies may help", code="too-complex")
         rows = rows_for(len(constants.limits), len(constants.motors), len(constants.slips),
-                        len(constants.rubs), found)
+                        len(constants.dry_friction), found)
         world.enlarge(4 * (rows + 1))
         self._tables = enlarged(self._tables, world.room)
         self._sampler.enlarge(self._tables)

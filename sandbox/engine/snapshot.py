@@ -34,11 +34,13 @@ def make_snapshot(samples: int, tables: Tables, drives: int, contacts: int) -> S
     copied = {name: np.zeros((samples, *array.shape), array.dtype)
               for name, array in sampled.items()}
     copies = np.array([(array.ctypes.data, copied[name].ctypes.data, array.nbytes // 8)
-                       for name, array in sampled.items()], dtype=np.int64)
+                       for name, array in sampled.items() if array.size], dtype=np.int64)
+    bodies = (samples, len(constants.inverse_mass), 3)
     tendons = np.count_nonzero(constants.cords["whole"] < 0)
     forces = FORCES * len(constants.joints) + tendons + len(constants.slips) + drives
     return Snapshot(
-        copied, copies, np.full((samples, drives), np.nan), np.zeros(contacts, CONTACT),
+        np.zeros(bodies), np.zeros(bodies), np.zeros(bodies), copied, copies.reshape(-1, 3),
+        np.full((samples, drives), np.nan), np.zeros(contacts, CONTACT),
         np.zeros(samples, dtype=np.int64), np.zeros(4, dtype=np.int64), np.zeros(forces),
         np.zeros((samples, forces)), np.zeros(samples, dtype=np.int64), np.zeros(2),
         np.zeros(2 * contacts, CONTACT_SUMS), np.zeros(samples, dtype=np.int64),
@@ -58,10 +60,12 @@ def room_to_keep(table: int) -> bool:
 
 
 @entry_point()
-def take(table: int, drive: Array) -> None:
+def take(table: int, h: float, drive: Array) -> None:
     """Copy the step just made, with its drives [nd], into the next row that samples are kept in."""
     taken = at.kept_taken(table)
     n = taken[0] - taken[1]
+    _take_bodies(table, h, n)
+    _note_rates(table)
     copies = at.kept_copies(table)
     for i in range(len(copies)):
         words = copies[i, 2]
@@ -75,6 +79,41 @@ def take(table: int, drive: Array) -> None:
         at.touches(table), at.touching(table)[0], at.body(table), at.kept_contacts(table), first)
     at.kept_steady(table)[n] = 1
     taken[0] += 1
+
+
+@kernel
+def _take_bodies(table: int, h: float, n: int) -> None:
+    body, before, turn, bodies = (
+        at.body(table), at.before(table), at.turn(table), at.bodies(table))
+    pose, velocity, acceleration = (
+        at.kept_pose(table), at.kept_velocity(table), at.kept_acceleration(table))
+    for i in range(len(body)):
+        b, c, s = bodies[i], turn[i, 0], turn[i, 1]
+        m = b["number"]
+        pose[n, m, 0] = body[i, 0] - (c * b["x"] - s * b["y"])
+        pose[n, m, 1] = body[i, 1] - (s * b["x"] + c * b["y"])
+        pose[n, m, 2] = body[i, 2]
+        for j in range(3):  # an assignment of arrays would compile its error messages
+            velocity[n, m, j] = (before[i, j] + body[i, 3 + j]) / 2
+            acceleration[n, m, j] = (body[i, 3 + j] - before[i, j]) / h
+
+
+@kernel
+def _note_rates(table: int) -> None:
+    """Rates of the angles of hinges and of the lengths of actuators at the instant of the pose."""
+    joints, results, body, before = (
+        at.joints(table), at.joint_results(table), at.body(table), at.before(table))
+    for i in range(len(joints)):
+        joint, out, a, b = joints[i], results[i], joints[i]["a"], joints[i]["b"]
+        if joint["hinge"]:
+            out["rate"] = joint["sense"] * (
+                body[b, 5] + before[b, 2] - body[a, 5] - before[a, 2]) / 2
+        elif joint["line"]:
+            out["rate"] = (
+                out["dx"] * (body[b, 3] + before[b, 0] - body[a, 3] - before[a, 0])
+                + out["dy"] * (body[b, 4] + before[b, 1] - body[a, 4] - before[a, 1])
+                + out["ta"] * (body[a, 5] + before[a, 2])
+                + out["tb"] * (body[b, 5] + before[b, 2])) / 2
 
 
 @kernel
@@ -189,7 +228,7 @@ def add_forces(table: int, h: float) -> None:
             j = limits[i]["joint"]
             torque = joints[j]["sense"] * limits[i]["side"] * stops[i]["impulse"] / h
             sums[FORCES * j + 3] += share * torque
-    rubs, rubbed = at.rubs(table), at.rub_results(table)
+    rubs, rubbed = at.dry_friction(table), at.dry_friction_results(table)
     for i in range(len(rubs)):
         sums[FORCES * rubs[i]["joint"] + 4] += share * rubbed[i]["force"]
     k = FORCES * len(joints)

@@ -35,7 +35,7 @@ from sandbox.engine.candidates import RETURN, broken_rows, kept_rows
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.fluid_report import flowing, report_lines
 from sandbox.engine.fluids import change_lines, fluid_rows, join_lines
-from sandbox.engine.friction import break_away, change_rubs
+from sandbox.engine.friction import break_away, change_friction
 from sandbox.engine.impacts import impacts, late_hits, lead_back
 from sandbox.engine.kernel import kernel
 from sandbox.engine.lemke import MOST, lemke_modes
@@ -43,7 +43,14 @@ from sandbox.engine.loads import change_loads, load_rows, timed
 from sandbox.engine.motors import brake_in_time
 from sandbox.engine.plan import assemble, backward, factor, forward
 from sandbox.engine.report import report
-from sandbox.engine.rows import closed, joint_gaps, joint_rows, right_side, spread, weigh
+from sandbox.engine.rows import (
+    apply_impulses,
+    closed,
+    joint_gaps,
+    joint_rows,
+    right_side,
+    scale_entries,
+)
 from sandbox.engine.springs import change_laws, law_rows, spring_rows
 from sandbox.engine.state import STILL, STILL_TURNING
 from sandbox.engine.tendons import (
@@ -52,7 +59,7 @@ from sandbox.engine.tendons import (
     cord_rows,
     slacken,
 )
-from sandbox.engine.ties import tie_rows
+from sandbox.engine.ties import release_rows
 from sandbox.numeric import Array, Records
 
 HARD = 1e-12
@@ -99,7 +106,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
     spring_rows(table, h, drive)
     law_rows(table, h, drive)
     load_rows(table, h)
-    tie_rows(table, h)
+    release_rows(table, h)
     slacken(table)
     n = kept_rows(table, h, drive)
     hit = struck = True
@@ -129,7 +136,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
         wipe(rows, n, Y, reached)
         hit = late_hits(table, n)
         changed, pressed = change_laws(table, h, drive), change_loads(table, h)
-        changed |= change_rubs(table, n)
+        changed |= change_friction(table, n)
         changed |= hit or change_cords(table, h, attempt) or change_lines(table, h, drive, attempt)
         if not (pressed or (changed and attempt < ROUNDS - 1)):
             if attempt + 1 == PRESSED:
@@ -154,7 +161,7 @@ def factor_matrix(table: int, h: float, drive: Array) -> None:
     cord_rows(table, h)
     ask_slips(table, h)
     fluid_rows(table, h, drive)
-    weigh(table)
+    scale_entries(table)
     assemble(at.pairs(table), at.direct(table), J, WJ, values)
     join_lines(table, h)
     count = unknowns.shape[1]
@@ -359,6 +366,6 @@ def find_velocities(table: int, n: int) -> None:
     for b in range(len(free)):
         for j in range(3):
             velocity[b, j] = free[b, j]
-    spread(table, unknowns[3], velocity)
+    apply_impulses(table, unknowns[3], velocity)
     for k in range(n):
         push(inverse_mass, rows[k], rows[k]["p"], velocity)

@@ -26,6 +26,9 @@ from sandbox.engine.records import (
     CORD,
     CORD_RESULT,
     CORD_STATE,
+    DRY_FRICTION,
+    DRY_FRICTION_RESULT,
+    DRY_FRICTION_STATE,
     FLUID,
     FLUID_RESULT,
     FLUID_STATE,
@@ -47,9 +50,6 @@ from sandbox.engine.records import (
     PUMP,
     PUMP_RESULT,
     PUMP_STATE,
-    RUB,
-    RUB_RESULT,
-    RUB_STATE,
     SLIP,
     SLIP_RESULT,
     SLIP_STATE,
@@ -69,7 +69,8 @@ from sandbox.numeric import Array, Integers, Records
 STILL, STILL_TURNING = 1e-11, 1e-10
 """Where nothing moves faster [m/s, rad/s] all is at rest, and contacts carry what they carried."""
 
-NORMAL, TANGENT, LIMITED, DRIVEN, SLIPPING, PULLED, RUBBING, PRESSED = 0, 1, 2, 3, 4, 5, 6, 7
+NORMAL, TANGENT, LIMITED, DRIVEN = 0, 1, 2, 3
+CABLE_FRICTION, CABLE_LOAD, JOINT_FRICTION, JOINT_LOAD = 4, 5, 6, 7
 """Where a bounded row comes from: a contact's two, a limit, a motor or brake; friction between a
 guide and its cord, and what that is measured by: the sum of the tensions on either side; friction
 in a joint, and its measure: what the joint carries."""
@@ -206,7 +207,7 @@ class Constants(NamedTuple):
     joints: Annotated[Records, JOINT]
     limits: Annotated[Records, LIMIT]
     motors: Annotated[Records, MOTOR]
-    rubs: Annotated[Records, RUB]
+    dry_friction: Annotated[Records, DRY_FRICTION]
     fluids: Annotated[Records, FLUID]
     chambers: Annotated[Records, CHAMBER]
     valves: Annotated[Records, VALVE]
@@ -264,7 +265,7 @@ class State(NamedTuple):
     joints: Annotated[Records, JOINT_STATE]
     limits: Annotated[Records, LIMIT_STATE]
     motors: Annotated[Records, MOTOR_STATE]
-    rubs: Annotated[Records, RUB_STATE]
+    dry_friction: Annotated[Records, DRY_FRICTION_STATE]
     fluids: Annotated[Records, FLUID_STATE]
     valves: Annotated[Records, VALVE_STATE]
     pumps: Annotated[Records, PUMP_STATE]
@@ -320,7 +321,7 @@ class Result(NamedTuple):
     guides: Annotated[Records, GUIDE_RESULT]
     slips: Annotated[Records, SLIP_RESULT]
     joints: Annotated[Records, JOINT_RESULT]
-    rubs: Annotated[Records, RUB_RESULT]
+    dry_friction: Annotated[Records, DRY_FRICTION_RESULT]
     fluids: Annotated[Records, FLUID_RESULT]
     chambers: Annotated[Records, CHAMBER_RESULT]
     valves: Annotated[Records, VALVE_RESULT]
@@ -368,20 +369,25 @@ class Result(NamedTuple):
 
 
 SAMPLED: dict[type, tuple[str, ...]] = {
-    State: ("body", "actions", "springs", "cords", "guides", "slips", "limits", "rubs", "fluids",
-            "valves", "pumps", "loads", "ties"),
-    Result: ("before", "turn", "actions", "springs", "cords", "slips", "joints", "rubs", "fluids",
-             "valves", "pumps", "loads"),
+    State: ("actions", "springs", "cords", "guides", "slips", "limits", "dry_friction",
+            "fluids", "valves", "pumps", "loads", "ties"),
+    Result: ("actions", "springs", "cords", "slips", "joints", "dry_friction",
+             "fluids", "valves", "pumps", "loads"),
 }
 """Arrays that are copied in each sample; recorded values are computed from these later."""
 
 
 class Snapshot(NamedTuple):
-    """Memory for samples on their way to the recording."""
+    """Memory for samples on their way to the recording, an axis of samples before all others."""
 
+    pose: Annotated[Array, 3]
+    """x, y, angle of the bodies' frames, in the model's order as all of bodies, [n, nb, 3]."""
+    velocity: Annotated[Array, 3]
+    """Of the centres of mass, at the instant of the pose, [n, nb, 3]."""
+    acceleration: Annotated[Array, 3]
+    """[n, nb, 3]"""
     copied: Mapping[str, Records]
-    """Samples of :data:`SAMPLED` by the names of their views, an axis of samples before all others.
-    """
+    """Samples of :data:`SAMPLED` by the names of their views."""
     copies: Annotated[Integers, 2]
     """Of each the address of what is copied, that of the first sample, words to copy, [k, 3]."""
     drive: Annotated[Array, 2]

@@ -7,15 +7,15 @@ from typing import Any, NamedTuple, get_args, get_type_hints
 
 import numpy as np
 
-from sandbox.engine.cord_tables import CordTables, cord_tables
+from sandbox.engine.cables import CordTables, cord_tables
 from sandbox.engine.fluid_tables import make_circuits
 from sandbox.engine.joint_tables import (
     action_table,
     begin_friction,
+    dry_friction_table,
     joint_table,
     limit_table,
     motor_table,
-    rub_table,
     spring_table,
 )
 from sandbox.engine.law_tables import ROWS, LawTables, law_tables, load_tables
@@ -68,7 +68,7 @@ def make_tables(
     springs, rests = spring_table(places, stiff, laws, rows)
     cords = cord_tables(places, h, rows)
     limits = limit_table(places)
-    rubs, sums = rub_table(joints, model, len(places.inverse_mass) + 2 * len(cords.slips))
+    rubs, sums = dry_friction_table(joints, model, len(places.inverse_mass) + 2 * len(cords.slips))
     circuits = make_circuits(model, h, places.number)
     joined = circuits.add_rows(rows.add)
     loads = load_tables(places, laws, rows)
@@ -88,7 +88,7 @@ def make_tables(
         inverse_mass=places.inverse_mass, bodies=_body_table(model, order),
         scheduled=np.flatnonzero(model.bodies.scheduled[order]), actions=actions, springs=springs,
         cords=cords.constants, guides=cords.guides, slips=cords.slips, wheels=model.tendons.wheels,
-        joints=joints, limits=limits, motors=motors, rubs=rubs,
+        joints=joints, limits=limits, motors=motors, dry_friction=rubs,
         ties=tie_table(model, springs, cords.constants),
         steps=laws.steps, curves=laws.curves, knots=laws.knots,
         friction=np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
@@ -102,7 +102,7 @@ def make_tables(
         last_drive=np.full(len(model.drives.name), np.nan), standing=np.zeros(6, dtype=np.int64))
     state.springs["rest"], state.joints["flank"], state.motors["target"] = rests, 1.0, math.nan
     state.fluids["content"] = circuits.content()
-    begin_friction(state.rubs, rubs, model)
+    begin_friction(state.dry_friction, rubs, model)
     result = _result(constants, pattern, cords, laws, velocity, room)
     straight = springs["turning"] == 0  # lengths are read before the first step
     result.springs["way"][straight] = model.springs.start[springs["number"][straight]]

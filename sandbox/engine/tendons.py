@@ -30,9 +30,9 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import HOLD_TANGENT, UNBOUNDED, begin_row
+from sandbox.engine.cables import measure, wound_up
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.network import measure, wound_up
 from sandbox.engine.records import (
     EVEN,
     GRIPPED,
@@ -43,12 +43,12 @@ from sandbox.engine.rows import (
     LEAST,
 )
 from sandbox.engine.state import (
-    PULLED,
-    SLIPPING,
+    CABLE_FRICTION,
+    CABLE_LOAD,
 )
 from sandbox.engine.ties import (
     holds,
-    slacken_tied,
+    slacken_released,
 )
 from sandbox.numeric import Array, Records
 
@@ -94,12 +94,12 @@ def slip_rows(table: int, h: float, i: int, n: int) -> int:
         return n
     pulled = at.cords(table)[slip["after"]]["kind"] == PULL
     out = rows[n]
-    begin_row(out, PULLED, i, slip["sum"], slip["sum"], state["sum"], 0)
+    begin_row(out, CABLE_LOAD, i, slip["sum"], slip["sum"], state["sum"], 0)
     out["measure"], out["low"], out["high"] = 1, -UNBOUNDED, UNBOUNDED
     out["ax"], out["ay"] = -1.0, 0.0 if pulled else -1.0
     out["want"] = -h * at.cord_results(table)[slip["after"]]["tension"] if pulled else 0.0
     out = rows[n + 1]
-    begin_row(out, SLIPPING, i, slip["slide"], slip["slide"], state["impulse"], state["mode"])
+    begin_row(out, CABLE_FRICTION, i, slip["slide"], slip["slide"], state["impulse"], state["mode"])
     out["ax"], out["normal"], out["friction"] = -1.0, n, bound
     out["hold"], out["tight"] = HOLD_TANGENT, EXCESS
     return n + 2
@@ -201,7 +201,7 @@ def change_whole(table: int, h: float, i: int) -> bool:
         if cords[k]["row"] >= 0:
             rate = shortening(cords[k], guides, pulls, at.velocity(table))
             gone += rate
-            off += asked_by_cord(h, cords[k], states[k], results[k]["length"], guides, pulls,
+            off += cord_rate(h, cords[k], states[k], results[k]["length"], guides, pulls,
                                  at.before(table)) - rate
     ahead = h * gone if cords[first]["kind"] == STIFF else 0.0
     if _stretch(table, i) <= ahead or off <= 0.0:
@@ -235,7 +235,7 @@ def cord_rows(table: int, h: float) -> None:
             J[e, 0] -= pulls[n]["jx"]
             J[e, 1] -= pulls[n]["jy"]
             J[e, 2] -= pulls[n]["jt"]
-        rhs[r] = asked_by_cord(h, cord, states[i], results[i]["length"], guides, pulls, before)
+        rhs[r] = cord_rate(h, cord, states[i], results[i]["length"], guides, pulls, before)
         compliance[r] = 1.0 / (h * cord_lead(h, cord, states[i]))
 
 
@@ -250,7 +250,7 @@ def cord_lead(h: float, cord: Any, state: Any) -> float:
 
 
 @kernel
-def asked_by_cord(
+def cord_rate(
     h: float, cord: Any, state: Any, length: float, guides: Records, pulls: Records,
     before: Array,
 ) -> float:
@@ -281,7 +281,7 @@ def slacken(table: int) -> None:
     """Let go of all cords that are not stretched: their dampers do not pull before they do."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
     for i in range(len(cords)):
-        if slacken_tied(table, i):
+        if slacken_released(table, i):
             continue
         if cords[i]["kind"] == GRIPPED:
             slacken_whole(table, i)
@@ -314,7 +314,7 @@ def change_cords(table: int, h: float, attempt: int) -> bool:
             stretch = results[i]["length"] - states[i]["rest"]
             if stretch <= (h * gone if cord["kind"] == STIFF else 0.0):
                 continue
-            asked = asked_by_cord(
+            asked = cord_rate(
                 h, cord, states[i], results[i]["length"], guides, pulls, at.before(table))
             off = asked - gone
             off /= 1.0 / (h * max(cord["c"] + h * states[i]["k"], LEAST)) + cord["response"]

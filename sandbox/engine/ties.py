@@ -22,7 +22,7 @@ import numpy as np
 
 from sandbox.elements.element import HELD_ABOVE
 from sandbox.engine import memory as at
-from sandbox.engine.coordinates import ends, toothed
+from sandbox.engine.coordinates import ends, gaps, toothed
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import (
@@ -76,7 +76,7 @@ def acts(table: int, tie: int) -> bool:
 
 
 @entry_point("ties")
-def let_go_or_take_up(table: int, drive: Array) -> None:
+def release_and_engage(table: int, drive: Array) -> None:
     """Do what events wish, and what drives want that want something else than before.
 
     Args:
@@ -93,11 +93,11 @@ def let_go_or_take_up(table: int, drive: Array) -> None:
         if wish != NONE and wish != states[i]["held"]:
             states[i]["held"] = wish
             if wish == 1:
-                _take_up(table, i)
+                _engage(table, i)
 
 
 @kernel
-def _take_up(table: int, i: int) -> None:
+def _engage(table: int, i: int) -> None:
     """Begin to close the gap of a joint; note the length of what is taken up as it is."""
     tie, index = at.ties(table)[i], at.ties(table)[i]["index"]
     if tie["what"] == JOINED:
@@ -121,7 +121,7 @@ def empty_row(table: int, row: int, entry: int, count: int) -> None:
 
 
 @entry_point("ties")
-def tie_rows(table: int, h: float) -> None:
+def release_rows(table: int, h: float) -> None:
     """Empty the rows of what is let go; ask joints that were taken up for less."""
     if len(at.ties(table)) == 0:
         return
@@ -151,7 +151,7 @@ def empty_joint(table: int, k: int) -> None:
 
 
 @kernel
-def left_over(table: int, tie: int, ahead: float) -> tuple[float, float, float]:
+def remaining_gap(table: int, tie: int, ahead: float) -> tuple[float, float, float]:
     """The gaps [m, m, rad] that a joint may have so much later than now [s]."""
     if tie < 0:
         return 0.0, 0.0, 0.0
@@ -177,7 +177,7 @@ def _ask_gently(table: int, h: float, k: int) -> None:
         _look(table, k)
     if joint["row_turn"] >= 0:
         rhs[joint["row_turn"]] += state["turns"] / h
-    x, y, t = left_over(table, joint["tie"], h)
+    x, y, t = remaining_gap(table, joint["tie"], h)
     if joint["row"] >= 0 and not teeth:
         rhs[joint["row"]] += x / h
     if joint["keeps"] == POINT and joint["row_y"] >= 0:
@@ -197,16 +197,14 @@ def _look(table: int, k: int) -> None:
     wa, wb = before[a, 2], before[b, 2]
     vx = before[b, 0] - wb * by - before[a, 0] + wa * ay
     vy = before[b, 1] + wb * bx - before[a, 1] - wa * ax
-    x, y, rx, ry = px, py, vx, vy
+    (x, y), (rx, ry) = gaps(joint, px, py, turn[a, 0], turn[a, 1]), (vx, vy)
     if joint["keeps"] == GROOVE:
         c, s = turn[a, 0], turn[a, 1]
         dx, dy = c * joint["gx"] - s * joint["gy"], s * joint["gx"] + c * joint["gy"]
-        x, y, ry = dx * py - dy * px, 0.0, 0.0
-        rx = dx * vy - dy * vx - wa * (dx * px + dy * py)
+        rx, ry = dx * vy - dy * vx - wa * (dx * px + dy * py), 0.0
     elif joint["keeps"] != POINT:
         way = math.hypot(px, py)
-        x, y, ry = way - joint["reach"], 0.0, 0.0
-        rx = (px * vx + py * vy) / way if way > 0.0 else 0.0
+        rx, ry = (px * vx + py * vy) / way if way > 0.0 else 0.0, 0.0
     if joint["keeps"] == RANGE:
         x = rx = 0.0
     askew = body[b, 2] - body[a, 2] - joint["turn"]
@@ -217,7 +215,7 @@ def _look(table: int, k: int) -> None:
 
 
 @entry_point("ties")
-def slacken_tied(table: int, i: int) -> bool:
+def slacken_released(table: int, i: int) -> bool:
     """Let a cord that is let go hang; whether it is."""
     if holds(table, at.cords(table)[i]["tie"]):
         return False

@@ -50,12 +50,12 @@ def short(table: int) -> bool:
     """
     count = at.near(table)[0]
     rows = rows_for(len(at.limits(table)), len(at.motors(table)), len(at.slips(table)),
-                    len(at.rubs(table)), count)
+                    len(at.dry_friction(table)), count)
     return bool(count > len(at.raw(table)) or 2 * rows + 4 > len(at.rows(table)))
 
 
 @entry_point("shapes")
-def list_touches(table: int) -> None:
+def list_contacts_of_step(table: int) -> None:
     """Note the points of bodies that may touch, in an order of their own.
 
     pymunk finds them in one that hangs on addresses in memory.
