@@ -35,6 +35,8 @@ class Sampler:
         self.model = world.model
         self.kept = make_snapshot(CHUNK, tables, len(self.model.drives.name),
                                   _contacts_kept(world.room.contacts))
+        self._arrays = builder.blank(CHUNK)
+        """Rows on their way to the recording; what elements do not have stays nan."""
         self._entry_points = prepare(tables.constants, advance)
         self.memory = self._memory()
         """What the compiled loop works on."""
@@ -105,7 +107,7 @@ class Sampler:
         n = self.filled
         if n == 0:
             return
-        arrays, kept = self.builder.blank(n), self.kept
+        arrays, kept = {key: array[:n] for key, array in self._arrays.items()}, self.kept
         self._write_bodies(arrays, n)
         self._write_joints(arrays, n)
         self._write_springs(arrays, n)
