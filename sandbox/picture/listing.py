@@ -57,7 +57,7 @@ Kinds and their fields:
             and sides v; ``w`` ``[share, least, most]``: half the width is this share of the length,
             between two limits in points. With ``every`` the pattern is one stroke, repeated every
             so many points; then w and v are in points along and across.
-``spiral``  ``at`` point, ``r`` radii ``[first, last]`` in points, angle ``from``, ``sweep`` [rad].
+``spiral``  ``at`` point, ``r`` radii ``[first, last]`` in points, angle ``start``, ``sweep`` [rad].
             ``head``: length of an arrow head at its end in points.
 ``taut``    ``p`` list of ``[frame, x, y, radius, sense, meets, leaves]``: a cord that meets each
             circle at one angle [rad, world] and leaves it at another (columns), clockwise for
@@ -94,7 +94,7 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Flags
 
 Item = dict[str, Any]
 Number = float | list[int]
@@ -154,18 +154,18 @@ class Listing:
             self.styles.append([fill, edge, width, dash, hatched])
         return self._known[key]
 
-    def column(self, values: Array, *, steady: bool = False) -> list[int]:
+    def column(self, values: Array | Flags, *, steady: bool = False) -> list[int]:
         """A column with these values [n]."""
-        values = np.asarray(values, dtype=float)
-        key = (values.tobytes(), steady)
+        floats: Array = np.asarray(values, dtype=float)
+        key = (floats.tobytes(), steady)
         if self.fixed_columns or key not in self._known:
             self._known[key] = len(self.columns)
-            self.columns.append(values)
+            self.columns.append(floats)
             if steady:
                 self.steady.append(len(self.columns) - 1)
         return [self._known[key]]
 
-    def varying(self, values: Array, *, steady: bool = False) -> Number:
+    def varying(self, values: Array | Flags, *, steady: bool = False) -> Number:
         """The values [n] as a column, or as one number where they do not change."""
         values = np.asarray(values, dtype=float)
         if not self.fixed_columns and (values == values[0]).all():
@@ -175,7 +175,7 @@ class Listing:
     def frame(self, pose: Array) -> int:
         """A frame that is no body, with a pose [n, 3] in each sample."""
         self._made.append(np.asarray(pose, dtype=float))
-        return self.pose.shape[1] + len(self._made) - 1
+        return int(self.pose.shape[1]) + len(self._made) - 1
 
     def close(self) -> None:
         """Join the frames that elements made to those of the bodies."""

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.draw.film import geometry as g
+from sandbox.picture import geometry as g
 from sandbox.scene.elements.bodies import Box, Capsule, Polygon
 
 radius = st.floats(0.0, 1.0)
