@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from sandbox.numeric import Array
 from sandbox.picture.cells import Cells
 from sandbox.picture.frame import Picture
-from sandbox.picture.instant import paint_labels
+from sandbox.picture.labels import paint_labels
 from sandbox.picture.palette import BACKGROUND, PUSH, TENSION, Colour
 from sandbox.picture.pixels import Pixels
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from sandbox.picture.instant import SheetPainter
+from sandbox.picture.painter import SheetPainter
 from sandbox.picture.palette import INK
 from sandbox.picture.typesetter import Typesetter, ellipsis
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -13,12 +13,13 @@ from sandbox.numeric import Array
 from sandbox.picture.camera import Camera
 from sandbox.picture.cut import cut_line, cut_polygon, large_circle, within
 from sandbox.picture.geometry import arrow, capsule_outline, dashes, polygon_grown
-from sandbox.picture.listing import SIDES, Item, Listing
-from sandbox.picture.palette import Colour, lighter
+from sandbox.picture.listing import Item, Listing
+from sandbox.picture.moment import Moment
+from sandbox.picture.painter import XY, Painter
+from sandbox.picture.palette import Colour
 from sandbox.picture.scales import written
 
-XY = tuple[float, float]
-Plan = Callable[["Painter"], None]
+Plan = Callable[[Painter], None]
 ROUND = 0.15
 """Angle between corners of arcs, at most [rad]."""
 PITCH = 7.0
@@ -29,44 +30,6 @@ FINEST, MARKS_APART = 3.0, 9.0
 """Least length of the pieces of a trail, and least distance of its marks [points]."""
 MOST_PIECES = 5000
 """Pieces of a trail, at most: the latest ones."""
-LOOKS_EQUAL = 0.02
-"""Columns that differ by less look the same."""
-
-
-class Painter(Protocol):
-    """What paints shapes, in pixels, y down."""
-
-    def area(self, rings: Sequence[Sequence[Sequence[XY]]], fill: Colour | None,
-             edge: Colour | None, width: float, *, union: bool = False, hatch: float = 0.0) -> None:
-        """Paint rings, each as its line and that line moved by half the width outwards, inwards.
-
-        With ``union`` they are one area with one outline outside of it; otherwise the second and
-        later rings are holes. ``hatch`` is the pitch of slanted lines.
-        """
-
-    def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
-        """Paint connected lines."""
-
-    def simple(self, corners: Sequence[XY], fill: Colour | None, edge: Colour | None,
-               width: float) -> None:
-        """Paint a small polygon with an outline about its line."""
-
-    def disc(self, centre: XY, radius: float, fill: Colour | None, edge: Colour | None,
-             width: float, *, hatch: float = 0.0) -> None:
-        """Paint a circle with an outline about its line."""
-
-    def text(self, middle: XY, words: str, size: int, ink: Colour, leader: Sequence[XY]) -> None:
-        """Write a label with a rim, and a thin line to what it belongs to."""
-
-
-class SheetPainter(Painter, Protocol):
-    """What paints a whole picture: shapes on a picture that may be enlarged, and plain texts."""
-
-    enlarge: int
-    """Pixels of shapes per finished pixel."""
-
-    def write(self, corner: XY, words: str, size: int, ink: Colour) -> None:
-        """Write words right of and below a corner [finished pixels]."""
 
 
 class Label:
@@ -80,46 +43,17 @@ class Label:
         self.away, self.ink, self.side, self.clear = away, ink, side, clear
 
 
-class Instant:
-    """A display list for one camera.
-
-    Args:
-        out: the list.
-        camera: world to pixels of the painted picture, at the first sample if it follows a body.
-        point: pixels per point.
-        edges: what painters may be given: left, top, right, bottom [pixels].
-        factor: finished pixels per pixel.
-        small: leave details out, as in small pictures.
-    """
+class Instant(Moment):
+    """What to paint of a display list: for each item a function of the painter."""
 
     def __init__(self, out: Listing, camera: Camera, point: float,
                  edges: tuple[float, float, float, float], *, factor: float = 1.0,
                  small: bool = False) -> None:
-        self.out, self.still_camera, self.camera, self.point = out, camera, camera, point
-        self.scale, self.edges, self.small, self.factor = camera.scale, edges, small, factor
-        self.thin = 0.75 if small else 1.0
+        """See :class:`Moment`."""
+        super().__init__(out, camera, point, edges, factor=factor, small=small)
         self.texts: list[tuple[Item, int]] = []
-        self._frames: list[Array] = []
-        self._points: list[Array] = []
-        self._offsets: list[Array] = []
-        self._count = 0
-        self._first = {name: np.searchsorted(rows[:, 0], np.arange(len(out.time) + 1))
-                       for name, rows in out.tables.items()}
-        self._columns = out.arrays()["columns"].T
-        self._steady = np.zeros(self._columns.shape[1], dtype=bool)
-        self._steady[out.steady] = True
-        self._inks = {token: _rgb(pair[0]) for token, pair in out.inks.items()}
-        self._ramps = {name: [[_rgb(c) for c in side] for side in sides]
-                       for name, sides in out.ramps.items()}
-        self._moves = np.ptp(np.nan_to_num(out.pose), axis=0).any(axis=1)
         self.still_plans: list[Plan] = []
         self.plans: list[Plan] = []
-        self._extents: list[tuple[int, int]] = []
-        self.wild = False
-        """Whether some point is far outside of the picture, or not finite."""
-        self.touched: list[tuple[float, float, float, float]] = []
-        self.outlines: list[slice] = []
-        """Points along the items, in a row for each: where labels hide something."""
         for item in out.items:
             self._plan(item)
         self._join()
@@ -156,87 +90,6 @@ class Instant:
         return not (changing or any(isinstance(r, list) for r in radii)
                     or any(self._moves[frame] for frame in frames))
 
-    def _join(self) -> None:
-        self._frame = np.concatenate([np.zeros(0, np.intp), *self._frames]).astype(np.intp)
-        self._local = np.concatenate([np.zeros((0, 2)), *self._points])
-        offsets = np.concatenate([np.zeros((0, 2)), *self._offsets])
-        self._offset = offsets if offsets.any() else None
-        self._starts = np.array([a for a, _ in self._extents], dtype=np.intp)
-        self._ends = np.array([b for _, b in self._extents], dtype=np.intp)
-
-    # -- a time -----------------------------------------------------------------------------------
-
-    def go_to(self, t: float) -> None:
-        """Work out poses and columns at a time [s], and the pixels of all points."""
-        time = self.out.time
-        i = int(np.clip(np.searchsorted(time, t) - 1, 0, max(len(time) - 2, 0)))
-        j = min(i + 1, len(time) - 1)
-        w = float(np.clip((t - time[i]) / (time[j] - time[i]), 0, 1)) if j > i else 0.0
-        self.sample, self.time = (j if w > 0.5 else i), t
-        self._set((1 - w) * self.out.pose[i] + w * self.out.pose[j],
-                  (1 - w) * self._columns[i] + w * self._columns[j])
-        if self.out.drift is not None:
-            drift = (1 - w) * self.out.drift[i] + w * self.out.drift[j]
-            self._follow(drift)
-            self._set(self.pose, self._even)
-
-    def go_to_sample(self, sample: int) -> None:
-        """The same for a sample."""
-        self.sample, self.time = sample, float(self.out.time[sample])
-        if self.out.drift is not None:
-            self._follow(self.out.drift[sample])
-        self._set(self.out.pose[sample], self._columns[sample])
-
-    def _follow(self, drift: Array) -> None:
-        still = self.still_camera
-        self.camera = Camera(still.scale, (still.centre[0] + float(drift[0]),
-                                           still.centre[1] + float(drift[1])), still.pixel)
-
-    def _set(self, pose: Array, even: Array) -> None:
-        self.pose, self._even = pose, even
-        self.values = np.where(self._steady, self._columns[self.sample], even).tolist()
-        p = pose[self._frame]
-        c, s = np.cos(p[:, 2]), np.sin(p[:, 2])
-        x, y = self._local.T
-        (px, py), (cx, cy) = self.camera.pixel, self.camera.centre
-        self.px = np.empty((len(p), 2))
-        self.px[:, 0] = px + self.scale * (p[:, 0] + c * x - s * y - cx)
-        self.px[:, 1] = py - self.scale * (p[:, 1] + s * x + c * y - cy)
-        if self._offset is not None:
-            self.px += self._offset * (self.point, -self.point)
-        self.points: list[XY] = [(x, y) for x, y in self.px.tolist()]
-        left, top, right, bottom = self.edges
-        self.wild = bool(len(self.px)) and not (
-            self.px.min() >= min(left, top) and self.px[:, 0].max() <= right
-            and self.px[:, 1].max() <= bottom)
-
-    def key(self) -> bytes:
-        """Equal for instants that look the same."""
-        parts = [np.clip(np.nan_to_num(np.rint(self.px), nan=-9e8), -1e9, 1e9).astype(
-            np.int32).tobytes(), np.round(np.array(self.values) / LOOKS_EQUAL).tobytes()]
-        for name, first in self._first.items():
-            rows = self.out.tables[name][first[self.sample]:first[self.sample + 1], 1:]
-            parts.append(np.round(np.nan_to_num(rows) * 1e4).tobytes())
-        if any(item["k"] == "trail" for item in self.out.items):
-            parts.append(str(self.sample).encode())
-        return b"".join(parts)
-
-    def boxes(self) -> Array:
-        """Left, top, right and bottom of each moving item with points, [k, 4] pixels."""
-        if not len(self._starts):
-            return np.array(self.touched).reshape(-1, 4)
-        px = np.nan_to_num(self.px, nan=-1e6, posinf=1e6, neginf=-1e6)
-        ends = np.append(self._starts, 0)
-        low = np.minimum.reduceat(px, ends[:-1], axis=0)
-        high = np.maximum.reduceat(px, ends[:-1], axis=0)
-        own = np.hstack((low, high))
-        return np.concatenate([own, np.array(self.touched).reshape(-1, 4)])
-
-    def touch(self, *points: Any) -> None:
-        """Note the box of some points [pixels] that belong to no frame."""
-        x, y = np.asarray(points, dtype=float).reshape(-1, 2).T
-        self.touched.append((x.min(), y.min(), x.max(), y.max()))
-
     def paint(self, painter: Painter) -> None:
         """Paint what moves."""
         self.touched.clear()
@@ -247,47 +100,6 @@ class Instant:
         """Paint what stays, behind all else."""
         for plan in self.still_plans:
             plan(painter)
-
-    def value(self, number: Any) -> float:
-        """A number, or a column's value."""
-        return float(self.values[number[0]]) if isinstance(number, list) else float(number)
-
-    def ink(self, token: str, by: float = 0.0) -> Colour | None:
-        """The colour of a token; ``by`` of a ramp."""
-        if token[:1] == "@":
-            low, high = self._ramps[token[1:]]
-            ramp = low if by < 0 else high
-            return ramp[min(len(ramp) - 1, int(abs(by) * (len(ramp) - 1) + 0.5))]
-        return self._inks.get(token)
-
-    def look(self, item: Item) -> tuple[Colour | None, Colour | None, float, float, int]:
-        """Fill, edge, width, dash [pixels] and hatching of an item now."""
-        number = item["s"]
-        if isinstance(number, list):
-            number = number[min(len(number) - 1, max(0, round(self.value(item["state"]))))]
-        fill, edge, width, dash, hatched = self.out.styles[number]
-        by = self.value(item["by"]) if "by" in item else 0.0
-        wide = self.value(item["wide"]) if "wide" in item else 1.0
-        return (self.ink(fill, by), self.ink(edge, by), width * wide * self.point * self.thin,
-                dash * self.point, hatched)
-
-    def to_pixels(self, world: Array) -> Array:
-        """Pixels of points of the world [..., 2] m."""
-        return self.camera.to_pixels(world)
-
-    # -- plans ------------------------------------------------------------------------------------
-
-    def _pool(self, frame: int, points: Any, offset: XY = (0.0, 0.0)) -> slice:
-        points = np.asarray(points, dtype=float).reshape(-1, 2)
-        self._frames.append(np.full(len(points), frame, dtype=np.intp))
-        self._points.append(points)
-        self._offsets.append(np.tile(np.asarray(offset, dtype=float), (len(points), 1)))
-        self._count += len(points)
-        return slice(self._count - len(points), self._count)
-
-    def _place(self, point: Sequence[Any]) -> int:
-        offset = (point[3], point[4]) if len(point) > 3 else (0.0, 0.0)
-        return int(self._pool(point[0], [point[1:3]], offset).start)
 
     def _path(self, item: Item) -> Plan:
         circle = item["d"][0]["c"] if len(item["d"]) == 1 and isinstance(item["d"][0], dict) \
@@ -516,29 +328,6 @@ class Instant:
             self._stroke(painter, path.tolist(), edge, width, dash)
         return paint
 
-    def rows(self, item: Item) -> Array:
-        """The rows of an item's table in this sample."""
-        first = self._first[item["t"]]
-        return self.out.tables[item["t"]][first[self.sample]:first[self.sample + 1]]
-
-    def arrows(self, item: Item) -> tuple[Array, Array, Array, Array]:
-        """Rows with an arrow in sight, its tails and tips [k, 2] pixels, sizes; small ones first.
-
-        They are limited to arrows that are painted.
-        """
-        rows = self.rows(item)
-        size = np.hypot(rows[:, 4], rows[:, 5])
-        cut = np.minimum(1.0, item["most"] / np.maximum(size, 1e-30)) * item["metres"]
-        tails = self.to_pixels(rows[:, 2:4])
-        way = rows[:, 4:6] * cut[:, None] * (self.scale, -self.scale)
-        left, top, right, bottom = self.edges
-        x, y = tails.T
-        there = (np.isfinite(way).all(axis=1) & (x > left) & (x < right) & (y > top)
-                 & (y < bottom) & (np.hypot(*way.T) >= item["least"] * self.point))
-        order = np.argsort(size[there], kind="stable")
-        rows, size, tails, way = (each[there][order] for each in (rows, size, tails, way))
-        return rows, tails, tails + way, size
-
     def _arrows(self, item: Item) -> Plan:
         shaft, head = item["size"]
 
@@ -596,7 +385,7 @@ class Instant:
 
         def paint(painter: Painter) -> None:
             fill, edge, width, _, _ = self.look(item)
-            width = max(width, 1.2 / self.factor)
+            width = max(width, 1.5 / self.factor)
             passed = kept[:int(np.searchsorted(kept, self.sample, side="right"))][-MOST_PIECES:]
             path: list[XY] = [*self.to_pixels(way[passed]).tolist(), self.points[at]]
             self._stroke(painter, path, edge, width)
@@ -613,8 +402,6 @@ class Instant:
     def _text(self, item: Item) -> None:
         item_at = self._place(item["at"])
         self.texts.append((item, item_at))
-
-    # -- labels -----------------------------------------------------------------------------------
 
     def labels(self) -> Iterator[Label]:
         """All texts and values of this instant, also those that have no place."""
@@ -666,31 +453,6 @@ class Instant:
         return f"{written(value, item['factor'], item['decimals'])} {item['unit']}"
 
 
-def offset(side: int, half: tuple[float, float], clear: float, point: float) -> XY:
-    """From a label's point to its middle [pixels], for half its size, y down."""
-    dx, dy, far = SIDES[side]
-    reach = (3 + far) * point + clear
-    return dx * (half[0] + reach), -dy * (half[1] + reach)
-
-
-def paint_labels(instant: Instant, painter: Painter, type_size: int,
-                 half: Callable[[str], tuple[float, float]]) -> None:
-    """Write the labels that have a place."""
-    factor = instant.factor
-    for label in instant.labels():
-        if label.side < 0 or not within([label.point], instant.edges):
-            continue
-        x, y = label.point[0] * factor, label.point[1] * factor
-        point = instant.point * factor
-        dx, dy = offset(label.side, half(label.words), label.clear * point, point)
-        leader: list[XY] = []
-        if SIDES[label.side][2]:
-            ux, uy, far = SIDES[label.side]
-            reach = (far + 2) * point + label.clear * point
-            leader = [(x + ux * 2 * point, y - uy * 2 * point), (x + ux * reach, y - uy * reach)]
-        painter.text((x + dx, y + dy), label.words, type_size, label.ink, leader)
-
-
 def _apart(points: Array, least: float) -> Any:
     """Numbers of the points [n, 2] that are ``least`` apart, each from the last one."""
     kept: list[int] = []
@@ -705,21 +467,3 @@ def _apart(points: Array, least: float) -> Any:
 def _square(x: float, y: float, half: float) -> list[XY]:
     """The corners of a square, whose box holds a circle however it is turned."""
     return [(x + half * a, y + half * b) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-
-
-def _rgb(colour: str) -> Colour:
-    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
-
-
-def hatch_ink(edge: Colour) -> Colour:
-    """The colour of hatching in a fill with this edge."""
-    return lighter(edge, 0.45)
-
-
-def hatch_lines(corners: Sequence[XY], pitch: float) -> list[tuple[XY, XY]]:
-    """Slanted lines over the box of some corners; neighbouring areas have the same ones."""
-    points = np.asarray(corners)
-    (x0, y0), (x1, y1) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
-    starts = np.arange((x0 + y0) // pitch * pitch, x1 + y1 + pitch, pitch).tolist()
-    return [((c - y0, y0), (c - y1, y1)) for c in starts]
-

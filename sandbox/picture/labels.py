@@ -12,8 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.picture.instant import Instant, offset
+from sandbox.picture.cut import within
+from sandbox.picture.instant import Instant
 from sandbox.picture.listing import SIDES, Item
+from sandbox.picture.painter import XY, Painter
 
 LOOKED = 48
 """Samples that are looked at."""
@@ -188,3 +190,28 @@ def steady(there: Flags, time: Array, least: float) -> Flags:
             if found[a] == wanted and a > 0 and b < len(found) and time[b] - time[a] < least:
                 found[a:b] = not wanted
     return found
+
+
+def offset(side: int, half: tuple[float, float], clear: float, point: float) -> XY:
+    """From a label's point to its middle [pixels], for half its size, y down."""
+    dx, dy, far = SIDES[side]
+    reach = (3 + far) * point + clear
+    return dx * (half[0] + reach), -dy * (half[1] + reach)
+
+
+def paint_labels(instant: Instant, painter: Painter, type_size: int,
+                 half: Callable[[str], tuple[float, float]]) -> None:
+    """Write the labels that have a place."""
+    factor = instant.factor
+    for label in instant.labels():
+        if label.side < 0 or not within([label.point], instant.edges):
+            continue
+        x, y = label.point[0] * factor, label.point[1] * factor
+        point = instant.point * factor
+        dx, dy = offset(label.side, half(label.words), label.clear * point, point)
+        leader: list[XY] = []
+        if SIDES[label.side][2]:
+            ux, uy, far = SIDES[label.side]
+            reach = (far + 2) * point + label.clear * point
+            leader = [(x + ux * 2 * point, y - uy * 2 * point), (x + ux * reach, y - uy * reach)]
+        painter.text((x + dx, y + dy), label.words, type_size, label.ink, leader)

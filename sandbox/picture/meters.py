@@ -14,7 +14,7 @@ from sandbox.model.shown_meters import curves, is_expression
 from sandbox.numeric import Array
 from sandbox.picture.camera import round_up
 from sandbox.picture.elements.fluids import pressure_unit
-from sandbox.picture.instant import XY, SheetPainter
+from sandbox.picture.painter import XY, SheetPainter
 from sandbox.picture.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour, lighter
 from sandbox.picture.run_data import MeteredRun, read_curve
 from sandbox.picture.typesetter import Typesetter, ellipsis

@@ -95,15 +95,6 @@ TENSION: tuple[Colour, ...] = tuple(_mix(_RAMP, k / (LEVELS - 1)) for k in range
 PUSH: tuple[Colour, ...] = tuple(_mix(_PUSH_RAMP, k / (LEVELS - 1)) for k in range(LEVELS))
 
 
-def tension_colour(fraction: float) -> Colour:
-    """Colour of what pulls at ``fraction`` of the scale, or pushes at less than 0 of it.
-
-    What lies beyond -1 to 1 is clipped.
-    """
-    ramp = TENSION if fraction >= 0 else PUSH
-    return ramp[min(LEVELS - 1, int(abs(fraction) * (LEVELS - 1) + 0.5))]
-
-
 def mixed(one: Colour, other: Colour, fraction: float) -> Colour:
     """``one`` with a fraction (0 to 1) of ``other``."""
     red, green, blue = (round(p + fraction * (q - p)) for p, q in zip(one, other, strict=True))

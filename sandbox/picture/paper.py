@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from sandbox.atomic_files import atomic_file
 from sandbox.picture.frame import Picture
-from sandbox.picture.instant import XY, hatch_ink, hatch_lines, paint_labels
+from sandbox.picture.labels import paint_labels
+from sandbox.picture.painter import XY, hatch_ink, hatch_lines
 from sandbox.picture.palette import BACKGROUND, Colour, lighter
 from sandbox.picture.typesetter import EM, Typesetter, letters
 
@@ -94,7 +95,7 @@ class Paper:
 
     def area(self, rings: Sequence[Sequence[Sequence[XY]]], fill: Colour | None,
              edge: Colour | None, width: float, *, union: bool = False, hatch: float = 0.0) -> None:
-        """See :class:`sandbox.picture.instant.Painter`."""
+        """See :class:`sandbox.picture.painter.Painter`."""
         lines = [ring for ring, _, _ in rings]
         if union:
             for ring in lines:
@@ -116,19 +117,19 @@ class Paper:
         self._draw(path, None, hatch_ink(edge), 0.13 * pitch, _closed([ring]))
 
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
-        """See :class:`sandbox.picture.instant.Painter`."""
+        """See :class:`sandbox.picture.painter.Painter`."""
         from matplotlib.path import Path as Outline
 
         self._draw(Outline(np.asarray(path)), None, ink, width)
 
     def simple(self, corners: Sequence[XY], fill: Colour | None, edge: Colour | None,
                width: float) -> None:
-        """See :class:`sandbox.picture.instant.Painter`."""
+        """See :class:`sandbox.picture.painter.Painter`."""
         self._draw(_closed([corners]), fill, edge, width)
 
     def disc(self, centre: XY, radius: float, fill: Colour | None, edge: Colour | None,
              width: float, *, hatch: float = 0.0) -> None:
-        """See :class:`sandbox.picture.instant.Painter`."""
+        """See :class:`sandbox.picture.painter.Painter`."""
         from matplotlib.path import Path as Outline
 
         self._draw(Outline.circle(centre, radius), fill, edge if width else None, width)
@@ -137,7 +138,7 @@ class Paper:
             self._hatch(ring.tolist(), edge, hatch)
 
     def text(self, middle: XY, words: str, size: int, ink: Colour, leader: Sequence[XY]) -> None:
-        """See :class:`sandbox.picture.instant.Painter`."""
+        """See :class:`sandbox.picture.painter.Painter`."""
         from matplotlib.transforms import Affine2D
 
         if leader:
@@ -151,7 +152,7 @@ class Paper:
         self.write((x, y), words, size, ink)
 
     def write(self, corner: XY, words: str, size: int, ink: Colour) -> None:
-        """See :class:`sandbox.picture.instant.SheetPainter`."""
+        """See :class:`sandbox.picture.painter.SheetPainter`."""
         from matplotlib.transforms import Affine2D
 
         words = letters(words)

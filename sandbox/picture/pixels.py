@@ -10,7 +10,7 @@ import pygame
 from numpy.typing import NDArray
 
 from sandbox.picture.geometry import ribbon
-from sandbox.picture.instant import XY, hatch_ink, hatch_lines
+from sandbox.picture.painter import XY, hatch_ink, hatch_lines
 from sandbox.picture.palette import BACKGROUND, Colour, lighter
 from sandbox.picture.typesetter import Typesetter
 
@@ -44,7 +44,7 @@ class Pixels:
 
     def area(self, rings: Sequence[Sequence[Sequence[XY]]], fill: Colour | None,
              edge: Colour | None, width: float, *, union: bool = False, hatch: float = 0.0) -> None:
-        """See :class:`sandbox.picture.instant.Painter`."""
+        """See :class:`sandbox.picture.painter.Painter`."""
         polygon, large = pygame.draw.polygon, self.large
         if fill is not None and (union or len(rings) == 1):
             if edge is not None and width:
@@ -96,7 +96,7 @@ class Pixels:
         return lines, area
 
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
-        """See :class:`sandbox.picture.instant.Painter`."""
+        """See :class:`sandbox.picture.painter.Painter`."""
         if (len(path) == 2 and width > 2.5) or (2 < len(path) < LONG and width > 2.5 and (
                 not _turns_back(path))):
             pygame.draw.polygon(self.large, ink, ribbon(path, width))
@@ -107,7 +107,7 @@ class Pixels:
 
     def simple(self, corners: Sequence[XY], fill: Colour | None, edge: Colour | None,
                width: float) -> None:
-        """See :class:`sandbox.picture.instant.Painter`."""
+        """See :class:`sandbox.picture.painter.Painter`."""
         if fill is not None:
             pygame.draw.polygon(self.large, fill, corners)
         if edge is not None and width:
@@ -115,7 +115,7 @@ class Pixels:
 
     def disc(self, centre: XY, radius: float, fill: Colour | None, edge: Colour | None,
              width: float, *, hatch: float = 0.0) -> None:
-        """See :class:`sandbox.picture.instant.Painter`."""
+        """See :class:`sandbox.picture.painter.Painter`."""
         if edge is not None and width:
             if fill is None:
                 pygame.draw.circle(self.large, edge, centre, radius + width / 2,
@@ -133,7 +133,7 @@ class Pixels:
         self.texts.append((middle, words, size, ink, leader))
 
     def write(self, corner: XY, words: str, size: int, ink: Colour) -> None:
-        """See :class:`sandbox.picture.instant.SheetPainter`."""
+        """See :class:`sandbox.picture.painter.SheetPainter`."""
         self.plain.append((corner, words, size, ink))
 
     def write_texts(self) -> list[pygame.Rect]:

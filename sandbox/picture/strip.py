@@ -24,7 +24,7 @@ from sandbox.picture.frame import (
     type_size,
 )
 from sandbox.picture.headline import Headline
-from sandbox.picture.instant import paint_labels
+from sandbox.picture.labels import paint_labels
 from sandbox.picture.meters import MeterPanel
 from sandbox.picture.palette import HAIRLINE, INK
 from sandbox.picture.paper import Paper
