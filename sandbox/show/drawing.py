@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.kinds.arrays import largest_size
-from sandbox.kinds.elements import ON_TENDON
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
 from sandbox.picture.elements.bodies import styles
+from sandbox.picture.elements.drives import signs_of
 from sandbox.picture.elements.links import has_ropes
 from sandbox.picture.palette import ROLES, WHEEL, WHEEL_EDGE, Style
 from sandbox.picture.points import PointPool
@@ -28,10 +28,6 @@ EDGE, HAIR, PIN, COLLAR, GAUGE = 1.3, 0.5, 3.6, 6.4, 13.0
 CORD, WOUND, COIL, THICK, SHORT = 2.4, 1.5, 1.1, (0.5, 6.0), 36.0
 FINE, LABELLED, MOST_LABELS, HINGE = ((4.4, 11), (2.4, 10)), 0.12, 24, 5.0
 """Widths and sizes in points; the wound end of a cord in radians; shares."""
-
-
-DRIVE_LENGTH = 0.07
-"""Length of a drive's arrow at its typical large value as a fraction of the picture's width."""
 
 
 SLIM, BLOCK = ((5.4, 12), (3.4, 11)), ((9.0, 20), (7.0, 17))
@@ -109,45 +105,6 @@ def _sense(model: Model, drive: int) -> int:
 
 
 @dataclass(frozen=True)
-class DriveDrawing:
-    """What is drawn of every drive of a kind."""
-
-    arrow: Callable[[Model, int, PointPool], Arrow] | None = None
-    """Its arrow, whose points it pools; for the drive's number."""
-    mark: str = ""
-    """About its hinge, of :data:`HINGE_MARKS`."""
-    legend: tuple[str, ...] = ()
-    """Its lines there, of :data:`SYMBOLS`."""
-
-
-DRIVES: Mapping[str, DriveDrawing] = {
-    "force": DriveDrawing(_force),
-    "torque": DriveDrawing(_torque),
-    "pull": DriveDrawing(_pull),
-    "push": DriveDrawing(_push),
-    "extend": DriveDrawing(), "length": DriveDrawing(),
-    "radius": DriveDrawing(),
-    "flow": DriveDrawing(), "pressure": DriveDrawing(), "opening": DriveDrawing(),
-    "hold": DriveDrawing(),
-    "stiffness": DriveDrawing(legend=("stiffer",)),
-    "brake": DriveDrawing(mark="brake", legend=("braked", "unbraked")),
-    "motor": DriveDrawing(mark="motor", legend=("motor",)),
-    "surface": DriveDrawing(legend=("belt",)),
-    "servo": DriveDrawing(mark="servo", legend=("servo",)),
-}
-"""By the tag of a drive; a new kind is a row."""
-
-
-def signs_of(model: Model) -> set[str]:
-    """What the legend says of drives and of dry friction, of hinges and of guides that hold."""
-    cords = set(np.flatnonzero([kind in ON_TENDON.values() for kind in model.drives.kind]).tolist())
-    there = {drive.type for i, drive in enumerate(model.mechanism.drives) if i not in cords}
-    rubs = model.joints.rubbed.size or model.tendons.grips.size
-    return {name for tag in there for name in DRIVES[tag].legend} | (
-        {"wider"} if cords else set()) | ({"rubs", "slides"} if rubs else set())
-
-
-@dataclass(frozen=True)
 class _Told:
     """A drive whose torque or force the solve works out, which is written beside it."""
 
@@ -158,13 +115,6 @@ class _Told:
     """Pooled points: of an actuator its two, of a hinge one twice."""
     decimals: int
     """Of the value: three digits of the largest of the run."""
-
-
-def drive_tie(model: Model, drive: int) -> int:
-    """The number, among what may be let go, of the joint or cord that a drive acts on, or -1."""
-    numbers = {"joints": model.ties.joint, "tendons": model.ties.tendon}
-    own = numbers.get(model.drives.kind[drive].target.among)
-    return -1 if own is None else int(own[model.drives.target[drive]])
 
 
 def told_drives(run: RunData, pool: PointPool) -> list[_Told]:
@@ -402,3 +352,9 @@ RIM = 1.5
 
 TIP, HINGE = 2.5, 5.0
 """and ends so far before the end of an arrow, and before a hinge [points]."""
+
+
+ARROWS: Mapping[str, Callable[[Model, int, PointPool], Arrow]] = {
+    "force": _force, "torque": _torque, "pull": _pull, "push": _push,
+}
+"""The arrows of drives, by type."""

@@ -8,18 +8,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.model.model import Model
+from sandbox.picture.elements.drives import DRIVES, drive_tie
+from sandbox.picture.elements.drives import LENGTH as DRIVE_LENGTH
 from sandbox.picture.elements.forces import LOAD_LENGTH, TELLING, load_scale
 from sandbox.picture.geometry import shape_points
 from sandbox.picture.points import PointPool
 from sandbox.picture.run_data import RunData
 from sandbox.picture.scales import ForceScale, typical
-from sandbox.show.drawing import (
-    DRIVE_LENGTH,
-    DRIVES,
-    drive_tie,
-    reaches,
-    told_drives,
-)
+from sandbox.show.drawing import ARROWS, reaches, told_drives
 from sandbox.show.joints import tie_of
 from sandbox.show.points import Part, path, point, short
 
@@ -56,8 +52,8 @@ def arrows(run: RunData, scale: ForceScale, width: float) -> Iterator[Part]:
     ``long`` at their largest value.
     """
     model, pool = run.model, PointPool()
-    made = [(k, drive, row.arrow(model, k, pool)) for k, drive in enumerate(run.mechanism.drives)
-            if (row := DRIVES[drive.type]).arrow is not None]
+    made = [(k, drive, ARROWS[drive.type](model, k, pool))
+            for k, drive in enumerate(run.mechanism.drives) if drive.type in ARROWS]
     pool.close()
     for k, drive, arrow in made:
         sizes = np.abs(run.arrays["drive_value"][:, k])
