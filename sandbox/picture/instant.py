@@ -96,12 +96,14 @@ class Instant(Moment):
 
     def paint(self, painter: Painter) -> None:
         """Paint what moves."""
+        self.list_points()
         self.touched.clear()
         for plan in self.plans:
             plan(painter)
 
     def paint_still(self, painter: Painter) -> None:
         """Paint what stays, behind all else."""
+        self.list_points()
         for plan in self.still_plans:
             plan(painter)
 
@@ -409,6 +411,7 @@ class Instant(Moment):
 
     def labels(self) -> Iterator[Label]:
         """All texts and values of this instant, also those that have no place."""
+        self.list_points()
         for item, at in self.texts:
             if ("if" in item and self.value(item["if"]) <= 0.5) or "edge" in item:
                 continue

@@ -53,6 +53,8 @@ class Moment:
         self._extents: list[tuple[int, int, float]] = []
         """Where the points of each moving item begin and end, and how far beside them it reaches
         [points]."""
+        self.points: list[XY] = []
+        self._listed = False
         self.wild = False
         """Whether some point is far outside of the picture, or not finite."""
         self.touched: list[tuple[float, float, float, float]] = []
@@ -121,11 +123,16 @@ class Moment:
         self.px[:, 1] = py - self.scale * (p[:, 1] + s * x + c * y - cy)
         if self._offset is not None:
             self.px += self._offset * (self.point, -self.point)
-        self.points: list[XY] = cast("list[XY]", self.px.tolist())
+        self._listed = False
         left, top, right, bottom = self.edges
         self.wild = bool(len(self.px)) and not (
             self.px.min() >= min(left, top) and self.px[:, 0].max() <= right
             and self.px[:, 1].max() <= bottom)
+
+    def list_points(self) -> None:
+        """Make ``points`` of the pixels, which painters take; times that look equal need none."""
+        if not self._listed:
+            self.points, self._listed = cast("list[XY]", self.px.tolist()), True
 
     def key(self) -> bytes:
         """Equal for times that look the same: to 1/1000 of the largest value of each number."""
