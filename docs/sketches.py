@@ -30,7 +30,7 @@ from sandbox.draw.figure.style import (
     new_figure,
     save_figure,
 )
-from sandbox.draw.film.palette import ROLES
+from sandbox.picture.palette import ROLES
 
 DOCS = Path(__file__).parent
 GRAVITY = 9.81

@@ -11,16 +11,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.draw.film.bars import bar_tensions, bars_of
-from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.marked import marked
-from sandbox.draw.film.pressure import FlatSides
-from sandbox.draw.film.tendons import slipping
-from sandbox.draw.film.vectors import Vectors, accelerations, reactions, velocities
 from sandbox.elements.arrays import Arrays, largest_size
 from sandbox.model.joints import link_tensions
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
+from sandbox.picture.bars import bar_tensions, bars_of
+from sandbox.picture.elements.cords import slipping
+from sandbox.picture.elements.forces import Vectors, accelerations, reactions, velocities
+from sandbox.picture.elements.pressure import FlatSides
+from sandbox.picture.marked import marked
+from sandbox.picture.run_data import RunData
 from sandbox.samples.contacts import contacts_on
 from sandbox.samples.cords import piece_tensions
 from sandbox.scene.layers import EVERY, meant
@@ -41,7 +41,7 @@ class SomeSamples(NamedTuple):
     time: Array
 
 
-def vectors_of(run: Filmed) -> dict[str, tuple[str, Vectors]]:
+def vectors_of(run: RunData) -> dict[str, tuple[str, Vectors]]:
     """Arrows that are shown on wish: by the name of their channel the layer, and what they show."""
     places = marked(run, run.mechanism.view, EVERY)
     every = range(len(run.mechanism.bodies))
@@ -50,7 +50,7 @@ def vectors_of(run: Filmed) -> dict[str, tuple[str, Vectors]]:
             "hinged": ("reactions", reactions(run, every))}
 
 
-def sides_of(run: Filmed, shown: tuple[Integers, Array] | None = None) -> FlatSides:
+def sides_of(run: RunData, shown: tuple[Integers, Array] | None = None) -> FlatSides:
     """The flat sides that touch of the bodies of which the view shows pressure, of all if of none.
 
     ``shown`` as :class:`FlatSides` takes it.

@@ -7,24 +7,20 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sandbox.draw.film.drives import (
-    DRIVE_LENGTH,
-    DRIVES,
-    drive_tie,
-    reaches,
-    told_drives,
-)
-from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.geometry import shape_points
-from sandbox.draw.film.loads import LOAD_LENGTH, TELLING, load_scale
-from sandbox.draw.film.points import PointPool
-from sandbox.draw.film.scales import ForceScale, typical
 from sandbox.model.model import Model
+from sandbox.picture.elements.drives import DRIVES, drive_tie
+from sandbox.picture.elements.drives import LENGTH as DRIVE_LENGTH
+from sandbox.picture.elements.forces import LOAD_LENGTH, TELLING, load_scale
+from sandbox.picture.geometry import shape_points
+from sandbox.picture.points import PointPool
+from sandbox.picture.run_data import RunData
+from sandbox.picture.scales import ForceScale, typical
+from sandbox.show.drawing import ARROWS, reaches, told_drives
 from sandbox.show.joints import tie_of
 from sandbox.show.points import Part, path, point, short
 
 
-def belts(run: Filmed) -> Iterator[Part]:
+def belts(run: RunData) -> Iterator[Part]:
     """Marks along outlines that run; ``w`` is the column of ``way``."""
     drives = run.model.drives
     for column, drive in enumerate(drives.giving("surface").tolist()):
@@ -36,7 +32,7 @@ def belts(run: Filmed) -> Iterator[Part]:
                    "r": path(np.vstack([points, points[:1]]))}
 
 
-def drive_marks(run: Filmed) -> Iterator[Part]:
+def drive_marks(run: RunData) -> Iterator[Part]:
     """Squares of brakes, arcs of motors, dials of servos."""
     model = run.model
     for k, drive in enumerate(run.mechanism.drives):
@@ -48,7 +44,7 @@ def drive_marks(run: Filmed) -> Iterator[Part]:
                    "sense": int(model.joints.sense[joint])}
 
 
-def arrows(run: Filmed, scale: ForceScale, width: float) -> Iterator[Part]:
+def arrows(run: RunData, scale: ForceScale, width: float) -> Iterator[Part]:
     """Forces, pulls and torques from outside.
 
     ``to`` are two points that the arrow points along, ``dir`` a direction besides; ``bend`` is the
@@ -56,8 +52,8 @@ def arrows(run: Filmed, scale: ForceScale, width: float) -> Iterator[Part]:
     ``long`` at their largest value.
     """
     model, pool = run.model, PointPool()
-    made = [(k, drive, row.arrow(model, k, pool)) for k, drive in enumerate(run.mechanism.drives)
-            if (row := DRIVES[drive.type]).arrow is not None]
+    made = [(k, drive, ARROWS[drive.type](model, k, pool))
+            for k, drive in enumerate(run.mechanism.drives) if drive.type in ARROWS]
     pool.close()
     for k, drive, arrow in made:
         sizes = np.abs(run.arrays["drive_value"][:, k])
@@ -72,7 +68,7 @@ def arrows(run: Filmed, scale: ForceScale, width: float) -> Iterator[Part]:
                **tie_of(drive_tie(model, k))}
 
 
-def told_parts(run: Filmed) -> Iterator[Part]:
+def told_parts(run: RunData) -> Iterator[Part]:
     """What motors, brakes, servos and actuators give, where they are few; ``c`` of ``given``."""
     pool = PointPool()
     told = told_drives(run, pool)
@@ -89,7 +85,7 @@ def limited(model: Model) -> list[int]:
     return [k for k, kind in enumerate(model.drives.kind) if kind.limited]
 
 
-def load_parts(run: Filmed, scale: ForceScale, width: float) -> list[Part]:
+def load_parts(run: RunData, scale: ForceScale, width: float) -> list[Part]:
     """Arrows of loads: one part for all, with the places and names of each."""
     loads = run.model.loads
     if not loads.name:

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.fluids import Tube, ports_of, tubes_of
-from sandbox.draw.film.points import PointPool
 from sandbox.model.model import NONE
+from sandbox.picture.points import PointPool
+from sandbox.picture.run_data import RunData
+from sandbox.show.drawing import Tube, ports_of, tubes_of
 from sandbox.show.points import Part, point, short
 
 
-def fluid_parts(run: Filmed) -> list[Part]:
+def fluid_parts(run: RunData) -> list[Part]:
     """All of them. A port is where a hose meets a chamber: a vane's point, or a cylinder."""
     model, pool = run.model, PointPool()
     lines, joints = model.lines, model.joints
@@ -47,7 +47,7 @@ def fluid_parts(run: Filmed) -> list[Part]:
     return [*found, *_pumps(run, every, pairs)]
 
 
-def _pumps(run: Filmed, ports: list[Any], pairs: list[Any]) -> list[Part]:
+def _pumps(run: RunData, ports: list[Any], pairs: list[Any]) -> list[Part]:
     drives, beside = run.model.drives, dict[int, int]()
     found: list[Part] = []
     for d in drives.giving("flow", "pressure").tolist():

@@ -11,25 +11,26 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.audit.figures import Figure
-from sandbox.draw.film import palette
-from sandbox.draw.film.bars import bars_of
-from sandbox.draw.film.bounds import body_box, whole_box
-from sandbox.draw.film.camera import Rectangle, width_shown
-from sandbox.draw.film.drives import arrow_sign
-from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.fluids import largest_pressure, pressure_text
-from sandbox.draw.film.marked import finger_names
-from sandbox.draw.film.scales import LONGEST, ForceScale, force_scale
-from sandbox.draw.film.symbols import SYMBOLS, fixed_style, signs_in
-from sandbox.draw.film.tensions import SLACK_FRACTION, Tensions, tensions_of
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array
+from sandbox.picture import palette
+from sandbox.picture.bars import bars_of
+from sandbox.picture.bounds import body_box, whole_box
+from sandbox.picture.build import subject_of
+from sandbox.picture.camera import Rectangle, width_shown
+from sandbox.picture.elements.fluids import largest_pressure, pressure_text
+from sandbox.picture.marked import finger_names
+from sandbox.picture.run_data import RunData
+from sandbox.picture.scales import LONGEST, ForceScale, force_scale
+from sandbox.picture.tensions import SLACK_FRACTION, Tensions, tensions_of
 from sandbox.samples.contacts import contacts_on, said_of
 from sandbox.samples.expectations import Verdict, window
 from sandbox.samples.samples import Samples
 from sandbox.scene.expand import to_json
 from sandbox.scene.layers import LAYERS, shown
+from sandbox.scene.settings import View
 from sandbox.show.channels import moving, vectors_of
+from sandbox.show.drawing import SYMBOLS, arrow_sign, fixed_style, signs_in
 from sandbox.show.parts import fills_of, parts_of
 from sandbox.show.points import Part, css, short
 
@@ -51,7 +52,14 @@ class FoundOut(NamedTuple):
     """Of its scene, in SI."""
 
 
-def drawing(run: Filmed) -> dict[str, Any]:
+def _whole(run: RunData, bodies: Rectangle, scale: ForceScale, across: float,
+           view: View) -> Rectangle:
+    """What a page shows of a run [m]: its bodies and arrows."""
+    out = subject_of(run, view, width=across, point=across / 800, force=scale).out
+    return whole_box(out, run, bodies, view)
+
+
+def drawing(run: RunData) -> dict[str, Any]:
     """All that a ``Stage`` needs to draw frames of a run."""
     mechanism, model = run.mechanism, run.model
     bodies = body_box(run)
@@ -59,7 +67,7 @@ def drawing(run: Filmed) -> dict[str, Any]:
     across = width_shown(bodies, width / height, mechanism.view.width)
     scale = force_scale(run, across)
     carried = tensions_of(run)
-    box = whole_box(run, bodies, scale, across)
+    box = _whole(run, bodies, scale, across, mechanism.view)
     extent = width_shown(box, width / height, mechanism.view.width)
     parts = parts_of(run, scale, extent)
     legend = _legend(run, scale, carried, parts)
@@ -98,7 +106,7 @@ def _corners(box: Rectangle) -> list[float]:
     return [box.x0, box.y0, box.x1, box.y1]
 
 
-def _unfollowed(run: Filmed, scale: ForceScale, box: Rectangle) -> Rectangle:
+def _unfollowed(run: RunData, scale: ForceScale, box: Rectangle) -> Rectangle:
     """What is shown once nobody is followed any more [m]."""
     view = run.mechanism.view
     if view.follow is None:
@@ -106,10 +114,10 @@ def _unfollowed(run: Filmed, scale: ForceScale, box: Rectangle) -> Rectangle:
     still = view.model_copy(update={"follow": None})
     bodies = body_box(run, still)
     across = width_shown(bodies, view.size[0] / view.size[1], view.width)
-    return whole_box(run, bodies, scale, across, still)
+    return _whole(run, bodies, scale, across, still)
 
 
-def _legend(run: Filmed, scale: ForceScale, carried: Tensions,
+def _legend(run: RunData, scale: ForceScale, carried: Tensions,
             parts: Sequence[Part]) -> list[dict[str, Any]]:
     """Symbols by their names with their widths and the words about them, most important first.
 
@@ -149,7 +157,7 @@ def _legend(run: Filmed, scale: ForceScale, carried: Tensions,
         for name, row in SYMBOLS.items() if name in numbers or name in there]
 
 
-def _legend_numbers(run: Filmed, carried: Tensions, parts: Sequence[Part]) -> dict[str, str]:
+def _legend_numbers(run: RunData, carried: Tensions, parts: Sequence[Part]) -> dict[str, str]:
     """Of symbols that stand for a scale, where it ends; of traces how often they are marked."""
     tops = {"bars": _largest_bar(run), "both" if carried.pushes else "pull": carried.largest}
     found = {name: f"{top:g} N" for name, top in tops.items() if top > 0}
@@ -159,7 +167,7 @@ def _legend_numbers(run: Filmed, carried: Tensions, parts: Sequence[Part]) -> di
     return found | ({"trace": f"{traces[0]['every']:g} s"} if traces else {})
 
 
-def _cut(run: Filmed, scale: ForceScale, parts: Sequence[Part]) -> list[str]:
+def _cut(run: RunData, scale: ForceScale, parts: Sequence[Part]) -> list[str]:
     """The layers in which an arrow is ever cut short."""
     arrays, vectors, found = run.arrays, vectors_of(run), dict[str, None]()
     for part in parts:
@@ -181,7 +189,7 @@ def _cut(run: Filmed, scale: ForceScale, parts: Sequence[Part]) -> list[str]:
     return list(found)
 
 
-def _contacts_of(run: Filmed, part: Part) -> Array:
+def _contacts_of(run: RunData, part: Part) -> Array:
     """Sizes of the contact forces that a part shows, [m] N."""
     sizes: Array = np.hypot(*run.arrays["contact_force"].T)
     if "of" in part:
@@ -191,12 +199,12 @@ def _contacts_of(run: Filmed, part: Part) -> Array:
     return sizes
 
 
-def _largest_bar(run: Filmed) -> float:
+def _largest_bar(run: RunData) -> float:
     """Top of the scale of what bodies between two pins carry [N]; 0 if they carry nothing."""
     return tensions_of(run, bars_of(run, range(len(run.mechanism.bodies)))).largest
 
 
-def _on_whom(run: Filmed) -> str:
+def _on_whom(run: RunData) -> str:
     on, _ = contacts_on(run.model, run.arrays)
     other = run.arrays["contact_body"] + run.arrays["contact_other"] - on
     return said_of(run.model, on, other)

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.joints import JOINTS, TELLING, is_rail, reach_of
-from sandbox.draw.film.tensions import tensions_of
 from sandbox.model.model import NONE, Model
+from sandbox.picture.elements.joints import JOINTS, is_rail
+from sandbox.picture.elements.links import TELLING, reach_of
+from sandbox.picture.run_data import RunData
+from sandbox.picture.tensions import tensions_of
 from sandbox.show.points import Part, point, short
 
 
@@ -43,7 +44,7 @@ def grooves(model: Model) -> tuple[list[Part], list[Part]]:
     return rails, cut
 
 
-def links(run: Filmed) -> Iterator[Part]:
+def links(run: RunData) -> Iterator[Part]:
     """Rods, ropes and cylinders, ``told`` if with numbers; then what runs in grounds."""
     model = run.model
     joints, drives = model.joints, model.drives
@@ -64,7 +65,7 @@ def links(run: Filmed) -> Iterator[Part]:
                    "b": _ends(model, k)["b"], "turns": bool(joints.turns[k])}
 
 
-def stops(run: Filmed) -> Iterator[Part]:
+def stops(run: RunData) -> Iterator[Part]:
     """Wedges at hinges whose stops may act; ``j`` their columns of ``stop``."""
     model, centre = run.model, run.arrays["body_centre"]
     joints = model.joints

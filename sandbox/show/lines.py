@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sandbox.draw.film.points import PointPool
-from sandbox.draw.film.tendons import wheels_of
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Integers
+from sandbox.picture.points import PointPool
+from sandbox.show.drawing import wheels_of
 from sandbox.show.joints import tie_of
 from sandbox.show.points import Part, point, short
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.draw.film.filmed import read_curve
 from sandbox.elements.arrays import largest_size
 from sandbox.numeric import Array, Flags, Integers
+from sandbox.picture.run_data import read_curve
 from sandbox.samples.samples import Samples
 from sandbox.show.channels import STEADY, channels, contact_rows, patch_rows, sides_of
 from sandbox.show.meters import expressions_of

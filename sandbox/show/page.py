@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.draw.film.options import check_run
-from sandbox.draw.film.tensions import tensions_of
 from sandbox.elements.quantities import GRASP, by_telling
 from sandbox.errors import OutputError
+from sandbox.picture.options import check_run
+from sandbox.picture.tensions import tensions_of
 from sandbox.samples.expectations import verdicts
 from sandbox.samples.samples import Samples
 from sandbox.show.apart import told_apart

@@ -13,19 +13,25 @@ from itertools import pairwise
 
 import numpy as np
 
-from sandbox.draw.film.bars import bars_of
-from sandbox.draw.film.bodies import ORDER, back_to_front, styles
-from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.geometry import shape_outline, shape_points
-from sandbox.draw.film.joints import TELLING, joined_points
-from sandbox.draw.film.marked import Place, round_interval, trace_colours, trace_names, traced
-from sandbox.draw.film.palette import ROLES, Style
-from sandbox.draw.film.scales import ForceScale
-from sandbox.draw.film.stalks import far_feet, stalks
-from sandbox.draw.film.unions import bare_outlines, united
-from sandbox.draw.film.vectors import hinges_of, vector_scale
-from sandbox.draw.film.wheels import WheelPicture, wheel_pictures
 from sandbox.model.model import Model
+from sandbox.picture.bars import bars_of
+from sandbox.picture.elements.bodies import (
+    ORDER,
+    back_to_front,
+    far_feet,
+    joined_points,
+    stalks,
+    styles,
+)
+from sandbox.picture.elements.forces import hinges_of, vector_scale
+from sandbox.picture.elements.links import TELLING
+from sandbox.picture.geometry import shape_outline, shape_points
+from sandbox.picture.marked import Place, round_interval, trace_colours, trace_names, traced
+from sandbox.picture.palette import ROLES, Style
+from sandbox.picture.run_data import RunData
+from sandbox.picture.scales import ForceScale
+from sandbox.picture.unions import bare_outlines, united
+from sandbox.picture.wheels import WheelPicture, wheel_pictures
 from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import solids
 from sandbox.scene.layers import EVERY, LAYERS, PASSES, meant
@@ -43,7 +49,7 @@ FAR_FOOT = 0.02
 """Share of the picture's width: points that lie farther beside a fixed body get a ground sign."""
 
 
-def parts_of(run: Filmed, scale: ForceScale, width: float) -> list[Part]:
+def parts_of(run: RunData, scale: ForceScale, width: float) -> list[Part]:
     """Everything that may be drawn of a run, on a picture ``width`` [m] wide."""
     model = run.model
     order, lowest = _order(model)
@@ -73,7 +79,7 @@ def parts_of(run: Filmed, scale: ForceScale, width: float) -> list[Part]:
     return found
 
 
-def _asked_for(run: Filmed, parts: list[Part]) -> list[Part]:
+def _asked_for(run: RunData, parts: list[Part]) -> list[Part]:
     """Without what the view does not show of single bodies, in layers that it shows of some."""
     bodies = run.mechanism.bodies
     some = {layer: meant(patterns, bodies) for layer, patterns in run.mechanism.view.show.items()
@@ -156,13 +162,13 @@ def _stalks(model: Model) -> Iterator[Part]:
             for a, b in pairs)
 
 
-def traces_of(run: Filmed) -> list[Place]:
+def traces_of(run: RunData) -> list[Place]:
     """The points that are traced: of the bodies that the view traces, of all if it says none."""
     view = run.mechanism.view
     return traced(run, view, view.show.get("traces") or EVERY)
 
 
-def _traces(run: Filmed) -> list[Part]:
+def _traces(run: RunData) -> list[Part]:
     """Ways of points, with a mark ``every`` so many seconds; of several in colours, with names."""
     every = round_interval(float(run.time[-1] - run.time[0]))
     places = traces_of(run)
@@ -174,14 +180,14 @@ def _traces(run: Filmed) -> list[Part]:
                 places, trace_names(run.model, bodies), strict=True))]
 
 
-def _bars(run: Filmed) -> Iterator[Part]:
+def _bars(run: RunData) -> Iterator[Part]:
     """Bands between the two pins of bodies; ``j`` is the column of ``bars``."""
     for column, bar in enumerate(bars_of(run, range(len(run.mechanism.bodies)))):
         yield {"k": "band", "l": "bars", "n": run.mechanism.bodies[bar.body].name, "b": bar.body,
                "a": point(bar.body, bar.ends[0]), "e": point(bar.body, bar.ends[1]), "j": column}
 
 
-def _vectors(run: Filmed, width: float) -> dict[str, list[Part]]:
+def _vectors(run: RunData, width: float) -> dict[str, list[Part]]:
     """Arrows on wish: of each layer one part, its values two columns each of the channel ``v``."""
     found: dict[str, list[Part]] = {}
     for name, (layer, vectors) in vectors_of(run).items():
@@ -196,7 +202,7 @@ def _vectors(run: Filmed, width: float) -> dict[str, list[Part]]:
     return found
 
 
-def _pressure(run: Filmed, width: float) -> Iterator[Part]:
+def _pressure(run: RunData, width: float) -> Iterator[Part]:
     """Strips along flat sides, as high as the force per length; their corners are ``patches``."""
     scale = sides_of(run).scale(run.time, width)
     if scale.metres > 0:
@@ -209,7 +215,7 @@ def _axes(model: Model) -> Iterator[Part]:
     return ({"k": "axes", "l": "axes", "b": i} for i in range(len(model.bodies.name)))
 
 
-def _names(run: Filmed) -> Iterator[Part]:
+def _names(run: RunData) -> Iterator[Part]:
     """Names of bodies at their centres of mass."""
     centres = run.arrays["body_centre"]
     return ({"k": "name", "l": "body_names", "b": i, "n": body.name, "at": point(i, centres[i])}

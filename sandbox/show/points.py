@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from sandbox.draw.film.palette import Colour
+from sandbox.picture.palette import Colour
 
 Part = dict[str, Any]
 """What is drawn of something, as plain data: ``k`` its kind, ``l`` its layer, ``n`` its name."""

@@ -8,29 +8,20 @@ from typing import Any
 
 from sandbox.draw.figure import strands
 from sandbox.draw.figure.style import MANY_MM
-from sandbox.draw.film import (
-    bodies,
-    camera,
-    drives,
-    forces,
-    grounds,
-    joints,
-    leaders,
-    springs,
-    tendons,
-)
-from sandbox.draw.film.tensions import SLACK_FRACTION
+from sandbox.picture import camera
+from sandbox.picture.tensions import SLACK_FRACTION
+from sandbox.show import drawing
 
 SIZES: Mapping[str, Any] = {
-    "EDGE": bodies.EDGE, "HAIR": bodies.HAIR,
-    "PIN": joints.PIN, "COLLAR": joints.COLLAR, "GAUGE": grounds.GAUGE,
-    "CORD": tendons.CORD, "WOUND": tendons.WOUND, "SLACK_SHARE": SLACK_FRACTION,
-    "COIL": springs.LINE, "THICK": springs.THICK,
-    "BLOCK": drives.BLOCK, "SLIM": drives.SLIM, "FINE": forces.FINE,
-    "LABELLED": forces.LABELLED, "MOST_LABELS": forces.MOST_LABELS, "MARGIN": camera.MARGIN,
-    "SHORT": joints.SHORT, "MANY_MM": MANY_MM, "RIM": leaders.RIM,
-    "TIP": leaders.TIP, "HINGE": leaders.HINGE, "OF_NUMBERS": leaders.OF_NUMBERS,
-    "OF_FINGERS": leaders.OF_FINGERS,
+    "EDGE": drawing.EDGE, "HAIR": drawing.HAIR,
+    "PIN": drawing.PIN, "COLLAR": drawing.COLLAR, "GAUGE": drawing.GAUGE,
+    "CORD": drawing.CORD, "WOUND": drawing.WOUND, "SLACK_SHARE": SLACK_FRACTION,
+    "COIL": drawing.COIL, "THICK": drawing.THICK,
+    "BLOCK": drawing.BLOCK, "SLIM": drawing.SLIM, "FINE": drawing.FINE,
+    "LABELLED": drawing.LABELLED, "MOST_LABELS": drawing.MOST_LABELS, "MARGIN": camera.MARGIN,
+    "SHORT": drawing.SHORT, "MANY_MM": MANY_MM, "RIM": drawing.RIM,
+    "TIP": drawing.TIP, "HINGE": drawing.HINGE, "OF_NUMBERS": drawing.OF_NUMBERS,
+    "OF_FINGERS": drawing.OF_FINGERS,
     "AS_ONE": strands.NEAR, "CROSSING": strands.SHORT, "TURN": strands.STROKE,
 }
 """In points, but for shares, angles and what is in m; what each is says the file that has it."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sandbox.draw.film import palette
+from sandbox.picture import palette
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Happened
 from sandbox.show.page import report

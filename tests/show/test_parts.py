@@ -7,13 +7,11 @@ import numpy as np
 import pytest
 
 from sandbox import show
-from sandbox.draw.film import drives, joints, legend
-from sandbox.draw.film.bars import bars_of
-from sandbox.draw.film.drives import DRIVES
-from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.symbols import SYMBOLS
 from sandbox.engine.simulate import simulate
 from sandbox.notebook.cards import at_start
+from sandbox.picture.bars import bars_of
+from sandbox.picture.elements.drives import DRIVES
+from sandbox.picture.elements.joints import JOINTS
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 from sandbox.show.header import COLOURS, drawing
@@ -31,36 +29,12 @@ def kinds_of_python():
     found = set(re.findall(r'"k": "(\w+)"', SOURCES))
     pairs = re.findall(r'"k": "(\w+)" if .* else "(\w+)"', SOURCES)
     found |= {word for pair in pairs for word in pair}
-    return found | {*joints.MARKS, *joints.LINKS, *drives.HINGE_MARKS}
+    looks = {look.mark for look in (*JOINTS.values(), *DRIVES.values())}
+    return (found | looks | {look.link for look in JOINTS.values()}) - {""}
 
 
 def test_the_script_draws_each_kind_that_python_names_and_no_other():
     assert set(re.findall(r"^KINDS\.(\w+) =", SCRIPT, re.M)) == kinds_of_python()
-
-
-def test_every_line_of_a_legend_is_drawn_by_films_and_pages():
-    assert set(legend.DRAWN) == set(SYMBOLS) - {"bars"}  # films have one scale of all tensions
-    signs = {name for row in DRIVES.values() for name in row.legend}
-    assert signs <= set(SYMBOLS)
-    assert set(SYMBOLS) == symbols_of_the_script() - {"length", "force", "load", "vector"}
-
-
-def symbols_of_the_script():
-    table = re.search(r"^const SYMBOLS = \{(.*?)^\};", SCRIPT, re.M | re.S)[1]
-    return set(re.findall(r"^  (\w+): \(s, ", table, re.M)) | set(
-        re.findall(r"^SYMBOLS\.(\w+) =", SCRIPT, re.M))
-
-
-@pytest.mark.parametrize("name", ["hydraulic_lift", "release", "servo_arm", "capstan"])
-def test_films_and_pages_tell_the_same_of_a_run(name):
-    """The words of a page are those of a film but for scales, which hang on the picture's size."""
-    run = at_start(expand(load_scene(name)))
-    film = FrameRenderer(run)
-    shown = legend.items_for(film.content, film.camera.scale, film.unit)
-    page = [row["after"] for row in drawing(run)["legend"]
-            if "w" in row and any(layer in film.layers for layer in row["l"])]
-    assert [item.after for item in shown if item.after in page] == page
-    assert {"valve open", "may let go", "motor", "friction holds", "servo"} & set(page)
 
 
 def test_a_cord_goes_around_wheels_that_it_has_turns_on():
