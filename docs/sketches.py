@@ -18,7 +18,8 @@ import numpy as np
 
 import sandbox
 from sandbox.cli.entry import invoke
-from sandbox.draw.figure.style import (
+from sandbox.draw.film.palette import ROLES
+from sandbox.figure.style import (
     BAND,
     BLUE,
     GREY,
@@ -30,7 +31,6 @@ from sandbox.draw.figure.style import (
     new_figure,
     save_figure,
 )
-from sandbox.draw.film.palette import ROLES
 
 DOCS = Path(__file__).parent
 GRAVITY = 9.81

@@ -6,8 +6,6 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from sandbox.draw.figure import strands
-from sandbox.draw.figure.style import MANY_MM
 from sandbox.draw.film import (
     bodies,
     camera,
@@ -20,6 +18,8 @@ from sandbox.draw.film import (
     tendons,
 )
 from sandbox.draw.film.tensions import SLACK_FRACTION
+from sandbox.figure import strands
+from sandbox.figure.style import MANY_MM
 
 SIZES: Mapping[str, Any] = {
     "EDGE": bodies.EDGE, "HAIR": bodies.HAIR,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sandbox.draw.figure.style import shown_as
+from sandbox.figure.style import shown_as
 from sandbox.kinds.arrays import LATE
 from sandbox.recording.recording import Recording
 from sandbox.show.header import FoundOut

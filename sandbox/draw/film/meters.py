@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pygame
 
-from sandbox.draw.figure.style import COLOURS, Shown, shown_as
 from sandbox.draw.film import clip
 from sandbox.draw.film.camera import round_up
 from sandbox.draw.film.canvas import XY, Canvas
@@ -18,6 +17,7 @@ from sandbox.draw.film.fluids import pressure_unit
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour, lighter
 from sandbox.draw.film.sheet import Text
 from sandbox.draw.film.typesetter import Typesetter, ellipsis
+from sandbox.figure.style import COLOURS, Shown, shown_as
 from sandbox.model.shown_meters import curves, is_expression
 from sandbox.numeric import Array
 from sandbox.scene.elements.settings import ShownMeter, View

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import pygame
 
-from sandbox.draw.figure.style import save_figure
 from sandbox.draw.film.palette import BACKGROUND, Colour
 from sandbox.draw.film.shapes import (
     DrawnBox,
@@ -25,6 +24,7 @@ from sandbox.draw.film.shapes import (
 )
 from sandbox.draw.film.sheet import Hair, Laid, Sheet, Text
 from sandbox.draw.film.typesetter import EM
+from sandbox.figure.style import save_figure
 
 SCREEN_PER_INCH = 96
 """Pixels of what is shown; a size on paper has its own."""

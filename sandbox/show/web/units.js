@@ -9,7 +9,7 @@ const short = (v, digits = 4) => (v === null || !Number.isFinite(v) ? "-" : Math
     : String(+v.toPrecision(digits)));
 const unitText = (unitName) => (unitName === "1" || !unitName ? "" : ` ${unitName}`);
 
-// How a quantity is shown, by the rule of figures (draw/figure/style.py: shown_as): in SI it is at most
+// How a quantity is shown, by the rule of figures (figure/style.py: shown_as): in SI it is at most
 // `most`, shown it is that times `factor` in `unit`, which is `sign` after a number.
 function shownAs(unitName, most) {
   if (unitName === "rad") return { factor: 180 / Math.PI, unit: "deg", sign: "\u00b0" };

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sandbox.draw.figure import style
-from sandbox.draw.figure.sweeps import SweepColumn, SweepDrawing, draw_sweep
+from sandbox.figure import style
+from sandbox.figure.sweeps import SweepColumn, SweepDrawing, draw_sweep
 
 PULL, STIFFNESS = np.repeat([2.0, 4.0, 7.0, 8.0], 2), np.tile([200.0, 400.0], 4)
 

@@ -7,14 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sandbox.draw.figure import style
-from sandbox.draw.figure.events import MOST, marks_of
-from sandbox.draw.figure.signals import MOST_PANELS, Plotted, Window, draw
 from sandbox.errors import OutputError
+from sandbox.figure import style
+from sandbox.figure.signals import MAX_EVENTS, MAX_PANELS, Plotted, Window, draw
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Happened
-from tests.draw.written import clashes, texts, written
+from tests.figure.written import clashes, texts, written
 from tests.samples.controlled import recording, scene
 
 MCP, DIP = "finger.mcp.angle", "finger.dip.angle"
@@ -128,15 +127,15 @@ def test_targets_are_in_the_unit_of_their_curves_and_names_stand_where_these_end
 
 
 def test_events_out_of_the_window_are_left_out_and_too_many_are_told() -> None:
-    times = [0.1 * k for k in range(1, 2 * MOST + 1)]
+    times = [0.1 * k for k in range(1, 2 * MAX_EVENTS + 1)]
     run = happening(*times)
     assert any(f"{len(times)} events are not marked" in text
                for text in texts(draw(plotted(run), [MCP])))
     inside = draw(plotted(run), [MCP], window=Window(0.25, 0.65))
     assert [text for text in texts(inside) if text.startswith("event")] == [
         "event2", "event3", "event4", "event5"]
-    marks = marks_of(run, width=78.0, begin=0.25, end=0.65)
-    assert [mark.time for mark in marks] == pytest.approx([0.3, 0.4, 0.5, 0.6])
+    lines = [line.get_xdata()[0] for line in inside.axes[0].lines if len(line.get_xdata()) == 2]
+    assert lines == pytest.approx([0.3, 0.4, 0.5, 0.6])
 
 
 def test_several_runs_have_a_colour_each_and_a_quantity_a_panel() -> None:
@@ -169,7 +168,7 @@ def test_too_much_or_too_little_is_told() -> None:
     with pytest.raises(OutputError, match=r"the first is at .* the last at"):
         draw(plotted(run), [MCP], window=Window(50.0))
     with pytest.raises(OutputError, match="13 panels are too many"):
-        draw(plotted(run, run), run.names()[:MOST_PANELS + 1])
+        draw(plotted(run, run), run.names()[:MAX_PANELS + 1])
 
 
 @pytest.mark.parametrize("count", [1, 3])

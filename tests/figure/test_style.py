@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.draw.figure import style
+from sandbox.figure import style
 
 
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=12), st.floats(0.01, 0.2))
@@ -45,8 +45,7 @@ def test_the_same_figure_gives_the_same_bytes(tmp_path: Path, suffix: str) -> No
         figure = style.new_figure(60)
         axes = figure.subplots()
         axes.plot([0, 1], [0, 1])
-        style.dress(axes, "50 $ or 60 $", "y", letter="A")
-        style.title(figure, "costs $5_x$")
+        axes.set_title(style.plain("costs $5_x$"))
         style.save_figure(figure, tmp_path / f"{name}{suffix}")
     a, b = ((tmp_path / f"{name}{suffix}").read_bytes() for name in "ab")
     assert a == b
@@ -55,7 +54,7 @@ def test_the_same_figure_gives_the_same_bytes(tmp_path: Path, suffix: str) -> No
 
 def test_texts_print_and_have_an_end() -> None:
     assert style.plain("a\u202e\x1b$") == r"a\u202e\x1b\$"
-    assert len(style.plain("W" * 20_000)) == style.MOST_LETTERS
+    assert len(style.plain("W" * 20_000)) == style.MAX_LETTERS
 
 
 def test_no_other_files(tmp_path: Path) -> None:
