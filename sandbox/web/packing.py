@@ -8,18 +8,20 @@ these planes what rests is zeros and what moves slowly has few high bytes.
 
 from __future__ import annotations
 
+import json
 import zlib
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from sandbox.draw.film.filmed import read_curve
+from sandbox.picture.run_data import read_curve
+from sandbox.picture.listing import Listing
+from sandbox.web.drawing import moving, rounded
 from sandbox.kinds.arrays import largest_size
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.samples import Samples
-from sandbox.show.channels import STEADY, channels, contact_rows, patch_rows, sides_of
-from sandbox.show.meters import expressions_of
+from sandbox.web.meters import expressions_of
 
 BUDGET = 3_300_000
 """Bytes of a run's numbers, before base64 makes them a third longer: 4.4 MB on a page."""
@@ -40,8 +42,6 @@ FLAT, NOTHING = 1e-9, 1e-10
 """What of a quantity changes by less than this share of its size, and what is nowhere larger than
 this share of the largest in its unit, is what rounding leaves: of a body in a slot up to 1e-12
 across it, and 7e-11 of its angular acceleration."""
-AT_ONCE = 500
-"""Samples in which flat sides are looked for at a time."""
 
 
 @dataclass
@@ -130,29 +130,30 @@ def kept_samples(time: Array, pose: Array, width: float) -> Flags:
 class RunNumbers:
     """A run's numbers."""
 
-    blocks: list[dict[str, Any]]
     data: bytes
-    """Compressed: that of the drawing, then that of the plots."""
+    """Three compressed parts: JSON with ``list``, ``blocks`` and ``series``, the drawing, plots.
+
+    Of ``series`` each has name and unit, and ``c``, its column of ``plots``, or ``v``, its value.
+    """
     sizes: list[int]
-    """Bytes of the two."""
-    series: list[dict[str, Any]]
-    """Name and unit of each quantity; ``c`` its column of ``plots``, or ``v`` its one value."""
+    """Bytes of the parts."""
     thinned: list[str]
     """What was left out, in words."""
 
 
-def packed(run: Samples, names: list[str], width: float, link: Array | None) -> RunNumbers:
-    """Frames and quantities of a run; ``width`` of the picture [m], ``link`` as in `channels`."""
-    arrays, time = run.arrays, run.time
-    found = channels(run.model, arrays, link)
-    keep = kept_samples(time, found.get("pose", np.zeros((len(time), 0))), width)
+def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNumbers:
+    """Frames of a display list and quantities of a run; ``width`` of the picture [m]."""
+    time, moves = run.time, moving(out)
+    pose = out.pose[:, moves].reshape(len(time), -1)
+    keep = kept_samples(time, pose, width)
     frames = np.flatnonzero(keep)
     blocks, said = Blocks(), []
     blocks.add("t", time[None, frames], bits=24)
-    for key, rows in found.items():
-        blocks.add(key, np.ascontiguousarray(rows[frames].T), smooth=int(key not in STEADY))
-    _add_contacts(run, frames, blocks)
-    _add_patches(run, frames, blocks)
+    blocks.add("pose", np.ascontiguousarray(pose[frames].T))
+    if out.columns:
+        blocks.add("columns", np.array(out.columns)[:, frames])
+    for name, rows in out.tables.items():
+        _add_table(name, rows, frames, len(time), blocks)
     if len(frames) < len(time):
         said.append(f"drawing: {len(frames)} of {len(time)} samples, so that nothing is off by "
                     f"more than {1e3 * OFF * width:.2g} mm between them")
@@ -167,40 +168,24 @@ def packed(run: Samples, names: list[str], width: float, link: Array | None) -> 
         bins = max(LEAST_BINS, min(bins // 2, int(0.9 * bins * (BUDGET - len(head)) / len(tail))))
     if len(time) > 2 * bins:
         said.append(f"plots: the least and the greatest of every {-(-len(time) // bins)} samples")
-    heads = [{"part": part, **one} for part, some in enumerate((blocks, plots))
+    heads = [{"part": part, **one} for part, some in enumerate((blocks, plots), 1)
              for one in some.heads]
-    return RunNumbers(heads, head + tail, [len(head), len(tail)], series, said)
+    text = json.dumps({"list": rounded(out.head()), "blocks": heads, "series": series},
+                      separators=(",", ":"), allow_nan=False)
+    parts = [zlib.compress(text.encode(), LEVEL), head, tail]
+    return RunNumbers(b"".join(parts), [len(part) for part in parts], said)
 
 
-def _add_contacts(run: Samples, frames: Integers, blocks: Blocks) -> None:
-    """The rows of contacts of some samples, and how many each has."""
-    of = run.arrays["contact_sample"]
-    first, last = (np.searchsorted(of, frames, side=side) for side in ("left", "right"))
-    count = last - first
-    if not count.sum():
-        return
-    which = np.arange(count.sum()) + np.repeat(last - np.cumsum(count), count)
-    rows = contact_rows(run.model, run.arrays, which)
-    # side by side what belongs together: rows of one pair follow each other
-    sample = np.repeat(np.arange(len(frames)), count)
-    order = np.lexsort((sample, rows[:, 5], rows[:, 4]))
-    _add_rows("contact", np.vstack([rows[order].T, sample[order]]), frames, blocks)
-
-
-def _add_patches(run: Samples, frames: Integers, blocks: Blocks) -> None:
-    """What touches along lines in some samples."""
-    sides, found = sides_of(run), []
-    for first in range(0, len(frames), AT_ONCE):
-        rows = patch_rows(sides, frames[first:first + AT_ONCE])
-        found.append(rows + np.array([0.0] * 6 + [first]))
-    if sum(map(len, found)):
-        _add_rows("patch", np.ascontiguousarray(np.concatenate(found).T), frames, blocks)
-
-
-def _add_rows(key: str, columns: Array, frames: Integers, blocks: Blocks) -> None:
-    """Rows of some samples, the last of their columns [k, n] the place of each in ``frames``."""
-    # these numbers are whole only as long as each has a step of its own
-    blocks.add(key, columns, bits=16 if len(frames) < 1 << 16 else 24)
+def _add_table(name: str, rows: Array, frames: Integers, count: int, blocks: Blocks) -> None:
+    """The rows of a table in some samples, those of one key one after the other."""
+    place = np.full(count, -1)
+    place[frames] = np.arange(len(frames))
+    rows = np.column_stack([place[rows[:, 0].astype(int)], rows[:, 1:]])
+    rows = rows[rows[:, 0] >= 0]
+    order = np.lexsort((rows[:, 0], rows[:, 1]))
+    # samples are whole numbers only as long as each has a step of its own
+    blocks.add(f"table {name}", np.ascontiguousarray(rows[order].T),
+               bits=16 if len(frames) < 1 << 16 else 24)
 
 
 def _series(run: Samples, names: list[str]) -> tuple[list[dict[str, Any]], Array]:
@@ -255,7 +240,7 @@ def _plots(time: Array, values: Array, bins: int) -> Blocks:
         ends = np.minimum(starts + per - 1, n - 1)
         time = np.stack((time[starts], np.maximum(time[ends], time[starts])), axis=1).ravel()
     blocks.add("ptime", time[None], bits=24)
-    blocks.add("plots", values, bits=24)
+    blocks.add("plots", values)
     return blocks
 
 

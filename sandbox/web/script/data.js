@@ -11,12 +11,13 @@ async function inflate(bytes) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// Columns of every block by its key; see sandbox/show/packing.py for how they are kept.
+// Columns of every block by its key; see sandbox/web/packing.py for how they are kept. The first part completes the head.
 async function unpack(head, bytes) {
   const parts = [];
   for (let i = 0, at = 0; i < head.sizes.length; at += head.sizes[i++]) {
     parts.push(await inflate(bytes.subarray(at, at + head.sizes[i])));
   }
+  Object.assign(head, JSON.parse(new TextDecoder().decode(parts[0])));
   const found = {};
   for (const block of head.blocks) {
     const raw = parts[block.part];
@@ -57,65 +58,43 @@ function indexNear(times, t, row = times) {
   return Math.abs(times[b] - t) < Math.abs(t - times[a]) ? b : a;
 }
 
-// Frames of a recording at any time: poses and smooth values between samples, others of the nearest.
+// Frames of a recording at any time: poses and even columns between samples, others of the nearest.
 class Replay {
   constructor(head, data) {
     this.head = head; this.data = data; this.time = data.t[0];
     this.first = this.time[0]; this.last = this.time[this.time.length - 1];
     this.pose = Float64Array.from(head.rest);
-    this.channels = head.blocks.filter(({ key, smooth }) => smooth !== undefined && key !== "pose");
-    this.rows = rowsOf(data.contact, this.time.length);
-    this.strips = rowsOf(data.patch, this.time.length);
+    this.steady = new Set(head.list.steady);
+    this.tables = Object.fromEntries(head.tables.map((name) => [name, rowsOf(data[`table ${name}`], this.time.length)]));
+    this.ways = new Map();
   }
   frame(t) {
-    const { time, data } = this, n = time.length;
+    const { head, time, data, pose } = this, n = time.length;
     const i = Math.min(Math.max(n - 2, 0), indexBelow(time, t)), j = Math.min(i + 1, n - 1);
-    const w = j > i ? Math.min(1, Math.max(0, (t - time[i]) / (time[j] - time[i]))) : 0;
-    const near = w > 0.5 ? j : i, replay = this;
-    const found = { t, upto: near, times: time, get ways() { return replay.ways; } };
-    this.place(i, j, w);
-    for (const { key, smooth } of this.channels) {
-      found[key] = data[key].map((c) => (smooth ? c[i] + w * (c[j] - c[i]) : c[near]));
-    }
-    found.pose = this.pose;
-    found.contacts = this.rows ? this.rows[near] : [];
-    found.patches = this.strips ? this.strips[near] : [];
-    return found;
-  }
-  moments(see, count = 6) {                               // frames from first to last, one at a time
-    for (let k = 0; k < count; k++) see(this.frame(this.first + k / (count - 1) * (this.last - this.first)));
-  }
-  place(i, j, w) {
-    const { head, data, pose } = this;
-    head.moving.forEach((b, m) => {
-      for (let q = 0; q < 3; q++) {
-        const c = data.pose[3 * m + q];
-        pose[3 * b + q] = c[i] + w * (c[j] - c[i]);
-      }
+    const w = j > i ? Math.min(1, Math.max(0, (t - time[i]) / (time[j] - time[i]))) : 0, near = w > 0.5 ? j : i;
+    head.moving.forEach((f, m) => {
+      for (let q = 0; q < 3; q++) { const c = data.pose[3 * m + q]; pose[3 * f + q] = c[i] + w * (c[j] - c[i]); }
     });
+    const values = (data.columns || []).map((c, k) => (this.steady.has(k) ? c[near] : c[i] + w * (c[j] - c[i])));
+    const tables = Object.fromEntries(head.tables.map((name) => [name, this.tables[name][near]]));
+    return { t, pose, values, tables, trail: (item) => ({ way: this.way(item), times: time, count: near + 1 }) };
   }
-  get ways() {                                            // of all traced points, once they are asked for
-    this.known = this.known || this.head.parts.filter((p) => p.k === "trace").map((p) => this.way(p.at));
-    return this.known;
-  }
-  way([body, x, y]) {                                     // of a point, x and y in turn
-    const m = this.head.moving.indexOf(body), n = this.time.length, found = new Float64Array(2 * n);
-    if (m < 0) return found.subarray(0, 0);
-    const [px, py, angle] = this.data.pose.slice(3 * m, 3 * m + 3);
+  way(item) {                                             // of a point, x and y in turn
+    const key = item.at.join();
+    if (this.ways.has(key)) return this.ways.get(key);
+    const [f, x, y] = item.at, m = this.head.moving.indexOf(f), n = this.time.length, found = new Float64Array(2 * n), rest = this.head.rest.slice(3 * f, 3 * f + 3);
+    const pose = m < 0 ? rest.map((v) => new Float64Array(n).fill(v)) : this.data.pose.slice(3 * m, 3 * m + 3);
     for (let i = 0; i < n; i++) {
-      const c = Math.cos(angle[i]), s = Math.sin(angle[i]);
-      found[2 * i] = px[i] + c * x - s * y; found[2 * i + 1] = py[i] + s * x + c * y;
+      const c = Math.cos(pose[2][i]), s = Math.sin(pose[2][i]);
+      found[2 * i] = pose[0][i] + c * x - s * y; found[2 * i + 1] = pose[1][i] + s * x + c * y;
     }
+    this.ways.set(key, found);
     return found;
   }
 }
 
-// Rows by sample, of which the last column tells: of contacts [x, y, fx, fy, body, other], of patches
-// [x, y, force per length] of either end.
-function rowsOf(columns, n) {
-  if (!columns) return null;
+function rowsOf(columns, n) {                             // rows by sample, which is their first column
   const found = Array.from({ length: n }, () => []);
-  const [a, b, c, d, e, f, sample] = columns;
-  for (let i = 0; i < a.length; i++) found[sample[i]].push([a[i], b[i], c[i], d[i], e[i], f[i]]);
+  if (columns) for (let i = 0; i < columns[0].length; i++) found[columns[0][i]].push(columns.map((c) => c[i]));
   return found;
 }

@@ -11,8 +11,8 @@ from numbers import Integral
 from sandbox.atomic_files import output_path, write_atomic
 from sandbox.errors import OutputError
 from sandbox.recording.recording import Recording
-from sandbox.show.header import FoundOut
-from sandbox.show.page import report
+from sandbox.web.words import FoundOut
+from sandbox.web.page import report
 from sandbox.wording import quoted
 
 HEIGHT = 760

@@ -24,7 +24,7 @@ function camera(stage, redraw, hooks = {}) {
       stage.hover = found;
       canvas.style.cursor = found ? "pointer" : "grab";
       if (hooks.hover) hooks.hover(found, e);
-      if ((found && found.n) !== (before && before.n) || (found && found.k) !== (before && before.k)) redraw();
+      if ((found && found.n) !== (before && before.n) || !!(found && found.row) !== !!(before && before.row)) redraw();
       return;
     }
     moved += apart(was, now);
@@ -93,7 +93,7 @@ const fileName = (text) => text.replace(/[^A-Za-z0-9_.-]+/g, "_").slice(0, 60) |
 
 // Names of the quantities of what was picked, in the order in which they are looked at.
 function quantitiesOf(pick, series) {
-  if (pick.k === "contact") {
+  if (pick.n.includes("/")) {
     const [a, b] = pick.n.split("/");
     return [`${a}/${b}.normal`, `${b}/${a}.normal`].filter((name) => series.has(name));
   }

@@ -74,7 +74,6 @@ class Report {
     canvas.style.aspectRatio = String(head.view.aspect);
     const stage = new Stage(canvas, head);
     stage.sheet = sheet;
-    stage.moments = (see) => this.replays[i].moments(see);
     camera(stage, () => this.show(), {
       hover: (pick, e) => this.tell(i, pick, e),
       click: (pick) => pick && this.open(quantitiesOf(pick, this.series[i]).slice(0, 3), pick.n),
@@ -90,7 +89,7 @@ class Report {
   show() {
     const frames = this.replays.map((r) => r.frame(this.t)), stamp = `t = ${this.t.toFixed(3)} s`;
     const ghosts = this.over ? frames.slice(1).map((frame, k) => ({
-      head: this.heads[k + 1], frame, fills: ghostFills(this.heads[k + 1], k + 1, this.stages[0].dark) })) : [];
+      head: this.heads[k + 1], frame, colour: inkOf(k + 1, this.stages[0].dark) })) : [];
     const seen = this.stages.slice(0, this.over ? 1 : undefined);
     for (const stage of seen) stage.resize();
     const lines = Math.max(...seen.map((stage) => stage.rows.length));

@@ -1,8 +1,9 @@
 // Numbers and units as people read them.
 
-const decimalsOf = (scale) => (scale > 0 && scale < 0.1 ? Math.min(1 - Math.floor(Math.log10(scale)), 9)
-  : scale < 10 ? 2 : scale < 100 ? 1 : 0);
-const numberText = (value, scale) => value.toFixed(decimalsOf(scale));
+const fixedText = (value, decimals) => {                  // without a negative 0
+  const text = value.toFixed(decimals);
+  return +text ? text : text.replace("-", "");
+};
 const LEAST = 1e-15;                                      // what is less is what rounding leaves
 const short = (v, digits = 4) => (v === null || !Number.isFinite(v) ? "-" : Math.abs(v) < LEAST ? "0"
   : Math.abs(v) >= 1e5 || Math.abs(v) < 1e-3 ? v.toExponential(digits - 1).replace(/\.?0*e\+?/, "e")
@@ -24,12 +25,6 @@ function sizeOfRow(row) {                                 // the largest size in
   return most;
 }
 const sizeOfRows = (rows) => Math.max(0, ...rows.map(sizeOfRow));
-
-function pressureText(pascals, scale) {
-  const units = [[1e6, "MPa"], [1e5, "bar"], [1e3, "kPa"], [1, "Pa"]];
-  const [factor, name] = units.find(([f]) => scale >= 0.9995 * f) || units[3];
-  return `${numberText(pascals / factor, scale / factor)} ${name}`;
-}
 
 function roundLength(most) {                              // 1, 2, 5 times a power of ten
   const power = 10 ** Math.floor(Math.log10(most));

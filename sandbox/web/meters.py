@@ -10,7 +10,7 @@ from sandbox.model.shown_meters import curves, is_expression
 from sandbox.scene.elements.settings import View
 
 if TYPE_CHECKING:
-    from sandbox.show.frames import LiveFrames
+    from sandbox.web.frames import LiveFrames
 
 MOST_METERS = 12
 """Meters of a live view that run at once."""

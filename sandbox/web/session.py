@@ -26,9 +26,9 @@ from sandbox.model.shown_meters import is_expression
 from sandbox.scene.expand import to_json
 from sandbox.scene.read.load import Loaded
 from sandbox.scene.values.units import dimension_of, units_of
-from sandbox.show.controls import PARAMETER, Spans, changes, controls, read_value
-from sandbox.show.frames import LOOK, LiveFrames, Stride, looked_at
-from sandbox.show.meters import MOST_METERS, first_meters
+from sandbox.web.controls import PARAMETER, Spans, changes, controls, read_value
+from sandbox.web.frames import LOOK, LiveFrames, Stride, looked_at
+from sandbox.web.meters import MOST_METERS, first_meters
 from sandbox.wording import listed, near, quoted
 
 FRAME = 1 / 60
@@ -148,7 +148,7 @@ class Session:
         return f"sandbox view {self.loaded.name}{''.join(said)}"
 
     def frame(self) -> bytes:
-        """The present instant; see :mod:`sandbox.show.frames`."""
+        """The present instant; see :mod:`sandbox.web.frames`."""
         self.seq += 1
         held, hand = self.hand.body, self.hand
         place = hand.point()[0] if held is not None else (0.0, 0.0)

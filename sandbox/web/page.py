@@ -15,19 +15,17 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.draw.film.options import check_run
-from sandbox.draw.film.tensions import tensions_of
+from sandbox.picture.options import check_run
 from sandbox.errors import OutputError
 from sandbox.kinds.quantities import GRASP, by_telling
 from sandbox.samples.expectations import verdicts
 from sandbox.samples.samples import Samples
-from sandbox.show.apart import told_apart
-from sandbox.show.channels import touching_pairs
-from sandbox.show.header import FoundOut, drawing, words
-from sandbox.show.meters import meters_of
-from sandbox.show.one_scale import put_to_one_scale
-from sandbox.show.packing import level, packed
-from sandbox.show.web_files import script, source_hash, styles
+from sandbox.web.apart import told_apart
+from sandbox.web.drawing import drawing, listed
+from sandbox.web.words import FoundOut, words
+from sandbox.web.meters import meters_of
+from sandbox.web.packing import level, packed
+from sandbox.web.files import script, source_hash, styles
 from sandbox.wording import printable
 
 MOST_RUNS = 4
@@ -78,10 +76,8 @@ def report(
     titles = [run.mechanism.title or run.mechanism.name for run in runs]
     names = told_apart(titles, [found.parameters for found in told],
                        [found.source for found in told])
-    heads = [drawing(run) for run in runs]
-    put_to_one_scale(heads)
-    pieces = [_run(run, head, found, name, list(plots))
-              for run, head, found, name in zip(runs, heads, told, names, strict=True)]
+    pieces = [_run(run, [other for other in runs if other is not run], found, name, list(plots))
+              for run, found, name in zip(runs, told, names, strict=True)]
     code, looks = script(), styles()
     policy = (f"default-src 'none'; script-src {source_hash(code + START)}; "
               f"style-src {source_hash(looks)}; img-src data: blob:; media-src blob:; "
@@ -97,15 +93,14 @@ def _judged(run: Samples, told: FoundOut) -> FoundOut:
 
 
 def _run(
-    run: Samples, head: dict[str, Any], told: FoundOut, name: str, plots: list[str],
+    run: Samples, beside: Sequence[Samples], told: FoundOut, name: str, plots: list[str],
 ) -> str:
-    link = tensions_of(run).links if any(part["k"] in ("rod", "rope", "actuator")
-                                         for part in head["parts"]) else None
-    numbers = packed(run, quantities(run, plots), head["scale"]["across"], link)
-    head |= {"words": words(run, told, name), "blocks": numbers.blocks, "sizes": numbers.sizes,
-             "series": numbers.series, "thinned": numbers.thinned,
-             "meters": [] if plots else meters_of(run.mechanism.view, run.catalogue),
-             "plots": plots or _default_plots(run, told)}
+    subject = listed(run, beside)
+    numbers = packed(run, subject.out, quantities(run, plots), subject.width)
+    head = {**drawing(run, subject), "words": words(run, told, name),
+            "sizes": numbers.sizes, "thinned": numbers.thinned,
+            "meters": [] if plots else meters_of(run.mechanism.view, run.catalogue),
+            "plots": plots or _default_plots(run, told)}
     return RUN.format(head=safe_json(head), data=base64.b64encode(numbers.data).decode())
 
 
@@ -134,7 +129,9 @@ def quantities(run: Samples, plots: Sequence[str] = ()) -> list[str]:
 def _pairs(run: Samples) -> list[str]:
     """``a/b.normal`` of the pairs that press the most."""
     arrays, bodies = run.arrays, run.mechanism.bodies
-    pairs, which = touching_pairs(run.model, arrays)
+    keys, which = np.unique(arrays["contact_body"] * len(bodies) + arrays["contact_other"],
+                            return_inverse=True)
+    pairs = np.stack((keys // len(bodies), keys % len(bodies)), axis=1)
     total = np.bincount(which, np.hypot(*arrays["contact_force"].T), minlength=len(pairs))
     order = np.argsort(-total, kind="stable")[:MOST_PAIRS]
     return [f"{bodies[a].name}/{bodies[b].name}.normal" for a, b in pairs[np.sort(order)]]

@@ -29,11 +29,6 @@ const nameOf = (head, i) => {
   return h;
 };
 
-// A ghost's bodies as outlines in the colour of its run.
-function ghostFills(head, i, dark) {
-  return head.fills.map(() => [`${inkOf(i, dark)}18`, inkOf(i, dark)]);
-}
-
 function verdictOf({ words }) {
   const held = words.expect.filter((v) => v.ok).length, all = words.expect.length;
   const looks = words.audit.filter((f) => f.verdict === "look").length, parts = [];

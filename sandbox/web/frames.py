@@ -27,10 +27,10 @@ from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.recording.recording import Recording
 from sandbox.samples.acted import on_the_other
-from sandbox.show.channels import SomeSamples, channels, patch_rows, sides_of, surface_ways
-from sandbox.show.header import drawing
-from sandbox.show.meters import expressions_of, meters_of
-from sandbox.show.parts import traces_of
+from sandbox.web.channels import SomeSamples, channels, patch_rows, sides_of, surface_ways
+from sandbox.web.words import drawing
+from sandbox.web.meters import expressions_of, meters_of
+from sandbox.web.parts import traces_of
 
 HEAD = ("seq", "ack", "t", "rate", "hand", "from_x", "from_y", "force_x", "force_y", "contacts",
         "patches", "trail")
