@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
+import copy
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from sandbox.kinds.arrays import Arrays
 from sandbox.kinds.layers import EVERY, LAYERS, shown
+from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.picture.bounds import body_box, whole_box
-from sandbox.picture.build import subject_of
+from sandbox.picture.bars import bars_of
+from sandbox.picture.build import ELEMENTS, ramps, subject_of
 from sandbox.picture.camera import Stage, place_camera, width_shown
 from sandbox.picture.instant import Instant
 from sandbox.picture.labels import place_labels
-from sandbox.picture.listing import Listing, short
+from sandbox.picture.legend import add_legend
+from sandbox.picture.listing import Item, Listing, short
 from sandbox.picture.run_data import RunData
-from sandbox.picture.subject import Subject
+from sandbox.picture.subject import Subject, VisibleLayers
+from sandbox.picture.tensions import Tensions, tensions_of
 from sandbox.picture.typesetter import Typesetter
 from sandbox.scene.elements.settings import View
+from sandbox.scene.mechanism import Mechanism
 
 WIDTH, POINT, TYPE = 800, 1.0, 13
 """Size that labels are placed for: width of a drawing, pixels per point, font size [pixels]."""
@@ -27,6 +34,8 @@ LEGEND = 2.2
 """Height of the legend, in font sizes."""
 DIGITS = 5
 """Digits of numbers in lists and heads."""
+LABELLED = ("arrows", "strips", "text")
+"""Kinds of items with labels."""
 SLIDES = 1e-12
 """Poses that change by less are constant."""
 
@@ -38,13 +47,27 @@ def all_layers(view: View) -> View:
         name: patterns for name, patterns in view.show.items() if patterns and name in of}}})
 
 
-def listed(run: RunData, beside: Sequence[RunData] = (), *, live: bool = False) -> Subject:
-    """The display list of a run with all layers, and the sides of labels of those shown at first.
+class SomeSamples(NamedTuple):
+    """Samples of a run that goes on."""
+
+    mechanism: Mechanism
+    model: Model
+    arrays: Arrays
+    time: Array
+
+
+def listed(
+    run: RunData, beside: Sequence[RunData] = (), *, live: bool = False,
+) -> tuple[Subject, list[float]]:
+    """The display list of a run with all layers, with sides of the labels that show at first.
 
     Args:
         run: the recording.
         beside: runs that share its scales.
         live: whether lists of other samples of the run follow.
+
+    Returns:
+        The list, and what the picture holds: x0, y0, x1, y1 [m].
     """
     view = run.mechanism.view
     width, height = view.size
@@ -77,11 +100,98 @@ def listed(run: RunData, beside: Sequence[RunData] = (), *, live: bool = False) 
             keys = np.unique(s.out.tables[item["t"]][:, 1]).astype(int).tolist()
             item["refs"] = {key: f"{names[key // len(names)]}/{names[key % len(names)]}"
                             for key in keys}
-    s.box = [box.x0, box.y0, box.x1, box.y1]  # type: ignore[attr-defined]
-    return s
+    return s, [box.x0, box.y0, box.x1, box.y1]
 
 
-def drawing(run: RunData, s: Subject, *, live: bool = False) -> dict[str, Any]:
+class LiveListing:
+    """Display lists of the latest samples of a run, on the scales of a recording of its scene.
+
+    Only elements whose numbers change are listed again for each frame.
+    """
+
+    def __init__(self, look: RunData) -> None:
+        self._look, self._view = look, look.mechanism.view
+        self._full, self.box = listed(look, live=True)
+        self._visible = set(shown(self._view.show, traced=bool(self._view.traces)))
+        self._sides = {_label_key(item): {name: item[name] for name in ("side", "labels", "show")
+                                          if name in item}
+                       for item in self._full.out.items if item["k"] in LABELLED}
+        self._refs = next((i["refs"] for i in self._full.out.items if "refs" in i), {})
+        self._carried: dict[tuple[int, ...], Tensions] = {}
+        self._changing: list[Callable[[Subject], None]] = []
+        """Elements with columns, tables or frames."""
+        self._raw: list[Item] = []
+        """Their items as they list them."""
+        self._last: Subject | None = None
+        self._layers: set[str] | None = set()
+
+    def of(self, run: RunData, layers: set[str] | None) -> Subject:
+        """The list of some samples with the layers that are shown."""
+        if self._last is not None and layers == self._layers:
+            s = self._subject(run, layers, self._last.out)
+            for add in self._changing:
+                add(s)
+            s.out.close()
+            if s.out.items == self._raw:
+                s.out.items, s.out.legend = self._last.out.items, self._last.out.legend
+                return s
+        return self._list_all(run, layers)
+
+    def _list_all(self, run: RunData, layers: set[str] | None) -> Subject:
+        s = self._subject(run, layers, None)
+        out, self._changing, self._raw = s.out, [], []
+        for add in ELEMENTS:
+            count, before = len(out.items), _counts(out)
+            add(s)
+            if _counts(out) != before:
+                self._changing.append(add)
+                self._raw += copy.deepcopy(out.items[count:])
+        add_legend(s, s.carried)
+        s.close()
+        for item in out.items:
+            if item["k"] not in LABELLED:
+                continue
+            for name, value in self._sides.get(_label_key(item), {}).items():
+                # labels are shown with their arrows: when the look showed them does not matter
+                item[name] = 1 if name == "show" else value if name == "side" else {
+                    key: [side, 1] for key, (side, _) in value.items()}
+            if item["k"] == "arrows" and item["l"] == "contacts":
+                item["refs"] = self._refs
+        self._last, self._layers = s, layers
+        return s
+
+    def _subject(self, run: RunData, layers: set[str] | None, like: Listing | None) -> Subject:
+        layers = self._visible if layers is None else layers
+        every = all_layers(self._view).show
+        view = self._view.model_copy(update={"show": {
+            name: every[name] if name in layers and name in every else () for name in LAYERS}})
+        visible, out = VisibleLayers(run, view), Listing.of(
+            run.time, run.arrays["body_pose"], fixed_columns=True)
+        if like is not None:
+            out.styles, out.glyphs = like.styles, like.glyphs
+            out._known = {tuple(style): number for number, style in enumerate(like.styles)}
+        out.ramps = ramps()
+        bars = tuple(visible.of("bars"))
+        if bars not in self._carried:
+            self._carried[bars] = tensions_of(self._look, bars_of(self._look, bars))
+        carried = tensions_of(run, bars_of(run, bars)).beside([self._carried[bars]])
+        full = self._full
+        return Subject(run, view, visible, out,
+                       carried if "tensions" in visible else carried.hidden(), full.force,
+                       full.width, full.point, (self._look,))
+
+
+def _counts(out: Listing) -> tuple[int, int, int]:
+    return len(out.columns), len(out.tables), len(out._made)
+
+
+def _label_key(item: Item) -> tuple[Any, ...]:
+    return item["k"], item["l"], item.get("n", ""), item.get("t", ""), item.get("words", "")
+
+
+def drawing(
+    run: RunData, s: Subject, box: Sequence[float], *, live: bool = False,
+) -> dict[str, Any]:
     """All that a ``Stage`` needs to draw frames of a run, but for the numbers that change."""
     mechanism, model, out = run.mechanism, run.model, s.out
     view, names = mechanism.view, [body.name for body in mechanism.bodies]
@@ -92,14 +202,22 @@ def drawing(run: RunData, s: Subject, *, live: bool = False) -> dict[str, Any]:
                    for name, fixed, centre in zip(names, model.bodies.fixed,
                                                   run.arrays["body_centre"], strict=True)],
         "moving": moving(out).tolist(), "rest": [short(v) for v in out.pose[0].ravel()],
-        "tables": list(out.tables),
         "ramps": {"load": "tensions"}, "plain": "spring",
-        "box": s.box,  # type: ignore[attr-defined]
+        "box": rounded(box),
         "view": {"centre": view.centre, "width": view.width, "follow": view.follow,
                  "aspect": view.size[0] / view.size[1], "speed": view.speed},
         "layers": [{"name": name, "words": layer.words, "about": layer.about,
                     "on": name in visible} for name, layer in LAYERS.items()],
     }
+
+
+def page_list(out: Listing) -> dict[str, Any]:
+    """The display list as the script takes it, without what changes."""
+    own = {token: out.inks[token] for token in ("force", "spring", "drive")}
+    head = out.head()
+    return {"list": rounded({**head, "inks": {**head["inks"], **own}}),
+            "tables": {name: rows.shape[1] for name, rows in out.tables.items()},
+            "columns": len(out.columns), "frames": out.pose.shape[1]}
 
 
 def moving(out: Listing) -> Array:

@@ -1,10 +1,9 @@
-"""What a live view is sent: the scene as it looks before it is played with, and frames of it.
+"""Messages of a live view: the display list of a scene, and frames with its numbers.
 
-A frame is float32 numbers: :data:`HEAD`, then the channels that ``layout`` names, in its order and
-widths, then the quantities that are watched, then six numbers for each contact, then, if pressure
-is shown, six for each side that touches, then, if traces are shown, of each traced point where it
-was since the last frame, x and y in turn. Contact forces are the mean of the steps since the last
-frame: those of a single step flicker where things collide.
+A frame is float32 numbers: :data:`HEAD`, x, y and angle of each frame of the list, its columns, the
+values of the drives, the watched quantities, the number of rows of each table, the rows, then, of each trail in the
+list, where its point was since the last frame, x and y in turn. Contact forces are the mean of the
+steps since the last frame: those of a single step flicker where things collide.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from __future__ import annotations
 import contextlib
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,24 +24,21 @@ from sandbox.kinds.arrays import ARRAYS, CONTACT, STATIC, Arrays
 from sandbox.model.catalogue import PAIR, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array, Flags, Integers
+from sandbox.picture.listing import Item
 from sandbox.recording.recording import Recording
 from sandbox.samples.acted import on_the_other
-from sandbox.web.channels import SomeSamples, channels, patch_rows, sides_of, surface_ways
-from sandbox.web.words import drawing
+from sandbox.web.drawing import LiveListing, SomeSamples, drawing, page_list
 from sandbox.web.meters import expressions_of, meters_of
-from sandbox.web.parts import traces_of
 
-HEAD = ("seq", "ack", "t", "rate", "hand", "from_x", "from_y", "force_x", "force_y", "contacts",
-        "patches", "trail")
-"""The first numbers of a frame: which one it is; the last message that it knows of; the instant
-[s]; seconds of motion for each second; the body that is held, or -1; where [m] and with which force
-[N]; how many contacts; how many sides that touch; how many places of each traced point."""
+
+HEAD = ("seq", "ack", "t", "rate", "hand", "from_x", "from_y", "force_x", "force_y", "trail")
+"""The first numbers of a frame: its number; the last message that it answers; the time [s];
+seconds of motion for each second; the body that is held, or -1; where [m] and with which force
+[N]; the number of places of each trail."""
 TRAIL = 8
-"""Most places of a traced point in a frame."""
+"""Most places of a trail in a frame."""
 LOOK = 2.0
 """Seconds that are spent to find out how far a scene moves and how hard it presses."""
-WISHED = {"velocity", "acceleration", "reactions", "bars"}
-"""Layers whose channels are worked out only where they are shown: they take most of a frame."""
 MOST_PAIRS = 200
 """So many pairs of bodies are offered at most; any can be asked for."""
 AT_ONCE = 64
@@ -96,12 +92,10 @@ class LiveFrames:
 
     def __init__(self, live: Live, look: Recording) -> None:
         self.live, self.look = live, look
-        self.layers: set[str] = set()
-        """Layers that are shown."""
+        self.layers: set[str] | None = None
+        """Layers that are shown; by default those of the scene's view."""
         self._shown = self.layers
-        """Those that the last frame was worked out for."""
-        self.last: dict[str, Array] = {}
-        """The channels of the last frame."""
+        """Those of the last frame."""
         self.watched: list[str] = []
         """Names of quantities that frames tell."""
         self.units = {name: live.unit(name) for name in live.names()}
@@ -113,13 +107,14 @@ class LiveFrames:
         self._model = compile_mechanism(live.scene)
         self._on_other: dict[int, bool] = {}
         """Of pairs of bodies that have touched, whether the force is shown on the second."""
-        self._traced = traces_of(look)
-        self._way = np.zeros(len(self._model.drives.giving("surface")))
+        self._listing = LiveListing(look)
+        self._sent: list[Item] = []
+        """Items of the list that the page has."""
         self._told = 0
         """Steps of which a frame has told."""
         if not live.steps:
             live.step()  # before the first one there is nothing to show
-        self.last = self._row()
+        self._look_again()
 
     def _own_meters(self) -> Iterator[dict[str, Any]]:
         view, worked = self.live.scene.view, expressions_of(self.live.scene.view)
@@ -152,71 +147,69 @@ class LiveFrames:
         return name in self.units or ("/" in name and name in self.look.catalogue)
 
     def drawing(self) -> dict[str, Any]:
-        """What a ``Stage`` needs, and how frames are laid out."""
+        """All that a ``Stage`` needs before the first frame."""
         known = self.look.catalogue.units
-        return {**drawing(self.look), "late": [name for name in known if name not in self.units],
-                "head": list(HEAD),
-                "layout": [[name, len(row)] for name, row in self.last.items()],
-                "meters": self.meters, "pairs": list(self._pairs()),
+        return {**drawing(self.look, self._subject, self._listing.box, live=True), **self._list(),
+                "late": [name for name in known if name not in self.units],
+                "head": list(HEAD), "drives": len(self.live.scene.drives), "meters": self.meters, "pairs": list(self._pairs()),
                 "quantities": [{"name": name, "unit": self.units[name]} for name in dict.fromkeys(
                     (*filter(self.units.__contains__, self.look.catalogue.telling), *self.units))]}
 
+    def _list(self) -> dict[str, Any]:
+        self._sent = self._subject.out.items
+        return page_list(self._subject.out)
+
+    def relisted(self) -> dict[str, Any] | None:
+        """The display list if it has other items than the page knows, else None."""
+        self._look_again()
+        return None if _alike(self._subject.out.items, self._sent) else self._list()
+
     def frame(self, numbers: dict[str, float]) -> bytes:
-        """The present instant; ``numbers`` are those of :data:`HEAD` but the contacts."""
-        if self.live.steps != self._told or self.layers != self._shown:
-            self.last = self._row()
+        """The present instant; ``numbers`` are those of :data:`HEAD` but ``trail``.
+
+        Call :meth:`relisted` before.
+        """
+        out = self._subject.out
         values = [self.live[name] for name in self.watched]
-        head = {**numbers, "contacts": len(self._contacts), "patches": len(self._patches),
-                "trail": self._trail.shape[1]}
-        found = [np.array([head[name] for name in HEAD]), *self.last.values(), np.array(values),
-                 self._contacts.ravel(), self._patches.ravel(), self._trail.ravel()]
+        head = {**numbers, "trail": self._trail.shape[1]}
+        last = len(out.time) - 1
+        tables = [rows[rows[:, 0] == last] for rows in out.tables.values()]
+        found = [[head[name] for name in HEAD], out.pose[-1].ravel(),
+                 [column[-1] for column in out.columns], self._drives, values, [len(rows) for rows in tables],
+                 *(rows.ravel() for rows in tables), self._trail.ravel()]
         return np.concatenate(found).astype("<f4").tobytes()
 
-    def _row(self) -> dict[str, Array]:
-        """Each channel now [columns]."""
+    def _look_again(self) -> None:
+        """List the last samples, if there are new ones or other layers."""
+        if self._told and self.live.steps == self._told and self.layers == self._shown:
+            return
         drives = len(self.live.scene.drives)
         arrays = self.live.latest()
         for name in _OF_DRIVES:
             arrays[name] = arrays[name][:, :drives]
-        self._contacts = self._mean_contacts(arrays)
-        self._patches = self._touching_sides(arrays)
+        few = _last(arrays)
+        self._subject = self._listing.of(
+            SomeSamples(self.live.scene, self._model, few, few["time"]), self.layers)
+        contacts, tables = self._mean_contacts(arrays), self._subject.out.tables
+        if "contacts" in tables:
+            count = len(self.live.scene.bodies)
+            key = contacts[:, 4] * count + contacts[:, 5]
+            tables["contacts"] = np.column_stack([
+                np.full(len(contacts), len(few["time"]) - 1), key, contacts[:, :4]])
+        self._drives = few["drive_value"][-1]
         self._trail = self._places(arrays)
-        wished = not self.last or not WISHED.isdisjoint(self.layers)
-        found = {**self.last, **{name: rows[-1] for name, rows in channels(
-            self._model, _last(arrays), wished=wished).items()}}
-        if "way" in found:
-            ways = surface_ways(self._model, arrays)
-            since = (self.live.steps - self._told) * self.live.scene.run.step
-            self._way = self._way + since * _mean_speed(ways, arrays["time"])
-            found["way"] = self._way
         self._told, self._shown = self.live.steps, self.layers
-        return found
 
     def _places(self, arrays: Arrays) -> Array:
-        """Where each traced point was since the last frame, the last one now, [traces, m, 2]."""
-        if "traces" not in self.layers or not self._traced:
-            return np.zeros((len(self._traced), 0, 2))
+        """Where the point of each trail was since the last frame, [trails, m, 2] m."""
+        points = [item["at"] for item in self._subject.out.items if item["k"] == "trail"]
         new = min(self.live.steps - self._told, len(arrays["time"]))
         some = np.unique(np.linspace(-new, -1, TRAIL).round().astype(int)) if new > 0 else [-1]
-        pose = arrays["body_pose"][some]
-        found = []
-        for body, (x, y) in self._traced:
+        pose, found = arrays["body_pose"][some], []
+        for body, x, y in points:
             c, s = np.cos(pose[:, body, 2]), np.sin(pose[:, body, 2])
             found.append(pose[:, body, :2] + np.stack((c * x - s * y, s * x + c * y), axis=1))
         return np.array(found).reshape(len(found), len(some), 2)
-
-    def _touching_sides(self, arrays: Arrays) -> Array:
-        """What touches along a line now, as :func:`patch_rows` says, [k, 6]."""
-        if "pressure" not in self.layers:
-            return np.zeros((0, 6))
-        body, other = arrays["contact_body"], arrays["contact_other"]
-        keys, which = np.unique(body * len(self.live.scene.bodies) + other, return_inverse=True)
-        pairs = np.stack(np.divmod(keys, len(self.live.scene.bodies)), axis=1)
-        swapped = self._shown_on_other(keys, pairs)[which]
-        sides = sides_of(SomeSamples(self.live.scene, self._model, arrays, arrays["time"]), (
-            np.where(swapped, other, body),
-            np.where(swapped[:, None], -1.0, 1.0) * arrays["contact_force"]))
-        return patch_rows(sides, np.array([len(arrays["time"]) - 1]))[:, :6]
 
     def _mean_contacts(self, arrays: Arrays) -> Array:
         """A row for each pair: the mean force, at the mean place weighted by it, [k, 6]."""
@@ -261,13 +254,14 @@ def _unreadable(live: Live, word: str) -> str:
 
 
 def _last(arrays: Arrays) -> Arrays:
-    """The last two samples, which tell what goes on."""
-    return {name: array if name in STATIC or name in CONTACT else array[-2:]
-            for name, array in arrays.items()}
+    """The last two samples."""
+    first = max(len(arrays["time"]) - 2, 0)
+    late = arrays["contact_sample"] >= first
+    found = {name: array if name in STATIC else array[late] if name in CONTACT else array[first:]
+             for name, array in arrays.items()}
+    return {**found, "contact_sample": found["contact_sample"] - first}
 
 
-def _mean_speed(ways: Array, times: Array) -> Array:
-    """Of surfaces, by how far they came from the first of some samples to the last."""
-    if len(times) < 2:
-        return np.asarray(ways[-1] / times[-1])
-    return np.asarray((ways[-1] - ways[0]) / (times[-1] - times[0]))
+def _alike(items: Sequence[Item], others: Sequence[Item]) -> bool:
+    """Whether two lists differ in numbers only that are sent with each frame."""
+    return items is others or items == others

@@ -17,7 +17,7 @@ import numpy as np
 
 from sandbox.picture.run_data import read_curve
 from sandbox.picture.listing import Listing
-from sandbox.web.drawing import moving, rounded
+from sandbox.web.drawing import moving, page_list
 from sandbox.kinds.arrays import largest_size
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.samples import Samples
@@ -170,7 +170,7 @@ def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNum
         said.append(f"plots: the least and the greatest of every {-(-len(time) // bins)} samples")
     heads = [{"part": part, **one} for part, some in enumerate((blocks, plots), 1)
              for one in some.heads]
-    text = json.dumps({"list": rounded(out.head()), "blocks": heads, "series": series},
+    text = json.dumps({**page_list(out), "blocks": heads, "series": series},
                       separators=(",", ":"), allow_nan=False)
     parts = [zlib.compress(text.encode(), LEVEL), head, tail]
     return RunNumbers(b"".join(parts), [len(part) for part in parts], said)

@@ -95,9 +95,9 @@ def _judged(run: Samples, told: FoundOut) -> FoundOut:
 def _run(
     run: Samples, beside: Sequence[Samples], told: FoundOut, name: str, plots: list[str],
 ) -> str:
-    subject = listed(run, beside)
+    subject, box = listed(run, beside)
     numbers = packed(run, subject.out, quantities(run, plots), subject.width)
-    head = {**drawing(run, subject), "words": words(run, told, name),
+    head = {**drawing(run, subject, box), "words": words(run, told, name),
             "sizes": numbers.sizes, "thinned": numbers.thinned,
             "meters": [] if plots else meters_of(run.mechanism.view, run.catalogue),
             "plots": plots or _default_plots(run, told)}

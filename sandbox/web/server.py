@@ -317,7 +317,7 @@ class _Tab:
         if state == self._shown or not room:
             return told, None
         self._shown = state
-        return told, session.frame()
+        return [*told, *session.relisted()], session.frame()
 
     async def watch_files(self) -> None:
         while True:

@@ -90,7 +90,7 @@ class Session:
         self.closed = False
         """Whether nobody looks any more: what takes long is then given up."""
         self._watched: list[str] | None = None
-        self._layers: set[str] = set()
+        self._layers: set[str] | None = None
         self._spans: Spans = {}
         self._before: list[Before] = []
         self._open(read(self.overrides))
@@ -146,6 +146,11 @@ class Session:
         """The command that begins with today's values of the parameters."""
         said = [f' --set "{path}={value}"' for path, value in self.overrides.items()]
         return f"sandbox view {self.loaded.name}{''.join(said)}"
+
+    def relisted(self) -> list[Answer]:
+        """The display list, if the page has another one; to be sent before the next frame."""
+        found = self.frames.relisted()
+        return [{"relisted": found}] if found else []
 
     def frame(self) -> bytes:
         """The present instant; see :mod:`sandbox.web.frames`."""

@@ -65,7 +65,7 @@ class Replay {
     this.first = this.time[0]; this.last = this.time[this.time.length - 1];
     this.pose = Float64Array.from(head.rest);
     this.steady = new Set(head.list.steady);
-    this.tables = Object.fromEntries(head.tables.map((name) => [name, rowsOf(data[`table ${name}`], this.time.length)]));
+    this.tables = Object.fromEntries(Object.keys(head.tables).map((name) => [name, rowsOf(data[`table ${name}`], this.time.length)]));
     this.ways = new Map();
   }
   frame(t) {
@@ -76,7 +76,7 @@ class Replay {
       for (let q = 0; q < 3; q++) { const c = data.pose[3 * m + q]; pose[3 * f + q] = c[i] + w * (c[j] - c[i]); }
     });
     const values = (data.columns || []).map((c, k) => (this.steady.has(k) ? c[near] : c[i] + w * (c[j] - c[i])));
-    const tables = Object.fromEntries(head.tables.map((name) => [name, this.tables[name][near]]));
+    const tables = Object.fromEntries(Object.entries(this.tables).map(([name, rows]) => [name, rows[near]]));
     return { t, pose, values, tables, trail: (item) => ({ way: this.way(item), times: time, count: near + 1 }) };
   }
   way(item) {                                             // of a point, x and y in turn

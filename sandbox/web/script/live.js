@@ -72,6 +72,7 @@ class Live {
   // -- what is heard -------------------------------------------------------------------------------
   hear(message) {
     if (message.head) this.begin(message.head);
+    if (message.relisted) this.relist(message.relisted);
     if (message.status) this.status(message.status);
     if (message.controls) this.controls.show(message.controls);
     if (message.given) this.controls.given(message.given);
@@ -96,9 +97,8 @@ class Live {
     }
     camera(stage, () => this.redraw(), { grab: (pick, x, y) => this.grab(pick, x, y), hover: (pick, e) => this.hover(pick, e),
                                          click: (pick) => this.click(pick) });
-    this.pose = Float64Array.from(head.rest); this.instants = [];
+    this.instants = []; this.ways = new Map();
     this.frame = null; this.held = null; this.meters.forget();
-    this.ways = head.parts.filter((p) => p.k === "trace").map((p) => ({ at: p.at, way: [] }));
     this.layers.replaceChildren(layerBoxes([this.stage], () => this.layersChosen()));
     this.layersChosen();
     this.follow.fill();
@@ -107,6 +107,10 @@ class Live {
     this.controls.show(head.controls);
     this.meters.first = head.meters;
     this.meters.show(head.watched.map((name) => ({ name, unit: this.units.get(name) })));
+  }
+  relist(found) {                                         // other items than before, such as those of another layer
+    Object.assign(this.head, found);
+    Object.assign(this.stage, { list: found.list, stamps: {} });
   }
   status({ playing, trouble, note, speed, warnings, left_out: leftOut }) {
     this.playing = playing;
@@ -135,18 +139,13 @@ class Live {
     const { head } = this, numbers = new Float32Array(buffer);
     let i = head.head.length;
     const f = Object.fromEntries(head.head.map((name, k) => [name, numbers[k]]));
-    for (const [name, width] of head.layout) { f[name] = numbers.subarray(i, i + width); i += width; }
-    const values = numbers.subarray(i, i += this.meters.watched.length);
-    const sixes = (count) => Array.from({ length: count }, () => [...numbers.subarray(i, i += 6)]);
-    f.contacts = sixes(f.contacts);
-    f.patches = sixes(f.patches);
+    const take = (count) => numbers.subarray(i, i += count);
+    f.pose = take(3 * head.frames); f.values = take(head.columns); f.drives = take(head.drives);
+    const values = take(this.meters.watched.length), names = Object.keys(head.tables), counts = take(names.length);
+    f.tables = Object.fromEntries(names.map((name, k) => [name, Array.from({ length: counts[k] }, () => [...take(head.tables[name])])]));
     f.places = numbers.subarray(i);
     const last = this.frame, passed = last ? f.t - last.t : 0;
     if (passed < 0) this.wentBack(f.t);
-    head.moving.forEach((b, m) => {
-      for (let q = 0; q < 3; q++) this.pose[3 * b + q] = f.pose[3 * m + q];
-    });
-    f.pose = this.pose;
     this.trace(f);
     if (!last || passed !== 0) this.meters.keep(f.t, values);
     this.frame = f;
@@ -157,21 +156,23 @@ class Live {
     const kept = this.instants.findLastIndex((one) => one < t) + 1;
     this.meters.back(t);
     this.instants.length = kept;
-    for (const one of this.ways) one.way.length = 2 * kept;
+    for (const way of this.ways.values()) way.length = Math.min(way.length, 2 * kept);
   }
   trace(f) {                                              // with what lay between two frames
     const { frame: last, instants } = this, m = f.trail, since = last && last.t < f.t ? last.t : f.t;
-    for (let k = 1; k <= Math.max(m, 1) && this.ways.length; k++) instants.push(since + (f.t - since) * k / Math.max(m, 1));
-    this.ways.forEach((one, w) => {
-      const [b, x, y] = one.at, [px, py] = turned([x, y], this.pose[3 * b + 2]);
-      if (m) one.way.push(...f.places.subarray(2 * m * w, 2 * m * (w + 1)));
-      else one.way.push(this.pose[3 * b] + px, this.pose[3 * b + 1] + py);
+    const trails = this.head.list.items.filter((item) => item.k === "trail");
+    if (trails.length) for (let k = 1; k <= m; k++) instants.push(since + (f.t - since) * k / m);
+    trails.forEach((item, w) => {
+      const key = item.at.join(), way = this.ways.get(key) || [];
+      while (way.length < 2 * (instants.length - m)) way.push(f.places[2 * m * w], f.places[2 * m * w + 1]);
+      way.push(...f.places.subarray(2 * m * w, 2 * m * (w + 1)));
+      this.ways.set(key, way);
     });
-    if (this.instants.length > WAY) {
-      this.instants.splice(0, WAY / 2);
-      for (const one of this.ways) one.way.splice(0, WAY);
+    if (instants.length > WAY) {
+      instants.splice(0, WAY / 2);
+      for (const way of this.ways.values()) way.splice(0, WAY);
     }
-    f.ways = this.ways.map((one) => one.way); f.times = this.instants; f.upto = this.instants.length - 1;
+    f.trail = (item) => ({ way: this.ways.get(item.at.join()) || [], times: instants, count: instants.length });
   }
   layersChosen() { this.send({ layers: [...this.stage.layers] }); this.redraw(); }
   redraw() {
@@ -189,7 +190,7 @@ class Live {
     this.clock.textContent = `${f.t.toFixed(3)} s`;
     const slow = this.playing && f.rate < 0.9 * +this.speeds.value && f.t > 0.5;
     if (!this.working) this.pace.textContent = slow ? `${f.rate.toFixed(2)} \u00d7 real time` : "";
-    this.controls.follow(f.drive);
+    this.controls.follow(f.drives);
     if (this.filming) this.filming.frame([this.stage]);
     this.stats.drawn++;
     if (!this.playing || this.stats.drawn % 3 === 0) this.meters.scroll(f.t);
@@ -205,10 +206,10 @@ class Live {
   drawHand(s) {
     const f = this.frame;
     if (!f || f.hand < 0 || !this.held) return;
-    const from = s.px(f.from_x, f.from_y), to = s.px(...this.held.to), colour = s.ink("DRIVE");
-    s.line([from, to], colour, 1.6, { dash: [5, 4] });
-    s.dot(from, 3.2 * s.u, colour); s.dot(to, 4.5 * s.u, null, colour, 1.6);
-    s.label(`${+Math.hypot(f.force_x, f.force_y).toPrecision(2)} N`, besideTip(s, from, to, "0.00 N"), colour, true);
+    const from = s.px(f.from_x, f.from_y), to = s.px(...this.held.to), colour = s.ink("drive");
+    s.stroke(polyline([from, to]), colour, 1.6 * s.u, 5 * s.u);
+    s.dot(from, 3.2 * s.u, colour); s.dot(to, 4.5 * s.u, null, colour);
+    s.words.push({ text: `${+Math.hypot(f.force_x, f.force_y).toPrecision(2)} N`, tip: to, side: to[0] < from[0] ? 4 : 0, rank: -1, ink: colour, clear: 4 });
   }
 
   // -- what is asked ---------------------------------------------------------------------------------
@@ -235,9 +236,9 @@ class Live {
   }
   toggle() { this.ask({ do: this.playing ? "pause" : "run" }); }
   grab(pick, x, y) {
-    const { stage, head } = this, under = this.frame && stage.pick(x, y, (b) => head.moving.includes(b));
+    const { stage, head } = this, under = this.frame && stage.pick(x, y, (b) => b >= 0 && b < head.bodies.length && !head.bodies[b].fixed);
     if (!under) return null;
-    const body = head.bodies[under.b].name, at = stage.local(under.b, stage.world(x, y));
+    const body = head.bodies[under.f].name, at = stage.local(under.f, stage.world(x, y));
     let moved = 0, was = [x, y];
     this.tip(null);
     return {

@@ -171,6 +171,12 @@ class Stage {
     ctx.stroke(path);
     if (dash) ctx.setLineDash([]);
   }
+  dot([x, y], r, fill, edge) {
+    const path = new Path2D();
+    path.arc(x, y, Math.max(r, 0), 0, TAU);
+    if (fill) { this.ctx.fillStyle = fill; this.ctx.fill(path); }
+    this.stroke(path, edge, 1.6 * this.u);
+  }
   hatch(edge) {
     if (!this.patterns[edge]) {
       const side = Math.max(4, Math.round(PITCH * this.u * this.dpr)), c = new OffscreenCanvas(side, side), g = c.getContext("2d");
@@ -440,7 +446,7 @@ const PAINT = {
     return null;
   },
   trail(s, item) {
-    const { way, times, count } = s.frame.trail(item), path = new Path2D(), [fill, edge, width] = s.look(item), now = s.at(item.at), { ctx } = s;
+    const { way, times, count } = s.frame.trail(item), path = new Path2D(), [fill, edge, width] = s.look(item), now = s.at(item.at);
     let [x, y] = [Infinity, Infinity], next = item.every * Math.ceil(times[0] / item.every + 1e-9);
     const spots = [];
     for (let k = 0; k < count; k++) {
@@ -450,8 +456,8 @@ const PAINT = {
     }
     path.lineTo(...now);
     s.stroke(path, edge, width);
-    ctx.fillStyle = fill || edge;
-    for (const [[a, b], r] of [...spots.map((spot) => [spot, item.mark * s.u]), [now, 1.5 * width]]) { ctx.beginPath(); ctx.arc(a, b, r, 0, TAU); ctx.fill(); }
+    for (const spot of spots) s.dot(spot, item.mark * s.u, fill || edge);
+    s.dot(now, 1.5 * width, fill || edge);
     return path;
   },
   text(s, item) {
