@@ -35,7 +35,7 @@ fifth of a pixel on a picture of 1000. Where it would be more all samples are ke
 BINS = 2000
 """Of a quantity with more than twice as many samples: the least and the greatest of each."""
 LEAST_BINS = 125
-LEVEL = 6
+LEVEL = 9
 CHUNK = 64
 """Columns worked on at a time."""
 FLAT, NOTHING = 1e-9, 1e-10

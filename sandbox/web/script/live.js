@@ -3,7 +3,7 @@
 
 const WAY = 20000;
 const LIVE_KEYS = [["space", "run or pause"], ["right, left", "one frame on or back"], ["r", "from the beginning"],
-  ["[ and ]", "slower, faster"], ["+, -", "zoom"], ["0", "fit"], ["s", "save the picture"], ["?", "these keys"]];
+  ["[ and ]", "slower, faster"], ["+, -", "zoom"], [", . up, down", "move the picture"], ["0", "fit"], ["s", "save the picture"], ["?", "these keys"]];
 const PULLING = "Drag a body to pull it: the longer the line, the stronger. Drag beside bodies to move the picture, wheel "
   + "or two fingers zoom, double click fits. Click a body, cord or spring for its meter.";
 
@@ -86,7 +86,7 @@ class Live {
     const old = this.stage;
     this.head = head;
     this.title.textContent = document.title = head.title;
-    this.canvas = el("canvas", { tabIndex: 0, ariaLabel: "the mechanism in motion: drag a body to pull it" });
+    this.canvas = el("canvas", { tabIndex: 0, role: "img", ariaLabel: `${head.title} in motion: drag a body to pull it` });
     this.canvas.style.aspectRatio = String(head.view.aspect);
     const stage = this.stage = new Stage(this.canvas, head);
     stage.extra.push((s) => this.drawHand(s));
@@ -280,7 +280,7 @@ class Live {
     onKeys({
       " ": () => this.toggle(), ArrowRight: () => this.ask({ do: "step" }), ArrowLeft: () => this.ask({ do: "back" }),
       r: () => this.ask({ do: "reset" }), "[": () => this.speeds.faster(-1), "]": () => this.speeds.faster(1),
-      "+": () => this.zoom(1.25), "-": () => this.zoom(0.8), 0: () => this.fit(), s: () => this.picture(),
+      "+": () => this.zoom(1.25), "-": () => this.zoom(0.8), ...moves(() => [this.stage], () => this.redraw()), 0: () => this.fit(), s: () => this.picture(),
       "?": () => this.help.showModal(),
     }, () => this.head && !this.help.open);
     onLooks(this.sheet, () => (this.stage ? [this.stage, ...this.meters.plots] : []), () => this.redraw());

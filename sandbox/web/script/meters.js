@@ -1,6 +1,6 @@
 // Plots that a reader opens: quantities of one unit side by side, of all runs at once.
 
-const MOST_CURVES = 8, MOST_PLOTS = 6;
+const MOST_CURVES = 8, MOST_PLOTS = 12, AT_FIRST = 2;
 const FLATTENED = 1e-3;                                   // a curve so much lower than another is none beside it
 
 Object.assign(Report.prototype, {
@@ -71,15 +71,15 @@ Object.assign(Report.prototype, {
       runs.size === all ? [{ ...band, ink: null, word: mean ? "mean" : "" }]
         : [...runs].map((k) => ({ ...band, ink: k, word: `expected${mean ? " mean" : ""} (${k + 1})` }))));
   },
-  // At first: the meters of the scene's view; then what else the header names, by unit and last word, as many
-  // as are readable.
+  // At first: the meters of the scene's view; then what else the header names, by unit and last word. The first
+  // AT_FIRST are open, the others have a button each.
   openFirst() {
-    const groups = new Map(), { meters, plots } = this.heads[0], shown = new Set();
+    const groups = new Map(), { meters, plots } = this.heads[0], shown = new Set(), offers = [];
     for (const meter of meters) {
       const names = meter.names.filter((name) => this.series.some((s) => s.has(name)));
       if (!names.length) continue;
       const of = this.series.find((s) => s.has(names[0]));
-      this.openOne(names, of.unit(names[0]), { ...meter, key: names.join(" ") });
+      offers.push([meter.title || common(names).title || names[0], () => this.openOne(names, of.unit(names[0]), { ...meter, key: names.join(" ") })]);
       for (const name of names) shown.add(name);
     }
     for (const name of plots) {
@@ -90,15 +90,19 @@ Object.assign(Report.prototype, {
       groups.get(key).names.push(name);
     }
     const most = this.heads.length > 1 ? 2 : MOST_CURVES;
-    const wanted = [...groups.values()].flatMap(({ last, names }) => {
-      const found = [];
+    for (const { last, names } of groups.values()) {
       for (let i = 0; i < names.length; i += most) {
         const some = names.slice(i, i + most);
-        found.push([some, some.length > 1 ? last : ""]);
+        offers.push([some.length > 1 ? last : some[0], () => this.open(some, some.length > 1 ? last : "")]);
       }
-      return found;
-    });
-    for (const [names, title] of wanted.slice(0, Math.max(0, MOST_PLOTS - this.plots.length))) this.open(names, title);
+    }
+    const closed = el("div", { className: "closed" });
+    for (const [title, open] of offers.slice(0, MOST_PLOTS)) {
+      if (this.plots.length < AT_FIRST) { open(); continue; }
+      const box = button("", `+ ${title}`, "plot this", () => { box.remove(); open(); });
+      closed.append(box);
+    }
+    this.meters.append(closed);
   },
   adder() {
     const every = [...new Set(this.series.flatMap((s) => [...s.keys()]))];

@@ -114,6 +114,7 @@ function plot(parent, { title, unit: unitName, names, short: words, time, rows, 
     caption.append(button);
   }
   box.append(caption); parent.append(box);
+  box.role = "img"; box.ariaLabel = `plot of ${names.join(", ")}`;
   const size = () => ({ width: Math.max(180, box.clientWidth - 12), height: 150 });
   let night = isDark(box);
   const dark = () => night, colours = () => inks.map(([i]) => inkOf(i, dark()));

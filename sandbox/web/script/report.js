@@ -3,7 +3,7 @@
 const SPEEDS = [0.02, 0.05, 0.1, 0.25, 0.5, 1, 2];
 const KEYS = [["space", "play or pause"], ["left, right", "one sample back or on; with shift ten"],
   ["home, end", "first or last instant"], ["n, p", "next or previous mark on the bar"],
-  ["[ and ]", "slower, faster"], ["l", "loop"], ["+, -", "zoom"], ["0", "fit"],
+  ["[ and ]", "slower, faster"], ["l", "loop"], ["+, -", "zoom"], [", . up, down", "move the picture"], ["0", "fit"],
   ["g", "side by side or over each other"], ["s", "save the picture"], ["?", "these keys"]];
 const POINTER = "Wheel or two fingers zoom, drag moves, double click fits. Point at anything for its values, click it for "
   + "its plot. Click in a plot to go to that time, drag in it to zoom.";
@@ -66,7 +66,7 @@ class Report {
     this.help = keysBox(root, KEYS, POINTER);
   }
   sheet(head, i) {
-    const canvas = el("canvas", { tabIndex: 0, ariaLabel: "the mechanism in motion" });
+    const canvas = el("canvas", { tabIndex: 0, role: "img", ariaLabel: `${head.title} in motion` });
     const sheet = el("div", { className: "sheet" });
     if (this.heads.length > 1) sheet.append(nameOf(head, i));
     sheet.append(canvas);
@@ -215,7 +215,7 @@ class Report {
       ArrowLeft: (e) => this.hold(this.t - (e.shiftKey ? 10 : 1) * this.step), Home: () => this.hold(this.first),
       End: () => this.hold(this.last), n: () => this.jump(1), p: () => this.jump(-1), "[": () => this.speeds.faster(-1),
       "]": () => this.speeds.faster(1), l: () => this.loops.click(), "+": () => this.zoom(1.25),
-      "-": () => this.zoom(0.8), 0: () => this.fit(), g: () => this.layer && this.lay(), s: () => this.picture(),
+      "-": () => this.zoom(0.8), ...moves(() => this.stages, () => this.show()), 0: () => this.fit(), g: () => this.layer && this.lay(), s: () => this.picture(),
       "?": () => this.help.showModal(),
     }, () => !this.help.open);
     onLooks(this.sheets, () => [...this.stages, ...this.plots], () => this.show());

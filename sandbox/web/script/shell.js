@@ -70,6 +70,11 @@ function followBox(stages, redraw) {
   return box;
 }
 
+const STEP = 40;                                          // by which a key moves a picture [px]
+function moves(stages, redraw) {                          // keys that move pictures
+  const by = (x, y) => () => { for (const { pan } of stages()) { pan[0] += x; pan[1] += y; } redraw(); };
+  return { ",": by(STEP, 0), ".": by(-STEP, 0), ArrowUp: by(0, STEP), ArrowDown: by(0, -STEP) };
+}
 function fitAll(stages, redraw) {
   for (const s of stages) s.fit();
   redraw();

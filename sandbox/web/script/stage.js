@@ -43,7 +43,7 @@ function mixed(a, b, w) {
 class Stage {
   constructor(canvas, head) {
     Object.assign(this, { canvas, head, list: head.list, ctx: canvas.getContext("2d"), zoom: 1, pan: [0, 0], hover: null, extra: [],
-                          stamp: "", lines: 0, stamps: {}, ghosts: [] });
+                          stamp: "", lines: 0, stamps: {}, widths: new Map() });
     this.layers = new Set(head.layers.filter((l) => l.on).map((l) => l.name));
     this.follow = head.view.follow ? head.bodies.findIndex((b) => b.name === head.view.follow) : -1;
     this.dress();
@@ -70,7 +70,8 @@ class Stage {
     const u = clamp(Math.min(w / 800, h / 400), 0.6, 1.5);
     if (u !== this.u || dpr !== this.dpr) { this.stamps = {}; this.patterns = {}; }
     Object.assign(this, { w, h, dpr, u, small: w < SMALL, thin: w < SMALL ? 0.75 : 1, text: Math.max(11, Math.round(13 * u)) });
-    this.rows = this.legend();
+    const kept = [w, h, dpr, this.scale, this.stamp.length, this.night, ...this.layers].join();
+    if (kept !== this.kept) { this.kept = kept; this.rows = this.legend(); }
     const lines = Math.max(this.rows.length, this.lines, this.stamp ? 1 : 0);
     this.foot = lines ? (1.5 * lines + 0.6) * this.text : 0;
     const [x0, y0, x1, y1] = head.box, v = head.view, room = Math.max(h - this.foot, 20);
@@ -100,7 +101,9 @@ class Stage {
   }
   place(f) {                                              // metres of a frame to device pixels
     const p = this.pose, a = p[3 * f + 2], k = this.scale * this.dpr, c = k * Math.cos(a), s = k * Math.sin(a);
-    this.ctx.setTransform(c, -s, -s, -c, this.dpr * (this.ox + this.scale * p[3 * f]), this.dpr * (this.oy - this.scale * p[3 * f + 1]));
+    const e = this.dpr * (this.ox + this.scale * p[3 * f]), g = this.dpr * (this.oy - this.scale * p[3 * f + 1]);
+    this.ctx.setTransform(c, -s, -s, -c, e, g);
+    this.turn = { a: c / k ** 2, b: -s / k ** 2, c: -s / k ** 2, d: -c / k ** 2, e: (s * g - c * e) / k ** 2, f: (s * e + c * g) / k ** 2 };   // its inverse
   }
   plain() { this.ctx.setTransform(this.dpr, 0, 0, this.dpr, 0, 0); }
   zoomAt(factor, x, y) {                                  // the point at (x, y) stays where it is
@@ -185,7 +188,7 @@ class Stage {
       g.stroke();
       this.patterns[edge] = this.ctx.createPattern(c, "repeat");
     }
-    this.patterns[edge].setTransform(new DOMMatrix(this.ctx.getTransform()).inverse());
+    this.patterns[edge].setTransform(this.turn);          // hatches stay on the screen
     return this.patterns[edge];
   }
   glyph(name, [x, y], turn = 0, k = this.u) {             // a symbol of constant size
@@ -235,6 +238,15 @@ class Stage {
     for (let y = Math.ceil(y0 / step) * step; y < y1 && step > 0; y += step) put(y, [this.px(x0, y), this.px(x1, y)], [this.text * 2.4, this.px(0, y)[1]]);
   }
 
+  widthOf(text) {                                         // of a text in the present font, measured once
+    const key = `${this.ctx.font}|${text}`, known = this.widths.get(key);
+    if (known !== undefined) return known;
+    if (this.widths.size > 4000) this.widths.clear();
+    const width = this.ctx.measureText(text).width;
+    this.widths.set(key, width);
+    return width;
+  }
+
   // -- texts ------------------------------------------------------------------------------------------
   // A text at its side: that of the list, or else, once and for all, the one that its arrow points to.
   say(item, key, text, tip, away, ink, size) {
@@ -256,7 +268,7 @@ class Stage {
     this.words.sort((a, b) => a.rank - b.rank || (b.size || 0) - (a.size || 0));
     for (const { text, tip, side, ink, clear, number } of this.words) {
       if (number && numbers >= most) continue;
-      const w = ctx.measureText(text).width / 2, h = 0.55 * this.text, [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear;
+      const w = this.widthOf(text) / 2, h = 0.55 * this.text, [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear;
       const x = tip[0] + dx * (w + reach), y = tip[1] - dy * (h + reach), box = [x - w, y - h, x + w, y + h];
       if (box[0] < 0 || box[2] > this.w || box[1] < 0 || box[3] > bottom
           || taken.some(([a, b, c, d]) => box[0] < c && a < box[2] && box[1] < d && b < box[3])) continue;
