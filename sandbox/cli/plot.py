@@ -185,7 +185,7 @@ def _idle(
     """Quantities found by a pattern that are 0 in all runs; never all of the names."""
     import numpy as np
 
-    from sandbox.show.packing import NOTHING
+    from sandbox.web.packing import NOTHING
 
     having = {name: [run for run in recordings if name in run] for name in names}
     sizes = {name: max(float(np.nanmax(np.abs(run[name]), initial=0.0)) for run in runs)

@@ -34,6 +34,8 @@ LEGEND = 2.2
 """Height of the legend, in font sizes."""
 DIGITS = 5
 """Digits of numbers in lists and heads."""
+OWN = ("force", "spring", "drive")
+"""Tokens that the script uses by itself: what is pointed at, loads without colours, the hand."""
 LABELLED = ("arrows", "strips", "text")
 """Kinds of items with labels."""
 SLIDES = 1e-12
@@ -213,7 +215,7 @@ def drawing(
 
 def page_list(out: Listing) -> dict[str, Any]:
     """The display list as the script takes it, without what changes."""
-    own = {token: out.inks[token] for token in ("force", "spring", "drive")}
+    own = {token: out.inks[token] for token in OWN if token in out.inks}
     head = out.head()
     return {"list": rounded({**head, "inks": {**head["inks"], **own}}),
             "tables": {name: rows.shape[1] for name, rows in out.tables.items()},

@@ -24,7 +24,7 @@ from sandbox.kinds.arrays import ARRAYS, CONTACT, STATIC, Arrays
 from sandbox.model.catalogue import PAIR, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.picture.listing import Item
+from sandbox.picture.listing import Item, Listing
 from sandbox.recording.recording import Recording
 from sandbox.samples.acted import on_the_other
 from sandbox.web.drawing import LiveListing, SomeSamples, drawing, page_list
@@ -158,6 +158,11 @@ class LiveFrames:
     def _list(self) -> dict[str, Any]:
         self._sent = self._subject.out.items
         return page_list(self._subject.out)
+
+    @property
+    def listing(self) -> Listing:
+        """The display list of the last samples."""
+        return self._subject.out
 
     def relisted(self) -> dict[str, Any] | None:
         """The display list if it has other items than the page knows, else None."""

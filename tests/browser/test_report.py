@@ -10,14 +10,14 @@ from PIL import Image
 from sandbox.figure.style import shown_as
 from sandbox.kinds.arrays import LATE
 from sandbox.recording.recording import Recording
-from sandbox.show.header import FoundOut
-from sandbox.show.page import report
-from sandbox.show.sizes import declared
-from sandbox.show.web_files import text_of
+from sandbox.web.words import FoundOut
+from sandbox.web.page import report
+from sandbox.web.sizes import declared
+from sandbox.web.files import text_of
 from tests.browser.conftest import PHONE, STAGE, body_at, until
 from tests.draw.conftest import hand, zoo
 from tests.draw.conftest import recording as made_up
-from tests.show.test_page import EVIL
+from tests.web.test_page import EVIL
 
 nightly = pytest.mark.nightly
 TITLES = ".plot figcaption span"

@@ -5,9 +5,9 @@ import pytest
 from sandbox.engine.simulate import simulate
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
-from sandbox.show.header import drawing
-from sandbox.show.page import report
-from tests.show.test_parts import kinds_of_python
+from sandbox.web.words import drawing
+from sandbox.web.page import report
+from tests.web.test_parts import kinds_of_python
 
 SCENES = ("planetary_gear", "hydraulic_lift", "pneumatic_hand", "floating", "fields", "conveyor",
           "release", "servo_arm", "capstan", "finger_joint_locks", "linear_actuator",

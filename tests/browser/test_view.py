@@ -7,7 +7,7 @@ import pytest
 
 import sandbox
 from tests.browser.conftest import PHONE, body_at, until
-from tests.show.test_page import EVIL
+from tests.web.test_page import EVIL
 
 pytest.importorskip("websockets", reason="the extra 'view' is not installed")
 nightly = pytest.mark.nightly

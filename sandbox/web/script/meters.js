@@ -93,7 +93,7 @@ Object.assign(Report.prototype, {
     for (const { last, names } of groups.values()) {
       for (let i = 0; i < names.length; i += most) {
         const some = names.slice(i, i + most);
-        offers.push([some.length > 1 ? last : some[0], () => this.open(some, some.length > 1 ? last : "")]);
+        offers.push([some.length > 1 ? `${last}${i ? ` ${i / most + 1}` : ""}` : some[0], () => this.open(some, some.length > 1 ? last : "")]);
       }
     }
     const closed = el("div", { className: "closed" });

@@ -9,7 +9,7 @@ import pytest
 from sandbox.engine.live import Live
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene, read_scene
-from sandbox.show.controls import changes, controls
+from sandbox.web.controls import changes, controls
 
 from .test_session import PULLED
 

@@ -1,16 +1,34 @@
 """Numbers on their way to the browser: read back as the script reads them, thinned as said."""
 
+import json
 import zlib
 
 import numpy as np
 import pytest
 
-from sandbox.kinds.arrays import CONTACT, PER_SAMPLE
+from sandbox.picture.listing import Listing
 from sandbox.recording.recording import Recording
-from sandbox.show import packing
-from sandbox.show.packing import OFF, Blocks, kept_samples, packed
+from sandbox.web import packing
+from sandbox.web.drawing import listed
+from sandbox.web.packing import OFF, Blocks, kept_samples, packed
 from tests.draw.conftest import hand, zoo
-from tests.draw.test_unions import box_on_floor
+
+
+def listing(run):
+    """A display list of poses and contacts alone."""
+    arrays = run.arrays
+    out = Listing.of(run.time, arrays["body_pose"])
+    key = arrays["contact_body"] * len(run.mechanism.bodies) + arrays["contact_other"]
+    out.tables["contacts"] = np.column_stack([
+        arrays["contact_sample"], key, arrays["contact_point"], arrays["contact_force"]])
+    return out
+
+
+def parts(numbers):
+    """The head, and the bytes of the drawing and of the plots."""
+    text, *others = np.split(np.frombuffer(numbers.data, np.uint8), np.cumsum(numbers.sizes)[:-1])
+    return json.loads(zlib.decompress(text.tobytes())), *(
+        zlib.decompress(part.tobytes()) for part in others)
 
 
 def read(head, raw):
@@ -63,10 +81,10 @@ def test_plots_keep_the_least_and_the_greatest_of_each_bin(monkeypatch):
     noise = np.random.default_rng(3).random((801, len(run.mechanism.tendons)))
     run = type(run)(run.mechanism, {**run.arrays, "tendon_tension": noise}, run.info)
     monkeypatch.setattr(packing, "BINS", 100)
-    found = packed(run, ["tree.actuator.tension"], 0.6, None)
+    found = packed(run, listing(run), ["tree.actuator.tension"], 0.6)
     assert len(found.thinned) == 1
-    raw = zlib.decompress(found.data[found.sizes[0]:])
-    heads = {head["key"]: head for head in found.blocks if head["part"] == 1}
+    data, _, raw = parts(found)
+    heads = {head["key"]: head for head in data["blocks"] if head["part"] == 2}
     values, times = read(heads["plots"], raw)[0], read(heads["ptime"], raw)[0]
     truth = run["tree.actuator.tension"]
     bins = [truth[i:i + 9] for i in range(0, 801, 9)]
@@ -76,58 +94,36 @@ def test_plots_keep_the_least_and_the_greatest_of_each_bin(monkeypatch):
     assert (np.diff(times) >= 0).all()
 
 
-def test_contact_forces_come_with_their_sample_on_the_body_that_they_are_shown_on():
+def test_rows_of_tables_come_with_their_sample_and_their_key():
     run = hand()
-    found = packed(run, [], 0.6, None)
-    raw = zlib.decompress(found.data[:found.sizes[0]])
-    head = next(head for head in found.blocks if head["key"] == "contact")
+    truth = listing(run).tables["contacts"]
+    data, raw, _ = parts(packed(run, listing(run), [], 0.6))
+    assert data["tables"] == {"contacts": 6}
+    head = next(head for head in data["blocks"] if head["key"] == "table contacts")
     rows = read(head, raw).T
-    names = [body.name for body in run.mechanism.bodies]
-    assert all(names[int(row[4])].startswith("section") for row in rows)
-    rows = rows[np.lexsort((rows[:, 5], rows[:, 6]))]
-    # recorded on the phalanges; what a finger feels the object feels the other way round
-    a = run.arrays
-    order = np.lexsort((a["contact_body"], a["contact_sample"]))
-    truth = np.column_stack([a["contact_point"], -a["contact_force"], a["contact_other"],
-                             a["contact_body"], a["contact_sample"]])[order]
-    assert np.abs(rows - truth).max() <= 0.5 * max(head["step"][:4]) + 1e-9
-    assert np.array_equal(rows[:, 4:], truth[:, 4:])
+    truth = truth[np.lexsort((truth[:, 0], truth[:, 1]))]
+    assert np.array_equal(rows[:, :2], truth[:, :2])
+    assert np.abs(rows - truth).max() <= 0.5 * max(head["step"][2:]) + 1e-9
 
 
-@pytest.mark.parametrize(("run", "key"), [(hand(fingers=1, samples=2), "contact"),
-                                          (box_on_floor(0.05), "patch")])
-def test_rows_of_more_samples_than_16_bits_count_keep_the_numbers_of_theirs(run, key):
-    n = 70_000
-    arrays = {**run.arrays, **{name: np.repeat(run.arrays[name][:1], n, axis=0)
-                               for name in PER_SAMPLE}, "time": np.arange(n) / 250}
-    kept = np.arange(0, n, 7)
-    arrays |= {name: np.repeat(run.arrays[name][:1], len(kept), axis=0) for name in CONTACT}
-    arrays["contact_sample"] = kept
-    long = type(run)(run.mechanism, arrays, run.info)
-    found = packed(long, [], 0.6, None)
-    head = next(head for head in found.blocks if head["key"] == key)
-    rows = read(head, zlib.decompress(found.data[:found.sizes[0]]))
-    assert np.array_equal(rows[6], kept)
+def test_the_page_draws_contacts_on_the_objects_and_knows_their_quantities():
+    run = hand()
+    subject, box = listed(run)
+    [item] = [item for item in subject.out.items if item.get("refs")]
+    assert all(name.startswith("section") for name in item["refs"].values())
+    assert set(map(int, item["labels"])) <= set(item["refs"])
+    assert box[0] < box[2]
+    assert box[1] < box[3]
 
 
 def test_a_budget_is_kept_and_said(monkeypatch):
     run = hand(samples=6001)
     names = [name for name in run.names() if name.endswith((".x", ".y", ".angle", ".tension"))]
-    whole = packed(run, names, 0.6, None)
+    whole = packed(run, listing(run), names, 0.6)
     monkeypatch.setattr(packing, "BUDGET", len(whole.data) * 2 // 3)
-    less = packed(run, names, 0.6, None)
+    less = packed(run, listing(run), names, 0.6)
     assert len(less.data) <= packing.BUDGET < len(whole.data)
     assert any(said.startswith("plots:") for said in less.thinned)
-
-
-def test_sides_that_touch_come_with_their_pressure_and_the_way_out_of_the_body():
-    numbers = packed(box_on_floor(0.05), [], 1.0, None)
-    head = next(one for one in numbers.blocks if one["key"] == "patch")
-    raw = zlib.decompress(numbers.data[:numbers.sizes[0]])
-    (x0, y0, q0, x1, y1, q1, sample), = read(head, raw).T
-    # a triangle up to the box's edge; down is out of the box, to the left of the way from x0 to x1
-    assert (x0, q0, x1, q1) == pytest.approx((0.5, 2 * 9.81 / 0.15, 0.35, 0.0), rel=1e-3, abs=1e-6)
-    assert (y0, y1, sample) == (0, 0, 0)
 
 
 def with_meters(*meters, view=()):
@@ -146,15 +142,15 @@ def with_meters(*meters, view=()):
 def test_what_rounding_leaves_is_constant(value, unit, told):
     """Of nothing else in its unit nobody knows that it is small."""
     run = with_meters(("one", value, unit), ("large", "=20 * t", "N"))
-    series = {one["name"]: one for one in packed(run, ["one", "large"], 1.0, None).series}
+    data, *_ = parts(packed(run, listing(run), ["one", "large"], 1.0))
+    series = {one["name"]: one for one in data["series"]}
     assert series["one"].get("v") == (told and pytest.approx(told))
     assert "c" in series["large"]
 
 
 def test_curves_of_the_views_meters_are_quantities_of_the_page():
     run = with_meters(("large", "=20 * t", "N"), view=[{"of": "=large / 2 - t", "unit": "kN"}])
-    numbers = packed(run, ["=large / 2 - t"], 1.0, None)
-    assert numbers.series == [{"name": "=large / 2 - t", "unit": "kN", "c": 0}]
-    head = next(one for one in numbers.blocks if one["key"] == "plots")
-    raw = zlib.decompress(numbers.data[numbers.sizes[0]:])
-    assert read(head, raw)[0] == pytest.approx(9 * run.time, abs=1e-5)
+    data, _, raw = parts(packed(run, listing(run), ["=large / 2 - t"], 1.0))
+    assert data["series"] == [{"name": "=large / 2 - t", "unit": "kN", "c": 0}]
+    head = next(one for one in data["blocks"] if one["key"] == "plots")
+    assert read(head, raw)[0] == pytest.approx(9 * run.time, abs=head["step"][0])

@@ -23,9 +23,9 @@ import pytest
 
 from sandbox.errors import OutputError
 from sandbox.scene.read.load import read_scene
-from sandbox.show import server as served
-from sandbox.show.server import Server, page
-from sandbox.show.session import Found, Session
+from sandbox.web import server as served
+from sandbox.web.server import Server, page
+from sandbox.web.session import Found, Session
 from tests.cli.conftest import FIRST_RUN
 
 from .test_session import PULLED
@@ -55,13 +55,14 @@ def connected(server: Server, **more: Any) -> Any:
 
 
 async def next_json(socket_: Any, *, working: bool = False) -> dict[str, Any]:
-    """The next text; that something takes long, as all may on a busy machine, only if asked."""
+    """The next text, but no display list; that something takes long only if asked."""
     while True:
         message = await socket_.recv()
         if isinstance(message, bytes):
             await socket_.send('{"seen": 1000000}')
-        elif working or "working" not in json.loads(message):
-            return dict(json.loads(message))
+        elif "relisted" not in (found := json.loads(message)) and (
+                working or "working" not in found):
+            return dict(found)
 
 
 async def until_silent(socket_: Any) -> AsyncIterator[str | bytes]:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from sandbox.samples.expectations import verdicts
-from sandbox.show.header import FoundOut, drawing, words
+from sandbox.web.drawing import drawing, listed
+from sandbox.web.words import FoundOut, told_apart, words
 from tests.draw.conftest import hand, hand_mechanism
 
 
@@ -34,11 +35,29 @@ def test_a_page_begins_where_the_run_does_and_follows_whom_the_scene_does():
     """From the first sample on a camera counts how far it has gone along."""
     run = hand()
     view = run.mechanism.view.model_copy(update={"follow": "finger2.distal"})
-    mechanism = run.mechanism.model_copy(update={"view": view})
-    head = drawing(type(run)(mechanism, run.arrays, run.info))
+    run = type(run)(run.mechanism.model_copy(update={"view": view}), run.arrays, run.info)
+    head = drawing(run, *listed(run))
     assert head["view"]["follow"] == "finger2.distal"
-    rest = np.array(head["rest"]).reshape(-1, 3)
+    rest = np.array(head["rest"]).reshape(-1, 3)[:len(run.mechanism.bodies)]
     assert rest == pytest.approx(run.arrays["body_pose"][0], abs=1e-6)
     assert np.abs(rest - run.arrays["body_pose"][-1]).max() > 0.1
-    largest = max(float(run.arrays["tendon_tension"].max()), 0.0)
-    assert largest <= head["scale"]["tension"] < 1.4 * largest
+
+NONE: dict[str, float] = {}
+
+
+@pytest.mark.parametrize(("titles", "parameters", "sources", "told"), [
+    (["a", "b"], [{"k": 1.0}, {"k": 2.0}], ["x", "y"], ["a", "b"]),
+    (["a", "a"], [{"k": 1.0, "m": 3.0}, {"k": 2.0, "m": 3.0}], ["x", "y"], ["k = 1", "k = 2"]),
+    (["a", "a"], [{"k": 1.0}, {"k": 1.0}], ["x", "y"], ["x", "y"]),
+    (["a", "a"], [{"k": 1.0}, NONE], ["x", "y"], ["x", "y"]),
+    (["a", "a"], [NONE, NONE], ["x", "x"], ["x", "x"]),
+    (["a", "a"], [NONE, NONE], ["", ""], ["a", "a"]),
+    (["a", "a", "b"], [{"k": 1.0}, {"k": 2.0}, NONE], ["x", "y", "z"], ["a: x", "a: y", "b: z"]),
+    (["a", "a"], [dict.fromkeys("pqrs", 1 / 3), dict.fromkeys("pqrs", 2e-7)], ["", ""],
+     ["p = 0.3333, q = 0.3333, r = 0.3333, \u2026", "p = 2e-07, q = 2e-07, r = 2e-07, \u2026"]),
+    (["a"], [NONE], [""], ["a"]),
+])
+def test_titles_then_parameters_that_differ_then_places(
+    titles: list[str], parameters: list[dict[str, float]], sources: list[str], told: list[str],
+) -> None:
+    assert told_apart(titles, parameters, sources) == told
