@@ -158,21 +158,22 @@ def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNum
         said.append(f"drawing: {len(frames)} of {len(time)} samples, so that nothing is off by "
                     f"more than {1e3 * OFF * width:.2g} mm between them")
     series, values = _series(run, names)
-    head = zlib.compress(bytes(blocks.raw), LEVEL)
-    bins = BINS
+    drawing, bins = zlib.compress(bytes(blocks.raw), LEVEL), BINS
     while True:
         plots = _plots(time, values, bins)
-        tail = zlib.compress(bytes(plots.raw), LEVEL)
-        if len(head) + len(tail) <= BUDGET or bins <= LEAST_BINS:
+        heads = [{"part": part, **one} for part, some in enumerate((blocks, plots), 1)
+                 for one in some.heads]
+        head = json.dumps({**page_list(out), "blocks": heads, "series": series},
+                          separators=(",", ":"), allow_nan=False)
+        parts = [zlib.compress(head.encode(), LEVEL), drawing,
+                 zlib.compress(bytes(plots.raw), LEVEL)]
+        fixed, total = len(parts[0]) + len(drawing), sum(map(len, parts))
+        if total <= BUDGET or bins <= LEAST_BINS:
             break
-        bins = max(LEAST_BINS, min(bins // 2, int(0.9 * bins * (BUDGET - len(head)) / len(tail))))
+        fewer = int(0.9 * bins * (BUDGET - fixed) / (total - fixed))
+        bins = max(LEAST_BINS, min(bins // 2, fewer))
     if len(time) > 2 * bins:
         said.append(f"plots: the least and the greatest of every {-(-len(time) // bins)} samples")
-    heads = [{"part": part, **one} for part, some in enumerate((blocks, plots), 1)
-             for one in some.heads]
-    text = json.dumps({**page_list(out), "blocks": heads, "series": series},
-                      separators=(",", ":"), allow_nan=False)
-    parts = [zlib.compress(text.encode(), LEVEL), head, tail]
     return RunNumbers(b"".join(parts), [len(part) for part in parts], said)
 
 

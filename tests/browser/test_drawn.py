@@ -9,7 +9,9 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.acted import contacts_on
 from sandbox.samples.outcome import Happened
 from sandbox.web.page import report
-from tests.draw.painted import AT, everything, world
+from tests.draw.conftest import hand, zoo
+
+AT = 40
 
 ARROWS = """(layer) => {
   const s = sandbox.stages[0], item = s.list.items.find((one) => one.k === "arrows" && one.l === layer);
@@ -19,7 +21,7 @@ ARROWS = """(layer) => {
 
 @pytest.fixture(scope="module")
 def run():
-    return everything()
+    return hand()
 
 
 @pytest.fixture
@@ -43,8 +45,9 @@ def test_arrows_are_those_of_the_recording(tab, run):
     assert found == pytest.approx(np.array(sorted(expected[long].tolist())), abs=0.2)
 
 
-def test_everything_is_drawn_picked_and_named(tab):
+def test_everything_is_drawn_picked_and_named(opened):
     """All layers, by day and by night; the name of what is picked is that of an element."""
+    tab = opened(report([zoo()]))
     tab.evaluate("""() => { for (const l of sandbox.heads[0].layers) sandbox.stages[0].layers.add(l.name); sandbox.show(); }""")
     found = tab.evaluate("""() => {
       const s = sandbox.stages[0], names = new Set();
@@ -57,13 +60,14 @@ def test_everything_is_drawn_picked_and_named(tab):
     tab.emulate_media(color_scheme="dark")
 
 
-@pytest.mark.nightly
 def test_a_trace_is_the_way_that_was_gone(tab, run):
-    way = tab.evaluate("""() => {
+    (body, x, y), way = tab.evaluate("""() => {
       const item = sandbox.stages[0].list.items.find((one) => one.k === "trail");
-      return [...sandbox.replays[0].way(item)];
+      return [item.at, [...sandbox.replays[0].way(item)]];
     }""")
-    expected = np.array([one for one in world(run.arrays["body_pose"], 4, (0.0, 0.01))])
+    px, py, angle = run.arrays["body_pose"][:, body].T
+    c, s = np.cos(angle), np.sin(angle)
+    expected = np.column_stack([px + c * x - s * y, py + s * x + c * y])
     assert np.array(way).reshape(-1, 2) == pytest.approx(expected, abs=1e-4)
 
 
@@ -71,11 +75,11 @@ def test_a_trace_is_the_way_that_was_gone(tab, run):
 def test_marks_and_bands_of_verdicts_are_where_the_run_has_them(opened, run):
     data = run.mechanism.model_dump(mode="json", by_alias=True)
     data["events"] = [{"name": "enough", "at": 0.25, "set": {"push": 1}}]
-    data["expect"] = [{"mean": "tip.y", "above": 9, "over": [0.4, 0.6]},
-                      {"final": "tip.y", "above": 0.1}]
+    data["expect"] = [{"mean": "finger1.distal.y", "above": 9, "over": [0.4, 0.6]},
+                      {"final": "finger1.distal.y", "above": 0.1}]
     told = Recording(type(run.mechanism).model_validate(data), run.arrays, replace(
         run.info, events=(Happened("enough", 0.25),)))
-    tab = opened(report([told], plots=["tip.y"]))
+    tab = opened(report([told], plots=["finger1.distal.y"]))
     assert "1 of 2 expectations passed" in tab.locator(".verdict").inner_text()
     inside = [k for k, t in enumerate(run.time) if 0.4 <= t <= 0.6]
     tab.evaluate("sandbox.hold(0.1)")

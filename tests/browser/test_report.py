@@ -57,7 +57,8 @@ def changed(one, other):
 
 
 def poses(tab, stage=STAGE):
-    return np.array(tab.evaluate(f"[...{stage}.pose]")).reshape(-1, 3)
+    return np.array(tab.evaluate(
+        f"[...{stage}.pose].slice(0, 3 * {stage}.head.bodies.length)")).reshape(-1, 3)
 
 
 def truth(run, t):
