@@ -13,8 +13,8 @@ from sandbox.kinds.arrays import Arrays
 from sandbox.kinds.layers import EVERY, LAYERS, shown
 from sandbox.model.model import Model
 from sandbox.numeric import Array
-from sandbox.picture.bounds import body_box, whole_box
 from sandbox.picture.bars import bars_of
+from sandbox.picture.bounds import body_box, whole_box
 from sandbox.picture.build import ELEMENTS, ramps, subject_of
 from sandbox.picture.camera import Stage, place_camera, width_shown
 from sandbox.picture.instant import Instant

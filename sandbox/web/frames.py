@@ -1,9 +1,9 @@
 """Messages of a live view: the display list of a scene, and frames with its numbers.
 
 A frame is float32 numbers: :data:`HEAD`, x, y and angle of each frame of the list, its columns, the
-values of the drives, the watched quantities, the number of rows of each table, the rows, then, of each trail in the
-list, where its point was since the last frame, x and y in turn. Contact forces are the mean of the
-steps since the last frame: those of a single step flicker where things collide.
+values of the drives, the watched quantities, the number of rows of each table, the rows, then, for
+each trail in the list, where its point was since the last frame, x and y in turn. Contact forces
+are the mean of the steps since the last frame: those of a single step flicker.
 """
 
 from __future__ import annotations
@@ -29,7 +29,6 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.acted import on_the_other
 from sandbox.web.drawing import LiveListing, SomeSamples, drawing, page_list
 from sandbox.web.meters import expressions_of, meters_of
-
 
 HEAD = ("seq", "ack", "t", "rate", "hand", "from_x", "from_y", "force_x", "force_y", "trail")
 """The first numbers of a frame: its number; the last message that it answers; the time [s];
@@ -151,7 +150,8 @@ class LiveFrames:
         known = self.look.catalogue.units
         return {**drawing(self.look, self._subject, self._listing.box, live=True), **self._list(),
                 "late": [name for name in known if name not in self.units],
-                "head": list(HEAD), "drives": len(self.live.scene.drives), "meters": self.meters, "pairs": list(self._pairs()),
+                "head": list(HEAD), "drives": len(self.live.scene.drives),
+                "meters": self.meters, "pairs": list(self._pairs()),
                 "quantities": [{"name": name, "unit": self.units[name]} for name in dict.fromkeys(
                     (*filter(self.units.__contains__, self.look.catalogue.telling), *self.units))]}
 
@@ -180,8 +180,9 @@ class LiveFrames:
         last = len(out.time) - 1
         tables = [rows[rows[:, 0] == last] for rows in out.tables.values()]
         found = [[head[name] for name in HEAD], out.pose[-1].ravel(),
-                 [column[-1] for column in out.columns], self._drives, values, [len(rows) for rows in tables],
-                 *(rows.ravel() for rows in tables), self._trail.ravel()]
+                 [column[-1] for column in out.columns], self._drives, values,
+                 [len(rows) for rows in tables], *(rows.ravel() for rows in tables),
+                 self._trail.ravel()]
         return np.concatenate(found).astype("<f4").tobytes()
 
     def _look_again(self) -> None:

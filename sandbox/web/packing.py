@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.picture.run_data import read_curve
-from sandbox.picture.listing import Listing
-from sandbox.web.drawing import moving, page_list
 from sandbox.kinds.arrays import largest_size
 from sandbox.numeric import Array, Flags, Integers
+from sandbox.picture.listing import Listing
+from sandbox.picture.run_data import read_curve
 from sandbox.samples.samples import Samples
+from sandbox.web.drawing import moving, page_list
 from sandbox.web.meters import expressions_of
 
 BUDGET = 3_300_000

@@ -18,18 +18,18 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.picture.options import check_run
 from sandbox.atomic_files import output_path, write_atomic
 from sandbox.errors import OutputError
 from sandbox.kinds.quantities import GRASP, by_telling
+from sandbox.picture.options import check_run
+from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import verdicts
 from sandbox.samples.samples import Samples
 from sandbox.web.drawing import drawing, listed
-from sandbox.web.words import FoundOut, told_apart, words
+from sandbox.web.files import script, source_hash, styles
 from sandbox.web.meters import meters_of
 from sandbox.web.packing import level, packed
-from sandbox.web.files import script, source_hash, styles
-from sandbox.recording.recording import Recording
+from sandbox.web.words import FoundOut, told_apart, words
 from sandbox.wording import printable, quoted
 
 MOST_RUNS = 4

@@ -29,8 +29,8 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from sandbox.errors import OutputError, SandboxError
-from sandbox.web.session import FRAME, Answer, Later, Session
 from sandbox.web.files import LIVE, script, source_hash, styles
+from sandbox.web.session import FRAME, Answer, Later, Session
 from sandbox.wording import printable
 
 if TYPE_CHECKING:

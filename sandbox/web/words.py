@@ -8,6 +8,8 @@ from itertools import chain, repeat
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from sandbox.audit.figures import Figure
 from sandbox.samples.expectations import Verdict, window
 from sandbox.samples.samples import Samples

@@ -5,8 +5,8 @@ import zlib
 
 import numpy as np
 import pytest
-
 from sandbox.picture.listing import Listing
+
 from sandbox.recording.recording import Recording
 from sandbox.web import packing
 from sandbox.web.drawing import listed
