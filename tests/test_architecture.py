@@ -30,12 +30,12 @@ FLOORS = {
     "recording": 6,
     "figure": 7, "engine": 7, "export": 7,
     "draw": 8, "convergence": 8, "equilibria": 8, "sweeps": 8,
-    "show": 9, "notebook": 9, "gym": 9, "search": 9,
+    "web": 9, "notebook": 9, "gym": 9, "search": 9,
     "cli": 11,
 }
 """The layer of each package: it imports from itself and from the layers below."""
 OWNERS = {"pymunk": "engine", "numba": "engine", "pygame": "draw", "matplotlib": "figure draw",
-          "imageio": "draw", "PIL": "draw", "click": "cli", "websockets": "show",
+          "imageio": "draw", "PIL": "draw", "click": "cli", "websockets": "web",
           "gymnasium": "gym"}
 """The packages that may import a library."""
 SHOWING = ("_repr_html_", "plot", "picture", "film", "page")
