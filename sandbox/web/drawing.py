@@ -12,7 +12,7 @@ import numpy as np
 from sandbox.kinds.arrays import Arrays
 from sandbox.kinds.layers import EVERY, LAYERS, shown
 from sandbox.model.model import Model
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Integers
 from sandbox.picture.bars import bars_of
 from sandbox.picture.bounds import body_box, whole_box
 from sandbox.picture.build import ELEMENTS, ramps, subject_of
@@ -118,7 +118,8 @@ class LiveListing:
         self._sides = {_label_key(item): {name: item[name] for name in ("side", "labels", "show")
                                           if name in item}
                        for item in self._full.out.items if item["k"] in LABELLED}
-        self._refs = next((i["refs"] for i in self._full.out.items if "refs" in i), {})
+        self._refs: dict[int, str] = next(
+            (item["refs"] for item in self._full.out.items if "refs" in item), {})
         self._carried: dict[tuple[int, ...], Tensions] = {}
         self._changing: list[Callable[[Subject], None]] = []
         """Elements with columns, tables or frames."""
@@ -222,7 +223,7 @@ def page_list(out: Listing) -> dict[str, Any]:
             "columns": len(out.columns), "frames": out.pose.shape[1]}
 
 
-def moving(out: Listing) -> Array:
+def moving(out: Listing) -> Integers:
     """Numbers of the frames that move."""
     return np.flatnonzero((np.ptp(np.nan_to_num(out.pose), axis=0) > SLIDES).any(axis=1))
 

@@ -93,7 +93,7 @@ class LiveFrames:
         self.live, self.look = live, look
         self.layers: set[str] | None = None
         """Layers that are shown; by default those of the scene's view."""
-        self._shown = self.layers
+        self._shown: set[str] | None = None
         """Those of the last frame."""
         self.watched: list[str] = []
         """Names of quantities that frames tell."""
