@@ -7,8 +7,8 @@ from pathlib import Path
 
 from benchmarks.measure import Figure, interleaved, mechanism, seconds
 from sandbox.audit.audit import audit
-from sandbox.draw.film.video import render
 from sandbox.engine.simulate import simulate
+from sandbox.picture.film import render
 from sandbox.recording.store import save_data
 
 

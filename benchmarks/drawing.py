@@ -7,13 +7,14 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
+from sandbox.draw.film.pipeline import side_by_side
 
 from benchmarks.measure import Figure, interleaved, mechanism, seconds
-from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.gif import GifWriter, shared_palette
-from sandbox.draw.film.pipeline import side_by_side
-from sandbox.draw.film.video import frame_times
 from sandbox.engine.simulate import simulate
+from sandbox.picture.frame import Picture
+from sandbox.picture.frames import Frames
+from sandbox.picture.gif import GifWriter, shared_palette
+from sandbox.picture.run_data import frame_times
 
 SIZE = (800, 600)
 Frame = NDArray[np.uint32]
@@ -22,7 +23,7 @@ Frame = NDArray[np.uint32]
 def figures(*, quick: bool = False) -> list[Figure]:
     """Rates of the two halves, and the time of both together over that of the longer one."""
     run = simulate(mechanism("adaptive_grasp", {"run.duration": 0.2 if quick else 2.0}))
-    renderer = FrameRenderer(run, size=SIZE)
+    renderer = Frames(Picture(run, size=SIZE))
     times = frame_times(run, fps=50, speed=0.5)
     frames = [renderer.draw_packed(t).copy() for t in times]
     palette = shared_palette(frames[::50])

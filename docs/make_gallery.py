@@ -23,7 +23,7 @@ from PIL import Image
 
 import sandbox
 from sandbox.cli.entry import invoke
-from sandbox.draw.film.palette import PUSH, TENSION
+from sandbox.picture.palette import PUSH, TENSION
 from sandbox.scene.library import shipped_scenes, wholes
 
 FOLDER = Path(__file__).parent.parent / "renders" / "gallery"

@@ -18,7 +18,6 @@ import numpy as np
 
 import sandbox
 from sandbox.cli.entry import invoke
-from sandbox.draw.film.palette import ROLES
 from sandbox.figure.style import (
     BAND,
     BLUE,
@@ -31,6 +30,7 @@ from sandbox.figure.style import (
     new_figure,
     save_figure,
 )
+from sandbox.picture.palette import ROLES
 
 DOCS = Path(__file__).parent
 GRAVITY = 9.81

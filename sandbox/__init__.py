@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from sandbox import build, gym, search
     from sandbox.control.custom import Custom, StopRun
-    from sandbox.draw.film.video import render
     from sandbox.engine.live import Live
     from sandbox.engine.simulate import simulate
     from sandbox.engine.simulation import Simulation
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
         SceneError,
         SimulationDiverged,
     )
+    from sandbox.picture.film import render
     from sandbox.recording.recording import Recording
     from sandbox.scene.expand import expand
     from sandbox.scene.read.load import load_scene
@@ -74,7 +74,7 @@ _HOMES = {
     "StopRun": "sandbox.control.custom",
     "expand": "sandbox.scene.expand",
     "load_scene": "sandbox.scene.read.load",
-    "render": "sandbox.draw.film.video",
+    "render": "sandbox.picture.film",
     "rest": "sandbox.equilibria.rest",
     "rest_along": "sandbox.equilibria.branches",
     "simulate": "sandbox.engine.simulate",

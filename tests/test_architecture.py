@@ -29,13 +29,13 @@ FLOORS = {
     "audit": 5,
     "recording": 6,
     "figure": 7, "engine": 7, "export": 7,
-    "draw": 8, "convergence": 8, "equilibria": 8, "sweeps": 8,
+    "picture": 8, "convergence": 8, "equilibria": 8, "sweeps": 8,
     "web": 9, "notebook": 9, "gym": 9, "search": 9,
     "cli": 11,
 }
 """The layer of each package: it imports from itself and from the layers below."""
-OWNERS = {"pymunk": "engine", "numba": "engine", "pygame": "draw", "matplotlib": "figure draw",
-          "imageio": "draw", "PIL": "draw", "click": "cli", "websockets": "web",
+OWNERS = {"pymunk": "engine", "numba": "engine", "pygame": "picture",
+          "matplotlib": "figure picture", "imageio": "picture", "PIL": "picture", "click": "cli", "websockets": "web",
           "gymnasium": "gym"}
 """The packages that may import a library."""
 SHOWING = ("_repr_html_", "plot", "picture", "film", "page")
@@ -139,7 +139,7 @@ def test_there_are_no_import_cycles() -> None:
 
 @pytest.mark.parametrize(("text", "package"), [
     ("from sandbox.engine.world import World\n", "recording"),
-    ("import sandbox.draw.film.camera\n", "engine"),
+    ("import sandbox.picture.camera\n", "engine"),
     ("from sandbox import cli\n", "scene"),
     ("from sandbox import simulate\n", "study"),
     ("def f():\n    import pymunk\n", "draw"),
@@ -164,8 +164,9 @@ def tags(union: Any) -> list[str]:
 
 @pytest.mark.parametrize(("module", "table", "union"), [
     ("sandbox.kinds.elements", "JOINTS", Joint), ("sandbox.kinds.elements", "SPRINGS", Spring),
-    ("sandbox.kinds.elements", "DRIVES", Drive), ("sandbox.draw.film.joints", "JOINTS", Joint),
-    ("sandbox.draw.film.drives", "DRIVES", Drive)])
+    ("sandbox.kinds.elements", "DRIVES", Drive),
+    ("sandbox.picture.elements.joints", "JOINTS", Joint),
+    ("sandbox.picture.elements.drives", "DRIVES", Drive)])
 def test_every_element_type_has_its_row(module: str, table: str, union: Any) -> None:
     assert set(getattr(importlib.import_module(module), table)) == set(tags(union))
 

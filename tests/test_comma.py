@@ -6,7 +6,6 @@ import csv
 import io
 
 import numpy as np
-
 from sandbox.comma import comma_separated
 
 

@@ -170,9 +170,9 @@ def _find(
     mechanism: Mechanism, starts: list[dict[str, float]], at: float | None, stages: int | None,
     body: str | None, folder: Path, console: Console,
 ) -> Answer:
-    from sandbox.draw.film.video import save_picture
     from sandbox.engine.inspect_control import Checked
     from sandbox.equilibria.rest import known_body, quantities, rest
+    from sandbox.picture.stills import save_picture
 
     if body is None:
         objects = [each.name for each in mechanism.bodies

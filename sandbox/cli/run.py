@@ -205,7 +205,7 @@ def _timed(job: _Job, phase: str, work: Any, *arguments: Any) -> None:
 
 
 def _draw(job: _Job, folder: Path, recording: Recording) -> None:
-    from sandbox.draw.film.video import render
+    from sandbox.picture.film import render
 
     with Progress("Drawing", shown=job.console.shows_progress) as progress:
         render(recording, folder / f"animation.{job.animation}", progress=progress,

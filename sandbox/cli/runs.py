@@ -169,7 +169,7 @@ def read_size(
     ctx: click.Context, param: click.Parameter, word: str | None,
 ) -> tuple[int, int] | str | None:
     """Read ``800x600`` as two integers; ``2x`` and ``85mm`` stay text."""
-    from sandbox.draw.film.paper import paper_of
+    from sandbox.picture.print_size import paper_of
 
     try:
         if word is None or paper_of(word) is not None:
@@ -240,8 +240,8 @@ def render(
 
     RUN is the directory of a run, or the name of its scene. Nothing is simulated.
     """
-    from sandbox.draw.film.video import is_still
-    from sandbox.draw.film.video import render as draw
+    from sandbox.picture.film import is_still
+    from sandbox.picture.film import render as draw
     from sandbox.recording.new_run import made
     from sandbox.recording.recording import Recording
 

@@ -14,8 +14,6 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.scales import force_scale
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
@@ -23,6 +21,9 @@ from sandbox.errors import Problem, SandboxError, SceneError, SimulationDiverged
 from sandbox.gym.task import Task
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array
+from sandbox.picture.frame import Picture
+from sandbox.picture.frames import Frames
+from sandbox.picture.scales import force_scale
 from sandbox.recording.recording import Recording
 from sandbox.scene.elements.settings import View
 from sandbox.scene.mechanism import Mechanism
@@ -164,7 +165,7 @@ class SceneEnv(gymnasium.Env[Array, Array]):
             self._view = _fixed_view(self.task.mechanism)
         run = self.simulation.recording()
         run = run if len(run) else _first_sample(self.simulation.mechanism)
-        frame = FrameRenderer(run, view=self._view, bare=True).draw(float(run.time[-1]))
+        frame = Frames(Picture(run, view=self._view, bare=True)).draw(float(run.time[-1]))
         return np.ascontiguousarray(frame)
 
     def recording(self) -> Recording:
@@ -229,7 +230,7 @@ def _fixed_view(mechanism: Mechanism) -> View:
         run = simulate(Checked(mechanism))
     except SimulationDiverged as error:
         run = error.recording or _first_sample(mechanism)
-    camera = FrameRenderer(run, view=view, bare=True).camera
+    camera = Picture(run, view=view, bare=True).camera
     width = view.size[0] / camera.scale
     return view.model_copy(update={
         "centre": camera.centre, "width": width,

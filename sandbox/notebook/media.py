@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from sandbox.atomic_files import atomic_file, output_path
-from sandbox.draw.film.stills import instants
-from sandbox.draw.film.video import render, save_picture
 from sandbox.errors import OutputError
 from sandbox.figure import signals
+from sandbox.picture.film import render
+from sandbox.picture.stills import instants, save_picture
 from sandbox.recording.recording import Recording
 from sandbox.samples.samples import TIME
 from sandbox.samples.targets import targets

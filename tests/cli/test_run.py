@@ -160,7 +160,7 @@ def test_a_fault_of_sandbox_is_one_line_and_exits_70(sandbox, scene, monkeypatch
 
 @pytest.mark.parametrize("where", [
     "sandbox.scene.read.load.read_scene", "sandbox.engine.inspect.look_over",
-    "sandbox.recording.store.save_data", "sandbox.draw.film.video.render",
+    "sandbox.recording.store.save_data", "sandbox.picture.film.render",
     "sandbox.recording.store.save_summary",
 ])
 def test_ctrl_c_at_any_moment_exits_130_and_leaves_no_sign_of_completion(
@@ -177,9 +177,9 @@ def test_ctrl_c_at_any_moment_exits_130_and_leaves_no_sign_of_completion(
 
 
 @pytest.mark.parametrize(("where", "stop"), [
-    ("sandbox.draw.film.video.render", KeyboardInterrupt),
+    ("sandbox.picture.film.render", KeyboardInterrupt),
     ("sandbox.audit.audit.audit", KeyboardInterrupt),
-    ("sandbox.draw.film.video.render", MemoryError)])
+    ("sandbox.picture.film.render", MemoryError)])
 def test_what_stops_while_it_is_drawn_or_audited_keeps_the_old_run_and_the_numbers(
     sandbox, scene, monkeypatch, tmp_path, where, stop,
 ):

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.draw.film.camera import Camera, Rectangle, Stage, place_camera, round_length, round_up
+from sandbox.picture.camera import Camera, Rectangle, Stage, place_camera, round_length, round_up
 
 metres = st.floats(-10, 10)
 sizes = st.floats(1e-4, 10)

@@ -6,10 +6,10 @@ import pygame
 import pytest
 from PIL import Image
 
-from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.palette import FORCE
-from sandbox.draw.film.scales import number
+from sandbox.picture.palette import FORCE
+from sandbox.picture.scales import number
 from sandbox.scene.mechanism import Mechanism
+from tests.draw.painted import frames_of
 
 from .conftest import hand, recording
 
@@ -21,7 +21,7 @@ SMALL = (320, 240)
 def test_golden_pictures(name, t, hand_run, zoo_run, finger_run):
     """Pictures stay as they were looked at; fonts may differ by their smoothing."""
     run = {"hand": hand_run, "zoo": zoo_run, "finger": finger_run}[name]
-    picture = FrameRenderer(run, size=SMALL).draw(t)
+    picture = frames_of(run, size=SMALL).draw(t)
     path = GOLDEN / f"{name}_{t:g}.png"
     if os.environ.get("SANDBOX_UPDATE_GOLDEN") == "1":
         GOLDEN.mkdir(exist_ok=True)
@@ -61,22 +61,17 @@ def extent(picture, colour):
 @pytest.mark.parametrize("newton", [1.0, 3.0])
 def test_arrows_are_drawn_to_scale(newton):
     run = one_arrow([newton, 0.0], force_scale=0.05)
-    renderer = FrameRenderer(run)
-    renderer._type.render = lambda text, **kw: pygame_blank()
-    picture = renderer.draw(0.1)[40:500]
-    left, right, _, _ = extent(picture, FORCE)
+    renderer = frames_of(run)
+    origin = renderer.picture.camera.to_pixels(np.zeros(2))
+    row = round(float(origin[1]))
+    left, right, _, _ = extent(renderer.draw(0.1)[row - 2:row + 3], FORCE)
     # 1 N is 0.05 m is 40 pixels; both ends fall on pixels, the point is thin
     assert right - left == pytest.approx(40 * newton, abs=2.5)
-    origin = renderer.camera.to_pixels(np.zeros(2))
     assert left == pytest.approx(origin[0], abs=1.5)
 
 
-def pygame_blank():
-    return pygame.Surface((1, 1), pygame.SRCALPHA, 32)
-
-
 def test_forces_are_of_the_nearest_sample():
-    renderer = FrameRenderer(one_arrow([2.0, 0.0], force_scale=0.05))
+    renderer = frames_of(one_arrow([2.0, 0.0], force_scale=0.05))
     assert not (renderer.draw(0.04)[40:500] == FORCE).all(axis=2).any()
     assert (renderer.draw(0.06)[40:500] == FORCE).all(axis=2).any()
     assert (renderer.draw(0.14)[40:500] == FORCE).all(axis=2).any()
@@ -84,19 +79,19 @@ def test_forces_are_of_the_nearest_sample():
 
 
 def test_a_picture_does_not_depend_on_those_before(hand_run):
-    used = FrameRenderer(hand_run, size=SMALL)
+    used = frames_of(hand_run, size=SMALL)
     for t in (0.0, 2.0, 0.3, 1.3):
         used.draw(t)
-    fresh = FrameRenderer(hand_run, size=SMALL)
+    fresh = frames_of(hand_run, size=SMALL)
     assert (used.draw(0.8) == fresh.draw(0.8)).all()
 
 
 def test_only_touched_cells_are_redrawn_and_nothing_is_missed(zoo_run):
     """Scaling the whole enlarged picture down gives the frame that cells were pieced into."""
-    renderer = FrameRenderer(zoo_run, size=(400, 300))
+    renderer = frames_of(zoo_run, size=(400, 300))
     picture = renderer.draw(0.4).astype(int)
-    whole = pygame.surfarray.array3d(
-        pygame.transform.smoothscale(renderer._large, (400, 300))).transpose(1, 0, 2).astype(int)
+    scaled = pygame.transform.smoothscale(renderer.painter.large, (400, 300))
+    whole = pygame.surfarray.array3d(scaled).transpose(1, 0, 2).astype(int)
     covered = np.zeros((300, 400), bool)
     for rect in renderer._written:
         covered[rect.top:rect.bottom, rect.left:rect.right] = True
@@ -108,18 +103,18 @@ def test_only_touched_cells_are_redrawn_and_nothing_is_missed(zoo_run):
 
 @pytest.mark.parametrize("size", [(64, 64), (64, 400), (900, 70), (1600, 1200)])
 def test_any_size_has_a_picture(size, finger_run):
-    assert FrameRenderer(finger_run, size=size).draw(1.0).shape == (*size[::-1], 3)
+    assert frames_of(finger_run, size=size).draw(1.0).shape == (*size[::-1], 3)
 
 
 def test_an_empty_scene_has_a_picture():
     mechanism = Mechanism(name="empty")
     run = recording(mechanism, np.array([0.0]), np.zeros((1, 0, 3)))
-    assert FrameRenderer(run, size=SMALL).draw(0.0).shape == (240, 320, 3)
+    assert frames_of(run, size=SMALL).draw(0.0).shape == (240, 320, 3)
 
 
 def test_a_view_beside_everything_is_blank_but_has_its_title():
     run = hand(fingers=1, samples=11, centre=[50.0, 50.0], width=0.1, size=[400, 300])
-    picture = FrameRenderer(run).draw(1.0)
+    picture = frames_of(run).draw(1.0)
     assert (picture[40:250] == 255).all()
     assert (picture[:30] != 255).any()
 

@@ -4,16 +4,17 @@
 import numpy as np
 import pytest
 
-from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.options import view_of
-from sandbox.draw.film.palette import (
+from sandbox.kinds.layers import LAYERS
+from sandbox.picture.frame import Picture
+from sandbox.picture.options import view_of
+from sandbox.picture.palette import (
     ACCELERATION,
     AXES,
     REACTION,
     VELOCITY,
 )
-from sandbox.kinds.layers import LAYERS
 from sandbox.scene.mechanism import Mechanism
+from tests.draw.painted import frames_of
 
 from .conftest import recording
 
@@ -67,7 +68,7 @@ RUN = machine()
 
 def picture(show):
     view = view_of(RUN.mechanism.view, {"show": show, "centre": (0, 0.06), "width": 0.45})
-    return FrameRenderer(RUN, size=view.size, view=view).draw(0.5)[36:330].astype(int)
+    return frames_of(RUN, size=view.size, view=view).draw(0.5)[36:330].astype(int)
 
 
 @pytest.fixture(scope="module")
@@ -99,21 +100,21 @@ def test_each_has_its_colour_of_the_bodies_that_are_named(layer, colour, usual):
 
 def test_the_legend_says_whose_forces_and_whether_any_is_cut():
     def words(run):
-        return [item.after for row in FrameRenderer(run)._legend for item in row]
+        return [item.after for row in Picture(run, size=(1200, 800)).legend for item in row]
 
     found = words(RUN)
-    assert any(word.endswith(" N contact force on the object") for word in found)
-    assert "larger, cut short" not in found
+    assert any(word.endswith(" N contact force") for word in found)
+    assert "cut short" not in found
     blow = machine()
     blow.arrays["contact_force"] = blow.arrays["contact_force"].copy()
     blow.arrays["contact_force"][5] *= 1e4
-    assert "larger, cut short" in words(blow)
+    assert "cut short" in words(blow)
     pulled = machine()
     pulled.arrays["drive_value"] = pulled.arrays["drive_value"].copy()
     pulled.arrays["drive_value"][5] *= 1e4
     pulled.arrays["drive_value"][7] = np.nan  # which hides nothing
-    assert "larger, cut short" in words(pulled)
-    assert "larger, cut short" not in told(pulled, show=["-drives"])
+    assert "cut short" in words(pulled)
+    assert "cut short" not in told(pulled, show=["-drives"])
     assert [word for word in words(blow) if "contact" in word] == [
         word for word in found if "contact" in word]
 
@@ -126,10 +127,10 @@ def test_what_rounding_leaves_has_no_scale():
 
     def told(run):
         view = view_of(run.mechanism.view, {"show": ["reactions"]})
-        return " ".join(f"{item.before} {item.after}" for row in FrameRenderer(
-            run, view=view)._legend for item in row)
+        return " ".join(f"{item.before} {item.after}" for row in Picture(
+            run, view=view, size=(1200, 800)).legend for item in row)
 
-    for word in ("tension", "contact force", "hinge force"):
+    for word in ("tension", "contact force", "joint force"):
         assert word in told(strong)
         assert word not in told(run)
     assert "slack" in told(run)
@@ -137,5 +138,5 @@ def test_what_rounding_leaves_has_no_scale():
 
 def told(run, **view):
     """What a picture's legend says."""
-    drawn = FrameRenderer(run, view=view_of(run.mechanism.view, view))
-    return [f"{item.before} {item.after}".strip() for row in drawn._legend for item in row]
+    drawn = Picture(run, size=(1200, 800), view=view_of(run.mechanism.view, view))
+    return [f"{item.before} {item.after}".strip() for row in drawn.legend for item in row]

@@ -9,15 +9,16 @@ import numpy as np
 import pytest
 
 import sandbox
-from sandbox.draw.film.links import cylinder
-from sandbox.draw.film.stalks import beside, far_feet, stalks
 from sandbox.model.compile import compile_mechanism
+from sandbox.picture.elements.bodies import beside, far_feet, stalks
+from sandbox.picture.elements.links import cylinder
 
 
 @pytest.mark.parametrize(("low", "high"), [(100, 107), (100, 100), (100, 140), (100, 185)])
 def test_a_rod_keeps_its_length(low: float, high: float) -> None:
     """As it is of steel: the piston goes as far as the actuator grows, within its cylinder."""
-    found = [cylinder(length, low, high, 12) for length in np.linspace(low, high, 7)]
+    made = cylinder(np.linspace(low, high, 7), low, high, 12)
+    found = list(zip(*(each.tolist() for each in made), strict=True))
     rods = [length - piston for length, (_, piston) in
             zip(np.linspace(low, high, 7), found, strict=True)]
     assert rods == pytest.approx([rods[0]] * 7, rel=1e-12)

@@ -5,9 +5,9 @@ import re
 import pytest
 from PIL import Image
 
-from sandbox.draw.film.paper import LETTERS, PrintSize, paper_of
-from sandbox.draw.film.video import render
 from sandbox.errors import OutputError
+from sandbox.picture.film import render
+from sandbox.picture.print_size import LETTERS, PrintSize, paper_of
 
 SIZE = re.compile(r"([0-9.]+)px")
 

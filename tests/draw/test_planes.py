@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.palette import ROLES
+from sandbox.picture.palette import ROLES
 from sandbox.scene.mechanism import Mechanism
+from tests.draw.painted import frames_of
 
 from .conftest import recording
 
@@ -19,8 +19,8 @@ def seen(*bodies):
                    for i, (role, plane, motion) in enumerate(bodies)],
         "view": {"centre": [0, 0], "width": 0.12}}),
         np.zeros(1), np.zeros((1, len(bodies), 3)))
-    drawn = FrameRenderer(run, size=(480, 480))
-    x, y = drawn.camera.to_pixels(np.array([[0.003, 0.005]]))[0]
+    drawn = frames_of(run, size=(480, 480))
+    x, y = drawn.picture.camera.to_pixels(np.array([[0.003, 0.005]]))[0]
     pixels = drawn.draw(0.0)[int(y) - 8:int(y) + 8, int(x) - 8:int(x) + 8].reshape(-1, 3)
     return [role for role, style in ROLES.items() if (pixels == style.fill).all(axis=1).any()]
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sandbox.draw.film.scales import quantile, typical
+from sandbox.picture.scales import quantile, typical
 
 TIME = np.arange(1000) / 1000
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from sandbox.draw.film.bounds import body_box
-from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.options import view_of
-from sandbox.draw.film.staying import ROOM, anchored
 from sandbox.errors import OutputError
+from sandbox.picture.bounds import body_box
+from sandbox.picture.options import view_of
+from sandbox.picture.staying import ROOM, anchored
 from sandbox.scene.mechanism import Mechanism
+from tests.draw.painted import frames_of
 
 from .conftest import recording
 
@@ -93,11 +93,12 @@ def test_a_picture_that_follows_a_body_keeps_it_where_it_is():
     """The ground passes: its right end is where the body's way says."""
     ways = {"ball": np.stack((9 * TIME, 0 * TIME), axis=1)}
     run = world(body("ball", [0, 0.1]), ways=ways, view={"follow": "ball", "width": 4.0})
-    renderer = FrameRenderer(run, size=(400, 300))
+    renderer = frames_of(run, size=(400, 300))
     edges = []
     for t in (0.0, 0.1, 0.2):
         picture = renderer.draw(t).astype(int)
-        floor, ball = renderer.camera.to_pixels(np.array([[0, -0.03], [0, 0.1]])).astype(int)
+        camera = renderer.picture.camera
+        floor, ball = camera.to_pixels(np.array([[0, -0.03], [0, 0.1]])).astype(int)
         seen = np.flatnonzero((picture[ball[1]] < 240).any(axis=1))
         assert (seen.min() + seen.max()) / 2 == pytest.approx(200, abs=2)
         edges.append(np.flatnonzero((picture[floor[1]] < 240).any(axis=1)).max())

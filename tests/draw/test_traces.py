@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from sandbox.draw.film.bounds import body_box
-from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.palette import TRACE
+from sandbox.picture.bounds import body_box
+from sandbox.picture.palette import TRACE
 from sandbox.scene.mechanism import Mechanism
+from tests.draw.painted import frames_of
 
 from .conftest import recording
 
@@ -25,10 +25,10 @@ def turning(turns=1.0, samples=101, traces=({"body": "arm", "at": [RADIUS, 0]},)
 
 def green(run, t, at):
     """Whether places [k, 2] of the world show the trace's colour at ``t``."""
-    drawn = FrameRenderer(run, size=(480, 480))
+    drawn = frames_of(run, size=(480, 480))
     picture = drawn.draw(t).astype(int)
     found = []
-    for x, y in drawn.camera.to_pixels(np.asarray(at, dtype=float)):
+    for x, y in drawn.picture.camera.to_pixels(np.asarray(at, dtype=float)):
         near = picture[int(y) - 2:int(y) + 3, int(x) - 2:int(x) + 3].reshape(-1, 3)
         found.append(bool((np.abs(near - TRACE).max(axis=1) < 40).any()))
     return found

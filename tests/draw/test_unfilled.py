@@ -4,10 +4,10 @@
 import numpy as np
 import pytest
 
-from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.unions import bare_outlines
+from sandbox.picture.unions import bare_outlines
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.mechanism import Mechanism
+from tests.draw.painted import frames_of
 
 from .conftest import recording
 
@@ -46,9 +46,10 @@ def run(fill):
 
 @pytest.mark.parametrize("fill", [True, False])
 def test_what_lies_behind_is_seen(fill):
-    renderer = FrameRenderer(run(fill))
+    renderer = frames_of(run(fill))
     picture = renderer.draw(0.0).astype(int)
-    x, y = np.round(renderer.camera.to_pixels(np.array([[0.0, 0.0], [0.1, 0.0]]))).astype(int).T
+    camera = renderer.picture.camera
+    x, y = np.round(camera.to_pixels(np.array([[0.0, 0.0], [0.1, 0.0]]))).astype(int).T
     near = picture[y[0] - 9:y[0] + 10, x[0] - 9:x[0] + 10]
     assert (near == (255, 0, 0)).all(axis=2).any() != fill
     assert picture[y[1], x[1] - 1:x[1] + 2].sum(axis=1).min() < 500

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from sandbox.draw.film.bodies import styles
-from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.palette import ROLES
-from sandbox.draw.film.pressure import PressureDrawer, spread
-from sandbox.draw.film.unions import united
 from sandbox.errors import SceneError
+from sandbox.picture.elements.bodies import styles
+from sandbox.picture.elements.pressure import FlatSides, spread
+from sandbox.picture.palette import ROLES
+from sandbox.picture.unions import united
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.colours import COLOURS, rgb
+from tests.draw.painted import frames_of
 
 from .conftest import recording
 
@@ -52,10 +52,10 @@ def test_where_two_boxes_meet_nothing_is_seen(motion):
     """On the line that they share all is as inside of them; across it a seam would be dark."""
     mechanism, pose = still([{"name": "ell", "shapes": [BOX, LEG], **motion}],
                             view={"centre": [0.05, 0.07], "width": 0.3, "size": [800, 640]})
-    renderer = FrameRenderer(recording(mechanism, np.zeros(1), pose))
+    renderer = frames_of(recording(mechanism, np.zeros(1), pose))
     picture = renderer.draw(0.0).astype(int)
     for x, y, edge in ((0.1, 0.0, False), (0.1, 0.1, True), (0.0, 0.025, True)):
-        row, column = renderer.camera.to_pixels(np.array([x, y])).astype(int)[::-1]
+        row, column = renderer.picture.camera.to_pixels(np.array([x, y])).astype(int)[::-1]
         near = picture[row - 3:row + 4, column - 3:column + 4].reshape(-1, 3)
         dark = (np.abs(near - ROLES["link"].edge).max(axis=1) < 40).any()
         assert dark == edge
@@ -124,8 +124,8 @@ def box_on_floor(at, merged=2.0):
 def test_a_box_presses_where_it_stands(at, ends, sizes):
     """Evenly below its middle; beyond the middle third a triangle to three times the distance
     from the edge. What is downwards of it is out of the box, on which the force is shown."""
-    drawer = PressureDrawer(box_on_floor(at), [1], 1.0)
-    (one, two, q0, q1, way), = drawer.patches(0)
+    patches, _ = FlatSides(box_on_floor(at), [1]).patches(np.zeros(1, int))
+    (one, two, q0, q1, way), = patches
     found = sorted([(one[0], q0), (two[0], q1)])
     assert [x for x, _ in found] == pytest.approx(ends)
     assert [q for _, q in found] == pytest.approx(sizes, abs=1e-9)

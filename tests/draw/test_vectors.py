@@ -3,18 +3,16 @@
 import numpy as np
 import pytest
 
-from sandbox.draw.film.bars import bar_tensions, bars_of
-from sandbox.draw.film.marked import fingertip, traced
-from sandbox.draw.film.points import PointPool
-from sandbox.draw.film.scales import LONGEST
-from sandbox.draw.film.tensions import tensions_of
-from sandbox.draw.film.vectors import (
-    LENGTH,
-    VectorDrawer,
+from sandbox.picture.bars import bar_tensions, bars_of
+from sandbox.picture.elements.forces import (
+    VECTOR_LENGTH,
     Vectors,
-    moved_with,
+    point_motion,
     reactions,
+    vector_scale,
 )
+from sandbox.picture.marked import fingertip, traced
+from sandbox.picture.tensions import tensions_of
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import hand, recording
@@ -41,29 +39,19 @@ def on_a_circle(omega=3.0, alpha=2.0):
 def test_points_of_a_body_that_turns_go_on_circles(radius):
     """r omega across, and r alpha across - r omega^2 out, about the point that rests."""
     run, out, across = on_a_circle()
-    v, a = moved_with(run, [(0, (radius, 0.0))])
+    v, a = point_motion(run, [(0, (radius, 0.0))])
     assert v[0, 0] == pytest.approx(radius * 3 * across, abs=1e-15)
     assert a[0, 0] == pytest.approx(radius * (2 * across - 9 * out), abs=1e-15)
 
 
-def test_an_arrow_has_the_length_of_its_value_and_large_ones_are_cut():
-    run, _, _ = on_a_circle()
+def test_an_arrow_has_the_length_of_its_value_by_the_size_that_is_typical():
     values = np.array([[[0.5, 0.0], [2.0, 0.0], [0.0, 40.0]]])
-    pool = PointPool()
-    drawer = VectorDrawer(run, Vectors([(0, (0.0, 0.0))] * 3, values, "m/s", "", (0, 0, 0)),
-                          pool, 1.0)
-    pool.close()
-    assert drawer.scale.reference == 40.0
-    tips = drawer.tips(pool.world(np.zeros((1, 3))), 0)
-    assert tips == pytest.approx(LENGTH / 40 * values[0])
+    places = [(0, (0.0, 0.0))] * 3
+    scale = vector_scale(Vectors(places, values, "m/s", "", "velocity"), np.zeros(1), 1.0)
+    assert (scale.reference, scale.metres) == (40.0, pytest.approx(VECTOR_LENGTH / 40))
     many = np.concatenate([values[:, :2]] * 99 + [values[:, 1:]])
-    pool = PointPool()
-    run.arrays["time"] = np.arange(100.0)
-    drawer = VectorDrawer(run, Vectors([(0, (0.0, 0.0))] * 2, many, "m/s", "", (0, 0, 0)),
-                          pool, 1.0)
-    pool.close()
-    assert drawer.scale.reference == 2.0
-    assert drawer.tips(pool.world(np.zeros((1, 3))), 99)[1] == pytest.approx([0, LENGTH * LONGEST])
+    scale = vector_scale(Vectors(places[:2], many, "m/s", "", "velocity"), np.arange(100.0), 1.0)
+    assert scale.reference == 2.0
 
 
 def hanging(roles=("ground", "link")):

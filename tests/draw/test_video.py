@@ -3,11 +3,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sandbox.draw.film import video
-from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.gif import GifWriter, shared_palette
-from sandbox.draw.film.video import render
 from sandbox.errors import OutputError
+from sandbox.picture import film as video
+from sandbox.picture.film import render
+from sandbox.picture.gif import GifWriter, shared_palette
+from tests.draw.painted import frames_of
 
 from .conftest import recording, zoo_mechanism
 
@@ -42,7 +42,7 @@ def test_gif_has_its_frames_and_durations(tmp_path, zoo_run, fps):
 
 def test_gif_shows_the_frames(tmp_path, hand_run):
     render(hand_run, tmp_path / "film.gif", size=(400, 300), fps=20)
-    renderer = FrameRenderer(hand_run, size=(400, 300))
+    renderer = frames_of(hand_run, size=(400, 300))
     times = video.frame_times(hand_run, fps=20, speed=1.0)
     with Image.open(tmp_path / "film.gif") as film:
         for k in (0, 13, 27, len(times) - 1):
@@ -93,7 +93,7 @@ def test_mp4_has_its_frames(tmp_path, zoo_run):
     render(zoo_run, tmp_path / "film.mp4", size=(201, 151), fps=20)
     frames = iio.imread(tmp_path / "film.mp4", plugin="pyav")
     assert frames.shape == (21, 150, 200, 3)
-    fresh = FrameRenderer(zoo_run, size=(200, 150)).draw(zoo_run.time[-1])
+    fresh = frames_of(zoo_run, size=(200, 150)).draw(zoo_run.time[-1])
     assert np.abs(frames[-1].astype(int) - fresh).mean() < 6
 
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import sandbox
-from sandbox.draw.film.bounds import body_box
-from sandbox.draw.film.wheels import FOOT, TOP, WheelPicture, wheel_pictures
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
 from sandbox.model.wheels import meeting
+from sandbox.picture.bounds import body_box
+from sandbox.picture.wheels import FOOT, TOP, WheelPicture, wheel_pictures
 
 
 def compiled(scene: Any) -> Model:

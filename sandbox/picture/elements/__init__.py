@@ -1,0 +1,1 @@
+"""How the elements of a mechanism look: each module adds items to a display list."""

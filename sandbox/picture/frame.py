@@ -1,0 +1,349 @@
+"""The layout of a picture: title, mechanism, meters and legend, and the camera."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pygame
+
+from sandbox.numeric import Array, Integers
+from sandbox.picture.bounds import body_box, whole_box
+from sandbox.picture.build import subject_of
+from sandbox.picture.camera import (
+    Camera,
+    Stage,
+    needed_height,
+    place_camera,
+    round_length,
+    width_shown,
+)
+from sandbox.picture.elements.notes import grid
+from sandbox.picture.geometry import arrow
+from sandbox.picture.headline import HEAD, Headline
+from sandbox.picture.instant import Instant
+from sandbox.picture.labels import SMALL, place_labels
+from sandbox.picture.listing import Item
+from sandbox.picture.meters import MeterPanel
+from sandbox.picture.painter import SheetPainter
+from sandbox.picture.palette import FAINT_INK, HAIRLINE, INK
+from sandbox.picture.run_data import MeteredRun
+from sandbox.picture.typesetter import Typesetter
+from sandbox.scene.elements.settings import View
+
+TYPE, LEAST_TYPE = 20, 11
+"""Size of type in points, and at least in pixels."""
+LEGEND = 2
+"""Rows of the legend, at most; one in a small picture."""
+BAR, ARROW, RAMP = 80.0, 52.0, 64.0
+"""Widths of scales in the legend: of lengths, of arrows (at most) and of colours [points]."""
+GAP = 17.0
+"""Between two rows of the legend side by side [points]."""
+VALUE = 1.1
+"""Size of type of labels, in that of the legend."""
+SHAPES = (0.2, 1.5)
+"""Least and largest height of the motion in its width, where a picture is as high as it needs."""
+STAGE = 0.75
+"""Least share of a small picture's height that shows the mechanism: meters give way."""
+
+
+def picture_unit(size: tuple[int, int]) -> float:
+    """Pixels per point: a picture is 800 points wide, or 300 points high where it is a band."""
+    return min(size[0] / 800, size[1] / 300)
+
+
+def type_size(unit: float) -> int:
+    """Size of type [pixels] for so many pixels per point."""
+    return max(LEAST_TYPE, round(TYPE * unit))
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A row of the legend, set: words, symbol, words; widths in finished pixels."""
+
+    row: Item
+    before: str
+    symbol: float
+    after: str
+
+    def width(self, type_: Typesetter, unit: float) -> float:
+        """Of all of it."""
+        words = sum(type_.width(w) + 5 * unit for w in (self.before, self.after) if w)
+        return self.symbol + words
+
+
+def entries(legend: Sequence[Item], scale: float, unit: float, *, scales: bool) -> list[Entry]:
+    """The rows for a camera of ``scale`` [pixels per metre]; ``scales`` leaves glyphs out."""
+    found = []
+    for row in legend:
+        if row["k"] == "scale":
+            bar = "size" not in row
+            size = round_length((BAR if bar else ARROW) * unit / (row["metres"] * scale))
+            words = length_text(size) if bar else f"{size:g} {row['unit']} {row['words']}"
+            found.append(Entry(row, "", size * row["metres"] * scale, words))
+        elif row["k"] == "ramp":
+            found.append(Entry(row, row["before"], RAMP * unit, row["after"]))
+        elif not scales:
+            found.append(Entry(row, "", row["width"] * unit, row["words"]))
+    return found
+
+
+def length_text(metres: float) -> str:
+    """``0.02`` as ``20 mm``."""
+    for factor, unit in ((1.0, "m"), (1e3, "mm"), (1e6, "µm")):
+        if metres * factor >= 0.9995:
+            return f"{metres * factor:.6g} {unit}"
+    return f"{metres:.3g} m"
+
+
+def arrange(items: Sequence[Entry], type_: Typesetter, unit: float, width: float,
+            most_rows: int) -> list[list[Entry]]:
+    """Entries in rows no wider than ``width``; those that find no room are left out."""
+    rows: list[list[Entry]] = []
+    used = width + 1.0
+    for item in items:
+        needs = item.width(type_, unit)
+        if used + needs > width:
+            if len(rows) == most_rows or needs > width:
+                continue
+            rows.append([])
+            used = 0.0
+        rows[-1].append(item)
+        used += needs + GAP * unit
+    return rows
+
+
+def draw_legend(painter: SheetPainter, instant: Instant, rows: Sequence[Sequence[Entry]],
+                type_: Typesetter, unit: float, left: float, top: float, height: float) -> None:
+    """Paint rows of the legend, the first at ``top`` [finished pixels]."""
+    k = painter.enlarge
+    for number, row in enumerate(rows):
+        x, y = left, top + (number + 0.5) * height
+        for entry in row:
+            for words, gap in ((entry.before, 5 * unit), ("", 0.0)):
+                if words:
+                    x = _write(painter, type_, words, x, y) + gap
+            _symbol(painter, instant, entry, x * k, y * k, entry.symbol * k, unit * k)
+            x += entry.symbol + 5 * unit
+            x = _write(painter, type_, entry.after, x, y) + GAP * unit
+
+
+def _write(painter: SheetPainter, type_: Typesetter, words: str, x: float, y: float) -> float:
+    painter.write((round(x), round(y - type_.height(type_.size) / 2)), words, type_.size, FAINT_INK)
+    return x + type_.width(words)
+
+
+def _symbol(painter: SheetPainter, instant: Instant, entry: Entry, x: float, y: float,
+            width: float, u: float) -> None:
+    """The symbol of an entry, from x on [pixels of the painter]; ``u`` is pixels per point."""
+    row = entry.row
+    if row["k"] == "ramp":
+        count = 32 if row["low"] < 0 else 24
+        for k in range(count):
+            share = row["low"] + (1 - row["low"]) * k / (count - 1)
+            a, b = x + width * k / count, x + width * (k + 1) / count
+            painter.simple([(a, y - 4.5 * u), (b + 0.5, y - 4.5 * u), (b + 0.5, y + 4.5 * u),
+                            (a, y + 4.5 * u)], instant.ink(f"@{row['ramp']}", share), None, 0)
+    elif row["k"] == "glyph":
+        middle = x + width / 2 if row.get("centred") else x
+        instant.stamp(painter, instant.glyph(row["g"], u), (middle, y))
+    elif "size" in row:
+        shaft, head = row["size"]
+        fill = instant.ink(instant.out.styles[row["s"]][0])
+        painter.simple(arrow((x, y), (x + width, y), shaft * u, head * u), fill, None, 0)
+    else:
+        painter.line([(x, y), (x + width, y)], INK, 1.6 * u)
+        for end in (x, x + width):
+            painter.line([(end, y - 4 * u), (end, y + 4 * u)], INK, 1.6 * u)
+
+
+class Picture:
+    """A picture of a run at any time, laid out; painters paint it.
+
+    Args:
+        run: the recording.
+        size: width and height [pixels]; by default the view's.
+        view: by default the scene's.
+        note: a few words beside the time.
+        unit: pixels per point; by default from the size.
+        bare: without title, time and legend.
+        scales: without them, but with the scales of the legend.
+        least: the smallest type [pixels, as a typesetter counts it].
+        moments: the only times [s] that are painted.
+    """
+
+    def __init__(self, run: MeteredRun, *, size: tuple[int, int] | None = None,
+                 view: View | None = None, note: str = "", unit: float | None = None,
+                 bare: bool = False, scales: bool = False, least: int = 0,
+                 moments: Sequence[float] | None = None) -> None:
+        self.run = run
+        self.view = view or run.mechanism.view
+        self.size = size or self.view.size
+        self.unit = unit or picture_unit(self.size)
+        self.note, self.moments, self.least = note, moments, least
+        self.bare, self.scales = bare or scales, scales
+        self.small = self.size[0] < SMALL and not least
+        self.type = Typesetter(type_size(self.unit), least)
+        self.label_size = max(LEAST_TYPE, self.type.scaled(VALUE))
+        self.row, self.pad = round(1.5 * self.type.size), round(0.8 * self.type.size)
+        self._labelled = False
+        self._instants: dict[int, Instant] = {}
+        self._lay_out()
+
+    def _lay_out(self) -> None:
+        run, (width, height) = self.run, self.size
+        self.title = self._headline()
+        self.head = self.title.high if self.title else 0
+        self.panel = MeterPanel(run, self.view, self.type, self.unit, self.size)
+        keyed = self.scales or not self.bare
+        bodies = body_box(run, self.view, self.moments)
+        across = width_shown(bodies, width / height, self.view.width)
+        guess = place_camera(bodies, Stage(0, 0, width, max(8, height - self.head - self.row)),
+                             centre=self.view.centre, width=self.view.width)
+        self.subject = subject_of(run, self.view, width=across, point=self.unit / guess.scale,
+                                  moments=self.moments)
+        self.out = self.subject.out
+        self.box = whole_box(self.out, run, bodies, self.view, self.moments)
+        most = 0 if not keyed else 1 if self.small else 4 if self.least else LEGEND
+        rows = 1 if keyed else 0
+        for _ in range(3):
+            foot = rows * self.row + (self.pad if rows else 0)
+            self._place_camera(foot)
+            self.legend = arrange(
+                entries(self.out.legend, self.camera.scale, self.unit, scales=self.scales),
+                self.type, self.unit, width - 2 * self.pad, most)
+            if len(self.legend) <= rows:
+                break
+            rows = len(self.legend)
+        self._settle()
+        if "coordinates" in self.subject.layers:
+            left, top, wide, high = self.stage
+            lines = grid(self.out, self.camera, Stage(left, top, wide, high), self.unit)
+            self.out.items = [*(i for i in lines if i["k"] == "line"), *self.out.items,
+                              *(i for i in lines if i["k"] == "text")]
+
+    def _headline(self) -> Headline | None:
+        """The title beside the time."""
+        if self.bare:
+            return None
+        room = self.size[0] - 3 * self.pad - self.type.width(
+            self.stamp(float(self.run.time[-1])))
+        mechanism = self.run.mechanism
+        return Headline.of(mechanism.title or mechanism.name, self.type, room,
+                           self.type.scaled(1.0 if self.small else 1.25), self.size[1])
+
+    def _place_camera(self, foot: int) -> None:
+        """Choose the place of the meters where the motion is larger: below it or beside it.
+
+        The window of a view is kept whole beside meters as above them.
+        """
+        (width, height), panel = self.size, self.panel
+        panel.shrink()
+        if self.small:
+            panel.limit((height - self.head - foot) - round(STAGE * height))
+        high = height - self.head - foot
+
+        def camera_on(stage: Stage) -> Camera:
+            asked = self.view.width
+            if asked is not None:
+                asked *= max(1.0, max(8, high) * stage.width / (width * stage.height))
+            return place_camera(self.box, stage, centre=self.view.centre, width=asked)
+
+        below = Stage(0, self.head, width, max(8, high - panel.below))
+        self.camera, self.aside = camera_on(below), False
+        if panel and panel.tall <= high and not self.small:
+            beside = camera_on(Stage(0, self.head, max(8, width - panel.beside), high))
+            if beside.scale > self.camera.scale:
+                self.camera, self.aside = beside, True
+        if panel and not self.aside and self.view.width is None and not self.small:
+            panel.grow(below.height - needed_height(self.box, self.camera))
+            self.camera = camera_on(Stage(0, self.head, width, max(8, high - panel.below)))
+
+    def _settle(self) -> None:
+        """The stage, and the places of meters and legend [finished pixels]."""
+        width, height = self.size
+        gap = self.pad // 2 if self.legend or not self.bare else 0
+        self.foot = max(height - len(self.legend) * self.row - gap, self.head + 2)
+        bottom, panel = self.foot - gap, self.panel
+        beside, below = (panel.beside, 0) if self.aside else (0, panel.below)
+        self.stage = (0, self.head, width - beside, max(1, bottom - below - self.head))
+        right, low = self.stage[2], self.stage[1] + self.stage[3]
+        panel.settle(pygame.Rect(right, self.head, beside, bottom - self.head) if self.aside
+                     else pygame.Rect(0, low, width, below), aside=self.aside)
+
+    @property
+    def needs(self) -> float:
+        """The height at which the mechanism fills the picture's width [pixels]."""
+        wide, view = self.size[0], self.view
+        share = self.box.height / max(self.box.width, 1e-9)
+        if view.centre and view.width:
+            share = view.size[1] / view.size[0]
+        around = self.head + self.panel.below + (
+            len(self.legend) * self.row + self.pad if self.legend else 0)
+        return around + wide * float(np.clip(share, *SHAPES))
+
+    def stamp(self, t: float) -> str:
+        """The time, after the note."""
+        note = f"{self.note}   " if self.note else ""
+        return f"{note}t = {min(t, float(self.run.time[-1])):.3f} s"
+
+    def instant(self, enlarge: int) -> Instant:
+        """The list for a picture that is painted so many times larger, with its labels placed."""
+        if enlarge in self._instants:
+            return self._instants[enlarge]
+        width, height = (v * enlarge for v in self.size)
+        made = Instant(self.out, self.camera.magnified(enlarge), self.unit * enlarge,
+                       (-width, -height, 2 * width, 2 * height), factor=1 / enlarge,
+                       small=self.small)
+        if not self._labelled:
+            self._labelled = True
+            left, top, wide, high = self.stage
+            place_labels(made, self.half, (left, top, left + wide, top + high), 1 / enlarge,
+                         speed=self.view.speed, samples=self._few(), width=self.size[0])
+            return self.instant(enlarge)  # labels have made columns
+        self._instants[enlarge] = made
+        return made
+
+    def _few(self) -> Integers | None:
+        if self.moments is None:
+            return None
+        found: Array = np.abs(self.run.time[:, None] - np.asarray(self.moments)).argmin(axis=0)
+        return np.unique(found)
+
+    def half(self, words: str) -> tuple[float, float]:
+        """Half the size of a label [finished pixels]."""
+        face = self.type.render(words, size=self.label_size, halo=True)
+        return face.get_width() / 2, face.get_height() / 2
+
+    def surround(self, painter: SheetPainter, instant: Instant) -> None:
+        """Paint title, legend and what stays of the meters."""
+        k, width = painter.enlarge, self.size[0]
+        if self.legend and not self.bare:
+            y = (self.foot - self.pad // 2) * k
+            painter.line([(self.pad * k, y), ((width - self.pad) * k, y)], HAIRLINE, self.unit * k)
+        draw_legend(painter, instant, self.legend, self.type, self.unit, self.pad, self.foot,
+                    self.row)
+        if self.title:
+            self.title.write(painter, self.type, self.pad)
+        self.panel.draw_still(painter)
+
+    def write_stamp(self, painter: SheetPainter, t: float) -> None:
+        """Write the time in the header."""
+        if self.bare:
+            return
+        words, line = self.stamp(t), round(HEAD * self.type.size)
+        painter.write((self.size[0] - self.pad - self.type.width(words),
+                       (line - self.type.height(self.type.size)) // 2 + 1), words,
+                      self.type.size, FAINT_INK)
+
+    def write_grid(self, painter: SheetPainter, instant: Instant) -> None:
+        """Numbers of the grid, at the left and the bottom edge of the stage."""
+        left, top, _, high = self.stage
+        for item, at in instant.texts:
+            if "edge" in item:
+                x, y = (v * instant.factor for v in instant.points[at])
+                half = self.half(item["words"])
+                middle = (x, top + high - half[1] - 1) if item["edge"] == 0 else (
+                    left + half[0] + 3, y)
+                painter.text(middle, item["words"], self.label_size, FAINT_INK, ())

@@ -1,0 +1,217 @@
+"""Where numbers and names stand, decided once for a film: each keeps its side, none flickers.
+
+A label has one of 16 sides of its point (:data:`SIDES`) for the whole film: the one that covers
+least ink and no other label. It comes and goes no more often than every :data:`HOLD` seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sandbox.numeric import Array, Flags, Integers
+from sandbox.picture.cut import within
+from sandbox.picture.instant import Instant
+from sandbox.picture.listing import SIDES, Item
+from sandbox.picture.painter import XY, Painter
+
+LOOKED = 48
+"""Samples that are looked at."""
+HOLD = 0.35
+"""Least time that a label stays or is away [s of the film]."""
+CELL = 5
+"""Side of the cells that have ink or not [pixels of the finished picture]."""
+TURNED, OFF, COVERED, CROSSED, OUTSIDE = 0.02, 0.5, 0.12, 2.0, 4.0
+"""Costs of a sample: by the angle to the arrow, for standing off, for each cell with ink, for each
+label that is covered, and for a place outside of the stage."""
+MOST, FEW, SMALL = 24, 6, 500
+"""Numbers in a picture, in one narrower than so many pixels."""
+PATIENCE = 0.25
+"""Share of its samples in which a label has to find room, or it is left out."""
+Half = Callable[[str], tuple[float, float]]
+
+
+@dataclass
+class _Seen:
+    """A label over the samples that are looked at."""
+
+    item: Item
+    key: int
+    words: str
+    rank: float
+    rows: Array
+    """Point x, y, away x, y [samples, 4] pixels of the finished picture; NaN where it is absent."""
+    clear: float
+    size: float
+
+
+def place_labels(instant: Instant, half: Half, stage: Sequence[float], factor: float, *,
+                 speed: float, samples: Integers | None = None, width: int = 800) -> None:
+    """Write into the list's items where labels stand and when they are shown.
+
+    Args:
+        instant: the list for a camera.
+        half: half the width and height of a text [finished pixels].
+        stage: left, top, right, bottom of where labels may be [finished pixels].
+        factor: finished pixels per pixel of the instant.
+        speed: seconds of the run per second of the film.
+        samples: those that are painted, if they are few.
+        width: of the picture [pixels].
+    """
+    time = instant.out.time
+    some = np.unique(np.linspace(0, len(time) - 1, LOOKED).astype(int)) if samples is None \
+        else samples
+    seen, covered = _look(instant, some, stage, factor)
+    point, placed = instant.point * factor, np.full((0, len(some), 4), np.nan)
+    numbers, most = 0, FEW if width < SMALL else MOST
+    for label in sorted(seen.values(), key=lambda one: (one.rank, -one.size)):
+        is_number = "value" in label.item or label.item["k"] != "text"
+        if is_number and numbers >= most:
+            continue
+        box = half(label.words)
+        middles = np.array([label.rows[:, :2] + offset(side, box, label.clear, point)
+                            for side in range(len(SIDES))])
+        boxes = np.concatenate((middles - box, middles + box), axis=2)
+        cost = _costs(label, boxes, placed, covered, stage)
+        best = int(np.argmin(cost))
+        there = np.isfinite(label.rows[:, 0]) & ~_meet(boxes[best][None], placed).any(axis=0)
+        there &= ~_outside(boxes[best], stage)
+        present = np.isfinite(label.rows[:, 0])
+        if there.sum() < PATIENCE * present.sum():
+            continue
+        if samples is None:
+            there = steady(there, time[some], HOLD * speed)
+        if not there.any():
+            continue
+        placed = np.concatenate([placed, np.where(there[:, None], boxes[best], np.nan)[None]])
+        numbers += is_number
+        _write(instant, label, best, there, some)
+
+
+def _write(instant: Instant, label: _Seen, side: int, there: Flags, some: Integers) -> None:
+    """Note a label's place in its item."""
+    time = instant.out.time
+    nearest = np.searchsorted((some[:-1] + some[1:]) / 2, np.arange(len(time)))
+    shown = instant.out.varying(there[nearest], steady=True)
+    if label.item["k"] == "text":
+        label.item["side"], label.item["show"] = side, shown
+    else:
+        label.item.setdefault("labels", {})[label.key] = [side, shown]
+
+
+def _look(instant: Instant, some: Integers, stage: Sequence[float],
+          factor: float) -> tuple[dict[tuple[int, int], _Seen], Array]:
+    """Each label in each sample, and sums over cells that have ink."""
+    seen: dict[tuple[int, int], _Seen] = {}
+    width, height = (int(v) // CELL + 2 for v in stage[2:4])
+    covered = np.zeros((len(some), height + 1, width + 1))
+    pairs = [(pool.start, pool.stop) for pool in instant.outlines]
+    for row, sample in enumerate(some.tolist()):
+        instant.go_to_sample(sample)
+        ink = [_along(instant.px[a:b]) for a, b in pairs]
+        for label in instant.labels():
+            name = (id(label.item), label.key)
+            if name not in seen:
+                seen[name] = _Seen(label.item, label.key, label.words,
+                                   float(label.item.get("rank", 1)),
+                                   np.full((len(some), 4), np.nan), label.clear, 0.0)
+            one = seen[name]
+            one.words = max(one.words, label.words, key=len)
+            one.size += float(np.hypot(*label.away))
+            one.rows[row] = (label.point[0] * factor, label.point[1] * factor, *label.away)
+            tail = np.array(label.point) - label.away
+            ink.append(_along(np.array([tail, label.point])))
+        points = np.concatenate([np.zeros((0, 2)), *ink]) * factor / CELL
+        points = points[np.isfinite(points).all(axis=1)]
+        x, y = np.clip(points, 0, (width - 1, height - 1)).astype(int).T
+        covered[row, y + 1, x + 1] = 1
+    return seen, covered.cumsum(axis=1).cumsum(axis=2)
+
+
+def _along(points: Array, step: float = 2 * CELL) -> Array:
+    """Points along a line, about ``step`` apart."""
+    if len(points) < 2:
+        return points
+    length = np.nan_to_num(np.hypot(*np.diff(points, axis=0).T), posinf=0.0)
+    count = np.clip(np.ceil(length / step), 1, 200).astype(int)
+    start = np.repeat(points[:-1], count, axis=0)
+    way = np.repeat(np.diff(points, axis=0), count, axis=0)
+    share = np.concatenate([np.arange(n) / n for n in count.tolist()])
+    return np.asarray(start + share[:, None] * way)
+
+
+def _costs(label: _Seen, boxes: Array, placed: Array, covered: Array,
+           stage: Sequence[float]) -> Array:
+    """What each side costs in all samples together."""
+    cost = COVERED * _inked(covered, boxes)
+    cost += CROSSED * _meet(boxes[:, None], placed[None]).sum(axis=1)
+    cost += OUTSIDE * _outside(boxes, stage)
+    away = label.rows[:, 2:4]
+    size = np.hypot(*away.T)
+    unit = away / np.where(size > 0, size, 1.0)[:, None]
+    cost += np.array([TURNED * (1 - unit @ (dx, -dy)) + OFF * (far > 0) for dx, dy, far in SIDES])
+    return np.asarray(np.where(np.isfinite(label.rows[:, 0]), cost, 0.0).sum(axis=1))
+
+
+def _outside(boxes: Array, stage: Sequence[float]) -> Flags:
+    """Whether boxes reach beyond the stage."""
+    return np.asarray((boxes[..., 0] < stage[0]) | (boxes[..., 1] < stage[1])
+                      | (boxes[..., 2] > stage[2]) | (boxes[..., 3] > stage[3]))
+
+
+def _meet(a: Array, b: Array) -> Flags:
+    """Whether boxes [..., 4] overlap; absent ones (NaN) do not."""
+    return np.asarray((a[..., 0] < b[..., 2]) & (b[..., 0] < a[..., 2])
+                      & (a[..., 1] < b[..., 3]) & (b[..., 1] < a[..., 3]))
+
+
+def _inked(sums: Array, boxes: Array) -> Array:
+    """How many cells with ink boxes [sides, samples, 4] cover."""
+    cells = (np.nan_to_num(np.clip(boxes, -1e6, 1e6)) // CELL).astype(int)
+    x0, y0, x1, y1 = np.moveaxis(cells, 2, 0)
+    x0, x1 = (np.clip(v, 0, sums.shape[2] - 1) for v in (x0, x1 + 1))
+    y0, y1 = (np.clip(v, 0, sums.shape[1] - 1) for v in (y0, y1 + 1))
+    rows = np.arange(sums.shape[0])[None]
+    return np.asarray(sums[rows, y1, x1] - sums[rows, y0, x1] - sums[rows, y1, x0]
+                      + sums[rows, y0, x0])
+
+
+def steady(there: Flags, time: Array, least: float) -> Flags:
+    """The flags without gaps, then without stays, that are shorter than ``least`` [s].
+
+    Those at the beginning and at the end are kept.
+    """
+    found = there.copy()
+    for wanted in (False, True):
+        edges = np.flatnonzero(np.diff(found.astype(int), prepend=-1, append=-1))
+        for a, b in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
+            if found[a] == wanted and a > 0 and b < len(found) and time[b] - time[a] < least:
+                found[a:b] = not wanted
+    return found
+
+
+def offset(side: int, half: tuple[float, float], clear: float, point: float) -> XY:
+    """From a label's point to its middle [pixels], for half its size, y down."""
+    dx, dy, far = SIDES[side]
+    reach = (3 + far) * point + clear
+    return dx * (half[0] + reach), -dy * (half[1] + reach)
+
+
+def paint_labels(instant: Instant, painter: Painter, type_size: int,
+                 half: Callable[[str], tuple[float, float]]) -> None:
+    """Write the labels that have a place."""
+    factor = instant.factor
+    for label in instant.labels():
+        if label.side < 0 or not within([label.point], instant.edges):
+            continue
+        x, y = label.point[0] * factor, label.point[1] * factor
+        point = instant.point * factor
+        dx, dy = offset(label.side, half(label.words), label.clear * point, point)
+        leader: list[XY] = []
+        if SIDES[label.side][2]:
+            ux, uy, far = SIDES[label.side]
+            reach = (far + 2) * point + label.clear * point
+            leader = [(x + ux * 2 * point, y - uy * 2 * point), (x + ux * reach, y - uy * reach)]
+        painter.text((x + dx, y + dy), label.words, type_size, label.ink, leader)

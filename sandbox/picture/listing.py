@@ -1,0 +1,218 @@
+"""The display list: a picture of a run as data, without pixels.
+
+A list describes all samples of a run. Painters (films, paper, the page's script) know its item
+kinds and styles; they know no element of a mechanism.
+
+Frames
+    ``pose`` [n, frames, 3] holds x, y [m] and angle [rad] of each frame in each sample. The bodies
+    come first, in the order of the model. Frame ``world`` stands still at the origin. Elements
+    append frames of their own, for example for a piston that slides.
+Points
+    ``[frame, x, y]`` in metres of that frame, or ``[frame, x, y, dx, dy]`` with an offset in points
+    of the screen (dy points up) that does not turn with the frame.
+Points as a unit
+    Widths, glyphs and offsets are in points. A picture is 800 points wide or 300 points high,
+    whichever gives fewer pixels for each point.
+Columns
+    ``columns`` [k][n] are numbers that change from sample to sample. Where an item has a number, it
+    has a number or ``[k]``, the index of a column. Painters interpolate poses and columns linearly
+    between samples, except columns in ``steady``, which keep the value of the nearest sample.
+Tables
+    ``tables`` hold rows of which each sample has any number, sorted by sample. Column 0 is the
+    sample and column 1 a key that stays with what the row describes. Painters use the rows of the
+    nearest sample.
+Tokens
+    ``inks`` maps a token to a colour by day and a colour by night, ``#rrggbb``. ``ramps`` maps a
+    name to two lists of colours: for -1 to 0 (element 0 is 0) and for 0 to 1. The token ``@name``
+    is the colour of a ramp at the item's ``by``. The empty token paints nothing.
+Styles
+    ``[fill, edge, width, dash, hatched]``: two tokens, a width and the length of a dash in points
+    (0 is a solid line, gaps are 0.8 dashes), and 1 where a fill has hatching in the edge's token.
+Glyphs
+    ``{name: [[style, subpath], ...]}``: symbols of constant size in points, y up.
+Subpaths
+    A closed ring ``[x0, y0, x1, y1, ...]``, a capsule or circle ``{"c": [x0, y0, x1, y1, radius]}``
+    (the radius may be a column), or an open line ``{"l": [x0, y0, ...]}``.
+
+Every item is an object with these fields; they lie back to front:
+
+=========  =====================================================================================
+``k``      kind, see below
+``l``      layer, see :data:`sandbox.kinds.layers.LAYERS`
+``n``      name of the element, if it has one: what picking reports
+``s``      style: a number, or a list of numbers of which ``state`` picks one
+``state``  column that picks an element of ``s`` (of ``g`` in a mark), rounded
+``if``     column; the item is shown where it is not 0
+``by``     column from -1 to 1: where the item lies on the ramp of its tokens
+``wide``   column: factor of the width
+=========  =====================================================================================
+
+Kinds and their fields:
+
+``path``    ``f`` frame, ``d`` subpaths. With ``m`` 1 they are one area with one outline; otherwise
+            the second and later ones are holes (even-odd).
+``line``    ``p`` points: a polyline, also through several frames.
+``mark``    ``at`` point, ``g`` glyph or list of glyphs. ``turn``: angle [rad], a number or column.
+``span``    ``a``, ``b`` points; ``t`` pattern ``[w, v, ...]`` of fractions w of the way from a to b
+            and sides v; ``w`` ``[share, least, most]``: half the width is this share of the length,
+            between two limits in points. With ``every`` the pattern is one stroke, repeated every
+            so many points; then w and v are in points along and across.
+``spiral``  ``at`` point, ``r`` radii ``[first, last]`` in points, angle ``start``, ``sweep`` [rad].
+            ``head``: length of an arrow head at its end in points.
+``taut``    ``p`` list of ``[frame, x, y, radius, sense, meets, leaves]``: a cord that meets each
+            circle at one angle [rad, world] and leaves it at another (columns), clockwise for
+            sense 1. Of points with radius 0 there are five values. A circle whose angle is NaN in
+            a sample is skipped there. ``c`` 1 closes the line.
+``sag``     ``a``, ``b`` points, ``depth`` [m]: a parabola that hangs down.
+``arrows``  ``t`` name of a table with columns sample, key, x, y, vx, vy[, value]: arrows at world
+            points [m]. The arrow is ``metres`` long for a vector of size 1; those above ``most``
+            are cut and marked. ``size`` ``[shaft, head]`` in points, ``least``: the shortest that
+            is painted, in points. ``unit``, ``decimals``, ``factor``: how values are written;
+            the value is the size, or the seventh column. ``names``: words before values by key.
+            ``labels`` ``{key: [side, column]}``: where the number stands and whether it is shown.
+``strips``  ``t`` name of a table with columns sample, key, x0, y0, ... x3, y3, value: areas
+            of four corners [m]. Values and labels as of arrows, at the fourth point (or the third).
+``trail``   ``at`` point: the way that it has gone up to now. ``every`` [s]: time between marks.
+``text``    ``at`` point, ``words``; with ``value`` (column), ``unit``, ``decimals`` and ``factor``
+            a number follows the words. The style's edge is its colour. ``side`` and ``show``
+            (column): as of labels. ``rank``: those with a lower one are placed first.
+
+Sides of labels are numbers of :data:`SIDES`. ``legend`` is a list of rows, most important first:
+
+``scale``   ``metres`` that 1 ``unit`` takes, ``unit``, ``words``, ``s`` style and ``size`` of the
+            arrow; without ``size`` it is a bar for lengths (``metres`` is 1).
+``ramp``    ``ramp`` name, ``low`` -1 or 0, ``before`` and ``after`` words.
+``glyph``   ``g`` glyph, ``width`` in points, ``words``; ``l`` layer.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from sandbox.numeric import Array, Flags
+
+Item = dict[str, Any]
+Number = float | list[int]
+"""A number, or the index of a column in a list."""
+Point = list[Any]
+SIDES = [(round(math.cos(k * math.pi / 4), 6), round(math.sin(k * math.pi / 4), 6), far)
+         for far in (0, 22) for k in range(8)]
+"""Where a label may stand: direction (y up), and distance from its point in points. A label that
+stands off has a thin line to its point."""
+
+
+def short(value: float) -> float:
+    """A number with six digits, which is enough for a picture."""
+    return float(f"{float(value):.6g}")
+
+
+@dataclass
+class Listing:
+    """A display list; see the module's description."""
+
+    time: Array
+    """Of the samples [n] s."""
+    pose: Array
+    """Frames [n, frames, 3] m, rad."""
+    world: int = 0
+    """The frame that stands still."""
+    fixed_columns: bool = False
+    """Keep every column, also where its values are all equal or equal to another's. Lists of
+    different samples of one run then have the same items, as a live view needs."""
+    inks: dict[str, list[str]] = field(default_factory=dict)
+    ramps: dict[str, list[list[str]]] = field(default_factory=dict)
+    styles: list[list[Any]] = field(default_factory=list)
+    glyphs: dict[str, list[Any]] = field(default_factory=dict)
+    items: list[Item] = field(default_factory=list)
+    columns: list[Array] = field(default_factory=list)
+    steady: list[int] = field(default_factory=list)
+    tables: dict[str, Array] = field(default_factory=dict)
+    legend: list[Item] = field(default_factory=list)
+    drift: Array | None = None
+    """How far the camera goes with a body [n, 2] m; None if it stands."""
+    _known: dict[Any, int] = field(default_factory=dict)
+    _made: list[Array] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, time: Array, pose: Array, *, fixed_columns: bool = False) -> Listing:
+        """An empty list for bodies with these poses [n, nb, 3]."""
+        count = pose.shape[1]
+        still = np.zeros((len(time), 1, 3))
+        return cls(np.asarray(time), np.concatenate([pose, still], axis=1), count, fixed_columns)
+
+    def style(self, fill: str = "", edge: str = "", width: float = 0.0, dash: float = 0.0,
+              hatched: int = 0) -> int:
+        """The number of a style."""
+        key = (fill, edge, float(width), float(dash), int(hatched))
+        if key not in self._known:
+            self._known[key] = len(self.styles)
+            self.styles.append([fill, edge, width, dash, hatched])
+        return self._known[key]
+
+    def column(self, values: Array | Flags, *, steady: bool = False) -> list[int]:
+        """A column with these values [n]."""
+        floats: Array = np.asarray(values, dtype=float)
+        key = (floats.tobytes(), steady)
+        if self.fixed_columns or key not in self._known:
+            self._known[key] = len(self.columns)
+            self.columns.append(floats)
+            if steady:
+                self.steady.append(len(self.columns) - 1)
+        return [self._known[key]]
+
+    def varying(self, values: Array | Flags, *, steady: bool = False) -> Number:
+        """The values [n] as a column, or as one number where they do not change."""
+        values = np.asarray(values, dtype=float)
+        if not self.fixed_columns and (values == values[0]).all():
+            return short(values[0])
+        return self.column(values, steady=steady)
+
+    def frame(self, pose: Array) -> int:
+        """A frame that is no body, with a pose [n, 3] in each sample."""
+        self._made.append(np.asarray(pose, dtype=float))
+        return int(self.pose.shape[1]) + len(self._made) - 1
+
+    def close(self) -> None:
+        """Join the frames that elements made to those of the bodies."""
+        if self._made:
+            self.pose = np.concatenate([self.pose, np.stack(self._made, axis=1)], axis=1)
+            self._made = []
+
+    def add(self, kind: str, layer: str, name: str = "", **fields: Any) -> Item:
+        """Lay an item on top; fields that are None are left out."""
+        item = {"k": kind, "l": layer, **({"n": name} if name else {}),
+                **{key: value for key, value in fields.items() if value is not None}}
+        self.items.append(item)
+        return item
+
+    def place(self, point: Sequence[float]) -> Array:
+        """Where a point ``[frame, x, y]`` is in each sample [n, 2] m."""
+        frame = int(point[0])
+        bodies = self.pose.shape[1]
+        pose = self.pose[:, frame] if frame < bodies else self._made[frame - bodies]
+        c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+        return np.stack((pose[:, 0] + c * point[1] - s * point[2],
+                         pose[:, 1] + s * point[1] + c * point[2]), axis=1)
+
+    def head(self) -> dict[str, Any]:
+        """All but the arrays, as JSON has it."""
+        return {"world": self.world, "items": self.items, "styles": self.styles,
+                "glyphs": self.glyphs, "inks": self.used_inks(), "ramps": self.ramps,
+                "steady": self.steady, "legend": self.legend, "sides": SIDES}
+
+    def used_inks(self) -> dict[str, list[str]]:
+        """The tokens that occur in styles, and ``paper``, ``ink`` and ``faint_ink``."""
+        used = {token for style in self.styles for token in style[:2]}
+        used |= {"paper", "ink", "faint_ink", "hairline"}
+        return {token: pair for token, pair in self.inks.items() if token in used}
+
+    def arrays(self) -> Mapping[str, Any]:
+        """The arrays: time, pose, columns [k, n], tables and drift, not rounded."""
+        columns = np.array(self.columns) if self.columns else np.zeros((0, len(self.time)))
+        return {"time": self.time, "pose": self.pose, "columns": columns, "tables": self.tables,
+                "drift": self.drift}

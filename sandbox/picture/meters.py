@@ -1,0 +1,387 @@
+"""Meters in the picture: quantities as small plots with a cursor of time, or as numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pygame
+
+from sandbox.figure.style import COLOURS, Shown, shown_as
+from sandbox.model.shown_meters import curves, is_expression
+from sandbox.numeric import Array
+from sandbox.picture.camera import round_up
+from sandbox.picture.elements.fluids import pressure_unit
+from sandbox.picture.painter import XY, SheetPainter
+from sandbox.picture.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour, lighter
+from sandbox.picture.run_data import MeteredRun, read_curve
+from sandbox.picture.typesetter import Typesetter, ellipsis
+from sandbox.scene.elements.settings import ShownMeter, View
+
+WIDE, PLOT, TALLEST = 236.0, 58.0, 120.0
+"""Least width of a meter, and least and largest height of its curve [points]."""
+GROWN = 0.6
+"""Share of what stays blank above meters that their curves take, up to the largest height."""
+SHARE = 0.62
+"""Most of a picture's height that meters below the motion take."""
+TITLE, VALUE, SMALL, TICK = 0.95, 1.4, 0.95, 0.85
+"""Sizes of type, in those of the legend."""
+FINEST = 1.5
+"""So many finished pixels along time share the least and the largest of a curve."""
+HUES: tuple[Colour, ...] = tuple(
+    (int(hue[1:3], 16), int(hue[3:5], 16), int(hue[5:7], 16)) for hue in COLOURS)
+PALE = 0.62
+"""How much lighter the curve is where the motion has not come to yet."""
+
+
+@dataclass(frozen=True)
+class Dial:
+    """What one meter shows."""
+
+    title: str
+    names: list[str]
+    """Of the curves, as far as they differ; one empty name of one alone."""
+    values: Array
+    """[curves, n], as shown."""
+    shown: Shown
+    low: float
+    high: float
+    """Of the plot, as shown."""
+    plotted: bool
+
+    def texts(self, *samples: int) -> list[str]:
+        """Values with their units, to as many digits as the largest of the run has."""
+        return [self._text(name, values) for name, values in zip(
+            self.names, self.values[:, list(samples)].tolist(), strict=True)]
+
+    def longest(self, count: int) -> list[str]:
+        """The longest that is told of each at so many samples."""
+        sizes = np.nan_to_num(np.abs(self.values), posinf=0.0).max(axis=1)
+        return [self._text(name, count * [-size]) for name, size in zip(
+            self.names, sizes.tolist(), strict=True)]
+
+    def _text(self, name: str, values: Sequence[float]) -> str:
+        told = ", ".join(_written(value, self.values) if math.isfinite(value) else "none"
+                         for value in values)
+        told += self.shown.sign if any(map(math.isfinite, values)) else ""
+        return f"{name} {told}" if name else told
+
+
+def dials(run: MeteredRun, view: View) -> list[Dial]:
+    """The meters of a view, read."""
+    return [_dial(run, meter) for meter in view.meters]
+
+
+def _dial(run: MeteredRun, meter: ShownMeter) -> Dial:
+    names = curves(meter, run.catalogue)
+    rows = np.array([read_curve(run, name) for name in names]).reshape(len(names), len(run.time))
+    unit = next((run.unit(name) for name in names if not is_expression(name)), meter.unit)
+    held = [] if meter.range is None else [np.array(meter.range)]
+    shown = _as_drawn(unit, *(held or rows))
+    values = shown.factor * rows
+    low, high = _range(values) if meter.range is None else (
+        shown.factor * meter.range[0], shown.factor * meter.range[1])
+    own, rest = _apart(names)
+    title = meter.title or (rest if len(names) > 1 else names[0])
+    return Dial(title, own if len(names) > 1 else [""], values, shown, low, high,
+                meter.style == "plot" and len(run.time) > 1)
+
+
+def _as_drawn(unit: str, *rows: Array) -> Shown:
+    """As plots show it, but for pressures and powers, which are written as in the drawing."""
+    if unit == "Pa":
+        largest = max(float(np.nanmax(np.abs(row), initial=0.0)) for row in rows)
+        size, name = pressure_unit(round_up(largest) if largest > 0 else 0.0)
+        return Shown(1 / size, name, f" {name}")
+    shown = shown_as(unit, *rows)
+    return replace(shown, unit=_raised(shown.unit), sign=_raised(shown.sign))
+
+
+def _raised(unit: str) -> str:
+    return unit.replace("^2", "²").replace("^3", "³")
+
+
+def _range(values: Array) -> tuple[float, float]:
+    """Round limits of a plot about all values, with 0 where that is near."""
+    found = values[np.isfinite(values)]
+    if not len(found):
+        return 0.0, 1.0
+    low, high = float(found.min()), float(found.max())
+    span = high - low
+    if 0 < low < span:
+        low = 0.0
+    if -span < high < 0:
+        high = 0.0
+    if span <= 1e-9 * max(abs(low), abs(high)):
+        low, high = min(low, 0.0), max(high, 0.0)
+    if low == high:
+        return 0.0, 1.0
+    span = high - low
+    step = 10.0 ** math.floor(math.log10(span / 2))
+    step *= 5 if span / step > 10 else 2 if span / step > 5 else 1
+    low, high = math.floor(low / step + 1e-6), math.ceil(high / step - 1e-6)
+    return step * low, step * max(high, low + 1)
+
+
+def _written(value: float, like: Array) -> str:
+    """A number with the decimals that give the largest of ``like`` three digits."""
+    largest = float(np.nanmax(np.abs(like), initial=0.0))
+    if largest and not 1e-4 <= largest < 1e6:
+        return f"{value:.2e}"
+    decimals = min(max(0, 2 - math.floor(math.log10(largest))), 6) if largest else 0
+    text = f"{value:.{decimals}f}"
+    return text.lstrip("-") if not text.strip("-0.") else text  # no negative nothing
+
+
+def _apart(names: Sequence[str]) -> tuple[list[str], str]:
+    """The words in which names differ, and a pattern of them all, for a title."""
+    words = [name.split(".") for name in names]
+    least = min(map(len, words))
+    first = next((k for k in range(least) if len({w[k] for w in words}) > 1), least - 1)
+    last = next((k for k in range(least - first) if len({w[-1 - k] for w in words}) > 1), 0)
+    begin = _begin(names)
+    end = _begin([name[len(begin):][::-1] for name in names])[::-1]
+    title = f"{begin}*{end}" if begin or end else ", ".join(names)
+    return [".".join(w[first:len(w) - last]) for w in words], title
+
+
+def _begin(names: Sequence[str]) -> str:
+    """The letters that all begin with."""
+    count = next((k for k, each in enumerate(zip(*names, strict=False)) if len(set(each)) > 1),
+                 min(map(len, names)))
+    return names[0][:count]
+
+
+class MeterPanel:
+    """The meters' part of a picture: how large it is, what stays on it, what goes with time.
+
+    Meters for which there is no room are left out, the last ones first.
+    """
+
+    def __init__(self, run: MeteredRun, view: View, type_: Typesetter, unit: float,
+                 size: tuple[int, int], moments: int = 1) -> None:
+        """``size`` of the finished picture, which shows so many ``moments``."""
+        self._run, self._type, self._unit, self._moments = run, type_, unit, moments
+        self._plot_points = PLOT
+        self._start = min(view.start, float(run.time[-1]))
+        self._dials = dials(run, view)
+        self._rows = self._in_rows(size[0])
+        while self._rows and self.below > SHARE * size[1]:
+            self._rows.pop()
+        self._dials = [dial for row in self._rows for dial in row]
+        self._cells: list[pygame.Rect] = []
+        self.rect = pygame.Rect(0, 0, 0, 0)
+
+    def __bool__(self) -> bool:
+        return bool(self._dials)
+
+    def _value_size(self, dial: Dial) -> int:
+        """Of the type of values: larger where there is one alone."""
+        return self._type.scaled(VALUE if len(dial.names) == 1 else SMALL)
+
+    def _columns(self, dial: Dial) -> tuple[int, int]:
+        """How many values stand side by side, and how wide a column is."""
+        size = self._value_size(dial)
+        told = dial.longest(self._moments) if self._tells(dial) else dial.names
+        widest = max(self._type.width(text, size) for text in told)
+        count = max(1, int((WIDE * self._unit + self._gap) / (widest + self._gap)))
+        return min(count, len(dial.names)), widest + self._gap
+
+    def _tells(self, dial: Dial) -> bool:
+        """Whether values are told: several curves at several moments have the names alone."""
+        return not dial.plotted or 1 in (self._moments, len(dial.names))
+
+    def _head(self, dial: Dial) -> tuple[int, int]:
+        """Heights of the title and of all values [finished pixels]."""
+        rows = -(-len(dial.names) // self._columns(dial)[0])
+        return (self._type.scaled(TITLE, 1.2),
+                rows * round(0.95 * self._value_size(dial)) + round(5 * self._unit))
+
+    def _height(self, dial: Dial) -> int:
+        return sum(self._head(dial)) + (
+            round(self._plot_points * self._unit) + self._type.scaled(TICK, 1.2)
+            if dial.plotted else 0)
+
+    @property
+    def _gap(self) -> int:
+        return round(0.9 * self._type.size)
+
+    @property
+    def below(self) -> int:
+        """Its height below the motion."""
+        return sum(max(map(self._height, row)) + self._gap for row in self._rows)
+
+    def limit(self, height: int) -> None:
+        """Leave out the last rows that do not fit in a height [pixels] below the motion."""
+        while self._rows and self.below > height:
+            self._rows.pop()
+        self._dials = [dial for row in self._rows for dial in row]
+
+    def shrink(self) -> None:
+        """Give its curves the least height."""
+        self._plot_points = PLOT
+
+    def grow(self, blank: float) -> None:
+        """Take a share of the height that stays blank above it [finished pixels]."""
+        if rows := sum(any(dial.plotted for dial in row) for row in self._rows):
+            free = GROWN * max(0.0, blank) / self._unit / rows
+            self._plot_points = min(TALLEST, PLOT + free)
+
+    @property
+    def beside(self) -> int:
+        """Its width beside the motion."""
+        return round(WIDE * self._unit) + 2 * self._gap
+
+    @property
+    def tall(self) -> int:
+        """Its height beside the motion."""
+        return sum(self._height(dial) + self._gap for dial in self._dials)
+
+    def _in_rows(self, width: int) -> list[list[Dial]]:
+        """Rows as even as can be."""
+        most = max(1, int((width - self._gap) / (WIDE * self._unit + self._gap)))
+        rows = max(1, -(-len(self._dials) // most))
+        each = -(-len(self._dials) // rows)
+        return [self._dials[k:k + each] for k in range(0, len(self._dials), max(1, each))]
+
+    def settle(self, rect: pygame.Rect, *, aside: bool) -> None:
+        """Take a place on the finished picture."""
+        self.rect, gap, y = rect, self._gap, rect.top
+        if aside and (plots := sum(dial.plotted for dial in self._dials)):
+            free = (rect.height - self.tall) / self._unit / plots
+            self._plot_points = min(TALLEST, PLOT + max(0.0, free))
+        for row in [[dial] for dial in self._dials] if aside else self._rows:
+            wide = (rect.width - gap * (len(row) + 1)) // len(row)
+            high = max(map(self._height, row))
+            self._cells += [pygame.Rect(rect.left + gap + k * (wide + gap), y, wide, high)
+                            for k in range(len(row))]
+            y += high + gap
+
+    def draw_still(self, painter: SheetPainter) -> None:
+        """Titles, frames and pale curves."""
+        for dial, cell in zip(self._dials, self._cells, strict=True):
+            size = self._type.scaled(TITLE)
+            painter.write((cell.left, cell.top),
+                          ellipsis(self._type, dial.title, cell.width, size), size, INK)
+            if dial.plotted:
+                plot = self._plot(dial, cell)
+                self._frame(painter, dial, plot)
+                for k in range(len(dial.values)):
+                    self._curve(painter, dial, k, plot, lighter(HUES[k], PALE), 1.2)
+
+    def draw(self, painter: SheetPainter, t: float) -> None:
+        """Curves up to ``t`` [s], the cursor and values."""
+        sample = int(np.argmin(np.abs(self._run.time - t)))
+        for dial, cell in zip(self._dials, self._cells, strict=True):
+            self._values(painter, dial, cell, [sample])
+            if dial.plotted:
+                self._mark(painter, dial, self._plot(dial, cell), [t], until=sample + 1)
+
+    def draw_moments(self, painter: SheetPainter, times: Sequence[float]) -> None:
+        """Whole curves with a cursor at each of some times [s], for a strip."""
+        samples = [int(np.argmin(np.abs(self._run.time - t))) for t in times]
+        self.draw_still(painter)
+        for dial, cell in zip(self._dials, self._cells, strict=True):
+            if dial.plotted:
+                self._mark(painter, dial, self._plot(dial, cell), times)
+            self._values(painter, dial, cell, samples)
+
+    def _mark(self, painter: SheetPainter, dial: Dial, plot: pygame.Rect, times: Sequence[float],
+              until: int | None = None) -> None:
+        """Cursors at times [s], the curves with a dot at each."""
+        k, line = painter.enlarge, self._unit * painter.enlarge
+        across = (self._across(plot, np.asarray(times)) * k).tolist()
+        for x in across:
+            painter.line([(x, plot.top * k), (x, plot.bottom * k)], FAINT_INK, line)
+        for curve in range(len(dial.values)):
+            self._curve(painter, dial, curve, plot, HUES[curve], 1.9, until=until)
+            for x, t in zip(across, times, strict=True):
+                sample = int(np.argmin(np.abs(self._run.time - t)))
+                y = float(self._down(dial, plot, dial.values[curve, sample:sample + 1])[0])
+                if math.isfinite(y):
+                    painter.disc((x, y * k), 3.6 * line, HUES[curve], BACKGROUND, 1.2 * line)
+
+    def _plot(self, dial: Dial, cell: pygame.Rect) -> pygame.Rect:
+        """Where the curves of a meter lie: right of the numbers at its axis."""
+        size = self._type.scaled(TICK)
+        left = max(self._type.width(text, size) for text in _limits(dial)) + round(5 * self._unit)
+        left = min(left, cell.width // 2)
+        right = round(5 * self._unit)
+        return pygame.Rect(cell.left + left, cell.top + sum(self._head(dial)),
+                           cell.width - left - right, round(self._plot_points * self._unit))
+
+    def _across(self, plot: pygame.Rect, time: Array) -> Array:
+        end = float(self._run.time[-1])
+        share = (time - self._start) / max(end - self._start, 1e-12)
+        return np.asarray(plot.left + plot.width * np.clip(share, 0.0, 1.0))
+
+    @staticmethod
+    def _down(dial: Dial, plot: pygame.Rect, values: Array) -> Array:
+        share = (values - dial.low) / (dial.high - dial.low)
+        return np.asarray(plot.bottom - plot.height * np.clip(share, -0.02, 1.02))
+
+    def _frame(self, painter: SheetPainter, dial: Dial, plot: pygame.Rect) -> None:
+        """Lines at the lowest value, the highest and 0, with numbers; the ends of time."""
+        k, size = painter.enlarge, self._type.scaled(TICK)
+        for value, text in zip((dial.low, dial.high), _limits(dial), strict=True):
+            y = float(self._down(dial, plot, np.array([value]))[0])
+            painter.write((plot.left - round(5 * self._unit) - self._type.width(text, size),
+                           round(y - self._type.height(size) / 2)), text, size, FAINT_INK)
+        for value in {dial.low, dial.high} | ({0.0} if dial.low < 0 < dial.high else set()):
+            y = float(self._down(dial, plot, np.array([value]))[0]) * k
+            painter.line([(plot.left * k, y), (plot.right * k, y)], HAIRLINE, self._unit * k)
+        painter.line([(plot.left * k, plot.top * k), (plot.left * k, plot.bottom * k)], FAINT_INK,
+                     self._unit * k)
+        for share, t in ((0.0, self._start), (1.0, float(self._run.time[-1]))):
+            text = f"{t:.3g} s"
+            painter.write((round(plot.left + share * (plot.width - self._type.width(text, size))),
+                           plot.bottom + round(2 * self._unit)), text, size, FAINT_INK)
+
+    def _curve(self, painter: SheetPainter, dial: Dial, curve: int, plot: pygame.Rect,
+               colour: Colour, points: float, until: int | None = None) -> None:
+        first = int(np.searchsorted(self._run.time, self._start))
+        of = slice(first, until)
+        for x, y in _pieces(self._across(plot, self._run.time[of]),
+                            self._down(dial, plot, dial.values[curve, of])):
+            path: list[XY] = (painter.enlarge * np.column_stack((x, y))).tolist()
+            if len(path) > 1:
+                painter.line(path, colour, points * self._unit * painter.enlarge)
+
+    def _values(self, painter: SheetPainter, dial: Dial, cell: pygame.Rect,
+                samples: Sequence[int]) -> None:
+        """Values of all curves in columns, each in its colour, or their names."""
+        size, (across, wide) = self._value_size(dial), self._columns(dial)
+        title, _ = self._head(dial)
+        several = len(samples) > 1
+        for k, text in enumerate(dial.texts(*samples) if self._tells(dial) else dial.names):
+            size = min(size, self._type.scaled(SMALL)) if several else size
+            row, column = divmod(k, across)
+            painter.write((cell.left + column * wide,
+                           cell.top + title + row * round(0.95 * size)),
+                          ellipsis(self._type, text, cell.width, size), size, HUES[k])
+
+
+def _limits(dial: Dial) -> tuple[str, str]:
+    """The numbers at the ends of the axis."""
+    return f"{dial.low:.6g}", f"{dial.high:.6g}"
+
+
+def _pieces(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
+    """A curve without what has no value, of all that shares a column its least and its largest."""
+    there = np.isfinite(y)
+    starts = np.flatnonzero(there & ~np.r_[False, there[:-1]])
+    ends = np.flatnonzero(there & ~np.r_[there[1:], False]) + 1
+    for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
+        column = np.floor(x[start:end] / FINEST)
+        first = np.flatnonzero(np.r_[True, column[1:] != column[:-1]])
+        if end - start <= 4 * len(first):
+            yield x[start:end], y[start:end]
+            continue
+        kept = [start, end - 1]
+        for a, b in zip(first.tolist(), [*first[1:].tolist(), end - start], strict=True):
+            kept += [start + a + int(np.argmin(y[start + a:start + b])),
+                     start + a + int(np.argmax(y[start + a:start + b]))]
+        of = np.unique(kept)
+        yield x[of], y[of]

@@ -1,0 +1,136 @@
+"""What may be asked of a picture besides what its scene says: held to what a scene may say."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from pydantic import ValidationError
+
+from sandbox.errors import OutputError
+from sandbox.kinds.layers import BY_ROLE, EVERY, asked, meant, words_for
+from sandbox.model.catalogue import Catalogue
+from sandbox.model.shown_meters import problems_of
+from sandbox.picture.run_data import MeteredRun
+from sandbox.scene.elements.settings import View
+from sandbox.scene.read.messages import explain
+from sandbox.wording import WrongValueError, listed, or_near, quoted
+
+OPTIONS = {
+    "size": '(width, height) in pixels, each 64 to 8192, "2x" for twice the view\'s, or '
+            '"85mm" or "85mm x 70mm" for a still on paper',
+    "fps": "20, 25 or 50 frames per second",
+    "speed": "seconds of motion per second of film, greater than 0",
+    "centre": "(x, y) of the world in metres",
+    "width": "metres of the world shown, greater than 0",
+    "show": 'layers, such as "traces,velocity,-contacts"',
+    "meters": "quantities, patterns or expressions, or objects of what view.meters may hold",
+    "follow": "the name of a body",
+    "bodies": 'names and patterns of bodies, names of groups, and roles such as "role:object"',
+}
+"""What each is, as a message says it."""
+
+
+def view_of(view: View, given: Mapping[str, Any]) -> View:
+    """A view with some of :data:`OPTIONS` changed; those that are None are left as they are.
+
+    Layers are added to those that the view shows, or taken from them.
+
+    Raises:
+        OutputError: values that no view can have, one a line.
+    """
+    changes = {key: _plain(value) for key, value in given.items() if value is not None}
+    if not changes:
+        return view
+    if isinstance(changes.get("size"), str):
+        changes["size"] = _times(changes["size"], view.size)
+    if "show" in changes:
+        changes["show"] = {**view.show, **_asked(changes["show"])}
+    if "bodies" in changes or "follow" in changes:  # the scene's window is of another picture
+        changes.setdefault("centre", None)
+    if "bodies" in changes:
+        changes.setdefault("width", None)
+    for key in ("bodies", "meters"):
+        if isinstance(changes.get(key), str):
+            changes[key] = [changes[key]]
+    data = {**view.model_dump(by_alias=True), **changes}
+    try:
+        return View.model_validate(data)
+    except ValidationError as error:
+        told = {}
+        for problem in explain(error, data, View):
+            key = problem.path.removeprefix("$.").partition("[")[0]
+            told[key] = (f"{key}={quoted(given.get(key))}: {problem.message}; "
+                         f"pass {OPTIONS.get(key, 'what a view may have')}")
+        raise OutputError("\n".join(told.values()), code="bad-picture") from None
+
+
+def _plain(value: Any) -> Any:
+    """NumPy's numbers and arrays as Python's."""
+    if isinstance(value, (list, tuple)):
+        return [_plain(each) for each in value]
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _times(word: str, size: tuple[int, int]) -> Any:
+    """The view's size so many times, of ``2x``; any other text as it is."""
+    found = re.fullmatch(r"\s*([0-9.]+)\s*[xX×]\s*", word)
+    try:
+        return word if found is None else tuple(round(float(found[1]) * v) for v in size)
+    except (ValueError, OverflowError):
+        return word
+
+
+def _asked(show: Any) -> dict[str, tuple[str, ...]]:
+    try:
+        return asked(show)
+    except WrongValueError as error:
+        raise OutputError(f"show={quoted(show)}: {error}", code="bad-picture") from None
+
+
+def check_view(run: MeteredRun, view: View) -> None:
+    """That the bodies and quantities which a view names are there.
+
+    Raises:
+        OutputError: names and patterns that fit no body, one a line.
+    """
+    bodies, names = run.mechanism.bodies, [body.name for body in run.mechanism.bodies]
+    named = [("bodies", pattern) for pattern in view.bodies]
+    named += [("show", pattern) for patterns in view.show.values() for pattern in patterns
+              if patterns != EVERY]
+    named += [("follow", view.follow)] if view.follow is not None else []
+    told = []
+    for option, name in named:
+        grouped = run.mechanism.groups if option == "bodies" else ()
+        if not (name in names or (option != "follow" and meant([name], bodies, grouped))):
+            by_role = option != "follow" and name.startswith(BY_ROLE)
+            words = [word for word in words_for(bodies, grouped)
+                     if word.startswith(BY_ROLE) == by_role]
+            what = "role" if by_role else "name"
+            told.append(f"{option}: no body's {what} matches {quoted(name.removeprefix(BY_ROLE))}"
+                        f"{or_near(name, words)} (allowed: {listed(words)})")
+    told += _of_meters(run.catalogue, view)
+    if told:
+        raise OutputError("\n".join(told), code="bad-time")
+
+
+def _of_meters(known: Catalogue, view: View) -> list[str]:
+    if not view.meters:
+        return []
+    return [str(replace(problem, path=problem.path.removeprefix("$.view.")))
+            for problem in problems_of(known, view)]
+
+
+def check_run(run: MeteredRun) -> None:
+    """That there is something to draw.
+
+    Raises:
+        OutputError: what is no recording, or one without samples.
+    """
+    if not (hasattr(run, "mechanism") and hasattr(run, "arrays")):
+        raise OutputError(f"{quoted(run)} is no recording; pass what sandbox.simulate or "
+                          "sandbox.Recording.load gives", code="bad-picture")
+    if not len(run.time):
+        raise OutputError("the recording has no samples: there is nothing to draw", code="bad-time")

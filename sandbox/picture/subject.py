@@ -1,0 +1,150 @@
+"""What a display list is made from: the run, what to show of it, and to which scales."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from sandbox.kinds.layers import LAYERS, PASSES, Show, meant, shown
+from sandbox.model.model import NONE
+from sandbox.numeric import Array
+from sandbox.picture.listing import Item, Listing, Number, short
+from sandbox.picture.palette import TOKENS, Colour, css
+from sandbox.picture.run_data import RunData
+from sandbox.picture.scales import ForceScale
+from sandbox.picture.tensions import Tensions
+from sandbox.scene.elements.settings import View
+from sandbox.scene.values.planes import depth
+
+BEHIND, ABOVE = -math.inf, math.inf
+"""Planes behind all bodies and in front of them."""
+NO_SCALE = ForceScale(0.0, 0.0)
+ORDER = {name: k for k, name in enumerate(PASSES)}
+
+
+class VisibleLayers:
+    """Which layers a view shows of a run, and of which bodies."""
+
+    def __init__(self, run: RunData, view: View) -> None:
+        self._shown: Show = shown(view.show, traced=bool(view.traces))
+        self._of = {layer: meant(patterns, run.mechanism.bodies)
+                    for layer, patterns in self._shown.items() if LAYERS[layer].per_body}
+
+    def __contains__(self, layer: str) -> bool:
+        return layer in self._shown
+
+    @property
+    def names(self) -> list[str]:
+        """Those that are shown."""
+        return list(self._shown)
+
+    def of(self, layer: str) -> list[int]:
+        """The bodies that a layer is shown of."""
+        return self._of.get(layer, [])
+
+    def patterns(self, layer: str) -> tuple[str, ...]:
+        """The patterns of bodies in the view."""
+        return self._shown.get(layer, ())
+
+
+@dataclass
+class Subject:
+    """A run with the list that its elements are added to."""
+
+    run: RunData
+    view: View
+    layers: VisibleLayers
+    out: Listing
+    carried: Tensions
+    """Tensions, and the scale of their colours."""
+    force: ForceScale
+    """Of contact forces."""
+    width: float
+    """Of what the picture shows [m]."""
+    point: float
+    """Metres per point."""
+    beside: Sequence[RunData] = ()
+    """Runs that are compared with this one: they share its scales."""
+    moments: Sequence[float] | None = None
+    """The times that are painted [s], if they are few."""
+    loads: ForceScale = NO_SCALE
+    pressure: ForceScale = NO_SCALE
+    vectors: list[tuple[str, str, str, ForceScale]] = field(default_factory=list)
+    """Arrows that the view asks for: token, unit, words and scale of each kind."""
+    contacts_on: str = ""
+    """Words of the legend: on whom contact forces are shown."""
+    trace_inks: list[str] = field(default_factory=list)
+    signs: set[str] = field(default_factory=set)
+    """Rows of the legend that are needed, see :data:`sandbox.picture.legend.ROWS`."""
+    _keys: list[tuple[float, float, float]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        bodies = self.run.mechanism.bodies
+        moving = [depth(body.plane) for body, fixed in zip(
+            bodies, self.run.model.bodies.fixed.tolist(), strict=True) if not fixed]
+        self.lowest = min(moving, default=0)
+        """The plane of the lowest body that moves."""
+        for token, pair in TOKENS.items():
+            self.out.inks[token] = [css(pair[0]), css(pair[1])]
+
+    def ink(self, day: Colour, night: Colour) -> str:
+        """The token of a colour."""
+        token = css(day)
+        self.out.inks[token] = [token, css(night)]
+        return token
+
+    def plane(self, *bodies: int) -> float:
+        """Where an element on these bodies lies: in the uppermost of their planes."""
+        specs = self.run.mechanism.bodies
+        return max((depth(specs[body].plane) for body in bodies), default=self.lowest)
+
+    def add(self, step: str, kind: str, name: str = "", *, plane: float = ABOVE, rank: float = 0,
+            layer: str = "", shown: Number | None = None, **fields: Any) -> Item | None:
+        """Add an item of a pass, see :data:`sandbox.kinds.layers.PASSES`, if its layer is shown.
+
+        It is shown where ``shown`` is not 0.
+        Items of one plane lie in the order of the passes, those of one pass in that of ``rank``. In
+        texts and arrows, which lie above all, ``rank`` is the order in which labels take places.
+        """
+        layer = layer or PASSES[step]
+        if layer not in self.layers:
+            return None
+        if math.isfinite(plane):
+            plane = max(plane, self.lowest)
+        if kind in ("text", "arrows"):
+            fields["rank"], plane = rank, ABOVE
+        self._keys.append((plane, ORDER[step], rank))
+        return self.out.add(kind, layer, name, **fields, **({} if shown is None
+                                                            else {"if": shown}))
+
+    def close(self) -> Listing:
+        """The list, sorted back to front."""
+        order = sorted(range(len(self._keys)), key=self._keys.__getitem__)
+        self.out.items = [self.out.items[k] for k in order]
+        self._keys = []
+        self.out.close()
+        return self.out
+
+    def held(self, *ties: int) -> list[int] | None:
+        """A column that is 1 while all of these hold; None if nothing of them is let go."""
+        found = [tie for tie in ties if tie != NONE]
+        if not found:
+            return None
+        return self.out.column((self.run.arrays["held"][:, found] != 0).all(axis=1), steady=True)
+
+    def point_on(self, body: int, at: Iterable[float]) -> list[Any]:
+        """A point of a body, or of another frame."""
+        x, y = at
+        return [int(body), short(x), short(y)]
+
+    def share(self, values: Array, largest: float) -> Number:
+        """Values as shares of the largest, for the ramp of loads."""
+        return self.out.varying(np.asarray(values) / (largest or 1.0), steady=True)
+
+    def style(self, *args: Any, **kwargs: Any) -> int:
+        """The number of a style."""
+        return self.out.style(*args, **kwargs)

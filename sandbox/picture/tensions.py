@@ -1,0 +1,105 @@
+"""What cords, rods and ropes carry, on one scale of colours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from sandbox.kinds.elements import JOINTS
+from sandbox.numeric import Array, Integers
+from sandbox.picture.bars import PinnedBar, bar_tensions
+from sandbox.picture.camera import round_up
+from sandbox.picture.palette import PUSH, TENSION, Colour
+from sandbox.picture.run_data import RunData
+from sandbox.picture.scales import rounding
+from sandbox.samples.cords import piece_tensions
+from sandbox.samples.links import link_tensions
+
+UNLOADED = 1e-3
+"""Of the scale's top: a link that carries no more is drawn as one that carries nothing."""
+USUAL, SPIKE = 0.75, 2.0
+"""The share of the samples that carry anything, above which they are rare; how many times as large
+as the others the scale's top may be for the sake of these."""
+SLACK_FRACTION, UNSEEN = 1e-6, 1e-5
+"""Tensions below the first fraction of the scale count as slack; the second has no colour yet."""
+
+
+class Tensions(NamedTuple):
+    """Tensions of a run, negative where a link pushes, and the scale that shows them."""
+
+    pieces: Array
+    """Of all straight pieces of cords [N], [n, m]."""
+    links: Array
+    """Of all joints along a line [N], [n, nj]; 0 of others."""
+    bars: Array
+    """Of bodies between two pins that are shown as bars [N], [n, k]."""
+    largest: float
+    """Top of the scale [N]; 0 if nothing carries anything."""
+    pushes: bool
+    """Whether a link or a bar pushes so much that it shows."""
+
+    def level(self, tension: float) -> float:
+        """Where a link's tension [N] lies on the scale, -1 to 1; 0 if it carries nothing."""
+        share = tension / self.largest if self.largest > 0 else 0.0
+        return share if abs(share) > UNLOADED else 0.0
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        """All that may occur."""
+        return TENSION + PUSH if self.pushes else TENSION
+
+    @property
+    def loaded(self) -> Integers:
+        """The joints whose links carry something at some time."""
+        sizes = np.abs(self.links).max(axis=0, initial=0.0)
+        return np.flatnonzero(sizes > UNLOADED * self.largest)
+
+    def beside(self, others: Iterable[Tensions]) -> Tensions:
+        """The same on the scale that has room for those of other runs too."""
+        every = (self, *others)
+        return self._replace(largest=max(each.largest for each in every),
+                             pushes=any(each.pushes for each in every))
+
+    def hidden(self) -> Tensions:
+        """The same where no colours are shown: cords are grey, those that hang still dashed.
+
+        Bars, which are nothing else, keep theirs.
+        """
+        loaded = self.pieces > SLACK_FRACTION * self.largest
+        return self._replace(pieces=np.where(loaded, UNSEEN * self.largest, 0.0),
+                             links=np.zeros_like(self.links))
+
+
+def tensions_of(run: RunData, bars: Sequence[PinnedBar] = ()) -> Tensions:
+    """Those of a run; the ``bars`` are measured by the same scale as cords, rods and ropes."""
+    pieces = piece_tensions(run.model, run.arrays).T
+    links = np.zeros(run.arrays["joint_reaction"].shape)
+    lines = [k for k, joint in enumerate(run.mechanism.joints)
+             if "tension" in JOINTS[joint.type].records]
+    links[:, lines] = np.nan_to_num(link_tensions(run.model, run.arrays, np.array(lines, np.intp)))
+    carried = bar_tensions(run, bars)
+    for each in (pieces, links, carried):
+        if np.abs(each).max(initial=0.0) <= rounding(run):
+            each[:] = 0.0
+    largest = largest_tension(np.abs(np.column_stack([pieces, links, carried])))
+    pushes = bool((np.column_stack([links, carried]) < -UNLOADED * largest).any())
+    return Tensions(pieces, links, carried, largest, pushes)
+
+
+def largest_tension(tension: Array) -> float:
+    """The top of the scale [N] of tensions [n, m]: a round number above nearly all of the run.
+
+    The sharpest 0.5 % of samples may lie above it, and more where they are so large that what
+    cords carry else would have no colour.
+    """
+    if not tension.size:
+        return 0.0
+    each = tension.max(axis=1)
+    peak = float(np.quantile(each, 0.995))
+    loaded = each[each > UNLOADED * peak]
+    if not peak > 0 or not loaded.size:
+        return 0.0
+    usual = SPIKE * float(np.quantile(loaded, USUAL))
+    return round_up(max(min(peak, usual), float(each[-1])))

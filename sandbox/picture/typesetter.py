@@ -1,0 +1,106 @@
+"""Texts as small pictures."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+
+import pygame
+
+from sandbox.picture.palette import BACKGROUND, INK, Colour
+from sandbox.wording import printable
+
+FINER = 4
+"""Letters are drawn this many times larger, then scaled down."""
+EM = 0.6875
+"""Pixels of an em for one of pygame's own font's size."""
+MOST_LETTERS = 1000
+"""Of a text; no picture is as wide."""
+
+
+class Typesetter:
+    """Texts as small pictures, kept: most of them come again in the next frame."""
+
+    MOST = 2000
+
+    def __init__(self, size: int, least: int = 0) -> None:
+        """``size`` of the ordinary type, and of the ``least`` of all, in pixels."""
+        pygame.font.init()
+        self.size, self.least = max(size, least), least
+        self._fonts: dict[int, pygame.Font] = {}
+        self._kept: dict[tuple[str, int, Colour, bool], pygame.Surface] = {}
+
+    def scaled(self, factor: float, lines: float = 1.0) -> int:
+        """A size of type in that of the ordinary one, or the height of so many lines of it."""
+        return max(round(lines * self.least), round(factor * lines * self.size))
+
+    def font(self, size: int) -> pygame.Font:
+        """The font that travels with pygame: the same on every machine."""
+        if size not in self._fonts:
+            self._fonts[size] = pygame.font.Font(None, size)
+        return self._fonts[size]
+
+    def width(self, text: str, size: int | None = None) -> int:
+        """How long the text is in pixels."""
+        return round(self.font(FINER * (size or self.size)).size(letters(text))[0] / FINER)
+
+    def height(self, size: int) -> int:
+        """The height of a line in pixels."""
+        return round(self.font(FINER * size).get_height() / FINER)
+
+    def baseline(self, size: int) -> float:
+        """The baseline below the top of a line [pixels]."""
+        return self.font(FINER * size).get_ascent() / FINER
+
+    def render(
+        self, text: str, *, size: int | None = None, colour: Colour = INK, halo: bool = False
+    ) -> pygame.Surface:
+        """The text with a see-through ground, and with a white rim where ``halo``."""
+        text = letters(text)
+        size = size or self.size
+        key = (text, size, colour, halo)
+        if key not in self._kept:
+            if len(self._kept) >= self.MOST:
+                self._kept.clear()
+            picture, rim = self._fine(text, size, colour), max(1, round(size / 9)) if halo else 0
+            self._kept[key] = (
+                self._rimmed(text, size, picture, rim) if halo else picture)
+        return self._kept[key]
+
+    def _fine(self, text: str, size: int, colour: Colour) -> pygame.Surface:
+        """Letters drawn larger and scaled down: small ones keep their shapes and spacing."""
+        font = self.font(FINER * size)
+        # accents alone take no room, and pygame draws no text without
+        large = font.render(text if font.size(text)[0] else " ", True, colour)
+        # an even ground of the text's colour, so that scaling mixes the opacity alone
+        even = pygame.Surface(large.get_size(), pygame.SRCALPHA, 32)
+        even.fill((*colour, 0))
+        even.blit(large, (0, 0), special_flags=pygame.BLEND_RGBA_MAX)
+        width, height = large.get_size()
+        return pygame.transform.smoothscale(
+            even, (max(1, round(width / FINER)), max(1, round(height / FINER))))
+
+    def _rimmed(self, text: str, size: int, face: pygame.Surface, rim: int) -> pygame.Surface:
+        ground = self._fine(text, size, BACKGROUND)
+        whole = pygame.Surface((face.get_width() + 2 * rim, face.get_height() + 2 * rim),
+                               pygame.SRCALPHA, 32)
+        for dx in range(-rim, rim + 1):
+            for dy in range(-rim, rim + 1):
+                if dx * dx + dy * dy <= rim * rim + 1:
+                    whole.blit(ground, (rim + dx, rim + dy))
+        whole.blit(face, (rim, rim))
+        return whole
+
+
+def ellipsis(type_: Typesetter, text: str, room: int, size: int) -> str:
+    """``text`` cut to ``room`` pixels, with three dots where something is missing."""
+    text = letters(text)
+    if type_.width(text, size) <= room:
+        return text
+    kept = bisect_right(range(1, len(text)), room,
+                        key=lambda length: type_.width(text[:length] + "...", size))
+    return text[:kept].rstrip() + "..." if kept else ""
+
+
+def letters(text: str) -> str:
+    """What is written of a text: what does not print spelled out, and :data:`MOST_LETTERS`."""
+    return printable(text[:MOST_LETTERS])[:MOST_LETTERS]
