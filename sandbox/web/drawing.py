@@ -36,8 +36,6 @@ DIGITS = 5
 """Digits of numbers in lists and heads."""
 OWN = ("force", "spring", "drive")
 """Tokens that the script uses by itself: what is pointed at, loads without colours, the hand."""
-LABELLED = ("arrows", "strips", "text")
-"""Kinds of items with labels."""
 SLIDES = 1e-12
 """Poses that change by less are constant."""
 
@@ -61,7 +59,7 @@ class SomeSamples(NamedTuple):
 def listed(
     run: RunData, beside: Sequence[RunData] = (), *, live: bool = False,
 ) -> tuple[Subject, list[float]]:
-    """The display list of a run with all layers, with sides of the labels that show at first.
+    """The display list of a run with all layers, with sides of the labels of those shown at first.
 
     Args:
         run: the recording.
@@ -85,16 +83,13 @@ def listed(
     s.out.items = [item for item in items if item["l"] in visible]
     box = whole_box(s.out, run, bodies, view)
     camera = place_camera(box, stage, centre=view.centre, width=view.width)
-    instant = Instant(s.out, camera, POINT, (-size[0], -size[1], 2 * size[0], 2 * size[1]))
-    type_ = Typesetter(TYPE, 0)
-
-    def half(words: str) -> tuple[float, float]:
-        return type_.width(words) / 2 + 1, 0.6 * TYPE
-
-    place_labels(instant, half, (0, 0, stage.width, stage.height), 1.0, speed=view.speed,
-                 width=WIDTH)
-    for item in s.out.items:
-        item["placed"] = 1
+    if not live:  # a live view chooses sides in the browser: it must begin quickly
+        instant = Instant(s.out, camera, POINT, (-size[0], -size[1], 2 * size[0], 2 * size[1]))
+        type_ = Typesetter(TYPE, 0)
+        place_labels(instant, lambda words: (type_.width(words) / 2 + 1, 0.6 * TYPE),
+                     (0, 0, stage.width, stage.height), 1.0, speed=view.speed, width=WIDTH)
+        for item in s.out.items:
+            item["placed"] = 1
     s.out.items = items
     names = [body.name for body in run.mechanism.bodies]
     for item in items:
@@ -115,9 +110,6 @@ class LiveListing:
         self._look, self._view = look, look.mechanism.view
         self._full, self.box = listed(look, live=True)
         self._visible = set(shown(self._view.show, traced=bool(self._view.traces)))
-        self._sides = {_label_key(item): {name: item[name] for name in ("side", "labels", "show")
-                                          if name in item}
-                       for item in self._full.out.items if item["k"] in LABELLED}
         self._refs: dict[int, str] = next(
             (item["refs"] for item in self._full.out.items if "refs" in item), {})
         self._carried: dict[tuple[int, ...], Tensions] = {}
@@ -152,12 +144,6 @@ class LiveListing:
         add_legend(s, s.carried)
         s.close()
         for item in out.items:
-            if item["k"] not in LABELLED:
-                continue
-            for name, value in self._sides.get(_label_key(item), {}).items():
-                # labels are shown with their arrows: when the look showed them does not matter
-                item[name] = 1 if name == "show" else value if name == "side" else {
-                    key: [side, 1] for key, (side, _) in value.items()}
             if item["k"] == "arrows" and item["l"] == "contacts":
                 item["refs"] = self._refs
         self._last, self._layers = s, layers
@@ -186,10 +172,6 @@ class LiveListing:
 
 def _counts(out: Listing) -> tuple[int, int, int]:
     return len(out.columns), len(out.tables), len(out._made)
-
-
-def _label_key(item: Item) -> tuple[Any, ...]:
-    return item["k"], item["l"], item.get("n", ""), item.get("t", ""), item.get("words", "")
 
 
 def drawing(
