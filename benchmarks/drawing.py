@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
-from sandbox.draw.film.pipeline import side_by_side
 
 from benchmarks.measure import Figure, interleaved, mechanism, seconds
 from sandbox.engine.simulate import simulate
+from sandbox.picture.film import side_by_side
 from sandbox.picture.frame import Picture
 from sandbox.picture.frames import Frames
 from sandbox.picture.gif import GifWriter, shared_palette

@@ -83,8 +83,8 @@ JOINT: list[Edit] = [
     ("sandbox/model/compile.py", "        case Rope():\n",
      "        case Strut():\n            return _JointFacts(reach=(joint.shortest, math.inf))\n"
      "        case Rope():\n"),
-    ("sandbox/draw/film/joints.py", '    "rod": JointDrawing(',
-     '    "strut": JointDrawing("ends", "rod"),\n    "rod": JointDrawing('),
+    ("sandbox/picture/elements/joints.py", '    "rod": JointLook(',
+     '    "strut": JointLook("ends", "rod"),\n    "rod": JointLook('),
 ]
 DRIVE: list[Edit] = [
     ("sandbox/kinds/elements.py", '    "motor": DriveKind(',
@@ -94,8 +94,8 @@ DRIVE: list[Edit] = [
     ("sandbox/model/compile.py", "    BrakeDrive,\n", "    BrakeDrive,\n    ClutchDrive,\n"),
     ("sandbox/model/compile.py", "case TorqueDrive() | BrakeDrive():",
      "case TorqueDrive() | BrakeDrive() | ClutchDrive():"),
-    ("sandbox/draw/film/drives.py", '    "radius": DriveDrawing(),',
-     '    "radius": DriveDrawing(),\n    "clutch": DriveDrawing(mark="brake"),'),
+    ("sandbox/picture/elements/drives.py", '    "radius": DriveLook(),',
+     '    "radius": DriveLook(),\n    "clutch": DriveLook(mark="brake"),'),
 ]
 CHECKS = ("tests/test_architecture.py", "tests/export/test_every_kind.py",
           "tests/scene/test_schema.py")

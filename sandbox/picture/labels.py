@@ -107,10 +107,11 @@ def _look(instant: Instant, some: Integers, stage: Sequence[float],
     seen: dict[tuple[int, int], _Seen] = {}
     width, height = (int(v) // CELL + 2 for v in stage[2:4])
     covered = np.zeros((len(some), height + 1, width + 1))
-    pairs = [(pool.start, pool.stop) for pool in instant.outlines]
+    first = np.concatenate([np.zeros(0, int), *(
+        np.arange(pool.start, pool.stop - 1) for pool in instant.outlines)]).astype(int)
     for row, sample in enumerate(some.tolist()):
         instant.go_to_sample(sample)
-        ink = [_along(instant.px[a:b]) for a, b in pairs]
+        starts, ends = [instant.px[first]], [instant.px[first + 1]]
         for label in instant.labels():
             name = (id(label.item), label.key)
             if name not in seen:
@@ -121,25 +122,24 @@ def _look(instant: Instant, some: Integers, stage: Sequence[float],
             one.words = max(one.words, label.words, key=len)
             one.size += float(np.hypot(*label.away))
             one.rows[row] = (label.point[0] * factor, label.point[1] * factor, *label.away)
-            tail = np.array(label.point) - label.away
-            ink.append(_along(np.array([tail, label.point])))
-        points = np.concatenate([np.zeros((0, 2)), *ink]) * factor / CELL
+            starts.append(np.array([label.point]) - label.away)
+            ends.append(np.array([label.point]))
+        points = _along(np.concatenate(starts), np.concatenate(ends)) * factor / CELL
         points = points[np.isfinite(points).all(axis=1)]
         x, y = np.clip(points, 0, (width - 1, height - 1)).astype(int).T
         covered[row, y + 1, x + 1] = 1
     return seen, covered.cumsum(axis=1).cumsum(axis=2)
 
 
-def _along(points: Array, step: float = 2 * CELL) -> Array:
-    """Points along a line, about ``step`` apart."""
-    if len(points) < 2:
-        return points
-    length = np.nan_to_num(np.hypot(*np.diff(points, axis=0).T), posinf=0.0)
+def _along(start: Array, end: Array, step: float = 2 * CELL) -> Array:
+    """Points along lines [k, 2], about ``step`` apart."""
+    way = end - start
+    length = np.nan_to_num(np.hypot(*way.T), posinf=0.0)
     count = np.clip(np.ceil(length / step), 1, 200).astype(int)
-    start = np.repeat(points[:-1], count, axis=0)
-    way = np.repeat(np.diff(points, axis=0), count, axis=0)
-    share = np.concatenate([np.arange(n) / n for n in count.tolist()])
-    return np.asarray(start + share[:, None] * way)
+    share = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    share = share / np.repeat(count, count)
+    return np.asarray(np.repeat(start, count, axis=0)
+                      + share[:, None] * np.repeat(way, count, axis=0))
 
 
 def _costs(label: _Seen, boxes: Array, placed: Array, covered: Array,

@@ -6,7 +6,11 @@ import pygame
 import pytest
 from PIL import Image
 
+import sandbox
+from sandbox.picture.frame import Picture
+from sandbox.picture.frames import Frames
 from sandbox.picture.palette import FORCE
+from sandbox.picture.paper import paint_picture, pixels
 from sandbox.picture.scales import number
 from sandbox.scene.mechanism import Mechanism
 from tests.draw.painted import frames_of
@@ -17,12 +21,18 @@ GOLDEN = Path(__file__).parent / "golden"
 SMALL = (320, 240)
 
 
-@pytest.mark.parametrize(("name", "t"), [("hand", 2.0), ("zoo", 0.3), ("finger", 2.0)])
-def test_golden_pictures(name, t, hand_run, zoo_run, finger_run):
+@pytest.mark.parametrize("painter", ["film", "paper"])
+@pytest.mark.parametrize(("name", "t"), [
+    ("hand", 2.0), ("zoo", 0.3), ("finger", 2.0), ("four_bar", 0.1), ("hydraulic_lift", 0.1),
+    ("capstan", 0.1)])
+def test_golden_pictures(name, t, painter, request):
     """Pictures stay as they were looked at; fonts may differ by their smoothing."""
-    run = {"hand": hand_run, "zoo": zoo_run, "finger": finger_run}[name]
-    picture = frames_of(run, size=SMALL).draw(t)
-    path = GOLDEN / f"{name}_{t:g}.png"
+    run = request.getfixturevalue(f"{name}_run") if t != 0.1 else sandbox.simulate(
+        sandbox.load_scene(name, overrides={"run.duration": 0.1}))
+    made = Picture(run, size=SMALL)
+    picture = Frames(made).draw(t) if painter == "film" else pixels(
+        made.size, made.type, lambda paper: paint_picture(made, paper, t))
+    path = GOLDEN / f"{name}_{painter}.png"
     if os.environ.get("SANDBOX_UPDATE_GOLDEN") == "1":
         GOLDEN.mkdir(exist_ok=True)
         Image.fromarray(np.ascontiguousarray(picture)).save(path)
