@@ -35,8 +35,8 @@ FLOORS = {
 }
 """The layer of each package: it imports from itself and from the layers below."""
 OWNERS = {"pymunk": "engine", "numba": "engine", "pygame": "picture",
-          "matplotlib": "figure picture", "imageio": "picture", "PIL": "picture", "click": "cli", "websockets": "web",
-          "gymnasium": "gym"}
+          "matplotlib": "figure picture", "imageio": "picture", "PIL": "picture", "click": "cli",
+          "websockets": "web", "gymnasium": "gym"}
 """The packages that may import a library."""
 SHOWING = ("_repr_html_", "plot", "picture", "film", "page")
 """Methods of scenes and recordings that import the layers which draw them."""

@@ -151,10 +151,11 @@ class Stage {
     this.pose = pose;
   }
   value(v) { return Array.isArray(v) ? this.values[v[0]] : v; }
+  choice(item, all) {                                     // of a list, the one that the item's state picks
+    return Array.isArray(all) ? all[clamp(Math.round(item.state === undefined ? 0 : this.value(item.state)), 0, all.length - 1)] : all;
+  }
   look(item) {                                            // fill, edge, width, dash [px], hatched
-    let s = item.s;
-    if (Array.isArray(s)) s = s[clamp(Math.round(this.value(item.state)), 0, s.length - 1)];
-    const [fill, edge, width, dash, hatched] = this.list.styles[s], by = item.by === undefined ? 0 : this.value(item.by);
+    const [fill, edge, width, dash, hatched] = this.list.styles[this.choice(item, item.s)], by = item.by === undefined ? 0 : this.value(item.by);
     const wide = (item.wide === undefined ? 1 : this.value(item.wide)) * this.u * this.thin, lit = item.n && this.hover && this.hover.n === item.n;
     return [this.ink(fill, by), lit ? this.ink("force") : this.ink(edge, by), width * wide, dash * this.u, hatched && !this.small];
   }
@@ -200,8 +201,8 @@ class Stage {
     });
     ctx.setTransform(c, -s, -s, -c, dpr * x, dpr * y);
     for (const [[fill, edge, width, dash], path, open] of this.stamps[key]) {
-      if (fill && !open) { ctx.fillStyle = this.ink(fill); ctx.fill(path); }
-      this.stroke(path, this.ink(edge), width * k, dash * k);
+      if (fill && !open) { ctx.fillStyle = this.ink(fill, 1); ctx.fill(path); }
+      this.stroke(path, this.ink(edge, 1), width * k, dash * k);
     }
     this.plain();
   }
@@ -381,8 +382,8 @@ const PAINT = {
     return path;
   },
   mark(s, item) {
-    const at = s.at(item.at), many = Array.isArray(item.g);
-    s.glyph(many ? item.g[clamp(Math.round(s.value(item.state)), 0, item.g.length - 1)] : item.g, at, item.turn === undefined ? 0 : s.value(item.turn));
+    const at = s.at(item.at);
+    s.glyph(s.choice(item, item.g), at, item.turn === undefined ? 0 : s.value(item.turn));
     return polyline([at, [at[0] + 0.1, at[1]]]);
   },
   span(s, item) {                                         // a pattern between two points
