@@ -231,14 +231,15 @@ class Stage {
   }
   grid() {                                                // lines of equal x and equal y
     const step = roundLength(175 * this.u / this.scale), [x0, y0] = this.world(0, this.h - this.foot), [x1, y1] = this.world(this.w, 0);
-    const put = (value, path, point) => {
-      this.stroke(polyline(path), this.ink("hairline"), (value ? 0.9 : 1.8) * this.u);
-      this.words.push({ text: lengthText(Math.abs(value)).replace(/^/, value < 0 ? "\u2212" : ""), tip: point, side: 2, rank: 6, ink: this.ink("faint_ink"), clear: 0 });
+    const [factor, unitName] = step >= 0.1 ? [1, "m"] : [1e3, "mm"], count = (low, high) => [Math.ceil(low / step), Math.floor(high / step)];
+    const put = (n, path, tip) => {
+      this.stroke(polyline(path), this.ink("hairline"), (n ? 0.9 : 1.8) * this.u);
+      this.words.push({ text: `${+(n * step * factor).toPrecision(6)} ${unitName}`, tip, side: 2, rank: 6, ink: this.ink("faint_ink"), clear: 0 });
     };
-    for (let x = Math.ceil(x0 / step) * step; x < x1 && step > 0; x += step) put(x, [this.px(x, y0), this.px(x, y1)], [this.px(x, 0)[0], this.h - this.foot]);
-    for (let y = Math.ceil(y0 / step) * step; y < y1 && step > 0; y += step) put(y, [this.px(x0, y), this.px(x1, y)], [this.text * 2.4, this.px(0, y)[1]]);
+    const [[a, b], [c, d]] = [count(x0, x1), count(y0, y1)];
+    for (let n = a; n <= Math.min(b, a + 200); n++) put(n, [this.px(n * step, y0), this.px(n * step, y1)], [this.px(n * step, 0)[0], this.h - this.foot]);
+    for (let n = c; n <= Math.min(d, c + 200); n++) put(n, [this.px(x0, n * step), this.px(x1, n * step)], [this.text * 2.4, this.px(0, n * step)[1]]);
   }
-
   widthOf(text) {                                         // of a text in the present font, measured once
     const key = `${this.ctx.font}|${text}`, known = this.widths.get(key);
     if (known !== undefined) return known;
@@ -454,7 +455,7 @@ const PAINT = {
       s.stroke(path, edge, width);
       const high = apart(corners[2], corners[1]) > apart(corners[3], corners[0]);
       const [tip, foot] = high ? [corners[2], corners[1]] : [corners[3], corners[0]];
-      if (row[10] >= item.least) s.say(item, row[1], s.valueText(item, row[10]), tip, [tip[0] - foot[0], tip[1] - foot[1]], fill, row[10]);
+      if (row[10] >= item.least) s.say(item, row[1], s.valueText(item, row[10]), tip, [tip[0] - foot[0], tip[1] - foot[1]], edge || fill, row[10]);
     }
     return null;
   },
