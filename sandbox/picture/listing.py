@@ -69,20 +69,27 @@ Kinds and their fields:
             are cut and marked. ``size`` ``[shaft, head]`` in points, ``least``: the shortest that
             is painted, in points. ``unit``, ``decimals``, ``factor``: how values are written;
             the value is the size, or the seventh column. ``names``: words before values by key.
+            ``told``: vectors below half of this have no number. ``rank`` as of texts.
             ``labels`` ``{key: [side, column]}``: where the number stands and whether it is shown.
 ``strips``  ``t`` name of a table with columns sample, key, x0, y0, ... x3, y3, value: areas
-            of four corners [m]. Values and labels as of arrows, at the fourth point (or the third).
-``trail``   ``at`` point: the way that it has gone up to now. ``every`` [s]: time between marks.
+            of four corners [m]. Values and labels as of arrows, at the fourth point (or the third);
+            those below ``least`` have none.
+``trail``   ``at`` point: the way that it has gone up to now. ``every`` [s]: time between marks,
+            ``mark``: their radius in points.
 ``text``    ``at`` point, ``words``; with ``value`` (column), ``unit``, ``decimals`` and ``factor``
             a number follows the words. The style's edge is its colour. ``side`` and ``show``
-            (column): as of labels. ``rank``: those with a lower one are placed first.
+            (column): as of labels. ``rank``: those with a lower one are placed first. ``clear``:
+            points that are kept free around ``at``. ``edge`` 0 or 1: a number of the grid, at the
+            bottom or left edge of the picture.
 
 Sides of labels are numbers of :data:`SIDES`. ``legend`` is a list of rows, most important first:
 
 ``scale``   ``metres`` that 1 ``unit`` takes, ``unit``, ``words``, ``s`` style and ``size`` of the
             arrow; without ``size`` it is a bar for lengths (``metres`` is 1).
 ``ramp``    ``ramp`` name, ``low`` -1 or 0, ``before`` and ``after`` words.
-``glyph``   ``g`` glyph, ``width`` in points, ``words``; ``l`` layer.
+``glyph``   ``g`` glyph, ``width`` in points, ``words``; ``centred`` where its middle is its origin.
+
+All rows have ``l``, the layer that they belong to.
 """
 
 from __future__ import annotations
