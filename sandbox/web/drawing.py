@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -59,12 +58,12 @@ class SomeSamples(NamedTuple):
 def listed(
     run: RunData, beside: Sequence[RunData] = (), *, live: bool = False,
 ) -> tuple[Subject, list[float]]:
-    """The display list of a run with all layers, with sides of the labels of those shown at first.
+    """The display list of a run with its layers, and sides of the labels of those shown at first.
 
     Args:
         run: the recording.
         beside: runs that share its scales.
-        live: whether lists of other samples of the run follow.
+        live: for a live view: list the layers shown at first only, since other lists follow.
 
     Returns:
         The list, and what the picture holds: x0, y0, x1, y1 [m].
@@ -76,8 +75,8 @@ def listed(
     size = (WIDTH, round(WIDTH * height / width))
     stage = Stage(0, 0, size[0], max(8, round(size[1] - LEGEND * TYPE)))
     guess = place_camera(bodies, stage, centre=view.centre, width=view.width)
-    s = subject_of(run, all_layers(view), width=across, point=POINT / guess.scale, beside=beside,
-                   fixed_columns=live)
+    s = subject_of(run, view if live else all_layers(view), width=across,
+                   point=POINT / guess.scale, beside=beside, fixed_columns=live)
     visible = shown(view.show, traced=bool(view.traces))
     items = s.out.items
     s.out.items = [item for item in items if item["l"] in visible]
@@ -140,7 +139,7 @@ class LiveListing:
             add(s)
             if _counts(out) != before:
                 self._changing.append(add)
-                self._raw += copy.deepcopy(out.items[count:])
+                self._raw += [dict(item) for item in out.items[count:]]
         add_legend(s, s.carried)
         s.close()
         for item in out.items:
