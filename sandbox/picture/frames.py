@@ -15,9 +15,6 @@ from sandbox.picture.pixels import Pixels
 
 MOST_PIXELS = 60_000_000
 """Of the enlarged picture; very large pictures are enlarged less."""
-REACH = 20.0
-"""How far beyond its points an item may be painted [points]."""
-SIGNS = np.array([-1.0, -1.0, 1.0, 1.0])
 
 
 def tension_colours(picture: Picture) -> tuple[Colour, ...]:
@@ -114,8 +111,7 @@ class Frames:
         if self.picture.view.follow:
             stage = self._stage
             return np.array([(stage.left, stage.top, stage.right, stage.bottom)], dtype=float)
-        boxes = self.instant.boxes() + REACH * self.instant.point * SIGNS
-        return np.asarray(boxes / self.painter.enlarge)
+        return np.asarray(self.instant.boxes() / self.painter.enlarge)
 
     def _write_stamp(self, t: float) -> None:
         painter = self.painter

@@ -20,6 +20,8 @@ from sandbox.picture.palette import Colour
 from sandbox.picture.scales import written
 
 Plan = Callable[[Painter], None]
+REACH = {"mark": 20.0, "span": 13.0, "taut": 6.0}
+"""How far beside their points items of a kind reach, 7 points for others."""
 ROUND = 0.15
 """Angle between corners of arcs, at most [rad]."""
 PITCH = 7.0
@@ -70,7 +72,9 @@ class Instant(Moment):
         stays = not self.plans and self._stays(item)
         (self.still_plans if stays else self.plans).append(plan)
         if not stays and self._count > first:
-            self._extents.append((first, self._count))
+            reach = max([*item.get("r", ()), 0]) + 14 if item["k"] == "spiral" else (
+                REACH.get(item["k"], 7.0))
+            self._extents.append((first, self._count, reach))
 
     def _where(self, shown: Any, plan: Plan) -> Plan:
         def paint(painter: Painter) -> None:

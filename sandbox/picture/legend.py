@@ -46,6 +46,7 @@ ROWS: Mapping[str, Row] = {
     "stop": Row("joints", 16, "stop"),
 }
 """By name, most important first. What a picture shows by itself has no row."""
+SHOWN_ON = "on the object"
 SEEN = 2.5
 """Arrows that are shorter everywhere have no scale [points]."""
 CENTRED = {"braked", "unbraked", "motor", "servo", "rubs", "slides", "torque", "holds", "gone",
@@ -88,7 +89,9 @@ def _arrow_scales(s: Subject) -> None:
     """A row for each kind of arrow that has a scale."""
     found: list[tuple[str, str, str, list[float], str, ForceScale]] = []
     if "contacts" in s.layers and _largest(s, "contacts") * s.force.metres >= SEEN * s.point:
-        found.append(("force", "N", "contact force", [2.4, 10], "contacts", s.force))
+        on = f" {s.contacts_on}" if s.contacts_on.startswith(SHOWN_ON) and (
+            "else" not in s.contacts_on) else ""
+        found.append(("force", "N", f"contact force{on}", [2.4, 10], "contacts", s.force))
     scaled = "scaled" in s.signs and s.force.metres > 0
     if scaled:
         found.append(("drive", "N", "driving force", [3.4, 11], "drives", s.force))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -13,7 +13,9 @@ from sandbox.picture.listing import Item, Listing
 from sandbox.picture.painter import XY
 from sandbox.picture.palette import Colour
 
-FINE = 1e4
+TOUCHED = 10.0
+"""How far beside their ends arrows reach [points]."""
+FINE = 1e3
 """Steps of a number, from 0 to its largest, that look different."""
 
 
@@ -48,7 +50,9 @@ class Moment:
         self._ramps = {name: [[_rgb(c) for c in side] for side in sides]
                        for name, sides in out.ramps.items()}
         self._moves = np.ptp(np.nan_to_num(out.pose), axis=0).any(axis=1)
-        self._extents: list[tuple[int, int]] = []
+        self._extents: list[tuple[int, int, float]] = []
+        """Where the points of each moving item begin and end, and how far beside them it reaches
+        [points]."""
         self.wild = False
         """Whether some point is far outside of the picture, or not finite."""
         self.touched: list[tuple[float, float, float, float]] = []
@@ -64,8 +68,8 @@ class Moment:
         self._local = np.concatenate([np.zeros((0, 2)), *self._points])
         offsets = np.concatenate([np.zeros((0, 2)), *self._offsets])
         self._offset = offsets if offsets.any() else None
-        self._starts = np.array([a for a, _ in self._extents], dtype=np.intp)
-        self._ends = np.array([b for _, b in self._extents], dtype=np.intp)
+        self._starts = np.array([a for a, _, _ in self._extents], dtype=np.intp)
+        self._reach = np.array([reach for _, _, reach in self._extents])
 
     def _pool(self, frame: int, points: Any, offset: XY = (0.0, 0.0)) -> slice:
         points = np.asarray(points, dtype=float).reshape(-1, 2)
@@ -117,14 +121,14 @@ class Moment:
         self.px[:, 1] = py - self.scale * (p[:, 1] + s * x + c * y - cy)
         if self._offset is not None:
             self.px += self._offset * (self.point, -self.point)
-        self.points: list[XY] = [(x, y) for x, y in self.px.tolist()]
+        self.points: list[XY] = cast("list[XY]", self.px.tolist())
         left, top, right, bottom = self.edges
         self.wild = bool(len(self.px)) and not (
             self.px.min() >= min(left, top) and self.px[:, 0].max() <= right
             and self.px[:, 1].max() <= bottom)
 
     def key(self) -> bytes:
-        """Equal for times that look the same: of each number the ten-thousandth of its largest."""
+        """Equal for times that look the same: to 1/1000 of the largest value of each number."""
         parts = [np.clip(np.nan_to_num(np.rint(self.px), nan=-9e8), -1e9, 1e9).astype(
             np.int32).tobytes(), np.round(np.array(self.values) / self._sizes * FINE).tobytes()]
         for name, largest in self._largest.items():
@@ -138,13 +142,15 @@ class Moment:
     def boxes(self) -> Array:
         """Left, top, right and bottom of each moving item with points, [k, 4] pixels."""
         if not len(self._starts):
-            return np.array(self.touched).reshape(-1, 4)
+            own = np.array(self.touched).reshape(-1, 4)
+            return np.asarray(own + TOUCHED * self.point * np.array((-1.0, -1.0, 1.0, 1.0)))
         px = np.nan_to_num(self.px, nan=-1e6, posinf=1e6, neginf=-1e6)
         ends = np.append(self._starts, 0)
         low = np.minimum.reduceat(px, ends[:-1], axis=0)
         high = np.maximum.reduceat(px, ends[:-1], axis=0)
-        own = np.hstack((low, high))
-        return np.concatenate([own, np.array(self.touched).reshape(-1, 4)])
+        reach = self.point * np.concatenate([self._reach, np.full(len(self.touched), TOUCHED)])
+        boxes = np.concatenate([np.hstack((low, high)), np.array(self.touched).reshape(-1, 4)])
+        return np.asarray(boxes + reach[:, None] * (-1.0, -1.0, 1.0, 1.0))
 
     def touch(self, *points: Any) -> None:
         """Note the box of some points [pixels] that belong to no frame."""

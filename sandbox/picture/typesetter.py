@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from functools import lru_cache
 
 import pygame
 
@@ -101,6 +102,7 @@ def ellipsis(type_: Typesetter, text: str, room: int, size: int) -> str:
     return text[:kept].rstrip() + "..." if kept else ""
 
 
+@lru_cache(4000)
 def letters(text: str) -> str:
     """What is written of a text: what does not print spelled out, and :data:`MOST_LETTERS`."""
     return printable(text[:MOST_LETTERS])[:MOST_LETTERS]

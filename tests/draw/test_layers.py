@@ -103,7 +103,7 @@ def test_the_legend_says_whose_forces_and_whether_any_is_cut():
         return [item.after for row in Picture(run, size=(1200, 800)).legend for item in row]
 
     found = words(RUN)
-    assert any(word.endswith(" N contact force") for word in found)
+    assert any(word.endswith(" N contact force on the object") for word in found)
     assert "cut short" not in found
     blow = machine()
     blow.arrays["contact_force"] = blow.arrays["contact_force"].copy()
