@@ -10,7 +10,7 @@ from statistics import median
 from benchmarks.measure import Figure, interleaved, mechanism, seconds
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from sandbox.show.page import report
+from sandbox.web.page import report
 
 RESTLESS = "=pull * (0.55 + 0.45 * sin(2 * pi * 2.3 * t))"
 """A pull that never lets the hand rest."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from benchmarks.measure import Figure
 from sandbox.scene.read.load import read_scene
-from sandbox.show.session import FRAME, Found, Session
+from sandbox.web.session import FRAME, Found, Session
 
 SCENE = "adaptive_grasp"
 

@@ -23,10 +23,10 @@ import numpy as np
 
 from benchmarks.measure import Figure, mechanism
 from sandbox.convergence.runs import at_instants
-from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
 from sandbox.export import export_mechanism
+from sandbox.figure.panels import Axis, Curve, Panel, save_panels
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
@@ -246,5 +246,6 @@ def draw(directory: Path, *, quick: bool = False) -> list[Path]:
         ends = np.array([min(c.x.min() for c in shown), max(c.x.max() for c in shown)])
         shown.append(Curve("asked for", ends, np.full(2, WANTED[i]), "dashed"))
         paths.append(directory / f"{PICTURE}_{name}.png")
-        save_panels(paths[-1], [Panel(title, "CPU time of the run [ms]", y, shown, scale="log")])
+        save_panels(paths[-1], [Panel(title, Axis("CPU time of the run [ms]", log=True),
+                                      Axis(y, log=True), shown)])
     return paths

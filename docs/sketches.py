@@ -18,7 +18,7 @@ import numpy as np
 
 import sandbox
 from sandbox.cli.entry import invoke
-from sandbox.draw.figure.style import (
+from sandbox.figure.style import (
     BAND,
     BLUE,
     GREY,

@@ -29,15 +29,15 @@ FLOORS = {
     "samples": 5,
     "audit": 6,
     "recording": 7,
-    "draw": 8, "engine": 8, "export": 8,
+    "figure": 8, "engine": 8, "export": 8,
     "picture": 9, "convergence": 9, "equilibria": 9, "sweeps": 9,
-    "show": 10, "notebook": 10, "gym": 10, "search": 10,
+    "web": 10, "notebook": 10, "gym": 10, "search": 10,
     "cli": 12,
 }
 """The layer of each package: it imports from itself and from the layers below."""
-OWNERS = {"pymunk": "engine", "numba": "engine", "pygame": "picture", "matplotlib": "draw picture",
-          "imageio": "picture", "PIL": "picture", "click": "cli", "websockets": "show",
-          "gymnasium": "gym"}
+OWNERS = {"pymunk": "engine", "numba": "engine", "pygame": "picture",
+          "matplotlib": "figure picture", "imageio": "picture", "PIL": "picture", "click": "cli",
+          "websockets": "web", "gymnasium": "gym"}
 """The packages that may import a library."""
 SHOWING = ("_repr_html_", "plot", "picture", "film", "page")
 """Methods of scenes and recordings that import the layers which draw them."""

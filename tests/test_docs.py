@@ -49,7 +49,7 @@ RUN_ELSEWHERE = {
     ".venv/bin/pytest -n 2 tests/scene": ".ci/run",
     ".venv/bin/pytest -n 2": ".ci/run",
     ".venv/bin/pytest -n 2 -m nightly": "every night",
-    ".venv/bin/pytest -q tests/test_architecture.py tests/show/test_parts.py tests/export "
+    ".venv/bin/pytest -q tests/test_architecture.py tests/web/test_packing.py tests/export "
     "tests/scene/test_schema.py": ".ci/run",
     ".ci/release 0.2.0": "by hand",
     ".venv/bin/ruff check . && .venv/bin/mypy": "developers",

@@ -19,7 +19,7 @@ from sandbox.cli.options import json_option, quiet_option, read_length, read_pai
 from sandbox.cli.runs import file_option, matching, open_run, run_with
 
 if TYPE_CHECKING:
-    from sandbox.draw.figure.signals import Plotted
+    from sandbox.figure.signals import Plotted
     from sandbox.recording.recording import Recording
     from sandbox.samples.response import Effort, Response
 
@@ -90,7 +90,7 @@ def plot(
     compares runs, by default in the quantities that controllers lead to targets,
     and prints overshoot, settling time, errors and effort. Nothing is simulated.
     """
-    from sandbox.draw.figure.signals import Plotted, Window
+    from sandbox.figure.signals import Plotted, Window
     from sandbox.samples.targets import targets as targets_of
 
     console = Console(as_json=as_json, quiet=quiet)
@@ -185,7 +185,7 @@ def _idle(
     """Quantities found by a pattern that are 0 in all runs; never all of the names."""
     import numpy as np
 
-    from sandbox.show.packing import NOTHING
+    from sandbox.web.packing import NOTHING
 
     having = {name: [run for run in recordings if name in run] for name in names}
     sizes = {name: max(float(np.nanmax(np.abs(run[name]), initial=0.0)) for run in runs)
@@ -225,7 +225,7 @@ def _compared(
 
 def answer_table(answers: Sequence[Answer]) -> list[str]:
     """A row for each run and quantity; angles in degrees."""
-    from sandbox.draw.figure.style import number, shown_as
+    from sandbox.figure.style import number, shown_as
 
     rows = []
     for a in answers:
@@ -240,7 +240,7 @@ def answer_table(answers: Sequence[Answer]) -> list[str]:
 
 def cost_table(costs: Sequence[Cost]) -> list[str]:
     """A row for each run and controlled drive."""
-    from sandbox.draw.figure.style import number
+    from sandbox.figure.style import number
 
     rows = [[c.drive, c.run, c.unit, number(c.effort.variation), number(c.effort.peak),
              f"{c.effort.rate:.4g}"] for c in costs]
@@ -254,8 +254,8 @@ def _write(
 ) -> None:
     """Write the figures and tables."""
     from sandbox.atomic_files import write_atomic
-    from sandbox.draw.figure.signals import draw
-    from sandbox.draw.figure.style import save_figure
+    from sandbox.figure.signals import draw
+    from sandbox.figure.style import save_figure
     from sandbox.recording.new_run import made
 
     drawing = draw(plotted, names, **how) \

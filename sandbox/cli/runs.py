@@ -301,7 +301,7 @@ def report_runs(
     renders/. The page works offline in any browser. Nothing is simulated.
     """
     from sandbox.recording.store import saved_audit, saved_parameters
-    from sandbox.show.page import MOST_RUNS
+    from sandbox.web.page import MOST_RUNS
 
     console = Console(as_json=as_json, quiet=quiet)
     if len(runs) > MOST_RUNS:
@@ -366,8 +366,8 @@ def write_page(
     """
     from sandbox.atomic_files import write_atomic
     from sandbox.recording.new_run import made
-    from sandbox.show.header import FoundOut
-    from sandbox.show.page import report as page_of_runs
+    from sandbox.web.page import report as page_of_runs
+    from sandbox.web.words import FoundOut
 
     found = judged or [() for _ in recordings]
     told = [FoundOut(verdicts=v, figures=f, source=source, parameters=p)

@@ -20,7 +20,7 @@ from sandbox.cli.scenes import load, scene_argument, scene_path
 
 if TYPE_CHECKING:
     from sandbox.scene.read.limits import Limits
-    from sandbox.show.server import Server
+    from sandbox.web.server import Server
 
 
 @click.command()
@@ -41,8 +41,8 @@ def view(
     """
     import asyncio
 
-    from sandbox.show.server import Server, needed
-    from sandbox.show.session import Found, Session
+    from sandbox.web.server import Server, needed
+    from sandbox.web.session import Found, Session
 
     needed()
     console, path = Console(), scene_path(scene)

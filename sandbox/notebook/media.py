@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from sandbox.atomic_files import atomic_file, output_path
-from sandbox.draw.figure import signals
 from sandbox.errors import OutputError
+from sandbox.figure import signals
 from sandbox.picture.film import render
 from sandbox.picture.stills import instants, save_picture
 from sandbox.recording.recording import Recording

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pygame
 
-from sandbox.draw.figure.style import COLOURS, Shown, shown_as
+from sandbox.figure.style import COLOURS, Shown, shown_as
 from sandbox.model.meters import curves, is_expression
 from sandbox.numeric import Array
 from sandbox.picture.camera import round_up

@@ -127,7 +127,7 @@ class Recording(Samples):
         return film(self, options)
 
     def page(self, *quantities: str, height: int = 760) -> Any:
-        """A :class:`~sandbox.show.inline.RunPage` that plays the run, as ``sandbox report`` does.
+        """A :class:`~sandbox.web.page.RunPage` that plays the run, as ``sandbox report`` does.
 
         A notebook shows it in a frame; ``save`` writes it to a file.
 
@@ -140,7 +140,7 @@ class Recording(Samples):
             OutputError: nothing was recorded, or what is no height.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
-        from sandbox.show.inline import page
+        from sandbox.web.page import page
 
         return page(self, quantities, height)
 

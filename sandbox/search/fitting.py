@@ -18,9 +18,9 @@ from pathlib import Path
 import numpy as np
 
 from sandbox.atomic_files import write_atomic
-from sandbox.draw.figure import style
-from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.errors import SandboxError
+from sandbox.figure import style
+from sandbox.figure.panels import Axis, Curve, Panel, save_panels
 from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array, Integers
 from sandbox.search.question import Question
@@ -484,7 +484,7 @@ def _write_comparison(
         time, data, fitted = rows.T
         how = style.shown_as(units[name], data, fitted)
         panels.append(Panel(
-            name, "time [s]", f"{name} [{how.unit}]" if how.unit else name,
+            name, Axis("time [s]"), Axis(how.label(name)),
             [Curve("measured", time, how.factor * data, "points"),
              Curve("fitted", time, how.factor * fitted)]))
     save_panels(directory / FOUND, panels)

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.draw.figure.searches import InfluenceBars, draw_influences
-from sandbox.draw.figure.style import shown_as
 from sandbox.errors import SandboxError
+from sandbox.figure.searches import InfluenceBars, draw_influences
+from sandbox.figure.style import shown_as
 from sandbox.numeric import Array
 from sandbox.search.question import TAILS, Question
 from sandbox.search.session import (

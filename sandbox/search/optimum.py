@@ -16,9 +16,9 @@ from typing import Any, get_args
 
 import numpy as np
 
-from sandbox.draw.figure.searches import draw_front
-from sandbox.draw.figure.sweeps import SweepColumn
 from sandbox.errors import SandboxError
+from sandbox.figure.searches import draw_front
+from sandbox.figure.sweeps import SweepColumn
 from sandbox.numeric import Array
 from sandbox.search.question import Question
 from sandbox.search.session import (

@@ -17,8 +17,8 @@ import numpy as np
 
 from sandbox import __version__
 from sandbox.atomic_files import write_atomic
-from sandbox.draw.figure.sweeps import FoundLine
 from sandbox.errors import SandboxError, SceneError
+from sandbox.figure.sweeps import FoundLine
 from sandbox.numeric import Array
 from sandbox.scene.read.limits import over
 from sandbox.search.question import Point, Question

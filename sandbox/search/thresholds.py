@@ -6,8 +6,8 @@ import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from sandbox.draw.figure.sweeps import FoundLine
 from sandbox.errors import SandboxError
+from sandbox.figure.sweeps import FoundLine
 from sandbox.search.question import Question
 from sandbox.search.session import (
     Condition,

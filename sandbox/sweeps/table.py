@@ -18,9 +18,9 @@ import numpy as np
 
 from sandbox import __version__
 from sandbox.atomic_files import atomic_file, write_atomic
-from sandbox.draw.figure import style
-from sandbox.draw.figure.sweeps import FoundLine, SweepColumn, SweepDrawing, draw_sweep
 from sandbox.errors import SandboxError
+from sandbox.figure import style
+from sandbox.figure.sweeps import FoundLine, SweepColumn, SweepDrawing, draw_sweep
 from sandbox.numeric import Array, Flags
 from sandbox.scene.settings import Looked
 from sandbox.sweeps.job import DONE, SweepRow

@@ -7,7 +7,7 @@ import pytest
 
 import sandbox
 from tests.browser.conftest import PHONE, body_at, until
-from tests.show.test_page import EVIL
+from tests.web.test_page import EVIL
 
 pytest.importorskip("websockets", reason="the extra 'view' is not installed")
 nightly = pytest.mark.nightly
@@ -48,7 +48,7 @@ DRAG = """async () => {
 def pose(tab, body):
     return np.array(tab.evaluate(
         "(name) => { const i = sandbox.head.bodies.findIndex((b) => b.name === name);"
-        " return [...sandbox.pose.slice(3 * i, 3 * i + 3)]; }", body))
+        " return [...sandbox.frame.pose.slice(3 * i, 3 * i + 3)]; }", body))
 
 
 def pull(tab, at, right, up):
@@ -86,7 +86,8 @@ def test_it_runs_is_pulled_ends_steps_back_and_resets(served):
     assert there == pytest.approx(2.0, abs=1e-3)
     set_typed(tab, "parameters.pull", "22 N")
     tab.click("#step")
-    until(tab, f"sandbox.frame.t > {there} && sandbox.frame.tension[0] > 5.4")  # a quarter each
+    # a quarter of the pull each
+    until(tab, f"sandbox.frame.t > {there} && sandbox.meters.rows[0].at(-1) > 5.4")
     assert tab.evaluate("sandbox.frame.t") - there == pytest.approx(1 / 60, abs=1e-3)
     tab.click("#back")
     until(tab, f"Math.abs(sandbox.frame.t - {there}) < 1e-6")
@@ -143,7 +144,7 @@ def test_what_was_played_is_saved_and_runs_again(served, tmp_path):
     until(tab, "sandbox.frame.hand >= 0 && sandbox.frame.force_x > 0.01")
     tab.mouse.up()
     tab.locator("[data-control='actuator']").fill("9")
-    until(tab, "Math.abs(sandbox.frame.drive[0] - 9) < 1e-3 && !sandbox.playing")
+    until(tab, "Math.abs(sandbox.frame.drives[0] - 9) < 1e-3 && !sandbox.playing")
     with tab.expect_download() as got:
         tab.click("#save-scene")
     file = tmp_path / "mine.json"
@@ -191,7 +192,7 @@ def test_meters_are_found_and_drives_typed_in_a_unit_of_their_own(crank):
     crank.keyboard.press("Enter")
     until(crank, "sandbox.meters.watched.some((one) => one.name === 'motor.value')")
     set_typed(crank, "motor", "60 rpm")
-    until(crank, "Math.abs(sandbox.frame.drive[0] - 2 * Math.PI) < 1e-5")
+    until(crank, "Math.abs(sandbox.frame.drives[0] - 2 * Math.PI) < 1e-5")
     set_typed(crank, "motor", "60 N")
     until(crank, f"{SAID}.includes('this is an angular speed')")
 

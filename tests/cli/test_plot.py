@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from sandbox.cli.plot import PICTURES
-from sandbox.draw.figure.style import SUFFIXES
+from sandbox.figure.style import SUFFIXES
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status
 from tests.samples.controlled import recording

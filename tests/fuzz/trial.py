@@ -18,10 +18,10 @@ from pathlib import Path
 
 import sandbox
 from sandbox.audit.audit import audit
-from sandbox.draw.figure import signals
-from sandbox.draw.figure.style import save_figure
 from sandbox.engine.inspect import look_over
 from sandbox.engine.inspect_control import Checked
+from sandbox.figure import signals
+from sandbox.figure.style import save_figure
 from sandbox.samples.expectations import verdicts
 from sandbox.samples.targets import responses, targets
 from sandbox.scene.library import shipped_scenes

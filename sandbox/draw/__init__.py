@@ -1,1 +1,0 @@
-"""Plots of a recording with matplotlib."""

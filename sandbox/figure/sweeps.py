@@ -1,0 +1,323 @@
+"""Figures of sweeps.
+
+One varied path: curves over it, or, of random samples, points with a distribution beside them.
+A grid of two paths: a curve for each value of a path with few values, otherwise a map of each
+quantity that differs between runs. Anything else: each quantity over each path. Ticks or crosses
+mark unfinished runs, rings mark runs with a warning of the audit, orange points mark runs that
+fail a condition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sandbox.figure import style
+from sandbox.figure.panels import Axis, Band, Curve, Custom, Mark, Panel, Upright, save_panels
+from sandbox.numeric import Array, Flags
+
+MAX_QUANTITIES = 12
+"""Quantities of one figure; a note says how many more there are."""
+PANEL, MAP, CELL, MAX_COLUMNS = 34.0, 46.0, 24.0, 6
+"""Height of a panel, of a map, of a panel of a matrix [mm]; columns of a matrix."""
+MANY = 60
+"""With more points than this, points are small."""
+MAX_LINES = 3
+"""Values of one of two paths that are drawn as curves; with more there is a map."""
+MAX_TICKS, ROOM, DIGITS = 8, 0.06, 4
+"""Values of a path that are all written at its axis if they are this far apart, as a share of the
+range, and have no more digits than this."""
+ROUNDING = 1e-9
+"""Values whose relative spread is smaller are equal."""
+CROWD = 3000
+"""With more points than this, their density is drawn."""
+
+
+@dataclass(frozen=True)
+class SweepColumn:
+    """A column of a sweep's table."""
+
+    name: str
+    unit: str
+    """SI; empty for none."""
+    values: Array
+    """Shape [n]; NaN for missing values. Of texts, their indices."""
+    texts: tuple[str, ...] = ()
+    """Texts by index; empty for numbers."""
+    log: bool = False
+    """Whether values are spaced logarithmically."""
+
+    def shown(self) -> tuple[Array, str]:
+        """Values as plotted, and their unit."""
+        if self.texts:
+            return self.values, ""
+        how = style.shown_as(self.unit, self.values)
+        return self.values * how.factor, how.unit
+
+    def axis(self, max_ticks: int = MAX_TICKS, suffix: str = "") -> tuple[Array, Axis]:
+        """Values as plotted, and their axis: with a tick at each value if there are few."""
+        values, unit = self.shown()
+        label = (f"{self.name} [{unit}]" if unit else self.name) + suffix
+        if self.texts:
+            return values, Axis(label, words=self.texts)
+        places = np.unique(values[np.isfinite(values)])
+        if 0 < len(places) <= max_ticks and (self.log or _distinct(places)):
+            return values, Axis(label, self.log, places.tolist(),
+                                [style.number(place, DIGITS) for place in places])
+        return values, Axis(label, self.log)
+
+
+@dataclass(frozen=True)
+class FoundLine:
+    """The result of a search along a path, SI."""
+
+    path: str
+    low: float
+    """Of the bracket or of the 95 % interval, which is shaded."""
+    at: float
+    """Position of the line."""
+    high: float
+    words: str
+    """Meaning of the line and the shade."""
+
+
+@dataclass(frozen=True)
+class SweepDrawing:
+    """Content of the figure of a sweep."""
+
+    varied: Sequence[SweepColumn]
+    kept: Sequence[SweepColumn]
+    failed: Flags
+    """Unfinished runs, [n]."""
+    doubtful: Flags
+    """Runs with a warning of the audit, [n]."""
+    grid: bool
+    """Whether every value of each path is combined with every value of the others."""
+    title: str = ""
+    held: Array | None = None
+    """1 for runs that meet the condition, 0 for those that do not, NaN for others, [n]."""
+    condition: str = ""
+    meanings: Mapping[str, str] = field(default_factory=dict)
+    """Definitions of quantities by name: ``{"ratio": "tip / pull"}``."""
+    found: FoundLine | None = None
+
+    @property
+    def scattered(self) -> bool:
+        """Whether runs are points, neither curves nor a map."""
+        return not (self.grid and len(self.varied) <= 2)
+
+
+def draw_sweep(path: Path, drawing: SweepDrawing) -> None:
+    """Draw a sweep into a file.
+
+    Raises:
+        OutputError: the file cannot be written.
+        ValueError: nothing was varied or kept, or another suffix than ``.png .svg .pdf``.
+    """
+    if not drawing.varied or not drawing.kept:
+        raise ValueError("a figure needs varied paths and kept quantities")
+    kept = drawing.kept[:MAX_QUANTITIES]
+    widths = None
+    if len(drawing.varied) == 1:
+        panels = [_over_one(drawing, column) for column in kept]
+        widths = None if drawing.grid else (3.0, 1.0)
+    elif len(drawing.varied) == 2 and drawing.grid:
+        constant = {column.name for column in _constant(drawing)}
+        few = _few(drawing.varied)
+        panels = [[_lines(drawing, column, few)] for column in kept] if few is not None else [
+            [_map(drawing, column)] for column in kept if column.name not in constant]
+    else:
+        panels = [[_matrix_cell(drawing, column, one, first=not i)
+                   for i, one in enumerate(drawing.varied[:MAX_COLUMNS])] for column in kept]
+    save_panels(path, panels, title=drawing.title, notes=_notes(drawing), shared=True,
+                widths=widths)
+
+
+def _notes(drawing: SweepDrawing) -> list[str]:
+    shown = {column.name for column in drawing.kept[:MAX_QUANTITIES]}
+    meanings = "; ".join(f"{name} = {meaning}" for name, meaning in drawing.meanings.items()
+                         if name in shown)
+    notes = []
+    if drawing.found:
+        notes.append(drawing.found.words)
+    if constant := [_value_of(column) for column in _constant(drawing)]:
+        finished = " that came to their end" * bool(drawing.failed.any())
+        notes.append(f"{', '.join(constant)} in all runs{finished}.")
+    count = len(drawing.failed)
+    if missed := int(np.count_nonzero(_missed(drawing))):
+        notes.append(f"{missed} of {count} runs fail {drawing.condition}: orange.")
+    if failed := int(np.count_nonzero(drawing.failed)):
+        notes.append(f"{failed} of {count} runs did not come to their end: red.")
+    if doubtful := int(np.count_nonzero(drawing.doubtful)):
+        notes.append(f"{doubtful} runs have a warning of the audit: rings.")
+    if count > CROWD and drawing.scattered:
+        notes.append("Darker: more runs, on a logarithmic scale.")
+    if (more := len(drawing.kept) - MAX_QUANTITIES) > 0:
+        notes.append(f"{more} further quantities are in the table only.")
+    return [note for note in (meanings, " ".join(notes)) if note]
+
+
+def _constant(drawing: SweepDrawing) -> list[SweepColumn]:
+    """Quantities without a map: equal in all finished runs, or missing in all.
+
+    If that holds for all quantities, the first one has a map.
+    """
+    kept = drawing.kept[:MAX_QUANTITIES]
+    if drawing.scattered or len(drawing.varied) < 2 or _few(drawing.varied) is not None:
+        return []
+    finished = ~drawing.failed
+    constant = [column for column in kept if not np.isfinite(column.values).any() or (
+        _equal(column.values) and np.isfinite(column.values[finished]).all())]
+    return constant[1:] if len(constant) == len(kept) else constant
+
+
+def _value_of(column: SweepColumn) -> str:
+    """Name and value of a constant quantity."""
+    values, unit = column.shown()
+    if not np.isfinite(values).any():
+        return f"{column.name} without a value"
+    return f"{column.name} = {style.number(float(np.nanmedian(values)))} {unit}".rstrip()
+
+
+def _missed(drawing: SweepDrawing) -> Flags:
+    """Runs that fail the condition, [n]; none where points have no colours of their own."""
+    if drawing.held is None or not drawing.scattered or len(drawing.failed) > CROWD:
+        return np.zeros(len(drawing.failed), dtype=bool)
+    return np.asarray(drawing.held == 0, dtype=bool)
+
+
+def _over_one(drawing: SweepDrawing, column: SweepColumn) -> list[Panel]:
+    """A quantity over the only path, with a distribution beside it for random samples."""
+    varied = drawing.varied[0]
+    (x, x_axis), (y, unit) = varied.axis(), column.shown()
+    joined = drawing.grid and not varied.texts
+    panel = Panel(column.name, x_axis, Axis(f"[{unit}]" if unit else ""), [
+        *_found(drawing, varied), *_points(drawing, x, y, joined=joined)], "", PANEL)
+    finite = y[np.isfinite(y)]
+    spread = [Custom(lambda axes: axes.hist(
+        finite, bins="auto", orientation="horizontal", color=style.BLUE, alpha=0.75))]
+    return [panel] if drawing.grid else [panel, Panel(
+        "", Axis("runs"), Axis(), [] if not len(finite) or _equal(finite) else spread, "", PANEL)]
+
+
+def _few(varied: Sequence[SweepColumn]) -> int | None:
+    """The one of two paths that has few values; None if neither has."""
+    counts = [len(np.unique(column.values)) for column in varied]
+    return min((place for place in (0, 1) if counts[place] <= MAX_LINES), default=None,
+               key=lambda place: (not varied[place].texts, counts[place]))
+
+
+def _lines(drawing: SweepDrawing, column: SweepColumn, few: int) -> Panel:
+    """A curve over one path for each of the few values of the other."""
+    varied, other = drawing.varied[1 - few], drawing.varied[few]
+    (x, x_axis), (values, unit), (y, y_unit) = varied.axis(), other.shown(), column.shown()
+    marks: list[Mark] = []
+    for k, value in enumerate(np.unique(values)):
+        name = other.texts[int(value)] if other.texts else \
+            f"{style.number(value)} {unit}".strip()
+        marks += _points(drawing, x, y, joined=not varied.texts, some=values == value,
+                         colour=style.hue(k), label=f"{other.name} = {name}")
+    first = column is drawing.kept[0]
+    return Panel(column.name, x_axis, Axis(f"[{y_unit}]" if y_unit else ""), marks,
+                 "inside" if first else "", PANEL)
+
+
+def _points(
+    drawing: SweepDrawing, x: Array, y: Array, *, joined: bool, some: Flags | None = None,
+    colour: str = style.BLUE, label: str = "",
+) -> list[Mark]:
+    """Runs, or some of them, as points; a crowd as its density."""
+    if len(x) > CROWD and not joined:
+        there = np.isfinite(x) & np.isfinite(y)
+        return [Custom(lambda axes: axes.hist2d(
+            x[there], y[there], bins=(120, 80), cmap="Blues", cmin=1, norm="log"))] \
+            if there.any() else []
+    here = np.ones(len(x), dtype=bool) if some is None else some
+    size, missed = 3.5 if len(x) <= MANY else 1.8, _missed(drawing)
+    line = {"linestyle": "-", "linewidth": style.LINE} if joined else {"alpha": 0.75}
+    marks: list[Mark] = []
+    for which, ink, name in ((here & ~missed, colour, label), (here & missed, style.ORANGE, "")):
+        order = np.flatnonzero(which)[np.argsort(x[which], kind="stable")]
+        marks.append(Curve(name, x[order], y[order], "dots", {
+            **line, "color": ink, "markersize": size if len(x) <= MANY or not joined else 0}))
+    look, lost = here & drawing.doubtful, here & drawing.failed
+    marks.append(Curve("", x[look], y[look], "points", {
+        "color": style.INK, "markersize": size + 3.5, "markerfacecolor": "none",
+        "markeredgewidth": 1.0}))
+    return [*marks, Curve("", x[lost], y[lost], "rug", {"color": style.RED})]
+
+
+def _found(drawing: SweepDrawing, varied: SweepColumn) -> list[Mark]:
+    """The result of a search on this path: a line, and its uncertainty."""
+    found = drawing.found
+    if found is None or found.path != varied.name:
+        return []
+    factor = style.shown_as(varied.unit, varied.values).factor
+    return [Band(factor * found.low, factor * found.high),
+            Upright(factor * found.at, look={"color": style.INK, "zorder": 0.8, **style.TARGET})]
+
+
+def _distinct(places: Array) -> bool:
+    """Whether rising numbers, [n], n > 0, are round, and far enough apart to be written."""
+    rounded = np.array([float(style.number(place, DIGITS)) for place in places])
+    return bool(np.allclose(rounded, places, rtol=ROUNDING, atol=0)) and (
+        len(places) == 1 or bool(np.diff(places).min() > ROOM * np.ptp(places)))
+
+
+def _equal(values: Array) -> bool:
+    """Whether finite values are equal but for rounding; False if there are none."""
+    finite = values[np.isfinite(values)]
+    return bool(len(finite) and np.ptp(finite) <= ROUNDING * np.abs(finite).max())
+
+
+def _map(drawing: SweepDrawing, column: SweepColumn) -> Panel:
+    one, other = drawing.varied
+    (x, x_axis), (y, y_axis), (z, z_axis) = one.axis(), other.axis(), column.axis()
+    lost, look = drawing.failed, drawing.doubtful
+    dots = {"markersize": 4, "markerfacecolor": "none", "markeredgewidth": 1.0}
+    return Panel(z_axis.label, x_axis, y_axis, [
+        Custom(partial(_cells, x=x, y=y, z=z, log=(one.log, other.log))),
+        Curve("", x[lost], y[lost], "points", {**dots, "marker": "x", "color": style.RED}),
+        Curve("", x[look], y[look], "points", {**dots, "color": style.ORANGE})],
+        "", MAP, grid="")
+
+
+def _cells(axes: Any, *, x: Array, y: Array, z: Array, log: tuple[bool, bool]) -> None:
+    """Coloured cells of a grid, and the bar of their colours."""
+    xs, i = np.unique(x, return_inverse=True)
+    ys, j = np.unique(y, return_inverse=True)
+    cells, single = np.full((len(ys), len(xs)), np.nan), _equal(z)
+    cells[j, i] = np.where(np.isfinite(z), np.nanmedian(z), np.nan) if single else z
+    # perceptually uniform, also with colour vision deficiency (Nuñez et al., 2018)
+    mesh = axes.pcolormesh(_edges(xs, log=log[0]), _edges(ys, log=log[1]), cells, cmap="cividis",
+                           edgecolors="face", linewidth=0.1)
+    bar = axes.figure.colorbar(mesh, ax=axes)
+    if single:
+        bar.set_ticks([float(np.nanmedian(z))], labels=[style.number(float(np.nanmedian(z)))])
+    bar.ax.tick_params(labelsize=style.SMALL, colors=style.INK)
+    bar.outline.set_visible(False)
+
+
+def _edges(centres: Array, *, log: bool) -> Array:
+    """Borders of cells about rising centres, [n] to [n + 1]."""
+    if len(centres) == 1:
+        return np.array([centres[0] - 0.5, centres[0] + 0.5])
+    at = np.log(centres) if log else centres
+    inside = 0.5 * (at[1:] + at[:-1])
+    edges = np.concatenate([[2 * at[0] - inside[0]], inside, [2 * at[-1] - inside[-1]]])
+    return np.exp(edges) if log else edges
+
+
+def _matrix_cell(
+    drawing: SweepDrawing, column: SweepColumn, one: SweepColumn, *, first: bool,
+) -> Panel:
+    """A quantity over one of many paths."""
+    y, y_axis = column.axis(0)
+    x, x_axis = one.axis(2 * MAX_TICKS // (1 + len(drawing.varied[:MAX_COLUMNS])))
+    return Panel("", x_axis, Axis(y_axis.label if first else ""), [
+        *_found(drawing, one), *_points(drawing, x, y, joined=False)], "", CELL)

@@ -1,0 +1,1 @@
+"""Pages and the live view: a browser draws the display list of a run."""

@@ -1,0 +1,221 @@
+"""What a browser draws of a run: its display list with all layers, the camera, sides of labels."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sandbox.elements.arrays import Arrays
+from sandbox.model.model import Model
+from sandbox.numeric import Array, Integers
+from sandbox.picture.bars import bars_of
+from sandbox.picture.bounds import body_box, whole_box
+from sandbox.picture.build import ELEMENTS, ramps, subject_of
+from sandbox.picture.camera import Stage, place_camera, width_shown
+from sandbox.picture.instant import Instant
+from sandbox.picture.labels import place_labels
+from sandbox.picture.legend import add_legend
+from sandbox.picture.listing import Item, Listing, short
+from sandbox.picture.run_data import RunData
+from sandbox.picture.subject import Subject, VisibleLayers
+from sandbox.picture.tensions import Tensions, tensions_of
+from sandbox.picture.typesetter import Typesetter
+from sandbox.scene.layers import EVERY, LAYERS, shown
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.settings import View
+
+WIDTH, POINT, TYPE = 800, 1.0, 13
+"""Size that labels are placed for: width of a drawing, pixels per point, font size [pixels]."""
+LEGEND = 2.2
+"""Height of the legend, in font sizes."""
+DIGITS = 5
+"""Digits of numbers in lists and heads."""
+OWN = ("force", "spring", "drive")
+"""Tokens that the script uses by itself: what is pointed at, loads without colours, the hand."""
+SLIDES = 1e-12
+"""Poses that change by less are constant."""
+
+
+def all_layers(view: View) -> View:
+    """The view with every layer, since the reader switches them."""
+    of = {name: EVERY for name in LAYERS if name != "coordinates"}
+    return view.model_copy(update={"show": {**of, **{
+        name: patterns for name, patterns in view.show.items() if patterns and name in of}}})
+
+
+class SomeSamples(NamedTuple):
+    """Samples of a run that goes on."""
+
+    mechanism: Mechanism
+    model: Model
+    arrays: Arrays
+    time: Array
+
+
+def listed(
+    run: RunData, beside: Sequence[RunData] = (), *, live: bool = False,
+) -> tuple[Subject, list[float]]:
+    """The display list of a run with its layers, and sides of the labels of those shown at first.
+
+    Args:
+        run: the recording.
+        beside: runs that share its scales.
+        live: for a live view: list the layers shown at first only, since other lists follow.
+
+    Returns:
+        The list, and what the picture holds: x0, y0, x1, y1 [m].
+    """
+    view = run.mechanism.view
+    width, height = view.size
+    bodies = body_box(run, view)
+    across = width_shown(bodies, width / height, view.width)
+    size = (WIDTH, round(WIDTH * height / width))
+    stage = Stage(0, 0, size[0], max(8, round(size[1] - LEGEND * TYPE)))
+    guess = place_camera(bodies, stage, centre=view.centre, width=view.width)
+    s = subject_of(run, view if live else all_layers(view), width=across,
+                   point=POINT / guess.scale, beside=beside, fixed_columns=live)
+    visible = shown(view.show, traced=bool(view.traces))
+    items = s.out.items
+    s.out.items = [item for item in items if item["l"] in visible]
+    box = whole_box(s.out, run, bodies, view)
+    camera = place_camera(box, stage, centre=view.centre, width=view.width)
+    if not live:  # a live view chooses sides in the browser: it must begin quickly
+        instant = Instant(s.out, camera, POINT, (-size[0], -size[1], 2 * size[0], 2 * size[1]))
+        type_ = Typesetter(TYPE, 0)
+        place_labels(instant, lambda words: (type_.width(words) / 2 + 1, 0.6 * TYPE),
+                     (0, 0, stage.width, stage.height), 1.0, speed=view.speed, width=WIDTH)
+        for item in s.out.items:
+            item["placed"] = 1
+    s.out.items = items
+    names = [body.name for body in run.mechanism.bodies]
+    for item in items:
+        if item["k"] == "arrows" and item["l"] == "contacts":  # whose quantities it shows
+            keys = np.unique(s.out.tables[item["t"]][:, 1]).astype(int).tolist()
+            item["refs"] = {key: f"{names[key // len(names)]}/{names[key % len(names)]}"
+                            for key in keys}
+    return s, [box.x0, box.y0, box.x1, box.y1]
+
+
+class LiveListing:
+    """Display lists of the latest samples of a run, on the scales of a recording of its scene.
+
+    Only elements whose numbers change are listed again for each frame.
+    """
+
+    def __init__(self, look: RunData) -> None:
+        self._look, self._view = look, look.mechanism.view
+        self._full, self.box = listed(look, live=True)
+        self._visible = set(shown(self._view.show, traced=bool(self._view.traces)))
+        self._refs: dict[int, str] = next(
+            (item["refs"] for item in self._full.out.items if "refs" in item), {})
+        self._carried: dict[tuple[int, ...], Tensions] = {}
+        self._changing: list[Callable[[Subject], None]] = []
+        """Elements with columns, tables or frames."""
+        self._raw: list[Item] = []
+        """Their items as they list them."""
+        self._last: Subject | None = None
+        self._layers: set[str] | None = set()
+
+    def of(self, run: RunData, layers: set[str] | None) -> Subject:
+        """The list of some samples with the layers that are shown."""
+        if self._last is not None and layers == self._layers:
+            s = self._subject(run, layers, self._last.out)
+            for add in self._changing:
+                add(s)
+            s.out.close()
+            if s.out.items == self._raw:
+                s.out.items, s.out.legend = self._last.out.items, self._last.out.legend
+                return s
+        return self._list_all(run, layers)
+
+    def _list_all(self, run: RunData, layers: set[str] | None) -> Subject:
+        s = self._subject(run, layers, None)
+        out, self._changing, self._raw = s.out, [], []
+        for add in ELEMENTS:
+            count, before = len(out.items), _counts(out)
+            add(s)
+            if _counts(out) != before:
+                self._changing.append(add)
+                self._raw += [dict(item) for item in out.items[count:]]
+        add_legend(s, s.carried)
+        s.close()
+        for item in out.items:
+            if item["k"] == "arrows" and item["l"] == "contacts":
+                item["refs"] = self._refs
+        self._last, self._layers = s, layers
+        return s
+
+    def _subject(self, run: RunData, layers: set[str] | None, like: Listing | None) -> Subject:
+        layers = self._visible if layers is None else layers
+        every = all_layers(self._view).show
+        view = self._view.model_copy(update={"show": {
+            name: every[name] if name in layers and name in every else () for name in LAYERS}})
+        visible, out = VisibleLayers(run, view), Listing.of(
+            run.time, run.arrays["body_pose"], fixed_columns=True)
+        if like is not None:
+            out.styles, out.glyphs = like.styles, like.glyphs
+            out._known = {tuple(style): number for number, style in enumerate(like.styles)}
+        out.ramps = ramps()
+        bars = tuple(visible.of("bars"))
+        if bars not in self._carried:
+            self._carried[bars] = tensions_of(self._look, bars_of(self._look, bars))
+        carried = tensions_of(run, bars_of(run, bars)).beside([self._carried[bars]])
+        full = self._full
+        return Subject(run, view, visible, out,
+                       carried if "tensions" in visible else carried.hidden(), full.force,
+                       full.width, full.point, (self._look,))
+
+
+def _counts(out: Listing) -> tuple[int, int, int]:
+    return len(out.columns), len(out.tables), len(out._made)
+
+
+def drawing(
+    run: RunData, s: Subject, box: Sequence[float], *, live: bool = False,
+) -> dict[str, Any]:
+    """All that a ``Stage`` needs to draw frames of a run, but for the numbers that change."""
+    mechanism, model, out = run.mechanism, run.model, s.out
+    view, names = mechanism.view, [body.name for body in mechanism.bodies]
+    visible = shown(view.show, traced=bool(view.traces))
+    return {
+        "name": mechanism.name, "title": mechanism.title or mechanism.name, "live": int(live),
+        "bodies": [{"name": name, "fixed": bool(fixed), "centre": [short(v) for v in centre]}
+                   for name, fixed, centre in zip(names, model.bodies.fixed,
+                                                  run.arrays["body_centre"], strict=True)],
+        "moving": moving(out).tolist(), "rest": [short(v) for v in out.pose[0].ravel()],
+        "ramps": {"load": "tensions"}, "plain": "spring",
+        "box": rounded(box),
+        "view": {"centre": view.centre, "width": view.width, "follow": view.follow,
+                 "aspect": view.size[0] / view.size[1], "speed": view.speed},
+        "layers": [{"name": name, "words": layer.words, "about": layer.about,
+                    "on": name in visible} for name, layer in LAYERS.items()],
+    }
+
+
+def page_list(out: Listing) -> dict[str, Any]:
+    """The display list as the script takes it, without what changes."""
+    own = {token: out.inks[token] for token in OWN if token in out.inks}
+    head = out.head()
+    return {"list": rounded({**head, "inks": {**head["inks"], **own}}),
+            "tables": {name: rows.shape[1] for name, rows in out.tables.items()},
+            "columns": len(out.columns), "frames": out.pose.shape[1]}
+
+
+def moving(out: Listing) -> Integers:
+    """Numbers of the frames that move."""
+    return np.flatnonzero((np.ptp(np.nan_to_num(out.pose), axis=0) > SLIDES).any(axis=1))
+
+
+def rounded(data: Any) -> Any:
+    """Plain data with short numbers and plain types."""
+    if isinstance(data, dict):
+        return {key: rounded(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [rounded(value) for value in data]
+    if isinstance(data, float | np.floating):
+        value = float(f"{float(data):.{DIGITS}g}") if math.isfinite(data) else 0.0
+        return int(value) if value == int(value) and abs(value) < 1e9 else value
+    return int(data) if isinstance(data, np.integer) else data

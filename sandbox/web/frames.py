@@ -1,0 +1,273 @@
+"""Messages of a live view: the display list of a scene, and frames with its numbers.
+
+A frame is float32 numbers: :data:`HEAD`, x, y and angle of each frame of the list, its columns, the
+values of the drives, the watched quantities, the number of rows of each table, the rows, then, for
+each trail in the list, where its point was since the last frame, x and y in turn. Contact forces
+are the mean of the steps since the last frame: those of a single step flicker.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import time
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from sandbox.elements.arrays import ARRAYS, CONTACT, STATIC, Arrays
+from sandbox.engine.inspect_control import Checked
+from sandbox.engine.live import Live
+from sandbox.engine.simulation import Simulation
+from sandbox.errors import SceneError, SimulationDiverged
+from sandbox.model.catalogue import PAIR, UnknownQuantityError
+from sandbox.model.compile import compile_mechanism
+from sandbox.numeric import Array, Flags, Integers
+from sandbox.picture.listing import Item, Listing
+from sandbox.recording.recording import Recording
+from sandbox.samples.contacts import on_the_other
+from sandbox.web.drawing import LiveListing, SomeSamples, drawing, page_list
+from sandbox.web.meters import expressions_of, meters_of
+
+HEAD = ("seq", "ack", "t", "rate", "hand", "from_x", "from_y", "force_x", "force_y", "trail")
+"""The first numbers of a frame: its number; the last message that it answers; the time [s];
+seconds of motion for each second; the body that is held, or -1; where [m] and with which force
+[N]; the number of places of each trail."""
+TRAIL = 8
+"""Most places of a trail in a frame."""
+LOOK = 2.0
+"""Seconds that are spent to find out how far a scene moves and how hard it presses."""
+MOST_PAIRS = 200
+"""So many pairs of bodies are offered at most; any can be asked for."""
+AT_ONCE = 64
+"""Most steps between two looks at the clock."""
+_OF_DRIVES = [each.name for each in ARRAYS if "nd" in each.axes]
+
+
+def looked_at(scene: Checked, seconds: float = LOOK) -> Recording:
+    """The scene run as it is, as far as that is quick: its picture gets its scales from it.
+
+    Raises:
+        SceneError: as :class:`Simulation`.
+    """
+    simulation, stride, began = Simulation(scene), Stride(), time.perf_counter()
+    every = round(1 / (scene.mechanism.run.sample_rate * scene.mechanism.run.step))
+    try:
+        while not simulation.finished and (
+                simulation.steps < 2 * every or time.perf_counter() - began < seconds):
+            with stride.of(stride.fits(seconds / 10)) as steps:
+                simulation.step(steps)
+    except SimulationDiverged:
+        pass
+    return simulation.recording()
+
+
+class Stride:
+    """How many steps fit a time, by what the last ones took."""
+
+    def __init__(self) -> None:
+        self._cost = math.inf
+
+    def fits(self, seconds: float) -> int:
+        """How many, one at least."""
+        return max(1, min(AT_ONCE, int(seconds / self._cost)))
+
+    @contextlib.contextmanager
+    def of(self, steps: int) -> Iterator[int]:
+        """Look at how long so many steps take, which are made within."""
+        began = time.perf_counter()
+        yield steps
+        self._cost = max((time.perf_counter() - began) / steps, 1e-9)
+
+
+class LiveFrames:
+    """Frames of one run.
+
+    Args:
+        live: the run.
+        look: the scene as it runs by itself.
+    """
+
+    def __init__(self, live: Live, look: Recording) -> None:
+        self.live, self.look = live, look
+        self.layers: set[str] | None = None
+        """Layers that are shown; by default those of the scene's view."""
+        self._shown: set[str] | None = None
+        """Those of the last frame."""
+        self.watched: list[str] = []
+        """Names of quantities that frames tell."""
+        self.units = {name: live.unit(name) for name in live.names()}
+        """What frames can tell, and in which unit."""
+        self.left_out: list[str] = []
+        """Why meters of the scene's view cannot be told while it runs, a line each."""
+        self.meters = list(self._own_meters())
+        """The others of them."""
+        self._model = compile_mechanism(live.scene)
+        self._on_other: dict[int, bool] = {}
+        """Of pairs of bodies that have touched, whether the force is shown on the second."""
+        self._listing = LiveListing(look)
+        self._sent: list[Item] = []
+        """Items of the list that the page has."""
+        self._told = 0
+        """Steps of which a frame has told."""
+        if not live.steps:
+            live.step()  # before the first one there is nothing to show
+        self._look_again()
+
+    def _own_meters(self) -> Iterator[dict[str, Any]]:
+        view, worked = self.live.scene.view, expressions_of(self.live.scene.view)
+        for meter in meters_of(view, self.look.catalogue):
+            wrong = {name: why for name in meter["names"] if name not in self.units
+                     and (why := _unreadable(self.live, name))}
+            names = [name for name in meter["names"] if name not in wrong]
+            whole = "a meter of the view is left out" if not names else (
+                "a curve of a meter of the view is left out")
+            self.left_out += [f"{whole}: {why}" for why in dict.fromkeys(wrong.values())]
+            self.units |= {name: worked[name] if name in worked else self.live.unit(name)
+                           for name in names}
+            if names:
+                yield {**meter, "names": names}
+
+    def _pairs(self) -> Iterator[dict[str, str]]:
+        """Quantities of the pairs of bodies that touched in the look, as catalogues spell them."""
+        known, arrays = self.look.catalogue, self.look.arrays
+        bodies = self.live.scene.bodies
+        pairs = np.unique(np.sort(np.stack(
+            (arrays["contact_body"], arrays["contact_other"]), axis=1), axis=1), axis=0)
+        for a, b in pairs[:MOST_PAIRS].tolist():
+            one, other = (b, a) if bodies[a].motion == "fixed" else (a, b)
+            for quantity in PAIR:
+                name = f"{bodies[one].name}/{bodies[other].name}.{quantity}"
+                yield {"name": name, "unit": known.find(name).unit}
+
+    def tells(self, name: str) -> bool:
+        """Whether frames can tell a quantity, a meter of the view or a pair's."""
+        return name in self.units or ("/" in name and name in self.look.catalogue)
+
+    def drawing(self) -> dict[str, Any]:
+        """All that a ``Stage`` needs before the first frame."""
+        known = self.look.catalogue.units
+        return {**drawing(self.look, self._subject, self._listing.box, live=True), **self._list(),
+                "late": [name for name in known if name not in self.units],
+                "head": list(HEAD), "drives": len(self.live.scene.drives),
+                "meters": self.meters, "pairs": list(self._pairs()),
+                "quantities": [{"name": name, "unit": self.units[name]} for name in dict.fromkeys(
+                    (*filter(self.units.__contains__, self.look.catalogue.telling), *self.units))]}
+
+    def _list(self) -> dict[str, Any]:
+        self._sent = self._subject.out.items
+        return page_list(self._subject.out)
+
+    @property
+    def listing(self) -> Listing:
+        """The display list of the last samples."""
+        return self._subject.out
+
+    def relisted(self) -> dict[str, Any] | None:
+        """The display list if it has other items than the page knows, else None."""
+        self._look_again()
+        return None if _alike(self._subject.out.items, self._sent) else self._list()
+
+    def frame(self, numbers: dict[str, float]) -> bytes:
+        """The present instant; ``numbers`` are those of :data:`HEAD` but ``trail``.
+
+        Call :meth:`relisted` before.
+        """
+        out = self._subject.out
+        values = [self.live[name] for name in self.watched]
+        head = {**numbers, "trail": self._trail.shape[1]}
+        last = len(out.time) - 1
+        tables = [rows[rows[:, 0] == last] for rows in out.tables.values()]
+        found = [[head[name] for name in HEAD], out.pose[-1].ravel(),
+                 [column[-1] for column in out.columns], self._drives, values,
+                 [len(rows) for rows in tables], *(rows.ravel() for rows in tables),
+                 self._trail.ravel()]
+        return np.concatenate(found).astype("<f4").tobytes()
+
+    def _look_again(self) -> None:
+        """List the last samples, if there are new ones or other layers."""
+        if self._told and self.live.steps == self._told and self.layers == self._shown:
+            return
+        drives = len(self.live.scene.drives)
+        arrays = self.live.latest()
+        for name in _OF_DRIVES:
+            arrays[name] = arrays[name][:, :drives]
+        few = _last(arrays)
+        self._subject = self._listing.of(
+            SomeSamples(self.live.scene, self._model, few, few["time"]), self.layers)
+        contacts, tables = self._mean_contacts(arrays), self._subject.out.tables
+        if "contacts" in tables:
+            count = len(self.live.scene.bodies)
+            key = contacts[:, 4] * count + contacts[:, 5]
+            tables["contacts"] = np.column_stack([
+                np.full(len(contacts), len(few["time"]) - 1), key, contacts[:, :4]])
+        self._drives = few["drive_value"][-1]
+        self._trail = self._places(arrays)
+        self._told, self._shown = self.live.steps, self.layers
+
+    def _places(self, arrays: Arrays) -> Array:
+        """Where the point of each trail was since the last frame, [trails, m, 2] m."""
+        points = [item["at"] for item in self._subject.out.items if item["k"] == "trail"]
+        new = min(self.live.steps - self._told, len(arrays["time"]))
+        some = np.unique(np.linspace(-new, -1, TRAIL).round().astype(int)) if new > 0 else [-1]
+        pose, found = arrays["body_pose"][some], []
+        for body, x, y in points:
+            c, s = np.cos(pose[:, body, 2]), np.sin(pose[:, body, 2])
+            found.append(pose[:, body, :2] + np.stack((c * x - s * y, s * x + c * y), axis=1))
+        return np.array(found).reshape(len(found), len(some), 2)
+
+    def _mean_contacts(self, arrays: Arrays) -> Array:
+        """A row for each pair: the mean force, at the mean place weighted by it, [k, 6]."""
+        body, other = arrays["contact_body"], arrays["contact_other"]
+        if not len(body):
+            return np.zeros((0, 6))
+        bodies = len(self.live.scene.bodies)
+        keys, which = np.unique(body * bodies + other, return_inverse=True)
+        pairs = np.stack(np.divmod(keys, bodies), axis=1)
+
+        def summed(values: Array) -> Array:
+            return np.asarray(np.bincount(which, values, minlength=len(keys)))
+
+        (x, y), (fx, fy) = arrays["contact_point"].T, arrays["contact_force"].T
+        weight = np.hypot(fx, fy) + 1e-300
+        total, samples = summed(weight), len(arrays["time"])
+        swapped = self._shown_on_other(keys, pairs)
+        sign = np.where(swapped, -1.0, 1.0) / samples
+        return np.column_stack([
+            summed(x * weight) / total, summed(y * weight) / total, sign * summed(fx),
+            sign * summed(fy), np.where(swapped[:, None], pairs[:, ::-1], pairs)])
+
+    def _shown_on_other(self, keys: Integers, pairs: Integers) -> Flags:
+        """By the way that bodies go when the scene runs by itself, so that no arrow turns round."""
+        known = self._on_other
+        new = [k for k, key in enumerate(keys.tolist()) if key not in known]
+        if new:
+            found = on_the_other(self._model, self.look.arrays, pairs[new, 0], pairs[new, 1])
+            known.update(zip(keys[new].tolist(), found.tolist(), strict=True))
+        return np.array([known[key] for key in keys.tolist()], dtype=bool)
+
+
+def _unreadable(live: Live, word: str) -> str:
+    """Why a quantity or an expression cannot be worked out while a run goes on; empty if it can."""
+    try:
+        live[word]
+    except SceneError as error:
+        return error.problems[0].message
+    except UnknownQuantityError as error:
+        return str(error)
+    return ""
+
+
+def _last(arrays: Arrays) -> Arrays:
+    """The last two samples."""
+    first = max(len(arrays["time"]) - 2, 0)
+    late = arrays["contact_sample"] >= first
+    found = {name: array if name in STATIC else array[late] if name in CONTACT else array[first:]
+             for name, array in arrays.items()}
+    return {**found, "contact_sample": found["contact_sample"] - first}
+
+
+def _alike(items: Sequence[Item], others: Sequence[Item]) -> bool:
+    """Whether two lists differ in numbers only that are sent with each frame."""
+    return items is others or items == others

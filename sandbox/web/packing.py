@@ -1,0 +1,247 @@
+"""Arrays as bytes that a browser unpacks: whole numbers, differences in time, zlib.
+
+A block is ``n`` rows of ``k`` columns. A value is ``low + step * q`` with q from 0 to
+``2^bits - 2``; the largest q, ``2^bits - 1``, means none. Of each column the differences of q from
+row to row are kept, modulo ``2^bits``: first the low bytes of all columns, then the next ones. In
+these planes what rests is zeros and what moves slowly has few high bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import zlib
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from sandbox.elements.arrays import largest_size
+from sandbox.numeric import Array, Flags, Integers
+from sandbox.picture.listing import Listing
+from sandbox.picture.run_data import read_curve
+from sandbox.samples.samples import Samples
+from sandbox.web.drawing import moving, page_list
+from sandbox.web.meters import expressions_of
+
+BUDGET = 3_300_000
+"""Bytes of a run's numbers, before base64 makes them a third longer: 4.4 MB on a page."""
+FRAMES = 4000
+"""Samples that a drawing has, more or less; of a longer run some are left out."""
+FINEST = 250.0
+"""Samples per second [Hz] that are always kept."""
+OFF = 2e-4
+"""Share of the picture's width by which a body may be off between the samples that are kept: a
+fifth of a pixel on a picture of 1000. Where it would be more all samples are kept."""
+BINS = 2000
+"""Of a quantity with more than twice as many samples: the least and the greatest of each."""
+LEAST_BINS = 125
+LEVEL = 9
+CHUNK = 64
+"""Columns worked on at a time."""
+FLAT, NOTHING = 1e-9, 1e-10
+"""What of a quantity changes by less than this share of its size, and what is nowhere larger than
+this share of the largest in its unit, is what rounding leaves: of a body in a slot up to 1e-12
+across it, and 7e-11 of its angular acceleration."""
+
+
+@dataclass
+class Blocks:
+    """Blocks on their way into one piece of bytes."""
+
+    heads: list[dict[str, Any]] = field(default_factory=list)
+    raw: bytearray = field(default_factory=bytearray)
+
+    def add(self, key: str, columns: Array, *, bits: int = 16, **more: Any) -> None:
+        """Append columns [k, n] under a name, its head with what ``more`` is to be known of it."""
+        low, step = list[float](), list[float]()
+        head = {"key": key, "n": columns.shape[1], "k": columns.shape[0], "at": len(self.raw),
+                "bytes": bits // 8, "low": low, "step": step, **more}
+        planes: list[list[bytes]] = [[] for _ in range(bits // 8)]
+        for first in range(0, len(columns), CHUNK):
+            q, lowest, steps = quantised(columns[first:first + CHUNK], bits)
+            low += lowest.tolist()
+            step += steps.tolist()
+            d = np.diff(q, axis=1, prepend=np.zeros((len(q), 1), q.dtype))
+            for k, plane in enumerate(planes):
+                plane.append(((d >> np.uint32(8 * k)) & np.uint32(0xFF)).astype(np.uint8).tobytes())
+        self.heads.append(head)
+        for plane in planes:
+            self.raw += b"".join(plane)
+
+
+def quantised(columns: Array, bits: int) -> tuple[Any, Array, Array]:
+    """Columns [k, n] as whole numbers, the value of 0 and that of a step of 1, [k]."""
+    none = 2**bits - 1
+    known = np.isfinite(columns)
+    low = np.where(known, columns, np.inf).min(axis=1, initial=np.inf)
+    high = np.where(known, columns, -np.inf).max(axis=1, initial=-np.inf)
+    some = np.isfinite(low) & np.isfinite(high)
+    low, high = np.where(some, low, 0.0), np.where(some, high, 0.0)
+    low = np.array([float(f"{v:.10g}") for v in low])
+    with np.errstate(over="ignore"):
+        span = np.minimum(np.maximum(high - low, 0.0), 1e308)
+    step = np.where(span > 0, span / (none - 1), 1.0)
+    whole = ((columns == np.rint(columns)) | ~known).all(axis=1)
+    step = np.where(whole & (span < none - 1), 1.0, step)
+    step = np.array([float(f"{v:.10g}") for v in step])
+    with np.errstate(invalid="ignore", over="ignore"):
+        q = np.rint((columns - low[:, None]) / step[:, None])
+    q = np.where(known, np.clip(q, 0, none - 1), none)
+    return q.astype(np.uint32), low, step
+
+
+def kept_samples(time: Array, pose: Array, width: float) -> Flags:
+    """Which samples a drawing has, [n].
+
+    Every so many of them, and all where a straight line between those would miss a pose by more
+    than :data:`OFF`; and both ends.
+
+    Args:
+        time: [n] s.
+        pose: of what moves, x, y [m] and angle [rad] in turn, [n, 3 k].
+        width: of the picture [m].
+    """
+    n = len(time)
+    every = -(-n // FRAMES)
+    if n > 2:
+        every = max(1, min(every, int(1 / (FINEST * max((time[-1] - time[0]) / (n - 1), 1e-12)))))
+    kept = np.zeros(n, bool)
+    kept[::every] = True
+    kept[-1] = True
+    if every == 1 or not pose.shape[1]:
+        return kept
+    at = np.flatnonzero(kept)
+    # a turn shows at the rim of a body, which is about half a picture at most
+    share = np.tile([1.0, 1.0, width / 4], pose.shape[1] // 3) / (OFF * width)
+    for first in range(0, pose.shape[1], CHUNK):
+        some = pose[:, first:first + CHUNK] * share[first:first + CHUNK]
+        span = np.searchsorted(at, np.arange(n), side="right") - 1
+        span = np.minimum(span, len(at) - 2)
+        a, b = at[span], at[span + 1]
+        w = ((np.arange(n) - a) / (b - a))[:, None]
+        off = np.abs(some - (1 - w) * some[a] - w * some[b]).max(axis=1)
+        wrong = np.zeros(len(at), bool)
+        np.logical_or.at(wrong, span, off > 1)
+        kept |= wrong[span]
+    return kept
+
+
+@dataclass
+class RunNumbers:
+    """A run's numbers."""
+
+    data: bytes
+    """Three compressed parts: JSON with ``list``, ``blocks`` and ``series``, the drawing, plots.
+
+    Of ``series`` each has name and unit, and ``c``, its column of ``plots``, or ``v``, its value.
+    """
+    sizes: list[int]
+    """Bytes of the parts."""
+    thinned: list[str]
+    """What was left out, in words."""
+
+
+def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNumbers:
+    """Frames of a display list and quantities of a run; ``width`` of the picture [m]."""
+    time, moves = run.time, moving(out)
+    pose = out.pose[:, moves].reshape(len(time), -1)
+    keep = kept_samples(time, pose, width)
+    frames = np.flatnonzero(keep)
+    blocks, said = Blocks(), []
+    blocks.add("t", time[None, frames], bits=24)
+    blocks.add("pose", np.ascontiguousarray(pose[frames].T))
+    if out.columns:
+        blocks.add("columns", np.array(out.columns)[:, frames])
+    for name, rows in out.tables.items():
+        _add_table(name, rows, frames, len(time), blocks)
+    if len(frames) < len(time):
+        said.append(f"drawing: {len(frames)} of {len(time)} samples, so that nothing is off by "
+                    f"more than {1e3 * OFF * width:.2g} mm between them")
+    series, values = _series(run, names)
+    drawing, bins = zlib.compress(bytes(blocks.raw), LEVEL), BINS
+    while True:
+        plots = _plots(time, values, bins)
+        heads = [{"part": part, **one} for part, some in enumerate((blocks, plots), 1)
+                 for one in some.heads]
+        head = json.dumps({**page_list(out), "blocks": heads, "series": series},
+                          separators=(",", ":"), allow_nan=False)
+        parts = [zlib.compress(head.encode(), LEVEL), drawing,
+                 zlib.compress(bytes(plots.raw), LEVEL)]
+        fixed, total = len(parts[0]) + len(drawing), sum(map(len, parts))
+        if total <= BUDGET or bins <= LEAST_BINS:
+            break
+        fewer = int(0.9 * bins * (BUDGET - fixed) / (total - fixed))
+        bins = max(LEAST_BINS, min(bins // 2, fewer))
+    if len(time) > 2 * bins:
+        said.append(f"plots: the least and the greatest of every {-(-len(time) // bins)} samples")
+    return RunNumbers(b"".join(parts), [len(part) for part in parts], said)
+
+
+def _add_table(name: str, rows: Array, frames: Integers, count: int, blocks: Blocks) -> None:
+    """The rows of a table in some samples, those of one key one after the other."""
+    place = np.full(count, -1)
+    place[frames] = np.arange(len(frames))
+    rows = np.column_stack([place[rows[:, 0].astype(int)], rows[:, 1:]])
+    rows = rows[rows[:, 0] >= 0]
+    order = np.lexsort((rows[:, 0], rows[:, 1]))
+    # samples are whole numbers only as long as each has a step of its own
+    blocks.add(f"table {name}", np.ascontiguousarray(rows[order].T),
+               bits=16 if len(frames) < 1 << 16 else 24)
+
+
+def _series(run: Samples, names: list[str]) -> tuple[list[dict[str, Any]], Array]:
+    """Quantities that change as columns [k, n]; of the others the value."""
+    worked = expressions_of(run.mechanism.view)
+    found = {name: read_curve(run, name) for name in names}
+    units = {name: worked[name] if name in worked else run.unit(name) for name in names}
+    largest: dict[str, float] = {}
+    for name, values in found.items():
+        largest[units[name]] = max(largest.get(units[name], 0.0), largest_size(values))
+    series: list[dict[str, Any]] = []
+    columns: list[Array] = []
+    for name, values in found.items():
+        if not np.isfinite(values).any():
+            continue
+        one = {"name": name, "unit": units[name]}
+        value = level(values, largest[units[name]])
+        if value is not None:
+            series.append({**one, "v": value})
+        else:
+            series.append({**one, "c": len(columns)})
+            columns.append(values)
+    return series, np.array(columns).reshape(len(columns), len(run))
+
+
+def level(values: Array, largest: float) -> float | None:
+    """The one value of a quantity [n] that is constant but for rounding, none of another.
+
+    ``largest`` is the largest size of the run's quantities in this unit.
+    """
+    size = float(np.abs(values).max())
+    if size <= NOTHING * largest:
+        return 0.0
+    return float(values[-1]) if np.ptp(values) <= FLAT * size else None  # nan is neither
+
+
+def _plots(time: Array, values: Array, bins: int) -> Blocks:
+    """Times and values for plots; of a long run the least and greatest of each bin, in order."""
+    blocks = Blocks()
+    n = len(time)
+    if n > 2 * bins:
+        per = -(-n // bins)
+        starts = np.arange(0, n, per)
+        # the last bin may be short: its last value again and again changes neither extreme
+        short = len(starts) * per - n
+        padded = np.concatenate([values, np.repeat(values[:, -1:], short, axis=1)], axis=1)
+        of = padded.reshape(len(values), len(starts), per)
+        low, high = of.min(axis=2), of.max(axis=2)
+        rising = of[..., -1] >= of[..., 0]
+        values = np.stack((np.where(rising, low, high), np.where(rising, high, low)), axis=2)
+        values = values.reshape(len(values), 2 * len(starts))
+        ends = np.minimum(starts + per - 1, n - 1)
+        time = np.stack((time[starts], np.maximum(time[ends], time[starts])), axis=1).ravel()
+    blocks.add("ptime", time[None], bits=24)
+    blocks.add("plots", values)
+    return blocks
+
+

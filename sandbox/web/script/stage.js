@@ -1,0 +1,482 @@
+// A display list on a canvas: items, styles, sides of labels. Nothing here knows an element.
+// The format is described in sandbox/picture/listing.py.
+
+const TAU = 2 * Math.PI, FONT = '"DejaVu Sans", system-ui, sans-serif';
+const SMALL = 500, MOST = 24, FEW = 6;                    // of a picture [px]; numbers in a picture, in a small one
+const PITCH = 7, REACH = 12, SHORTEST = 1.5;              // of hatching [points]; of picking [px]; between points of a trail [px]
+const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
+const apart = (a, b) => Math.hypot(b[0] - a[0], b[1] - a[1]);
+const turned = ([x, y], a) => [Math.cos(a) * x - Math.sin(a) * y, Math.sin(a) * x + Math.cos(a) * y];
+
+function subpath(path, d, k, radius) {                    // a ring, {c: a capsule or circle}, {l: an open line}
+  if (d.c) {
+    const [x0, y0, x1, y1] = d.c.map((v) => v * k), r = Math.max(radius * k, 0);
+    if (x0 === x1 && y0 === y1) { path.moveTo(x0 + r, y0); path.arc(x0, y0, r, 0, TAU); return; }
+    const way = Math.atan2(y1 - y0, x1 - x0), q = Math.PI / 2;
+    path.arc(x1, y1, r, way - q, way + q); path.arc(x0, y0, r, way + q, way + 3 * q);
+  } else {
+    const flat = d.l || d;
+    path.moveTo(k * flat[0], k * flat[1]);
+    for (let i = 2; i < flat.length; i += 2) path.lineTo(k * flat[i], k * flat[i + 1]);
+  }
+  if (!d.l) path.closePath();
+}
+function polyline(points) {
+  const path = new Path2D();
+  for (let i = 0; i < points.length; i++) path.lineTo(points[i][0], points[i][1]);
+  return path;
+}
+function arrowPath([x0, y0], [x1, y1], shaft, head) {     // widths and length [px]
+  const d = Math.hypot(x1 - x0, y1 - y0) || 1e-9, [ux, uy] = [(x1 - x0) / d, (y1 - y0) / d];
+  const long = Math.min(head, 0.62 * d), half = shaft / 2, wide = Math.max(half, 0.45 * long), [bx, by] = [x1 - long * ux, y1 - long * uy];
+  const path = polyline([[x0 - half * uy, y0 + half * ux], [bx - half * uy, by + half * ux], [bx - wide * uy, by + wide * ux], [x1, y1],
+                         [bx + wide * uy, by - wide * ux], [bx + half * uy, by - half * ux], [x0 + half * uy, y0 - half * ux]]);
+  path.closePath();
+  return path;
+}
+const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+function mixed(a, b, w) {
+  const [p, q] = [rgb(a), rgb(b)];
+  return `#${p.map((v, i) => Math.round(v + w * (q[i] - v)).toString(16).padStart(2, "0")).join("")}`;
+}
+
+class Stage {
+  constructor(canvas, head) {
+    Object.assign(this, { canvas, head, list: head.list, ctx: canvas.getContext("2d"), zoom: 1, pan: [0, 0], hover: null, extra: [],
+                          stamp: "", lines: 0, stamps: {}, widths: new Map() });
+    this.layers = new Set(head.layers.filter((l) => l.on).map((l) => l.name));
+    this.follow = head.view.follow ? head.bodies.findIndex((b) => b.name === head.view.follow) : -1;
+    this.dress();
+  }
+  dress() {                                               // take on day or night
+    this.night = +(getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1");
+    this.dark = !!this.night; this.patterns = {}; this.stamps = {};
+    this.back = this.ink("paper");
+  }
+  ink(token, by = 0) {
+    if (!token) return null;
+    if (token[0] !== "@") return this.list.inks[token][this.night];
+    const layer = this.head.ramps[token.slice(1)];        // a ramp that a layer switches off is one colour
+    if (layer && !this.layers.has(layer)) return this.ink(this.head.plain);
+    const ramp = this.list.ramps[token.slice(1)][by < 0 ? 0 : 1], k = Math.min(ramp.length - 1, Math.floor(Math.abs(by) * (ramp.length - 1) + 0.5));
+    return this.night ? mixed(ramp[k], "#ffffff", by < 0 ? 0.3 : 0.12) : ramp[k];
+  }
+
+  // -- camera -----------------------------------------------------------------------------------
+  resize() {
+    const { canvas, head } = this, dpr = globalThis.devicePixelRatio || 1, w = canvas.clientWidth || 300, h = canvas.clientHeight || 200;
+    const [W, H] = [Math.round(w * dpr), Math.round(h * dpr)];
+    if (canvas.width !== W || canvas.height !== H) { canvas.width = W; canvas.height = H; }
+    const u = clamp(Math.min(w / 800, h / 400), 0.6, 1.5);
+    if (u !== this.u || dpr !== this.dpr) { this.stamps = {}; this.patterns = {}; }
+    Object.assign(this, { w, h, dpr, u, small: w < SMALL, thin: w < SMALL ? 0.75 : 1, text: Math.max(11, Math.round(13 * u)) });
+    const kept = [w, h, dpr, this.scale, this.stamp.length, this.night, ...this.layers].join();
+    if (kept !== this.kept) { this.kept = kept; this.rows = this.legend(); }
+    const lines = Math.max(this.rows.length, this.lines, this.stamp ? 1 : 0);
+    this.foot = lines ? (1.5 * lines + 0.6) * this.text : 0;
+    const [x0, y0, x1, y1] = head.box, v = head.view, room = Math.max(h - this.foot, 20);
+    const [cx, cy] = v.centre || [(x0 + x1) / 2, (y0 + y1) / 2];
+    const fitted = v.width ? Math.min(w / v.width, room * v.aspect / v.width)
+      : 0.94 * Math.min(w / (2 * Math.max(x1 - cx, cx - x0, 1e-9)), room / (2 * Math.max(y1 - cy, cy - y0, 1e-9)));
+    this.scale = this.zoom * fitted;
+    const [fx, fy] = this.followed();
+    this.ox = w / 2 - this.scale * (cx + fx) + this.pan[0];
+    this.oy = room / 2 + this.scale * (cy + fy) + this.pan[1];
+  }
+  followed() {                                            // how far the camera goes along with a body
+    const { follow: b, head, pose } = this;
+    if (!(b >= 0) || !pose) return [0, 0];
+    const c = head.bodies[b].centre, r = head.rest.slice(3 * b, 3 * b + 3), now = turned(c, pose[3 * b + 2]), then = turned(c, r[2]);
+    return [pose[3 * b] + now[0] - r[0] - then[0], pose[3 * b + 1] + now[1] - r[1] - then[1]];
+  }
+  px(x, y) { return [this.ox + this.scale * x, this.oy - this.scale * y]; }
+  world(x, y) { return [(x - this.ox) / this.scale, (this.oy - y) / this.scale]; }
+  local(f, [x, y]) {                                      // a point of the world in a frame
+    const p = this.pose;
+    return turned([x - p[3 * f], y - p[3 * f + 1]], -p[3 * f + 2]);
+  }
+  at([f, x, y, dx = 0, dy = 0]) {
+    const p = this.pose, a = p[3 * f + 2], c = Math.cos(a), s = Math.sin(a), k = this.scale;
+    return [this.ox + k * (p[3 * f] + c * x - s * y) + dx * this.u, this.oy - k * (p[3 * f + 1] + s * x + c * y) - dy * this.u];
+  }
+  place(f) {                                              // metres of a frame to device pixels
+    const p = this.pose, a = p[3 * f + 2], k = this.scale * this.dpr, c = k * Math.cos(a), s = k * Math.sin(a);
+    const e = this.dpr * (this.ox + this.scale * p[3 * f]), g = this.dpr * (this.oy - this.scale * p[3 * f + 1]);
+    this.ctx.setTransform(c, -s, -s, -c, e, g);
+    this.turn = { a: c / k ** 2, b: -s / k ** 2, c: -s / k ** 2, d: -c / k ** 2, e: (s * g - c * e) / k ** 2, f: (s * e + c * g) / k ** 2 };   // its inverse
+  }
+  plain() { this.ctx.setTransform(this.dpr, 0, 0, this.dpr, 0, 0); }
+  zoomAt(factor, x, y) {                                  // the point at (x, y) stays where it is
+    const [a, b] = this.world(x, y);
+    this.zoom = clamp(this.zoom * factor, 0.1, 400);
+    this.resize();
+    const [p, q] = this.px(a, b);
+    this.pan[0] += x - p; this.pan[1] += y - q;
+  }
+  fit() { this.zoom = 1; this.pan = [0, 0]; }
+
+  // -- one frame ------------------------------------------------------------------------------------
+  draw(frame, ghosts = []) {                              // {t, pose, values, tables: rows by name, trail(item)}
+    const { ctx } = this;
+    this.frame = frame; this.pose = frame.pose; this.values = frame.values;
+    this.resize(); this.plain();
+    ctx.lineJoin = "round"; ctx.lineCap = "butt"; ctx.globalAlpha = 1;
+    ctx.fillStyle = this.back; ctx.fillRect(0, 0, this.w, this.h);
+    this.words = [];
+    if (this.layers.has("coordinates")) this.grid();
+    this.items();
+    for (const ghost of ghosts) this.ghost(ghost);
+    for (const more of this.extra) more(this, frame);
+    this.write();
+    this.strip();
+  }
+  items() {
+    for (const item of this.list.items) {
+      const shown = this.layers.has(item.l) && (item.if === undefined || this.value(item.if) > 0.5);
+      item.seen = shown ? PAINT[item.k](this, item) : null;   // what was painted, for picking
+    }
+    this.plain();
+  }
+  ghost({ head, frame, colour }) {                        // areas of another run, as outlines in its colour
+    const { ctx, pose } = this;
+    this.pose = frame.pose;
+    for (const item of head.list.items) {
+      if (item.k !== "path" || !this.layers.has(item.l) || this.list.styles[item.s]?.[4]) continue;
+      const path = this.path(item);
+      this.place(item.f);
+      ctx.fillStyle = `${colour}18`; ctx.fill(path, item.m ? "nonzero" : "evenodd");
+      ctx.strokeStyle = colour; ctx.lineWidth = 1.2 * this.u / this.scale; ctx.stroke(path);
+    }
+    this.plain();
+    this.pose = pose;
+  }
+  value(v) { return Array.isArray(v) ? this.values[v[0]] : v; }
+  choice(item, all) {                                     // of a list, the one that the item's state picks
+    return Array.isArray(all) ? all[clamp(Math.round(item.state === undefined ? 0 : this.value(item.state)), 0, all.length - 1)] : all;
+  }
+  look(item) {                                            // fill, edge, width, dash [px], hatched
+    const [fill, edge, width, dash, hatched] = this.list.styles[this.choice(item, item.s)], by = item.by === undefined ? 0 : this.value(item.by);
+    const wide = (item.wide === undefined ? 1 : this.value(item.wide)) * this.u * this.thin, lit = item.n && this.hover && this.hover.n === item.n;
+    return [this.ink(fill, by), lit ? this.ink("force") : this.ink(edge, by), width * wide, dash * this.u, hatched && !this.small];
+  }
+  path(item) {                                            // in metres; made once, but for what swells
+    const swells = item.d.some((d) => d.c && Array.isArray(d.c[4]));
+    if (!item.path || swells) {
+      item.path = new Path2D();
+      for (const d of item.d) subpath(item.path, d, 1, d.c && this.value(d.c[4]));
+    }
+    return item.path;
+  }
+  stroke(path, edge, width, dash = 0) {
+    const { ctx } = this;
+    if (!edge || !(width > 0)) return;
+    ctx.strokeStyle = edge; ctx.lineWidth = width;
+    if (dash) ctx.setLineDash([dash, 0.8 * dash]);
+    ctx.stroke(path);
+    if (dash) ctx.setLineDash([]);
+  }
+  dot([x, y], r, fill, edge) {
+    const path = new Path2D();
+    path.arc(x, y, Math.max(r, 0), 0, TAU);
+    if (fill) { this.ctx.fillStyle = fill; this.ctx.fill(path); }
+    this.stroke(path, edge, 1.6 * this.u);
+  }
+  hatch(edge) {
+    if (!this.patterns[edge]) {
+      const side = Math.max(4, Math.round(PITCH * this.u * this.dpr)), c = new OffscreenCanvas(side, side), g = c.getContext("2d");
+      g.strokeStyle = edge; g.globalAlpha = 0.55; g.lineWidth = 0.9 * this.u * this.dpr;
+      for (const o of [-side, 0, side]) { g.moveTo(o - 1, side + 1); g.lineTo(o + side + 1, -1); }
+      g.stroke();
+      this.patterns[edge] = this.ctx.createPattern(c, "repeat");
+    }
+    this.patterns[edge].setTransform(this.turn);          // hatches stay on the screen
+    return this.patterns[edge];
+  }
+  glyph(name, [x, y], turn = 0, k = this.u) {             // a symbol of constant size
+    const { ctx, dpr, list } = this, key = `${name}|${k}`, c = dpr * Math.cos(turn), s = dpr * Math.sin(turn);
+    this.stamps[key] = this.stamps[key] || list.glyphs[name].map(([style, d]) => {
+      const path = new Path2D();
+      subpath(path, d, k, d.c && d.c[4]);
+      return [list.styles[style], path, !!d.l];
+    });
+    ctx.setTransform(c, -s, -s, -c, dpr * x, dpr * y);
+    for (const [[fill, edge, width, dash], path, open] of this.stamps[key]) {
+      if (fill && !open) { ctx.fillStyle = this.ink(fill, 1); ctx.fill(path); }
+      this.stroke(path, this.ink(edge, 1), width * k, dash * k);
+    }
+    this.plain();
+  }
+  arrow(a, b, [shaft, head], fill, rim, width) {
+    const { ctx } = this, u = this.u * (this.small ? 0.8 : 1);
+    if (rim) { ctx.fillStyle = rim; ctx.fill(arrowPath(a, b, shaft * u + width, head * u + width)); }
+    const path = arrowPath(a, b, shaft * u, head * u);
+    ctx.fillStyle = fill; ctx.fill(path);
+    return path;
+  }
+  cutBars(tail, tip, half, ink) {                         // across an arrow that would be longer
+    const d = apart(tail, tip) || 1, [ux, uy] = [(tip[0] - tail[0]) / d, (tip[1] - tail[1]) / d], lean = 2 * this.u;
+    for (const w of [0.4, 0.5]) {
+      const [x, y] = [tail[0] + w * d * ux, tail[1] + w * d * uy];
+      this.stroke(polyline([[x + uy * half - ux * lean, y - ux * half - uy * lean], [x - uy * half + ux * lean, y + ux * half + uy * lean]]), ink, 1.8 * this.u);
+    }
+  }
+  vectors(item) {                                         // [row, tail, tip, size] of arrows in sight, small ones first
+    const found = [];
+    for (const row of this.frame.tables[item.t] || []) {
+      const size = Math.hypot(row[4], row[5]), long = item.metres * this.scale * Math.min(1, item.most / Math.max(size, 1e-30));
+      const tail = this.px(row[2], row[3]), tip = [tail[0] + long * row[4], tail[1] - long * row[5]];
+      if (size * long >= item.least * this.u && Math.abs(tail[0]) < 4e3 && Math.abs(tail[1]) < 4e3) found.push([row, tail, tip, size]);
+    }
+    return found.sort((a, b) => a[3] - b[3]);
+  }
+  grid() {                                                // lines of equal x and equal y
+    const step = roundLength(175 * this.u / this.scale), [x0, y0] = this.world(0, this.h - this.foot), [x1, y1] = this.world(this.w, 0);
+    const [factor, unitName] = step >= 0.1 ? [1, "m"] : [1e3, "mm"], count = (low, high) => [Math.ceil(low / step), Math.floor(high / step)];
+    const put = (n, path, tip) => {
+      this.stroke(polyline(path), this.ink("hairline"), (n ? 0.9 : 1.8) * this.u);
+      this.words.push({ text: `${+(n * step * factor).toPrecision(6)} ${unitName}`, tip, side: 2, rank: 6, ink: this.ink("faint_ink"), clear: 0 });
+    };
+    const [[a, b], [c, d]] = [count(x0, x1), count(y0, y1)];
+    for (let n = a; n <= Math.min(b, a + 200); n++) put(n, [this.px(n * step, y0), this.px(n * step, y1)], [this.px(n * step, 0)[0], this.h - this.foot]);
+    for (let n = c; n <= Math.min(d, c + 200); n++) put(n, [this.px(x0, n * step), this.px(x1, n * step)], [this.text * 2.4, this.px(0, n * step)[1]]);
+  }
+  widthOf(text) {                                         // of a text in the present font, measured once
+    const key = `${this.ctx.font}|${text}`, known = this.widths.get(key);
+    if (known !== undefined) return known;
+    if (this.widths.size > 4000) this.widths.clear();
+    const width = this.ctx.measureText(text).width;
+    this.widths.set(key, width);
+    return width;
+  }
+
+  // -- texts ------------------------------------------------------------------------------------------
+  // A text at its side: that of the list, or else, once and for all, the one that its arrow points to.
+  say(item, key, text, tip, away, ink, size) {
+    const { head } = this;
+    let place = item.k === "text" ? ("side" in item ? [item.side, item.show] : null) : item.labels?.[key];
+    if (!place && (head.live || !item.placed)) {
+      item.sides = item.sides || {};
+      place = item.sides[key] = item.sides[key] || [away ? (Math.round(Math.atan2(-away[1], away[0]) / (Math.PI / 4)) + 8) % 8 : 2, 1];
+    }
+    if (!place || this.value(place[1]) <= 0.5) return;
+    this.words.push({ text, tip, side: place[0], rank: item.rank ?? 1, ink, size, clear: (item.clear || 0) * this.u, number: item.k !== "text" || "value" in item });
+  }
+  valueText(item, value) { return `${fixedText(value * item.factor, item.decimals)} ${item.unit}`; }
+  write() {                                               // of two on one spot the first stays
+    const { ctx, u } = this, taken = [], most = this.small ? FEW : MOST, bottom = this.h - this.foot;
+    let numbers = 0;
+    ctx.font = `600 ${this.text}px ${FONT}`;
+    ctx.textAlign = "center"; ctx.textBaseline = "middle";
+    this.words.sort((a, b) => a.rank - b.rank || (b.size || 0) - (a.size || 0));
+    for (const { text, tip, side, ink, clear, number } of this.words) {
+      if (number && numbers >= most) continue;
+      const w = this.widthOf(text) / 2, h = 0.55 * this.text, [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear;
+      const x = tip[0] + dx * (w + reach), y = tip[1] - dy * (h + reach), box = [x - w, y - h, x + w, y + h];
+      if (box[0] < 0 || box[2] > this.w || box[1] < 0 || box[3] > bottom
+          || taken.some(([a, b, c, d]) => box[0] < c && a < box[2] && box[1] < d && b < box[3])) continue;
+      taken.push(box);
+      numbers += number ? 1 : 0;
+      if (far) {
+        ctx.globalAlpha = 0.6;
+        this.stroke(polyline([[tip[0] + 2 * dx * u, tip[1] - 2 * dy * u], [tip[0] + dx * (reach - u), tip[1] - dy * (reach - u)]]), ink, 1);
+        ctx.globalAlpha = 1;
+      }
+      ctx.lineWidth = 3; ctx.strokeStyle = this.back; ctx.strokeText(text, x, y);
+      ctx.fillStyle = ink; ctx.fillText(text, x, y);
+    }
+  }
+  legend() {                                              // rows of entries that fit: {row, symbol, words, width}
+    const { ctx, u } = this, width = this.w - 2 * this.text, rows = [];
+    ctx.font = `${this.text}px ${FONT}`;
+    const room = this.stamp ? ctx.measureText(`${this.stamp}00`).width + 2 * this.text : 0;
+    let used = Infinity;
+    for (const row of this.list.legend) {
+      if (!this.layers.has(row.l)) continue;
+      let symbol = row.k === "ramp" ? 64 * u : (row.width || 0) * u, after = row.after ?? row.words;
+      if (row.k === "scale") {
+        const size = roundLength((row.size ? 52 : 80) * u / (row.metres * this.scale || 1));
+        symbol = size * row.metres * (this.scale || 0);
+        after = row.size ? `${+size.toPrecision(6)} ${row.unit} ${row.words}` : lengthText(size);
+      }
+      const before = row.before || "", needs = symbol + ctx.measureText(before).width + ctx.measureText(after).width + (before ? 27 : 22) * u;
+      if (used + needs > width - (rows.length === 1 ? room : 0)) {
+        if (rows.length === (this.small ? 1 : 2)) continue;
+        rows.push([]); used = 0;
+        if (needs > width - room) continue;
+      }
+      rows[rows.length - 1].push({ row, symbol, before, after });
+      used += needs;
+    }
+    return rows.filter((row) => row.length);
+  }
+  strip() {                                               // the legend, and the time
+    if (!this.foot) return;
+    const { ctx, u } = this;
+    ctx.fillStyle = this.back; ctx.fillRect(0, this.h - this.foot, this.w, this.foot);
+    ctx.font = `${this.text}px ${FONT}`; ctx.textBaseline = "middle";
+    const put = (text, x, y) => { ctx.fillStyle = this.ink("faint_ink"); ctx.fillText(text, x, y); return x + ctx.measureText(text).width; };
+    this.rows.forEach((entries, k) => {
+      const y = this.h - this.foot + (1.5 * k + 1) * this.text;
+      let x = this.text;
+      ctx.textAlign = "left";
+      for (const { row, symbol, before, after } of entries) {
+        if (before) x = put(before, x, y) + 5 * u;
+        this.symbol(row, x, y, symbol);
+        x = put(after, x + symbol + 5 * u, y) + 17 * u;
+      }
+    });
+    if (this.stamp) { ctx.textAlign = "right"; put(this.stamp, this.w - this.text, this.h - this.foot + this.text); }
+  }
+  symbol(row, x, y, width) {
+    const { ctx, u } = this;
+    if (row.k === "ramp") {
+      for (let k = 0; k < 32; k++) {
+        ctx.fillStyle = this.ink(`@${row.ramp}`, row.low + (1 - row.low) * k / 31);
+        ctx.fillRect(x + width * k / 32, y - 4.5 * u, width / 32 + 0.6, 9 * u);
+      }
+    } else if (row.k === "glyph") this.glyph(row.g, [row.centred ? x + width / 2 : x, y]);
+    else if (row.size) this.arrow([x, y], [x + width, y], row.size, this.ink(this.list.styles[row.s][0]));
+    else {
+      const path = polyline([[x, y], [x + width, y]]);
+      for (const end of [x, x + width]) { path.moveTo(end, y - 4 * u); path.lineTo(end, y + 4 * u); }
+      this.stroke(path, this.ink("ink"), 1.6 * u);
+    }
+  }
+
+  // -- picking ------------------------------------------------------------------------------------------
+  // The topmost named item under a pixel, {n, f, row}: its name, frame (or -1) and row of a table; `of` says which frames count.
+  pick(x, y, of = () => true) {
+    const { ctx } = this, [px, py] = [x * this.dpr, y * this.dpr];
+    for (let i = this.list.items.length - 1; i >= 0; i--) {
+      const item = this.list.items[i], f = item.k === "path" ? item.f : -1;
+      if (!item.n || !item.seen || !of(f)) continue;
+      if (item.k === "arrows") {
+        for (const [path, row] of item.seen) if (ctx.isPointInPath(path, px, py)) return { n: item.refs?.[row[1]] || item.n, f, row };
+        continue;
+      }
+      if (f >= 0) this.place(f);
+      ctx.lineWidth = REACH;
+      const hit = f >= 0 ? ctx.isPointInPath(item.seen, px, py, item.m ? "nonzero" : "evenodd") : ctx.isPointInStroke(item.seen, px, py);
+      this.plain();
+      if (hit) return { n: item.n, f };
+    }
+    return null;
+  }
+}
+
+// -- how each kind is painted; what they give is tested when something is picked -----------------------
+
+const PAINT = {
+  path(s, item) {
+    const path = s.path(item), { ctx } = s, [fill, edge, width, dash, hatched] = s.look(item), rule = item.m ? "nonzero" : "evenodd", k = 1 / s.scale;
+    s.place(item.f);
+    if (item.m) s.stroke(path, edge, 2 * width * k, dash * k);   // one outline round the union
+    if (fill) { ctx.fillStyle = fill; ctx.fill(path, rule); }
+    if (hatched) { ctx.fillStyle = s.hatch(edge); ctx.fill(path, rule); }
+    if (!item.m) s.stroke(path, edge, width * k, dash * k);
+    s.plain();
+    return path;
+  },
+  line(s, item) {
+    const path = polyline(item.p.map((p) => s.at(p))), [, edge, width, dash] = s.look(item);
+    s.stroke(path, edge, width, dash);
+    return path;
+  },
+  mark(s, item) {
+    const at = s.at(item.at);
+    s.glyph(s.choice(item, item.g), at, item.turn === undefined ? 0 : s.value(item.turn));
+    return polyline([at, [at[0] + 0.1, at[1]]]);
+  },
+  span(s, item) {                                         // a pattern between two points
+    const a = s.at(item.a), b = s.at(item.b), d = apart(a, b) || 1e-9, [ex, ey] = [(b[0] - a[0]) / d, (b[1] - a[1]) / d], { t, u = s.u } = item;
+    const [, edge, width, dash] = s.look(item), path = new Path2D();
+    if (item.every) {
+      const step = item.every * s.u;
+      for (let k = 1; k < Math.min(2000, d / step); k++) {
+        for (let i = 0; i < t.length; i += 2) {
+          const [w, v] = [k * step + t[i] * u, t[i + 1] * u], at = [a[0] + w * ex + v * ey, a[1] + w * ey - v * ex];
+          if (i) path.lineTo(...at); else path.moveTo(...at);
+        }
+      }
+    } else {
+      const [share, low, high] = item.w, half = clamp(share * d, low * s.u, high * s.u);
+      for (let i = 0; i < t.length; i += 2) path.lineTo(a[0] + t[i] * d * ex + half * t[i + 1] * ey, a[1] + t[i] * d * ey - half * t[i + 1] * ex);
+    }
+    s.stroke(path, edge, width, dash);
+    return item.every ? polyline([a, b]) : path;
+  },
+  spiral(s, item) {
+    const [x, y] = s.at(item.at), [, edge, width] = s.look(item), [r0, r1] = item.r, from = s.value(item.from), sweep = s.value(item.sweep);
+    if (!edge) return null;
+    const head = (item.head || 0) * s.u, back = head ? Math.min(0.8 * Math.abs(sweep), head / (r1 * s.u)) / Math.max(Math.abs(sweep), 1e-9) : 0;
+    const spot = (w) => [x + s.u * (r0 + (r1 - r0) * w) * Math.cos(from + sweep * w), y - s.u * (r0 + (r1 - r0) * w) * Math.sin(from + sweep * w)];
+    const path = polyline(Array.from({ length: 30 }, (_, k) => spot(k / 29 * (1 - back))));
+    s.stroke(path, edge, width);
+    if (head) { s.ctx.fillStyle = edge; s.ctx.fill(arrowPath(spot(1 - back), spot(1), width, head)); }
+    return path;
+  },
+  taut(s, item) {
+    const path = new Path2D(), [, edge, width, dash] = s.look(item);
+    for (const [f, x, y, radius, sense, meets, leaves] of item.p) {
+      const [px, py] = s.at([f, x, y]);
+      if (meets === undefined) { path.lineTo(px, py); continue; }
+      const from = s.value(meets), to = s.value(leaves);
+      if (from === from && to === to) path.arc(px, py, Math.max(0, s.value(radius) * s.scale), -from, -to, to > from || (to === from && sense < 0));
+    }
+    if (item.c) path.closePath();
+    s.stroke(path, edge, width, dash);
+    return path;
+  },
+  sag(s, item) {
+    const a = s.at(item.a), b = s.at(item.b), [, edge, width, dash] = s.look(item), path = new Path2D();
+    path.moveTo(...a);
+    path.quadraticCurveTo((a[0] + b[0]) / 2, (a[1] + b[1]) / 2 + 2 * s.value(item.depth) * s.scale, ...b);
+    s.stroke(path, edge, width, dash);
+    return path;
+  },
+  arrows(s, item) {
+    const [fill, rim, width] = s.look(item);
+    return s.vectors(item).map(([row, tail, tip, size]) => {
+      const path = s.arrow(tail, tip, item.size, fill, rim, width);
+      if (size > item.most) s.cutBars(tail, tip, (item.size[0] + 6.5) / 2 * s.u, rim);
+      if (size >= 0.5 * (item.told || 0)) {
+        const value = row.length > 6 ? row[6] : size, name = item.names?.[row[1]] || "";
+        s.say(item, row[1], `${name} ${s.valueText(item, value)}`.trim(), tip, [tip[0] - tail[0], tip[1] - tail[1]], fill, size);
+      }
+      return [path, row];
+    });
+  },
+  strips(s, item) {
+    const [fill, edge, width] = s.look(item);
+    for (const row of s.frame.tables[item.t] || []) {
+      const corners = [0, 1, 2, 3].map((k) => s.px(row[2 + 2 * k], row[3 + 2 * k])), path = polyline(corners);
+      path.closePath();
+      if (fill) { s.ctx.fillStyle = fill; s.ctx.fill(path); }
+      s.stroke(path, edge, width);
+      const high = apart(corners[2], corners[1]) > apart(corners[3], corners[0]);
+      const [tip, foot] = high ? [corners[2], corners[1]] : [corners[3], corners[0]];
+      if (row[10] >= item.least) s.say(item, row[1], s.valueText(item, row[10]), tip, [tip[0] - foot[0], tip[1] - foot[1]], edge || fill, row[10]);
+    }
+    return null;
+  },
+  trail(s, item) {
+    const { way, times, count } = s.frame.trail(item), path = new Path2D(), [fill, edge, width] = s.look(item), now = s.at(item.at);
+    let [x, y] = [Infinity, Infinity], next = item.every * Math.ceil(times[0] / item.every + 1e-9);
+    const spots = [];
+    for (let k = 0; k < count; k++) {
+      const [a, b] = s.px(way[2 * k], way[2 * k + 1]);
+      if (times[k] >= next - 1e-9) { spots.push([a, b]); next = item.every * (Math.floor(times[k] / item.every + 1e-9) + 1); }
+      if (!(Math.hypot(a - x, b - y) < SHORTEST)) { path.lineTo(a, b); [x, y] = [a, b]; }
+    }
+    path.lineTo(...now);
+    s.stroke(path, edge, width);
+    for (const spot of spots) s.dot(spot, item.mark * s.u, fill || edge);
+    s.dot(now, 1.5 * width, fill || edge);
+    return path;
+  },
+  text(s, item) {
+    const words = "value" in item ? `${item.words} ${s.valueText(item, s.value(item.value))}`.trim() : item.words;
+    s.say(item, 0, words, s.at(item.at), null, s.look(item)[1], 0);
+    return null;
+  },
+};

@@ -1,0 +1,186 @@
+"""Quantities against time or one another: the right samples, events where they were."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sandbox.errors import OutputError
+from sandbox.figure import style
+from sandbox.figure.signals import MAX_EVENTS, MAX_PANELS, Plotted, Window, draw
+from sandbox.model.catalogue import UnknownQuantityError
+from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Happened
+from tests.figure.written import clashes, texts, written
+from tests.samples.controlled import recording, scene
+
+MCP, DIP = "finger.mcp.angle", "finger.dip.angle"
+
+
+def happening(*times: float) -> Recording:
+    """A run with an event at each of these times [s]."""
+    events = [{"name": f"event{i}", "at": at, "set": {"pull": 15}} for i, at in enumerate(times)]
+    return recording(scene(events=events), info={
+        "events": tuple(Happened(event["name"], event["at"]) for event in events)})
+
+
+def plotted(*runs: Recording) -> list[Plotted]:
+    return [Plotted(f"run {i}", run, {}) for i, run in enumerate(runs)]
+
+
+def test_a_window_holds_its_samples_and_no_others() -> None:
+    run = recording()
+    axes, = draw(plotted(run), [MCP], window=Window(0.5, 1.25)).axes
+    time, shown = axes.lines[0].get_data()
+    inside = (run.time >= 0.5) & (run.time <= 1.25)
+    assert time == pytest.approx(run.time[inside])
+    assert shown == pytest.approx(np.degrees(run[MCP][inside]))
+    assert axes.get_xlim() == (0.5, 1.25)
+    low, high = axes.get_ylim()  # as high as what is seen, and not as all of it
+    assert high - low == pytest.approx(1.14 * np.ptp(shown))
+
+
+def test_one_against_another_is_sample_by_sample() -> None:
+    run = recording(reach=(1, 1, 0.5))
+    axes, = draw(plotted(run), [MCP], x=DIP, window=Window(end=1.0)).axes
+    across, up = axes.lines[0].get_data()
+    first = run.time <= 1.0
+    assert across == pytest.approx(np.degrees(run[DIP][first]))
+    assert up == pytest.approx(np.degrees(run[MCP][first]))
+    ring = axes.lines[1]
+    assert (ring.get_marker(), *ring.get_data()) == ("o", across[0], up[0])
+    assert axes.get_xlabel() == f"{DIP} [deg]"
+
+
+def drawn(figure: Any) -> list[float]:
+    """What a millimetre of each axis is, x over y, once the figure is laid out."""
+    figure.draw_without_rendering()
+    found = []
+    for axes in figure.axes:
+        box = axes.get_window_extent()
+        for line in axes.lines:  # all of it is in sight
+            assert (axes.dataLim.min >= (axes.get_xlim()[0], axes.get_ylim()[0])).all(), line
+            assert (axes.dataLim.max <= (axes.get_xlim()[1], axes.get_ylim()[1])).all(), line
+        found.append(float(np.ptp(axes.get_xlim()) / box.width
+                           / (np.ptp(axes.get_ylim()) / box.height)))
+    return found
+
+
+def moved(x: float, y: float) -> tuple[Recording, str]:
+    """A run whose first body goes along an ellipse [m], almost once, and the body's name."""
+    run = recording()
+    turn = np.linspace(0.0, 6.0, len(run))
+    poses = run.arrays["body_pose"].copy()
+    poses[:, 0, :2] = np.column_stack([x * np.cos(turn), y * np.sin(turn)])
+    return (Recording(run.mechanism, {**run.arrays, "body_pose": poses}, run.info),
+            run.mechanism.bodies[0].name)
+
+
+@pytest.mark.parametrize("wide", [3.0, 0.4])
+def test_a_path_in_the_plane_has_one_scale(
+    wide: float, capsys: pytest.CaptureFixture[str],
+) -> None:
+    run, body = moved(wide, 1.0)
+    x, y, cord = f"{body}.x", f"{body}.y", "finger.tendon.length"
+    figure = draw(plotted(run), [y], x=x)
+    assert drawn(figure) == [pytest.approx(1.0)]
+    assert [figure.axes[0].get_xlabel(), figure.axes[0].get_ylabel()] == [f"{x} [m]", f"{y} [m]"]
+    path, other = drawn(draw(plotted(run), [y, cord, "k1.value"], x=x))
+    assert path == pytest.approx(1.0)
+    assert other != pytest.approx(1.0, rel=0.5)
+    assert drawn(draw(plotted(run, run), [y, x], x=x)) == pytest.approx([1.0, 1.0])
+    assert capsys.readouterr().err == ""  # of matplotlib, about limits that gave way
+
+
+def test_events_stand_where_they_were() -> None:
+    run = happening(1.0, 2.0)
+    figure = draw(plotted(run), [MCP, "k1.value"])
+    for axes in figure.axes:
+        assert [line.get_xdata()[0] for line in axes.lines
+                if len(line.get_xdata()) == 2] == [1.0, 2.0]
+    assert texts(figure).count("event0") == 1
+    assert clashes(figure) == []
+    axes, = draw(plotted(run), [MCP], x=DIP, window=Window(0.0, 1.5)).axes
+    diamond = next(line for line in axes.lines if line.get_marker() == "D")
+    assert diamond.get_xdata() == pytest.approx(np.degrees(np.interp([1.0], run.time, run[DIP])))
+    assert diamond.get_ydata() == pytest.approx(np.degrees(np.interp([1.0], run.time, run[MCP])))
+
+
+def test_targets_are_in_the_unit_of_their_curves_and_names_stand_where_these_end() -> None:
+    run = recording()
+    goal = 0.5 * run[MCP] + 0.1
+    axes, = draw([Plotted("run", run, {MCP: goal})], [MCP, DIP]).axes
+    dashed = next(line for line in axes.lines if line.get_linestyle() == "--")
+    assert dashed.get_ydata()[-len(run):] == pytest.approx(np.degrees(goal))
+    assert dashed.get_xdata()[-len(run):] == pytest.approx(run.time)
+    low, high = axes.get_ylim()
+    for name in (MCP, DIP):
+        [label] = [text for text in axes.texts if text.get_text() == name]
+        end = (np.degrees(run[name][-1]) - low) / (high - low)
+        # nearer to its own end than labels may be moved apart by
+        assert label.xy[1] == pytest.approx(end, abs=0.15)
+    [first, second] = sorted((MCP, DIP), key=lambda name: run[name][-1])
+    heights = {text.get_text(): text.xy[1] for text in axes.texts}
+    assert heights[first] < heights[second]
+
+
+def test_events_out_of_the_window_are_left_out_and_too_many_are_told() -> None:
+    times = [0.1 * k for k in range(1, 2 * MAX_EVENTS + 1)]
+    run = happening(*times)
+    assert any(f"{len(times)} events are not marked" in text
+               for text in texts(draw(plotted(run), [MCP])))
+    inside = draw(plotted(run), [MCP], window=Window(0.25, 0.65))
+    assert [text for text in texts(inside) if text.startswith("event")] == [
+        "event2", "event3", "event4", "event5"]
+    lines = [line.get_xdata()[0] for line in inside.axes[0].lines if len(line.get_xdata()) == 2]
+    assert lines == pytest.approx([0.3, 0.4, 0.5, 0.6])
+
+
+def test_several_runs_have_a_colour_each_and_a_quantity_a_panel() -> None:
+    runs = plotted(recording(), recording(scene("other"), omega=9), happening(1.0))
+    figure = draw(runs, [MCP, "k1.value"])
+    assert [axes.get_title(loc="left") for axes in figure.axes] == [MCP, "k1.value"]
+    for axes in figure.axes:
+        hues = [line.get_color() for line in axes.lines
+                if len(line.get_xdata()) > 2 and not line.is_dashed()]
+        assert hues == list(style.COLOURS[:3])
+    assert {"run 0", "run 1", "run 2"} <= set(texts(figure))
+    assert clashes(figure) == []
+
+
+def test_a_run_that_does_not_have_it_is_left_out() -> None:
+    free = recording(scene("free", controllers=[], drives=[]))
+    runs = [*plotted(free), Plotted("led", recording(), {})]
+    axes, = draw(runs, ["k1.value"]).axes
+    assert [line.get_color() for line in axes.lines] == [style.hue(1)]
+    with pytest.raises(UnknownQuantityError):
+        draw(runs, ["k9.value"])
+    other = recording(scene("other", meters=[{"name": "two", "value": "=2"}], drives=[],
+                            controllers=[]))
+    with pytest.raises(OutputError, match=r"no run has both .k1\.value. and .two."):
+        draw(plotted(recording(), other), ["k1.value"], x="two")
+
+
+def test_too_much_or_too_little_is_told() -> None:
+    run = recording()
+    with pytest.raises(OutputError, match=r"the first is at .* the last at"):
+        draw(plotted(run), [MCP], window=Window(50.0))
+    with pytest.raises(OutputError, match="13 panels are too many"):
+        draw(plotted(run, run), run.names()[:MAX_PANELS + 1])
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_a_figure_of_a_column_has_its_names_above_and_nothing_outside(count: int) -> None:
+    names = [MCP, DIP, "finger.tendon.tension"][:count]
+    figure = draw(plotted(recording()), names, width=0.085, titled=False)
+    assert figure.get_figwidth() * 25.4 == pytest.approx(85)
+    figure.draw_without_rendering()
+    assert figure.axes[0].get_window_extent().width > 0.7 * figure.bbox.width
+    for axes in figure.axes:
+        words = [text.get_text() for text in axes.get_legend().get_texts()]
+        assert words
+        assert set(words) <= set(names)
+    assert clashes(figure) == []
+    assert min(text.get_fontsize() for text in written(figure)) >= 7
