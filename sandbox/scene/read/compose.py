@@ -12,7 +12,7 @@ import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from sandbox.elements.element import LISTS
 from sandbox.errors import Problem, SceneError
@@ -459,13 +459,16 @@ class _Composer:
 
     def check_length(self, count: int, among: str, place: Origin) -> None:
         """Check the length of a list before its copies are made."""
-        name = "bodies" if among in ("bodies", "parts") else "elements"
-        most = getattr(self.limits, name)
-        if count > most:
-            self.problems.append(place.problem(
-                "limit-exceeded", f"with these copies there are {count} {among or 'entries'}",
-                allowed=f"at most {most} (the limit '{name}', raised by --limit {name}=N)"))
-            raise TooLargeError
+        limit = "bodies" if among in ("bodies", "parts") else "elements"
+        if count > getattr(self.limits, limit):
+            self.exceed(place, f"with these copies there are {count} {among or 'entries'}", limit)
+
+    def exceed(self, place: Origin, message: str, limit: str) -> NoReturn:
+        """Report that the number of elements exceeds a limit, and end the composition."""
+        most = getattr(self.limits, limit)
+        self.problems.append(place.problem("limit-exceeded", message, allowed=(
+            f"at most {most} (the limit '{limit}', raised by --limit {limit}=N)")))
+        raise TooLargeError
 
     def too_large(self, place: Origin) -> None:
         """Report that the result, from a place on, is larger than a file may be."""
@@ -477,11 +480,8 @@ class _Composer:
         """Count one more entry that a repeat or a template has led to."""
         self.copies_made += 1
         if self.copies_made > self.limits.elements:
-            self.problems.append(place.problem(
-                "limit-exceeded", f"here the scene's repeats and templates come to more than "
-                f"{self.limits.elements} copies", allowed=f"at most {self.limits.elements} (the "
-                "limit 'elements', raised by --limit elements=N)"))
-            raise TooLargeError
+            self.exceed(place, "here the scene's repeats and templates come to more than "
+                        f"{self.limits.elements} copies", "elements")
 
     def report(self, place: Origin, error: WrongValueError, *, key: bool = False) -> None:
         """Add a problem at a place, once for all copies of it."""
