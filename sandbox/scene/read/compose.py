@@ -271,9 +271,7 @@ class _Composer:
         if not isinstance(entry, dict):
             return entry
         moved = repeat.moved(entry, number, among)
-        for key in moved if moved is not entry else ():
-            if (id(entry), key) in self.places.moved:
-                self.places.put(moved, key, self.places.moved[id(entry), key])
+        self.places.copy(entry, moved)
         return moved
 
     def entry(self, item: dict[str, Any], here: Origin, context: Context, trail: JsonPath) -> Any:

@@ -84,6 +84,12 @@ class OriginMap:
         self.moved[id(container), step] = place
         self.kept[id(container)] = container
 
+    def copy(self, container: Any, other: Any) -> None:
+        """Note the same places for another container with the same keys."""
+        for key in other if other is not container else ():
+            if (id(container), key) in self.moved:
+                self.put(other, key, self.moved[id(container), key])
+
     def at(self, container: Any, step: str | int, place: Origin) -> Origin:
         """Where a child of a container at a place was written, in the copy of that place."""
         moved = self.moved.get((id(container), step))
