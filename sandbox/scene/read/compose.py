@@ -1,8 +1,7 @@
 """Composition of a scene: ``like``, ``repeat`` and ``include`` replaced by what they stand for.
 
-Composition comes before validation. Its result is plain data as a file could hold it, and the
-place where each piece of it was written. Its size is limited on the way: by the limits of elements
-and nesting, and by the limit of a file's bytes.
+Composition comes before validation. Its result is plain data as a file could hold it, with the
+place where each piece was written. Limits of elements, nesting and a file's size apply on the way.
 """
 
 from __future__ import annotations
