@@ -54,16 +54,16 @@ OIL = 1.4e9
 """Modulus of oil with a little air in it [Pa]."""
 LineName = Annotated[Name, LINE]
 LINE_QUANTITIES: Mapping[str, Quantity] = {
-    "pressure": recorded("line_pressure", "Pa", "above the surroundings", live=True),
+    "pressure": recorded("line_pressure", "Pa", "gauge pressure", live=True),
     "volume": recorded("line_volume", "m^3", "of its chambers and hoses", live=True),
-    "flow": recorded("line_flow", "m^3/s", "into it, through valves and by drives; of a gas as it "
-                     "would be at the pressure of the surroundings", live=True),
-    "spilled": recorded("line_spilled", "m^3", "let out by its relief since t = 0"),
+    "flow": recorded("line_flow", "m^3/s", "into it, through valves and from drives; of a gas, at "
+                                           "ambient pressure", live=True),
+    "spilled": recorded("line_spilled", "m^3", "volume through its relief since t = 0"),
     "work": recorded("line_work", "J", "done on the bodies since t = 0"),
 }
 VALVE_QUANTITIES: Mapping[str, Quantity] = {
-    "flow": recorded("valve_flow", "m^3/s", "from its `a` to its `b`", live=True),
-    "loss": recorded("valve_loss", "J", "throttled since t = 0"),
+    "flow": recorded("valve_flow", "m^3/s", "flow from its `a` to its `b`", live=True),
+    "loss": recorded("valve_loss", "J", "energy lost to throttling since t = 0"),
 }
 
 

@@ -72,35 +72,34 @@ FRICTION = ("friction", "friction_work", "sticks")
 QUANTITIES: Mapping[str, Quantity] = {
     "angle": recorded("joint_angle", "rad", "of `b` against `a`, in the hinge's positive sense",
                       live=True),
-    "rate": recorded("joint_rate", "rad/s", "of the angle", live=True),
+    "rate": recorded("joint_rate", "rad/s", "rate of the angle", live=True),
     "length": recorded("joint_length", "m", "of an actuator, between its two points", live=True),
-    "speed": recorded("joint_speed", "m/s", "at which an actuator grows longer", live=True),
+    "speed": recorded("joint_speed", "m/s", "rate of the length of an actuator", live=True),
     "reaction": recorded("joint_reaction", "N",
-                         "size of the force that it carries", live=True),
+                         "magnitude of the reaction force", live=True),
     "reaction_x": recorded("joint_force", "N",
                            "force on its body `b` by its body `a`, in the world", 0, live=True),
     "reaction_y": recorded("joint_force", "N", "the same, upwards", 1, live=True),
     "tension": Quantity(
-        "N", "of rods and ropes: the reaction with its sign, positive where it pulls its two "
-        "points together, negative where it pushes", live=True),
+        "N", "of rods and ropes: signed reaction, positive in tension, negative in "
+             "compression", live=True),
     "tangential": Quantity(
-        "N", "of wheels: force on `b` along their circles where they meet, positive as `a` "
-        "pushes by turning counter-clockwise"),
+        "N", "of wheels: force on `b` along the pitch circles, positive as `a` pushes by turning "
+             "counter-clockwise"),
     "radial": Quantity(
-        "N", "of wheels: force across that, positive where it presses the two apart"),
+        "N", "of wheels: force along the line of centres, positive if it pushes them apart"),
     "gap": Quantity(
-        "m", "of teeth with play: way along the pitch circles until they meet, on the nearer "
-        "side"),
+        "m", "of teeth with backlash: distance along the pitch circles to the nearer flank"),
     "damping": recorded("joint_damping", "N m", "torque of all its dampers, in the hinge's sense"),
-    "damping_work": recorded("joint_damping_work", "J", "done by all its dampers since t = 0"),
+    "damping_work": recorded("joint_damping_work", "J", "work of all its dampers since t = 0"),
     "stop": recorded("joint_stop", "N m", "torque of its hard stop, in the hinge's sense"),
     "friction": recorded("joint_friction", "", "dry friction: of a pin the torque on `b`, in the "
-                         "hinge's sense; of a slot the force on `b`, positive towards the "
-                         "groove's `end`", live=True),
-    "friction_work": recorded("joint_friction_work", "J", "done by dry friction since t = 0: what "
-                              "became heat, as a number below 0"),
-    "sticks": recorded("joint_sticks", "1", "1 while dry friction keeps it from moving, 0 while "
-                       "it slips", live=True, yes_no=True),
+                                               "hinge's sense; of a slot the force on `b`, "
+                                               "positive towards the groove's `end`", live=True),
+    "friction_work": recorded("joint_friction_work", "J", "work of dry friction since t = 0, at "
+                                                          "most 0"),
+    "sticks": recorded("joint_sticks", "1", "1 while dry friction holds it, 0 while it "
+                                            "slides", live=True, yes_no=True),
 }
 
 

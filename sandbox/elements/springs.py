@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 TakenUp = Literal["natural", "as_is"]
 QUANTITIES: Mapping[str, Quantity] = {
     "length": recorded("spring_length", "m", "between its two points", live=True),
-    "force": recorded("spring_force", "N", "positive when it pulls; damper included", live=True),
+    "force": recorded("spring_force", "N", "positive in tension; damper included", live=True),
     "angle": recorded("spring_length", "rad", "of its hinge, in the hinge's positive sense",
                       live=True),
     "torque": recorded("spring_force", "N m",

@@ -34,22 +34,23 @@ RIGID = 1e5
 
 QUANTITIES: Mapping[str, Quantity] = {
     "length": recorded("tendon_length", "m",
-                       "along its path; what wheels at its ends have wound up since t = 0 counts",
+                       "along its path, including the length wound up on wheels at its ends since "
+                       "t = 0",
                        live=True),
     "shortening": Quantity(
-        "m", "its path at t = 0 less that of now, from where it leaves the wheels at its ends: "
-        "positive where it is wound up", live=True),
-    "tension": recorded("tendon_tension", "N", "along the whole path, never below 0; where guides "
-                        "hold it by friction, that of its last straight piece", live=True),
+        "m", "path length at t = 0 minus the current one, between the wheels at its ends: positive "
+             "if wound up", live=True),
+    "tension": recorded("tendon_tension", "N", "along the whole path, never below 0; with friction "
+                                               "at guides, of the last span", live=True),
     "work": recorded("tendon_work", "J", "done on the bodies since t = 0"),
 }
 NUMBERED: Mapping[str, Quantity] = {
-    "tension": Quantity("N", "`tension_0` and so on: of its straight pieces one by one, in order",
+    "tension": Quantity("N", "`tension_0` and so on: tension of each span, in order",
                         live=True),
-    "slip": Quantity("m", "`slip_1` and so on: cord that has slid over such a guide since t = 0, "
-                     "towards the last one; guides are counted from 0", live=True),
-    "lifted": Quantity("1", "`lifted_1` and so on: 1 while the cord is off that guide's wheel and "
-                       "goes straight past it, else 0; guides are counted from 0", live=True,
+    "slip": Quantity("m", "`slip_1` and so on: length that has slid over that guide since t = 0, "
+                          "towards the last guide; guides count from 0", live=True),
+    "lifted": Quantity("1", "`lifted_1` and so on: 1 while the tendon is off that guide's wheel, "
+                            "else 0; guides count from 0", live=True,
                        yes_no=True),
 }
 """What tendons have besides, with a number each: where guides hold them by friction the tensions of
