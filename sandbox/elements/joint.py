@@ -134,12 +134,12 @@ class JointSpec(Element):
     """Anchor in the frame of ``b`` [m]; by default where ``on_a`` is at t = 0."""
     collide: Flag = False
     """Whether the two bodies may touch each other; by default they pass through each other, also
-    while the joint is let go."""
+    while the joint is released."""
     breaks_at: Annotated[Force, POSITIVE] | None = None
-    """The size of its ``reaction`` above which it is let go [N], for good unless an event takes it
-    up again; by default it never breaks."""
+    """Magnitude of its ``reaction`` above which it breaks [N]; it stays released unless an event
+    engages it again. By default it never breaks."""
     released: Flag = False
-    """Whether it is let go from the start, until an event takes it up."""
+    """Whether it starts released, until an event engages it."""
 
     @model_validator(mode="after")
     def _anchored(self) -> Self:
@@ -187,19 +187,17 @@ class ClosingJoint(JointSpec):
     """A joint that closes its gap when it is engaged again."""
 
     takes_up_in: Duration = 0.01
-    """How gently a gap closes once the joint is taken up again [s]: over so long most of it goes,
-    without a jolt, with a force of some m * gap / takes_up_in^2."""
+    """Time in which most of the gap closes once the joint is engaged again [s], smoothly, with a
+    force of about m * gap / takes_up_in^2."""
 
 
 class FrictionJoint(ClosingJoint):
     """A joint that may have dry friction."""
 
     friction_coefficient: Ratio = 0.0
-    """Of dry friction that hangs on what the joint carries: it rubs with this times its reaction;
-    none by default."""
+    """Coefficient of dry friction: friction is this times the reaction; none by default."""
     static: Ratio = Field(default=1.0, ge=1)
-    """How many times as much as it rubs with while it slides it holds with while it does not, 1 or
-    more; by default just as much."""
+    """Ratio of static to sliding friction, 1 or more; 1 by default."""
 
     @property
     def rubs(self) -> bool:
