@@ -90,7 +90,7 @@ def readable() -> Iterator[str]:
         yield f"| {'pair of bodies' if element == 'pair' else element} | {', '.join(words)} |"
     for name, holder in GUIDED.values():
         yield f"| {holder} | `{name}` |"
-    yield "| joint, spring, tendon that may be let go | " + ", ".join(f"`{n}`" for n in TIED) + " |"
+    yield "| joint, spring, tendon that can be released | " + ", ".join(f"`{n}`" for n in TIED) + " |"
 
 
 def arrays() -> Iterator[str]:
@@ -105,27 +105,27 @@ def arrays() -> Iterator[str]:
 
 def layers() -> Iterator[str]:
     """The table of the layers of pictures."""
-    yield "| layer | shown | of some bodies | what |"
+    yield "| layer | shown | for selected bodies | content |"
     yield "|---|---|---|---|"
     for name, layer in LAYERS.items():
-        yield (f"| `{name}` | {'always' if layer.default else 'on wish'} "
+        yield (f"| `{name}` | {'always' if layer.default else 'on request'} "
                f"| {'yes' if layer.per_body else ''} | {_plain(layer.about)} |")
 
 
 def asks() -> Iterator[str]:
-    """The table of what the figures of the audit ask."""
-    yield "| figure | asks |"
+    """The table of the checks and their questions."""
+    yield "| check | question |"
     yield "|---|---|"
     for name, asked in ASKS.items():
         yield f"| `{name}` | {_plain(asked)} |"
 
 
 def advice() -> Iterator[str]:
-    """What to think of a figure that asks for a look."""
-    yield "| a look at | it means | what to do |"
+    """The table of warnings, their meaning and their remedy."""
+    yield "| warning | meaning | what to do |"
     yield "|---|---|---|"
     for each in ADVICE:
-        figures = ", ".join(f"`{name}`" for name in each.figures) or "any other figure"
+        figures = ", ".join(f"`{name}`" for name in each.figures) or "any other check"
         yield f"| {figures} | {each.means} | {each.do} |"
 
 

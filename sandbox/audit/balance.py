@@ -42,8 +42,8 @@ def _reaction_sizes(evidence: Evidence) -> Figure:
         worst.add(name, np.abs(vector[:, j] - a["joint_reaction"][:, j]) / scale, ROUNDING)
     return worst.figure(
         "reaction.size", "", source="|R|", none="there is no joint",
-        why="size of each reaction against its components, shares of the largest of its joint, "
-            "{count:joint}, worst: {where}")
+        why="magnitude of each reaction against its components, relative to the largest of its "
+            "joint, {count:joint}, worst: {where}")
 
 
 def _shared(evidence: Evidence) -> Figure:
@@ -53,17 +53,17 @@ def _shared(evidence: Evidence) -> Figure:
     if not len(model.joints.name):
         return missing(name, why="there is no joint", source=source)
     if not evidence.joints_hold.all():
-        return missing(name, why="joints were let go: what is left shares otherwise", source=source)
+        return missing(name, why="joints were released: others share the load",
+                       source=source)
     few = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), POSES)).astype(int))
     found = [shared_joints(model, poses[i]) for i in few]
     shared = [model.joints.name[j] for j in sorted(set.intersection(*(f.joints for f in found)))]
     asked = found[0].asked
     if not asked:
-        return missing(name, source=source, why=f"more than {LARGEST_GROUP} forces hang together")
+        return missing(name, source=source, why=f"more than {LARGEST_GROUP} forces are connected")
     return judged(
         name, float(len(shared)), "", 0.0, source=source,
-        why="joints that hold with others what fewer could hold, so that balance alone does not "
-            "fix what each carries: " + (_named(shared, 6) or "none"))
+        why="joints whose reactions statics does not determine: " + (_named(shared, 6) or "none"))
 
 
 def _named(items: list[str], most: int = 3) -> str:
@@ -91,6 +91,6 @@ def _momentum(evidence: Evidence) -> Iterator[Figure]:
                           float(evidence.left_allowed[row, b]) / scale)
         yield left_over.figure(
             name, "", source=source, none="nothing moves freely",
-            why=f"how far {'I alpha' if row else 'm a'} is from the sum of all "
-                f"{'moments' if row else 'forces'} on a body, those of its joints included, as a "
-                "share of the largest, {count:body|bodies}, worst: {where}")
+            why=f"difference between {'I alpha' if row else 'm a'} and the sum of all "
+                f"{'moments' if row else 'forces'} on a body, relative to the largest, "
+                "{count:body|bodies}, worst: {where}")

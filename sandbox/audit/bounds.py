@@ -239,7 +239,7 @@ class Balance:
 
 def bound_figure(evidence: Evidence) -> Figure:
     """Contact forces at the end lie where balance, friction and one-sided contacts let them."""
-    name, source = "contact.bounds", "least and largest f with m a = Σ F, |t| <= μ n"
+    name, source = "contact.bounds", "minimum and maximum f with m a = Σ F, |t| <= μ n"
     if not len(evidence.last.run.contacts.normal):
         return missing(name, why="nothing touches at the end", source=source)
     found = contact_bounds(evidence)
@@ -253,9 +253,9 @@ def bound_figure(evidence: Evidence) -> Figure:
                 widest = part.high - part.low, (
                     f"; widest: {label}, {part.force:.4g} in {part.low:.4g} to {part.high:.4g} N")
     return worst.figure(
-        name, "N", source=source, none=f"more than {MOST // 3} bodies hang together",
-        why="how far contact forces at the end are outside of what balance and friction leave "
-            "them, {count:component}, worst: {where}" + widest[1])
+        name, "N", source=source, none=f"more than {MOST // 3} bodies are connected",
+        why="distance of contact forces at the end from the range that balance and friction allow, "
+            "{count:component}, worst: {where}" + widest[1])
 
 
 def push_limits(

@@ -98,8 +98,8 @@ def _friction(evidence: Evidence) -> Figure:
         return missing(name, why="nothing touches", source=source)
     used, sure = used_friction(evidence), evidence.one_normal
     if not sure.any():
-        return missing(name, source=source, why="all rows stand for several points, each with a "
-                       "normal of its own")
+        return missing(name, source=source, why="all contacts merge several points with "
+                       "different normals")
     last = np.flatnonzero((a["contact_sample"] == len(evidence.run) - 1)
                           & (evidence.run.contacts.normal > TOUCH))
     states = []
@@ -114,7 +114,7 @@ def _friction(evidence: Evidence) -> Figure:
         states.append(f"{names[one]}/{names[two]} {state}")
     end = "at the end: " + "; ".join(states) if states else "nothing touches at the end"
     return judged(name, float(used[sure].max(initial=0.0)), "", 1 + CONE, source=source,
-                  why=f"largest share of the friction limit in the whole run; {end}")
+                  why=f"largest ratio of friction to its limit in the whole run; {end}")
 
 
 def _slack(evidence: Evidence) -> Figure:
@@ -133,8 +133,8 @@ def _slack(evidence: Evidence) -> Figure:
     slack = [*some, *(f"{each} never pulled" for each in never)]
     value = math.inf if never else float(seconds.max())
     return judged(name, value, "s", 0.0, source=source,
-                  why=("cords that hung loose: " + "; ".join(slack[:4]) if slack
-                       else "no cord hung loose once it had pulled"))
+                  why=("slack tendons: " + "; ".join(slack[:4]) if slack
+                       else "no tendon was slack after it had pulled"))
 
 
 class _Rows:
@@ -318,9 +318,9 @@ def _slides(rows: _Rows) -> Figure:
              & np.where(rows.hit, rows.alone, ~rows.struck))
     return worst.figure(
         "contact.slides", "", source="f = -μ N y / |y|",
-        none="nothing with friction touches but with several normals or in several impacts",
-        why="friction off μ N against the sliding, or beyond what holds where nothing slides, "
-            "share of N, {count:pair}, worst: {where}")
+        none="no contact with friction has one normal and at most one impact per step",
+        why="difference between friction and μ N against the sliding, and excess over the static "
+            "limit where nothing slides, relative to N, {count:pair}, worst: {where}")
 
 
 def _closes(rows: _Rows) -> Figure:
@@ -345,8 +345,8 @@ def _closes(rows: _Rows) -> Figure:
                       evidence.open + DEEP * min(reach_of(evidence, b) for b in pair))
     return worst.figure(
         "contact.closes", "m", source="N > 0 only at gap = 0", none="nothing touches",
-        why="gaps of contacts that carry, and overlaps that grow with their force or without one, "
-            f"{{count:comparison}}, of the latter in {POSES} samples, worst: {{where}}")
+        why="gaps of contacts with a force, and overlaps that grow with their force or without "
+            f"one, {{count:comparison}}, of overlaps in {POSES} samples, worst: {{where}}")
 
 
 def _bounces(rows: _Rows) -> Figure:
@@ -356,8 +356,8 @@ def _bounces(rows: _Rows) -> Figure:
     rows.add(worst, np.abs(after / speed - rows.restitution), rows.unsure / speed, rows.alone)
     return worst.figure(
         "contact.bounces", "", source="u+ = -e u-", none=NO_IMPACT,
-        why="coefficients of restitution from the rates at which gaps close before and open after "
-            "an impact, against the scene's, {count:pair}, worst: {where}")
+        why="coefficients of restitution from the gap rates before and after an impact, against "
+            "the scene, {count:pair}, worst: {where}")
 
 
 def _swallowed(rows: _Rows) -> Figure:
@@ -391,5 +391,5 @@ def _swallowed(rows: _Rows) -> Figure:
         worst.add(f"at {time:.5g} s", error, allowed)
     return worst.figure(
         "impact.swallowed", "", source="ΔT = Σ J (u- + u+) / 2", none=NO_IMPACT,
-        why="kinetic energy that contacts took in the steps of impacts, beyond what restitution "
-            "explains, share of that of their approach, worst: {where}")
+        why="kinetic energy that impacts took beyond what restitution allows, relative to that of "
+            "their approach, worst: {where}")

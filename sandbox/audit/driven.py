@@ -63,12 +63,12 @@ def _signals(evidence: Evidence) -> Figure:
                                    mechanism.functions), drives.floor[i])
         most = whole(signal)
         worst.add(drive.name, np.abs(a["drive_value"][:, i] - signal) / most, ROUNDING)
-    more = f"; left out, since they are set while it runs: {', '.join(left_out[:3])}"
+    more = f"; left out, because the run changes them: {', '.join(left_out[:3])}"
     return worst.figure(
         "drive.signal", "", source="u(t)",
         none="there is no drive" if not left_out else more.removeprefix("; "),
-        why="values of {count:drive} against their signals, share of the largest of each, worst: "
-            "{where}" + (more if left_out else ""))
+        why="values of {count:drive} against their signals, relative to the largest of each, "
+            "worst: {where}" + (more if left_out else ""))
 
 
 def _motors(evidence: Evidence) -> Figure:
@@ -101,7 +101,7 @@ def _motors(evidence: Evidence) -> Figure:
     return worst.figure(
         "drive.motor", "", source="ω = u, τ = c (u - ω) or τ = ±τmax",
         none="there is no motor and no brake",
-        why="rates and torques of motors and brakes against what they are to hold and may give, "
+        why="rates and torques of motors and brakes against their targets and limits, "
             "{count:comparison}, worst: {where}")
 
 
@@ -212,7 +212,7 @@ def _stops(evidence: Evidence) -> Figure:
                       np.maximum(low - angle, angle - high) - h, 0.0), evidence.joints_hold[j])
     return worst.figure(
         "stop.law", "rad", source="τ > 0 at the limit only", none="no hinge has stops",
-        why="how far from its limit a stop pushed, and how far beyond it a step led, "
+        why="distance of stops in action from their limit, and overshoot in a step, "
             "{count:comparison}, worst: {where}")
 
 
@@ -230,8 +230,8 @@ def _works(evidence: Evidence) -> Figure:
         worst.add(label, off / max(moved, SMALLEST_SCALE), EXACT)
     return worst.figure(
         name, "", source=source, none="nothing works",
-        why="work added up by the run against forces times rates of all steps, share of all work "
-            "of each of {count:element}, worst: {where}")
+        why="recorded work against the sum of force times rate over all steps, relative to all "
+            "work of each of {count:element}, worst: {where}")
 
 
 def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
@@ -288,10 +288,10 @@ def _places(evidence: Evidence) -> Figure:
             worst.add(drives.name[i], *_approach(evidence, i))
     return worst.figure(
         "drive.place", "", source="τ = k (u − q) − c q′ or q → u",
-        none="no drive with a stiffness goes to a place, or not every step was recorded",
-        why="efforts of {count:servo} against k (u - q) - c q', share of the "
-            "most that they can; of rigid ones by how much they moved away from their targets with "
-            "effort to spare, share of the way; worst: {where}")
+        none="there is no servo, or not every step was recorded",
+        why="efforts of {count:servo} against k (u - q) - c q', relative to the limit; rigid "
+            "servos below their limit: movement away from the target, relative to the travel; "
+            "worst: {where}")
 
 
 def _sprung(evidence: Evidence, drive: int) -> tuple[Array, Array]:

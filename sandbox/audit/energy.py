@@ -64,7 +64,7 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
     by_joints = started.made if blow else np.zeros(len(left))
     yield _started(evidence, started, blow, scale, allowed)
     if _closed_gaps(evidence) and not evidence.every_step:
-        why = f"joints broke or were taken up, which is work, and {NOT_EVERY_STEP}"
+        why = f"joints broke or were engaged again, which does work, and {NOT_EVERY_STEP}"
         yield missing("energy.created", why=why, source=source)
         yield missing("energy.lost", why=why, source=source)
         return
@@ -93,7 +93,7 @@ def kinetic_at_start(evidence: Evidence) -> float:
 def _unrecorded(evidence: Evidence) -> str:
     bodies, drives = evidence.model.bodies, evidence.model.drives
     if len(moved := np.flatnonzero(bodies.scheduled)):
-        return f"the work of what moves {bodies.name[moved[0]]!r} by a schedule is not recorded"
+        return f"the work of {bodies.name[moved[0]]!r}, moved by a schedule, is not recorded"
     if len(grown := drives.giving("radius")):
         return f"the work of {drives.name[grown[0]]!r}, which changes a radius, is not recorded"
     return ""
@@ -253,12 +253,12 @@ def _started(
     if not paced(evidence.model).any():
         return missing(name, why="there is no motor", source=source)
     if not blow:
-        why = "no motor starts at a speed that its hinge does not have"
+        why = "every motor starts at the speed of its hinge"
     else:
-        why = (f"{'; '.join(started.jumps[:3])}. That is a blow in one step, not a motion: its "
-               f"forces grow as 1 / step. {started.made[-1]:.2g} J that joints made in it are not "
-               "counted in energy.created and energy.lost. A signal that begins with the hinge's "
-               "own rate and does not jump costs nothing")
+        why = (f"{'; '.join(started.jumps[:3])}. This is an impact in one step: its forces grow as "
+               f"1 / step. The {started.made[-1]:.2g} J of joints in it are not counted in "
+               "energy.created and energy.lost. A signal that starts at the hinge's speed avoids "
+               "it")
     return judged(name, started.cost / scale, "", allowed, why=why, source=source)
 
 
@@ -268,9 +268,9 @@ def _created(left: Array, scale: float, allowed: float) -> Figure:
     rise = float((left - lowest).max(initial=0.0)) / scale
     return judged(
         "energy.created", rise, "", allowed, source="ΔE = Σ W",
-        why="the most energy that joints and contacts, which should give none, gave, as a share of "
-            "all that was turned over: kinetic energy less the work of drives, tendons, springs, "
-            "dampers and weight; the step's own error is allowed, up to 1 %")
+        why="most energy that joints and contacts supplied, relative to all energy converted: "
+            "kinetic energy minus the work of drives, tendons, springs, dampers and weight; the "
+            "error of the step is allowed, up to 1 %")
 
 
 def _lost(
@@ -284,13 +284,14 @@ def _lost(
     if touched and not evidence.every_step:
         return missing(
             "energy.lost", source=source,
-            why=f"contacts, stops and ropes work in every step, and {NOT_EVERY_STEP}")
+            why=f"contacts, stops and ropes do work in every step, and {NOT_EVERY_STEP}")
     if not touched:
         return judged(
             "energy.lost", peak(left - by_joints) / scale, "", allowed,
-            source=source, why="what is missing though nothing touches: kinetic energy less the "
-            "work of drives, cords, springs, dampers and weight, as a share of all energy turned "
-            "over; joints should take none, the step's own error is allowed as in energy.created")
+            source=source, why="energy lost without contacts: kinetic energy minus the work of "
+                               "drives, tendons, springs, dampers and weight, relative to all "
+                               "energy converted; the error of the step is allowed as in "
+                               "energy.created")
     if not evidence.vectors:
         return missing("energy.lost", source=source, why=OLDER)
     # of what surfaces that run do the contacts' own work has a share, the rest goes into heat
@@ -299,8 +300,8 @@ def _lost(
     left = left + _work_of_displacements(evidence)
     return judged(
         "energy.lost", peak(left[evidence.known]) / scale, "", least, source=source,
-        why="kinetic energy less all work, that of contacts, stops and joints added up from every "
-            "step, as a share of all energy turned over")
+        why="kinetic energy minus all work, including contacts, stops and joints in every step, "
+            "relative to all energy converted")
 
 
 def _stretched(evidence: Evidence) -> bool:

@@ -28,7 +28,7 @@ from sandbox.elements.element import ATMOSPHERE
 from sandbox.model.model import NONE
 from sandbox.numeric import Array
 
-OLDER = "the instants of contents were not recorded yet"
+OLDER = "the recording is of an older version, without the times of fluid contents"
 NEWTON = 1e-8
 """Share of a flow by which an orifice's law may be off where attempts to find it end."""
 
@@ -103,8 +103,8 @@ def _flows(evidence: Evidence) -> Figure:
             worst.add(name, np.abs(held - held[0] - came) / turned, EXACT + least)
     return worst.figure(
         "line.flow", "", source="dM/dt = Σ Q", none="there is no line",
-        why="flow into each line against those of valves and drives, and what is in it against all "
-            "that came, share of that, {count:comparison}, worst: {where}")
+        why="flow into each line against valves and drives, and content against total inflow, "
+            "relative to it, {count:comparison}, worst: {where}")
 
 
 def _pressures(evidence: Evidence) -> Figure:
@@ -134,8 +134,8 @@ def _pressures(evidence: Evidence) -> Figure:
         worst.add_nearest(name, laws)
     return worst.figure(
         "line.law", "m^3", source=source, none="there is no line",
-        why="what is in {count:line} against what fills their volumes at their pressures, worst: "
-            "{where}; of a gas, whose law a step takes straight, what bends within it is allowed")
+        why="content of {count:line} against volume and pressure, worst: {where}; for gas, the "
+            "linearisation error of a step is allowed")
 
 
 def _holds(
@@ -177,7 +177,7 @@ def _valves(evidence: Evidence) -> Figure:
         worst.add(name, off / most, EXACT + 2 * NEWTON + 3e-3 / most)
     return worst.figure(
         "valve.law", "", source="Δp = R Q + ρ/2 (Q / Cd A)²", none="there is no valve",
-        why="pressures across {count:valve} from their flows, as a share of the largest of each, "
+        why="pressure drops of {count:valve} against their flows, relative to the largest of each, "
             "worst: {where}; below 0.001 Pa an orifice counts as a long passage")
 
 
@@ -188,7 +188,7 @@ def _energy(evidence: Evidence) -> Figure:
     if not lines.name:
         return missing(name, why="there is no line", source=source)
     if np.isfinite(lines.gas).any():
-        return missing(name, why="a gas takes heat from its surroundings, or gives it to them",
+        return missing(name, why="a gas exchanges heat with its surroundings",
                        source=source)
     if not evidence.every_step:
         return missing(name, source=source, why=NOT_EVERY_STEP)
@@ -213,5 +213,6 @@ def _energy(evidence: Evidence) -> Figure:
     worst = int(np.argmax(error - step))
     return judged(
         name, float(error[worst]) / scale, "", EXACT + float(step[worst]) / scale, source=source,
-        why="work of the pumps less what bodies got, fluid stores, and valves and reliefs took, "
-            "share of all; what a pressure changes by in a step, times flow, is allowed")
+        why="work of pumps minus the work on bodies, the energy stored in fluid and the losses of "
+            "valves and reliefs, relative to the total; pressure change in a step times flow is "
+            "allowed")

@@ -78,9 +78,10 @@ def _bounds(evidence: Evidence) -> Figure:
             worst.add(f"sliding of {name}", np.maximum(short, 0.0) / most, allowed, holds)
     return worst.figure(
         "tendon.grip", "", source="T e^(-μφ) <= T' <= T e^(μφ)",
-        none="no guide holds a tendon by friction",
-        why="friction of guides against Euler's bound from the recorded poses, its sense against "
-            "what slid, share of the largest tension, {count:comparison}, worst: {where}")
+        none="no guide has friction",
+        why="friction of guides against Euler's bound from the recorded poses, and its direction "
+            "against the sliding, relative to the largest tension, {count:comparison}, worst: "
+            "{where}")
 
 
 def _drag(evidence: Evidence, span: CordSpan, grip: int) -> float:
@@ -116,9 +117,9 @@ def _spans(evidence: Evidence) -> Figure:
         if spans := spans_of(tendons, tendon):
             _add_laws(evidence, spans, worst)
     return worst.figure(
-        "tendon.spans", "", source="T = EA (L - M) / M", none="no guide holds a tendon by friction",
-        why="tensions of {count:span} from the recorded poses and what slid, share of the largest "
-            "of each, worst: {where}")
+        "tendon.spans", "", source="T = EA (L - M) / M", none="no guide has friction",
+        why="tensions of {count:span} from the recorded poses and the sliding, relative to the "
+            "largest of each, worst: {where}")
 
 
 def _add_laws(evidence: Evidence, spans: list[CordSpan], worst: Worst) -> None:
@@ -233,9 +234,8 @@ def _joints(evidence: Evidence) -> Figure:
     return worst.figure(
         "joint.friction", "", source="|F| <= μ N, against the motion",
         none="no joint has dry friction",
-        why="dry friction of joints against its bound from what they carry, its sense against the "
-            "motion at the end of the step, none of that where it holds, {count:comparison}, "
-            "worst: {where}")
+        why="dry friction of joints against its bound and against the motion at the end of the "
+            "step, {count:comparison}, worst: {where}")
 
 
 def _breaking_away(

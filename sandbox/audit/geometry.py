@@ -60,9 +60,9 @@ def _poses(evidence: Evidence) -> Figure:
         worst.add(f"angle of {model.bodies.name[outward]}", error, ROUNDING * (1 + np.abs(own)))
         placed[outward] = (*found, own, allowed)
     return worst.figure(
-        name, "m", source=source, none="no body hangs on hinges from a fixed one",
-        why="where hinge angles would put bodies against where they are, {count:comparison}, "
-            "worst: {where}; gaps that a step may leave at the hinges on the way are allowed")
+        name, "m", source=source, none="no chain of hinges starts at a fixed body",
+        why="poses from the hinge angles against the recorded poses, {count:comparison}, worst: "
+            "{where}; the hinge gaps on the way are allowed")
 
 
 def _kept_pivots(evidence: Evidence) -> list[int]:
@@ -102,9 +102,9 @@ def _tendon_wheels(evidence: Evidence) -> Figure:
         worst.add(f"{name}, which it is off", np.nan_to_num(np.maximum(-found.clear, 0.0)),
                   ROUNDING)
     return worst.figure(
-        "tendon.lift", "m", source="φ ≥ 0", none="there is no wheel that a tendon can lift off",
-        why="how far along a wheel a cord would have to stick to it, or how far a wheel that it is "
-            "off is in its way, in the recorded poses, {count:comparison}, worst: {where}")
+        "tendon.lift", "m", source="φ ≥ 0", none="no tendon can lift off a wheel",
+        why="length of wheel on which a tendon would have to stick, or overlap of its path with a "
+            "wheel that it has left, {count:comparison}, worst: {where}")
 
 
 def _tendon_triangles(evidence: Evidence) -> Figure:
@@ -135,9 +135,9 @@ def _tendon_triangles(evidence: Evidence) -> Figure:
             worst.add(tendons.name[key], total, allowed[key])
     return worst.figure(
         "tendon.shortening", "m", source="(16)-(19)",
-        none="no tendon crosses a hinge by plain eyes",
-        why="shortening over hinges by their angles against the recorded one, {count:tendon}, "
-            "worst: {where}; the gap of each hinge is allowed")
+        none="no tendon crosses a hinge between point guides",
+        why="shortening from the hinge angles against the recorded one, {count:tendon}, worst: "
+            "{where}; the gap of each hinge is allowed")
 
 
 def _spring_triangles(evidence: Evidence) -> Figure:
@@ -157,7 +157,7 @@ def _spring_triangles(evidence: Evidence) -> Figure:
         worst.add(springs.name[i], np.abs(length - recorded[i]), allowed)
     return worst.figure(
         "spring.length", "m", source="(28)-(30)", none="there is no straight spring",
-        why="lengths from hinge angles, of springs that cross no hinge from the poses, "
+        why="lengths from the hinge angles, or from the poses if no hinge is crossed, "
             "{count:spring}, worst: {where}")
 
 
@@ -201,9 +201,9 @@ def _drift(evidence: Evidence) -> Figure:
                       evidence.joint_slack[j] + ROUNDING + _yielded(evidence, j),
                       evidence.joints_hold[j])
     return worst.figure(
-        "joint.drift", "m", source="gap = 0", none="there is no joint that could drift",
-        why="gap between the two sides of {count:joint}; the largest, against what a step may "
-            "leave: {where}")
+        "joint.drift", "m", source="gap = 0", none="no joint can drift",
+        why="largest gap between the two sides of {count:joint}, against the allowed gap of a "
+            "step: {where}")
 
 
 def _gap(evidence: Evidence, j: int) -> Array:
@@ -294,9 +294,9 @@ def _differential(evidence: Evidence) -> Figure:
                 left_out.append(f"{name}: {reason}")
     return worst.figure(
         "differential", "m", source="(4)-(7)", none="; ".join(left_out[:2]),
-        why="way of each pivot against the mean of its two strings' ways, weighted by their arms, "
-            "{count:rocker or wheel|rockers or wheels}, worst: {where}; the strings' slant "
-            "is allowed"
+        why="travel of each pivot against the mean travel of its two strings, weighted by their "
+            "arms, {count:rocker or wheel|rockers or wheels}, worst: {where}; the inclination of "
+            "the strings is allowed"
             + (f"; left out: {'; '.join(left_out[:2])}" if left_out else ""))
 
 
@@ -315,7 +315,7 @@ def _compare(evidence: Evidence, group: Group, name: str, worst: Worst) -> str:
     joints, body = model.joints, model.names.body[name]
     slots = [j for j in joints.keeping("groove") if joints.bodies[j, 1] == body]
     if not slots:
-        return "it does not slide on a slot"
+        return "its pivot does not slide on a slot"
     frame = joints.bodies[slots[0], 0]
     along = joints.groove[slots[0], 1] - joints.groove[slots[0], 0]
     direction = along / np.hypot(*along)
@@ -331,7 +331,7 @@ def _compare(evidence: Evidence, group: Group, name: str, worst: Worst) -> str:
     # arms count to either side: the pivot's displacement is the mean, weighted by the other's arm
     total = one.arm - two.arm
     if abs(total) < 1e-12:
-        return "its strings pull at one place"
+        return "its strings pull at the same point"
     mean = (one.arm * two.displacement - two.arm * one.displacement) / total
     allowed = np.maximum(one.allowed, two.allowed) + evidence.closed + ROUNDING
     worst.add(name, np.abs(own - mean), allowed)

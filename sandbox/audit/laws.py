@@ -51,7 +51,7 @@ def _springs(evidence: Evidence) -> Figure:
                      middle[i], end[i], hold[i])
     return laws.worst.figure(
         "spring.law", "", source="F = k (L - L0) + c dL/dt", none="there is no straight spring",
-        why="forces of {count:straight spring} from the recorded poses and velocities, share of "
+        why="forces of {count:straight spring} from the recorded poses and velocities, relative to "
             "the largest of each, worst: {where}")
 
 
@@ -78,8 +78,8 @@ def _cords(evidence: Evidence) -> Figure:
                      found[i] - rest[i], middle[i], end[i], hold[i])
     return laws.worst.figure(
         "tendon.law", "", source="T = k (L - L0) + c dL/dt", none="no tendon slides freely",
-        why="tensions of {count:tendon} from the recorded poses and velocities, or their drives, "
-            "share of the largest of each, worst: {where}")
+        why="tensions of {count:tendon} from the recorded poses, velocities and drives, relative "
+            "to the largest of each, worst: {where}")
 
 
 def _held(evidence: Evidence, ties: Integers) -> Flags:
@@ -150,7 +150,7 @@ def _rotary(evidence: Evidence) -> Figure:
             for ahead in (0.0, h * evidence.rates_after[j])], holds)
     return worst.figure(
         "spring.torque", "", source="τ = k (q - q0) + c dq/dt", none="there is no rotary spring",
-        why="torques of {count:rotary spring} from the recorded poses and velocities, share of "
+        why="torques of {count:rotary spring} from the recorded poses and velocities, relative to "
             "the largest of each, worst: {where}")
 
 
@@ -191,7 +191,7 @@ def _dampers(evidence: Evidence) -> Figure:
                   held_one(model.ties.joint[j], a["held"]))
     return worst.figure(
         "damper.law", "", source="τ = -c dq/dt", none="there is no hinge",
-        why="torques of the dampers of {count:hinge} from the recorded velocities, share of the "
+        why="torques of the dampers of {count:hinge} from the recorded velocities, relative to the "
             "largest of each, worst: {where}")
 
 
@@ -206,7 +206,7 @@ def _loads(evidence: Evidence) -> Figure:
     return worst.figure(
         "load.law", "", source="F = F(x, v, a, t)", none="there is no load",
         why="forces and torques of {count:load on a body|loads on bodies} from the recorded poses, "
-            "velocities and accelerations, share of the largest of each, worst: {where}")
+            "velocities and accelerations, relative to the largest of each, worst: {where}")
 
 
 def _compare_load(evidence: Evidence, worst: Worst, i: int, name: str) -> None:

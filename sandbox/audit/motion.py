@@ -39,8 +39,8 @@ def _clock(evidence: Evidence) -> Figure:
     return judged(
         "clock", max(float(off.max(initial=0.0)), step), "step",
         8 * DIGITS * float(np.abs(k).max(initial=1.0)) + ROUNDING, source="t = (k - 1/2) h",
-        why=f"how far samples are from the middle of a step of {h:g} s, and {every} steps from one "
-            "another")
+        why=f"distance of samples from the middle of a step of {h:g} s, and from a spacing of "
+            f"{every} steps")
 
 
 def _numbers(evidence: Evidence) -> Figure:
@@ -61,8 +61,8 @@ def _numbers(evidence: Evidence) -> Figure:
         worst.add(f"length of {one}", off, ROUNDING)
     return worst.figure(
         "scene.numbers", "", source="", none="there is no body",
-        why="masses, centres of mass, lengths at rest and at the start as the recording has them "
-            "against the scene, {count:number}, worst: {where}")
+        why="recorded masses, centres of mass, rest lengths and initial lengths against the scene, "
+            "{count:number}, worst: {where}")
 
 
 def _schedules(evidence: Evidence) -> Figure:
@@ -81,7 +81,7 @@ def _schedules(evidence: Evidence) -> Figure:
         steps = time / evidence.h if body.path is not None else 1.0
         worst.add(bodies.name[b], off, ROUNDING + DIGITS * steps * (1 + np.abs(pose).max(axis=0)))
     return worst.figure(
-        "schedule", "m", source="x(t)", none="everything moves freely",
+        "schedule", "m", source="x(t)", none="all bodies move freely",
         why="poses of {count:fixed or scheduled body|fixed or scheduled bodies}, worst: {where}")
 
 
@@ -96,8 +96,7 @@ def _velocities(evidence: Evidence) -> Figure:
     for b in np.flatnonzero(bodies.fixed).tolist():
         v, a = evidence.velocity[:, b], evidence.loads.frames.acceleration[:, b]
         worst.add(bodies.name[b], np.abs(np.concatenate([v, a])).max(axis=0), ROUNDING)
-    how = ("" if evidence.every_step else ", half of them at least as near as the trapezoid rule "
-           "can tell from samples")
+    how = ("" if evidence.every_step else ", where samples are far apart by the trapezoid rule")
     return worst.figure(
         name, "m/s", source=source, none="there is no body",
         why=f"velocities and accelerations against the differences of the poses{how}, "

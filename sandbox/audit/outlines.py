@@ -199,9 +199,9 @@ def contact_geometry(evidence: Evidence) -> Figure:
         _to_hulls(evidence, own[~evidence.one_normal[own]], two, worst)
     return worst.figure(
         name, "m", source=source, none="nothing touches",
-        why="places, gaps and normals of contacts against the outlines of the shapes, or, where a "
-            "row stands for several points between bodies of several shapes, places along the "
-            "force against their hulls, {count:comparison}, worst: {where}")
+        why="points, gaps and normals of contacts against the outlines of the shapes; for merged "
+            "contacts of several shapes, points along the force against the hulls; "
+            "{count:comparison}, worst: {where}")
 
 
 def _to_outlines(evidence: Evidence, rows: Integers, pair: tuple[int, int], worst: Worst) -> None:

@@ -43,11 +43,11 @@ def _moving(evidence: Evidence) -> str:
     """Why a run is not at rest over its last part; empty if it is."""
     run, model = evidence.run, evidence.model
     if not run.complete:
-        return "the run did not come to its end"
+        return "the run stopped early"
     if not model.bodies.free.any():
         return "nothing moves freely"
     if (gone := np.flatnonzero(run.arrays["held"][-1] == 0)).size:
-        return f"{model.ties.name[gone[0]]!r} is let go"
+        return f"{model.ties.name[gone[0]]!r} is released"
     first = min(len(run) - 1, int(len(run) * (1 - LAST)))
     moving = np.flatnonzero(~model.bodies.fixed)
     v = run.arrays["body_velocity"][first:, moving]
@@ -166,8 +166,8 @@ def _moments(rest: Rest, window: float) -> Figure:
     return worst.figure(
         "rest.moments", "", source="Σ M = 0",
         none=f"left out: {text}" if text else "there is no hinge that carries a load",
-        why="moment left over at the end, against the largest moment, about {count:hinge}: "
-            "tendons, springs, contacts, weight, stops, dampers; worst: {where}"
+        why="sum of moments at the end, relative to the largest, about {count:hinge}: tendons, "
+            "springs, contacts, weight, stops, dampers; worst: {where}"
             + (f"; left out: {text}" if text else ""))
 
 
@@ -275,7 +275,7 @@ def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
     if count != len(grip.hinges):
         return f"{counted(count, 'contact')} for {counted(len(grip.hinges), 'hinge')}"
     if any(not beyond_joint(rest.model, j) for j in grip.hinges):
-        return "something else holds it, too"
+        return "something else holds it"
     values = np.linalg.svd(grip.jacobian, compute_uv=False)
     if values[-1] < 1e-9 * values[0]:
         return "a contact has no arm"
@@ -305,4 +305,4 @@ def _determined(rest: Rest) -> Figure:
                       f"{np.count_nonzero(~known) or 'none'} of {len(known)} on {group.name}")
     return judged(
         "contact.shared", float(shared), "", 0.0, source=source,
-        why="contact forces at the end that balance alone does not fix: " + "; ".join(states[:6]))
+        why="contact forces at the end that statics does not determine: " + "; ".join(states[:6]))

@@ -66,9 +66,9 @@ def starts(evidence: Evidence) -> StartsAtSpeed:
             on_line = evidence.model.drives.kind[jump.drive].gives == "push"
             what, rate, push = (("actuator", "m/s", "N s") if on_line
                                 else ("hinge", "rad/s", "N m s"))
-            texts.append(f"{evidence.model.drives.name[jump.drive]} brings its {what} from "
+            texts.append(f"{evidence.model.drives.name[jump.drive]} accelerates its {what} from "
                          f"{jump.rate:.4g} to {jump.speed:.4g} {rate} after {at:.4g} s with "
-                         f"{impulse:.3g} {push}, which costs {own:.3g} J")
+                         f"{impulse:.3g} {push}, which loses {own:.3g} J")
         own, off = _of_joints(evidence, sample, jumps, impulses, sample + int(within[sample]))
         made[sample] += own * (0.5 if within[sample] else 1.0)
         made[sample + 1:] += own

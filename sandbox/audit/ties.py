@@ -15,7 +15,7 @@ from sandbox.samples.cords import piece_tensions
 
 def tie_figures(evidence: Evidence) -> Iterator[Figure]:
     """Loads of what is let go, and of what may break."""
-    source, none = "F = 0 where let go", "nothing may be let go"
+    source, none = "F = 0 where released", "nothing can be released"
     if not evidence.model.ties.name:
         yield missing("release.force", why=none, source=source)
         yield missing("release.load", why=none, source="F <= F_b")
@@ -31,7 +31,7 @@ def tie_figures(evidence: Evidence) -> Iterator[Figure]:
                         + _freed(evidence, tie, holds))
     yield judged(
         "release.force", most, "N", 0.0, source=source,
-        why="largest load of what is let go; let go: " + ("; ".join(told[:4]) or "nothing"))
+        why="largest load of released elements; released: " + ("; ".join(told[:4]) or "nothing"))
     yield _loads(evidence)
 
 
@@ -41,9 +41,8 @@ def _loads(evidence: Evidence) -> Figure:
         over = _load(evidence, tie) / ties.breaks_at[tie] - 1.0
         worst.add(ties.name[tie], np.maximum(over, 0.0), EXACT, _holds(evidence, tie))
     return worst.figure(
-        "release.load", "", source="F <= F_b", none="nothing breaks at a load",
-        why="by how much what holds carried more than it breaks at, share of that, "
-            "{count:element}, worst: {where}")
+        "release.load", "", source="F <= F_b", none="no element has a breaking load",
+        why="load above the breaking load, relative to it, {count:element}, worst: {where}")
 
 
 def _holds(evidence: Evidence, tie: int) -> Flags:

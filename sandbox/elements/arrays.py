@@ -51,7 +51,7 @@ class Recorded:
 
 
 ARRAYS: tuple[Recorded, ...] = (
-    Recorded("time", ("n",), "s", "the instant of the poses and forces of a sample"),
+    Recorded("time", ("n",), "s", "time of poses and forces of a sample"),
     Recorded("body_pose", ("n", "nb", 3), "m, m, rad", "x, y, angle of the body's frame"),
     Recorded("body_velocity", ("n", "nb", 3), "m/s, m/s, rad/s",
              "of the centre of mass, and about it"),
@@ -62,9 +62,9 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("joint_rate", ("n", "nj"), "rad/s", "of that angle; nan unless a pin", also="nan"),
     Recorded("joint_length", ("n", "nj"), "m", "of an actuator; nan of others", also="nan",
              late=True),
-    Recorded("joint_speed", ("n", "nj"), "m/s", "at which that grows; nan of others", also="nan",
+    Recorded("joint_speed", ("n", "nj"), "m/s", "rate of that length; nan of others", also="nan",
              late=True),
-    Recorded("joint_reaction", ("n", "nj"), "N", "size of the force that the joint carries"),
+    Recorded("joint_reaction", ("n", "nj"), "N", "magnitude of the joint's reaction force"),
     Recorded("joint_force", ("n", "nj", 2), "N",
              "on its body `b` by its body `a`, in the world; ends of grooves and ropes included",
              late=True),
@@ -83,7 +83,7 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("joint_friction_work", ("n", "nj"), "J",
              "done by dry friction on the bodies since t = 0; nan without", also="nan", late=True),
     Recorded("joint_sticks", ("n", "nj"), "1",
-             "1 where dry friction holds, 0 where it slips; nan without", also="nan", late=True),
+             "1 where dry friction holds, 0 where it slides; nan without", also="nan", late=True),
     Recorded("spring_length", ("n", "ns"), "m", "of a rotary spring its hinge's angle [rad]"),
     Recorded("spring_force", ("n", "ns"), "N",
              "positive pulls, damper included; of a rotary spring the torque [N m], which is "
@@ -94,100 +94,99 @@ ARRAYS: tuple[Recorded, ...] = (
              "never below 0; where guides hold it by friction, before its last guide"),
     Recorded("tendon_work", ("n", "nt"), "J", "done on the bodies since t = 0"),
     Recorded("guide_friction", ("n", "nf"), "N",
-             "by how much a cord's tension is larger behind a guide that holds it by friction than "
-             "before it", late=True),
+             "tension after a guide with friction minus tension before it", late=True),
     Recorded("guide_slip", ("n", "nf"), "m",
-             "cord that has passed such a guide since t = 0, towards its last guide; at the end of "
-             "the step, half a step after the sample", late=True),
+             "length that has slid over such a guide since t = 0, towards the last guide; at the "
+             "end of the step, half a step after the sample", late=True),
     Recorded("guide_lifted", ("n", "nw"), "",
-             "1 while a cord is off such a wheel and goes straight past it, else 0", late=True),
-    Recorded("line_pressure", ("n", "nl"), "Pa", "above the surroundings", late=True),
+             "1 while the tendon is off such a wheel, else 0", late=True),
+    Recorded("line_pressure", ("n", "nl"), "Pa", "gauge pressure", late=True),
     Recorded("line_volume", ("n", "nl"), "m^3", "of its chambers and hoses, by the poses",
              late=True),
     Recorded("line_flow", ("n", "nl"), "m^3/s",
-             "into it, through valves and by drives; of a gas at the surroundings' pressure",
+             "into it, through valves and from drives; of a gas, at ambient pressure",
              late=True),
     Recorded("line_content", ("n", "nl"), "m^3",
-             "what is in it at the pressure of the surroundings, less what filled it at t = 0 with "
-             "none above that; at the end of the step", late=True),
-    Recorded("line_spilled", ("n", "nl"), "m^3", "let out by its relief since t = 0, at the end "
-             "of the step", late=True),
+             "content at ambient pressure, minus the volume at t = 0 at gauge pressure 0; at the "
+             "end of the step", late=True),
+    Recorded("line_spilled", ("n", "nl"), "m^3", "volume through its relief since t = 0, at the "
+                                                 "end of the step", late=True),
     Recorded("line_work", ("n", "nl"), "J", "done on the bodies since t = 0", late=True),
     Recorded("line_ahead", ("n", "nl"), "s",
-             "time after the sample at which volume and content fit its pressure", late=True),
+             "time after the sample at which volume and content match its pressure", late=True),
     Recorded("valve_flow", ("n", "nv"), "m^3/s", "from `a` to `b`", late=True),
-    Recorded("valve_loss", ("n", "nv"), "J", "throttled since t = 0", late=True),
+    Recorded("valve_loss", ("n", "nv"), "J", "energy lost to throttling since t = 0", late=True),
     Recorded("load_force", ("n", "nk", 2), "N",
-             "of every load on every body that it acts on, in the world", late=True),
+             "force of every load on every body that it acts on, in the world", late=True),
     Recorded("load_torque", ("n", "nk"), "N m", "the same about the body's centre of mass",
              late=True),
     Recorded("load_work", ("n", "nk"), "J", "done on the body since t = 0", late=True),
     Recorded("drive_value", ("n", "nd"), "the drive's",
-             "the value in force; of a motor or `extend` that of its step's end, half a step after "
-             "the sample; of a rigid servo or `length` the place to be at a step after it"),
+             "current value; of a motor or `extend` that of the end of the step, half a step after "
+             "the sample; of a rigid servo or `length` the target one step after it"),
     Recorded("drive_work", ("n", "nd"), "J", "done on the bodies since t = 0"),
     Recorded("drive_torque", ("n", "nd"), "N m",
-             "what a motor, brake or servo gave its hinge, in the hinge's positive sense; what "
-             "`extend` and `length` gave their actuator [N]; nan for other drives", also="nan",
+             "torque of a motor, brake or servo on its hinge, in the hinge's positive sense; force "
+             "of `extend` and `length` on their actuator [N]; nan for other drives", also="nan",
              late=True),
     Recorded("drive_flow", ("n", "nd"), "m^3/s",
              "into its line by a drive of flow or pressure; nan for other drives", also="nan",
              late=True),
     Recorded("drive_power", ("n", "nd"), "W",
-             "friction on what touches a surface that runs, times its speed; nan for other drives",
+             "friction force at a conveyor surface times its speed; nan for other drives",
              also="nan", late=True),
     Recorded("held", ("n", "nr"), "1",
-             "1 while it holds and 0 while it is let go: of joints, springs and tendons, in this "
-             "order, those that may be let go; 0 also in the step in which it breaks", late=True),
+             "1 while engaged, 0 while released: of joints, springs and tendons that can be "
+             "released, in this order; 0 also in the step in which it breaks", late=True),
     Recorded("body_centre", ("nb", 2), "m", "centre of mass in the body's frame", "once"),
-    Recorded("body_mass", ("nb",), "kg", "infinite for what does not move freely", "once",
+    Recorded("body_mass", ("nb",), "kg", "infinite for fixed and scheduled bodies", "once",
              also="inf"),
     Recorded("body_inertia", ("nb",), "kg m^2",
-             "about the centre of mass; infinite for what does not move freely", "once",
+             "about the centre of mass; infinite for fixed and scheduled bodies", "once",
              also="inf"),
     Recorded("tendon_initial", ("nt",), "m", "length at t = 0", "once"),
-    Recorded("tendon_rest", ("nt",), "m", "length up to which it is slack", "once"),
-    Recorded("contact_sample", ("m",), "", "which row of `time`", "contact", np.int64,
+    Recorded("tendon_rest", ("nt",), "m", "rest length", "once"),
+    Recorded("contact_sample", ("m",), "", "row of `time`", "contact", np.int64,
              points="n"),
     Recorded("contact_body", ("m",), "", "the body that the force acts on", "contact", np.int64,
              points="nb"),
-    Recorded("contact_other", ("m",), "", "the body that it comes from", "contact", np.int64,
+    Recorded("contact_other", ("m",), "", "the other body", "contact", np.int64,
              points="nb"),
-    Recorded("contact_point", ("m", 2), "m", "where, in the world", "contact"),
+    Recorded("contact_point", ("m", 2), "m", "point, in the world", "contact"),
     Recorded("contact_force", ("m", 2), "N", "on the body by the other", "contact"),
     Recorded("contact_normal", ("m", 2), "1", "unit vector into the body", "contact"),
-    Recorded("contact_gap", ("m",), "m", "negative where they overlap", "contact"),
+    Recorded("contact_gap", ("m",), "m", "gap; negative where they overlap", "contact"),
     Recorded("contact_merged", ("m",), "1",
-             "how many points of touch the row stands for; of one alone place, gap and normal are "
-             "those of the two surfaces, of more their means, the least gap and the place that "
-             "gives all moments", "contact", late=True),
+             "number of merged points; if 1, point, gap and normal are those of the two surfaces, "
+             "else point and normal are resultants and the gap is the "
+             "minimum", "contact", late=True),
     Recorded("contact_twist", ("m",), "N m",
-             "moment on the other body besides that of the force at the place: of impacts, which "
-             "happen between the poses of two steps, where both bodies have moved", "contact",
+             "additional moment on the other body, from impacts between the poses of two "
+             "steps", "contact",
              late=True),
-    Recorded("mean_sample", ("p",), "", "which row of `time`: a sample with a mean that may differ "
-             "from the force of its step", "mean", np.int64, points="n"),
+    Recorded("mean_sample", ("p",), "", "row of `time`: a sample whose mean may differ from the "
+                                        "force of its step", "mean", np.int64, points="n"),
     Recorded("mean_force", ("p", "nc"), "N, N m",
-             "means over the sample's interval: for each joint `joint_force` (x, y), "
-             "`joint_couple`, `joint_stop` and `joint_friction`, then `tendon_tension`, "
-             "`guide_friction` and `drive_torque`; 0 where these are nan", "mean"),
-    Recorded("mean_contact_sample", ("q",), "", "which row of `time`, one of `mean_sample`",
+             "means over the sample interval: for each joint `joint_force` (x, y), `joint_couple`, "
+             "`joint_stop` and `joint_friction`, then `tendon_tension`, `guide_friction` and "
+             "`drive_torque`; 0 where these are nan", "mean"),
+    Recorded("mean_contact_sample", ("q",), "", "row of `time`, one of `mean_sample`",
              "mean contact", np.int64, points="n"),
     Recorded("mean_contact_body", ("q",), "", "the body that the force acts on", "mean contact",
              np.int64, points="nb"),
-    Recorded("mean_contact_other", ("q",), "", "the body that it comes from", "mean contact",
+    Recorded("mean_contact_other", ("q",), "", "the other body", "mean contact",
              np.int64, points="nb"),
     Recorded("mean_contact_force", ("q", 7), "N m, N m, N, N, N, N, N",
-             "means over the interval, of each point of touch: its place times the size of the "
-             "normal force (x, y), the normal force (x, y), the force (x, y), the size of the "
-             "normal force", "mean contact"),
-    Recorded("impact_time", ("k",), "s", "the instant at which a contact is hit; without "
-             "restitution that of its step", "impact"),
+             "means over the interval for each contact point: its position times the normal force "
+             "magnitude (x, y), normal force (x, y), force (x, y), normal force "
+             "magnitude", "mean contact"),
+    Recorded("impact_time", ("k",), "s", "time of the impact; without restitution the time of its "
+                                         "step", "impact"),
     Recorded("impact_body", ("k",), "", "the body that the impulse acts on", "impact", np.int64,
              points="nb"),
-    Recorded("impact_other", ("k",), "", "the body that it comes from", "impact", np.int64,
+    Recorded("impact_other", ("k",), "", "the other body", "impact", np.int64,
              points="nb"),
-    Recorded("impact_point", ("k", 2), "m", "where, in the world", "impact"),
+    Recorded("impact_point", ("k", 2), "m", "point, in the world", "impact"),
     Recorded("impact_impulse", ("k", 2), "N s", "on the body by the other, of the whole step",
              "impact"),
     Recorded("meter_value", ("n", "nm"), "the meter's", "if the scene has meters", "meters",

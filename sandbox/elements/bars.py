@@ -20,7 +20,7 @@ class Rod(ClosingJoint):
 
     type: Literal["rod"] = TYPE
     length: Length | None = None
-    """Distance that the two points keep [m]; by default what it is at t = 0."""
+    """Distance between the two points [m]; by default that at t = 0."""
     on_a: Point | None = (0.0, 0.0)
     """One of the points, in the frame of ``a`` [m]."""
     on_b: Point | None = (0.0, 0.0)
@@ -33,11 +33,11 @@ class Rod(ClosingJoint):
 
 
 class Rope(JointSpec):
-    """Keeps two points between a least and a largest distance.
+    """Keeps the distance of two points between a minimum and a maximum.
 
-    With ``shortest`` 0 it is a slack rope, otherwise a telescopic rod. It does
-    not stretch, and its jolt is inelastic: where it becomes taut both ends go
-    on at one speed along it, at any step. A tendon is elastic.
+    With ``shortest`` 0 it is a slack rope, otherwise a telescopic rod. It does not stretch, and it
+    becomes taut without rebound: both ends then have the same speed along it, at any step. A tendon
+    is elastic.
     """
 
     facts: ClassVar[JointKind] = JointKind("range", (*REACTION, "tension"))
@@ -46,7 +46,7 @@ class Rope(JointSpec):
     longest: Length
     """Largest distance of the two points [m]."""
     shortest: Distance = 0.0
-    """Least distance of the two points [m]; 0 leaves them free to come together."""
+    """Minimum distance between the two points [m]; 0 sets no minimum."""
     on_a: Point | None = (0.0, 0.0)
     """One of the points, in the frame of ``a`` [m]."""
     on_b: Point | None = (0.0, 0.0)
@@ -64,10 +64,10 @@ class Rope(JointSpec):
 
 
 class Actuator(JointSpec):
-    """A cylinder, screw or solenoid between two points, as seen from outside.
+    """A cylinder, screw or solenoid between two points.
 
-    By itself it gives way freely between its ends of stroke. Drives make it work: ``push`` sets its
-    force, ``extend`` the speed at which it grows longer, ``length`` its length.
+    Without a drive it moves freely between its ends of stroke. The drive ``push`` sets its force,
+    ``extend`` its speed of extension, ``length`` its length.
     """
 
     facts: ClassVar[JointKind] = JointKind("range", ("length", "speed", *REACTION), line=True)
@@ -78,9 +78,9 @@ class Actuator(JointSpec):
     longest: Length | None = None
     """Distance of the two points with the rod out [m]: a hard stop; none by default."""
     on_a: Point | None = (0.0, 0.0)
-    """Where the cylinder is held, in the frame of ``a`` [m]."""
+    """Attachment of the cylinder, in the frame of ``a`` [m]."""
     on_b: Point | None = (0.0, 0.0)
-    """Where the rod is held, in the frame of ``b`` [m]."""
+    """Attachment of the rod, in the frame of ``b`` [m]."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:

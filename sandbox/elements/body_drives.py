@@ -47,10 +47,9 @@ class ForceDrive(DriveSpec):
     at: Point = (0.0, 0.0)
     """The point that the force acts on, in the body's frame [m]; it moves with the body."""
     direction: Direction
-    """[x, y] of any length but zero: only its direction counts, and a negative value pushes the
-    other way."""
+    """[x, y] of any length except zero: only its direction counts; a negative value reverses it."""
     frame: Literal["world", "body"] = "world"
-    """Whether the direction stays as it is in the world, or turns with the body."""
+    """Whether the direction is fixed in the world or in the body."""
     value: ForceSignal
     """The force over time [N]."""
 
@@ -127,9 +126,9 @@ class RadiusDrive(DriveSpec):
 
 
 class SurfaceDrive(DriveSpec):
-    """Lets the surface of a body run along its outline, as that of a conveyor; the body stays.
+    """Moves the surface of a body along its outline, as on a conveyor; the body does not move.
 
-    What touches it is carried along by friction.
+    Friction carries along the bodies that touch it.
     """
 
     facts: ClassVar[DriveKind] = DriveKind(
@@ -143,8 +142,7 @@ class SurfaceDrive(DriveSpec):
     body: BodyName
     """Name of the body, all of whose shapes run; its mass and pose are not changed by that."""
     positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
-    """Which way round the body, as seen, a positive speed runs: with ``clockwise`` its top runs to
-    the right."""
+    """Positive direction of the speed around the body: with ``clockwise`` its top moves right."""
     value: RateSignal
     """The speed along the surface over time [m/s], seen from the body."""
 

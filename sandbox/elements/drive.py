@@ -17,16 +17,15 @@ if TYPE_CHECKING:
 Gives = Literal["force", "torque", "push", "tension", "radius", "stiffness", "flow", "pressure",
                 "opening", "surface", "hold"]
 QUANTITIES: Mapping[str, Quantity] = {
-    "value": recorded("drive_value", "", "the value in force", live=True),
+    "value": recorded("drive_value", "", "current value", live=True),
     "work": recorded("drive_work", "J", "done on the bodies, or on the fluid, since t = 0"),
-    "flow": recorded("drive_flow", "m^3/s", "what it gave its line", live=True),
-    "torque": recorded("drive_torque", "N m", "what it gave its hinge, in the hinge's sense",
+    "flow": recorded("drive_flow", "m^3/s", "flow into its line", live=True),
+    "torque": recorded("drive_torque", "N m", "torque on its hinge, in the hinge's positive sense",
                        live=True),
-    "force": recorded("drive_torque", "N", "what it gave its actuator; positive pushes apart",
+    "force": recorded("drive_torque", "N", "force on its actuator; positive extends it",
                       live=True),
-    "power": Quantity("W", "what it gives times the rate of its hinge or actuator, positive "
-                      "where it works on the bodies; of a surface that runs friction on what "
-                      "touches it, times its speed"),
+    "power": Quantity("W", "power on the bodies: torque or force times the rate of its hinge or "
+                           "actuator; of a conveyor surface, friction force times its speed"),
 }
 
 

@@ -58,13 +58,12 @@ class StiffnessDrive(DriveSpec):
     spring: Annotated[Name | None, SPRING] = None
     """Name of the spring, linear or rotary; its damping stays as it is. This or ``tendon``."""
     tendon: Annotated[Name | None, TENDON] = None
-    """In place of ``spring`` the name of a tendon of less than 100 kN/m that no drive pulls and no
-    guide holds by friction, or of a finger or tree: then its own tendon. Its damping and its length
-    at rest stay as they are; this is also the length that a ``pretension`` gives it by the
-    tendon's own stiffness."""
+    """In place of ``spring``, the name of a tendon below 100 kN/m without pull drive and guide
+    friction, or of a finger or tree for its own tendon. Damping and rest length do not change; a
+    ``pretension`` sets the rest length by the tendon's own stiffness."""
     value: StiffnessSignal | None = None
-    """The stiffness over time, [N/m] of a linear spring or a tendon, [N m/rad] of a rotary spring;
-    by default what it has itself, which a controller may then change."""
+    """Stiffness over time, [N/m] of a linear spring or a tendon, [N m/rad] of a rotary spring; by
+    default the element's own, which a controller may change."""
 
     @model_validator(mode="after")
     def _one_target(self) -> Self:
@@ -132,10 +131,10 @@ class StiffnessDrive(DriveSpec):
 
 
 class HoldDrive(DriveSpec):
-    """Lets go of a joint, a spring or a tendon and takes it up again, as often as its value says.
+    """Releases and engages a joint, a spring or a tendon, any number of times.
 
-    A clutch, a magnet, a latch that a controller works. What breaks stays broken until the value
-    has been 0.5 or less and rises again.
+    Models a clutch, a magnet, or a latch that a controller works. A broken element stays broken
+    until the value has been 0.5 or less and rises again.
     """
 
     facts: ClassVar[DriveKind] = DriveKind(
@@ -143,13 +142,13 @@ class HoldDrive(DriveSpec):
 
     type: Literal["hold"] = TYPE
     name: Name
-    """Its name; its value is recorded as ``<name>.value``, and whether the element holds as
+    """Its name; its value is recorded as ``<name>.value``, the state of the element as
     ``<element>.held``."""
     element: Annotated[Name, HELD]
     """Name of the joint, spring or tendon. A joint closes its gap in its ``takes_up_in``."""
     value: ShareSignal
-    """Over time: above 0.5 it is held, else let go. An event that lets go of the same element or
-    takes it up counts until this value crosses 0.5 the next time."""
+    """Value over time: above 0.5 engages, otherwise releases. An event that releases or engages the
+    same element overrides it until the value next crosses 0.5."""
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
         """Wheels, which cannot be engaged again."""

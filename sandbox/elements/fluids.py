@@ -54,16 +54,16 @@ OIL = 1.4e9
 """Modulus of oil with a little air in it [Pa]."""
 LineName = Annotated[Name, LINE]
 LINE_QUANTITIES: Mapping[str, Quantity] = {
-    "pressure": recorded("line_pressure", "Pa", "above the surroundings", live=True),
+    "pressure": recorded("line_pressure", "Pa", "gauge pressure", live=True),
     "volume": recorded("line_volume", "m^3", "of its chambers and hoses", live=True),
-    "flow": recorded("line_flow", "m^3/s", "into it, through valves and by drives; of a gas as it "
-                     "would be at the pressure of the surroundings", live=True),
-    "spilled": recorded("line_spilled", "m^3", "let out by its relief since t = 0"),
+    "flow": recorded("line_flow", "m^3/s", "into it, through valves and from drives; of a gas, at "
+                                           "ambient pressure", live=True),
+    "spilled": recorded("line_spilled", "m^3", "volume through its relief since t = 0"),
     "work": recorded("line_work", "J", "done on the bodies since t = 0"),
 }
 VALVE_QUANTITIES: Mapping[str, Quantity] = {
-    "flow": recorded("valve_flow", "m^3/s", "from its `a` to its `b`", live=True),
-    "loss": recorded("valve_loss", "J", "throttled since t = 0"),
+    "flow": recorded("valve_flow", "m^3/s", "flow from its `a` to its `b`", live=True),
+    "loss": recorded("valve_loss", "J", "energy lost to throttling since t = 0"),
 }
 
 
@@ -83,7 +83,7 @@ class Cylinder(Spec):
     """Of the piston that the fluid presses [m^2]; the force along the line through the two points
     is this times the pressure."""
     pulls: Flag = False
-    """Whether the fluid is on the rod's side: its volume then grows as the points come nearer, and
+    """Whether the fluid is on the rod side: its volume then grows as the points approach, and
     pressure pulls them together, as in an artificial muscle."""
 
     def length(self, world: Callable[[str, Vec], Vec]) -> float:
@@ -102,10 +102,10 @@ class Vane(Spec):
 
     type: Literal["vane"] = TYPE
     joint: HingeName
-    """Name of the pin that it turns."""
+    """Name of the pin that it acts on."""
     displacement: Displacement
-    """Volume per angle of the hinge, in its own sense [m^3/rad]; the torque is this times the
-    pressure, and against that sense where it is negative."""
+    """Volume per angle of the hinge [m^3/rad], in the hinge's positive sense; the torque is this
+    times the pressure. A negative value reverses it."""
 
     @model_validator(mode="after")
     def _something(self) -> Self:
@@ -125,10 +125,10 @@ Chamber = Annotated[Cylinder | Vane, Field(discriminator="type")]
 
 
 class Line(Element):
-    """Chambers and hoses that are filled with one fluid under one pressure.
+    """Chambers and hoses filled with one fluid at one pressure.
 
-    content - volume = volume / modulus * pressure; what is in it changes by what drives and valves
-    let in and out. Every chamber pushes with its area times the pressure.
+    content - volume = volume / modulus * pressure; drives and valves change the content. Every
+    chamber pushes with its area times the pressure.
     """
 
     RECORDED = LINE_QUANTITIES
@@ -144,17 +144,15 @@ class Line(Element):
     """Pressure per share by which the fluid is pressed together, walls of hoses included [Pa]; by
     default 1.4 GPa, that of oil. Not of a gas."""
     gas: Number | None = Field(default=None, ge=1, le=2)
-    """The line is filled with gas: (pressure + 101325 Pa) * volume^gas stays the same while nothing
-    comes in, with 1 where it is slow and stays as warm as its surroundings, 1.4 where air has no
-    time for that. By default it is a liquid."""
+    """The line contains gas: (pressure + 101325 Pa) * volume^gas is constant without flow. 1 is
+    isothermal (slow), 1.4 is adiabatic air (fast). By default the line contains liquid."""
     pressure: Pressure = 0.0
     """At t = 0, above the surroundings [Pa]."""
     least: Pressure = -ATMOSPHERE
-    """The least pressure [Pa]: where it would be less the line is no longer full, with a void, as
-    a cord hangs slack. By default -101325 Pa, a vacuum."""
+    """Minimum pressure [Pa]; below it the line cavitates. By default -101325 Pa, a vacuum."""
     relief: Pressure | None = None
-    """The most pressure [Pa]: where it would be more fluid is let out into the tank. By default
-    there is no such valve."""
+    """Maximum pressure [Pa]; above it a relief valve opens to the tank. By default there is none.
+    """
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
@@ -263,7 +261,7 @@ class FlowDrive(DriveSpec):
 
 
 class PressureDrive(DriveSpec):
-    """A source of pressure that a line is fed from, and that takes fluid back."""
+    """A pressure source that feeds a line and takes fluid back."""
 
     facts: ClassVar[DriveKind] = DriveKind(
         LINE, "pressure", "Pa", "pressure", ("value", "work", "flow"), sole="pressure",
@@ -271,12 +269,11 @@ class PressureDrive(DriveSpec):
 
     type: Literal["pressure"] = TYPE
     name: Name
-    """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.flow``."""
+    """Its name; its value is recorded as ``<name>.value``, its flow as ``<name>.flow``."""
     line: LineName
     """Name of the line that it feeds."""
     value: PressureSignal
-    """The pressure over time [Pa], above the surroundings; the line's ``least`` and ``relief``
-    bound what it comes to there."""
+    """Gauge pressure over time [Pa], limited by the line's ``least`` and ``relief``."""
     resistance: FlowResistance = 0.0
     """Pressure that is lost per flow between the source and the line [Pa s/m^3]; with 0, the
     default, the line has the pressure of the source."""

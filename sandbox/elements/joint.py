@@ -72,35 +72,34 @@ FRICTION = ("friction", "friction_work", "sticks")
 QUANTITIES: Mapping[str, Quantity] = {
     "angle": recorded("joint_angle", "rad", "of `b` against `a`, in the hinge's positive sense",
                       live=True),
-    "rate": recorded("joint_rate", "rad/s", "of the angle", live=True),
+    "rate": recorded("joint_rate", "rad/s", "rate of the angle", live=True),
     "length": recorded("joint_length", "m", "of an actuator, between its two points", live=True),
-    "speed": recorded("joint_speed", "m/s", "at which an actuator grows longer", live=True),
+    "speed": recorded("joint_speed", "m/s", "rate of the length of an actuator", live=True),
     "reaction": recorded("joint_reaction", "N",
-                         "size of the force that it carries", live=True),
+                         "magnitude of the reaction force", live=True),
     "reaction_x": recorded("joint_force", "N",
                            "force on its body `b` by its body `a`, in the world", 0, live=True),
     "reaction_y": recorded("joint_force", "N", "the same, upwards", 1, live=True),
     "tension": Quantity(
-        "N", "of rods and ropes: the reaction with its sign, positive where it pulls its two "
-        "points together, negative where it pushes", live=True),
+        "N", "of rods and ropes: signed reaction, positive in tension, negative in "
+             "compression", live=True),
     "tangential": Quantity(
-        "N", "of wheels: force on `b` along their circles where they meet, positive as `a` "
-        "pushes by turning counter-clockwise"),
+        "N", "of wheels: force on `b` along the pitch circles, positive as `a` pushes by turning "
+             "counter-clockwise"),
     "radial": Quantity(
-        "N", "of wheels: force across that, positive where it presses the two apart"),
+        "N", "of wheels: force along the line of centres, positive if it pushes them apart"),
     "gap": Quantity(
-        "m", "of teeth with play: way along the pitch circles until they meet, on the nearer "
-        "side"),
+        "m", "of teeth with backlash: distance along the pitch circles to the nearer flank"),
     "damping": recorded("joint_damping", "N m", "torque of all its dampers, in the hinge's sense"),
-    "damping_work": recorded("joint_damping_work", "J", "done by all its dampers since t = 0"),
+    "damping_work": recorded("joint_damping_work", "J", "work of all its dampers since t = 0"),
     "stop": recorded("joint_stop", "N m", "torque of its hard stop, in the hinge's sense"),
     "friction": recorded("joint_friction", "", "dry friction: of a pin the torque on `b`, in the "
-                         "hinge's sense; of a slot the force on `b`, positive towards the "
-                         "groove's `end`", live=True),
-    "friction_work": recorded("joint_friction_work", "J", "done by dry friction since t = 0: what "
-                              "became heat, as a number below 0"),
-    "sticks": recorded("joint_sticks", "1", "1 while dry friction keeps it from moving, 0 while "
-                       "it slips", live=True, yes_no=True),
+                                               "hinge's sense; of a slot the force on `b`, "
+                                               "positive towards the groove's `end`", live=True),
+    "friction_work": recorded("joint_friction_work", "J", "work of dry friction since t = 0, at "
+                                                          "most 0"),
+    "sticks": recorded("joint_sticks", "1", "1 while dry friction holds it, 0 while it "
+                                            "slides", live=True, yes_no=True),
 }
 
 
@@ -135,12 +134,12 @@ class JointSpec(Element):
     """Anchor in the frame of ``b`` [m]; by default where ``on_a`` is at t = 0."""
     collide: Flag = False
     """Whether the two bodies may touch each other; by default they pass through each other, also
-    while the joint is let go."""
+    while the joint is released."""
     breaks_at: Annotated[Force, POSITIVE] | None = None
-    """The size of its ``reaction`` above which it is let go [N], for good unless an event takes it
-    up again; by default it never breaks."""
+    """Magnitude of its ``reaction`` above which it breaks [N]; it stays released unless an event
+    engages it again. By default it never breaks."""
     released: Flag = False
-    """Whether it is let go from the start, until an event takes it up."""
+    """Whether it starts released, until an event engages it."""
 
     @model_validator(mode="after")
     def _anchored(self) -> Self:
@@ -188,19 +187,17 @@ class ClosingJoint(JointSpec):
     """A joint that closes its gap when it is engaged again."""
 
     takes_up_in: Duration = 0.01
-    """How gently a gap closes once the joint is taken up again [s]: over so long most of it goes,
-    without a jolt, with a force of some m * gap / takes_up_in^2."""
+    """Time in which most of the gap closes once the joint is engaged again [s], smoothly, with a
+    force of about m * gap / takes_up_in^2."""
 
 
 class FrictionJoint(ClosingJoint):
     """A joint that may have dry friction."""
 
     friction_coefficient: Ratio = 0.0
-    """Of dry friction that hangs on what the joint carries: it rubs with this times its reaction;
-    none by default."""
+    """Coefficient of dry friction: friction is this times the reaction; none by default."""
     static: Ratio = Field(default=1.0, ge=1)
-    """How many times as much as it rubs with while it slides it holds with while it does not, 1 or
-    more; by default just as much."""
+    """Ratio of static to sliding friction, 1 or more; 1 by default."""
 
     @property
     def rubs(self) -> bool:

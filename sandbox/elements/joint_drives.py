@@ -61,12 +61,11 @@ class TorqueDrive(DriveSpec):
 
 
 class MotorDrive(DriveSpec):
-    """Turns a hinge: at a set speed with no more than a given torque, or along a line.
+    """Drives a hinge at a set speed with a maximum torque, or along a torque-speed line.
 
-    With ``stall`` and ``no_load`` its torque is on a line that falls with the speed w of the hinge,
-    T = stall (u - w) / no_load, u the ``value``: it drives while w is between 0 and u, brakes and
-    gives power back where w is beyond u, and brakes with more than ``stall`` where it is turned
-    against u; where u is below 0, all of it the other way round.
+    With ``stall`` and ``no_load`` its torque at the hinge speed w is T = stall (u - w) / no_load, u
+    the ``value``. It drives while w is between 0 and u, and brakes outside: with more than
+    ``stall`` if w is opposed to u.
     """
 
     facts: ClassVar[DriveKind] = DriveKind(
@@ -76,16 +75,16 @@ class MotorDrive(DriveSpec):
 
     type: Literal["motor"] = TYPE
     name: Name
-    """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.torque``."""
+    """Its name; its value is recorded as ``<name>.value``, its torque as ``<name>.torque``."""
     joint: HingeName
     """Name of the pin that it acts on."""
     value: Annotated[SpeedSignal | None, KEPT] = None
-    """The speed of ``b`` against ``a`` over time [rad/s], in the hinge's own sense. Of a motor with
-    a line it is that at which it gives no torque, by default ``no_load``: half of it is half the
-    voltage, minus it the full voltage backwards."""
+    """Speed of ``b`` against ``a`` over time [rad/s], in the hinge's positive sense. Of a motor
+    with a line the speed without torque, ``no_load`` by default: half of it is half the voltage,
+    minus it the full voltage reversed."""
     torque: Torque | None = Field(default=None, gt=0)
-    """The most that it can give, either way [N m]; may be left out of a motor with a line, which
-    then gives whatever the line says."""
+    """Maximum torque in both directions [N m]; optional for a motor with a line, whose line then
+    sets no limit."""
     stall: Torque | None = Field(default=None, gt=0)
     """Of a motor with a line: its torque at rest [N m], while ``value`` is ``no_load``."""
     no_load: AngularSpeed | None = Field(default=None, gt=0)
@@ -118,9 +117,9 @@ class MotorDrive(DriveSpec):
 
 
 class BrakeDrive(DriveSpec):
-    """Holds a hinge with at most a given torque and slips above it: a lock, a brake.
+    """Holds a hinge up to a maximum torque and slips above it: a lock, a brake.
 
-    Friction that a hinge always has is its own ``friction``.
+    Permanent friction of a hinge is its own ``friction``.
     """
 
     facts: ClassVar[DriveKind] = DriveKind(
@@ -129,12 +128,11 @@ class BrakeDrive(DriveSpec):
 
     type: Literal["brake"] = TYPE
     name: Name
-    """Its name; its value is recorded as ``<name>.value``, what it holds with as
-    ``<name>.torque``."""
+    """Its name; its value is recorded as ``<name>.value``, its torque as ``<name>.torque``."""
     joint: HingeName
     """Name of the pin that it holds."""
     value: TorqueSignal
-    """The torque up to which it holds over time [N m]; 0 lets go, below 0 counts as 0."""
+    """Maximum torque over time [N m]; 0 and less release the hinge."""
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
         """Add the drive to a MuJoCo model."""
@@ -181,12 +179,12 @@ class PlaceDrive(DriveSpec):
 
 
 class ServoDrive(PlaceDrive):
-    """Brings a hinge to an angle and holds it there, with no more than a given torque.
+    """Moves a hinge to an angle and holds it there with a maximum torque.
 
-    With ``stiffness`` it is a controller with a spring's law: torque = stiffness (value - angle) -
-    damping rate, up to ``torque``. Loads then move it away from its target, as they do a real one
-    without an integrator. Without ``stiffness`` it is rigid: it goes to its target with ``torque``,
-    brakes in time so as not to overshoot, and holds it exactly as long as ``torque`` suffices.
+    With ``stiffness`` it acts as a spring: torque = stiffness (value - angle) - damping rate, up to
+    ``torque``. Loads then move it away from its target, as in a real servo without an integrator.
+    Without ``stiffness`` it is rigid: it moves to its target with ``torque``, brakes in time to
+    avoid overshoot, and holds it exactly as long as ``torque`` suffices.
     """
 
     facts: ClassVar[DriveKind] = DriveKind(
@@ -195,20 +193,20 @@ class ServoDrive(PlaceDrive):
 
     type: Literal["servo"] = TYPE
     name: Name
-    """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.torque``."""
+    """Its name; its value is recorded as ``<name>.value``, its torque as ``<name>.torque``."""
     joint: HingeName
     """Name of the pin that it acts on."""
     value: AngleSignal
     """The angle to go to over time [rad], as the hinge counts it: in its own sense, from its
     ``zero``."""
     torque: Torque = Field(gt=0)
-    """The most that it can give, either way [N m]."""
+    """Maximum torque in both directions [N m]."""
     stiffness: RotaryStiffness | None = Field(default=None, gt=0)
     """Torque for each radian that is missing [N m/rad]; without, the default, it is rigid."""
     damping: RotaryDamping = 0.0
     """With ``stiffness``: torque against the hinge's rate, per rate [N m s/rad]."""
     speed: AngularSpeed | None = Field(default=None, gt=0)
-    """Of a rigid one the most that it turns at [rad/s]; no limit by default."""
+    """Maximum speed of a rigid servo [rad/s]; no limit by default."""
 
     @property
     def most(self) -> float:
@@ -242,7 +240,7 @@ class PushDrive(DriveSpec):
 
 
 class ExtendDrive(DriveSpec):
-    """Lengthens an actuator at a set speed, with no more than a given force."""
+    """Extends an actuator at a set speed with a maximum force."""
 
     facts: ClassVar[DriveKind] = DriveKind(
         ACTUATOR, "push", "m/s", "speed", ("value", "work", "force", "power"), sole="length",
@@ -250,13 +248,13 @@ class ExtendDrive(DriveSpec):
 
     type: Literal["extend"] = TYPE
     name: Name
-    """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.force``."""
+    """Its name; its value is recorded as ``<name>.value``, its force as ``<name>.force``."""
     joint: ActuatorName
     """Name of the actuator that it acts on."""
     value: RateSignal
     """The speed over time [m/s]; positive makes the actuator longer."""
     force: Force = Field(gt=0)
-    """The most that it can give, either way [N]."""
+    """Maximum force in both directions [N]."""
 
     def columns(self) -> dict[str, Any]:
         """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
@@ -264,11 +262,11 @@ class ExtendDrive(DriveSpec):
 
 
 class LengthDrive(PlaceDrive):
-    """Brings an actuator to a length and holds it there, with no more than a given force.
+    """Moves an actuator to a length and holds it there with a maximum force.
 
     With ``stiffness`` its force = stiffness (value - length) - damping speed, up to ``force``.
-    Without, it is rigid: it goes to its target with ``force``, brakes in time so as not to
-    overshoot, and holds it exactly as long as ``force`` suffices.
+    Without, it is rigid: it moves to its target with ``force``, brakes in time to avoid overshoot,
+    and holds it exactly as long as ``force`` suffices.
     """
 
     facts: ClassVar[DriveKind] = DriveKind(
@@ -277,13 +275,13 @@ class LengthDrive(PlaceDrive):
 
     type: Literal["length"] = TYPE
     name: Name
-    """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.force``."""
+    """Its name; its value is recorded as ``<name>.value``, its force as ``<name>.force``."""
     joint: ActuatorName
     """Name of the actuator that it acts on."""
     value: LengthSignal
     """The distance of the actuator's two points to go to over time [m]."""
     force: Force = Field(gt=0)
-    """The most that it can give, either way [N]."""
+    """Maximum force in both directions [N]."""
     stiffness: Stiffness | None = Field(default=None, gt=0)
     """Force for each metre that is missing [N/m]; without, the default, it is rigid."""
     damping: Damping = 0.0

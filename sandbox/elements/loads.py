@@ -123,23 +123,21 @@ class LawLoad(LoadSpec):
     name: Name
     """Its name; quantities are ``<name>.<body>.fx`` and so on."""
     bodies: Patterns = EVERY
-    """The bodies that it acts on, each by its own motion: a name, a pattern such as ``"ball*"``, or
-    a list of them. By default every body that moves freely; what a pattern fits and does not move
-    freely is left out."""
+    """Bodies that it acts on: a name, a pattern such as ``"ball*"``, or a list of them. By default
+    every body that moves freely; fixed and scheduled bodies are skipped."""
     force: Pair[ForceLaw] | None = None
     """The force [x, y] at the point ``at`` [N]: ``["=-0.2 * vx", "=-0.2 * vy"]``."""
     acceleration: Pair[AccelerationLaw] | None = None
-    """In place of ``force`` the force [x, y] per mass of the body [m/s^2], as a field has it:
-    ``[0, "-1.62 m/s^2"]``."""
+    """In place of ``force``, a force [x, y] per mass of the body [m/s^2]: ``[0, "-1.62 m/s^2"]``.
+    """
     torque: TorqueLaw | None = None
-    """A torque on the body besides [N m], positive counter-clockwise: ``"=-0.01 * omega"``."""
+    """An additional torque on the body [N m], positive counter-clockwise: ``"=-0.01 * omega"``."""
     at: Point | None = None
-    """The point that the force acts on, in the frame of each body [m]; by default its centre of
-    mass. Where it is and how it moves is what the expressions read."""
+    """Point of application, in the frame of each body [m]; by default its centre of mass. The
+    expressions read its position and motion."""
     frame: Literal["world", "body"] = "world"
-    """Along whose axes the two components are: the world's, or those of the body, which turn with
-    it. ``vx``, ``vy``, ``ax``, ``ay`` are along the same ones; ``x``, ``y`` and ``angle`` are of
-    the world."""
+    """Axes of the two components: of the world, or of the body. ``vx``, ``vy``, ``ax``, ``ay`` are
+    along the same axes; ``x``, ``y`` and ``angle`` are in the world."""
 
     @model_validator(mode="after")
     def _something(self) -> Self:
@@ -162,9 +160,9 @@ class LawLoad(LoadSpec):
 
 
 class DragLoad(LoadSpec):
-    """What a medium does against the motion of bodies through it, at their centres of mass.
+    """Drag of a medium on bodies, at their centres of mass.
 
-    F = -(linear + density / 2 * coefficient * area * |v|) v, v against the medium.
+    F = -(linear + density / 2 * coefficient * area * |v|) v, v relative to the medium.
     """
 
     type: Literal["drag"] = TYPE
@@ -174,10 +172,9 @@ class DragLoad(LoadSpec):
     """The bodies that it acts on: a name, a pattern such as ``"ball*"``, or a list of them. By
     default every body that moves freely."""
     linear: Damping = 0.0
-    """Force per speed [N s/m], as of what is slow and small in what is viscous."""
+    """Force per speed [N s/m], for slow motion in a viscous medium."""
     area: Area | None = None
-    """Of the body as the flow sees it, across the motion [m^2]; by default there is no part that
-    grows with the square of the speed."""
+    """Frontal area of the body, across the motion [m^2]; by default there is no quadratic drag."""
     coefficient: Ratio = 1.0
     """The drag coefficient of that area: 0.47 of a ball, 1.1 of a disc across the flow."""
     density: Density = 1.2
@@ -222,7 +219,7 @@ class BuoyancyLoad(LoadSpec):
     """The bodies that it lifts: a name, a pattern such as ``"boat*"``, or a list of them. By
     default every body that moves freely and has an area."""
     level: Annotated[Coordinate, KEPT] = 0.0
-    """How high the liquid stands: its ``y`` in the world [m]."""
+    """Height of the surface: its ``y`` in the world [m]."""
     density: Density = 1000.0
     """Of the liquid [kg/m^3]; by default that of water."""
 

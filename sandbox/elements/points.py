@@ -36,21 +36,21 @@ class Pin(FrictionJoint):
 
     type: Literal["pin"] = TYPE
     positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
-    """The turn of ``b`` against ``a``, as seen, that counts as positive: of angle, rate, limits,
+    """Sense of rotation of ``b`` against ``a`` that counts as positive: for angle, rate, limits,
     springs, torques and motors of this hinge."""
     zero: Annotated[Angle, KEPT] = 0.0
-    """Subtracted from the angle between the two frames [rad] once that is counted in the positive
-    sense: where it is clockwise, the hinge's angle is minus the frames' angle, minus ``zero``."""
+    """Offset subtracted from the angle between the two frames [rad], after its sign is set by
+    ``positive``."""
     limits: Annotated[Pair[Angle] | None, KEPT] = None
     """Hard stops [lowest, highest] of the hinge's angle [rad]; none by default."""
     damping: RotaryDamping = 0.0
     """Viscous friction of the hinge [N m s/rad]: torque against the rate, per rate."""
     friction: Torque = Field(default=0.0, ge=0)
-    """Dry friction of the hinge [N m]: it holds against torques up to this, and slips against this
-    one; none by default."""
+    """Dry friction of the hinge [N m]: it resists torques up to this, and slips at this torque;
+    none by default."""
     pin_radius: Length | None = None
-    """Radius at which a pin with a 'friction_coefficient' rubs [m]: its torque is the coefficient
-    times this times the reaction."""
+    """Radius of a pin with a 'friction_coefficient' [m]: its friction torque is coefficient times
+    radius times reaction."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -99,17 +99,17 @@ class Slot(FrictionJoint):
     start: Point
     """One end of the groove, in the frame of ``a`` [m]."""
     end: Point
-    """Other end of the groove, in the frame of ``a`` [m]; the point stops hard at either."""
+    """Other end of the groove, in the frame of ``a`` [m]; both ends are hard stops."""
     turns: Flag = True
-    """Whether ``b`` may turn on the groove: true leaves its angle free, false keeps the angle that
-    the two bodies have to each other at t = 0, as a slider does."""
+    """Whether ``b`` may rotate on the groove: false keeps the angle of the two bodies at t = 0, as
+    in a slider."""
     on_a: Point | None = None
-    """Not used: ``start`` and ``end`` say where the groove is."""
+    """Not used: ``start`` and ``end`` define the groove."""
     on_b: Point | None = (0.0, 0.0)
     """The point of ``b`` that stays on the groove, in its frame [m]."""
     friction: Force = Field(default=0.0, ge=0)
-    """Dry friction along the groove [N]: it holds against forces up to this, and slides against
-    this one; none by default."""
+    """Dry friction along the groove [N]: it resists forces up to this, and slides at this force;
+    none by default."""
 
     def columns(self, at: Anchors) -> dict[str, Any]:
         """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""

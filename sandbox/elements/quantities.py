@@ -14,7 +14,7 @@ from sandbox.elements.tendons import NUMBERED
 
 QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
     "body": {
-        "x": recorded("body_pose", "m", "where its frame's origin is in the world", 0, live=True),
+        "x": recorded("body_pose", "m", "origin of its frame in the world, x", 0, live=True),
         "y": recorded("body_pose", "m", "the same, upwards", 1, live=True),
         "angle": recorded("body_pose", "rad", "of its frame, counter-clockwise", 2, live=True),
         "vx": recorded("body_velocity", "m/s", "velocity of its centre of mass", 0, live=True),
@@ -25,9 +25,9 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "ay": recorded("body_acceleration", "m/s^2", "the same, upwards", 1, live=True),
         "alpha": recorded("body_acceleration", "rad/s^2", "angular acceleration", 2, live=True),
         "contact.normal": Quantity(
-            "N", "sum of the sizes of the normal forces of all that touches it", live=True),
+            "N", "sum of the magnitudes of all normal forces on it", live=True),
         "contact.tangential": Quantity(
-            "N", "sum of the sizes of the friction forces of all that touches it", live=True),
+            "N", "sum of the magnitudes of all friction forces on it", live=True),
         "contact.fx": Quantity("N", "resultant of all contact forces on it"),
         "contact.fy": Quantity("N", "the same, upwards"),
     },
@@ -35,16 +35,17 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
     "line": fluids.LINE_QUANTITIES, "valve": fluids.VALVE_QUANTITIES, "load": loads.QUANTITIES,
     "drive": drive.QUANTITIES,
     "group": {
-        "contact.count": Quantity("1", "how many of its bodies are touched from outside",
+        "contact.count": Quantity("1", "number of its bodies with a contact from outside",
                                   live=True, count=True),
-        "contact.normal": Quantity("N", "sum of the sizes of all normal forces on it from outside",
+        "contact.normal": Quantity("N", "sum of the magnitudes of all normal forces on it from "
+                                        "outside",
                                    live=True),
     },
     "pair": {
-        "normal": Quantity("N", "normal force between the two", live=True),
+        "normal": Quantity("N", "normal force between the two bodies", live=True),
         "tangential": Quantity(
-            "N", "friction force on the first by the second, positive in the direction of the "
-            "normal force on the first turned by +90°; with `b/a` the same number", live=True),
+            "N", "friction force on the first body by the second, positive along its normal force "
+                 "turned by +90°; `b/a` has the same value", live=True),
     },
 }
 """By what an element is called (:class:`sandbox.elements.element.Named`), then by name."""
@@ -55,7 +56,8 @@ TELLING = ("value", "x", "y", "contact.normal", "force", "torque", "angle", "len
            "reaction", "pressure", "flow", "fx", "fy", "power")
 """What is looked at first of one element, in this order; then comes all else that it has."""
 TIED: Mapping[str, Quantity] = {
-    "held": recorded("held", "1", "of what may be let go: 1 while it holds, 0 while it is let go",
+    "held": recorded("held", "1", "of elements that can be released: 1 while engaged, 0 while "
+                                  "released",
                   live=True, yes_no=True),
 }
 """What a joint, a spring or a tendon has besides if an event or its load may let it go."""
@@ -67,34 +69,34 @@ STRAY = 0.01
 """By less than so much of its size it moves and slides meanwhile."""
 _MANY = f"more than {MOST_PRESSING} bodies press on it"
 NOT_HELD = "it is not held"
-_LIMP = (f"{NOT_HELD}, or stiffness can't be told: with fluids, teeth, loads by laws, cords "
-         "that rub, contacts in a notch")
+_LIMP = (f"{NOT_HELD}, or its stiffness is not defined: with fluids, teeth, loads by laws, tendons "
+         "with friction, contacts in a notch")
 _NO_HAND = f"no hand presses on it, or more than {MOST_PRESSING} bodies do"
 GRASP: Mapping[str, Quantity] = {
-    "held": Quantity("1", "1 while a hand holds it: something of the hand pressed on it for the "
-                     f"last {WINDOW:g} s, it moved and slid by less than {100 * STRAY:g} % of its "
-                     "size, nothing else carries it; else 0", of_free=True, yes_no=True),
-    "drift": Quantity("m", "how far it has come since it began to be held, at its farthest point",
+    "held": Quantity("1", "1 while a hand holds it: the hand pressed on it for the last "
+                          f"{WINDOW:g} s, it moved and slid by less than {100 * STRAY:g} % of its "
+                          "size, nothing else supports it; else 0", of_free=True, yes_no=True),
+    "drift": Quantity("m", "displacement since it was first held, of its farthest point",
                       nothing=NOT_HELD, of_free=True),
-    "closure": Quantity("1", "1 with force closure, else 0: whether contacts where these are could "
-                        "balance any load",
+    "closure": Quantity("1", "1 with force closure, else 0: contacts at these points could balance "
+                             "any load",
                         nothing=_MANY, yes_no=True),
-    "epsilon": Quantity("1", "Ferrari and Canny's measure: the least load that forces of sum 1 can "
-                        "balance at most; 0 without force closure",
+    "epsilon": Quantity("1", "Ferrari-Canny measure: minimum load at the limit of contact forces "
+                             "of sum 1; 0 without force closure",
                         nothing=_NO_HAND),
-    "stiffness": Quantity("N/m", "force over way of a small push at its centre of mass in the "
-                          "direction in which it gives way most; inf where no push moves it, 0 "
-                          "where nothing brings it back", nothing=_LIMP, of_free=True),
-    "stiffness_x": Quantity("N/m", "of a small push along x: force over way along x",
+    "stiffness": Quantity("N/m", "force per displacement for a small push at its centre of mass in "
+                                 "the softest direction; inf if no push moves it, 0 without "
+                                 "restoring force", nothing=_LIMP, of_free=True),
+    "stiffness_x": Quantity("N/m", "of a small push along x: force per displacement along x",
                             nothing=_LIMP, of_free=True),
     "stiffness_y": Quantity("N/m", "the same of a push upwards", nothing=_LIMP, of_free=True),
-    "stiffness_turn": Quantity("N m/rad", "of a small couple: moment over turn", nothing=_LIMP,
+    "stiffness_turn": Quantity("N m/rad", "of a small couple: moment per rotation", nothing=_LIMP,
                                of_free=True),
-    "isotropy": Quantity("1", "least over largest singular value of the grasp map: 1 if contacts "
-                         "act alike in all directions", nothing=_NO_HAND),
-    "spread": Quantity("1", "standard deviation over mean of the normal forces of the fingers that "
-                       "press on it: 0 if they press alike", nothing="no finger presses on it"),
-    "spread_bodies": Quantity("1", "the same of the bodies that press on it, such as phalanges",
+    "isotropy": Quantity("1", "minimum over maximum singular value of the grasp map: 1 if all "
+                              "directions are alike", nothing=_NO_HAND),
+    "spread": Quantity("1", "standard deviation over mean of the normal forces of the fingers on "
+                            "it: 0 if equal", nothing="no finger presses on it"),
+    "spread_bodies": Quantity("1", "the same, of all bodies that press on it, such as phalanges",
                               nothing="no finger presses on it"),
 }
 """What a body with the role ``object`` has besides; docs/grasp.md."""

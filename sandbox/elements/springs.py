@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 TakenUp = Literal["natural", "as_is"]
 QUANTITIES: Mapping[str, Quantity] = {
     "length": recorded("spring_length", "m", "between its two points", live=True),
-    "force": recorded("spring_force", "N", "positive when it pulls; damper included", live=True),
+    "force": recorded("spring_force", "N", "positive in tension; damper included", live=True),
     "angle": recorded("spring_length", "rad", "of its hinge, in the hinge's positive sense",
                       live=True),
     "torque": recorded("spring_force", "N m",
@@ -101,32 +101,31 @@ class LinearSpring(SpringSpec):
     b: BodyName
     """The body at its other end."""
     on_a: Point = (0.0, 0.0)
-    """Where it is tied, in the frame of ``a`` [m]."""
+    """Attachment, in the frame of ``a`` [m]."""
     on_b: Point = (0.0, 0.0)
-    """Where it is tied, in the frame of ``b`` [m]."""
+    """Attachment, in the frame of ``b`` [m]."""
     stiffness: Stiffness | None = None
-    """Force per change of length [N/m], 0 or more; the force is positive where it pulls."""
+    """Force per change of length [N/m], 0 or more; positive in tension."""
     force: str | None = None
-    """In place of ``stiffness`` the force [N] as an expression of its ``stretch`` [m], its length
-    less that at rest, and of its ``rate`` [m/s], by which that grows: ``"=1e3 * stretch +
-    4e6 * stretch ** 3"``, ``"=bumper(stretch)"``. Positive pulls."""
+    """In place of ``stiffness``, the force [N] as an expression of its ``stretch`` [m], length
+    minus rest length, and of the ``rate`` of the stretch [m/s]: ``"=1e3 * stretch + 4e6 * stretch
+    ** 3"``, ``"=bumper(stretch)"``. Positive in tension."""
     only: Literal["pull", "push"] | None = None
-    """One-sided: ``pull`` for what only pulls, and is slack below its length at rest, as a bungee
-    cord; ``push`` for what only pushes, and stands apart above it, as a bump stop."""
+    """One-sided: ``pull`` acts above the rest length only, as a bungee cord; ``push`` below it
+    only, as a bump stop."""
     damping: Damping = 0.0
     """Force per rate of length [N s/m], against it; of a one-sided spring only while it acts."""
     rest_length: Distance | None = None
-    """Length at which it neither pulls nor pushes [m]; by default the length at t = 0. The
-    ``stretch`` of its ``force`` counts from it."""
+    """Length without force [m]; by default the length at t = 0. The ``stretch`` of its ``force``
+    counts from it."""
     breaks_at: Annotated[Force, POSITIVE] | None = None
-    """The size of its force, either way, above which it is let go [N], for good unless an event
-    takes it up again; by default it never breaks."""
+    """Magnitude of its force above which it breaks [N]; it stays released unless an event engages
+    it again. By default it never breaks."""
     released: Flag = False
-    """Whether it is let go from the start, until an event takes it up."""
+    """Whether it starts released, until an event engages it."""
     taken_up: TakenUp = "natural"
-    """With which length at rest an event takes it up again: ``natural`` is the one that it has had,
-    so that it may pull at once; ``as_is`` the distance of its points then, so that it begins
-    without force."""
+    """Rest length after it is engaged again: ``natural`` keeps it; ``as_is`` takes the current
+    distance of its points, so that it starts without force."""
 
     _law = field_validator("force")(_read_law)
 
@@ -145,7 +144,7 @@ class LinearSpring(SpringSpec):
 
 
 class RotarySpring(SpringSpec):
-    """A torsion spring and damper on a hinge, in the hinge's own sense of turning."""
+    """A torsion spring and damper on a hinge, in the hinge's positive sense."""
 
     facts: ClassVar[SpringKind] = SpringKind(
         "N m/rad", "rotary stiffness", ("angle", "torque", "work"), straight=False)
@@ -157,27 +156,26 @@ class RotarySpring(SpringSpec):
     name: Name
     """Its name; quantities are ``<name>.torque`` and so on."""
     joint: HingeName
-    """Name of the pin that it acts on; its angle is this hinge's, in the hinge's sense."""
+    """Name of the pin that it acts on; the spring has this hinge's angle and positive sense."""
     stiffness: RotaryStiffness | None = None
     """Torque per angle [N m/rad], 0 or more, towards ``rest_angle``."""
     torque: str | None = None
-    """In place of ``stiffness`` the torque [N m] as an expression of its ``twist`` [rad], the
-    hinge's angle less ``rest_angle``, and of its ``rate`` [rad/s]: ``"=0.2 * twist ** 3"``,
-    ``"=pad(twist)"``. Positive turns a positive twist back."""
+    """In place of ``stiffness``, the torque [N m] as an expression of its ``twist`` [rad], the
+    hinge's angle minus ``rest_angle``, and of its ``rate`` [rad/s]: ``"=0.2 * twist ** 3"``,
+    ``"=pad(twist)"``. Positive reduces a positive twist."""
     only: Literal["above", "below"] | None = None
-    """One-sided: it acts only where the hinge's angle is ``above`` the one at rest, or only where
-    it is ``below``, and only towards it."""
+    """One-sided: it acts only ``above`` or only ``below`` its rest angle, and only towards it."""
     damping: RotaryDamping = 0.0
     """Torque per rate [N m s/rad], against it; of a one-sided spring only while it acts."""
     rest_angle: Annotated[Angle, KEPT] = 0.0
-    """The hinge's angle at which it gives no torque [rad], in the hinge's sense; 0 by default,
-    wherever the hinge starts."""
+    """Hinge angle without torque [rad], in the hinge's positive sense; 0 by default, also if the
+    hinge starts elsewhere."""
     breaks_at: Annotated[Torque, POSITIVE] | None = None
-    """The size of its torque, either way and without its damping, above which it is let go [N m],
-    for good unless an event takes it up again; by default it never breaks."""
+    """Magnitude of its torque without damping above which it breaks [N m]; it stays released unless
+    an event engages it again. By default it never breaks."""
     released: Flag = False
-    """Whether it is let go from the start, until an event takes it up. Its damping is part of the
-    hinge's, and stays as long as that."""
+    """Whether it starts released, until an event engages it. Its damping belongs to the hinge and
+    is not released."""
 
     _law = field_validator("torque")(_read_law)
 

@@ -34,22 +34,23 @@ RIGID = 1e5
 
 QUANTITIES: Mapping[str, Quantity] = {
     "length": recorded("tendon_length", "m",
-                       "along its path; what wheels at its ends have wound up since t = 0 counts",
+                       "along its path, including the length wound up on wheels at its ends since "
+                       "t = 0",
                        live=True),
     "shortening": Quantity(
-        "m", "its path at t = 0 less that of now, from where it leaves the wheels at its ends: "
-        "positive where it is wound up", live=True),
-    "tension": recorded("tendon_tension", "N", "along the whole path, never below 0; where guides "
-                        "hold it by friction, that of its last straight piece", live=True),
+        "m", "path length at t = 0 minus the current one, between the wheels at its ends: positive "
+             "if wound up", live=True),
+    "tension": recorded("tendon_tension", "N", "along the whole path, never below 0; with friction "
+                                               "at guides, of the last span", live=True),
     "work": recorded("tendon_work", "J", "done on the bodies since t = 0"),
 }
 NUMBERED: Mapping[str, Quantity] = {
-    "tension": Quantity("N", "`tension_0` and so on: of its straight pieces one by one, in order",
+    "tension": Quantity("N", "`tension_0` and so on: tension of each span, in order",
                         live=True),
-    "slip": Quantity("m", "`slip_1` and so on: cord that has slid over such a guide since t = 0, "
-                     "towards the last one; guides are counted from 0", live=True),
-    "lifted": Quantity("1", "`lifted_1` and so on: 1 while the cord is off that guide's wheel and "
-                       "goes straight past it, else 0; guides are counted from 0", live=True,
+    "slip": Quantity("m", "`slip_1` and so on: length that has slid over that guide since t = 0, "
+                          "towards the last guide; guides count from 0", live=True),
+    "lifted": Quantity("1", "`lifted_1` and so on: 1 while the tendon is off that guide's wheel, "
+                            "else 0; guides count from 0", live=True,
                        yes_no=True),
 }
 """What tendons have besides, with a number each: where guides hold them by friction the tensions of
@@ -57,53 +58,47 @@ their pieces and what slid over such a guide; ``lifted`` of each wheel that one 
 
 
 class Guide(Spec):
-    """A point, or a wheel, of a body that a tendon passes.
+    """A point or a wheel on a body that a tendon passes.
 
-    At either end the tendon is tied there. A guide between the ends lets it slide
-    through, without friction unless it has some; a wheel (``radius``) at an end has it
-    wound on: it pays out as the body turns, which is how equations (1)-(3) come in.
-    A wheel between the ends without friction and whole turns holds nothing back: the
-    cord lifts off it where it would have to, goes straight past, and is taken up again.
+    At either end of a tendon, the tendon is tied to its guide; a wheel (``radius``) there winds it
+    up as the body turns, as in equations (1)-(3). Between the ends it slides through, without
+    friction by default. It lifts off a wheel without friction and whole turns where it would have
+    to stick, and lands on it again.
     """
 
     body: BodyName
-    """Name of the body that it is on, and that it presses."""
+    """Name of the body that carries it."""
     at: Point = (0.0, 0.0)
-    """The eye, or the wheel's centre, in the body's frame [m]."""
+    """The point, or the wheel's centre, in the body's frame [m]."""
     radius: Distance = 0.0
-    """Radius of the wheel [m]; 0, the default, is a plain eye."""
+    """Radius of the wheel [m]; 0, the default, is a point."""
     side: Annotated[Literal["left", "right"], OTHER_SIDE] = "left"
-    """On which side of the cord, walked from its first guide to its last, the wheel's centre lies:
-    round a wheel on its ``left`` the cord bends counter-clockwise, round one on its ``right``
-    clockwise. An end on the ``left`` is wound up by turning counter-clockwise at the last guide,
-    clockwise at the first. Of no effect on an eye."""
+    """Side of the wheel's centre, seen along the tendon from its first guide to its last: around a
+    wheel on its ``left`` the tendon bends counter-clockwise, around one on its ``right`` clockwise.
+    An end on the ``left`` is wound up by counter-clockwise rotation at the last guide, clockwise at
+    the first. Without effect on a point."""
     turns: int = Field(default=0, ge=0, le=1000)
-    """Whole turns that the cord goes round the wheel at t = 0, besides the arc that its ends make:
-    of a capstan. Of no effect on an eye, or where the cord is tied."""
+    """Additional whole turns around the wheel at t = 0, as on a capstan. Without effect on a point
+    and at the ends."""
     begins: Literal["on", "off"] | None = None
-    """Whether the cord lies on the wheel at t = 0 or goes straight past it: ``on`` though the
-    straight way is clear of it, so that the cord goes round it and crosses itself, or ``off``, to
-    meet it later. By default it is off where the straight way past the wheel is clear of it, with
-    its centre on the ``side`` that it should be; a loop is on. Of no effect where a cord cannot
-    lift off: an eye, a wheel with ``friction`` or ``turns``, the first guide of a loop, or where
-    it is tied."""
+    """Whether the tendon lies on the wheel at t = 0 (``on``) or passes it straight (``off``), to
+    meet it later. By default it is off if the straight path clears the wheel with its centre on
+    ``side``; a loop is on. Without effect where a tendon cannot lift off: on a point, a wheel with
+    ``friction`` or ``turns``, the first guide of a loop, and at the ends."""
     friction: Ratio = 0.0
-    """Coefficient of friction between cord and guide: by the angle φ that the cord bends there its
-    tension may grow up to e^(friction φ) times before it slides (Euler, Eytelwein). On a wheel
-    that turns this is its grip. Of no effect where the cord is tied."""
+    """Coefficient of friction between tendon and guide: over a wrap angle φ the tension may grow by
+    up to e^(friction φ) before the tendon slides (Euler, Eytelwein). On a rotating wheel this is
+    its grip. Without effect at the ends."""
 
 
 class Tendon(Element):
-    """A cord through ``guides``, which pulls and never pushes.
+    """A tendon through ``guides``, which pulls and never pushes.
 
-    T = stiffness * stretch + damping * rate, never below 0.
-
-    It is elastic, with the default stiffness as well: one that snaps taut gives
-    the speed back. From 100 kN/m on only exp(-pi h w / 2) of it, so that what
-    comes of the jolt depends on the step h until that is small against the
-    period 2 pi / w, w^2 = stiffness / mass. Where a jolt is to be inelastic, a
-    joint of type ``rope`` does it between two points; a cord through guides
-    needs a ``damping`` of some times sqrt(stiffness * mass).
+    T = stiffness * stretch + damping * rate, never below 0. It is elastic, also with the default
+    stiffness: a tendon that snaps taut rebounds. From 100 kN/m on only exp(-pi h w / 2) of the
+    rebound remains, so it depends on the step h unless h is small against the period 2 pi / w, w^2
+    = stiffness / mass. For an inelastic jolt use a joint of type ``rope`` between two points, or a
+    ``damping`` of several times sqrt(stiffness * mass).
     """
 
     RECORDED = QUANTITIES
@@ -111,35 +106,32 @@ class Tendon(Element):
     name: Name
     """Its name; quantities are ``<name>.tension``, ``<name>.length`` and so on."""
     guides: Items[Guide] = Field(min_length=2, max_length=64)
-    """Where the cord runs, from end to end; a pull drive acts at the last one."""
+    """Path of the tendon from end to end; a pull drive acts at the last guide."""
     closed: Flag = False
-    """True: a loop, such as a belt. From the last guide it runs on to the first, and it is tied
-    nowhere."""
+    """True: a loop, such as a belt. From the last guide it continues to the first; it has no tied
+    end."""
     stiffness: Stiffness = Field(default=RIGID, gt=0)
-    """Tension per stretch of the whole cord [N/m]; from 100 kN/m on, the default, the cord stands
-    for one without stretch and is solved at the end of the step."""
+    """Tension per stretch of the whole tendon [N/m]; from 100 kN/m on, the default, it is solved
+    implicitly and counts as inextensible."""
     damping: Damping = 0.0
-    """Tension per rate of stretch [N s/m]; from 100 kN/m on the step damps the cord as well, as
-    step * stiffness would."""
+    """Tension per rate of stretch [N s/m]; from 100 kN/m on the step adds damping of step *
+    stiffness."""
     rest_length: Length | None = None
-    """Length of the cord where it just does not pull [m]; by default that of its path at t = 0.
-    ``slack`` comes on top."""
+    """Rest length [m]; by default that of its path at t = 0. ``slack`` is added."""
     slack: Distance = 0.0
-    """Added to the rest length [m], 0 or more: by so much the path has to grow from what it is at
-    t = 0, unless ``rest_length`` says otherwise, before the cord pulls. A cord that shall pull
-    from the start has a ``rest_length`` shorter than its path, or a ``pretension``, and no
-    slack."""
+    """Added to the rest length [m], 0 or more: the path has to grow by this before the tendon
+    pulls. For tension from the start use a ``pretension``, or a ``rest_length`` shorter than the
+    path."""
     pretension: Annotated[Force, NOT_NEGATIVE] | None = None
-    """Tension along the whole cord at t = 0 [N], in place of ``rest_length`` and ``slack``."""
+    """Tension along the whole tendon at t = 0 [N], in place of ``rest_length`` and ``slack``."""
     breaks_at: Annotated[Force, POSITIVE] | None = None
-    """The tension above which it is let go [N], anywhere along it, for good unless an event takes
-    it up again; by default it never breaks."""
+    """Tension above which it breaks [N], anywhere along it; it stays released unless an event
+    engages it again. By default it never breaks."""
     released: Flag = False
-    """Whether it is let go from the start, until an event takes it up."""
+    """Whether it starts released, until an event engages it."""
     taken_up: TakenUp = "natural"
-    """With which length at rest an event takes it up again: ``natural`` is the one that it has had,
-    so that it may pull at once; ``as_is`` that of its path then, so that it begins without
-    tension."""
+    """Rest length after it is engaged again: ``natural`` keeps it; ``as_is`` takes the current path
+    length, so that it starts without tension."""
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:

@@ -47,18 +47,18 @@ class Gear(WheelJoint):
 
     type: Literal["gear"] = TYPE
     radius_a: Length
-    """Of the pitch circle of ``a``, whose centre is ``on_a``."""
+    """Pitch radius of ``a``, whose centre is ``on_a``."""
     radius_b: Length
-    """Of the pitch circle of ``b``, whose centre is ``on_b``."""
+    """Pitch radius of ``b``, whose centre is ``on_b``."""
     inside: Flag = False
-    """True: the smaller gear runs inside the larger one, a ring with teeth inside."""
+    """True: the smaller gear runs inside the larger one, a ring gear."""
     pressure_angle: PressureAngle = math.radians(20.0)
     """Between the line of action and the common tangent of the pitch circles, up to 45 deg."""
     backlash: Distance = 0.0
-    """Play of the teeth along the pitch circles; at t = 0 they stand in its middle."""
+    """Backlash along the pitch circles; the teeth are centred at t = 0."""
     stiffness: Stiffness = Field(default=1e9, gt=0)
-    """Of teeth without play, along the line of action [N/m]: by this several planets share a
-    load. Of steel teeth about 1.4e10 N/m per metre of their width."""
+    """Stiffness along the line of action, without backlash [N/m]: planet gears share a load by it.
+    Steel teeth have about 1.4e10 N/m per metre of width."""
     on_a: Point = (0.0, 0.0)
     """Centre of the first wheel in the frame of ``a`` [m]."""
     on_b: Point = (0.0, 0.0)
@@ -87,15 +87,15 @@ class Rack(WheelJoint):
 
     type: Literal["rack"] = TYPE
     radius: Length
-    """Of the pitch circle of ``a``, whose centre is ``on_a``."""
+    """Pitch radius of ``a``, whose centre is ``on_a``."""
     along: Direction = (1.0, 0.0)
-    """Direction of the rack's pitch line in the frame of ``b``; its length does not count."""
+    """Direction of the rack's pitch line in the frame of ``b``; any length."""
     pressure_angle: PressureAngle = math.radians(20.0)
     """Between the line of action and the pitch line, up to 45 deg."""
     backlash: Distance = 0.0
-    """Play of the teeth along the pitch line; at t = 0 they stand in its middle."""
+    """Backlash along the pitch line; the teeth are centred at t = 0."""
     stiffness: Stiffness = Field(default=1e9, gt=0)
-    """Of teeth without play, along the line of action [N/m]."""
+    """Stiffness along the line of action, without backlash [N/m]."""
     on_a: Point = (0.0, 0.0)
     """Centre of the gear in the frame of ``a`` [m]."""
     on_b: Point = (0.0, 0.0)
@@ -134,9 +134,9 @@ class Roll(WheelJoint):
 
     type: Literal["roll"] = TYPE
     radius_a: Length
-    """Of the circle of ``a``, whose centre is ``on_a``."""
+    """Radius of the circle of ``a``, whose centre is ``on_a``."""
     radius_b: Length
-    """Of the circle of ``b``, whose centre is ``on_b``."""
+    """Radius of the circle of ``b``, whose centre is ``on_b``."""
     inside: Flag = False
     """True: the smaller circle rolls inside the larger one."""
     on_a: Point = (0.0, 0.0)

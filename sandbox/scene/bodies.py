@@ -68,7 +68,7 @@ class Box(Spec):
     size: Pair[Length]
     """[width, height] along its own x and y [m]."""
     at: Point = (0.0, 0.0)
-    """Its middle in the body's frame [m]."""
+    """Its centre in the body's frame [m]."""
     angle: Annotated[Angle, Placed("sign")] = 0.0
     """Its turn against the body's frame [rad], counter-clockwise."""
 
@@ -117,7 +117,7 @@ class Polygon(Spec):
     """Its corners in the body's frame [m], one after the other, clockwise or counter-clockwise; the
     outline may not touch or cross itself."""
     holes: Annotated[Items[Outline], Field(max_length=MOST_CORNERS)] = ()
-    """Outlines of holes in it, each by itself within the outline; corners as in ``points``."""
+    """Outlines of its holes, separate and inside the outline; corners as in ``points``."""
     nodes: Annotated[Nodes, Placed("nodes")] = ()
     """The true curves of the outline and of each hole, if it was worked out from a curve, a cam or
     a drawing: contacts follow them instead of the sides. A node is `[x, y, direction, curvature]`;
@@ -181,9 +181,9 @@ class Polyline(Spec):
 
     type: Literal["polyline"] = TYPE
     points: Annotated[Items[Point], Field(min_length=2, max_length=MOST_CORNERS)]
-    """Where it bends, and its ends; where the last point is the first it is closed."""
+    """Its corners and ends; closed if the last point equals the first."""
     radius: Distance = 0.0
-    """How far its surface lies from the line through its points."""
+    """Distance of its surface from the line through its points."""
     nodes: Annotated[Nodes, Placed("nodes")] = ()
     """The true curve, if the polyline was worked out from one; as of a polygon."""
 
@@ -206,9 +206,9 @@ class Capsule(Spec):
 
     type: Literal["capsule"] = TYPE
     start: Point = (0.0, 0.0)
-    """Middle of its one round end, in the body's frame [m]."""
+    """Centre of one round end, in the body's frame [m]."""
     end: Point
-    """Middle of its other round end, in the body's frame [m]."""
+    """Centre of the other round end, in the body's frame [m]."""
     radius: Length
     """Half its thickness, and the radius of its ends [m]."""
 
@@ -297,11 +297,10 @@ Role = Literal["link", "ground", "palm", "phalanx", "rocker", "pulley", "object"
 
 
 class Body(Spec):
-    """A rigid body: where it starts, how it moves, what it weighs, what it looks like.
+    """A rigid body: initial pose, motion, mass and appearance.
 
-    Mass comes from ``mass``, or from ``density`` times the shapes' area times
-    ``thickness``. Centre and inertia follow from the shapes (an even spread of
-    the mass over their area) unless given.
+    Mass comes from ``mass``, or from ``density`` times the shapes' area times ``thickness``. Centre
+    and inertia follow from the shapes (uniform mass over their area) unless given.
     """
 
     name: Name
@@ -311,23 +310,22 @@ class Body(Spec):
     angle: Annotated[Angle, Placed("turn")] = 0.0
     """Turn of the body's frame against the world at t = 0 [rad], counter-clockwise."""
     motion: Literal["dynamic", "fixed", "scheduled"] = "dynamic"
-    """``dynamic`` is moved by forces, ``fixed`` stays where it is, ``scheduled`` follows its
-    ``path`` whatever the forces on it."""
+    """``dynamic`` moves by forces, ``fixed`` does not move, ``scheduled`` follows its ``path``
+    regardless of forces."""
     path: Annotated[Path | None, Placed("kept")] = None
-    """Pose over time; for ``"motion": "scheduled"`` only, which needs it."""
+    """Pose over time; required for ``"motion": "scheduled"``, and only allowed there."""
     shapes: Items[BodyShape] = ()
-    """What it consists of, in its frame: its outline for contacts and pictures and, unless given,
-    its mass's spread. One without shapes touches nothing."""
+    """Its shapes in its frame: outlines for contacts and pictures and, by default, mass
+    distribution. A body without shapes touches nothing."""
     displaces: Items[BodyShape] = ()
-    """What of it keeps a liquid away (a load ``buoyancy``), in its frame; by default its
-    ``shapes``. A bin of three walls floats by the outline round it, one polygon. It touches and
-    weighs nothing."""
+    """Shapes that displace liquid (load ``buoyancy``), in its frame; by default its ``shapes``. A
+    bin of three walls floats by one polygon around it. They touch and weigh nothing."""
     mass: Mass | None = None
-    """Of the whole body [kg]; a dynamic body has either this or ``density``."""
+    """Mass [kg]; a dynamic body has either this or ``density``."""
     density: Density | None = None
     """Mass per volume [kg/m^3]; with the shapes' areas and ``thickness`` it gives the mass."""
     thickness: Annotated[Length, Placed("kept")] = 0.01
-    """Depth across the plane [m], which counts with ``density`` and in a liquid only."""
+    """Depth across the plane [m]; used with ``density`` and in a liquid only."""
     centre: Point | None = None
     """Centre of mass in the body's frame [m]; by default that of the shapes' area."""
     inertia: Inertia | None = None
@@ -340,19 +338,17 @@ class Body(Spec):
     material: Name | None = None
     """Name of one of the scene's ``materials``; without one, friction is 0.5 and restitution 0."""
     plane: Planes = (0,)
-    """Layer that it lies in, a whole number, higher ones nearer to the eye: bodies of different
-    planes pass each other, whatever contact rules say, and are drawn in this order. In a list of
-    planes it meets the bodies of each and is drawn in the lowest; ``"all"`` meets everything and is
-    drawn behind."""
+    """Plane number: bodies of different planes do not touch, whatever contact rules say; higher
+    numbers are drawn in front. A body with a list of planes touches the bodies of each and is drawn
+    in the lowest; ``"all"`` touches everything and is drawn behind."""
     role: Role = "link"
-    """What it is to a reader: how it is drawn, and in a grasp what holds what. An ``object`` has
-    quantities of how it is held, ``ground`` is no part of a hand. It changes no motion."""
+    """Role for pictures and grasp quantities: an ``object`` has quantities of its grasp, ``ground``
+    is not part of a hand. It does not affect the motion."""
     colour: FillColour | None = None
     """Its fill in pictures: white, grey, black, blue, teal, green, yellow, orange, red, pink,
     purple, brown, or ``"#f5c542"``; by default that of its material, else that of its role."""
     fill: Flag = True
-    """False draws its outline alone, so that what lies behind it is seen; a circle that a drive
-    changes stays filled."""
+    """False draws only the outline; a circle whose radius a drive changes stays filled."""
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -380,7 +376,7 @@ STATIC_OF_NOTHING = "'static' is a multiple of 'friction', which is 0"
 
 
 class Material(Spec):
-    """A contact surface: how it rubs and how it bounces.
+    """A contact surface with friction and restitution.
 
     Friction, static and restitution of a pair are the geometric means of the two.
     """
@@ -388,8 +384,7 @@ class Material(Spec):
     friction: Ratio = 0.5
     """Coulomb coefficient, 0 or more, of two surfaces of this material."""
     static: Ratio = Field(default=1.0, ge=1)
-    """How many times as much as it rubs with while it slides it holds with while it does not, 1 or
-    more, as of a joint; by default just as much."""
+    """Ratio of static to sliding friction, 1 or more; 1 by default."""
     restitution: Share = 0.0
     """Rebound speed over approach speed of two surfaces of this material: 0 does not bounce, 1
     loses nothing."""

@@ -30,18 +30,17 @@ class SmoothCurve(Spec):
     points: Annotated[Items[Point], Field(min_length=3, max_length=1000)]
     """Points that it passes through, in order [m]; the last of a closed one is not the first."""
     closed: Flag = True
-    """Whether it goes on from the last point to the first, and is the outline of a solid."""
+    """Whether it continues from the last point to the first and bounds a solid."""
     corners: Items[Annotated[int, Field(ge=0)]] = ()
-    """Numbers of the points at which it has a corner, counted from 0; elsewhere it is smooth."""
+    """Indices of the points with a corner, from 0; the curve is smooth elsewhere."""
     radius: Distance = 0.0
-    """Of an open one, how far its surface lies from the curve."""
+    """Of an open curve: distance of its surface from the curve."""
     tolerance: Length = 1e-5
-    """How far its chords may be from it in pictures and in its area; contacts do not depend on
-    it."""
+    """Maximum deviation of its chords in pictures and in its area; contacts do not depend on it."""
     at: Point = (0.0, 0.0)
-    """Where the points' origin lies, in the body's frame."""
+    """Position of the points' origin in the body's frame."""
     angle: Angle = 0.0
-    """By which it is turned about that origin, in the body's frame."""
+    """Rotation about that origin in the body's frame."""
 
     @model_validator(mode="after")
     def _sound(self) -> Self:
@@ -91,18 +90,17 @@ class DiscCam(Spec):
     Angles rise over less than a whole turn; the curve goes on from the last to the first.
     """
     follower: Literal["roller", "flat"] = "roller"
-    """What touches the cam: a roller, or a flat face across its way."""
+    """Type of follower: a roller, or a flat face across its path."""
     roller: Length | None = None
     """Radius of the roller; for a roller only."""
     towards: Angle = math.pi / 2
     """Direction from the cam's centre to the follower, in the body's frame at its angle 0."""
     turns: Literal["counterclockwise", "clockwise"] = "counterclockwise"
-    """The way in which the table's angles count the cam's turn."""
+    """Sense in which the table's angles count the cam's rotation."""
     at: Point = (0.0, 0.0)
-    """Centre that the cam turns about, in the body's frame."""
+    """Centre of rotation, in the body's frame."""
     tolerance: Length = 1e-5
-    """How far chords may be from the outline in pictures and in its area; contacts do not depend on
-    it."""
+    """Maximum deviation of chords in pictures and in its area; contacts do not depend on it."""
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -134,9 +132,9 @@ class DiscCam(Spec):
 
 
 class Drawing(Spec):
-    """A shape from an SVG or DXF file: its largest outline, with the outlines in it as holes.
+    """A shape from an SVG or DXF file: its largest outline, with the outlines inside as holes.
 
-    Once read, it is a polygon: what is saved needs the file no more.
+    It is read into a polygon; a saved scene no longer needs the file.
     """
 
     type: Literal["drawing"] = TYPE
@@ -148,11 +146,11 @@ class Drawing(Spec):
     An SVG file that says nothing counts in pixels of 1/96 inch.
     """
     layer: Annotated[str, Field(max_length=200)] | None = None
-    """Takes only what is on this layer of a DXF file, or has this id in an SVG file."""
+    """Reads only this layer of a DXF file, or the element with this id in an SVG file."""
     tolerance: Length = 5e-5
-    """How far ends that meet may be from one another, and chords from curves in pictures and in the
+    """Maximum gap between connected ends, and maximum deviation of chords in pictures and in the
     area."""
     at: Point = (0.0, 0.0)
-    """Where the drawing's origin lies, in the body's frame; the drawing's y is up."""
+    """Position of the drawing's origin in the body's frame; the drawing's y is up."""
     angle: Angle = 0.0
-    """By which the drawing is turned about its origin, in the body's frame."""
+    """Rotation of the drawing about its origin, in the body's frame."""

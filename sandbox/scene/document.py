@@ -37,10 +37,10 @@ class Assembly(Spec):
     at: Point = (0.0, 0.0)
     """Its origin, in the world or in the assembly that it is part of."""
     angle: Angle = 0.0
-    """By which it is turned about its origin."""
+    """Rotation about its origin."""
     mirror: Mirror | None = None
-    """Which sides change places, about its origin. Hinges then count the other turn as positive,
-    so that their angles, stops and drives stay what they are."""
+    """Sides to mirror, about its origin. Hinges then count the opposite sense as positive, so their
+    angles, stops and drives do not change."""
     scale: Annotated[Number, POSITIVE] = 1.0
     """Of all lengths in the plane, and of speeds; inertias by its square. Masses, stiffnesses,
     forces, areas of pistons and volumes stay as they are written, and so does ``thickness``."""
@@ -69,7 +69,7 @@ class Assembly(Spec):
     events: Items[Event] = ()
     """Its events."""
     contacts: Items[ContactRule] = ()
-    """Rules among its bodies, and between them and the scene's; the scene's own come later."""
+    """Contact rules among its bodies and with the scene's; the scene's own rules come later."""
     groups: Items[Group] = ()
     """Its groups. All its bodies together are a group of the assembly's name."""
     meters: Items[Meter] = ()
@@ -95,12 +95,12 @@ class Scene(Mechanism):
     """Named numbers, for expressions such as ``"=pull / 4"``: SI once read, whatever unit they were
     written in."""
     templates: dict[Name, dict[str, Any]] = Field(default_factory=dict)
-    """What elements have in common, by name: ``{"digit": {"type": "finger", ...}}``. An entry with
-    ``"like": "digit"`` takes all keys of that template and puts its own over them, object by
-    object; lists are replaced whole. A template may itself be ``like`` another one."""
+    """Templates by name: ``{"digit": {"type": "finger", ...}}``. An entry with ``"like": "digit"``
+    takes all keys of that template and overrides them with its own, object by object; lists are
+    replaced whole. A template may itself have a ``like``."""
     parts: Items[Part] = ()
-    """Assemblies of several elements each, such as fingers and trees; ``sandbox check --expand``
-    shows what they stand for."""
+    """Assemblies of several elements, such as fingers and trees; ``sandbox check --expand`` shows
+    their elements."""
 
 
 Assembly.model_rebuild()

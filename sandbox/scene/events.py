@@ -23,15 +23,14 @@ Names = Annotated[Items[Name], BeforeValidator(_listed, json_schema_input_type=(
 
 
 class Event(Spec):
-    """Sets drives, switches controllers, lets go or takes up, or stops the run; at most once.
+    """Sets drives, switches controllers, releases or engages elements, or stops the run.
 
-    One that does nothing of the kind marks an instant: it is noted, and marked in plots and pages.
-    A push is a force drive of value 0 that an event sets for a while; a joint
-    is locked and freed by setting its brake.
+    It happens at most once. An event without actions marks an instant in plots and pages. For a
+    push, set a force drive of value 0 for a while; to lock and free a joint, set its brake.
     """
 
     name: Name
-    """Its name, by which the verdict tells when it happened."""
+    """Its name in the result."""
     at: Instant | None = None
     """When it happens [s]: before the first step whose forces act at or after it."""
     when: str | None = None
@@ -44,17 +43,17 @@ class Event(Spec):
     """Drive, ``<controller>.target`` or ``<controller>.active`` (0 or 1) to its new value, in the
     unit of each."""
     release: Names = ()
-    """Joints, springs and tendons that it lets go: they carry nothing any more and are not drawn.
-    With a pin go its stops and damping and what acts on it."""
+    """Joints, springs and tendons to release: they carry no load and are not drawn. With a pin its
+    stops, damping, springs and drives are released."""
     take_up: Names = ()
-    """Joints, springs and tendons that it takes up again, after they were let go or broke."""
+    """Joints, springs and tendons to engage again, after they were released or broke."""
     lasts: Duration | None = None
-    """Time after which what was set is as before, what was let go is taken up, and what was taken
-    up let go [s]; by default for good."""
+    """Time after which the event is reversed: values, releases and engagements [s]; by default
+    never."""
     stop: Literal["pass", "fail"] | None = None
-    """Ends the run with this verdict; by default the run goes on."""
+    """Stops the run with this result; by default the run continues."""
     because: str = ""
-    """Why it is there; stands in the verdict."""
+    """Reason, shown in the result."""
 
     @field_validator("when")
     @classmethod

@@ -33,35 +33,35 @@ class Layer:
 
 
 LAYERS: Mapping[str, Layer] = {
-    "bodies": Layer("bodies", "outlines of bodies, of fixed ones hatched", per_body=True),
-    "springs": Layer("springs", "coils, spirals about hinges"),
-    "tendons": Layer("cords", "tendons with their guides, lines of fluid"),
-    "joints": Layer("joints", "pins, grooves, rods, ropes, grounds, stops that act"),
-    "contacts": Layer("contact forces", "arrows of contact forces with their sizes",
+    "bodies": Layer("bodies", "outlines of bodies; fixed bodies are hatched", per_body=True),
+    "springs": Layer("springs", "springs"),
+    "tendons": Layer("tendons", "tendons with their guides, lines of fluid"),
+    "joints": Layer("joints", "pins, grooves, rods, ropes, grounds, active stops"),
+    "contacts": Layer("contact forces", "contact forces as arrows with magnitudes",
                       per_body=True),
-    "tensions": Layer("tensions", "colours of cords, rods and ropes by what they carry, and "
-                      "numbers beside rods and ropes"),
-    "drives": Layer("drives", "arrows and marks of what drives"),
-    "loads": Layer("loads", "arrows of loads", per_body=True),
+    "tensions": Layer("tensions", "tendons, rods and ropes coloured by force, numbers at rods and "
+                                  "ropes"),
+    "drives": Layer("drives", "drives as arrows and marks"),
+    "loads": Layer("loads", "loads as arrows", per_body=True),
     "names": Layer("names", "names of fingers"),
-    "traces": Layer("traces", "ways of points with marks of time: those of `view.traces`, else of "
-                    "fingertips, else of centres of mass; shown unasked where `view.traces` names "
-                    "any", default=False, per_body=True),
+    "traces": Layer("traces", "paths of points with time marks: those of `view.traces`, else of "
+                              "fingertips, else of centres of mass; on by default if `view.traces` "
+                              "names points", default=False, per_body=True),
     "velocity": Layer("velocity", "velocity of traced points, else of the centre of mass",
                       default=False, per_body=True),
     "acceleration": Layer("acceleration", "acceleration of the same points", default=False,
                           per_body=True),
-    "reactions": Layer("reactions", "forces that pins, slots and welds carry", default=False,
+    "reactions": Layer("reactions", "reaction forces of pins, slots and welds", default=False,
                        per_body=True),
-    "bars": Layer("bars", "bodies between two pins, coloured by the tension or compression that "
-                  "they carry from one to the other", default=False, per_body=True),
-    "pressure": Layer("pressure", "contact forces along flat sides, as a force per length that has "
-                      "the same sum and moment",
+    "bars": Layer("bars", "two-pin bodies, coloured by axial tension or "
+                          "compression", default=False, per_body=True),
+    "pressure": Layer("pressure", "contact forces along flat sides as a line load with the same "
+                                  "sum and moment",
                       default=False, per_body=True),
     "axes": Layer("axes", "the frames of bodies: x and y from the origin", default=False,
                   per_body=True),
-    "coordinates": Layer("coordinates", "a grid of the world with numbers", default=False),
-    "body_names": Layer("names of bodies", "names beside bodies", default=False, per_body=True),
+    "coordinates": Layer("coordinates", "world grid with numbers", default=False),
+    "body_names": Layer("names of bodies", "names at bodies", default=False, per_body=True),
 }
 """By name, from the ordinary ones to those that are shown on wish."""
 PASSES: Mapping[str, str] = {

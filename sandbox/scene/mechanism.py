@@ -34,8 +34,8 @@ class Mechanism(Spec):
     run: Run = Run()
     """How long the run lasts, with which time step, and how often it is sampled."""
     gravity: Pair[Acceleration] = (0.0, 0.0)
-    """Acceleration [x, y] of everything that falls, in the world [m/s^2]; none by default: the
-    plane lies flat. ``[0, -9.81]`` is gravity in an upright plane."""
+    """Acceleration of gravity [x, y] in the world [m/s^2]; none by default: the plane is
+    horizontal. ``[0, -9.81]`` is gravity in a vertical plane."""
     tables: dict[TableName, NamedTable] = Field(default_factory=dict)
     """Functions of one number by name, given by points, which expressions call:
     ``"=profile(hinge.angle)"``."""
@@ -49,7 +49,7 @@ class Mechanism(Spec):
     springs: Items[Spring] = ()
     """Springs with dampers, between two points or about a hinge."""
     tendons: Items[Tendon] = ()
-    """Elastic cords that run through guides and only pull."""
+    """Elastic tendons that pass guides and only pull."""
     lines: Items[Line] = ()
     """Fluid under pressure, in chambers that move bodies."""
     valves: Items[Valve] = ()
@@ -57,21 +57,21 @@ class Mechanism(Spec):
     loads: Items[Load] = ()
     """Forces on bodies by laws of their own motion: drag, buoyancy, fields."""
     drives: Items[Drive] = ()
-    """What is set from outside over time: forces, torques, pulls, speeds, stiffnesses, radii, flows
-    and pressures of fluid, openings of valves, surfaces that run."""
+    """Inputs over time: forces, torques, pulls, speeds, stiffnesses, radii, fluid flows and
+    pressures, valve openings, conveyor surfaces."""
     controllers: Items[Controller] = ()
-    """What reads quantities while the run goes on, and sets drives by a law."""
+    """Controllers that read quantities during the run and set drives."""
     events: Items[Event] = ()
     """What happens once, at a time or on a condition."""
     contacts: Items[ContactRule] = ()
     """Which bodies may touch, and with what friction; of two rules for a pair the later one
     counts."""
     groups: Items[Group] = ()
-    """Bodies that are counted together, by a name of their own."""
+    """Named groups of bodies."""
     meters: Items[Meter] = ()
     """Quantities made of others by expressions."""
     expect: Items[Expect] = ()
-    """What has to hold of the recorded quantities; a run whose expectations do not hold fails."""
+    """Expectations on recorded quantities; a run that misses one fails."""
     view: View = View()
     """What the picture shows, how large and how fast."""
 

@@ -104,8 +104,8 @@ COMPOSED: Schema = {
     "like": {"type": "string", "description": "The name of a template, whose keys this entry "
              "takes; its own keys go over them, object by object, and lists are replaced whole."},
     "repeat": {
-        "description": "How many copies this stands for, counted by i from 0; a number, an "
-        "expression, or an object.",
+        "description": "Number of copies, counted by i from 0; a number, an expression, or an "
+                       "object.",
         "anyOf": [{"type": "integer", "minimum": 1}, {"type": "string", "pattern": "^ *="}, {
             "type": "object", "additionalProperties": False,
             "anyOf": [{"required": ["count"]}, {"required": ["list"]}],

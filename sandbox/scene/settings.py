@@ -49,10 +49,9 @@ RETIRED = ("iterations", "slop")
 
 
 class Run(Spec):
-    """How long a run lasts, and how finely it is stepped and recorded.
+    """Duration, time step and sample rate of a run.
 
-    Older scenes may hold ``iterations`` and ``slop``, too: how often a solver that is gone went
-    over a step, and how far it let contacts overlap. They do nothing any more.
+    Older scenes may have ``iterations`` and ``slop``; they are ignored.
     """
 
     duration: Duration = 1.0
@@ -60,7 +59,7 @@ class Run(Spec):
     step: Duration = 5e-4
     """Time step h [s]: shorter is more accurate and takes longer in proportion."""
     sample_rate: Frequency = 1000.0
-    """Samples recorded per second [Hz]; the nearest whole number of steps is used."""
+    """Samples recorded per second [Hz], rounded to a whole number of steps."""
     _ignored: tuple[str, ...] = PrivateAttr(())
 
     @property
@@ -80,19 +79,19 @@ class Run(Spec):
 
 
 class ContactRule(Spec):
-    """What two sets of bodies do when they meet; later rules win over earlier ones."""
+    """Contact rule between two sets of bodies; later rules override earlier ones."""
 
     between: Pair[str]
-    """Two names or patterns: ``finger*`` stands for all bodies whose name begins so."""
+    """Two names or patterns: ``finger*`` means all bodies whose name starts with ``finger``."""
     collide: Flag = True
-    """False lets the two pass through each other, true lets them touch again that an earlier rule
-    did not; a joint's own ``collide`` comes after all rules."""
+    """False disables contact, true enables it again after an earlier rule; a joint's own
+    ``collide`` overrides all rules."""
     friction: Ratio | None = None
     """Coulomb coefficient of this pair, 0 or more; by default the geometric mean of the two
     materials'."""
     static: Ratio | None = Field(default=None, ge=1)
-    """How many times as much as the pair rubs with while it slides it holds with while it does not,
-    1 or more; by default the geometric mean of the two materials'."""
+    """Ratio of static to sliding friction, 1 or more; by default the geometric mean of the two
+    materials' ratios."""
 
     @model_validator(mode="after")
     def _rubs(self) -> Self:
@@ -102,14 +101,14 @@ class ContactRule(Spec):
 
 
 class Meter(Spec):
-    """A named quantity made of recorded ones, written into ``run.npz``."""
+    """A named quantity computed from recorded ones, saved in ``run.npz``."""
 
     name: Name
     """Its name, by which it is recorded, expected and plotted like any other quantity."""
     value: str
     """An expression of quantities, SI: ``"=finger1.mcp.angle + finger1.pip.angle"``."""
     unit: str = ""
-    """Unit that stands beside its values in files and plots; nothing is converted by it."""
+    """Unit shown in files and plots; values are not converted."""
 
     @field_validator("value")
     @classmethod
@@ -149,7 +148,7 @@ class Looked(Spec):
     mean: str | None = None
     """Quantity, or pattern of quantities, whose mean over the window is looked at."""
     min: str | None = None
-    """Quantity, or pattern of quantities, whose least sample of the window is looked at."""
+    """Quantity, or pattern of quantities, whose minimum in the window is used."""
     max: str | None = None
     """Quantity, or pattern of quantities, whose largest sample of the window is looked at."""
     std: str | None = None
@@ -204,26 +203,26 @@ class Looked(Spec):
 
 
 class Expect(Looked):
-    """A range that a recorded quantity must keep: the scene's own regression test.
+    """An expectation: a range for a recorded quantity, the scene's regression test.
 
-    One of ``mean``, ``min``, ``max``, ``std`` or ``final`` names the quantity, or ``quantity``
-    with the instant ``at`` (patterns allowed: every match must hold); one of ``is``, ``between``,
-    ``above`` or ``below`` says what it must be.
+    One of ``mean``, ``min``, ``max``, ``std`` or ``final`` names the quantity, or ``quantity`` with
+    the instant ``at`` (patterns allowed: every match must hold). One of ``is``, ``between``,
+    ``above`` or ``below`` gives the range.
     """
 
     value: Annotated[Quantity | None, Field(alias="is")] = None
     """What it must be, in the quantity's unit, up to ``within``."""
     within: str | Quantity = WITHIN
-    """How far it may be from ``is``, to either side: a fraction of it as ``"0.1 %"``, the default,
-    or an absolute quantity. By default 0 of what is 1 or 0, such as ``held``."""
+    """Tolerance about ``is``: a fraction as ``"0.1 %"``, the default, or an absolute quantity. By
+    default 0 for quantities that are 1 or 0, such as ``held``."""
     between: Pair[Quantity] | None = None
-    """[lowest, highest] that it may be, both included."""
+    """[minimum, maximum], both included."""
     above: Quantity | None = None
-    """The least that it may be, this value included; may stand together with ``below``."""
+    """Minimum, included; may be combined with ``below``."""
     below: Quantity | None = None
-    """The most that it may be, this value included; may stand together with ``above``."""
+    """Maximum, included; may be combined with ``above``."""
     because: str = ""
-    """Where the range comes from: a closed form, a paper, a measurement."""
+    """Source of the range: a closed form, a paper, a measurement."""
 
     @field_validator("within", mode="before")
     @classmethod
@@ -265,12 +264,12 @@ class Expect(Looked):
 
 
 class Trace(Spec):
-    """The way of a point, drawn as far as it has gone."""
+    """The path of a point up to the current time."""
 
     body: BodyName
     """Name of the body that the point belongs to."""
     at: Point = (0.0, 0.0)
-    """The point in the body's frame [m], on the body or beside it."""
+    """The point in the body's frame [m], also outside the body."""
 
 
 _ONE_OR_MORE = WithJsonSchema({"anyOf": [
@@ -279,20 +278,20 @@ _ONE_OR_MORE = WithJsonSchema({"anyOf": [
 
 
 class ShownMeter(Spec):
-    """A meter in the picture: the curve of a quantity with a cursor of time, or its value alone.
+    """A meter in the picture: the curve of a quantity with a time cursor, or its value alone.
 
-    A text stands for the meter ``of`` it alone.
+    A text is short for a meter with only ``of``.
     """
 
     of: Annotated[Items[str], _ONE_OR_MORE] = Field(min_length=1, max_length=32)
     """Names or patterns of quantities, or expressions of them (SI) such as
     ``"=finger1.tendon.tension - 2"``, one or a list: curves of one meter, in one unit."""
     title: str = ""
-    """What stands above it; by default the quantity's name."""
+    """Title; by default the quantity's name."""
     unit: str = ""
-    """Unit of expressions, which stands beside their values; a quantity has its own."""
+    """Unit shown for expressions; a quantity has its own."""
     range: Pair[Quantity] | None = None
-    """[lowest, highest] value of the plot, SI; by default what the run needs."""
+    """[minimum, maximum] of the plot, SI; by default from the run."""
     style: Literal["plot", "number"] = "plot"
     """``"plot"`` has the curve below the value, ``"number"`` is the value alone."""
 
@@ -329,14 +328,17 @@ class _TextToo:
 
 
 class View(Spec):
-    """The picture: what part of the world, how large, how fast. Fitted to the motion by default."""
+    """The picture: visible region, size and speed.
+
+    Fitted to the motion by default.
+    """
 
     centre: Point | None = None
     """Point of the world in the middle of the picture [m]; by default the middle of all that moves
     in sight."""
     width: Length | None = None
-    """Width of the world that is shown [m]; by default as much as the motion needs. The height
-    follows from ``size``."""
+    """Width of the visible region [m]; by default fitted to the motion. The height follows from
+    ``size``."""
     size: Pair[Annotated[int, Field(ge=64, le=8192)]] = (800, 600)
     """Width and height of the picture [pixels]."""
     fps: Literal[20, 25, 50] = 25
@@ -352,31 +354,29 @@ class View(Spec):
     """Points whose ways are drawn, such as that of a coupler's point or of a projectile."""
     meters: Items[Annotated[ShownMeter, BeforeValidator(_lift), _TextToo()]] = Field(
         default=(), max_length=12)
-    """Meters beside or below the motion, wherever that leaves it larger: quantities, patterns,
-    expressions, or objects that say more."""
+    """Meters beside or below the motion, wherever the motion is larger: quantities, patterns,
+    expressions, or objects with details."""
     show: ShownLayers = Field(default={})
-    """Layers shown besides the usual ones; one with a minus, such as ``"-contacts"``, is left out,
-    and ``"all"`` means every one. Or an object that says of each layer ``true``, ``false`` or the
-    bodies (names, patterns, roles) that it is shown of. The layers stand in the table of
-    docs/pictures.md and in ``sandbox render --help``."""
+    """Layers in addition to the default ones; a minus removes one, as in ``"-contacts"``, and
+    ``"all"`` means every layer. Or an object that gives each layer ``true``, ``false`` or the
+    bodies (names, patterns, roles) that it shows. docs/pictures.md and ``sandbox render --help``
+    list the layers."""
     bodies: Items[str] = Field(default=(), max_length=64)
     """Names and patterns of the bodies or groups that the picture is fitted to, or roles, as in
-    ``"role:object"``; what else lies around is drawn as far as it is in sight. By default all, but
-    such as fall or fly off for good only while they are near what stays. ``["*"]`` means all,
-    always."""
+    ``"role:object"``; other bodies are drawn where visible. By default all bodies; those that fall
+    or fly away count only near the others. ``["*"]`` means all, always."""
     follow: Annotated[Name | None, BODY] = None
-    """Body that the picture goes with: its centre of mass stays where it is on the picture at
-    t = 0. The picture does not turn, and what is fixed passes by. It holds all of the machine that
-    the body is a part of, what is near a body that goes far in its machine, and a body alone that
-    is free of all that stays."""
+    """Body that the picture follows: its centre of mass keeps its place in the picture. The picture
+    does not rotate. It includes the mechanism that the body is part of, and what is near the body.
+    """
 
 
 class Group(Spec):
-    """Bodies that belong together: a finger, a section, a tree."""
+    """A named group of bodies: a finger, a section, a tree."""
 
     name: Name
     """Its name; quantities are ``<name>.contact.count`` and ``<name>.contact.normal``."""
     kind: Literal["finger", "section", "rocker_tree", "pulley_tree", "group"] = "group"
-    """What it is, for the audit and the pictures; ``"group"`` for bodies of one's own choice."""
+    """Type for checks and pictures; ``"group"`` for user-defined groups."""
     bodies: Items[BodyName] = ()
     """Names of its bodies; a finger's are its phalanges, the proximal one first."""

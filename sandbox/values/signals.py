@@ -49,23 +49,22 @@ class Ramp(Spec):
     """Linear from ``from`` to ``to``, then held."""
 
     start_value: Annotated[Quantity, Field(alias="from")] = 0.0
-    """Value before and at the beginning, in the unit of what is set."""
+    """Value until the ramp starts, in the unit of the driven quantity."""
     to: Quantity
-    """Value at the end and after it, in the unit of what is set."""
+    """Value from the end of the ramp on, in the unit of the driven quantity."""
     start: Instant = 0.0
-    """When the ramp begins [s]."""
+    """Start of the ramp [s]."""
     over: Instant
-    """How long it takes [s]; 0 is a step."""
+    """Duration [s]; 0 is a step."""
 
 
 class Table(Spec):
     """Points ``[t, value]`` in order of time, held before the first and after the last."""
 
     table: Items[tuple[Instant, Quantity]] = Field(min_length=1)
-    """Points ``[t, value]``: times [s] that increase, and values in the unit of what is set."""
+    """Points ``[t, value]``: increasing times [s], values in the unit of the driven quantity."""
     between: Literal["linear", "step"] = "linear"
-    """How values between two points follow: ``linear`` on the straight line, ``step`` as at the
-    point before."""
+    """Interpolation: ``linear``, or ``step``, which keeps the value of the point before."""
 
     @field_validator("table")
     @classmethod
@@ -95,7 +94,7 @@ class Constant(Spec):
     """The same value at all times."""
 
     constant: Quantity
-    """The value, in the unit of what is set."""
+    """The value, in the unit of the driven quantity."""
 
 
 AnySignal = Ramp | Table | Formula | Constant
@@ -239,7 +238,7 @@ def _fraction(ramp: Ramp, t: Array) -> Array:
 
 
 class Path(Spec):
-    """A scheduled body's pose over time [m, rad]; what is left out keeps its initial value."""
+    """Pose of a scheduled body over time [m, rad]; omitted coordinates keep their initial value."""
 
     x: LengthSignal | None = None
     """World x of the body's origin [m]."""

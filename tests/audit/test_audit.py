@@ -86,7 +86,7 @@ def test_numbers_that_are_none_are_never_a_pass(held):
 
 
 REASONS = {
-    "differential": "no tree", "poses": "no body hangs", "tendon.path": "no tendon",
+    "differential": "no tree", "poses": "no chain of hinges starts", "tendon.path": "no tendon",
     "spring.length": "no straight spring", "stop.overrun": "no hinge has stops",
     "rest.moments": "not at rest", "rest.contacts": "not at rest", "contact.shared": "no finger",
     "contact.friction": "nothing touches", "tendon.slack": "no tendon", "joint.drift": "no joint",
@@ -119,7 +119,7 @@ def test_work_that_is_not_recorded_is_told(more, reason):
 def test_an_unfinished_run_and_an_empty_one_are_audited(held):
     cut = replace(held.info, status=Status.UNFINISHED)
     unfinished = Recording(held.mechanism, held.arrays, cut)
-    assert "did not come to its end" in figures(unfinished)["rest.moments"].why
+    assert "the run stopped early" in figures(unfinished)["rest.moments"].why
     assert {f.verdict for f in audit(held.part(0, 0))} == {"not computed"}
 
 

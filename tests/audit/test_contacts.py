@@ -95,11 +95,11 @@ CORDS = [{"name": name, "guides": [{"body": "wall"}, {"body": "one", "at": (0.1,
 
 
 @pytest.mark.parametrize(("tension", "other", "value", "words"), [
-    ([0, 0, 1, 1, 1], [1, 1, 1, 1, 1], 0.0, "no cord hung loose once it had pulled"),
+    ([0, 0, 1, 1, 1], [1, 1, 1, 1, 1], 0.0, "no tendon was slack after it had pulled"),
     ([0, 1, 0, 1, 0], [1, 0, 0, 0, 1], 6e-3, "cord for 0.004 s; other for 0.006 s"),
     ([0, 0, 0, 0, 0], [1, 1, 1, 1, 1], math.inf, "cord never pulled"),
     ([1, 1, 1e-9, 1, 1], [1, 1, 1, 1, 1], 2e-3, "cord for 0.002 s"),
-    ([1, 1, 1.01e-9, 1, 1], [1, 1, 1, 1, 1], 0.0, "no cord hung loose once it had pulled"),
+    ([1, 1, 1.01e-9, 1, 1], [1, 1, 1, 1, 1], 0.0, "no tendon was slack after it had pulled"),
 ])
 def test_a_tendon_is_slack_that_has_pulled_and_hangs(tension, other, value, words):
     """Samples of two steps, 2 ms; above 1e-9 N a cord pulls."""

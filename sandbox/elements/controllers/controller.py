@@ -166,7 +166,7 @@ class SingleController(ControllerSpec):
     limits: Range | None = None
     """[lowest, highest] that it sets, in the drive's unit; none by default."""
     slew: Positive | None = None
-    """Largest change a second, either way, in the drive's unit; none by default."""
+    """Maximum change per second, in the drive's unit; none by default."""
 
     @field_validator("limits")
     @classmethod
@@ -200,7 +200,7 @@ class SeveralController(ControllerSpec):
     limits: Items[Range] | None = None
     """[lowest, highest] of each drive, in its unit; none by default."""
     slew: Items[Positive] | None = None
-    """Largest change a second of each drive, either way, in its unit; none by default."""
+    """Maximum change per second of each drive, in its unit; none by default."""
 
     @field_validator("limits")
     @classmethod

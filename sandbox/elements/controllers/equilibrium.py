@@ -91,11 +91,11 @@ class EquilibriumController(SeveralController):
     kd: Items[Quantity] | None = None
     """Torque per rate of rotation, one for each joint [N m s/rad]; none by default."""
     rise: Instant = 0.0
-    """Time in which the reference goes from where the joints are to the targets [s]."""
+    """Time in which the reference moves from the initial rotations to the targets [s]."""
     guard: Annotated[Angle, Field(gt=0)] = math.radians(2.0)
     """dlm hm, 0 in the straight finger, counts as no less than it is at this rotation [rad]."""
     geometry: FingerGeometry | None = None
-    """What the law takes the finger for; by default what it is."""
+    """Finger geometry that the law uses; by default the finger's own."""
 
     @model_validator(mode="after")
     def _per_joint(self) -> Self:

@@ -49,11 +49,11 @@ class PidController(ReadingController):
     """What is added to the law, in the drive's unit; by default the drive's value when the
     controller begins."""
     bumpless: Flag = False
-    """Begin with the integral at which the first output is the bias. Switched on in the middle
-    of a run, a loop with an integral goes on from what the drive has, in any case."""
+    """Start with the integral that makes the first output equal the bias. A loop with an integral
+    that is switched on during a run starts from the drive's current value in any case."""
     anti_windup: Literal["clamp", "back_calculation", "none"] = "clamp"
-    """What becomes of the integral while the output is cut: ``clamp`` holds it while it would lead
-    further beyond what can be set, ``back_calculation`` leads it back, ``none`` lets it run on."""
+    """Integral while the output is saturated: ``clamp`` stops it, ``back_calculation`` drives it
+    back, ``none`` continues."""
     tracking: Duration | None = None
     """Time constant of the back-calculation [s]; by default |kp / ki|, and at once if kp is 0."""
 

@@ -53,20 +53,19 @@ class RelayController(ReadingController):
     target: Signal
     """What the reading shall swing about, and then be, in the reading's unit."""
     amplitude: Quantity
-    """Half the height of what is switched, in the drive's unit; not 0, and negative where more of
-    the input makes the reading less."""
+    """Amplitude of the switching, in the drive's unit; not 0; negative if more input lowers the
+    reading."""
     hysteresis: Annotated[Quantity, Field(ge=0)] = 0.0
     """How far the reading passes the target before the relay switches, in the reading's unit."""
     cycles: int = Field(default=4, ge=2, le=100)
-    """How often the reading goes round before gains are worked out; the first time is not
-    measured."""
+    """Number of oscillations before the gains are computed; the first one is not measured."""
     rule: Literal["ziegler_nichols_pi", "ziegler_nichols_pid", "tyreus_luyben_pi",
                   "tyreus_luyben_pid", "no_overshoot_pid"] = "tyreus_luyben_pi"
-    """Which rule gives the gains for the ultimate gain and period that were found, and whether the
-    law has a derivative."""
+    """Tuning rule that gives the gains from the ultimate gain and period, and whether the law has a
+    derivative."""
     bias: Quantity | None = None
-    """Middle of what is switched, in the drive's unit; by default the drive's value when the
-    controller begins."""
+    """Mean of the switching, in the drive's unit; by default the drive's value when the controller
+    starts."""
 
     @field_validator("amplitude")
     @classmethod

@@ -31,7 +31,7 @@ class ScheduleController(SingleController):
 
     type: Literal["schedule"] = TYPE
     value: Signal
-    """What the drive is set to over time, in its unit."""
+    """Value of the drive over time, in its unit."""
 
     @property
     def signals(self) -> tuple[AnySignal, ...]:
@@ -61,8 +61,8 @@ class FeedbackController(SingleController):
 
     type: Literal["feedback"] = TYPE
     value: str
-    """What the drive is set to, in its unit: an expression of quantities, of parameters and of the
-    time ``t`` [s], such as ``"=0.2 * cos(axle.angle)"``."""
+    """Value of the drive, in its unit: an expression of quantities, of parameters and of the time
+    ``t`` [s], such as ``"=0.2 * cos(axle.angle)"``."""
 
     @field_validator("value")
     @classmethod
@@ -103,13 +103,13 @@ class SwitchController(ReadingController):
 
     type: Literal["switch"] = TYPE
     below: Quantity
-    """The reading under which ``value_below`` is set, in the reading's unit."""
+    """Below this reading ``value_below`` is set, in the reading's unit."""
     above: Quantity
-    """The reading over which ``value_above`` is set, in the reading's unit; more than ``below``."""
+    """Above this reading ``value_above`` is set, in the reading's unit; more than ``below``."""
     value_below: Quantity
-    """What the drive is set to once the reading is less than ``below``, in the drive's unit."""
+    """Value of the drive once the reading is less than ``below``, in the drive's unit."""
     value_above: Quantity
-    """What the drive is set to once the reading is more than ``above``, in the drive's unit."""
+    """Value of the drive once the reading is more than ``above``, in the drive's unit."""
 
     @model_validator(mode="after")
     def _thresholds(self) -> Self:

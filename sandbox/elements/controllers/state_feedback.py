@@ -37,8 +37,8 @@ class StateFeedbackController(SeveralController):
     gains: Matrix
     """A row for each drive, a column for each reading [drive's unit per reading's unit]."""
     integral_gains: Matrix | None = None
-    """Gains of the errors' integrals, in the shape of ``gains``; none by default. Where a row's
-    drive is at its limit, that row's integral is held."""
+    """Gains of the errors' integrals, in the shape of ``gains``; none by default. The integral of a
+    row stops while its drive is at its limit."""
     bias: Items[Quantity] | None = None
     """What is added for each drive, in its unit; by default the drives' values when the controller
     begins."""

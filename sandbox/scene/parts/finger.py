@@ -58,32 +58,31 @@ Entries = TypeVar("Entries", bound=Sequence[object] | None)
 
 
 class FingerSprings(Spec):
-    """A linear spring over the back of each hinge; one value stands for all hinges."""
+    """A linear spring over the back of each hinge; one value applies to all hinges."""
 
     stiffness: Stiffnesses
     """Stiffness of each spring [N/m], 0 or more."""
     on_previous: Annotated[Points, Field(alias="from")]
-    """M'', where it is tied on the body before the hinge, relative to the hinge at rotation 0
-    [m]."""
+    """M'', its attachment on the body before the hinge, relative to the hinge at rotation 0 [m]."""
     on_phalanx: Annotated[Points, Field(alias="to")]
-    """M', where it is tied on the phalanx, in the phalanx's frame [m]."""
+    """M', its attachment on the phalanx, in the phalanx's frame [m]."""
     damping: Dampings = (0.0,)
     """Damping of each spring [N s/m]."""
     rest: Coordinates | None = None
-    """Lengths at which they give no force [m]; by default the lengths at rotation 0."""
+    """Lengths without force [m]; by default the lengths at rotation 0."""
 
 
 class FingerTendon(Spec):
-    """The finger's cord."""
+    """The finger's tendon."""
 
     stiffness: Stiffness = Field(default=RIGID, gt=0)
-    """Tension per stretch [N/m]; the default stands for a cord without stretch."""
+    """Tension per stretch [N/m]; the default counts as inextensible."""
     damping: Damping = 0.0
     """Tension per rate of stretch [N s/m]."""
     friction: Ratio = 0.0
-    """Coefficient of friction between the cord and the guides V_0 to V_(n-1), as that of a
-    [Guide](elements.md#guide): by each of them less of the pull arrives. At V_n it is tied; further
-    guides, ``tendon_to``, have their own. None by default."""
+    """Coefficient of friction between the tendon and the guides V_0 to V_(n-1), as that of a
+    [Guide](elements.md#guide): each reduces the tension. The tendon is tied at V_n; further guides,
+    ``tendon_to``, have their own friction. None by default."""
 
 
 class Finger(Spec):
@@ -99,10 +98,10 @@ class Finger(Spec):
     """Turn of the straight finger against the world, or against ``on`` [rad], counter-clockwise; 0
     points along +x."""
     palm: Literal["below", "above"] = "below"
-    """The side to which the finger closes, seen along the straight finger: its palm side is -y with
-    ``below``, the whole finger is mirrored with ``above``."""
+    """Side to which the finger closes, seen along the straight finger: with ``below`` its palm side
+    is -y, with ``above`` the whole finger is mirrored."""
     on: Name | None = None
-    """A body that serves as the palm; by default the finger has a fixed one of its own."""
+    """A body that serves as the palm; by default the finger has its own fixed one."""
     lengths: Items[Length] = Field(min_length=1, max_length=32)
     """Lengths of the phalanges [m], the proximal one first; the last reaches to the middle of the
     round tip."""
@@ -121,14 +120,14 @@ class Finger(Spec):
     damping: RotaryDampings = (0.0,)
     """Viscous friction of the hinges [N m s/rad]; one for all or one each."""
     limits: Limits | None = None
-    """Highest rotation, or [lowest, highest], of each hinge [rad], closing counted positive; a
-    single one stands for [0, it]. None by default."""
+    """Maximum rotation, or [minimum, maximum], of each hinge [rad], positive in closing; one value
+    means [0, value]. None by default."""
     start: Angles = (0.0,)
     """Rotations at t = 0 [rad], closing counted positive; one for all or one each."""
     tendon: FingerTendon = FingerTendon()
-    """How much the finger's cord gives, and its friction."""
+    """Stiffness and friction of the finger's tendon."""
     tendon_to: Items[Guide] = ()
-    """Further guides of the cord after V_0, on its way to what pulls it."""
+    """Further guides of the tendon after V_0, towards its drive."""
     anchor: Point | None = None
     """Where the tendon ends when nothing else pulls it, in the palm's frame [m]; by default 15 mm
     behind V_0."""

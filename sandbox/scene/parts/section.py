@@ -65,7 +65,7 @@ class Section(Spec):
     mass: Mass = 0.005
     """Mass of the square [kg]."""
     hold: Stiffness = 5.0
-    """Stiffness of the weak springs that hold the square in its place, along the rod and across it
+    """Stiffness of the weak springs that hold the square in place, along the rod and across it
     [N/m]."""
     damping: Damping = 1.0
     """Damping of the same springs [N s/m]."""

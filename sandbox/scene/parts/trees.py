@@ -74,22 +74,22 @@ class _TreeSpec(Spec):
     direction: Angle = math.pi
     """Direction of the pull in the world [rad], counter-clockwise from +x; by default along -x."""
     pitch: Length | None = Field(default=None, ge=LEAST_DISTANCE)
-    """Between neighbouring strings, across the pull [m]; by default they lie as the leaves do. With
-    it each string is led over two eyes of the tree's frame, ``gap`` behind the rearmost leaf, from
-    its leaf's line to its own, so that wheels and rockers may be smaller, or larger, than the
-    leaves lie apart. Where leaves lie in one line along the pull it is ``travel`` by default."""
+    """Distance of neighbouring strings, across the pull [m]; by default that of the leaves. With a
+    pitch each string passes two points of the tree's frame, ``gap`` behind the rearmost leaf, from
+    its leaf's line to its own; wheels and rockers may then be smaller or larger than the distance
+    of the leaves. If the leaves lie in one line along the pull it is ``travel`` by default."""
     gap: Length = 0.06
     """From the rearmost leaf to the first level, along the pull [m]; where there are eyes, to them
     and once more from them to the first level."""
     level: Length = 0.04
     """From one level to the next, along the pull [m]."""
     travel: Length = 0.06
-    """How far every wheel or rocker can move along the pull from where it starts [m]; there its
-    slot ends."""
+    """Travel of every wheel or rocker along the pull from its initial position [m]; its slot ends
+    there."""
     mass: Mass = 0.005
     """Of each wheel or rocker [kg]."""
     stiffness: Stiffness = Field(default=RIGID, gt=0)
-    """Tension per stretch of the strings [N/m]; the default stands for strings without stretch."""
+    """Tension per stretch of the strings [N/m]; the default counts as inextensible."""
     damping: Damping = 0.0
     """Tension per rate of stretch of the strings [N s/m]."""
 
