@@ -478,8 +478,8 @@ class _Composer:
         self.copies_made += 1
         if self.copies_made > self.limits.elements:
             self.problems.append(place.problem(
-                "limit-exceeded", f"here the scene's repeats and templates come to more than "
-                f"{self.limits.elements} copies", allowed=f"at most {self.limits.elements} (the "
+                "limit-exceeded", f"repeats and templates make more than {self.limits.elements} "
+                                  "copies here", allowed=f"at most {self.limits.elements} (the "
                 "limit 'elements', raised by --limit elements=N)"))
             raise TooLargeError
 
