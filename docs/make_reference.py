@@ -90,7 +90,7 @@ def readable() -> Iterator[str]:
         yield f"| {'pair of bodies' if element == 'pair' else element} | {', '.join(words)} |"
     for name, holder in GUIDED.values():
         yield f"| {holder} | `{name}` |"
-    yield "| joint, spring, tendon that can be released | " + ", ".join(f"`{n}`" for n in TIED) + " |"
+    yield f"| joint, spring, tendon that can be released | {', '.join(f'`{n}`' for n in TIED)} |"
 
 
 def arrays() -> Iterator[str]:

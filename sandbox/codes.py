@@ -8,7 +8,7 @@ from __future__ import annotations
 CODES: dict[str, tuple[str, str]] = {
     "algebraic-loop": ("Controllers read each other within one step. Add a law with memory.",
                        "control.md#what-controllers-can-read"),
-    "bad-argument": ("A Python call or a web page passed an unusable value. Pass what is allowed.",
+    "bad-argument": ("A Python call or a web page passed an invalid value. Pass an allowed value.",
                      "python.md"),
     "bad-control-law": ("The law needs other guides, springs or drives. Change the finger or law.",
                         "control.md"),
@@ -82,7 +82,7 @@ CODES: dict[str, tuple[str, str]] = {
                           "audit.md#bounds-of-contact-forces"),
     "internal-error": ("This is a bug. Report it with the scene and the output under "
                        "`SANDBOX_DEBUG=1`.", "limits.md#exit-codes"),
-    "interrupted": ("Ctrl-C stopped the command. Completed work is kept.",
+    "interrupted": ("Ctrl-C stopped the command. Completed work is saved.",
                     "files.md#atomic-output-and-locking"),
     "invalid-json": ("The file is not one JSON object in UTF-8. Fix the named line.", "scenes.md"),
     "invalid-name": ("Names have letters, digits and `_`, and no reserved word. Rename it.",
@@ -122,7 +122,8 @@ CODES: dict[str, tuple[str, str]] = {
                       "limits.md#limits"),
     "out-of-range": ("The number is too small or too large. Check its unit; plain numbers are SI.",
                      "scenes.md#numbers"),
-    "outside-limits": ("The value lies beyond the stops or the stroke. Change value or limits.",
+    "outside-limits": ("The value is outside the stops or the stroke. Change the value or the "
+                       "limits.",
                        ""),
     "overconstrained": ("Redundant joints make single reactions arbitrary. Remove one if you need "
                         "them.", "engine.md#determinate-and-indeterminate-forces"),
@@ -153,8 +154,8 @@ CODES: dict[str, tuple[str, str]] = {
     "unsupported-format": ("A newer sandbox wrote the file. Install that version.", "files.md"),
     "worker-failed": ("A worker process ended early. Guard scripts with "
                       "`if __name__ == \"__main__\"`; check memory.", "sweeps.md#workers"),
-    "wrong-type": ("The value is of another kind, or the list of another length. Write what is "
-                   "expected.", "elements.md"),
+    "wrong-type": ("The value has the wrong type, or the list has the wrong length. Write the "
+                   "expected type.", "elements.md"),
     "wrong-unit": ("The unit is unknown or of another dimension. Use a listed one.",
                    "scenes.md#numbers"),
 }

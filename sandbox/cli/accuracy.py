@@ -149,8 +149,8 @@ def _plain(value: Any) -> Any:
 @click.option("--at", "instants", multiple=True, type=float, metavar="SECONDS",
               help="Time of the sample; the last one by default. Repeatable.")
 @click.option("--near", metavar="LENGTH", callback=read_length,
-              help="Largest gap that counts as contact, as 10um; by default what a step may leave "
-                   "open (docs/audit.md).")
+              help="Maximum gap of a contact, as 10um; by default the gap that a step may leave "
+                   "(docs/audit.md).")
 @click.option("--push", "pushed", metavar="BODY",
               help="Also print the largest push at this body's centre of mass that balance allows, "
                    "in 12 directions.")
@@ -211,7 +211,7 @@ def bounds(
                     *table(["direction deg", "N"], rows, right=">>"), "")
     if outside:
         more = f" and {len(outside) - MAX_NAMED} more" if len(outside) > MAX_NAMED else ""
-        message = "outside of what mechanics allows"
+        message = "outside the range that mechanics allows"
         console.error(f"{message}: {', '.join(outside[:MAX_NAMED])}{more}")
         console.warn(*see(["impossible-forces"]))
     console.say(*map(str, files))

@@ -54,7 +54,8 @@ _VALUE = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.
               help="Follow equilibria along a value of the scene, as in "
                    "'parameters.pull=0:10:21'.")
 @click.option("--plot", "quantity", metavar="QUANTITY",
-              help="With --along, the quantity in the figure; by default what moves most.")
+              help="With --along, the quantity in the figure; by default the one that changes "
+                   "most.")
 @click.option("--body", metavar="NAME", help="Body whose stiffness is printed; by default the one "
               "body with the role 'object' that moves freely.")
 @click.option("--out", type=OUT, metavar="DIR",
@@ -78,11 +79,12 @@ def equilibrium(
     from sandbox.engine.inspect import inspect
 
     if along is not None and starts:
-        raise click.UsageError("--along begins at the scene's own pose; --from can't go with it.")
+        raise click.UsageError("--along starts from the scene's pose; omit --from.")
     if along is not None and body is not None:
-        raise click.UsageError("--body tells the stiffness at one rest; --along can't go with it.")
+        raise click.UsageError("--body gives the stiffness of one equilibrium; omit --along or "
+                               "--body.")
     if along is None and quantity is not None:
-        raise click.UsageError("--plot says what --along draws, and there is no --along.")
+        raise click.UsageError("--plot needs --along.")
     loaded = load(scene_path(scene), overrides=overrides, limits=limits)
     mechanism = loaded.mechanism
     refuse_blocking(inspect(mechanism), loaded)
@@ -128,7 +130,7 @@ def _starts(words: tuple[str, ...]) -> list[dict[str, float]]:
             raise click.BadParameter(f"{word!r} is not of the form PATH=VALUE,VALUE",
                                      param_hint="--from")
         if path in given:
-            raise click.BadParameter(f"{path!r} is given twice; several values stand apart by "
+            raise click.BadParameter(f"{path!r} is given twice; write several values with "
                                      "commas", param_hint="--from")
         dimension = "angle" if path.endswith(".angle") else "length"
         try:

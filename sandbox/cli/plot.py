@@ -61,7 +61,7 @@ class Cost:
 @click.argument("run")
 @click.argument("quantities", nargs=-1, metavar="[QUANTITY]...")
 @click.option("--with", "others", multiple=True, metavar="RUN",
-              help="Another run in the same figure, in a colour of its own. Repeatable.")
+              help="Another run in the same figure, in another colour. Repeatable.")
 @click.option("--target", "targets", multiple=True, metavar="QUANTITY=VALUE", callback=read_pairs,
               help="Target of a quantity, as in 'finger.mcp.angle=5deg', in place of that of a "
                    "controller. Repeatable.")

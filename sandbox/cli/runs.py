@@ -74,8 +74,8 @@ def run_directory(word: str) -> Path:
     for candidate in (path, by_scene):
         if (candidate / SWEEP).is_file():
             raise OutputError(
-                f"{str(candidate)!r} holds a sweep, many runs, and no single run: its table is "
-                f"{candidate / TABLE}; docs/howto/figure.md draws one", code="no-run")
+                f"{str(candidate)!r} is a sweep, not a single run: its table is "
+                f"{candidate / TABLE}; docs/howto/figure.md plots one", code="no-run")
     kept = sorted(found.parent.name for found in RENDERS.glob(f"*/{ARCHIVE}"))
     raise OutputError(f"there is no run in {word!r} nor in {str(by_scene)!r}{or_near(word, kept)}; "
                       f"'sandbox run' makes one", code="no-run")
@@ -246,8 +246,8 @@ def render(
     from sandbox.recording.recording import Recording
 
     if outs and ending is not None:
-        raise click.UsageError("--format says what is written into RUN, and the name of an --out "
-                               "file says it too: give one of the two")
+        raise click.UsageError("give --format or --out FILE, not both: the name of FILE already "
+                               "sets the format")
     console = Console(quiet=quiet)
     directory = run_directory(run)
     recording = Recording.load(directory)

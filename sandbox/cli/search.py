@@ -69,8 +69,8 @@ def _kind_of(word: str, known: list[str], ctx: click.Context) -> str:
     written = read_source(file or Path(word)).data.get("search") if file else None
     if file is None or written is None:
         raise click.UsageError(
-            f"{word} does not say which search it is: 'sandbox search optimize {word}', or a key "
-            f"\"search\" in a study file ({', '.join(known)}).", ctx)
+            f"{word} is not a search: write 'sandbox search optimize {word}', or add a key "
+            f"\"search\" to the study file ({', '.join(known)}).", ctx)
     kind = next((name for name in FINDERS if isinstance(written, dict) and name in written), "")
     kind = kind or read_search(word).kind  # reports what is wrong with it
     return COMMANDS.get(kind, kind)
@@ -95,13 +95,13 @@ def _options(*own: Callable[[Any], Any]) -> Callable[[F], F]:
     shared = [
         click.argument("scene", shell_complete=complete_scene),
         click.option("--vary", multiple=True, metavar="PATH=VALUES", callback=read_varied,
-                     help="Values of a path: a range, 'parameters.pull=2 N:8 N', with ':log' "
-                          "behind it for even ratios; where it fits, a list or a distribution, "
-                          "'normal(3 N, 0.2 N)'."),
+                     help="Values of a path: a range, 'parameters.pull=2 N:8 N', with ':log' for "
+                          "even ratios; for a fit also a list or a distribution, 'normal(3 N, 0.2 "
+                          "N)'."),
         *own, override_option,
         click.option("--out", type=OUT, metavar="DIR",
-                     help="Directory of the results, and of finished runs; searches/KIND/NAME by "
-                          "default, with a number behind it for another question."),
+                     help="Directory of the results and finished runs; by default "
+                          "searches/KIND/NAME, with a number for another question."),
         workers_option,
         click.option("--json", "as_json", is_flag=True,
                      help="Print one JSON object and nothing else."),
@@ -251,15 +251,15 @@ def _search(scene: str, kind: str, given: Mapping[str, Any], limits: Limits) -> 
         for option, words in given.items():
             if words:
                 raise click.BadParameter(
-                    f"{scene} is a study file, which says this itself; change it there.",
+                    f"{scene} is a study file and already defines this; change it there.",
                     param_hint=option)
         found = read_search(scene, limits)
         found.require(kind)
         return found
     vary, keep, overrides = given.values()
     if not vary:
-        raise click.BadParameter("say what is varied, as in --vary 'parameters.pull=2 N:8 N', or "
-                                 "give a study file.", param_hint="--vary")
+        raise click.BadParameter("nothing is varied: add --vary 'parameters.pull=2 N:8 N', or give "
+                                 "a study file.", param_hint="--vary")
     with problems_at_options(vary, keep):
         return Search(make_question(scene, vary=vary, keep=list(keep) or None, set=overrides,
                                     limits=limits))
@@ -271,11 +271,11 @@ def _beside(scene: str, found: Search, options: dict[str, Any]) -> dict[str, Any
     for param in context.command.params:
         if param.name in own and context.get_parameter_source(param.name or "") is \
                 click.core.ParameterSource.COMMANDLINE:
-            raise click.BadParameter(f"{scene} says this itself; change it there.",
+            raise click.BadParameter(f"{scene} already defines this; change it there.",
                                      param_hint=param.opts[0])
     beside = {name: value for name, value in options.items() if name not in own}
     if beside.get("data", "") is None:
-        raise click.BadParameter("say which file has what was measured.", param_hint="--data")
+        raise click.BadParameter("name the file with the measured data.", param_hint="--data")
     return beside
 
 

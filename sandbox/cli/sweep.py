@@ -189,12 +189,12 @@ def _plan(scene: str, vary: dict[str, str], limits: Limits, **options: Any) -> P
                  if value and name != "audit"]
         if given:
             raise click.BadParameter(
-                f"{scene} is a study file, which says this itself; change it there.",
+                f"{scene} is a study file and already defines this; change it there.",
                 param_hint=given[0])
         return read_plan(scene, limits)
     if not vary:
-        raise click.BadParameter("say what is varied, as in --vary 'parameters.pull=2:8:7', or "
-                                 "give a study file.", param_hint="--vary")
+        raise click.BadParameter("nothing is varied: add --vary 'parameters.pull=2:8:7', or give a "
+                                 "study file.", param_hint="--vary")
     with problems_at_options(vary, options["keep"]):
         return plan_of(study_data(scene, vary=vary, **options), limits)
 
@@ -238,10 +238,10 @@ def _report(found: SweepTable, folder: Path, console: Console, seconds: float) -
         if status != "done":
             console.say(f"{runs} of {len(found)} runs {status}: {reasons[status]}")
     if lacking := sum(found.status[run] == "done" for run in found.reason):
-        console.say(f"{lacking} runs lack something that is kept: {reasons['done']}")
+        console.say(f"{lacking} runs have missing results: {reasons['done']}")
     if missed:
         failed = _most_frequent(name for run in missed for name in found.failed.get(run, ()))
-        console.say(f"{len(missed)} of {len(found)} runs miss what the scene expects: {failed}")
+        console.say(f"{len(missed)} of {len(found)} runs miss expectations: {failed}")
     if looks:
         names = sorted({name for each in found.looks.values() for name in each})
         console.say(f"{looks} runs have warnings: {', '.join(names)}")

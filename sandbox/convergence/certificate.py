@@ -29,8 +29,8 @@ DIMENSIONS = {
     "N m": (1, 2, -2), "J": (1, 2, -2), "N/m": (1, 0, -2), "N m/rad": (1, 2, -2),
 }
 """Exponents of mass, length and time of a unit."""
-CAUSES = ("light parts that carry heavy ones, springs that are stiff for the masses on them, or "
-          "chance, as in chaotic motion ('sandbox check' names what it can see)")
+CAUSES = ("light bodies that carry heavy ones, springs too stiff for their masses, or chaotic "
+          "motion ('sandbox check' finds some causes)")
 
 
 @dataclass(frozen=True)
@@ -264,8 +264,7 @@ def _divergence_advice(found: Certificate) -> Iterator[str]:
     if "h/4" not in times:
         yield f"The run at h/4 is complete: check convergence from there, {_at(found.steps[2])}."
     elif "h/2" in times and times["h/4"] < times["h/2"] < times.get("h", math.inf):
-        yield ("The finer the step, the sooner it diverged, so no step will do. Look for "
-               f"{CAUSES}.")
+        yield (f"Finer steps diverge sooner, so no step converges. Look for {CAUSES}.")
     else:
         yield f"Look for {CAUSES}."
 
@@ -282,12 +281,12 @@ def _error_advice(found: Certificate) -> Iterator[str]:
                    f"momentum. If that of {impacts[0].quantity} is one, expect a mean over a "
                    "window instead.")
         else:
-            yield (f"Values that change more at finer steps point to {CAUSES}. Check "
-                   f"a shorter time, or start from h/4, {_at(found.steps[2])}. If they grow "
-                   "there, too, no step will do.")
+            yield (f"Values that change more at finer steps point to {CAUSES}. Check a shorter "
+                   f"time, or start from h/4, {_at(found.steps[2])}. If they grow there too, no "
+                   "step converges.")
     elif unsettled and all(t.finer for t in unsettled):
         finer = max(t.finer for t in unsettled)
-        yield f"If the orders hold, h/{finer} would do: {_at(found.steps[0] / finer)}."
+        yield f"At these orders h/{finer} is sufficient: {_at(found.steps[0] / finer)}."
     elif unsettled:
         yield ("These three steps do not show which step would do. Start from h/4, "
                f"{_at(found.steps[2])}.")

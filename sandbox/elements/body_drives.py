@@ -81,7 +81,7 @@ class RadiusDrive(DriveSpec):
 
     facts: ClassVar[DriveKind] = DriveKind(
         BODY, "radius", "m", "length", floor=SMALLEST_RADIUS, sole="radius", latched=True,
-        mujoco="a radius that changes")
+        mujoco="a changing radius")
 
     type: Literal["radius"] = TYPE
     name: Name
@@ -133,7 +133,7 @@ class SurfaceDrive(DriveSpec):
 
     facts: ClassVar[DriveKind] = DriveKind(
         BODY, "surface", "m/s", "speed", ("value", "work", "power"), sole="surface", timely="end",
-        mujoco="a surface that runs")
+        mujoco="a conveyor surface")
 
     type: Literal["surface"] = TYPE
     name: Name

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 Vec = tuple[float, float]
 Turn = Literal["counterclockwise", "clockwise"]
-RELEASED = "what is let go, breaks or is taken up"
+RELEASED = "elements that are released, break or are engaged again"
 """Why MuJoCo has none of these."""
 ATMOSPHERE = 101325.0
 """Pressure of the surroundings [Pa]; recorded pressures are relative to it."""

@@ -48,7 +48,7 @@ class StiffnessDrive(DriveSpec):
 
     facts: ClassVar[DriveKind] = DriveKind(
         SPRING, "stiffness", "", "", ("value",), floor=0.0, sole="stiffness",
-        mujoco="a stiffness that is set")
+        mujoco="a stiffness drive")
     on_tendon: ClassVar[DriveKind] = replace(
         facts, target=TENDON, unit="N/m", dimension="stiffness")
 

@@ -151,8 +151,8 @@ class Line(Element):
     least: Pressure = -ATMOSPHERE
     """Minimum pressure [Pa]; below it the line cavitates. By default -101325 Pa, a vacuum."""
     relief: Pressure | None = None
-    """Maximum pressure [Pa]; above it a relief valve opens to the tank. By default there is none.
-    """
+    """Maximum pressure [Pa]; above it a relief valve opens to the tank. By default there is
+    none."""
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:

@@ -25,8 +25,8 @@ class JointKind:
 
     keeps: Keeps
     """Its constraint: two coinciding points; a point of ``b`` on a line of ``a``; a distance of two
-    points, or a range of it; meshing teeth of two gears, or of a gear and a rack; rolling circles.
-    """
+    points, or a range of it; meshing teeth of two gears, or of a gear and a rack; rolling
+    circles."""
     records: tuple[str, ...]
     """The quantities that every joint of the kind records."""
     line: bool = False

@@ -71,7 +71,7 @@ class MotorDrive(DriveSpec):
     facts: ClassVar[DriveKind] = DriveKind(
         HINGE, "torque", "rad/s", "angular speed", ("value", "work", "torque", "power"),
         sole="motor", limited=True, timely="end", twin="extend",
-        mujoco="a motor of a set speed or with a line")
+        mujoco="a motor with a set speed or a torque-speed line")
 
     type: Literal["motor"] = TYPE
     name: Name
@@ -124,7 +124,7 @@ class BrakeDrive(DriveSpec):
 
     facts: ClassVar[DriveKind] = DriveKind(
         HINGE, "torque", "N m", "torque", ("value", "work", "torque", "power"), floor=0.0,
-        sole="brake", limited=True, mujoco_varied="a brake that changes")
+        sole="brake", limited=True, mujoco_varied="a changing brake")
 
     type: Literal["brake"] = TYPE
     name: Name
@@ -167,7 +167,7 @@ class PlaceDrive(DriveSpec):
 
     def without_mujoco(self, mechanism: Mechanism) -> str:
         """Why MuJoCo has no counterpart; empty where it has one."""
-        return ("a drive that goes rigidly to a place"
+        return ("a rigid servo or length"
                 if getattr(self, "stiffness", None) is None else "")
 
     def write_spring(self, draft: Draft, index: int, where: str, offset: float) -> None:
@@ -244,7 +244,7 @@ class ExtendDrive(DriveSpec):
 
     facts: ClassVar[DriveKind] = DriveKind(
         ACTUATOR, "push", "m/s", "speed", ("value", "work", "force", "power"), sole="length",
-        limited=True, timely="end", twin="motor", mujoco="an actuator of a set speed")
+        limited=True, timely="end", twin="motor", mujoco="an actuator with a set speed")
 
     type: Literal["extend"] = TYPE
     name: Name

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from sandbox.scene.parts.placement import Mover
 
 MESH = (*REACTION, "tangential", "radial")
-TEETH = "teeth: what it couples are joint angles, which push no bearing"
+TEETH = "teeth: MuJoCo couples only the joint angles, without forces on the bearings"
 PressureAngle = Annotated[Angle, Field(gt=0, le=math.pi / 4), KEPT]
 
 
@@ -130,7 +130,7 @@ class Roll(WheelJoint):
     """
 
     facts: ClassVar[JointKind] = JointKind(
-        "roll", MESH, mujoco="circles that roll on one another as a joint")
+        "roll", MESH, mujoco="rolling circles as a joint")
 
     type: Literal["roll"] = TYPE
     radius_a: Length

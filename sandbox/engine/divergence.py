@@ -43,8 +43,9 @@ def diverged(now: float, world: World, tables: Tables, steering: Steering) -> Si
     helps = f"smaller forces, or a smaller run.step than {world.h:g} s, may help"
     driver = _driver(tables, _joined(world, int(worst)))
     if driver >= 0:
-        reason += (f", led by {model.bodies.name[world.order[driver]]}, which moves on a schedule: "
-                   "past a dead centre, or beyond its reach, what is joined to it cannot follow")
+        reason += (f", driven by {model.bodies.name[world.order[driver]]}, which moves on a "
+                   "schedule: past a dead centre or out of reach the connected bodies cannot "
+                   "follow")
     if loop := steering.furthest():
         reason += f", led by {loop}"
         helps = f"gains of the other sign, smaller ones or limits may help; or {helps}"
@@ -87,4 +88,4 @@ def _jammed(now: float, world: World, tables: Tables) -> Jammed:
     who = f"{names[driver]}, which moves on a schedule, "
     what = f"drives {names[one]} against" if one != driver else "is driven against"
     return Jammed(now, names[driver],
-                  f"{who}{what} {names[other]}, and neither of them can give way")
+                  f"{who}{what} {names[other]}, and neither can move away")

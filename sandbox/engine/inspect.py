@@ -139,8 +139,9 @@ def _sampling(mechanism: Mechanism) -> Iterator[Problem]:
     actual = 1 / (clock.every * run.step)
     if abs(actual - run.sample_rate) > 1e-6 * run.sample_rate:
         yield look("bad-rate", "$.run", "run", f"the step {run.step:g} s does not divide the "
-                   f"sampling interval {1 / run.sample_rate:g} s", f"samples come at {actual:.6g} "
-                   f"Hz instead of {run.sample_rate:g} Hz")
+                   f"sampling interval {1 / run.sample_rate:g} s", "the sample rate is "
+                                                                   f"{actual:.6g} Hz instead of "
+                                                                   f"{run.sample_rate:g} Hz")
     if run.duration < run.step:
         yield look("bad-rate", "$.run", "run", f"the duration {run.duration:g} s is shorter than a "
                    "step", "one step is made")

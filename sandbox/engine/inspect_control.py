@@ -120,7 +120,7 @@ def _custom_problems(mechanism: Mechanism, customs: Sequence[Custom]) -> Iterato
         place = f"controller {custom.name}"
         if custom.name in named:
             yield Problem("duplicate-name",
-                          "another controller has this name", place, allowed="a name of its own")
+                          "another controller has this name", place, allowed="a unique name")
         named.add(custom.name)
         yield from rate_problems(custom.rate, mechanism.run.step, place)
         for text in custom.reads:
@@ -246,9 +246,9 @@ def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
             continue  # meters alone: told already
         members = members[(at := members.index(min(members))):] + members[:at]
         path = " → ".join(quoted(mechanism.controllers[i].name) for i in [*members, members[0]])
-        yield Problem("algebraic-loop", f"an algebraic loop: {path}; each reads what the next one "
-                      "writes", f"$.controllers[{members[0]}].value", allowed="a law with memory "
-                      "in the loop, such as a pid")
+        yield Problem("algebraic-loop", f"an algebraic loop: {path}; each reads the value that the "
+                      "next one writes", f"$.controllers[{members[0]}].value",
+                      allowed="a law with memory in the loop, such as a pid")
 
 
 _Node = tuple[str, int]

@@ -65,7 +65,7 @@ def _without_way(tendon: Tendon, path: str, points: list[Vec]) -> Iterator[Probl
         (small, inner), (large, outer) = sorted(((ra, k), (rb, after)))
         if gap < STRAIGHT:
             yield error("coincident-points", path, tendon.name, f"its guides {k} and {after} "
-                        "coincide", "move one of them: the cord between has no direction")
+                        "coincide", "move one of them: the tendon between them has no direction")
         elif gap >= reach:
             continue
         elif not small:
@@ -91,7 +91,7 @@ def _loop_problems(model: Model, i: int) -> Iterator[Problem]:
     if (drive := int(model.tendons.drive[i])) != NONE:
         yield error("not-settable", f"$.drives[{drive}].tendon", model.drives.name[drive],
                     f"pulls {tendon.name}, a loop, which has no end to pull at",
-                    "a torque or a motor at a wheel's hinge, or a cord that is not closed")
+                    "a torque or a motor at a wheel's hinge, or a tendon that is not closed")
     sides = {guide.side for guide in tendon.guides}
     if all(guide.radius for guide in tendon.guides) and len(sides) == 1:
         wraps = [wrap - math.tau * guide.turns
@@ -191,7 +191,7 @@ def line_problems(model: Model) -> Iterator[Problem]:
             yield look("no-effect", path, name, "moves no body that can move freely",
                        "it presses on nothing")
         if not joined and i in fed and not np.isfinite(lines.most[i]):
-            yield look("bad-fluid", path, name, "is pumped, has no relief and no way out",
+            yield look("bad-fluid", path, name, "has a pump but no relief and no outlet",
                        "its pressure grows without end; give it a relief")
 
 

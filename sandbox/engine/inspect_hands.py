@@ -111,11 +111,11 @@ def _too_short(model: Model, fingers: list[_Reaching]) -> Problem:
         "no-effect", f"$.bodies[{worst.body}]", worst.name,
         f"reaches {mm(worst.reach)} from its first hinge, and the nearest object that it "
         f"may touch, {model.bodies.name[worst.nearest]!r}, is {mm(worst.distance)} from it"
-        + (" and comes no nearer as it falls" if loose else "")
+        + (" and does not approach as it falls" if loose else "")
         + (f" (and so for {len(others)} more, which lack less or as much: {listed(others)})"
            if others else ""),
         f"move either by {lack} or more, or make it longer"
-        + ("; what else may push it there is not looked at" if loose else ""))
+        + ("; other loads on it are ignored" if loose else ""))
 
 
 def _only_fall(model: Model, objects: Integers) -> bool:

@@ -154,7 +154,7 @@ def wheel_problems(model: Model) -> Iterator[Problem]:
         elif not model.joints.play[i] > 0:
             yield look("bad-mesh", path, name, f"only springs or cords hold {whose}: teeth without "
                        "play are pulled back into mesh where they change over to the other flank",
-                       "give it a 'backlash', 0.01 mm say")
+                       "give it a 'backlash', for example 0.01 mm")
 
 
 def _tied(model: Model) -> set[int]:
@@ -192,7 +192,7 @@ def _wheel_advice(model: Model, joint: int) -> str:
     if model.joints.inside[joint]:
         inside, fits = "leave 'inside' out", ra + rb
     else:
-        inside, fits = "say \"inside\": true", abs(ra - rb)
+        inside, fits = 'write "inside": true', abs(ra - rb)
     as_they_are = (f", or {inside}: then they fit as they are"
                    if ra != rb and abs(distance - fits) <= NEGLIGIBLE else "")
     return f"put them {fitting(right)} apart{instead}{as_they_are}"

@@ -154,7 +154,7 @@ def _without_value(model: Model, spring: int, law: SpringLaw) -> Iterator[Proble
         nearest = tried[lacks][np.argmin(np.abs(tried[lacks]))]
         yield look("undefined-law", f"$.springs[{spring}]", model.springs.name[spring],
                    f"its law has no value at a {law.names[STRETCH]} of {nearest:.3g}",
-                   "give it a value wherever the spring may come to")
+                   "give it a value over the whole range of the spring")
 
 
 def _against(

@@ -247,9 +247,9 @@ def elimination(
         met[i] = others = graph[i]
         products += degree * (degree - 1) // 2
         if products > MOST:
-            raise SandboxError("joints and cords hang together in so many loops that they cannot "
-                               f"be solved: more than {MOST} products in each step; fewer joints "
-                               "between the same bodies may help", code="too-complex")
+            raise SandboxError("joints and tendons form too many loops to be solved: more than "
+                               f"{MOST} products in each step; use fewer joints between the same "
+                               "bodies", code="too-complex")
         for j in others:
             graph[j] |= others
             graph[j] -= {i, j}

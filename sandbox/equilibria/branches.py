@@ -108,12 +108,13 @@ def rest_along(
         settler.follow(stages)
         first = settle(settler, "", settler.steps)
     except (Unsettled, SimulationDiverged) as error:
-        raise SceneError([Problem("no-rest", f"it does not come to rest at {begin:g}: {error}",
+        raise SceneError([Problem("no-rest", f"no equilibrium at {begin:g}: {error}",
                                   "along")]) from None
     if first.balance is None:
         raise SceneError([Problem(
             "no-rest",
-            f"it can't be followed along a value: its stiffness is not told, for {first.untold}",
+            "the equilibrium cannot be followed along a value: its stiffness is not defined, for "
+            f"{first.untold}",
             "along", allowed="--set, value by value")])
     return follower.follow_all(first.balance)
 

@@ -125,7 +125,7 @@ class AtRest:
         known_body(self.recording.mechanism, body)
         if self.untold:
             raise SceneError([Problem("no-rest",
-                                      f"stiffness can't be told with {self.untold}", "body")])
+                                      f"stiffness is not defined with {self.untold}", "body")])
         number = model.names.body[body]
         spec = self.recording.mechanism.bodies[number]
         size = reach_of(spec, centre_of(spec)) or self.size
@@ -248,10 +248,10 @@ def check_options(mechanism: Mechanism, at: float | None, stages: int | None) ->
         SceneError: controllers, events at a time, or wrong options.
     """
     found = [Problem("no-rest",
-                     f"the controller {quoted(each.name)} acts as the run goes on, and rest has no "
-                     "time", f"$.controllers[{i}]",
-                     allowed="drives that hold the values it leads to: take the controller out and "
-                             "set these")
+                     f"the controller {quoted(each.name)} needs time, and an equilibrium has "
+                     "none", f"$.controllers[{i}]",
+                     allowed="drives with the values that the controller reaches: remove the "
+                             "controller and set these")
              for i, each in enumerate(mechanism.controllers)]
     found += [Problem("no-rest",
                       f"the event {quoted(each.name)} acts at t = {each.at:g} s, and rest has no "
@@ -274,7 +274,7 @@ def _remarks(mechanism: Mechanism, settler: Settler, at: float | None) -> Iterat
     """Drives that still change, and events that are left out."""
     for event in mechanism.events:
         if event.when is not None and (event.set or event.release or event.take_up):
-            yield f"the event {quoted(event.name)} is left out: it acts on the way"
+            yield f"the event {quoted(event.name)} is ignored: it depends on time"
     if settler.remark:
         yield settler.remark
     if at is not None or not settler.time:

@@ -66,7 +66,7 @@ class Settler:
         self._free = self.model.bodies.free
         if not self._free.any():
             raise SceneError([Problem("no-rest",
-                                      "nothing moves freely: there is nothing to come to rest",
+                                      "nothing moves freely: there is no equilibrium to find",
                                       "bodies")])
         self.first = self.still.pose
         """The pose of the scene, [nb, 3]."""
@@ -253,7 +253,7 @@ def _no_stiffness(model: Model) -> str:
     """Why the stiffness of a mechanism is unknown; empty if it is known."""
     tendons = model.tendons
     if any(len(tendons.gripped(cord)) for cord in range(len(tendons.name))):
-        return "cords with friction in their guides"
+        return "tendons with friction in their guides"
     why = without_stiffness(model)
     if why == "loads by laws" and not any(
             law is None or law.names & POSITIONS for law in model.loads.law):

@@ -33,7 +33,7 @@ def place_start(settler: Settler, start: Start) -> Array:
                  model.bodies.name, model.bodies.free, strict=True) if free for part in PARTS)]
     if wrong := [name for name in start if name not in known]:
         raise SceneError([Problem("name-not-found",
-                                  f"{quoted(name)} can't be given at the start", "from",
+                                  f"{quoted(name)} cannot be given at the start", "from",
                                   allowed=listed(known) or "nothing", hint=near(name, known))
                           for name in wrong])
     still.put(settler.first)

@@ -224,8 +224,8 @@ class Draft:
         if not isinstance(signal, Constant):
             law = signal.model_dump_json(exclude_defaults=True)
             section.append(comment(f"{name} over time: {law}; {number(end)} at the end of the run"))
-            self.notes.append(f"{name}: MuJoCo keeps no signals over time; the keyframe "
-                              f"holds its last value, {number(end)}")
+            self.notes.append(f"{name}: MuJoCo has no signals over time; the keyframe has the last "
+                              f"value, {number(end)}")
         add(section, what, name=name, **attributes)
         self.controls.append(max(end, float(self.model.drives.floor[drive])))
         self.sense("actuatorfrc", f"{name}.{gives}", actuator=name)

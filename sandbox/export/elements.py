@@ -327,8 +327,8 @@ def _cross(a: Vec, b: Vec, c: Vec, d: Vec) -> bool:
 def add_drives(draft: Draft) -> None:
     """Add all drives; note every controller and event, which MuJoCo lacks."""
     for steering in (*draft.mechanism.controllers, *draft.mechanism.events):
-        draft.notes.append(f"{steering.name}: MuJoCo keeps no controllers and no events; the "
-                           "drives have what their own signals say")
+        draft.notes.append(f"{steering.name}: MuJoCo has no controllers and no events; the drives "
+                           "keep their own signals")
     for i, drive in enumerate(draft.mechanism.drives):
         drive.write_mujoco(draft, i)
 

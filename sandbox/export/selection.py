@@ -137,7 +137,7 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
 
 def _friction(joints: Joints, joint: int) -> str:
     if joints.rubbing[joint]:
-        return "dry friction that hangs on what its joint carries"
+        return "joint friction that depends on the reaction"
     return STATIC if joints.static[joint] > 1 else ""
 
 
@@ -146,7 +146,7 @@ def _law(springs: Springs, spring: int) -> str:
     if law is None:
         return ""
     if law.own is not None:
-        return "a spring whose force is a law of its own"
+        return "a spring with a force law"
     if law.damping:
         return "a damper that acts on one side only"
     return "" if springs.straight[spring] else "a spring about a hinge that acts on one side only"
@@ -154,9 +154,9 @@ def _law(springs: Springs, spring: int) -> str:
 
 def _wheel(model: Model, tendon: int) -> str:
     if len(model.tendons.gripped(tendon)):
-        return "a tendon that guides hold by friction"
+        return "a tendon with guide friction"
     if model.tendons.closed[tendon]:
-        return "a tendon that is a loop"
+        return "a closed tendon (belt)"
     path = model.tendons.guides(tendon)
     bodies, radii = model.tendons.guide_body[path].tolist(), model.tendons.guide_radius[path]
     if radii[0] or radii[-1]:
@@ -169,9 +169,9 @@ def _wheel(model: Model, tendon: int) -> str:
         if not radius:
             continue
         if model.tendons.guide_turns[path.start + i]:
-            return "a tendon that goes whole turns round a wheel"
+            return "a tendon with whole turns around a wheel"
         if radii[i - 1] or radii[i + 1]:
-            return "a tendon that goes from wheel to wheel without an eye between them"
+            return "a tendon from wheel to wheel without a via point between them"
         wrap = wrap_round(points[i - 1], points[i], points[i + 1], radius,
                           past=bool(off[path.start + i]))
         body = model.bodies.name[bodies[i]]

@@ -208,7 +208,7 @@ def _set_of(options: Mapping[str, Any] | None) -> dict[str, Any]:
     options = options or {}
     if not isinstance(options, Mapping):
         raise SceneError([Problem("bad-argument",
-                                  f"{quoted(options)} does not say what is changed", "options",
+                                  f"{quoted(options)} names no change", "options",
                                   allowed='{"set": values by path}')])
     if unknown := [name for name in options if name != "set"]:
         raise SceneError([Problem("bad-argument",
@@ -217,7 +217,7 @@ def _set_of(options: Mapping[str, Any] | None) -> dict[str, Any]:
     values = options.get("set", {})
     if not isinstance(values, Mapping):
         raise SceneError([Problem("bad-argument",
-                                  f"{quoted(values)} does not say what is changed", "options.set",
+                                  f"{quoted(values)} names no change", "options.set",
                                   allowed="values by path")])
     return dict(values)
 

@@ -102,7 +102,7 @@ class Task:
 def same_step() -> Problem:
     """The problem of an episode with another time step."""
     return Problem("bad-argument",
-                   "the step is the same in all episodes: an action holds for a number of steps",
+                   "all episodes have the same step: an action lasts a number of steps",
                    STEP, allowed=f"set={{{STEP!r}: …}} when the environment is made")
 
 
@@ -177,8 +177,8 @@ class _TaskReader:
                 span = drive_range(self.model, drive) if given is None else self._span(
                     given, path, self.known.find(f"{drive}.value").unit)
                 if span is None and given is None:
-                    self._wrong(f"the scene does not say between which values {quoted(drive)} "
-                                "moves", path, f"act={{{drive!r}: (lowest, highest)}}")
+                    self._wrong("the scene gives no range for "
+                                f"{quoted(drive)}", path, f"act={{{drive!r}: (lowest, highest)}}")
                 self.actions[drive] = span or (0.0, 1.0)
         if not self.actions and not self.problems:
             self._wrong("nothing acts", "act", "at least one drive")
@@ -304,7 +304,7 @@ def _random(
     """Check the distributions with :data:`DRAWN` samples of the scene."""
     if not isinstance(randomise, Mapping):
         raise SceneError([Problem("bad-argument",
-                                  f"{randomise!r} does not say what is drawn", "randomise",
+                                  f"{randomise!r} names no range", "randomise",
                                   allowed='values by path: {"parameters.m": "normal(1 kg, 0.1 kg)"}'
                                   )])
     try:

@@ -53,7 +53,7 @@ def tip_jacobian(contacts: ArrayLike, hinges: ArrayLike, moves: ArrayLike) -> Ar
     """
     p, c, on = points("contacts", contacts), points("hinges", hinges), np.asarray(moves, bool)
     if on.shape != (len(p), len(c)):
-        raise ValueError(f"moves must say true or false for {len(p)} contacts and {len(c)} "
+        raise ValueError(f"moves must have a boolean for each of {len(p)} contacts and {len(c)} "
                          f"hinges, got shape {on.shape}")
     arm = (p[:, None] - c) * on[..., None]
     J = np.empty((2 * len(p), len(c)))

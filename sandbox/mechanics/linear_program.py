@@ -108,7 +108,7 @@ class _Basis:
                     len(c), len(b), len(c))))
             if turn % ANEW == ANEW - 1:
                 self.renew()
-        raise ArithmeticError("a linear program does not come to an end")
+        raise ArithmeticError("a linear program does not converge")
 
     def _first(self, comes: int, *, by_number: bool) -> int:
         """The place of what falls to 0 first where a column comes in; -1 if nothing falls."""

@@ -249,8 +249,8 @@ def _stop_rows(joints: int, lower: ArrayLike | None, upper: ArrayLike | None) ->
     for name, stop, sign in (("lower", lower, -1.0), ("upper", upper, 1.0)):
         on = np.zeros(joints, dtype=bool) if stop is None else np.asarray(stop, dtype=bool)
         if on.shape != (joints,):
-            raise ValueError(f"{name} must say true or false for each of {joints} joints, "
-                             f"got shape {on.shape}")
+            raise ValueError(f"{name} must have a boolean for each of {joints} joints, got shape "
+                             f"{on.shape}")
         rows.append(sign * np.eye(joints)[on])
     return np.concatenate(rows)
 

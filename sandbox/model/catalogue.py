@@ -203,7 +203,7 @@ class Catalogue:
             quantity = name[len(head) + 1:]
             need = self._spec(element).needed(quantity)
             if quantity in TIED and f"{element.kind}s" in RELEASABLE:
-                need = "'breaks_at', or an event that lets go of it"
+                need = "'breaks_at', or an event that releases it"
             if need:
                 return f"{quoted(head)} has it only with {need}"
         return ""
@@ -229,7 +229,7 @@ class Catalogue:
         if not body.shapes:
             return f"{quoted(head)} has no shapes, and nothing can touch it"
         free = GRASP[quantity].of_free
-        return f"{quoted(head)} does not move freely, so that nobody has to hold it" * free
+        return f"{quoted(head)} does not move freely, so it has no grasp quantities" * free
 
     def allowed(self, name: str) -> str:
         """What the element has that an unknown name begins with, or which elements there are."""

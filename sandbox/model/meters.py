@@ -33,7 +33,7 @@ def quotients(text: str) -> list[str]:
 
 
 def no_pair(
-    pair: str, path: str, itself: str = "an expectation may ask for the pair itself",
+    pair: str, path: str, itself: str = "an expectation may use the pair itself",
 ) -> Problem:
     """The refusal of the quantity of a pair in an expression, where a body alone has no value.
 
@@ -192,8 +192,8 @@ def _together(known: Catalogue, meter: ShownMeter, path: str) -> Iterator[Proble
                       f"{listed(names)}", path, allowed=f"at most {MOST}")
     units = sorted({known.find(name).unit for name in names if not is_expression(name)})
     if len(units) > 1:
-        yield Problem("bad-quantity", "the curves of one meter have one unit, these have "
-                      f"{listed(units)}", path, allowed="a meter for each unit")
+        yield Problem("bad-quantity", "all curves of one meter need the same unit, these have "
+                                      f"{listed(units)}", path, allowed="a meter for each unit")
 
 
 def check_quantities(mechanism: Mechanism) -> list[Problem]:

@@ -161,7 +161,7 @@ def _into(directory: Path) -> Iterator[None]:
     except OSError as error:
         why = str(error.strerror or error)
         if isinstance(error, FileExistsError):
-            why = "it is a file" if directory.exists() else "it is a link to what is not there"
+            why = "it is a file" if directory.exists() else "it is a broken link"
         raise OutputError(f"cannot write into {directory}: {why}") from None
 
 

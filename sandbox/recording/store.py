@@ -31,8 +31,7 @@ from sandbox.samples.samples import Samples
 from sandbox.scene.mechanism import Mechanism
 
 RUN_ID = re.compile(rb'"run_id": "([0-9a-f]{32})"')
-EDITED = ("is not as it was written: it does not say which run it is of, and what it tells of the "
-          "audit is not trusted")
+EDITED = ("was changed: it does not name its run, and its checks are ignored")
 """What a run notes of a summary that was changed or cut off."""
 HEAD = 1024
 """Bytes of a summary in which its id stands."""

@@ -201,8 +201,8 @@ class Grasp:
     @property
     def no_stiffness(self) -> str:
         """Why stiffness has no value while the object is held."""
-        rubs = "cords that rub" if len(self.run.model.tendons.grips) else ""
-        return ("stiffness can't be told with "
+        rubs = "tendons with friction" if len(self.run.model.tendons.grips) else ""
+        return ("stiffness is not defined with "
                 + (without_stiffness(self.run.model) or rubs or "contacts in a notch"))
 
     # --- shares of the force
@@ -275,7 +275,7 @@ class Grasp:
         elif not rest.ready[sample]:
             told.append(f"the run was not {WINDOW:g} s old")
         elif rest.let_go[sample]:
-            told.append(f"the hand let go of it {window}")
+            told.append(f"the hand released it {window}")
         if rest.carried[sample]:
             rows = np.flatnonzero(self._others & (self.sample == sample))
             told.append(f"{self._most(rows, self.push[rows])[0]!r}, which is no hand, carries it")
@@ -289,11 +289,11 @@ class Grasp:
 
     def _untouched(self, sample: int) -> str:
         if not self._rest.hand.any():
-            return "nothing of a hand ever touches it"
+            return "no body of a hand ever touches it"
         before = np.flatnonzero(self._rest.hand[:sample])
         if not len(before):
-            return "nothing of a hand had touched it yet"
-        return f"nothing of a hand touched it after {self.run.time[before[-1]]:.6g} s"
+            return "no body of a hand had touched it yet"
+        return f"no body of a hand touched it after {self.run.time[before[-1]]:.6g} s"
 
     def _slid_most(self, since: int, sample: int) -> str:
         """Along which body it has slid farthest between two samples."""

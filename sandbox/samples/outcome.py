@@ -42,7 +42,7 @@ FAILED = "a controller failed: "
 class Status(Enum):
     """How a run ended; the value says it in words, after "the run"."""
 
-    DONE = "came to its end"
+    DONE = "completed"
     """All planned steps were made."""
     STOPPED = "was stopped on purpose"
     """One of its own events ended it, as the scene wants it, or a controller in Python that raised
@@ -156,18 +156,16 @@ def relaxed(steps: int, made: int) -> tuple[str, ...]:
     """What a run notes of ``steps`` of those made whose forces are not exact, if there were any."""
     if not steps:
         return ()
-    return ("forces that have a bound, of contacts, friction in guides and joints, motors, are "
-            f"relaxed, not exact, in {steps} of {made} steps: there what sticks or slides was not "
-            "found",)
+    return (f"the forces of contacts, friction and motors are approximate in {steps} of {made} "
+            "steps: sticking and sliding were not resolved",)
 
 
 def unordered(steps: int, made: int) -> tuple[str, ...]:
     """What a run notes of ``steps`` with too many impacts to put in order, if there were any."""
     if not steps:
         return ()
-    return (f"{steps} of {made} steps have more than 100 impacts one after the other; what was hit "
-            "after these was reflected together, at one instant. A smaller `run.step` has fewer in "
-            "each step",)
+    return (f"{steps} of {made} steps have more than 100 impacts in sequence; the rest was solved "
+            "at one instant. Reduce `run.step` to have fewer impacts in each step",)
 
 
 def planned(run: Run, status: Status = Status.DONE) -> Outcome:

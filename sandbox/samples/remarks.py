@@ -57,10 +57,10 @@ def ended(run: Stored) -> Iterator[str]:
     for sample, joint, gone in sorted(told)[:MOST]:
         name = run.model.bodies.name[int(joints.bodies[joint, 1])]
         more = ", and divides its pull no longer while it is there" if name in divide else ""
-        yield (f"{joints.name[joint]}: {name} came to the end of its slot, {1e3 * gone:.4g} mm "
-               f"from where it began, t = {run.time[sample]:.6g} s{more}")
+        yield (f"{joints.name[joint]}: {name} reached the end of its slot, {1000.0 * gone:.4g} mm "
+               f"from its start, t = {run.time[sample]:.6g} s{more}")
     if len(told) > MOST:
-        yield f"{len(told) - MOST} more came to the ends of their slots after that"
+        yield f"{len(told) - MOST} more reached the ends of their slots later"
 
 
 def _along(run: Stored, joint: int) -> tuple[Array, Flags, float]:
@@ -122,8 +122,8 @@ def stalled(run: Stored) -> Iterator[str]:
         for i, kind in enumerate(drives.kind):
             if (kind.gives in ("force", "torque") and loads.given[i, -1]
                     and _dead_centre(run.model, pose, bodies, joints, i)):
-                yield (f"{drives.name[i]} acts on a dead centre: where its mechanism stands at the "
-                       "end it moves nothing, and a little to either side it would")
+                yield (f"{drives.name[i]} acts at a dead centre: at the end it moves nothing, "
+                       "although it would in neighbouring poses")
 
 
 def _dead_centre(model: Model, pose: Array, bodies: list[int], joints: list[int], i: int) -> bool:

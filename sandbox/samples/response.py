@@ -175,7 +175,7 @@ def ending(time: Array) -> slice:
 
 def _check(time: Array, value: Array, target: Array) -> None:
     if not time.shape == value.shape == target.shape or time.ndim != 1:
-        raise ValueError(f"time, value and target are rows of one length, got shapes {time.shape}, "
-                         f"{value.shape} and {target.shape}")
+        raise ValueError("time, value and target must have the same length, got shapes "
+                         f"{time.shape}, {value.shape} and {target.shape}")
     if len(time) < 2:
-        raise ValueError(f"a response has at least 2 samples, got {len(time)}")
+        raise ValueError(f"a response needs at least 2 samples, got {len(time)}")

@@ -54,8 +54,8 @@ class SmoothCurve(Spec):
             j = (i + 1) % len(self.points)
             if one == self.points[j] and (self.closed or j):
                 raise WrongValueError("bad-outline", f"points {i} and {j} are the same point",
-                                      allowed="each point once; a closed curve goes on to the "
-                                      "first by itself")
+                                      allowed="each point once; a closed curve closes "
+                                              "automatically")
         return self
 
     def curve(self) -> Array:

@@ -68,8 +68,8 @@ class Event(Spec):
             if self.at is not None and getattr(self, key):
                 raise WrongValueError("conflicting-keys", f"'{key}' needs 'when', not 'at'")
         if both := sorted(set(self.release) & set(self.take_up)):
-            raise WrongValueError("conflicting-keys", "one event cannot release and take up "
-                                  f"'{both[0]}'")
+            raise WrongValueError("conflicting-keys", "one event cannot release and engage "
+                                                      f"'{both[0]}'")
         return self
 
 

@@ -37,7 +37,7 @@ def expand(scene: Scene) -> Mechanism:
     """
     if not isinstance(scene, Scene):
         raise SceneError([Problem("bad-argument", f"{quoted(scene)} is no scene", "scene",
-                                  allowed="what sandbox.load_scene gives")])
+                                  allowed="a scene from sandbox.load_scene")])
     elements, problems = _spelled_out(scene, _Outside())
     if problems:
         raise SceneError(problems)

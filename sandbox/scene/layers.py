@@ -139,7 +139,7 @@ def _patterns(layer: str, of: Any) -> tuple[str, ...]:
     patterns = (of,) if isinstance(of, str) else of
     if not isinstance(patterns, list | tuple) or not all(isinstance(p, str) for p in patterns):
         raise WrongValueError("wrong-type",
-                              f"{kind_of(of)} does not say of what {quoted(layer)} is shown",
+                              f"{kind_of(of)} does not name the bodies for {quoted(layer)}",
                               allowed="true, false, or a list of names and patterns of bodies")
     if not LAYERS[layer].per_body and tuple(patterns) not in ((), EVERY):
         some = (name for name, row in LAYERS.items() if row.per_body)

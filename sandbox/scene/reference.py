@@ -232,8 +232,8 @@ def recorded_by(element: str, quantity: str) -> list[str]:
     return always
 
 
-GUIDED = {"tension": ("tension_0", "tendon that guides hold by friction"),
-          "slip": ("slip_1", "tendon that guides hold by friction"),
+GUIDED = {"tension": ("tension_0", "tendon with guide friction"),
+          "slip": ("slip_1", "tendon with guide friction"),
           "lifted": ("lifted_1", "tendon that can lift off a wheel")}
 """Quantities of tendons that end in a number: an example of each, and the tendons that have it."""
 

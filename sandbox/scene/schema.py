@@ -121,7 +121,7 @@ COMPOSED: Schema = {
                            "description": "Centre of the circle that the copies go round [m]."},
             }}]},
     "include": {"type": "string", "description": "The name of a scene in the same folder, which "
-                "becomes an assembly."},
+                                                 "becomes an assembly."},
     "parameters": {"type": "object", "description": "Of an assembly: numbers for its "
                    "expressions, before those of the scene that it includes."},
 }

@@ -367,8 +367,8 @@ class View(Spec):
     or fly away count only near the others. ``["*"]`` means all, always."""
     follow: Annotated[Name | None, BODY] = None
     """Body that the picture follows: its centre of mass keeps its place in the picture. The picture
-    does not rotate. It includes the mechanism that the body is part of, and what is near the body.
-    """
+    does not rotate. It includes the mechanism that the body is part of, and what is near the
+    body."""
 
 
 class Group(Spec):

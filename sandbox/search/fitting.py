@@ -126,7 +126,7 @@ class Fitted:
             direction = ", ".join(f"{part:+.2f} {path}" for path, part in parts.items()
                                   if abs(part) > 0.1)
             size = f"± {half:.3g} ranges" if math.isfinite(half) else "not at all"
-            lines.append(f"the data can't tell: {direction} ({size})")
+            lines.append(f"the data do not determine: {direction} ({size})")
         return [*lines, *self.remarks, step_check(self.certified, self.certificate)]
 
 
@@ -165,7 +165,7 @@ def read_columns(path: Path) -> tuple[Array, dict[str, Array]]:
         raise SandboxError(f"{path} cannot be read: {why}", code="bad-measurements") from None
     rows = [row for row in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in row)]
     if len(rows) < 2:
-        raise SandboxError(f"{path} holds no measurements: a line of names, then numbers",
+        raise SandboxError(f"{path} has no measurements: expected a line of names, then numbers",
                            code="bad-measurements")
     names, factors = [], []
     for head in rows[0]:
@@ -180,7 +180,7 @@ def read_columns(path: Path) -> tuple[Array, dict[str, Array]]:
         raise SandboxError(f"{path} has no column of times (allowed: {', '.join(TIMES)}; it has "
                            f"{listed(names)})", code="bad-measurements")
     if len(set(names)) < len(names):
-        raise SandboxError(f"{path} has two columns of one name", code="bad-measurements")
+        raise SandboxError(f"{path} has two columns with the same name", code="bad-measurements")
     cells = np.array([_numbers(row, len(names), f"{path}, row {number}")
                       for number, row in enumerate(rows[1:], start=2)]) * factors
     if np.isnan(cells[:, time]).any():
@@ -218,8 +218,8 @@ def _measurement(
     pairs = dict(match) if match is not None else {name: name for name in columns
                                                    if name in catalogue}
     if not pairs:
-        raise RefusedError(f"no column of {path} has the name of a quantity: say which is which, "
-                           f"as in x=puck.x (columns: {listed(list(columns))})")
+        raise RefusedError(f"no column of {path} has the name of a quantity: assign one, as in "
+                           f"x=puck.x (columns: {listed(list(columns))})")
     for name, quantity in pairs.items():
         if name not in columns:
             raise SandboxError(f"{path} has no column {quoted(name)}{or_near(name, columns)} (it "
@@ -287,7 +287,7 @@ def estimate(
 
     freedom = len(data) - len(start)
     if freedom <= 0:
-        raise SandboxError(f"{len(data)} measured numbers cannot tell {len(start)} parameters",
+        raise SandboxError(f"{len(data)} measured numbers do not determine {len(start)} parameters",
                            code="bad-measurements")
     differences = _Differences(model)
     sizes = _spreads(data, columns) if noise is None else noise
@@ -395,7 +395,7 @@ def find_fit(
                            f"{quoted(others[0])} has none")
     measured, units = _measurement(question, data, match)
     if noise is not None and set(noise) != set(units):
-        raise RefusedError(f"the noise of each column is said, or of none: {listed(list(units))}")
+        raise RefusedError(f"give the noise of each column, or of none: {listed(list(units))}")
     for name, size in (noise or {}).items():
         check_unit(size, units[name], f"the noise of {name}")
         if not size > 0:
@@ -463,8 +463,8 @@ def _fitted(
               for half, row in found.blind),
         len(measured.data), runs, bool(known.any()) and worst <= SAME,
         f"no parameter moves by more than {worst:.2g} of half its interval",
-        tuple(f"what is left of {measured.names[k]} is no noise (neighbours correlate by "
-              f"{correlation:.2f}): the scene lacks something, and intervals are too narrow"
+        tuple(f"the residuals of {measured.names[k]} are not random (neighbours correlate by "
+              f"{correlation:.2f}): the model is incomplete, and intervals are too narrow"
               for k, correlation in correlations(found.residuals, measured.columns).items()))
 
 

@@ -161,9 +161,10 @@ def _check_options(question: Question, method: str, count: int) -> None:
         raise RefusedError(f"there is no method {quoted(method)}{or_near(method, MEASURES)} "
                            f"({', '.join(MEASURES)})")
     if len(question.space.paths) < 2:
-        raise RefusedError("what matters is asked of two paths or more")
+        raise RefusedError("influences need two paths or more")
     if not question.kept:
-        raise RefusedError("say what is kept: the scene expects nothing")
+        raise RefusedError("nothing is kept: add a quantity to keep, as the scene has no "
+                           "expectations")
     if method == "sobol" and (powers := powers_around(count)):
         raise RefusedError(f"Sobol's points are a power of 2, not {count} (allowed: "
                            f"{powers[0]}, {powers[1]})")
@@ -178,7 +179,7 @@ def _salib(method: str) -> tuple[Any, Any]:
             return (import_module(f"SALib.sample.{method}"),
                     import_module(f"SALib.analyze.{method}"))
     except ImportError:
-        raise SandboxError("what matters needs SALib: pip install 'sandbox-mechanics[studies]'"
+        raise SandboxError("influences need SALib: pip install 'sandbox-mechanics[studies]'"
                            , code="missing-package") from None
 
 

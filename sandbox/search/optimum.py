@@ -141,9 +141,9 @@ def find_best(
                            "ranges and lists")
     goals = {**dict.fromkeys(least, "least"), **dict.fromkeys(most, "most")}
     if not goals:
-        raise RefusedError("say what is to be least or most, of what is kept")
+        raise RefusedError("give a quantity to minimise or maximise")
     if both := sorted(set(least) & set(most)):
-        raise RefusedError(f"{quoted(both[0])} cannot be least and most at once")
+        raise RefusedError(f"{quoted(both[0])} cannot be minimised and maximised at once")
     for name in goals:
         check_result(name, question.kept)
     wanted = parse_conditions(where, question.kept)

@@ -139,7 +139,7 @@ def study(
     """
     found = read_search(file, limits)
     if not found.kind:
-        raise RefusedError("the study does not say which search it is: it has no key \"search\"")
+        raise RefusedError('the study has no key "search": add the kind of search')
     return found.run(_where(out, workers))
 
 
@@ -266,7 +266,7 @@ def sensitivity(
 def _question(scene: Scene, **arguments: Any) -> Question:
     question = make_question(scene, **arguments)
     if question.plan.spec.search is not None:
-        raise RefusedError("the study says itself which search it is: sandbox.search.study does it")
+        raise RefusedError("the study already defines its search: use sandbox.search.study")
     return question
 
 

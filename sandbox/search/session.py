@@ -75,8 +75,8 @@ def parse_conditions(texts: Iterable[str], kept: Mapping[str, str]) -> tuple[Con
     for text in texts:
         match = _RELATION.fullmatch(text)
         if match is None:
-            raise RefusedError(f"{quoted(text)} is no condition (allowed: \"moved < 1 mm\" of what "
-                               "is kept, with <, <=, > or >=)")
+            raise RefusedError(f"{quoted(text)} is not a condition (allowed: \"moved < 1 mm\" with "
+                               "a kept quantity and <, <=, > or >=)")
         name, relation, written = match.groups()
         check_result(name, kept)
         try:

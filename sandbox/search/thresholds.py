@@ -118,7 +118,7 @@ def find_threshold(
 
     Args:
         question: one path with a range.
-        where: conditions such as ``"moved < 1 mm"``; by default the scene's expectations.
+        where: conditions such as ``"moved < 1 mm"``; by default every expectation.
         within: width of the bracket [SI]; by default a thousandth of the range.
         place: where it runs, and where its files go.
 
@@ -134,7 +134,7 @@ def find_threshold(
                            "distributions")
     wanted = parse_conditions(where, question.kept)
     if not wanted and not question.plan.loaded.mechanism.expect:
-        raise RefusedError("the scene expects nothing: say what must hold, as in \"moved < 1 mm\"")
+        raise RefusedError('the scene has no expectations: give a condition, as "moved < 1 mm"')
     path, = space.paths
     ends = _numbers(question, [0.0, 1.0])
     if within is not None:
@@ -143,7 +143,7 @@ def find_threshold(
     if not narrow >= NARROWEST:
         raise RefusedError(f"a bracket is no narrower than {NARROWEST:g} of the range, not "
                            f"{within:g}")
-    condition = " and ".join(each.text for each in wanted) or "what the scene expects"
+    condition = " and ".join(each.text for each in wanted) or "every expectation"
     place = place or Where()
     with open_session(question, place) as session:
         def ask(fractions: Sequence[float], *, halved: bool = False) -> list[bool]:
@@ -195,7 +195,7 @@ def _answers(
         answer = row_holds(row, wanted)
         if answer is None:
             path, = point
-            raise SandboxError(f"with {path} = {point[path]} the run tells nothing of whether "
+            raise SandboxError(f"with {path} = {point[path]} the run does not decide "
                                f"{condition}: {failure_of(row)}", code="no-answer")
         found.append(answer)
     return found

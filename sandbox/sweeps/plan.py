@@ -183,8 +183,9 @@ class _Checks:
         if not isinstance(named, str) or not named.strip():
             self.problems.append(Problem(
                 "missing-key",
-                "the study does not say which scene it is of", "$.scene" if named else "$",
-                allowed='"scene": a file beside it, the name of a shipped scene, or a scene'))
+                "the study names no scene", "$.scene" if named else "$",
+                allowed='"scene": a file in the same folder, the name of a shipped scene, or a '
+                        "scene"))
             self._refuse()
         path = self.folder / str(named)
         if path.suffix == ".json" and path.is_file():
@@ -298,7 +299,7 @@ class _Checks:
         self.problems += [Problem(
             "name-not-found",
             f"unknown name {quoted(name)} in an expression", path, hint=near(name, known),
-            allowed=f"parameters and what is kept before it: {listed(sorted(known))}")
+            allowed=f"parameters and the quantities kept before it: {listed(sorted(known))}")
             for name in sorted(names - known)]
 
 

@@ -99,7 +99,7 @@ def parse_result(text: str) -> tuple[str, str]:
         raise WrongValueError("bad-study",
                               f"{quoted(text)} has no name", allowed="name==expression")
     if not what:
-        raise WrongValueError("bad-study", f"{quoted(text)} does not say what is kept",
+        raise WrongValueError("bad-study", f"{quoted(text)} names no quantity to keep",
                               allowed='"max finger.tip.x over last 0.2 s", "tip=max finger.tip.x", '
                                       '"ratio==tip / pull"')
     return name, what
@@ -205,8 +205,7 @@ class BestSearch(Spec):
     @model_validator(mode="after")
     def _check(self) -> Self:
         if not self.least and not self.most:
-            raise PydanticCustomError("bad-search", "say what is to be least or most, of what "
-                                      "is kept",
+            raise PydanticCustomError("bad-search", "give a quantity to minimise or maximise",
                                       {"allowed": '"least": ["spread"], "most": ["force"]'})
         return self
 
@@ -308,19 +307,19 @@ class Varying(Spec):
         for path, each in self.over.items():
             if design not in EXPLICIT and isinstance(each, Range) and each.count is not None:
                 raise PydanticCustomError(
-                    "bad-study", "{path} has a count of its own, {own}, and a design {design} "
-                    "chooses {count} points for all its paths together",
+                    "bad-study", "{path} has its own count {own}, but a design {design} chooses "
+                                 "{count} points for all paths together",
                     {"path": quoted(path), "own": each.count, "design": quoted(design),
-                     "count": self.count, "allowed": "the range without its count; or, for each of "
-                     "its values with every other point, a group of its own in a study file: "
-                     "\"vary\": [{\"over\": {…}}, {\"over\": {…}, \"count\": …}]"})
+                     "count": self.count, "allowed": "the range without its count; or a group in a "
+                                                     'study file: "vary": [{"over": {…}}, '
+                                                     '{"over": {…}, "count": …}]'})
         return self
 
     def _check_explicit(self, design: Design) -> None:
         if self.count is not None:
             raise PydanticCustomError(
-                "bad-study", "a design {design} has as many points as its lists and spans say, and "
-                "no count of its own", {"design": quoted(design)})
+                "bad-study", "a design {design} has no count: its lists and spans give the number "
+                             "of points", {"design": quoted(design)})
         for path, each in self.over.items():
             if isinstance(each, Distribution):
                 raise PydanticCustomError(
@@ -330,8 +329,8 @@ class Varying(Spec):
                         name for name in get_args(Design) if name not in EXPLICIT)})
             if isinstance(each, Range) and each.count is None:
                 raise PydanticCustomError(
-                    UNCOUNTED, "{path} does not say how many numbers: give it a count, or the "
-                    "whole a count and a design", {"path": quoted(path)})
+                    UNCOUNTED, "{path} has no count: give it a count, or give a design and a count "
+                               "for all paths", {"path": quoted(path)})
         lengths = {path: value_count(each) for path, each in self.over.items()}
         if design == "paired" and len(set(lengths.values())) > 1:
             raise PydanticCustomError(

@@ -37,7 +37,7 @@ MET = "met"
 """Column of a search: whether its condition holds."""
 MISSING = ""
 """Status of a run that was not done yet."""
-EXPECTED, HOLD = "what the scene expects", "expectations passed"
+EXPECTED, HOLD = "the scene's expectations", "expectations passed"
 
 
 @dataclass

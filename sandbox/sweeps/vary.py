@@ -329,7 +329,7 @@ def _parse_range(text: str) -> dict[str, Any]:
         try:
             found["count"] = int(more[0])
         except ValueError:
-            raise WrongValueError("bad-study", f"{quoted(more[0])} does not say how many numbers",
+            raise WrongValueError("bad-study", f"{quoted(more[0])} is not a whole number",
                                   allowed=TEXTS, hint=near(more[0], ["log"])) from None
     return found
 

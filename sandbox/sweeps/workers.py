@@ -327,8 +327,8 @@ class Cluster:
                 yield SweepRow(id, DIED, reason="workers of the cluster ended in this run: "
                                                 f"{error or type(error).__name__}")
             else:
-                raise SandboxError(f"the cluster {quoted(self._address)} lost runs; what is done "
-                                   "is kept, and the same command goes on",
+                raise SandboxError(f"the cluster {quoted(self._address)} lost runs; finished runs "
+                                   "are saved, and the same command resumes",
                                    code="cluster-unreachable")
 
 

@@ -215,7 +215,7 @@ def dotted(node: ast.expr) -> str | None:
 
 def _check(node: ast.expr, names: set[str], depth: int) -> None:
     if depth > MAX_DEPTH:
-        raise WrongValueError("limit-exceeded", f"an expression nests at most {MAX_DEPTH} deep")
+        raise WrongValueError("limit-exceeded", f"an expression may nest at most {MAX_DEPTH} deep")
     children: Iterable[ast.expr]
     name = dotted(node)
     if name is not None:

@@ -214,7 +214,7 @@ _WORDS: dict[str, Callable[[ErrorDetails, Mapping[str, Any]], str]] = {
     "too_long": _length, "too_short": _length,
     "string_too_long": lambda error, context: f"at most {context['max_length']} characters",
     "string_pattern_mismatch": _pattern,
-    "string_unicode": lambda error, context: "the text holds characters that are not Unicode",
+    "string_unicode": lambda error, context: "the text has characters that are not Unicode",
     "greater_than": _bound("greater than", "gt"),
     "greater_than_equal": _bound("at least", "ge"),
     "less_than": _bound("less than", "lt"),

@@ -85,8 +85,8 @@ class NamedTable(Spec):
                                       "points")
         steepest = float(np.abs(function_of(self).pieces[:, 1]).max())
         if not steepest <= STEEPEST:
-            raise WrongValueError("bad-table", f"the table is too steep: {steepest:.3g}, and "
-                                  f"{STEEPEST:g} is the most")
+            raise WrongValueError("bad-table", f"the table is too steep: {steepest:.3g}; the "
+                                               f"maximum is {STEEPEST:g}")
         return self
 
 

@@ -50,7 +50,8 @@ def test_an_error_has_its_place_in_text_and_json(sandbox, scene):
     text = json.dumps(BALL | {"tendons": [CORD]}, indent=1)
     path = scene(text)
     line = next(i for i, row in enumerate(text.splitlines(), 1) if "tendons" in row) + 1
-    told = ("its guides 0 and 1 coincide; move one of them: the cord between has no direction")
+    told = ("its guides 0 and 1 coincide; move one of them: the tendon between them has no "
+            "direction")
     assert sandbox("check", path).err == f"{path}:{line}:3: $.tendons[0]: cord: {told}\n"
     (problem,) = json.loads(sandbox("check", path, "--json").out)["scenes"][0]["errors"]
     assert problem == {"message": told, "file": str(path), "path": "$.tendons[0]", "line": line,

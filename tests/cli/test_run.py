@@ -127,7 +127,7 @@ def test_a_scene_that_blows_up_exits_3_and_keeps_what_was_recorded(sandbox, scen
 
 @pytest.mark.parametrize(("place", "why"), [
     ("file", "it is a file"), ("file/below", "Not a directory"),
-    ("/proc/nowhere", "No such file or directory"), ("link", "it is a link to what is not there"),
+    ("/proc/nowhere", "No such file or directory"), ("link", "it is a broken link"),
 ])
 def test_a_directory_that_cannot_be_written_is_told_before_simulating(
     sandbox, scene, tmp_path, monkeypatch, place, why,

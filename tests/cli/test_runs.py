@@ -58,7 +58,7 @@ def test_stills_and_strips(sandbox, saved):
     (["--strip", "two"], "'two' is not a valid integer"),
     (["--at", "end", "--out", "a.gif"], "at asks for single moments"),
     (["--transparent", "--format", "mp4"], "transparent asks for a see-through ground"),
-    (["--format", "svg", "--out", "a.svg"], "give one of the two"),
+    (["--format", "svg", "--out", "a.svg"], "give --format or --out FILE, not both"),
     (["--size", "2y"], "as in 2x"),
     (["--size", "800"], "800x600"),
     (["--fps", "30"], "25"),

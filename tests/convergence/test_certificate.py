@@ -65,7 +65,7 @@ def test_the_step_that_is_named_does() -> None:
     assert trust.kind is Kind.FAILS
     assert trust.finer == 8
     assert found.advice == (
-        f"If the orders hold, h/{trust.finer} would do: --set run.step={1e-3 / trust.finer:.6g}.",)
+        f"At these orders h/{trust.finer} is sufficient: --set run.step={1e-3 / trust.finer:.6g}.",)
     finer = scene.run.model_copy(update={"step": 1e-3 / trust.finer})
     again, = certify(scene.model_copy(update={"run": finer})).quantities
     assert trust.allowed / 4 < again.error < trust.allowed
@@ -104,7 +104,7 @@ def test_what_grows_with_finer_steps_diverges_in_any_range(
     assert "by 0.003 m, then by 0.012 m: the finer the step, the more" in trust.reason
     assert not found.certified
     assert "cannot be relied on at this step: load.x" in found.conclusion
-    assert "no step will do" in "".join(found.advice)
+    assert "no step converges" in "".join(found.advice)
 
 
 def away(*steps: float) -> Callable[[Recording], None]:

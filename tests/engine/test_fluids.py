@@ -291,7 +291,7 @@ def test_a_pump_without_a_way_out_is_told() -> None:
              "lines": [line("oil", volume=1e-9, modulus=1e12)],
              "drives": [{"type": "flow", "name": "pump", "line": "oil", "value": 1.0}]}
     machine = mechanism(duration=1.0, step=1e-3, **scene)
-    assert ["has no relief" in p.message for p in inspect(machine)
+    assert ["but no relief" in p.message for p in inspect(machine)
             if p.element == "oil"] == [False, True]
     with pytest.raises(sandbox.SimulationDiverged, match="oil: its pressure has run away"):
         sandbox.simulate(machine)

@@ -34,7 +34,7 @@ def wheels(distance: float, **joint: Any) -> dict[str, Any]:
 
 @pytest.mark.parametrize("kind", ["gear", "roll"])
 @pytest.mark.parametrize(("radii", "inside", "advice"), [
-    ((0.08, 0.02), False, 'or say "inside": true: then they fit as they are'),
+    ((0.08, 0.02), False, 'or write "inside": true: then they fit as they are'),
     ((0.02, 0.08), True, "or leave 'inside' out: then they fit as they are"),
 ])
 def test_gears_that_fit_the_other_way(

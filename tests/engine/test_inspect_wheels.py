@@ -92,7 +92,7 @@ def test_held_by_a_spring_a_carrier_or_planets() -> None:
     problem, = told(wheel("a", 0), wheel("b", 0.07), **pressed | {
         "joints": [pin("ground", "a"), mesh()]})
     assert problem.message.startswith("only springs or cords hold its wheels together")
-    assert problem.advice == "give it a 'backlash', 0.01 mm say"
+    assert problem.advice == "give it a 'backlash', for example 0.01 mm"
     assert told(wheel("a", 0), wheel("b", 0.07), wheel("arm", 0),
                 joints=[pin("ground", "arm"), pin("arm", "a"), pin("arm", "b"), mesh()]) == []
     ring = {"type": "gear", "name": "outer{i}", "repeat": 3, "a": "ground", "b": "p{i}",

@@ -60,8 +60,7 @@ def test_a_jam_ends_the_run_with_both_bodies_and_the_instant(
         simulate(mechanism(duration=1.0, step=1e-3, bodies=bodies, joints=joints))
     error = caught.value
     assert str(error) == (f"the mechanism jammed at t = {error.time:.6g} s: ram, which moves on a "
-                          f"schedule, drives {one} against {other}, and neither of them can give "
-                          "way")
+                          f"schedule, drives {one} against {other}, and neither can move away")
     assert jams is None or error.time == pytest.approx(jams, abs=2e-3)
     recording = error.recording
     assert recording is not None

@@ -16,5 +16,5 @@ def test_a_mechanism_too_large_to_factor_is_refused() -> None:
     """Sixty bodies, every two of them pinned together."""
     joints = [{"type": "pin", "name": f"p{i}_{j}", "a": f"b{i}", "b": f"b{j}", "on_a": (0, 0)}
               for i, j in combinations(range(60), 2)]
-    with pytest.raises(SandboxError, match="hang together in so many loops"):
+    with pytest.raises(SandboxError, match="form too many loops"):
         simulate(mechanism(bodies=[mass(f"b{i}", 1.0, (0, 0)) for i in range(60)], joints=joints))

@@ -194,7 +194,7 @@ def problems(**more: Any) -> list[str]:
     ({"take_up": "mesh"}, "'mesh' joins wheels where they meet at t = 0, so events cannot "
      "take it up again"),
     ({"release": "mesh", "lasts": 0.1}, "$.events[0].lasts: 'mesh' joins wheels"),
-    ({"release": "hinge", "take_up": "hinge"}, "one event cannot release and take up 'hinge'"),
+    ({"release": "hinge", "take_up": "hinge"}, "one event cannot release and engage 'hinge'"),
     ({"lasts": 0.1, "stop": "pass"}, "'lasts' needs 'set', 'release' or 'take_up'"),
 ])
 def test_what_cannot_be_let_go_is_told(event: dict[str, Any], said: str) -> None:

@@ -88,13 +88,13 @@ def test_along_a_value(sandbox):
     (["--along", "parameters.load=1:1:3"], "is no range"),
     (["--along", "parameters.lod=0:1:3"], "Did you mean"),
     (["--along", "parameters.load=0:0.5:2", "--plot", "nod.y"], "'nod.y' is no quantity"),
-    (["--along", "parameters.load=0:0.5:2", "--from", "node.y=0"], "--from can't go with it"),
+    (["--along", "parameters.load=0:0.5:2", "--from", "node.y=0"], "omit --from"),
     (["--from", "nod.y=0"], "Did you mean 'node.y'"),
     (["--from", "node.y=" + ",".join(["0"] * 201)], "more than 200 combinations"),
     (["--body", "nod"], "Did you mean 'node'"),
     (["--along", "parameters.load=0:1:3", "--at", "nan"], "nan s is not within the run"),
-    (["--along", "parameters.load=0:1:3", "--body", "node"], "--along can't go with it"),
-    (["--plot", "node.y"], "there is no --along"),
+    (["--along", "parameters.load=0:1:3", "--body", "node"], "omit --along or --body"),
+    (["--plot", "node.y"], "--plot needs --along"),
     (["--from", "node.y=0", "--from", "node.y=1 mm"], "'node.y' is given twice"),
 ])
 def test_wrong_words(sandbox, words, said):

@@ -140,7 +140,7 @@ def test_a_one_sided_spring_has_lengths_at_which_it_gives_no_force(only: str, fr
 
 
 @pytest.mark.parametrize(("given", "what"), [
-    ({"force": "=stretch ** 3"}, "a spring whose force is a law of its own"),
+    ({"force": "=stretch ** 3"}, "a spring with a force law"),
     ({"stiffness": 300, "only": "pull", "damping": 1}, "a damper that acts on one side only"),
 ])
 def test_others_have_no_counterpart(given: dict[str, Any], what: str) -> None:

@@ -83,6 +83,6 @@ def test_actuators_are_pushed_and_told_a_length() -> None:
 
 
 def test_what_goes_rigidly_to_a_place_has_no_counterpart() -> None:
-    with pytest.raises(SceneError, match="rigidly to a place") as caught:
+    with pytest.raises(SceneError, match="rigid servo or length") as caught:
         export_mechanism(expand(load_scene("servo_arm")))
     assert [problem.path for problem in caught.value.problems] == ["stiff"]

@@ -230,7 +230,7 @@ def spans(scene: Any, **more: Any) -> dict[str, tuple[float, float]]:
     ({"randomise": {"parameters.mas": [1, 2]}}, 'randomise["parameters.mas"]: cannot set'),
     ({"randomise": {"parameters.mass": "nomal(1 kg, 0.1 kg)"}}, "Did you mean 'normal'?"),
     ({"randomise": {"parameters.mass": ["1 kg", "-1 kg"]}}, "the scene is wrong"),
-    ({"randomise": "mass"}, "'mass' does not say what is drawn"),
+    ({"randomise": "mass"}, "'mass' names no range"),
     ({"act": {"motor": (0, "1 mm")}}, "'mm' is a unit of length, and this is in N m"),
     ({"observe": {"pendulum.angle": ("1 N", "2 N")}}, "'N' is a unit of force"),
     ({"every": "9 s"}, "9 s is longer than the run"),
@@ -255,7 +255,7 @@ def test_a_drive_that_the_scene_steers_is_refused() -> None:
 def test_a_drive_without_a_range_asks_for_one() -> None:
     scene = pendulum(drives=[{"type": "torque", "name": "motor", "joint": "pendulum", "value": 0}])
     text = told(scene, act=["motor"])
-    assert "the scene does not say between which values 'motor' moves" in text
+    assert "the scene gives no range for 'motor'" in text
     assert "act={'motor': (lowest, highest)}" in text
     assert text.count("\n") == 0
 

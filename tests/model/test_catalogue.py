@@ -67,7 +67,7 @@ def test_near_misses(wrong, meant):
 
 @pytest.mark.parametrize(("name", "needs"), [
     ("finger1.mcp.friction", "'friction' or 'friction_coefficient'"),
-    ("finger1.mcp.held", "'breaks_at', or an event that lets go of it"),
+    ("finger1.mcp.held", "'breaks_at', or an event that releases it"),
     ("finger1.tendon.tension_0", "'friction' at one of its guides"),
     ("finger1.tendon.lifted_1", ""),  # an end, which holds the cord whatever it is given
     ("leash.friction", ""),

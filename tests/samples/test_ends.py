@@ -40,7 +40,7 @@ def slider(*, turn: float = 0.0, force: float = FORCE, at: float = 0.0, length: 
 def test_the_way_and_the_time_of_free_motion(turn: float) -> None:
     run = slider(turn=turn)
     told, = run.notes
-    found = re.fullmatch(r"rail0: block0 came to the end of its slot, 90 mm from where it began, "
+    found = re.fullmatch(r"rail0: block0 reached the end of its slot, 90 mm from its start, "
                          r"t = (\S+) s", told)
     assert found is not None
     # a step to see it stopped, half a step of the first order that the start is
@@ -49,7 +49,7 @@ def test_the_way_and_the_time_of_free_motion(turn: float) -> None:
 
 def test_either_end_is_one() -> None:
     told, = slider(force=-FORCE, at=0.04).notes
-    assert "40 mm from where it began" in told
+    assert "40 mm from its start" in told
 
 
 @pytest.mark.parametrize("case", [
@@ -62,4 +62,4 @@ def test_nothing_is_told_where_none_comes_to_an_end(case: dict[str, Any]) -> Non
 def test_of_many_only_the_first_are_told() -> None:
     told = list(ended(slider(count=MOST + 2)))
     assert len(told) == MOST + 1
-    assert told[-1] == "2 more came to the ends of their slots after that"
+    assert told[-1] == "2 more reached the ends of their slots later"

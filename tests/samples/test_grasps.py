@@ -187,9 +187,9 @@ def test_a_failed_expectation_tells_how_far_it_moved():
 
 
 @pytest.mark.parametrize(("touches", "told"), [
-    ([], "nothing of a hand ever touches it"),
-    (pinch(10), "nothing of a hand touched it after {last:.6g} s"),
-    ([row for row in pinch(N) if row[0] != 150], "the hand let go of it in the 0.1 s before"),
+    ([], "no body of a hand ever touches it"),
+    (pinch(10), "no body of a hand touched it after {last:.6g} s"),
+    ([row for row in pinch(N) if row[0] != 150], "the hand released it in the 0.1 s before"),
     (sorted([*pinch(N), *(touch(k, TABLE, -np.pi / 2, 1.0) for k in range(200, N))]),
      "'table', which is no hand, carries it")])
 def test_a_failed_expectation_tells_who_holds_it_not(touches, told):
@@ -239,7 +239,7 @@ def scene(expect, **ball):
     ({}, "epsilon",
      "only bodies with the role 'object' have it, 'ball' has the role 'link'; there is 'disc'"),
     ({"role": "object", "motion": "fixed", "mass": None}, "held",
-     "'ball' does not move freely, so that nobody has to hold it"),
+     "'ball' does not move freely, so it has no grasp quantities"),
     ({"role": "object", "shapes": [], "inertia": 1}, "closure",
      "'ball' has no shapes, and nothing can touch it"),
 ])

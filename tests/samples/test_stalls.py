@@ -57,6 +57,6 @@ def test_a_push_in_line_with_crank_and_rod_acts_on_a_dead_centre(
                     "end": [1, 0], "turns": False}],
         "drives": [{"type": "force", "name": "push", "body": "piston", "direction": way,
                     "value": 10}]}))
-    assert [note.startswith("push acts on a dead centre") for note in run.notes] == [True] * dead
+    assert [note.startswith("push acts at a dead centre") for note in run.notes] == [True] * dead
     pose = np.full_like(run.arrays["body_pose"], np.nan)
     assert not Recording(run.mechanism, {**run.arrays, "body_pose": pose}, run.info).notes

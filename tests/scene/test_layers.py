@@ -46,7 +46,7 @@ def test_an_object_says_of_which_bodies():
     ("-trace", "no layer named 'trace'", "'traces'"),
     ([3], "the number 3 is no layer", ""),
     (7, "the number 7 names no layers", ""),
-    ({"velocity": 3}, "the number 3 does not say of what 'velocity' is shown", ""),
+    ({"velocity": 3}, "the number 3 does not name the bodies for 'velocity'", ""),
     ({"tensions": ["a"]}, "'tensions' is shown for all bodies or for none", ""),
 ])
 def test_what_is_no_layer_is_said_with_what_is(value, message, hint):

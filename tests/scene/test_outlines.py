@@ -216,7 +216,7 @@ def test_a_scene_that_is_no_file_has_no_folder():
 @pytest.mark.parametrize(("name", "text", "words"), [
     ("a.svg", "<svg><path d='M 0", "cannot be read as SVG: "),
     ("a.txt", "hello", "neither an SVG nor a DXF file"),
-    ("a.svg", f"{HEAD}</svg>", "holds no outline"),
+    ("a.svg", f"{HEAD}</svg>", "has no outline"),
     ("a.svg", f"{HEAD}<path d='M 0 0 H 10 V 10 L 3 4'/></svg>",
      "an outline is open, from [0, 0] to [0.003, -0.004] m"),
     ("a.svg", f"{HEAD}<path d='M 0 0 L 10 10 H 0 L 12 0 Z'/></svg>", "crosses or touches itself"),
@@ -234,7 +234,7 @@ def test_a_drawing_without_a_unit_asks_for_one(folder):
     drawing = ezdxf.new(units=0)
     drawing.modelspace().add_circle((0, 0), 1)
     drawing.saveas(folder / "bare.dxf")
-    assert "it does not say its unit" in drawing_refused(folder, file="bare.dxf")
+    assert "it has no unit" in drawing_refused(folder, file="bare.dxf")
     assert drawn(folder, file="bare.dxf", unit="1 cm")
 
 

@@ -59,7 +59,7 @@ def test_any_bytes_are_data_or_problems(tmp_path_factory: pytest.TempPathFactory
 
 
 @pytest.mark.parametrize(("text", "line", "column", "path", "words"), [
-    ('{"a": 1,\n "a": 2}', 2, 2, "$.a", "a second time, first at line 1, column 2"),
+    ('{"a": 1,\n "a": 2}', 2, 2, "$.a", "is repeated, first at line 1, column 2"),
     ('{"a": NaN}', 1, 7, "$.a", "NaN is not a number"),
     ('{"a": -Infinity}', 1, 7, "$.a", "-Infinity is not a number"),
     ('{"a": 1e999}', 1, 7, "$.a", "too large"),
@@ -68,8 +68,8 @@ def test_any_bytes_are_data_or_problems(tmp_path_factory: pytest.TempPathFactory
     ('{"a": 1,}', 1, 8, "$", "one too many"),
     ('{"a": 1 "b": 2}', 1, 9, "$", "is a comma missing"),
     ("{'a': 1}", 1, 2, "$", "double quotes"), ('{"a": \'b\'}', 1, 7, "$.a", "double quotes"),
-    ('{"a": b}', 1, 7, "$.a", "text stands in double quotes"),
-    ('{"a": True}', 1, 7, "$.a", "write true"), ('{"a": =b}', 1, 7, "$.a", "expression stands in"),
+    ('{"a": b}', 1, 7, "$.a", "put text in double quotes"),
+    ('{"a": True}', 1, 7, "$.a", "write true"), ('{"a": =b}', 1, 7, "$.a", "put an expression in"),
     ('{"a": .5}', 1, 7, "$.a", "not a JSON number"), ('{"a"}', 1, 5, "$", "expected ':'"),
     ('{"a": "b', 1, 7, "$.a", "the file ends inside the text"), ("{} {}", 1, 4, "$", "more text"),
     ('{"a": 1 // why\n}', 1, 9, "$", "no comments"), ('{"a":}', 1, 6, "$.a", "missing before"),

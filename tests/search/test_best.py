@@ -64,8 +64,8 @@ def test_a_search_goes_on_from_what_it_did(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(("more", "said"), [
-    ({}, "least or most"),
-    ({"least": "bowl", "most": "bowl"}, "'bowl' cannot be least and most"),
+    ({}, "to minimise or maximise"),
+    ({"least": "bowl", "most": "bowl"}, "'bowl' cannot be minimised and maximised"),
     ({"least": "bowl", "seed": 2**32}, "not 4294967296"),
     ({"least": "bowl", "runs": 10**12}, "the search has 1 000 000 000 000 runs"),
     ({"least": "none", "keep": ["none==sqrt(a - 99)"], "runs": 5},

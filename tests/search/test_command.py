@@ -42,7 +42,7 @@ def test_a_threshold_and_its_files(puck, capsys):
     words = ["search", "threshold", puck, *PUSH, "--within", "0.1 N"]
     assert invoke(words) == 0
     said = capsys.readouterr().out
-    assert "what the scene expects holds above parameters.push = 2.5" in said
+    assert "every expectation holds above parameters.push = 2.5" in said
     assert "half the step: the same" in said
     assert invoke([*words, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
@@ -106,23 +106,23 @@ def test_a_fit_reads_the_measurement_beside_its_file(written, capsys, tmp_path):
     (["thresold", "puck.json"], "Did you mean 'threshold'?"),
     (["best", "puck.json"], "Use 'sandbox search optimize SCENE'"),
     (["robustness", "puck.json"], "Use 'sandbox sweep SCENE' with two --vary"),
-    (["threshold", "puck.json"], "say what is varied"),
+    (["threshold", "puck.json"], "nothing is varied"),
     (["threshold", "puck.json", "--vary", "parameters.push=3:6"], "has no threshold at its ends"),
     (["threshold", "puck.json", "--vary", "parameters.push=1:6", "--within", "x"], "'x'"),
     (["threshold", "puck.json", *PUSH, "--within", "1 mm"], "'mm' is a unit of length"),
     (["threshold", "puck.json", *PUSH, "--workers", "many"], "neither a number of processes"),
     (["threshold", "puck.json", *PUSH, "--keep", "met=puck.vx"], "'met' is another column"),
-    (["optimize", "puck.json", "--vary", "parameters.push=1:6"], "least or most"),
-    (["fit", "puck.json", "--vary", "parameters.push=1:6"], "--data: say which file"),
+    (["optimize", "puck.json", "--vary", "parameters.push=1:6"], "to minimise or maximise"),
+    (["fit", "puck.json", "--vary", "parameters.push=1:6"], "--data: name the file"),
     (["fit", "puck.json", "--vary", "parameters.push=1:6", "--data", "no.csv"], "cannot be read"),
     (["fit", "puck.json", "--vary", "parameters.push=1:6", "--data", "no.csv", "--match", "x"],
      "not of the form name=value"),
     (["sensitivity", "puck.json", "--vary", "parameters.push=1:6"], "two paths or more"),
-    (["study.json", "--where", "v < 1"], "--where: study.json says this itself"),
+    (["study.json", "--where", "v < 1"], "--where: study.json already defines this"),
     (["study.json", "--vary", "parameters.m=1:2"], "--vary: study.json is a study file"),
     (["fit", "study.json"], "the study is a search of the kind threshold, not fit"),
-    (["none.json"], "does not say which search it is"),
-    (["puck.json"], "puck.json does not say which search it is"),
+    (["none.json"], "is not a search"),
+    (["puck.json"], "puck.json is not a search"),
 ])
 def test_wrong_words_are_told_in_a_line(puck, written, capsys, words, said, tmp_path):
     written({"threshold": {"where": "v < 0.3 m/s"}})
@@ -138,7 +138,7 @@ def test_wrong_words_are_told_in_a_line(puck, written, capsys, words, said, tmp_
     ({}, {}, "$.search: a study is one search. Allowed: threshold, fit, best, sensitivity."),
     ({"best": {"least": "v"}, "threshold": {}}, {}, "one search, not threshold and best"),
     ({"best": {"least": ["v"], "sampler": "cmae"}}, {}, "$.search.best.sampler: 'cmae' is not"),
-    ({"best": {}}, {}, "$.search.best: say what is to be least or most"),
+    ({"best": {}}, {}, "$.search.best: give a quantity to minimise or maximise"),
     ({"best": {"most": "vv"}}, {}, "$.search.best.most: no run keeps 'vv'; did you mean 'v'?"),
     ({"best": {"least": ["v"], "where": ["x > 1 m", "x > 1 N"]}}, {},
      "$.search.best.where[1]: 'x > 1 N': x is in m, and 'N' is a unit of force"),

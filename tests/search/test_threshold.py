@@ -72,8 +72,8 @@ def test_a_search_that_was_stopped_goes_on(tmp_path, monkeypatch):
 
 
 def test_a_range_without_a_threshold_is_refused_in_a_line():
-    with pytest.raises(NoBracketError, match="from 3 to 6 N has no threshold at its ends: what the "
-                                             "scene expects holds at both"):
+    with pytest.raises(NoBracketError, match="from 3 to 6 N has no threshold at its ends: "
+                                             "every expectation holds at both"):
         sandbox.search.threshold(PUCK, vary={"parameters.push": "3 N:6 N"})
 
 
@@ -82,14 +82,14 @@ def test_a_range_without_a_threshold_is_refused_in_a_line():
     ({"vary": {"parameters.push": "normal(1, 2)"}}, "one path with a range"),
     ({"vary": {"parameters.push": "1:2:7"}}, "has a count, 7, and a search chooses its points"),
     ({"where": "vxx < 1"}, "no run keeps 'vxx'; did you mean 'vx'"),
-    ({"where": "vx = 1"}, "is no condition"),
+    ({"where": "vx = 1"}, "is not a condition"),
     ({"where": "vx < 1 N"}, "is a unit of force"),
     ({"vary": {"run.step": "1 ms:2 ms"}}, "does not vary run.step"),
     ({"vary": {"parameters.psh": "1:2"}}, "Did you mean 'push'"),
     ({"vary": {"parameters.push": "2:2"}}, "from 2 to 2: there is nothing to vary"),
     ({"within": 1e-12}, "no narrower than 1e-09 of the range"),
     ({"within": -1.0}, "no narrower than"),
-    ({"where": "nothing > 0", "keep": ["vx=puck.vx", "nothing==vx / 0"]}, "tells nothing"),
+    ({"where": "nothing > 0", "keep": ["vx=puck.vx", "nothing==vx / 0"]}, "does not decide"),
 ])
 def test_what_cannot_be_searched_is_told(more, said):
     words = {"vary": {"parameters.push": "1:2"}, "keep": ["vx=puck.vx"], **more}

@@ -74,8 +74,8 @@ def test_random_numbers_have_their_distribution(written, theirs):
 
 
 @pytest.mark.parametrize(("vary", "more", "said"), [
-    ({"a": {"from": 1, "to": 2}}, {}, "does not say how many"),
-    ({"a": {"from": 1, "to": 2, "count": 3}}, {"count": 3, "design": "grid"}, "no count of its"),
+    ({"a": {"from": 1, "to": 2}}, {}, "has no count"),
+    ({"a": {"from": 1, "to": 2, "count": 3}}, {"count": 3, "design": "grid"}, "has no count"),
     ({"a": [1, 2], "b": [1]}, {"design": "paired"}, "as many values each: 'a' 2, 'b' 1"),
     ({"a": {"from": "1 N", "to": "2 mm", "count": 2}}, {}, "a force and a length"),
     ({"a": {"from": "1 N", "to": 2, "count": 2}}, {}, "another has none"),
@@ -126,7 +126,7 @@ def test_texts_of_results(text, meant):
 
 @pytest.mark.parametrize(("read", "text", "said"), [
     (parse_values, "", "no values"), (parse_values, "1:2:3:4", "too many"),
-    (parse_values, "1:2:lgo", "how many"), (parse_values, "[1, NaN]", "NaN is no number"),
+    (parse_values, "1:2:lgo", "is not a whole number"), (parse_values, "[1, NaN]", "NaN is no number"),
     (parse_values, "nrmal(1, 2)", "'normal'"),
     (parse_values, "exponential(1, 2)", "no more than mean"),
     (parse_statistic, "mx disc.x", "did you mean 'max'"),

@@ -33,7 +33,7 @@ def test_more_workers_than_processors_can_do_with(workers, tmp_path: Path):
 @pytest.mark.parametrize(("text", "said"), [
     ('{"scene": "x.json", "vary": {"p": [1, NaN]}}', "NaN is not a number"),
     ('{"scene": "x.json", "vary": ' + "[" * 60 + "]" * 60 + "}", "nested deeper"),
-    ('{"vary": 1, "vary": 2}', "stands here a second time"),
+    ('{"vary": 1, "vary": 2}', "is repeated"),
     ("", "study.json"),
 ])
 def test_a_study_that_cannot_be_read_says_why(text, said, tmp_path: Path, monkeypatch, capsys):
@@ -46,7 +46,7 @@ def test_a_study_that_cannot_be_read_says_why(text, said, tmp_path: Path, monkey
         assert invoke([*words, "study.json"]) == 2
         told = capsys.readouterr().err
         assert said in told
-        assert "say what is varied" not in told
+        assert "nothing is varied" not in told
 
 
 @pytest.mark.parametrize(("window", "said"), [
@@ -71,9 +71,9 @@ def test_a_count_that_a_design_would_not_use_is_refused(design):
     over = {"parameters.push": "1:4:4", "parameters.m": "normal(0.5 kg, 0.05 kg)"}
     problem, = problems(vary=over, design=design, count=8)
     assert problem.message == (
-        "'parameters.push' has a count of its own, 4, and a design "
-        f"'{design or 'random'}' chooses 8 points for all its paths together")
-    assert "a group of its own" in problem.allowed
+        "'parameters.push' has its own count 4, but a design "
+        f"'{design or 'random'}' chooses 8 points for all paths together")
+    assert "a group in a study file" in problem.allowed
     one, other = ({path: values} for path, values in over.items())
     assert len(plan_of(study_data(PUCK, keep=["v=puck.vx"], vary=[
         {"over": one}, {"over": other, "design": design, "count": 8}]))) == 32
@@ -92,10 +92,10 @@ def test_a_range_without_width_is_refused(words):
 
 
 @pytest.mark.parametrize(("words", "told"), [
-    (["sweep", "--vary", "parameters.push=1:4:x"], "--vary parameters.push=1:4:x: 'x' does not"),
+    (["sweep", "--vary", "parameters.push=1:4:x"], "--vary parameters.push=1:4:x: 'x' is not"),
     (["sweep", "--vary", "parameters.push=1 N:4 kg:3"], "--vary 'parameters.push=1 N:4 kg:3': "),
     (["sweep", "--vary", "parameters.pusch=1:4:3"], "--vary parameters.pusch=1:4:3: cannot set"),
-    (["sweep", "--vary", "parameters.push=1:4"], "--vary: 'parameters.push' does not say how"),
+    (["sweep", "--vary", "parameters.push=1:4"], "--vary: 'parameters.push' has no count"),
     (["sweep", "--vary", "parameters.push=1:4:3", "--keep", "v=puck.vz"],
      "--keep v=puck.vz: no run has the quantity 'puck.vz'"),
     (["sweep", "--vary", "parameters.push=1:4:3", "--keep", "v=mx puck.vx"],
@@ -123,6 +123,6 @@ def test_what_misses_expectations_is_counted(tmp_path, capsys):
     words = ["sweep", str(scene), "--vary", "parameters.push=1, 2, 3, 4", "--workers", "1",
              "--out", str(tmp_path / "out")]
     assert invoke(words) == 0
-    assert ("2 of 4 runs miss what the scene expects: puck.vx (2)\n") in capsys.readouterr().out
+    assert ("2 of 4 runs miss expectations: puck.vx (2)\n") in capsys.readouterr().out
     assert invoke([*words, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["missed"] == 2

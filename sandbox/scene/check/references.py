@@ -82,7 +82,7 @@ def _taken(name: str, kind: str, first: str, path: str) -> Problem:
     """A name that an element of a kind has, and one of the ``first`` kind before it."""
     return Problem("duplicate-name", f"the name {quoted(name)} is already that of "
                    f"{'another' if first == kind else 'a'} {NAMED[first].one}", path,
-                   allowed="a name of its own for every element")
+                   allowed="a unique name for every element")
 
 
 class _References:

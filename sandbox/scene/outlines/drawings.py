@@ -138,7 +138,7 @@ def curves_of(
                            "a sound file, such as a drawing program writes it") from None
     scale = curves.unit if unit is None else unit
     if scale is None:
-        raise DrawingError(f"{quoted(name)}: it does not say its unit",
+        raise DrawingError(f"{quoted(name)}: it has no unit",
                            "'unit', such as \"unit\": \"1 mm\"")
     scaled = [nodes * [scale, scale, 1.0, 1 / scale] for nodes in curves.nodes]
     return _sorted_out([_closed(nodes, tolerance, name)
@@ -162,7 +162,7 @@ def _closed(nodes: Array, tolerance: float, name: str) -> Array:
 def _sorted_out(curves: list[Array], name: str) -> list[Array]:
     """The largest outline, then the holes in it."""
     if not curves:
-        raise DrawingError(f"{quoted(name)} holds no outline",
+        raise DrawingError(f"{quoted(name)} has no outline",
                            "closed paths, circles, rectangles or polylines, or lines that join")
     size = max(float(np.ptp(nodes[:, :2], axis=0).max()) for nodes in curves)
     flat = [flattened(nodes, 1e-4 * size, closed=True) for nodes in curves]
@@ -172,7 +172,7 @@ def _sorted_out(curves: list[Array], name: str) -> list[Array]:
         x, y = beside[0][0]
         raise DrawingError(
             f"{quoted(name)} holds {1 + len(beside)} outlines that are not one in the other, one "
-            f"through [{x:.6g}, {y:.6g}] m", "one outline and its holes: say which by 'layer'")
+            f"through [{x:.6g}, {y:.6g}] m", "one outline and its holes: select it by 'layer'")
     return [curves[k] for k in order]
 
 

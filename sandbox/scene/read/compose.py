@@ -477,8 +477,8 @@ class _Composer:
         """Count one more entry that a repeat or a template has led to."""
         self.copies_made += 1
         if self.copies_made > self.limits.elements:
-            self.exceed(place, "here the scene's repeats and templates come to more than "
-                        f"{self.limits.elements} copies", "elements")
+            self.exceed(place, f"repeats and templates make more than {self.limits.elements} "
+                        "copies here", "elements")
 
     def report(self, place: Origin, error: WrongValueError, *, key: bool = False) -> None:
         """Add a problem at a place, once for all copies of it."""

@@ -124,7 +124,7 @@ def read_scene(
     limits = limits or Limits()
     if overrides is not None and not isinstance(overrides, Mapping):
         raise SceneError([Problem("bad-argument",
-                                  f"{quoted(overrides)} does not say what to replace", "overrides",
+                                  f"{quoted(overrides)} names no values to replace", "overrides",
                                   allowed='values by their paths, such as {"run.step": "1 ms"}')])
     found = _source(source, limits)
     if not isinstance(found.data, dict):
@@ -148,7 +148,12 @@ def _source(source: str | os.PathLike[str] | Mapping[str, Any], limits: Limits) 
     if not isinstance(text, str):
         raise SceneError([Problem("bad-argument",
                                   f"{quoted(source)} is no scene", "source", allowed="a path, the "
-                                  "name of a shipped scene, or a mapping of what a file holds")])
+                                                                                     "name of a "
+                                                                                     "shipped "
+                                                                                     "scene, or a "
+                                                                                     "mapping with "
+                                                                                     "the content "
+                                                                                     "of a file")])
     path = _path(Path(text))
     found = read_source(path, limits=limits)
     if isinstance(found.data, dict):
@@ -258,8 +263,8 @@ class _Loading:
         except ValidationError as error:
             if (count := error.error_count()) > MOST_WRONG:
                 self.report([Problem("limit-exceeded",
-                                     f"{count} values are wrong, and no more than {MOST_WRONG} "
-                                     "are looked into"), *explain(error, data, Scene, MOST_WRONG)])
+                                     f"{count} values are wrong; only {MOST_WRONG} are "
+                                     "shown"), *explain(error, data, Scene, MOST_WRONG)])
                 return None
             problems = explain(error, data, Scene)
             self.report(self._worth_reporting(problems, data))
@@ -410,7 +415,7 @@ def _twice(scene: Scene, readable: _Readable) -> Iterable[Problem]:
             other = path_text(("parts", readable.kept["parts"][first[part.name]]))
             yield readable.located(Problem("duplicate-name", f"the name {quoted(part.name)} is "
                                            f"taken by {other}", f"$.parts[{i}].name",
-                                           allowed="a name of its own for every part"))
+                                           allowed="a unique name for every part"))
         first.setdefault(part.name, i)
 
 

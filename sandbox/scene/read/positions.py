@@ -108,7 +108,7 @@ class _Scanner:
         self.at = match.end() if match else self.at
         char = self.text[self.at:self.at + 1]
         if char == "/" and self.text[self.at + 1:self.at + 2] in ("/", "*"):
-            raise _FormError("JSON has no comments; say it in \"about\"", self.at)
+            raise _FormError('JSON has no comments; use "about"', self.at)
         return char
 
     def _value(self, place: Place) -> Any:
@@ -177,7 +177,7 @@ class _Scanner:
         self.path = (*parent, key)
         if key in container:
             self.found.faults.append(Fault(
-                f"the key {json.dumps(key[:60])} stands here a second time, first at {{place}}",
+                f"the key {json.dumps(key[:60])} is repeated, first at {{place}}",
                 key_at, self.path, self.found.places[self.path].key))
         container[key] = None  # the first key of an object makes a comma due, whatever follows
         container[key] = self._value(Place(self.at, key_at))
@@ -225,7 +225,7 @@ class _Scanner:
         if text.lstrip("+-").lower() not in _NOT_FINITE:
             hint = f"; write {text.lower()}" if text.lower() in _WORDS else ""
             raise _FormError(
-                f"{text[:40]} is not a value: text stands in double quotes{hint}", self.at)
+                f"{text[:40]} is not a value: put text in double quotes{hint}", self.at)
         self.found.faults.append(Fault(
             f"{text} is not a number that a scene can use", self.at, self.path))
         self.at = word.end()
@@ -234,9 +234,9 @@ class _Scanner:
     def _not_a_value(self) -> str:
         char = self.text[self.at:self.at + 1]
         if char == "'":
-            return 'text stands in double quotes ("…"), not in single ones'
+            return 'put text in double quotes ("…"), not in single quotes'
         if char == "=":
-            return 'an expression stands in double quotes: "=pull / 2"'
+            return 'put an expression in double quotes: "=pull / 2"'
         if char in "+.0123456789-" and char:
             return "this is not a JSON number (write 0.5, -2, 1e-3)"
         if char in (",", "}", "]", ":"):

@@ -17,8 +17,7 @@ from sandbox.scene.read.scopes import check_tables
 from sandbox.values.messages import explain
 from sandbox.wording import quoted
 
-WANTED = ("what sandbox.load_scene gives, or what it takes: a path, the name of a shipped scene, "
-          "a mapping")
+WANTED = ("a scene from sandbox.load_scene, a path, the name of a shipped scene, or a mapping")
 
 
 def sound(scene: Scene | Mechanism) -> Mechanism:
