@@ -134,7 +134,7 @@ def test_a_box_that_friction_holds_on_a_slope():
 
 
 @pytest.mark.parametrize(("scene", "options", "words"), [
-    ("finger_stiffness_10N", {}, "the controller 'mcp_loop' acts as the run goes on"),
+    ("finger_stiffness_10N", {}, "the controller 'mcp_loop' needs time"),
     ("release", {}, r"the event 'catch' acts at t = 0\.1 s"),
     ("four_bar", {}, "the drive 'motor' goes on for ever"),
     ({"bodies": [{"name": "wall", "motion": "fixed"}]}, {}, "nothing moves freely"),

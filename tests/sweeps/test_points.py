@@ -126,7 +126,8 @@ def test_texts_of_results(text, meant):
 
 @pytest.mark.parametrize(("read", "text", "said"), [
     (parse_values, "", "no values"), (parse_values, "1:2:3:4", "too many"),
-    (parse_values, "1:2:lgo", "is not a whole number"), (parse_values, "[1, NaN]", "NaN is no number"),
+    (parse_values, "1:2:lgo", "is not a whole number"),
+    (parse_values, "[1, NaN]", "NaN is no number"),
     (parse_values, "nrmal(1, 2)", "'normal'"),
     (parse_values, "exponential(1, 2)", "no more than mean"),
     (parse_statistic, "mx disc.x", "did you mean 'max'"),
