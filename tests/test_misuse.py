@@ -30,7 +30,7 @@ def said(work: Any, *args: Any, **keys: Any) -> str:
     return str(found.value)
 
 
-NO_SCENE = "is no scene. Allowed: what sandbox.load_scene"
+NO_SCENE = "is no scene. Allowed: a scene from sandbox.load_scene"
 NO_LIST = "pass a list of sandbox.Custom"
 
 

@@ -22,7 +22,6 @@ from sandbox.picture.listing import Item, Listing, short
 from sandbox.picture.run_data import RunData
 from sandbox.picture.subject import Subject, VisibleLayers
 from sandbox.picture.tensions import Tensions, tensions_of
-from sandbox.picture.typesetter import Typesetter
 from sandbox.scene.layers import EVERY, LAYERS, shown
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import View
@@ -84,6 +83,8 @@ def listed(
     camera = place_camera(box, stage, centre=view.centre, width=view.width)
     if not live:  # a live view chooses sides in the browser: it must begin quickly
         instant = Instant(s.out, camera, POINT, (-size[0], -size[1], 2 * size[0], 2 * size[1]))
+        from sandbox.picture.typesetter import Typesetter  # loads pygame
+
         type_ = Typesetter(TYPE, 0)
         place_labels(instant, lambda words: (type_.width(words) / 2 + 1, 0.6 * TYPE),
                      (0, 0, stage.width, stage.height), 1.0, speed=view.speed, width=WIDTH)

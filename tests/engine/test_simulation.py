@@ -365,4 +365,4 @@ def test_a_run_tells_in_how_many_steps_forces_were_relaxed() -> None:
     assert run.recording().notes == []
     run._tables.state.standing[0] = 3
     note, = run.recording().notes
-    assert "not exact, in 3 of 20 steps" in note
+    assert "approximate in 3 of 20 steps" in note

@@ -142,7 +142,7 @@ NO_ARRAY, INVALID = "is not an array of numbers", "its mechanism is not valid.*"
     (info("controllers", to={"a": {"b": json.loads("[" * 40 + "]" * 40)}}),
      "does not describe a run"),
     (info("events", to=[{"event": "a", "time_s": float("nan")}]), "for 'time_s'"),
-    (member("mechanism.json", b'{"a": 1, "a": 2}'), 'the key "a" stands here a second time'),
+    (member("mechanism.json", b'{"a": 1, "a": 2}'), 'the key "a" is repeated'),
     (member("mechanism.json", b'{"bodies": ' + b"[" * 100_000 + b"]" * 100_000 + b"}"), "nest"),
     (member("mechanism.json", b'{"bodies": NaN}'), "NaN"),
     (member("mechanism.json", b"\xff\xfe"), "damaged"),
