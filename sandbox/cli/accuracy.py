@@ -237,13 +237,16 @@ def _pushes(evidence: Any, body: str, sample: int) -> dict[str, Any]:
     """The largest push of a body in each direction [N] in a sample, as JSON data.
 
     Raises:
-        BadParameter: no such body.
+        BadParameter: no such body, or one that does not move freely.
     """
     from sandbox.audit.bounds import push_limits
 
     names = [each.name for each in evidence.run.mechanism.bodies]
     if body not in names:
         raise click.BadParameter(f"there is no body {body!r}{or_near(body, names)}",
+                                 param_hint="--push")
+    if evidence.run.mechanism.bodies[names.index(body)].motion != "dynamic":
+        raise click.BadParameter(f"{body!r} does not move freely: no push moves it",
                                  param_hint="--push")
     angles = [360 * k / DIRECTIONS for k in range(DIRECTIONS)]
     found = push_limits(evidence, names.index(body), [math.radians(each) for each in angles],

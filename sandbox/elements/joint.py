@@ -206,7 +206,7 @@ class FrictionJoint(ClosingJoint):
 
     @property
     def constant_friction(self) -> float:
-        """Its dry friction that hangs on nothing [N m, N]."""
+        """Dry friction that does not depend on the load [N m, N]."""
         return float(getattr(self, "friction", 0.0))
 
     @model_validator(mode="after")

@@ -2,7 +2,7 @@
 
 What a joint leaves free of its motion is the rate y of one more row with bounds
 (:mod:`sandbox.engine.bounded`), so friction holds with whatever it takes, up to its bound, and
-slips against it. The bound is a number, h f, or hangs on what the joint carries in the same step,
+slips against it. The bound is a number, h f, or depends on what the joint carries in the same step,
 
     |p| <= s |q|        q: the impulses of the joint's rows, two of a pin, one of a slot
 

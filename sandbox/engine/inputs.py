@@ -73,7 +73,7 @@ class Inputs:
     def rows(self, k: int, most: int) -> Array:
         """Values of all drives for up to ``most`` steps from step k on, by their signals [n, nd].
 
-        Fewer where a chunk ends, so that a run's numbers do not hang on where it paused.
+        Fewer where a chunk ends, so that results do not depend on where a run paused.
         """
         if not self._start <= k < self._start + len(self._drives):
             self._fill(k)

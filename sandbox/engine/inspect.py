@@ -192,7 +192,7 @@ BODY, ROW, GUIDE, SPRING, DRIVE = 0.12e-6, 0.25e-6, 0.12e-6, 0.6e-6, 0.35e-6
 """For each body, row of a joint, guide of a cord or chamber, spring, line,
 valve or load, drive [s]."""
 CONTACT, CONTACTS = 0.25e-6, 2e-9
-"""For each contact, and for each pair of contacts, which may hang on one another [s]."""
+"""Time for each contact, and for each pair of contacts, which may be coupled [s]."""
 ACT = 12e-6
 """A controller acts, or a condition is looked at [s]."""
 NUMBER = 0.25e-6

@@ -160,7 +160,7 @@ class LiveCatalogue(Catalogue):
 
     @cached_property
     def _late_of_meters(self) -> dict[int, tuple[str, ...]]:
-        """By meter, those that do not hang on themselves after those that they read."""
+        """By meter: meters that do not depend on themselves, after those that they read."""
         self._late_of_meters = found = {}
         for index in order(self.mechanism)[0]:
             found[index] = tuple(self.late(

@@ -159,13 +159,13 @@ def _off_wheels(model: Model, i: int, off: Flags, points: list[Vec]) -> Iterator
 
 
 def _stretched(model: Model, i: int, length: float, rest: float) -> Iterator[Problem]:
-    """A cord that its length at rest, or its pretension, stretches by more than cords can."""
+    """A tendon whose rest length or pretension stretches it by more than tendons can."""
     tendon, path = model.mechanism.tendons[i], f"$.tendons[{i}]"
     if rest <= 0.0 and tendon.pretension is not None:
         yield error("tendon-length", path, tendon.name,
-                    f"a pretension of {tendon.pretension:g} N leaves nothing of a cord of "
+                    f"a pretension of {tendon.pretension:g} N is too large for a tendon of "
                     f"{tendon.stiffness:g} N/m on a path of {mm(length)}",
-                    f"less than {tendon.stiffness * length:.3g} N, or a stiffer cord")
+                    f"less than {tendon.stiffness * length:.3g} N, or a stiffer tendon")
     elif tendon.stiffness >= RIGID and length > (1 + MOST_STRETCH) * rest:
         yield look("tendon-length", path, tendon.name,
                    f"is shorter than its path, which is {mm(length)} long at t = 0: it begins with "

@@ -325,7 +325,7 @@ def _apart(model: Model, bodies: Integers, points: Array) -> float:
 
 
 OFF = 0.01
-"""The error of a rocker's shares that is told."""
+"""Smallest reported error of a rocker's shares."""
 
 
 def reaches(model: Model) -> Iterator[str]:

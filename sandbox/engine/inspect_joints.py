@@ -247,8 +247,8 @@ def _rack(model: Model, joint: int) -> Iterator[Problem]:
 def _slide(model: Model, joint: int) -> tuple[int, Vec] | None:
     """A slot that lets a rack slide another way than along its pitch line, and its direction.
 
-    It keeps the rack from turning and hangs on what holds the gear's centre. The direction is that
-    of the groove in the rack's frame, of length 1.
+    It keeps the rack from turning and depends on what holds the gear's centre. The direction is
+    that of the groove in the rack's frame, of length 1.
     """
     joints, free = model.joints, model.bodies.free
     gear, rack = joints.bodies[joint].tolist()

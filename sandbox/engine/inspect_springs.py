@@ -15,8 +15,8 @@
 
 A cable from :data:`RIGID` on is solved at the end
 of a step h, which acts as a damper h k along it, besides its own c: of a mode of w the damping
-ratio is zeta = (c + h k) w / (2 k), much where little hangs on it and little where much does. No
-default could do for both: k times 1 ms takes the peak of a 0.5 kg weight that is let go from 2 to
+ratio is zeta = (c + h k) w / (2 k), large for a small mass on it and small for a large one. No
+default could do for both: k times 1 ms takes the peak of a 0.5 kg weight that is released from 2 to
 1.5 weights, and leaves 20 kg ringing for 1.8 s.
 
 Modes are those of the pose at t = 0 with joints held, every spring and taut cord that no drive

@@ -81,7 +81,7 @@ class LoadTables(NamedTuple):
 
 
 def load_tables(places: PlacedBodies, laws: LawTables, rows: Rows) -> LoadTables:
-    """Tables of loads; a body whose loads hang on its motion has three rows."""
+    """Tables of loads; a body whose loads depend on its motion has three rows."""
     model, given = places.model, places.model.loads
     on = places.number[given.body]
     order = np.argsort(on, kind="stable")

@@ -273,7 +273,7 @@ def _ask(table: int, k: int, h: float, after: Array) -> None:
 
 @entry_point("loads")
 def load_rows(table: int, h: float) -> None:
-    """Those of all bodies with loads that hang on their motion."""
+    """Those of all bodies with loads that depend on their motion."""
     loaded = at.loaded(table)
     for k in range(len(loaded)):
         if loaded[k]["row"] >= 0:

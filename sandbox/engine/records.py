@@ -152,13 +152,13 @@ MOTOR_STATE = np.dtype([
 DRY_FRICTION = np.dtype([
     ("joint", np.int64),
     ("sum", np.int64),      # what the joint carries, counted on from bodies, slips and sums
-    ("most", float),        # what it rubs with, of what hangs on nothing [N m, N]
-    ("share", float),       # or of 1 N that the joint carries [m, 1]; 0 of what hangs on nothing
+    ("most", float),        # friction that does not depend on the load [N m, N]
+    ("share", float),       # friction for 1 N that the joint carries [m, 1], or 0
     ("static", float),      # how many times as much it holds with
 ])
 DRY_FRICTION_STATE = np.dtype([
     ("impulse", float),     # on b, counter-clockwise or along the groove, of the last step
-    ("pressed", float),     # that of the joint which it hangs on [N s]
+    ("pressed", float),     # of the joint, on which the friction depends [N s]
     ("mode", np.int64),     # -1 and 1 where it slipped, 0 where it held
     ("bound", float),       # static friction where it held, else nan [N s, N m s]
     ("ux", float), ("uy", float),   # where the joint pushed: of rows, not of the world
@@ -327,7 +327,7 @@ LOAD = np.dtype([
     ("x_code", np.int64), ("x_end", np.int64),  # steps of the programs of its two components and
     ("y_code", np.int64), ("y_end", np.int64),  # its torque, or -1
     ("t_code", np.int64), ("t_end", np.int64),
-    ("timed", np.int64),    # whether it hangs on the time
+    ("timed", np.int64),    # whether it depends on time
     ("first", np.int64), ("last", np.int64),    # sides of what a liquid lifts
     ("level", float),       # of the liquid [m]
     ("lift", float),        # its force per area below that [N/m^2]

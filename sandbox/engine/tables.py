@@ -94,20 +94,29 @@ def make_tables(
         friction=np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
         static=filters.static[pairs].copy(), restitution=filters.restitution[pairs].copy(),
         **tables)
-    state = _filled(
-        State, constants, body=body, cords=cords.state, guides=cords.guide_state,
-        made=np.zeros(4, dtype=np.int64), ties=tie_state(model), broken=room_for_breaks(model),
-        impacts=np.zeros(_impacts(room), IMPACT), touches=np.zeros(room.contacts, TOUCH),
-        touching=np.zeros(2, dtype=np.int64),
-        last_drive=np.full(len(model.drives.name), np.nan), standing=np.zeros(6, dtype=np.int64))
-    state.springs["rest"], state.joints["flank"], state.motors["target"] = rests, 1.0, math.nan
+    state = _first_state(constants, model, body, cords, room)
+    state.springs["rest"] = rests
     state.fluids["content"] = circuits.content()
-    begin_friction(state.dry_friction, rubs, model)
     result = _result(constants, pattern, cords, laws, velocity, room)
     straight = springs["turning"] == 0  # lengths are read before the first step
     result.springs["way"][straight] = model.springs.start[springs["number"][straight]]
     result.fluids["pressure"] = circuits.fluids["start"]
     return Tables(constants, state, result)
+
+
+def _first_state(
+    constants: Constants, model: Model, body: Array, cords: CordTables, room: Room,
+) -> State:
+    """The state at t = 0, without rest lengths of springs and contents of lines."""
+    state: State = _filled(
+        State, constants, body=body, cords=cords.state, guides=cords.guide_state,
+        made=np.zeros(4, dtype=np.int64), ties=tie_state(model), broken=room_for_breaks(model),
+        impacts=np.zeros(_impacts(room), IMPACT), touches=np.zeros(room.contacts, TOUCH),
+        touching=np.zeros(2, dtype=np.int64),
+        last_drive=np.full(len(model.drives.name), np.nan), standing=np.zeros(6, dtype=np.int64))
+    state.joints["flank"], state.motors["target"] = 1.0, math.nan
+    begin_friction(state.dry_friction, constants.dry_friction, model)
+    return state
 
 
 def _filled(part: Any, constants: Constants, **given: Any) -> Any:

@@ -51,7 +51,7 @@ class SpringLaw:
 
     @property
     def of_rate(self) -> bool:
-        """Whether it hangs on the rate."""
+        """Whether it depends on the rate."""
         return self.damping > 0 or (self.own is not None and self.names[RATE] in self.own.names)
 
     def force(self, stretch: Array, rate: Array, stiffness: Array | float = 0.0) -> Array:

@@ -106,7 +106,7 @@ class Joints:
     """A rack's pitch line in the frame of ``b``, a unit vector, the gear to its left, [nj, 2];
     nan of others."""
     friction: Array
-    """Dry friction that hangs on nothing, [N m] of a pin, [N] of a slot, [nj]; 0 without."""
+    """Dry friction that does not depend on the load, [N m] of a pin, [N] of a slot, [nj]; or 0."""
     rubbing: Array
     """Dry friction by what the joint carries, [N m/N] of a pin, 1 of a slot, [nj]; 0 without."""
     static: Array
@@ -376,8 +376,8 @@ class Drives:
     def late(self) -> Array:
         """How long after a step's pose its value counts, in steps, [nd].
 
-        A motor of a set speed is told that of the step's end, one with a line that of its pose; a
-        rigid drive of a place where to be in the next step.
+        A motor with a set speed uses the value at the end of the step, a motor with a torque-speed
+        line that at its pose; a rigid position drive uses the position in the next step.
         """
         return np.array([
             0.5 if kind.timely == "end" and np.isnan(slope)

@@ -145,6 +145,16 @@ class Listing:
     _known: dict[Any, int] = field(default_factory=dict)
     _made: list[Array] = field(default_factory=list)
 
+    @property
+    def sizes(self) -> tuple[int, int, int]:
+        """Number of columns, tables and frames that elements made."""
+        return len(self.columns), len(self.tables), len(self._made)
+
+    def share_styles(self, other: Listing) -> None:
+        """Use the styles and glyphs of another list, with the same numbers."""
+        self.styles, self.glyphs = other.styles, other.glyphs
+        self._known = {tuple(style): number for number, style in enumerate(other.styles)}
+
     @classmethod
     def of(cls, time: Array, pose: Array, *, fixed_columns: bool = False) -> Listing:
         """An empty list for bodies with these poses [n, nb, 3]."""

@@ -136,9 +136,9 @@ class LiveListing:
         s = self._subject(run, layers, None)
         out, self._changing, self._raw = s.out, [], []
         for add in ELEMENTS:
-            count, before = len(out.items), _counts(out)
+            count, before = len(out.items), out.sizes
             add(s)
-            if _counts(out) != before:
+            if out.sizes != before:
                 self._changing.append(add)
                 self._raw += [dict(item) for item in out.items[count:]]
         add_legend(s, s.carried)
@@ -157,8 +157,7 @@ class LiveListing:
         visible, out = VisibleLayers(run, view), Listing.of(
             run.time, run.arrays["body_pose"], fixed_columns=True)
         if like is not None:
-            out.styles, out.glyphs = like.styles, like.glyphs
-            out._known = {tuple(style): number for number, style in enumerate(like.styles)}
+            out.share_styles(like)
         out.ramps = ramps()
         bars = tuple(visible.of("bars"))
         if bars not in self._carried:
@@ -168,10 +167,6 @@ class LiveListing:
         return Subject(run, view, visible, out,
                        carried if "tensions" in visible else carried.hidden(), full.force,
                        full.width, full.point, (self._look,))
-
-
-def _counts(out: Listing) -> tuple[int, int, int]:
-    return len(out.columns), len(out.tables), len(out._made)
 
 
 def drawing(

@@ -4,7 +4,7 @@ It listens on 127.0.0.1 only. The page's address holds a token drawn by chance; 
 and so is what another site asks for (its Origin and Host are looked at). The page may load nothing.
 
 Each tab has a thread of its own, which alone touches its session: what takes long there (going
-back, another beginning, a file that is read anew) holds up no other tab, and is told.
+back, another beginning, a file that is read anew) does not delay other tabs.
 
 A clock of 60/s lets the session's time pass. A frame is sent while fewer than so many are under
 way, as many as the line holds and half as many more: there is never a queue.

@@ -115,7 +115,7 @@ class Session:
             if self._watched is None else self._watched
         self.frames.watched = [name for name in watched if self.frames.tells(name)]
 
-    # -- what is told -----------------------------------------------------------------------
+    # -- answers ---------------------------------------------------------------------------
 
     def head(self) -> Answer:
         """All that a page has to know before the first frame."""
@@ -185,7 +185,7 @@ class Session:
             self.playing = False
 
     def _go(self, most: int) -> int:
-        """Make some steps, no more than so many; what goes wrong ends the run and is told."""
+        """Make some steps, no more than so many; an error ends the run and is reported."""
         count = min(most, self.hand.every) if self.hand.body is not None else most
         try:
             self.hand.draw()
@@ -197,7 +197,7 @@ class Session:
     def reload(self) -> bool:
         """Read the scene's file anew, with today's values; whether it can be played with.
 
-        If it cannot, the run goes on as it was, and what is wrong is told.
+        If it cannot, the run continues, and the problem is reported.
         """
         try:
             found, values = self._as_today()

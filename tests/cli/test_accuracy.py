@@ -87,6 +87,7 @@ def test_the_largest_push_of_a_ball_on_a_floor(resting):
     assert found[90] == pytest.approx(WEIGHT)
     assert (found[0], found[30], found[270]) == (0, 0, None)
     assert re.search(r"^ +270 +inf$", resting("bounds", "ball", "--push", "ball").out, re.MULTILINE)
+    assert "does not move freely" in resting("bounds", "ball", "--push", "floor").err
     assert "did you mean 'ball'?" in resting("bounds", "ball", "--push", "bal").err
 
 

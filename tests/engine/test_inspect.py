@@ -183,7 +183,7 @@ BELT: dict[str, Any] = {
         {"body": "w", "radius": 0.05, "side": "left"}]},
      "it turns no wheel: the loop slides over all its guides without friction"),
     ({"guides": [{"body": "w"}, {"body": "ground"}], "pretension": 300, "stiffness": 10},
-     "leaves nothing of a cord"),
+     "is too large for a tendon"),
 ])
 def test_cords_whose_friction_turns_or_loops_are_of_no_use_are_told(
         cord: dict[str, Any], finding: str):

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.model.model import NONE, Model
+from sandbox.model.model import NONE
 from sandbox.numeric import Array
 from sandbox.picture.bars import bars_of
 from sandbox.picture.elements.joints import JOINTS
@@ -44,13 +44,6 @@ def reach_of(run: RunData, joint: int) -> Reach:
     length = run.arrays["joint_length"][:, joint]
     shortest, longest = float(length.min(initial=math.inf)), float(length.max(initial=0.0))
     return (low or shortest), (high if math.isfinite(high) else longest)
-
-
-def has_ropes(model: Model) -> bool:
-    """Whether any joint is painted as a rope."""
-    reach = model.joints.reach
-    return any(kind.keeps == "range" and not kind.line and reach[k, 0] == 0
-               for k, kind in enumerate(model.joints.kind))
 
 
 def add_links(s: Subject) -> None:

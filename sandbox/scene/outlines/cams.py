@@ -30,13 +30,13 @@ from sandbox.wording import WrongValueError
 TRIED = 3600
 """Angles at which undercut is looked for, besides 8 between neighbours in the table."""
 SPARE = 1e-3
-"""By which share the radius that is told is on the safe side of the one that just would not do."""
+"""Relative margin of the reported radius to the smallest one that is possible."""
 FINE = 1e-9
 """How far the outline's spans may be from the envelope [m]."""
 SWINGS = 0.02
 """Share of the range of a lift by which a smooth peak between two entries may exceed them."""
 LARGEST = 1e6
-"""The largest radius that is told [m]."""
+"""The largest radius that is reported [m]."""
 
 
 @dataclass(frozen=True)

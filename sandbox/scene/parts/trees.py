@@ -126,7 +126,7 @@ class Known:
     elements: Elements
     tendon_of: Mapping[str, str]
     failed: frozenset[str] = frozenset()
-    """Parts that could not be built: why is told of them, and of what hangs on them nothing."""
+    """Parts that could not be built; only they are reported, not the parts that depend on them."""
 
 
 def expand_tree(tree: RockerTree | PulleyTree, known: Known) -> Elements:
