@@ -84,7 +84,7 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> object:
-    """Import a public name from its home when it is first asked for (PEP 562)."""
+    """Import a public name from its module at its first use (PEP 562)."""
     from importlib import import_module
 
     if name in ("build", "gym", "search"):

@@ -1,4 +1,4 @@
-"""Codes of all diagnostics: what each means, what to do, and where the docs say more.
+"""Codes of all diagnostics: what each means, what to do, and where the docs explain it.
 
 ``python docs/make_reference.py`` writes docs/messages.md from this table.
 """
@@ -159,4 +159,4 @@ CODES: dict[str, tuple[str, str]] = {
     "wrong-unit": ("The unit is unknown or of another dimension. Use a listed one.",
                    "scenes.md#numbers"),
 }
-"""For each code one line of meaning and remedy, and the page under docs/ that says more."""
+"""For each code one line of meaning and remedy, and the page under docs/ that explains it."""

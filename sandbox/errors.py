@@ -115,7 +115,7 @@ class Problem:
         severity = "" if self.severity == "error" else f"{self.severity}: "
         if not self.line:
             return f"{severity}{self.element or self.path}"
-        named = self.element and self.path != f"$.{self.element}"  # of settings the path says it
+        named = self.element and self.path != f"$.{self.element}"  # a setting: in the path
         return (f"{self.line}:{self.column}: {severity}{self.path}"
                 f"{f': {self.element}' if named else ''}")
 

@@ -38,7 +38,7 @@ class _Element(NamedTuple):
     model: type[Spec]
 
     def names(self) -> set[str]:
-        """Names that stand for it, or for its list."""
+        """Names of it, or of its list."""
         parts = self.name.split(".")
         ends = {".".join(parts[i:]) for i in range(len(parts))}
         return (ends | {self.key, self.model.__name__.lower()}) - {""}

@@ -191,11 +191,11 @@ def read_size(
 
 def read_layers(ctx: click.Context, param: click.Parameter, word: str | None) -> str | None:
     """Check the names of layers such as ``traces,-contacts``."""
-    from sandbox.scene.layers import asked
+    from sandbox.scene.layers import parse_layers
     from sandbox.wording import WrongValueError
 
     try:
-        asked(word or "bodies")
+        parse_layers(word or "bodies")
     except WrongValueError as error:
         raise click.BadParameter(str(error), ctx, param) from None
     return word

@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable[..., Any])
 SEARCHES = Path("searches")
-ASKED = "asked.json"
+QUESTION = "asked.json"
 """The question of a directory in ``searches/``, which other questions do not use."""
 EXTENT = ("runs", "within", "count")
-"""Options by which a search goes further, and continues in the same directory."""
+"""Options that extend a search, which then continues in the same directory."""
 COMMANDS = {"best": "optimize"}
 """Commands whose names differ from those in study files."""
 REMOVED = {
@@ -81,7 +81,7 @@ def _kind_of(word: str, known: list[str], ctx: click.Context) -> str:
 def search(ctx: click.Context) -> None:
     """Find thresholds, fits, optima or sensitivities.
 
-    SCENE is a scene, or a study file that says what is varied and kept; if it has
+    SCENE is a scene, or a study file that defines what is varied and kept; if it has
     a key "search", 'sandbox search STUDY.json' runs that. Finished runs are not
     repeated: the same command resumes an interrupted search. The result is
     checked by runs at half the time step.
@@ -230,13 +230,13 @@ def _run(
     console = Console(as_json=as_json, quiet=quiet)
     began = time.perf_counter()
     given = {"--vary": vary, "--keep": keep, "--set": overrides}
-    asked = _search(scene, kind, given, limits)
-    beside = _beside(scene, asked, options)
-    folder = out or _own_directory(asked, kind, beside)
+    chosen = _search(scene, kind, given, limits)
+    beside = _beside(scene, chosen, options)
+    folder = out or _own_directory(chosen, kind, beside)
     prepare(folder)
     progress = _SearchProgress(console)
     with resume_notice(folder, console), worker_compilation_notices(console):
-        found = asked.run(Where(folder, workers, progress), kind=kind, **beside)
+        found = chosen.run(Where(folder, workers, progress), kind=kind, **beside)
     return _report(kind, found.lines, folder, console, progress.count,
                    time.perf_counter() - began)
 
@@ -279,21 +279,21 @@ def _beside(scene: str, found: Search, options: dict[str, Any]) -> dict[str, Any
     return beside
 
 
-def _own_directory(asked: Search, kind: str, beside: Mapping[str, Any]) -> Path:
+def _own_directory(chosen: Search, kind: str, beside: Mapping[str, Any]) -> Path:
     """The first directory of the question's name that has no runs of another question."""
     from sandbox.atomic_files import write_atomic
     from sandbox.search.session import plain_data
     from sandbox.sweeps.log import FOLDER, row_files
 
     options = {name: str(option) if isinstance(option, Path) else option
-               for name, option in {**beside, **(asked.options or {})}.items()
+               for name, option in {**beside, **(chosen.options or {})}.items()
                if name not in EXTENT}
-    question = json.dumps(plain_data([{**asked.question.study, "search": kind}, options]),
+    question = json.dumps(plain_data([{**chosen.question.study, "search": kind}, options]),
                           sort_keys=True)
-    name = default_directory(asked.question.name).name
+    name = default_directory(chosen.question.name).name
     for number in count_from(1):
         folder = SEARCHES / COMMANDS.get(kind, kind) / (f"{name}-{number}" if number > 1 else name)
-        file = folder / ASKED
+        file = folder / QUESTION
         if not file.is_file() or not any(row_files(folder / FOLDER)):
             prepare(folder)
             write_atomic(file, question + "\n")

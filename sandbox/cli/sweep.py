@@ -151,7 +151,7 @@ def sweep(
 ) -> int:
     """Run SCENE many times with values varied.
 
-    SCENE is a scene, or a study file that says what is varied and kept. Writes
+    SCENE is a scene, or a study file that defines what is varied and kept. Writes
     table.csv (and table.parquet where pyarrow is installed) with a row for each
     run, and sweep.png; of a grid of two paths a map. Finished runs are not
     repeated: the same command resumes an interrupted sweep.

@@ -147,8 +147,8 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         return np.clip(found, self._low, self._high)
 
     def _reward(self) -> float:
-        asked = self.task.reward
-        value = float(asked(self.simulation) if callable(asked) else self.simulation[asked])
+        wanted = self.task.reward
+        value = float(wanted(self.simulation) if callable(wanted) else self.simulation[wanted])
         if not np.isfinite(value):
             raise SandboxError(f"the reward has no value at t = {self.simulation.time:.6g} s",
                                code="diverged")

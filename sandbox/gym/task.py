@@ -35,7 +35,7 @@ from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
 Span = tuple[float, float]
 """Minimum and maximum, SI."""
 Reward = Callable[[Simulation], float]
-Asked = str | Sequence[str] | Mapping[str, Sequence[float] | None]
+Wanted = str | Sequence[str] | Mapping[str, Sequence[float] | None]
 Scene = str | os.PathLike[str] | Mapping[str, Any]
 ROUNDING = 1e-6
 """Tolerance of a whole number of steps, relative to a step."""
@@ -107,7 +107,7 @@ def same_step() -> Problem:
 
 
 def read_task(
-    scene: Scene, *, observe: Asked, act: Asked, reward: str | Reward,
+    scene: Scene, *, observe: Wanted, act: Wanted, reward: str | Reward,
     every: str | float = "20 ms", randomise: Mapping[str, Any] | None = None,
     set: Mapping[str, Any] | None = None, lost: float = 0.0, limits: Limits | None = None,
 ) -> Task:
@@ -162,10 +162,10 @@ class _TaskReader:
         if self.problems:
             raise SceneError(self.problems, self.base.name)
 
-    def acted(self, asked: Asked) -> Mapping[str, Span]:
+    def acted(self, wanted: Wanted) -> Mapping[str, Span]:
         """Ranges of the drives."""
         drives = [drive.name for drive in self.mechanism.drives]
-        for path, name, given in self._each(asked, "act"):
+        for path, name, given in self._each(wanted, "act"):
             found = _fitting(name, drives)
             if not found:
                 self._wrong(f"there is no drive named {quoted(name)}", path,
@@ -184,10 +184,10 @@ class _TaskReader:
             self._wrong("nothing acts", "act", "at least one drive")
         return self.actions
 
-    def observed(self, asked: Asked, actions: Mapping[str, Span]) -> dict[str, Span]:
+    def observed(self, wanted: Wanted, actions: Mapping[str, Span]) -> dict[str, Span]:
         """Ranges of the observed quantities."""
         found: dict[str, Span] = {}
-        for path, text, given in self._each(asked, "observe"):
+        for path, text, given in self._each(wanted, "observe"):
             for name in self._quantities(text, path):
                 span = quantity_range(self.model, self.known, name, actions) if given is None else \
                     self._span(given, path, self.known.find(name).unit if name in self.known
@@ -215,24 +215,24 @@ class _TaskReader:
         self.problems += problems
         return not problems
 
-    def reward(self, asked: object) -> str | Reward:
+    def reward(self, wanted: object) -> str | Reward:
         """The reward: a function, a quantity or an expression."""
-        if callable(asked):
-            return asked
-        if not isinstance(asked, str) or not asked.strip():
-            self._wrong(f"{quoted(asked)} is no reward", "reward",
+        if callable(wanted):
+            return wanted
+        if not isinstance(wanted, str) or not wanted.strip():
+            self._wrong(f"{quoted(wanted)} is no reward", "reward",
                         "a quantity, an expression of quantities, or a function")
             return ""
-        text = asked.strip()
+        text = wanted.strip()
         text = text if text.startswith("=") or text in self.known else f"={text}"
         self._readable(text, "reward")
         return text
 
-    def every(self, asked: object) -> int:
+    def every(self, wanted: object) -> int:
         """Time steps for each action."""
         step = self.mechanism.run.step
         try:
-            seconds = float(number_from(asked, "time", {}))
+            seconds = float(number_from(wanted, "time", {}))
         except WrongValueError as error:
             self._wrong(error.message, "every", error.allowed, error.hint)
             return 1
@@ -245,10 +245,10 @@ class _TaskReader:
                         f"at most {self.mechanism.run.duration:g} s")
         return max(1, steps)
 
-    def number(self, asked: object, path: str) -> float:
+    def number(self, wanted: object, path: str) -> float:
         """A finite number."""
         try:
-            return float(number_from(asked, None, {}))
+            return float(number_from(wanted, None, {}))
         except WrongValueError as error:
             self._wrong(error.message, path, error.allowed, error.hint)
             return 0.0
@@ -267,16 +267,16 @@ class _TaskReader:
                 self._wrong(f"{wrong}, and this is in {unit}", path)
         return float(low), float(high)
 
-    def _each(self, asked: Asked, what: str) -> Iterator[tuple[str, str, object]]:
+    def _each(self, wanted: Wanted, what: str) -> Iterator[tuple[str, str, object]]:
         """Path, name and range of each entry."""
-        if isinstance(asked, Mapping):
-            pairs = [(f"{what}[{name!r}]", name, span) for name, span in asked.items()]
-        elif isinstance(asked, str):
-            pairs = [(what, asked, None)]
-        elif isinstance(asked, Sequence):
-            pairs = [(f"{what}[{i}]", name, None) for i, name in enumerate(asked)]
+        if isinstance(wanted, Mapping):
+            pairs = [(f"{what}[{name!r}]", name, span) for name, span in wanted.items()]
+        elif isinstance(wanted, str):
+            pairs = [(what, wanted, None)]
+        elif isinstance(wanted, Sequence):
+            pairs = [(f"{what}[{i}]", name, None) for i, name in enumerate(wanted)]
         else:
-            pairs = [(what, asked, None)]
+            pairs = [(what, wanted, None)]
         for path, name, span in pairs:
             if isinstance(name, str):
                 yield path, name, span

@@ -13,7 +13,7 @@ from sandbox.errors import OutputError
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import problems_of
 from sandbox.picture.run_data import MeteredRun
-from sandbox.scene.layers import BY_ROLE, EVERY, asked, meant, words_for
+from sandbox.scene.layers import BY_ROLE, EVERY, meant, parse_layers, words_for
 from sandbox.scene.settings import View
 from sandbox.values.messages import explain
 from sandbox.wording import WrongValueError, listed, or_near, quoted
@@ -85,7 +85,7 @@ def _times(word: str, size: tuple[int, int]) -> Any:
 
 def _asked(show: Any) -> dict[str, tuple[str, ...]]:
     try:
-        return asked(show)
+        return parse_layers(show)
     except WrongValueError as error:
         raise OutputError(f"show={quoted(show)}: {error}", code="bad-picture") from None
 

@@ -1,1 +1,1 @@
-"""What a scene says: models, loading, expansion. No engine here."""
+"""Scene models, loading and expansion to a mechanism."""

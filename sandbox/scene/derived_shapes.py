@@ -87,7 +87,7 @@ class DiscCam(Spec):
     lift: Annotated[Items[tuple[Angle, Coordinate]], Field(min_length=3, max_length=720)]
     """How far the follower is raised, by how far the cam has turned: `[angle, lift]`.
 
-    Angles rise over less than a whole turn; the curve goes on from the last to the first.
+    Angles rise over less than a whole turn; the curve continues from the last to the first.
     """
     follower: Literal["roller", "flat"] = "roller"
     """Type of follower: a roller, or a flat face across its path."""
@@ -141,9 +141,9 @@ class Drawing(Spec):
     file: Annotated[str, Field(min_length=1, max_length=200)]
     """Name of a `.svg` or `.dxf` file in the scene's own folder or below it."""
     unit: Length | None = None
-    """Length of one unit of the drawing (of an SVG file's view box); by default what the file says.
+    """Length of one unit of the drawing (of an SVG file's view box); by default as in the file.
 
-    An SVG file that says nothing counts in pixels of 1/96 inch.
+    An SVG file without units uses pixels of 1/96 inch.
     """
     layer: Annotated[str, Field(max_length=200)] | None = None
     """Reads only this layer of a DXF file, or the element with this id in an SVG file."""

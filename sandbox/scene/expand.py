@@ -24,7 +24,7 @@ LINE_WIDTH = 100  # of the printed mechanism
 
 
 def expand(scene: Scene) -> Mechanism:
-    """The mechanism that a scene stands for.
+    """Expand a scene to its mechanism.
 
     Fingers and sections come first, in the order of the scene's parts, then
     the trees, which lead the fingers' tendons on. The scene's own contact
@@ -51,7 +51,7 @@ def expand(scene: Scene) -> Mechanism:
 
 @dataclasses.dataclass(frozen=True)
 class _Outside:
-    """What a scene or an assembly knows of what is around it."""
+    """The surroundings of a scene or an assembly."""
 
     pulled: frozenset[str] = frozenset()
     """Parts and tendons that trees pull, by their names in it."""
@@ -133,7 +133,7 @@ def _with_part(
 def _assembled(
     assembly: Assembly, before: Elements, pulled: frozenset[str], around: _Outside,
 ) -> Elements:
-    """The elements of an assembly, placed and under their names in what it is part of."""
+    """The elements of an assembly, placed and renamed for the scene that contains it."""
     begin = f"{assembly.name}."
     placement = Placement(assembly.at, assembly.angle, assembly.mirror, assembly.scale)
 

@@ -1,7 +1,7 @@
-"""The layers of a picture, one row each: what it shows, and whether it does so unasked.
+"""The layers of a picture, one row each: what it shows, and whether it is on by default.
 
-Films, pages and the live view read them here. A scene's ``view.show`` and ``--show`` ask for them
-by :func:`asked`; what is shown in the end is :func:`shown`.
+Films, pages and the live view read them here. A scene's ``view.show`` and ``--show`` select them
+by :func:`parse_layers`; what is shown in the end is :func:`shown`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Layer:
     about: str
     """What it shows."""
     default: bool = True
-    """Whether it is shown unasked."""
+    """Whether it is shown by default."""
     per_body: bool = False
     """Whether it may be shown of some bodies only."""
 
@@ -81,11 +81,11 @@ BY_ROLE = "role:"
 WHOLE = "all"
 """As a layer: all of them."""
 Show = Mapping[str, tuple[str, ...]]
-"""Layers that something was said of, each with patterns of bodies: none where it is not shown."""
+"""Selected layers, each with patterns of bodies; empty for a layer that is hidden."""
 
 
-def asked(value: Any) -> dict[str, tuple[str, ...]]:
-    """What is asked for, of each layer that is named.
+def parse_layers(value: Any) -> dict[str, tuple[str, ...]]:
+    """Read a selection of layers: patterns of bodies for each named layer.
 
     Args:
         value: layers, as a list or as a text with commas between them, where ``-contacts`` takes
@@ -114,7 +114,7 @@ def asked(value: Any) -> dict[str, tuple[str, ...]]:
 
 FORMS = 'a list of layers such as ["traces", "-contacts"], or an object such as ' \
         '{"velocity": ["finger*"], "contacts": false}'
-"""What :func:`asked` takes of a scene."""
+"""What :func:`parse_layers` takes of a scene."""
 
 
 def _layers(word: Any) -> list[str]:
@@ -152,12 +152,12 @@ def shown(show: Show, *, traced: bool) -> dict[str, tuple[str, ...]]:
     """The layers of a picture, each with patterns of the bodies that it is shown of.
 
     Args:
-        show: what was asked for, as :func:`asked` gives it.
+        show: the selection, from :func:`parse_layers`.
         traced: whether the scene names points whose ways are drawn.
     """
-    unasked = {name: EVERY for name, layer in LAYERS.items()
+    default = {name: EVERY for name, layer in LAYERS.items()
                if layer.default or (name == "traces" and traced)}
-    return {name: patterns for name, patterns in (unasked | dict(show)).items() if patterns}
+    return {name: patterns for name, patterns in (default | dict(show)).items() if patterns}
 
 
 WORDS = "list of layers, or object of layer: true, false or bodies"
@@ -174,7 +174,7 @@ SCHEMA = WithJsonSchema({"anyOf": [
 def _read_layers(value: Any) -> dict[str, tuple[str, ...]]:
     if isinstance(value, str):
         raise WrongValueError("not-allowed", f"{kind_of(value)} names no layers", allowed=FORMS)
-    return asked(value)
+    return parse_layers(value)
 
 
 ShownLayers = Annotated[Written[dict[str, tuple[str, ...]]], BeforeValidator(_read_layers), SCHEMA]

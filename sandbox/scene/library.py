@@ -76,7 +76,7 @@ def find_scene(name_or_path: str | Path) -> Path:
     try:
         if path.exists() and not path.is_dir():
             return path
-    except OSError:  # a name that no file can have: too long, say
+    except OSError:  # a name that no file can have, such as a very long one
         path = Path()
     scenes = shipped_scenes()
     if text in scenes:

@@ -1,4 +1,4 @@
-"""The Mechanism: a scene spelled out as plain elements. Nothing downstream knows a finger."""
+"""The Mechanism: a scene expanded to plain elements, without parts."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ class Mechanism(Spec):
 
     @property
     def releasable(self) -> tuple[str, ...]:
-        """Names of those of :attr:`holding` that this run may let go."""
+        """Names of those of :attr:`holding` that this run may release."""
         named = {name for event in self.events for name in (*event.release, *event.take_up)}
         named |= {drive.target[1] for drive in self.drives if drive.kind.gives == "hold"}
         return tuple(each.name for each in self.holding

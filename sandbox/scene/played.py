@@ -1,4 +1,4 @@
-"""What was done to a scene while it ran, and a scene of its own that says so.
+"""Recorded actions of an interactive run, and a scene that repeats them.
 
 What was set are events, what was pushed are force drives with tables of their forces. Run, that
 scene moves as the one that was played with, to the last bit.

@@ -29,7 +29,7 @@ from sandbox.values.spec import Spec
 from sandbox.values.units import units_of
 
 VALUES = "Values over time"
-"""Topic of the models that stand for numbers, wherever these stand."""
+"""Topic of the models of numbers and values over time."""
 ELEMENTS: Mapping[str, Sequence[type[Spec]]] = {
     "The scene": [Scene, settings.Run, settings.View, settings.Trace,
                   settings.ShownMeter],
@@ -275,6 +275,6 @@ def _drive_units() -> str:
 
 
 def _joint_units(quantity: str) -> str:
-    """The units of a quantity of joints that their kind says, each with its kind."""
+    """The units of a joint quantity that depends on the type, with the types."""
     return "; ".join(f"{each.rubs} ({tag})" for tag, each in kinds_of("joint").items()
                      if quantity in each.rubbed)

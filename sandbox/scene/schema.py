@@ -135,7 +135,7 @@ def _compose_entries(schema: Any) -> None:
         return
     _compose_entries(items)
     schema["items"] = {"anyOf": [items, {"$ref": "#/$defs/Composed"}]}
-    schema.pop("minItems", None)  # one entry may stand for several
+    schema.pop("minItems", None)  # one entry may expand to several
 
 
 def _allow_composing(schema: Schema, definitions: Schema) -> None:

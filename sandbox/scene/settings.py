@@ -165,7 +165,7 @@ class Looked(Spec):
 
     @property
     def statistic(self) -> str:
-        """Which of :data:`STATISTICS` is asked for, or the instant, as in ``at 0.5 s``."""
+        """One of :data:`STATISTICS`, or the instant, as in ``at 0.5 s``."""
         return self.key if self.at is None else f"at {self.at:g} s"
 
     @property

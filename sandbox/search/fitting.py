@@ -331,7 +331,7 @@ def _uncertainty(jacobian: Array, freedom: float) -> tuple[Array, list[tuple[flo
 
 
 class _Differences:
-    """A model and its Jacobian by central differences, whose runs are asked for at once."""
+    """A model and its Jacobian by central differences, whose runs are made together."""
 
     def __init__(self, model: Model) -> None:
         self._model = model

@@ -191,11 +191,11 @@ def _analyze(
         return ()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        told = analyzer.analyze(problem, *arrays, **options)
+        result = analyzer.analyze(problem, *arrays, **options)
     measures = MEASURES[method]
     found = [Influence(
-        path, {word: float(told[value][k]) for word, (value, _) in measures.items()},
-        {word: float(told[half][k]) for word, (_, half) in measures.items() if half})
+        path, {word: float(result[value][k]) for word, (value, _) in measures.items()},
+        {word: float(result[half][k]) for word, (_, half) in measures.items() if half})
         for k, path in enumerate(problem["names"])]
     return tuple(sorted(found, key=lambda each: -each.values[RANKED[method]]))
 

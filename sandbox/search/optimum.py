@@ -1,7 +1,7 @@
 """Optimisation: values of paths that minimise or maximise results, under conditions.
 
 Optuna's samplers choose points in batches of a fixed size, from a seed. A search that is resumed
-asks for the same points again and finds their rows in the log, so it ends as if it had never been
+requests the same points again and finds their rows in the log, so it ends as if it had never been
 stopped; more runs continue it.
 """
 
@@ -46,7 +46,7 @@ SEVERAL = ("nsga2", "tpe", "gp", "random")
 PACKAGES = {"cmaes": "cmaes", "gp": "torch"}
 """What a sampler needs besides optuna."""
 BATCH = 10
-"""Runs that are asked for at a time, however many workers there are."""
+"""Runs per batch, independent of the number of workers."""
 SIGMA = 0.3
 """Standard deviation of the first points of CMA-ES, in ranges (Hansen, The CMA Evolution
 Strategy: A Tutorial, 2016)."""

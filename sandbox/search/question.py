@@ -162,7 +162,7 @@ def _question(source: SceneSource, limits: Limits | None, folder: Path, name: st
     if STEP in plan.points.paths:
         raise SceneError([Problem("bad-search",
                                   f"a search does not vary {STEP}: it is halved to see whether "
-                                  "what was found hangs on it")], source.name)
+                                  "the result depends on it")], source.name)
     if MET in plan.job.keep:
         raise SceneError([Problem("duplicate-name",
                                   f"{quoted(MET)} is another column of the table", "$.keep",
@@ -190,7 +190,7 @@ def _ends(spec: SweepSpec) -> Points:
 
 
 def _as_written(problem: Problem, source: SceneSource) -> Problem:
-    """A problem of the group that stands for ``"vary": {…}``, at the place in the file."""
+    """A problem of the group written as ``"vary": {…}``, at the place in the file."""
     path = problem.path.replace("$.vary[0].over", "$.vary")
     if path == problem.path or problem.file:
         return problem

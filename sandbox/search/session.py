@@ -1,4 +1,4 @@
-"""A search at work: runs points, at the step and at half of it, and writes what was found."""
+"""A running search: runs points, at the step and at half of it, and writes the result."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ def _table_holds(table: SweepTable, wanted: Sequence[Condition]) -> Array:
     return np.where(table.done & np.isfinite(worst), worst <= 0, np.nan)
 
 
-# -- at work -------------------------------------------------------------------------
+# -- running -------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -222,7 +222,7 @@ class Session:
 
 @contextlib.contextmanager
 def open_session(question: Question, where: Where) -> Iterator[Session]:
-    """A search at work, as a context.
+    """A running search, as a context.
 
     Raises:
         OutputError: the directory cannot be written, or another process uses it.

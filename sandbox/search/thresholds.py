@@ -89,7 +89,7 @@ class Bracket:
 def bisect(ask: Callable[[Sequence[float]], Sequence[bool]], within: float) -> Bracket:
     """The bracket, no wider than ``within``, to which halving the range from 0 to 1 leads.
 
-    The middle and the middles of both halves are asked for at once, so that two halvings take the
+    The middle and the middles of both halves are evaluated together, so that two halvings take the
     time of one where there are three processors; the answers are those of plain bisection.
 
     Raises:

@@ -73,11 +73,11 @@ class Plan:
                                     or _written_unit(self.loaded, axis.path))
                  for axis in self.points.axes}
         catalogue = Catalogue(self.loaded.mechanism)
-        for name, asked in self.job.keep.items():
+        for name, keep in self.job.keep.items():
             unit = ""
-            if isinstance(asked, Looked) and asked.quantity in catalogue:
-                unit = catalogue.find(asked.quantity).unit
-            elif isinstance(asked, Looked) and asked.quantity == TIME:
+            if isinstance(keep, Looked) and keep.quantity in catalogue:
+                unit = catalogue.find(keep.quantity).unit
+            elif isinstance(keep, Looked) and keep.quantity == TIME:
                 unit = "s"
             found[name] = "" if unit == "1" else unit
         return found
@@ -260,10 +260,10 @@ class _Checks:
         self, spec: SweepSpec, base: Loaded, points: Points,
     ) -> dict[str, Looked | str]:
         """Results by name, patterns expanded; by default those of the scene's expectations."""
-        asked: dict[str, Looked | str] = dict(spec.keep) or _expected(base)
+        keep: dict[str, Looked | str] = dict(spec.keep) or _expected(base)
         catalogue = Catalogue(base.mechanism)
         found: dict[str, Looked | str] = {}
-        for name, each in asked.items():
+        for name, each in keep.items():
             path = f'$.keep["{name}"]'
             if isinstance(each, str):
                 self._check_expression(each, {*base.scene.parameters, *found}, path)

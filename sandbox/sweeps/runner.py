@@ -83,18 +83,18 @@ def read_results(
     found: dict[str, float | None] = {}
     missing: list[str] = []
     curves: dict[str, Array] = {}
-    for name, asked in keep.items():
+    for name, result in keep.items():
         try:
-            if isinstance(asked, str):
-                value, why = _evaluate(asked, parameters, found)
-            elif isinstance(asked, ReadAt):
-                if asked.quantity not in curves:  # a fit reads many instants of one quantity
-                    curves[asked.quantity] = run[asked.quantity]
-                value, why = _interpolate(run.time, curves[asked.quantity], asked.time)
+            if isinstance(result, str):
+                value, why = _evaluate(result, parameters, found)
+            elif isinstance(result, ReadAt):
+                if result.quantity not in curves:  # a fit reads many instants of one quantity
+                    curves[result.quantity] = run[result.quantity]
+                value, why = _interpolate(run.time, curves[result.quantity], result.time)
             else:
-                chosen, unreached = window(run, asked)
+                chosen, unreached = window(run, result)
                 value, why = (math.nan, unreached) if unreached else measured(
-                    run, asked.quantity, asked, chosen)
+                    run, result.quantity, result, chosen)
         except (SandboxError, ArithmeticError, ValueError) as error:
             value, why = math.nan, str(error)
         found[name] = value if math.isfinite(value) else None

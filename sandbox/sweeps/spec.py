@@ -73,13 +73,13 @@ def _parse_window(text: str) -> Any:
     return [number_from(end, "time", {}) for end in ends]
 
 
-def statistic_text(asked: Looked) -> str:
+def statistic_text(statistic: Looked) -> str:
     """The text of a statistic: the inverse of :func:`parse_statistic`."""
-    if asked.at is not None:
-        return f"{asked.quantity} {asked.statistic}"
-    begin, end = asked.over
-    text = f"{asked.statistic} {asked.quantity}"
-    if asked.over == (0.0, None):
+    if statistic.at is not None:
+        return f"{statistic.quantity} {statistic.statistic}"
+    begin, end = statistic.over
+    text = f"{statistic.statistic} {statistic.quantity}"
+    if statistic.over == (0.0, None):
         return text
     if begin < 0 and end is None:
         return f"{text} over last {-begin:g} s"
@@ -236,7 +236,7 @@ def powers_around(count: int) -> tuple[int, ...]:
 
 
 class SearchSpec(Spec):
-    """One search; the study says which paths vary and which results are kept."""
+    """One search; the study defines which paths vary and which results are kept."""
 
     threshold: ThresholdSearch | None = None
     """The value of one path at which a condition begins or ceases to hold."""
@@ -282,7 +282,7 @@ class Varying(Spec):
     """Values of each path of the scene: a list, ``from``/``to``/``count``, a distribution, or a
     short text, as in ``"2 N:8 N:7"`` and ``"normal(3 N, 0.2 N)"``."""
     design: Design | None = None
-    """Arrangement of the points. By default ``grid`` where lists and ranges say how many,
+    """Arrangement of the points. By default ``grid`` where lists and ranges have counts,
     ``random`` where there is a distribution, and otherwise ``latin_hypercube``."""
     count: Annotated[int, Field(ge=1, le=MAX_VALUES)] | None = None
     """Number of points, of designs that choose them."""

@@ -57,7 +57,7 @@ class SweepTable:
     failed: dict[int, tuple[str, ...]] = field(default_factory=dict)
     looks: dict[int, tuple[str, ...]] = field(default_factory=dict)
     met: Array | None = None
-    """Of a search with a condition: 1 or 0, or nan where a run does not tell."""
+    """Of a search with a condition: 1 or 0, or nan where it is unknown."""
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -271,11 +271,11 @@ def draw_table(
 def _meanings(plan: Plan) -> Mapping[str, str]:
     """Definitions of results whose names do not contain them."""
     found = {}
-    for name, asked in plan.job.keep.items():
-        if isinstance(asked, str):
-            found[name] = asked.lstrip().removeprefix("=").strip()
-        elif isinstance(asked, Looked) and asked.quantity not in name:
-            found[name] = statistic_text(asked)
+    for name, keep in plan.job.keep.items():
+        if isinstance(keep, str):
+            found[name] = keep.lstrip().removeprefix("=").strip()
+        elif isinstance(keep, Looked) and keep.quantity not in name:
+            found[name] = statistic_text(keep)
     return found
 
 

@@ -297,7 +297,7 @@ def si_unit(unit: str) -> str:
 
 
 def parse_values(text: str) -> Any:
-    """The object of a study file that a short text stands for.
+    """The object of a study file for a short text.
 
     Raises:
         WrongValueError: the text is none of :data:`TEXTS`.

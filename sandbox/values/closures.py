@@ -1,4 +1,4 @@
-"""Expressions as plain functions, for what is asked again and again while a run goes on.
+"""Expressions as plain functions, for repeated evaluation during a run.
 
 ``Expression.evaluate`` works on arrays and costs tens of microseconds; here an
 expression becomes nested closures on floats and costs one. Where it has no

@@ -353,7 +353,7 @@ class NamedValues(dict[str, Any]):
 
     @cached_property
     def listed(self) -> str:
-        """The names, as they were when they were first asked for."""
+        """The values of names, cached at their first use."""
         return listed(sorted(self))
 
 

@@ -43,7 +43,7 @@ def explain(
 
 
 def _short_of_right_ones(error: ErrorDetails) -> bool:
-    """Whether a list is called too short for wrong entries, which are told themselves."""
+    """Whether a list is too short only because of wrong entries, which have their own messages."""
     least = error.get("ctx", {}).get("min_length", 0)
     return (error["type"] == "too_short" and isinstance(error["input"], list)
             and len(error["input"]) >= least)
@@ -238,7 +238,7 @@ def fields_page(model: type[BaseModel]) -> str:
 
 
 def fields_at(model: type[BaseModel], data: Any, path: JsonPath) -> str:
-    """The section with the fields of what stands at a path of data, or of what it is part of.
+    """The section with the fields of the data at a path, or of the part that contains it.
 
     Empty in a list of the data for what is of no model: its ``type`` is missing, or unknown.
     """

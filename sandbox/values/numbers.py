@@ -128,11 +128,11 @@ def checked_expression(text: str, info: ValidationInfo) -> Expression:
 
 
 def law_of(text: str, own: Sequence[str], whose: str, info: ValidationInfo) -> str:
-    """A law, ``"=..."``, with all but what it reads of its element, ``own``, put in.
+    """A law, ``"=..."``, with all names replaced except those of its element, ``own``.
 
     Raises:
         WrongValueError: not an expression, one that reads something else, or one in which a
-            parameter has the name of the element's own; ``whose`` says what that is of.
+            parameter has the name of the element's own; ``whose`` is the owner in the message.
     """
     parameters = parameters_of(info)
     expression = checked_expression(text, info)
@@ -172,7 +172,7 @@ def _reader(dimension: str) -> BeforeValidator:
 
 
 def dimension_read(metadata: Iterable[Any]) -> str:
-    """What a number measures, by what its type is annotated with; empty if that is not told."""
+    """The dimension of a number from the annotations of its type; empty if there is none."""
     return next((_DIMENSIONS[each] for each in metadata
                  if isinstance(each, BeforeValidator) and each in _DIMENSIONS), "")
 
@@ -214,7 +214,7 @@ NOT_NEGATIVE = _bound(lambda v: v >= 0, "0 or more")
 AT_MOST_ONE = _bound(lambda v: v <= 1, "at most 1")
 
 Quantity = Annotated[Float, WrapValidator(_read_any), _schema(None)]
-"""Of any dimension: what it has to be is not known before all elements are there."""
+"""Of any dimension; the required one is known when all elements are read."""
 Number = Annotated[Float, _reader("ratio"), _schema("ratio")]
 Ratio = Annotated[Number, NOT_NEGATIVE]
 Share = Annotated[Ratio, AT_MOST_ONE]

@@ -44,8 +44,8 @@ def _plane(written: Any, info: ValidationInfo) -> int:
         raise WrongValueError("not-allowed", f"{quoted(named) if named else kind_of(number)} is "
                               "not a plane", allowed=WORDS, hint=near(named, [ALL]))
     if abs(number) > MOST:
-        told = number if abs(number) < 1e9 else "so large a number"
-        raise WrongValueError("not-allowed", f"{told} is not a plane",
+        shown = number if abs(number) < 1e9 else "so large a number"
+        raise WrongValueError("not-allowed", f"{shown} is not a plane",
                               allowed=f"whole numbers from {-MOST} to {MOST}")
     return number
 

@@ -1,6 +1,6 @@
 """Values over time: constant, ramp, table or expression of ``t``.
 
-A number stands for a constant. ``values(signal, t)`` is the one place that
+A number is a constant. ``values(signal, t)`` is the one place that
 evaluates them; time is an array in seconds. The unit of a signal is that of
 its field: a force's ``value`` refuses ``"3 mm"``.
 """
@@ -112,7 +112,7 @@ def _kind(value: Any) -> str | None:
 
 
 def _lift(value: Any) -> Any:
-    """Let a bare number (or its string) stand for a constant, ``{"ramp": {...}}`` for its body."""
+    """Read a number or its string as a constant, ``{"ramp": {...}}`` as its body."""
     if isinstance(value, str) and value.lstrip().startswith("="):
         try:
             timeless = "t" not in parse_expression(value).names

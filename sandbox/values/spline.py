@@ -2,8 +2,8 @@
 
 Between neighbours at a distance h it is the cubic with the second derivatives M at both, and with
 h_i M_i + 2 (h_i + h_j) M_j + h_j M_k = 6 (d_j - d_i) at each of them, d the slopes of the chords,
-its first derivative goes on smoothly. What the ends are decides which spline it is: one that
-repeats has none, the natural one has M = 0 there, so that it goes on straight just as smoothly.
+its first derivative is smooth. The conditions at the ends distinguish the splines: a periodic one
+has no ends, a natural one has M = 0 there, so a straight line continues it smoothly.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def natural(at: Array, values: Array, *, bent: bool = False) -> Array:
     if bent and n > 2:
         matrix[0, :3] = -step[1], step[0] + step[1], -step[0]
         matrix[-1, -3:] = -step[-1], step[-2] + step[-1], -step[-2]
-    if bent and n == 3:     # both ends ask the same: a parabola
+    if bent and n == 3:     # both end conditions are the same: a parabola
         matrix[0, :] = 1, -1, 0
     bend = np.linalg.solve(matrix, np.concatenate([[0.0], 6 * np.diff(chord), [0.0]]))
     slope = chord - step * (2 * bend[:-1] + bend[1:]) / 6

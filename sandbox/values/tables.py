@@ -46,7 +46,7 @@ class NamedTable(Spec):
     """Points ``[x, y]``, 2 to 1000, x rising: numbers in SI, or with units, one kind of unit for
     all x and one for all y."""
     between: Literal["linear", "cubic"] = "linear"
-    """How it goes from point to point: ``linear`` straight, ``cubic`` by the cubic spline, which
+    """Interpolation: ``linear`` straight, ``cubic`` by the cubic spline, which
     has no kinks."""
     beyond: Literal["hold", "extend", "repeat"] = "hold"
     """What it is before the first and after the last point: ``hold`` the value there, ``extend``
@@ -166,7 +166,7 @@ NONE: Tables = MappingProxyType({})
 
 @lru_cache(maxsize=256)
 def function_of(table: NamedTable) -> Function:
-    """The function that a table stands for."""
+    """The function of a table."""
     return Function(table)
 
 

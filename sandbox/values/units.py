@@ -77,7 +77,7 @@ MAX_LENGTH = 100
 
 
 class Measured(float):
-    """A number in SI that still knows the unit it was written in.
+    """A number in SI with the unit in which it was written.
 
     So is every quantity whose field takes any unit, until it is known which one is
     right. What is computed from it is a plain float.

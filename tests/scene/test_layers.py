@@ -1,34 +1,34 @@
-"""Layers of pictures: what words mean, what is shown unasked, what is said of slips."""
+"""Layers of pictures: what words mean, what is shown by default, words for slips."""
 
 from types import SimpleNamespace
 
 import pytest
 
-from sandbox.scene.layers import EVERY, LAYERS, asked, meant, shown
+from sandbox.scene.layers import EVERY, LAYERS, meant, parse_layers, shown
 from sandbox.wording import WrongValueError
 
 
 def test_words_are_taken_in_order():
-    assert asked("traces, -contacts") == {"traces": EVERY, "contacts": ()}
-    assert asked(["contacts", "-contacts"]) == {"contacts": ()}
-    assert asked(["-contacts", "contacts"]) == {"contacts": EVERY}
+    assert parse_layers("traces, -contacts") == {"traces": EVERY, "contacts": ()}
+    assert parse_layers(["contacts", "-contacts"]) == {"contacts": ()}
+    assert parse_layers(["-contacts", "contacts"]) == {"contacts": EVERY}
 
 
 def test_all_means_every_layer_and_what_comes_later_counts():
-    assert asked("all") == dict.fromkeys(LAYERS, EVERY)
-    assert set(shown(asked(["-all", "bodies"]), traced=True)) == {"bodies"}
-    assert set(LAYERS) - set(shown(asked("all,-velocity"), traced=False)) == {"velocity"}
+    assert parse_layers("all") == dict.fromkeys(LAYERS, EVERY)
+    assert set(shown(parse_layers(["-all", "bodies"]), traced=True)) == {"bodies"}
+    assert set(LAYERS) - set(shown(parse_layers("all,-velocity"), traced=False)) == {"velocity"}
 
 
-def test_unasked_the_usual_ones_are_shown_and_traces_where_there_are_any():
+def test_unparse_layers_the_usual_ones_are_shown_and_traces_where_there_are_any():
     usual = {name for name, layer in LAYERS.items() if layer.default}
     assert set(shown({}, traced=False)) == usual
     assert set(shown({}, traced=True)) == usual | {"traces"}
-    assert set(shown(asked("-traces"), traced=True)) == usual
+    assert set(shown(parse_layers("-traces"), traced=True)) == usual
 
 
 def test_an_object_says_of_which_bodies():
-    found = asked({"velocity": ["finger*", "disc"], "contacts": False, "axes": True,
+    found = parse_layers({"velocity": ["finger*", "disc"], "contacts": False, "axes": True,
                    "body_names": "disc"})
     assert found == {"velocity": ("finger*", "disc"), "contacts": (), "axes": EVERY,
                      "body_names": ("disc",)}
@@ -51,7 +51,7 @@ def test_an_object_says_of_which_bodies():
 ])
 def test_what_is_no_layer_is_said_with_what_is(value, message, hint):
     with pytest.raises(WrongValueError) as caught:
-        asked(value)
+        parse_layers(value)
     assert message in caught.value.message
     assert caught.value.hint == hint
     assert caught.value.allowed

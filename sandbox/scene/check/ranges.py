@@ -112,7 +112,7 @@ def _signal(
     try:
         found = values(signal, t, mechanism.functions)
     except WrongValueError:
-        return  # told by the references
+        return  # reported by the references
     worst = int(np.argmax(np.abs(found)))
     try:
         in_range(float(found[worst]), dimension)
@@ -155,7 +155,7 @@ def _try_signal(
     signal: AnySignal, duration: float, path: str, tables: Tables, *, positive: bool,
     at_once: bool = False,
 ) -> Iterator[Problem]:
-    """``at_once`` says that the signal is asked for at t = 0, too: drives have no such step."""
+    """With ``at_once`` the signal is evaluated at t = 0, too; drives have no such step."""
     t: Array = duration * (np.arange(SIGNAL_SAMPLES, dtype=np.float64) + 0.5) / SIGNAL_SAMPLES
     if at_once:
         t = np.append(0.0, t)

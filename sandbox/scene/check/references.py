@@ -41,7 +41,7 @@ def check_references(
 
     Paths are those of the mechanism (``$.joints[3].a``). Names in ``assumed``,
     and what begins with one of them and a dot, count as known: they belong to
-    elements that could not be read. ``"*"`` stands for any name.
+    elements that could not be read. ``"*"`` matches any name.
     """
     names = _References(mechanism, assumed)
     return [*names.names(), *names.elements(), *names.materials(), *names.patterns(),
@@ -74,7 +74,7 @@ def check_unread(
             model = kind_of(kind, entry) or (JointSpec if kind == "joints" else None)
             for place, reference, named in references(model, entry, path) if model else ():
                 if reference.among != "tendons" or named not in names.pulled_groups:
-                    # the name of a group stands for its tendon once the element is read
+                    # the name of a group becomes its tendon when the element is read
                     yield from names._target(model, reference, named, place)
 
 
@@ -228,7 +228,7 @@ class _References:
                 yield from self._target(None, reference, name, path)
 
     def view(self) -> Iterator[Problem]:
-        """Bodies that a picture is asked to show, and that are not there."""
+        """Unknown bodies in the view."""
         view = self.mechanism.view
         for path, reference, name in references(View, view, "$.view"):
             yield from self._target(None, reference, name, path)

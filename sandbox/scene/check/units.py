@@ -28,7 +28,7 @@ READINGS = {name.rpartition(".")[2]: UNITS[quantity.unit][1]
 """Dimensions of the quantities that can be read, by the last word of their names."""
 PLAIN = re.compile(rf"{NAME[1:-1]}(/{NAME[1:-1]})?")
 Place = tuple[str, float | None, str | None]
-"""A path, the number there, and the dimension that it should have; None if nobody knows."""
+"""A path, the number there, and the dimension that it should have; None if unknown."""
 
 
 def check_units(mechanism: Mechanism) -> Iterator[Problem]:
@@ -96,7 +96,7 @@ class _Dimensions:
                 yield from _signal(f"{path}.{key.format(j)}", target, dimension)
 
     def _by_drive(self, path: str, law: Controller, value: Any) -> Iterator[Place]:
-        """A field that says something of each drive of a controller."""
+        """A field with one entry for each drive of a controller."""
         if isinstance(law.writes, str):
             yield from _numbers(path, value, self.drives.get(law.writes))
             return

@@ -2,7 +2,7 @@
 
 A node is a point of the curve with its direction and curvature. Between two neighbours lies one
 polynomial of the fifth degree for each coordinate that has both nodes' points, directions and
-curvatures, so curvature goes on smoothly from span to span. Two nodes at the same place end one
+curvatures, so curvature is continuous from span to span. Two nodes at the same place end one
 piece and begin the next: a corner, or a jump of the curvature where an arc meets a line.
 
 The polynomial's parameter w runs from 0 to 1; at both ends the speed |dp/dw| is the length of the

@@ -61,7 +61,7 @@ class Curves:
     nodes: list[Array]
     """Of each, [k, 4], in the drawing's units."""
     unit: float | None
-    """Length of one of these [m]; None where the drawing does not say."""
+    """Length of one unit [m]; None if the drawing does not define it."""
 
 
 def own_file(folder: Path | None, name: str) -> bytes:
@@ -116,9 +116,9 @@ def curves_of(
     """Nodes of the outline of a drawing, then of its holes, [k, 4] each.
 
     Args:
-        name: the file's; its ending says what it is.
+        name: of the file; its extension is its format.
         text: what is in it.
-        unit: length of one of its units [m]; None for what the file says.
+        unit: length of one of its units [m]; None for the unit of the file.
         layer: of a DXF file the layer, of an SVG file the id, of what is meant; None for all.
         tolerance: how far ends that meet may be from each other [m].
 
@@ -132,7 +132,7 @@ def curves_of(
         curves = READERS[ending](text, layer)
     except DrawingError as error:
         raise DrawingError(f"{quoted(name)}: {error.message}", error.allowed, error.hint) from None
-    except Exception as error:  # whatever a parser says of a stranger's file
+    except Exception as error:  # parsers raise many types of errors
         reason = " ".join(str(error).split())[:100] or type(error).__name__
         raise DrawingError(f"{quoted(name)} cannot be read as {ending[1:].upper()}: {reason}",
                            "a sound file, such as a drawing program writes it") from None

@@ -48,7 +48,7 @@ def pieces_of(outer: Ring, holes: tuple[Ring, ...] = ()) -> tuple[Piece, ...]:
     """The convex pieces of an outline that is sound, with holes that are.
 
     Raises:
-        CutError: sides so near one another that no pieces between them can be told apart.
+        CutError: two sides are too close for pieces between them.
     """
     rings = [wound(without_straight(outer)),
              *(wound(without_straight(hole), -1) for hole in holes)]
@@ -76,7 +76,7 @@ def _triangles(rings: Sequence[Ring], corners: Sequence[Corner]) -> list[tuple[i
     """Triangles of corners' numbers, counter-clockwise."""
     ends = np.cumsum([len(ring) for ring in rings]).astype(np.uint32)
     points = np.array(corners)
-    # earcut asks which products are 0: a size of about 1 keeps them from vanishing
+    # earcut compares products with 0: scale to a size of about 1 to avoid underflow
     points = (points - points.mean(axis=0)) / np.ptp(points, axis=0).max()
     found = mapbox_earcut.triangulate_float64(points, ends).reshape(-1, 3)
     made = [tuple(corner) for corner in found.tolist()]

@@ -66,7 +66,7 @@ def without_straight(ring: Ring) -> Ring:
         before = np.roll(after, 1, axis=0)
         size = np.hypot(*after.T) * np.hypot(*before.T)
         bend = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0])
-        # of two neighbours only one goes at a time: what is straight may be so by the other
+        # remove one of two neighbours at a time: without it the other may be needed
         straight = np.flatnonzero(bend <= STRAIGHT * size)
         if not len(straight) or len(points) - len(straight[::2]) < 3:
             return tuple((x, y) for x, y in points.tolist())

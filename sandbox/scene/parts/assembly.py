@@ -48,7 +48,7 @@ def placed(
 def _moved(
     inner: Elements, placement: Placement, outside: Callable[[str], Body | None],
 ) -> Elements:
-    """Where the placement says; joints to the scene are followed even by one that moves nothing."""
+    """The elements, placed; references of joints to the scene are kept."""
     own = {body.name: body for body in inner.bodies}
     place = Mover(placement, own, outside)
     resized = Mover(Placement(scale=placement.scale), own, outside)
@@ -93,7 +93,7 @@ class Naming:
         self.names = frozenset(names)
 
     def has(self, name: str) -> bool:
-        """Whether a name, or what it begins with up to a dot, is the assembly's own."""
+        """Whether a name, or its first part up to a dot, belongs to the assembly."""
         words = name.split(".")
         return any(".".join(words[:count]) in self.names for count in range(1, len(words) + 1))
 

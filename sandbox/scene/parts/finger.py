@@ -52,7 +52,7 @@ from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError
 
 ANCHOR_DISTANCE = 0.015  # from V_0 back to where a finger's tendon ends by default [m]
-PALM_MARGIN = 0.003  # of the palm's block around what it carries [m]
+PALM_MARGIN = 0.003  # of the palm's block around the finger [m]
 
 Entries = TypeVar("Entries", bound=Sequence[object] | None)
 
@@ -206,7 +206,7 @@ def hinge_names(count: int) -> tuple[str, ...]:
 def expand_finger(finger: Finger, *, palm: Body | None = None, pulled: bool = False) -> Elements:
     """The finger's bodies, hinges, springs, tendon, contact rules and group.
 
-    ``palm`` is the body that ``finger.on`` names; ``pulled`` says that a tree
+    ``palm`` is the body that ``finger.on`` names; ``pulled`` means that a tree
     takes over the tendon behind V_0, so that no anchor is needed.
     """
     frame = _frame(finger, palm)

@@ -13,8 +13,8 @@ that its angle, its stops and what drives it stay as they were.
 A point q on a body of the scene, which stays where it is with its pose B, becomes B^-1(G(B(q))).
 
 A number is known by its dimension: every length is scaled by k, a speed too (else links would
-leave their joints), an inertia by k^2; masses, forces, stiffnesses and times stay. What a turn or
-a mirror changes besides, a field's mark says (:class:`sandbox.elements.element.Placed`).
+leave their joints), an inertia by k^2; masses, forces, stiffnesses and times stay. Marks of
+fields (:class:`sandbox.elements.element.Placed`) give what a turn or a mirror changes in addition.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ class Placement:
 
 
 class Mover:
-    """Elements of an assembly, put where a placement says."""
+    """Place the elements of an assembly."""
 
     def __init__(
         self, placement: Placement, own: Mapping[str, Body], outside: Callable[[str], Body | None],

@@ -1,4 +1,4 @@
-"""A section of an object: a fixed circle and a square on a rod that gives way (Figure 6)."""
+"""A section of an object: a fixed circle and a square on a rod that yields (Figure 6)."""
 
 from __future__ import annotations
 
@@ -84,9 +84,9 @@ class Section(Spec):
 
 
 def expand_section(section: Section) -> Elements:
-    """The circle and, if asked for, the square on its rod.
+    """The circle and, if wanted, the square on its rod.
 
-    The circle's frame has x towards the square. What may give way does so
+    The circle's frame has x towards the square. The square yields
     against a weak spring and damper of its own: the rod's length, along which
     the square slides without turning on it, and the rod's angle. The rod's
     angle is that of ``arm``, a body without shapes that is pinned to the circle.

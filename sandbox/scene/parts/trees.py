@@ -232,7 +232,7 @@ class _Builder:
         )
 
     def _spread(self) -> list[float]:
-        """Where the leaves' strings lie: as the leaves do, or evenly if asked for or needed."""
+        """Positions of the strings: those of the leaves, or equally spaced with ``pitch``."""
         across = [place[1] for place in self.places]
         order = sorted(range(len(across)), key=across.__getitem__)
         apart = all(across[j] - across[i] >= LEAST_DISTANCE for i, j in pairwise(order))
@@ -334,7 +334,7 @@ def _dot(p: Vec, q: Vec) -> float:
 class Node:
     """A leaf, or a rocker (wheel) with the two strings that it pulls.
 
-    ``across`` and ``along`` [m] say where it lies across and along the pull;
+    ``across`` and ``along`` [m] are its position across and along the pull;
     ``share`` is its part of the whole pull; ``number`` counts the leaves from
     0 as given, and the rockers from 1, lowest level first.
     """

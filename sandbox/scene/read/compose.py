@@ -1,4 +1,4 @@
-"""Composition of a scene: ``like``, ``repeat`` and ``include`` replaced by what they stand for.
+"""Composition of a scene: ``like``, ``repeat`` and ``include`` are expanded.
 
 Composition comes before validation. Its result is plain data as a file could hold it, with the
 place where each piece was written. Limits of elements, nesting and a file's size apply on the way.

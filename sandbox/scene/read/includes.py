@@ -85,7 +85,7 @@ class Library:
         try:
             size = path.stat().st_size
         except OSError:
-            size = 0  # reading it says why
+            size = 0  # reading it reports why
         if self.size + size > self.limits.file_bytes:
             raise WrongValueError("limit-exceeded", f"with {quoted(path.name)} the files of this "
                                   "scene are larger than the limit 'file_bytes' of "

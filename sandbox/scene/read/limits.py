@@ -20,7 +20,7 @@ from sandbox.wording import is_pattern
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What a scene may ask for; the defaults leave room for any hand on a desktop machine."""
+    """Limits of a scene; the defaults suffice for any hand on a desktop machine."""
 
     file_bytes: int = 5_000_000
     """Size of a scene's file."""
@@ -33,7 +33,7 @@ class Limits:
     elements: int = 20_000
     """Elements of all kinds."""
     values: int = 200_000
-    """Numbers, texts, lists and objects of a scene, and of what it is written out to."""
+    """Numbers, texts, lists and objects of a scene, also after its expansion."""
     matches: int = 3_000_000
     """Names that the patterns of contact rules, loads and expectations are held against."""
     corners: int = 40_000
@@ -71,16 +71,16 @@ def _matches(mechanism: Mechanism) -> int:
     recorded = sum(len(getattr(mechanism, kind)) * len(QUANTITIES.get(named.one, {"": None}))
                    for kind, named in NAMED.items())
     rules = sum(is_pattern(text) for rule in mechanism.contacts for text in {*rule.between})
-    asked = sum(is_pattern(expect.quantity) for expect in mechanism.expect)
+    patterns = sum(is_pattern(expect.quantity) for expect in mechanism.expect)
     borne = sum(len(load.bodies) for load in mechanism.loads)
-    return (rules + borne) * len(mechanism.bodies) + asked * recorded
+    return (rules + borne) * len(mechanism.bodies) + patterns * recorded
 
 
-def over(limits: Limits, name: str, asked: float, path: str, what: str) -> Iterator[Problem]:
-    """The problem of what asks for more than a limit allows; ``what`` has ``{count}`` in it."""
+def over(limits: Limits, name: str, amount: float, path: str, what: str) -> Iterator[Problem]:
+    """The problem of an amount above a limit; ``what`` contains ``{count}``."""
     most = getattr(limits, name)
-    if asked > most:
-        yield Problem("limit-exceeded", what.format(count=_count(asked)), path, allowed=(
+    if amount > most:
+        yield Problem("limit-exceeded", what.format(count=_count(amount)), path, allowed=(
             f"at most {_count(most)} (the limit '{name}', raised by --limit {name}=N)"))
 
 
@@ -176,7 +176,7 @@ def check_parts(scene: Scene, limits: Limits) -> list[Problem]:
 
 
 def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:
-    """What a mechanism asks for beyond the limits: elements, steps, samples, memory, pictures."""
+    """Exceeded limits of a mechanism: elements, steps, samples, memory, pictures."""
     run, view = mechanism.run, mechanism.view
     samples = run.duration * run.sample_rate
     machine: list[tuple[str, float, str, str]] = [
@@ -197,7 +197,7 @@ def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:
         ("frames", run.duration / view.speed * view.fps, "$.view", "the film has {count} frames"),
     ]
     problems = [problem for check in machine for problem in over(limits, *check)]
-    for check in time:  # the first says enough: the others follow from the same numbers
+    for check in time:  # the first is enough: the others follow from the same numbers
         if too_long := list(over(limits, *check)):
             return problems + too_long
     return problems

@@ -57,7 +57,7 @@ LISTS = (*MECHANISM_LISTS, "parts")
 
 @dataclass(frozen=True)
 class Loaded:
-    """A scene, the mechanism that it stands for, and where in its file each piece stands."""
+    """A scene, its mechanism, and the position of each piece in its file."""
 
     scene: Scene
     mechanism: Mechanism
@@ -175,7 +175,7 @@ def _path(path: Path) -> Path:
     if path.suffix != ".json" and len(path.parts) == 1:
         try:
             there = path.exists() and not path.is_dir()
-        except (OSError, ValueError):  # no file can have this name; reading it says so
+        except (OSError, ValueError):  # no file can have this name; reading it reports that
             there = True
         path = path if there else shipped_scenes().get(path.name, path)
     return path
@@ -210,7 +210,7 @@ def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) ->
 
 @dataclass
 class _Loading:
-    """One file on its way: its problems so far, and what is needed to say where they are."""
+    """The state of reading one file: its problems so far, and their positions."""
 
     source: SceneSource
     limits: Limits
@@ -268,7 +268,7 @@ class _Loading:
                 return None
             problems = explain(error, data, Scene)
             self.report(self._worth_reporting(problems, data))
-            if not self.problems:  # what is left out must have been told
+            if not self.problems:  # what is left out must have been reported
                 self.report(problems)
             paths = {parse_path(problem.path) for problem in problems}
             readable = _Readable(data, {path[:2] for path in paths} | self.ignored)

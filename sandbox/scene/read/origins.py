@@ -210,7 +210,7 @@ class Origins:
 
     @property
     def source(self) -> SceneSource:
-        """The file that was asked for."""
+        """The scene file itself."""
         return self.composed.places.root.source
 
     def __call__(self, problem: Problem) -> Problem:

@@ -97,7 +97,7 @@ def _set(data: dict[str, Any], path: JsonPath, value: Any) -> JsonPath:
 
 
 def _same_dimension(data: dict[str, Any], path: JsonPath, value: Any) -> None:
-    """See that a parameter measures what it measures in the scene's own file.
+    """Check that a parameter has the dimension that it has in the scene's file.
 
     Raises:
         WrongValueError: both have units, of different dimensions.
@@ -121,7 +121,7 @@ def _inherited(data: dict[str, Any], taken: list[str | int]) -> Any:
     for depth, step in enumerate(taken):
         value = value[step] if holds(value, step) else None
         if depth == 1 and isinstance(value, dict):
-            with contextlib.suppress(LikeError):  # reading the scene says what is wrong
+            with contextlib.suppress(LikeError):  # reading the scene reports it
                 value = merge_templates(value, _NOWHERE, data.get("templates"), _NOWHERE,
                                         OriginMap(_NOWHERE), NearMisses())
     if not isinstance(value, list):

@@ -1,4 +1,4 @@
-"""A JSON scanner that knows where everything is and says plainly what is wrong (RFC 8259).
+"""A JSON scanner that records positions and describes syntax errors (RFC 8259).
 
 It walks the text with a stack of its own, so that no nesting can exhaust
 Python's. Faults of content (a key twice, NaN) are collected; the first fault
@@ -46,7 +46,7 @@ class Place:
 class Fault:
     """Something wrong at an offset of the text.
 
-    ``other`` is the offset of a second place, which stands for ``{place}`` in the message.
+    ``other`` is the offset of a second place, ``{place}`` in the message.
     """
 
     message: str

@@ -1,4 +1,4 @@
-"""``repeat``: how many copies an entry of a list stands for, and where each of them lies."""
+"""``repeat``: the number of copies of a list entry, and their positions."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Vec = tuple[float, float]
 
 @dataclass(frozen=True)
 class Copies:
-    """What a ``repeat`` asks for."""
+    """A ``repeat`` that was read."""
 
     rows: list[Names]
     """Of each copy the names and values that hold in it."""
@@ -35,7 +35,7 @@ class Copies:
     scope: Scope = field(default_factory=Scope)
 
     def label(self, number: int) -> str:
-        """What tells a copy from the others."""
+        """The label of a copy in messages."""
         name, value = next(iter(self.rows[number].items()))
         return f"{name} = {value if isinstance(value, str) else format(value, 'g')}"
 
@@ -90,7 +90,7 @@ class Copies:
 
 
 def _points(entry: Mapping[str, Any], among: str) -> Iterator[str]:
-    """The keys of an entry that say where it lies."""
+    """The keys of an entry for its position."""
     if among in SHAPES and "points" in entry:
         yield "points"
     elif among in SHAPES and "end" in entry:
@@ -100,7 +100,7 @@ def _points(entry: Mapping[str, Any], among: str) -> Iterator[str]:
 
 
 def read_repeat(value: Any, scope: Scope, limits: Limits) -> Copies:
-    """What the value of a ``repeat`` asks for.
+    """Read the value of a ``repeat``.
 
     A whole number is that of the copies, counted by ``i`` from 0.
 

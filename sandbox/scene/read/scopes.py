@@ -36,7 +36,7 @@ class Scope:
     """What texts of a piece may name."""
 
     parameters: Mapping[str, float] = field(default_factory=dict)
-    """The file's own, SI: they stay in expressions, but may be asked for here."""
+    """The file's own, SI: they stay in expressions, but can be read here."""
     numbers: Mapping[str, float] = field(default_factory=dict)
     """Put in expressions for their names."""
     words: Mapping[str, str] = field(default_factory=dict)
@@ -76,7 +76,7 @@ class Scope:
         try:
             expression = parse_expression(text)
         except WrongValueError:
-            return text  # the models say what is wrong with it
+            return text  # validation reports it
         for name in sorted(expression.names & set(self.words)):
             raise WrongValueError("bad-expression", f"{quoted(name)} is text; an expression needs "
                                   "numbers", allowed=f"{{{name}}} inside of a name")
@@ -209,7 +209,7 @@ def _callable(expression: Expression, parameters: Parameters) -> Mapping[str, An
 def _resolve(
     name: str, raw: Mapping[str, Any], parameters: Parameters, chain: list[str]
 ) -> None:
-    """Find one value, after those that it reads; ``chain`` leads from the first one asked for."""
+    """Find one value, after those that it reads; ``chain`` leads from the first one to it."""
     if name in parameters.values:
         return
     value, failed = raw[name], True
@@ -250,7 +250,7 @@ STAND_IN = {"points": [[0, 1], [1, 1]]}
 def plain_tables(raw: Any) -> dict[str, Any]:
     """The tables that read no parameters, by their calls: parameters may call these.
 
-    One that is wrong is stood in for by a constant; the models say what is wrong with it.
+    A wrong table is replaced by a constant; validation reports it.
     """
     return {call(name): _function(entry, {}) for name, entry in _entries(raw)
             if not _reads(entry)}

@@ -1,8 +1,8 @@
 """A scene's text: JSON to plain data, and where in the file each piece of it stands.
 
-A good file goes through :mod:`json`. Only when there is something to complain
-about does a slower scanner walk the same text, which knows the line and column
-of every key and value and says in plain words what is not JSON (RFC 8259).
+A valid file is read by :mod:`json`. Only for errors a slower scanner reads the same
+text. It finds the line and column of every key and value, and describes what is
+not JSON (RFC 8259).
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class SceneSource:
     text: str = ""
     limits: Limits = field(default=Limits(), repr=False)
     path: Path | None = None
-    """The file, where there is one: what it includes lies beside it."""
+    """The file, if there is one; included files are relative to it."""
 
     @cached_property
     def _places(self) -> dict[JsonPath, Place]:
@@ -104,7 +104,7 @@ def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> 
             data = json.loads(text, object_pairs_hook=_unique, parse_constant=_refuse)
             return SceneSource(data, name, text, limits)
         except (ValueError, RecursionError):
-            pass  # the scanner says what and where
+            pass  # the scanner reports what and where
     found = scan(text, limits.nesting, limits.values)
     if found.faults:
         raise SceneError(first_problems(_problems(found, text), limits.problems), name)
@@ -178,7 +178,7 @@ def _read(path: Path, limits: Limits, name: str) -> bytes:
 
 
 def _neighbour(path: Path) -> str:
-    """A JSON file next to the one asked for, or a shipped scene, with a similar name."""
+    """A JSON file in the same folder, or a shipped scene, with a similar name."""
     try:
         beside = {entry.name: str(entry) for entry in path.parent.iterdir()
                   if entry.suffix == ".json"}
