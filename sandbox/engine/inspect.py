@@ -6,10 +6,9 @@ alone; nothing is stepped.
 Nothing is timed for the estimate, so that a scene is estimated, and refused, alike on every
 machine. The cost of a step is a sum over what is solved in it. The proportions of its terms were
 fitted to runs of 1000 steps of 38 mechanisms: shipped scenes, chains of 5 to 200 links, free and
-resting discs, stacks of boxes, hands of up to 32 fingers; their size to the shipped scenes, of
-which simulation and files take 0.4 to 1.5 times as much on a core of a server. What it cannot know
-is how much touches when, and how: 200 boxes that fall on one another took 10 times as long. Another
-machine is another factor. Pictures and the audit are left out.
+resting discs, stacks of boxes, hands of up to 32 fingers. Shipped scenes take 0.4 to 1.5 times the
+estimate on a core of a server. The number and kind of contacts is unknown: 200 boxes that fall on
+one another took 10 times as long. Pictures and the audit are left out.
 """
 
 from __future__ import annotations
@@ -59,7 +58,7 @@ from sandbox.wording import quoted
 
 
 class Inspection(NamedTuple):
-    """What a look at a mechanism finds."""
+    """Problems of a mechanism and the estimate of its run."""
 
     problems: list[Problem]
     """Errors first, otherwise in the order of the elements."""
@@ -68,19 +67,19 @@ class Inspection(NamedTuple):
 
 
 def inspect(mechanism: Mechanism) -> list[Problem]:
-    """All that is to be said of ``mechanism``, errors first, otherwise in its elements' order.
+    """Errors and warnings of a mechanism, errors first, otherwise in the order of its elements.
 
-    Paths are those of the mechanism; what belongs to an element has its name.
+    Paths are those of the mechanism; problems of an element have its name.
     """
     return look_over(mechanism).problems
 
 
 def look_over(mechanism: Mechanism) -> Inspection:
-    """What :func:`inspect` finds, and what a run would take."""
+    """The problems of :func:`inspect`, and the cost of a run."""
     model = compile_mechanism(mechanism)
     allowed = allowed_pairs(model)
     solids, cords = overlaps(model, allowed), list(tendon_problems(model))
-    astray = {problem.path for problem in cords if problem.blocks}  # nor do these ring
+    astray = {problem.path for problem in cords if problem.blocks}  # no check of their vibration
     problems = [
         *nothing_to_run(mechanism), *joint_problems(model), *wheel_problems(model),
         *shared_problems(model),
@@ -104,7 +103,7 @@ def look_over(mechanism: Mechanism) -> Inspection:
 
 
 def _drives(model: Model) -> Iterator[Problem]:
-    """Forces, torques and pulls on what cannot move freely; motors and brakes hold all the same."""
+    """Forces, torques and pulls on bodies that cannot move freely."""
     for i, kind in enumerate(model.drives.kind):
         if kind.gives not in ("force", "torque", "tension") or kind.limited:
             continue
@@ -116,7 +115,7 @@ def _drives(model: Model) -> Iterator[Problem]:
 
 
 def _paths(mechanism: Mechanism) -> Iterator[Problem]:
-    """Scheduled bodies that are elsewhere at t = 0 than their path says."""
+    """Scheduled bodies whose pose at t = 0 differs from their path."""
     for i, body in enumerate(mechanism.bodies):
         if body.path is None:
             continue
@@ -129,8 +128,8 @@ def _paths(mechanism: Mechanism) -> Iterator[Problem]:
             if abs(first - start) > NEGLIGIBLE:
                 yield look("jump-at-start", f"$.bodies[{i}].path.{axis}", body.name,
                            f"begins at {axis} = {show(start)}, its path at {show(first)}: it jumps "
-                           "there in the first step", "let 'at' and 'angle' be where the path "
-                           "begins")
+                           "there in the first step", "set 'at' and 'angle' to the start of the "
+                           "path")
 
 
 def _sampling(mechanism: Mechanism) -> Iterator[Problem]:
@@ -187,23 +186,23 @@ def _window(mechanism: Mechanism) -> Iterator[Problem]:
 
 
 STEP = 3e-6
-"""A step of nothing [s]."""
+"""An empty step [s]."""
 BODY, ROW, GUIDE, SPRING, DRIVE = 0.12e-6, 0.25e-6, 0.12e-6, 0.6e-6, 0.35e-6
-"""For each body, row of a joint, guide of a cord or chamber, spring, line,
-valve or load, drive [s]."""
+"""For each body; row of a joint; guide of a tendon or chamber; spring, line, valve or load;
+drive [s]."""
 CONTACT, CONTACTS = 0.25e-6, 2e-9
 """Time for each contact, and for each pair of contacts, which may be coupled [s]."""
 ACT = 12e-6
-"""A controller acts, or a condition is looked at [s]."""
+"""One evaluation of a controller or a condition [s]."""
 NUMBER = 0.25e-6
-"""Eight bytes are recorded, and written into two files [s]."""
+"""Eight bytes that are recorded and written into two files [s]."""
 ROWS = {"point": 2, "groove": 1, "distance": 1, "range": 1, "gear": 1, "rack": 1, "roll": 2}
-"""Of joints, by what they keep."""
+"""Of joints, by constraint."""
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a run would take."""
+    """The cost of a run."""
 
     steps: int
     samples: int
@@ -226,7 +225,7 @@ class Estimate:
                 "recorded_bytes": self.recorded_bytes}
 
     def beyond(self, limits: Limits) -> Iterator[Problem]:
-        """Time and room that are more than the limits allow."""
+        """Time and memory above the limits."""
         yield from over(limits, "seconds", self.seconds, "$.run", "the run would take about "
                         f"{_time(self.seconds)}, {{count}} s")
         yield from over(
@@ -235,7 +234,7 @@ class Estimate:
 
 
 def estimate(model: Model, allowed: Flags, *, near: int) -> Estimate:
-    """What a run of a mechanism would take.
+    """Estimate the cost of a run.
 
     Args:
         model: the mechanism.
@@ -269,7 +268,7 @@ def _step(model: Model, contacts: int) -> float:
 
 
 def _acts(model: Model, clock: Clock) -> float:
-    """How often controllers act and conditions are looked at."""
+    """Number of evaluations of controllers and conditions."""
     rates = [law.rate for law in model.mechanism.controllers]
     rates += [event.rate for event in model.mechanism.events if event.when is not None]
     return sum(clock.steps / every(rate, clock.step) for rate in rates)

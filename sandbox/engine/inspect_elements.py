@@ -27,11 +27,11 @@ from sandbox.values.signals import values
 from sandbox.wording import is_pattern, listed, quoted
 
 MOST_STRETCH = 0.1
-"""Share of its length by which a cord as good as rigid may be stretched at t = 0 without a word."""
+"""Elongation of an inextensible tendon at t = 0 that is accepted, relative to its length."""
 
 
 def tendon_problems(model: Model) -> Iterator[Problem]:
-    """Cords without a direction, which are errors, and those that pull on nothing."""
+    """Errors in the paths of tendons, and tendons without effect."""
     bodies = model.mechanism.bodies
     lengths, rests = lengths_at_start(model).tolist(), rest_lengths(model).tolist()
     off = lifted_at_start(model)
@@ -50,14 +50,14 @@ def tendon_problems(model: Model) -> Iterator[Problem]:
             yield from _loop_problems(model, i)
         if not model.bodies.free[guided].any():
             yield look("no-effect", path, tendon.name, "passes no body that can move freely",
-                           "it pulls on nothing")
+                           "it has no effect")
 
 
 def _without_way(tendon: Tendon, path: str, points: list[Vec]) -> Iterator[Problem]:
-    """Guides with no straight way from the one to the next."""
+    """Guides without a straight line from one to the next."""
     for k, (p, q) in enumerate(itertools.pairwise(points)):
         if k and len(tendon.guides) == 2:
-            break  # a loop's way back
+            break  # the second half of a loop
         after = (k + 1) % len(tendon.guides)
         (ra, rb), gap = (tendon.path[k].radius, tendon.path[k + 1].radius), math.dist(p, q)
         crossed = tendon.path[k].side != tendon.path[k + 1].side
@@ -70,27 +70,27 @@ def _without_way(tendon: Tendon, path: str, points: list[Vec]) -> Iterator[Probl
             continue
         elif not small:
             yield error("bad-tendon-path", path, tendon.name,
-                        f"its guide {inner} lies in the wheel of its guide {outer}, {mm(gap)} from "
-                        f"its centre and {mm(large - gap)} deep",
-                        f"move guide {inner} so much further out, or make the wheel smaller")
+                        f"its guide {inner} is inside the wheel of its guide {outer}, {mm(gap)} "
+                        f"from its centre and {mm(large - gap)} deep",
+                        f"move guide {inner} out by this depth, or make the wheel smaller")
         elif not crossed:
             yield error("bad-tendon-path", path, tendon.name, f"the wheel of its guide {inner} "
-                        f"lies in that of its guide {outer}: they are {mm(gap)} apart, the cord "
-                        f"between them needs {mm(reach)}", f"move one of them {mm(reach - gap)} "
+                        f"is inside that of its guide {outer}: they are {mm(gap)} apart, a tangent "
+                        f"needs {mm(reach)}", f"move one of them {mm(reach - gap)} "
                         f"further out, or make guide {outer} smaller")
         else:
             yield error("bad-tendon-path", path, tendon.name, f"the wheels of its guides {k} and "
-                        f"{after} are {mm(gap)} apart, the cord that crosses between them needs "
-                        f"{mm(reach)}", f"put them {mm(reach - gap)} further apart, make one "
-                        "smaller, or give both the same 'side'")
+                        f"{after} are {mm(gap)} apart, a crossed tangent needs {mm(reach)}",
+                        f"put them {mm(reach - gap)} further apart, make one smaller, or give both "
+                        "the same 'side'")
 
 
 def _loop_problems(model: Model, i: int) -> Iterator[Problem]:
-    """A loop that is pulled at an end that it has not, or that runs round its wheels inside out."""
+    """A loop with a pull drive, or one that crosses itself."""
     tendon, path = model.mechanism.tendons[i], f"$.tendons[{i}]"
     if (drive := int(model.tendons.drive[i])) != NONE:
         yield error("not-settable", f"$.drives[{drive}].tendon", model.drives.name[drive],
-                    f"pulls {tendon.name}, a loop, which has no end to pull at",
+                    f"pulls {tendon.name}, which is closed and has no end",
                     "a torque or a motor at a wheel's hinge, or a tendon that is not closed")
     sides = {guide.side for guide in tendon.guides}
     if all(guide.radius for guide in tendon.guides) and len(sides) == 1:
@@ -100,18 +100,18 @@ def _loop_problems(model: Model, i: int) -> Iterator[Problem]:
         if times > 1:
             other = "right" if sides == {"left"} else "left"
             yield look("bad-tendon-path", path, tendon.name,
-                       f"crosses itself: on this path it goes {times} times round",
+                       f"crosses itself: this path winds {times} times around",
                        f"{other!r} as the side of its guides, or these in another order")
 
 
 def _without_effect(model: Model, i: int) -> Iterator[Problem]:
-    """Friction and turns where a cord has no use for them, loops that turn no wheel."""
+    """Friction and turns without effect, loops that turn no wheel."""
     tendon = model.mechanism.tendons[i]
     wheels = [guide for guide in tendon.guides if guide.radius]
     if tendon.closed and wheels and not any(guide.friction for guide in tendon.guides):
         yield look("no-effect", f"$.tendons[{i}].guides", tendon.name,
                    "it turns no wheel: the loop slides over all its guides without friction",
-                   "friction at the wheels that are to turn with it")
+                   "friction at the wheels that it should turn")
     for k, guide in enumerate(tendon.guides):
         path = f"$.tendons[{i}].guides[{k}]"
         tied = not tendon.closed and k in (0, len(tendon.guides) - 1)
@@ -124,23 +124,23 @@ def _without_effect(model: Model, i: int) -> Iterator[Problem]:
                        f"{guide.friction:g} has no effect: no other guide holds the loop",
                        "friction at another guide, too")
         if guide.begins and k not in tendon.lifting:
-            yield look("no-effect", f"{path}.begins", tendon.name, f"its {guide.begins!r} does "
-                       "nothing: the cord cannot lift off there, only off a wheel between its ends "
-                       "that has no friction and no turns", f"to leave {guide.begins!r} out")
+            yield look("no-effect", f"{path}.begins", tendon.name, f"its {guide.begins!r} has "
+                       "no effect: the tendon can only leave a wheel between its ends that has no "
+                       "friction and no turns", f"no {guide.begins!r}")
         if guide.turns and not guide.radius:
-            yield look("no-effect", f"{path}.turns", tendon.name, f"its {guide.turns} turns do "
-                       "nothing: it goes round no wheel", "a radius, or no turns")
+            yield look("no-effect", f"{path}.turns", tendon.name, f"its {guide.turns} turns have "
+                       "no effect: it has no wheel", "a radius, or no turns")
         elif guide.turns and tied:
-            yield look("no-effect", f"{path}.turns", tendon.name, f"its {guide.turns} turns do "
-                       "nothing: the cord is tied there", "no turns")
+            yield look("no-effect", f"{path}.turns", tendon.name, f"its {guide.turns} turns have "
+                       "no effect: the tendon is fixed there", "no turns")
 
 
 def _off_wheels(model: Model, i: int, off: Flags, points: list[Vec]) -> Iterator[Problem]:
-    """Wheels that a cord goes straight past at t = 0 without being told to, or in vain told to."""
+    """Wheels that a tendon passes without contact at t = 0, unless ``begins`` is ``"off"``."""
     tendon, begin = model.mechanism.tendons[i], int(model.tendons.first[i])
     for k in tendon.lifting:
-        told = tendon.guides[k].begins
-        if off[begin + k] != (told == "off"):
+        begins = tendon.guides[k].begins
+        if off[begin + k] != (begins == "off"):
             other = "right" if tendon.guides[k].side == "left" else "left"
             before = max(j for j in range(k) if not off[begin + j])
             after = min(j for j in range(k + 1, len(points)) if not off[begin + j])
@@ -148,18 +148,18 @@ def _off_wheels(model: Model, i: int, off: Flags, points: list[Vec]) -> Iterator
             radii = model.tendons.guide_radius[begin + np.array(three)].tolist()
             far = passes_by([points[j] for j in three], radii)
             path = f"$.tendons[{i}].guides[{k}]"
-            if told == "off":
+            if begins == "off":
                 yield error("bad-tendon-path", f"{path}.begins", tendon.name, "cannot begin off "
-                            f"its wheel, which the straight way past it would have {mm(-far)} deep "
-                            "in it", f"the wheel so much further out, or the other side, {other!r}")
+                            f"its wheel: the straight line passes {mm(-far)} inside the wheel",
+                            f"the wheel this much further out, or the other side, {other!r}")
                 continue
-            yield look("bad-tendon-path", path, tendon.name, "begins off its wheel: it goes "
-                       f"straight past it, {mm(far)} away", "\"begins\": \"off\", if it is to meet "
+            yield look("bad-tendon-path", path, tendon.name, "begins off its wheel: it passes "
+                       f"the wheel {mm(far)} away", "\"begins\": \"off\", if it is to meet "
                        f"the wheel later; side {other!r}, if the wheel is to bend it")
 
 
 def _stretched(model: Model, i: int, length: float, rest: float) -> Iterator[Problem]:
-    """A tendon whose rest length or pretension stretches it by more than tendons can."""
+    """A tendon with too large an elongation at t = 0, from its rest length or pretension."""
     tendon, path = model.mechanism.tendons[i], f"$.tendons[{i}]"
     if rest <= 0.0 and tendon.pretension is not None:
         yield error("tendon-length", path, tendon.name,
@@ -174,7 +174,7 @@ def _stretched(model: Model, i: int, length: float, rest: float) -> Iterator[Pro
 
 
 def line_problems(model: Model) -> Iterator[Problem]:
-    """Cylinders without a direction, which are errors; lines that move nothing and lead nowhere."""
+    """Cylinders without a direction, which are errors; lines without effect."""
     lines, drives = model.lines, model.drives
     fed = {int(drives.target[i]) for i in drives.giving("flow", "pressure")}
     for i, name in enumerate(lines.name):
@@ -189,17 +189,17 @@ def line_problems(model: Model) -> Iterator[Problem]:
         joined = bool((model.valves.lines == i).any())
         if not joined:
             yield look("no-effect", path, name, "moves no body that can move freely",
-                       "it presses on nothing")
+                       "it has no effect")
         if not joined and i in fed and not np.isfinite(lines.most[i]):
             yield look("bad-fluid", path, name, "has a pump but no relief and no outlet",
-                       "its pressure grows without end; give it a relief")
+                       "its pressure grows without limit; give it a relief")
 
 
 PLACES = ("[0]", "[1]", "")
 
 
 def load_problems(model: Model) -> Iterator[Problem]:
-    """Laws without a value at t = 0, which are errors; liquids that lift nothing."""
+    """Laws without a value at t = 0, which are errors; buoyancy without an area."""
     given, loads = model.mechanism.loads, model.loads
     for i in range(len(loads.name)):
         load, body = given[loads.load[i]], model.mechanism.bodies[loads.body[i]]
@@ -233,15 +233,15 @@ def _start(model: Model, i: int) -> tuple[Array, Array]:
 
 
 UNLIKE = 1e6
-"""Heaviest to lightest, up to which the engine is held to its digits."""
+"""Mass ratio up to which the accuracy of the engine is tested."""
 WRONG = 1e10
-"""From here on forces may be."""
+"""Mass ratio from which forces may be wrong."""
 SLENDER = 10.0
-"""1 + m r^2/I of bodies that are shaped like any other: a rod pushed at its end has 4."""
+"""Largest 1 + m r^2/I of ordinary bodies: a rod pushed at its end has 4."""
 
 
 def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
-    """What hangs together and is further apart than :data:`UNLIKE`: the two bodies.
+    """Connected bodies with a mass ratio above :data:`UNLIKE`.
 
     ``allowed`` are the pairs that may touch, [nb, nb].
     """
@@ -273,7 +273,7 @@ def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
 
 
 def _reaches(model: Model) -> Array:
-    """How far from its centre of mass a body can be pushed [m], [nb]."""
+    """Largest distance of a point of attack from the centre of mass [m], [nb]."""
     bodies, joints, tendons = model.bodies, model.joints, model.tendons
     reach = np.zeros(len(bodies.name))
     for on, points in ((joints.bodies.ravel(), joints.anchor.reshape(-1, 2)),
@@ -288,12 +288,12 @@ def _reaches(model: Model) -> Array:
 
 
 def grasp_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
-    """Expectations and meters of them; ``allowed`` says which bodies may touch, [nb, nb]."""
+    """Grasp measures of bodies that no hand can touch; ``allowed`` pairs may touch, [nb, nb]."""
     mechanism = model.mechanism
     hand = np.array([bool(of_hand(body) and body.shapes) for body in mechanism.bodies], dtype=bool)
     alone = {body.name for i, body in enumerate(mechanism.bodies)
              if grasp_of(body) and not (allowed[i] & hand).any()}
-    for path, name in _asked(mechanism) if alone else ():
+    for path, name in _quantities_read(mechanism) if alone else ():
         body, _, quantity = name.rpartition(".")
         for each in sorted(alone) if is_pattern(body) else [body] if body in alone else []:
             if fnmatchcase(each, body) and any(fnmatchcase(one, quantity) for one in GRASP):
@@ -303,8 +303,8 @@ def grasp_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
                 break
 
 
-def _asked(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
-    """What expectations and meters read, names and patterns, with their paths."""
+def _quantities_read(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
+    """Names and patterns that expectations and meters read, with their paths."""
     for i, expect in enumerate(mechanism.expect):
         yield f"$.expect[{i}].{expect.key}", expect.quantity
     for i, meter in enumerate(mechanism.meters):
@@ -313,13 +313,13 @@ def _asked(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
 
 
 INSTANTS = 257
-"""Of a run, at which a length or an angle that is asked for is looked at."""
+"""Instants of a run at which the target of a drive is checked."""
 
 
 def idle_problems(model: Model) -> Iterator[Problem]:
-    """All of them."""
+    """Drives and events without effect, or outside of limits."""
     yield from _taken_up(model)
-    yield from _let_go(model)
+    yield from _released(model)
     for i, kind in enumerate(model.drives.kind):
         target = int(model.drives.target[i])
         if kind.gives == "surface" and not model.mechanism.bodies[target].shapes:
@@ -333,7 +333,7 @@ def idle_problems(model: Model) -> Iterator[Problem]:
 
 
 def _taken_up(model: Model) -> Iterator[Problem]:
-    """What an event takes up though nothing lets it go."""
+    """Events that take up an element that is never released."""
     ties, events = model.ties, model.mechanism.events
     loose = {ties.name[tie] for tie in np.flatnonzero(
         ~ties.held | np.isfinite(ties.breaks_at) | (ties.drive >= 0))}
@@ -346,8 +346,8 @@ def _taken_up(model: Model) -> Iterator[Problem]:
                            "an event or drive that releases it, 'breaks_at' or 'released'")
 
 
-def _let_go(model: Model) -> Iterator[Problem]:
-    """Drives of joints that are let go all the time."""
+def _released(model: Model) -> Iterator[Problem]:
+    """Drives of joints that are released all the time."""
     ties, drives = model.ties, model.drives
     taken = {name for event in model.mechanism.events
              for name in (*event.take_up, *(event.release if event.lasts is not None else ()))}
@@ -362,11 +362,11 @@ def _let_go(model: Model) -> Iterator[Problem]:
 
 
 def _stroke(model: Model, i: int) -> Iterator[Problem]:
-    """A length that is asked for beyond the ends of stroke."""
-    joint, asked = int(model.drives.target[i]), _requested(model, i)
+    """A target length outside of the stroke."""
+    joint, target = int(model.drives.target[i]), _requested(model, i)
     name, (shortest, longest) = model.joints.name[joint], model.joints.reach[joint].tolist()
-    for length, bound, beyond, end in ((asked.max(), longest, 1.0, "most"),
-                                       (asked.min(), shortest, -1.0, "least")):
+    for length, bound, beyond, end in ((target.max(), longest, 1.0, "most"),
+                                       (target.min(), shortest, -1.0, "least")):
         if beyond * (length - bound) > NEGLIGIBLE:
             yield look("outside-limits", f"$.drives[{i}].value", model.drives.name[i],
                        f"sets {name} to {mm(length)}, but it is {mm(bound)} long at {end}",
@@ -374,10 +374,10 @@ def _stroke(model: Model, i: int) -> Iterator[Problem]:
 
 
 def _turn(model: Model, i: int) -> Iterator[Problem]:
-    """An angle that is asked for beyond the limits of its hinge."""
-    joint, asked = int(model.drives.target[i]), _requested(model, i)
+    """A target angle outside of the limits of its hinge."""
+    joint, target = int(model.drives.target[i]), _requested(model, i)
     low, high = model.joints.stops[joint].tolist()
-    for angle, over in ((asked.max(), asked.max() - high), (asked.min(), low - asked.min())):
+    for angle, over in ((target.max(), target.max() - high), (target.min(), low - target.min())):
         if over > NEGLIGIBLE:
             unit = (f"; a number by itself is in rad: for degrees write \"{angle:.4g} deg\""
                     if abs(angle) > math.tau else "")
@@ -387,7 +387,7 @@ def _turn(model: Model, i: int) -> Iterator[Problem]:
 
 
 def _requested(model: Model, i: int) -> Array:
-    """What a drive asks for at some instants of the run, in the unit of its value."""
+    """Values of a drive at some instants of the run, in the unit of its value."""
     mechanism = model.mechanism
     return values(mechanism.drives[i].signal(mechanism),
                   np.linspace(0.0, mechanism.run.duration, INSTANTS), mechanism.functions)

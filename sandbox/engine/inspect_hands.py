@@ -34,7 +34,7 @@ from sandbox.scene.geometry import outline, pose_of, reach_of, solids, to_body, 
 from sandbox.wording import listed
 
 MOST_LOOKED = 100
-"""Objects that a finger's reach is held against; if another may be nearer, none is told."""
+"""Objects with which a finger's reach is compared; nothing is reported if another may be nearer."""
 
 
 class Phalanx(NamedTuple):
@@ -45,9 +45,9 @@ class Phalanx(NamedTuple):
 
 
 def chains(model: Model) -> dict[str, list[Phalanx]]:
-    """Of each finger the phalanges with their hinges, the proximal one first.
+    """The phalanges of each finger with their hinges, the proximal one first.
 
-    Left out are those that are no chain of pins, each phalanx on the one before.
+    Fingers that are not a chain of pins are left out.
     """
     joints, found = model.joints, dict[str, list[Phalanx]]()
     pins = {int(joints.bodies[j, 1]): int(j) for j in joints.keeping("point") if joints.angle[j]}
@@ -69,8 +69,7 @@ class _Reaching(NamedTuple):
     body: int
     """The proximal phalanx."""
     certain: bool
-    """Whether the body that its first hinge is on stays, and no object that was not looked at may
-    be nearer."""
+    """Whether its base is fixed and no object that was left out may be nearer."""
     reach: float
     nearest: int
     distance: float
@@ -78,16 +77,15 @@ class _Reaching(NamedTuple):
 
     @property
     def short(self) -> bool:
-        """Whether it ends before that object, and stays so."""
+        """Whether it ends before that object, at all times."""
         return self.certain and self.distance > self.reach + NEGLIGIBLE
 
 
 def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
-    """Fingers on a palm that stays, and objects that lie beyond their tips.
+    """Fingers on a fixed palm that are too short for their objects.
 
-    ``allowed`` are the pairs of bodies that may touch, [nb, nb]. What moves may come within reach.
-    Objects that are free are told of where no finger reaches any, and so can not move them, and
-    they only fall.
+    ``allowed`` are the pairs of bodies that may touch, [nb, nb]. Moving objects may come within
+    reach. Free objects are reported if no finger reaches any of them, so that they only fall.
     """
     objects = np.array([i for i, body in enumerate(model.mechanism.bodies)
                         if body.role == "object" and body.shapes], dtype=np.int64)
@@ -103,7 +101,7 @@ def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
 
 
 def _too_short(model: Model, fingers: list[_Reaching]) -> Problem:
-    """Of those that lack one and the same object, the one that lacks most; the others' names."""
+    """The finger that is farthest from an object, and the names of the others."""
     worst = max(fingers, key=lambda finger: finger.distance - finger.reach)
     others = [finger.name for finger in fingers if finger is not worst]
     lack, loose = mm(worst.distance - worst.reach), bool(model.bodies.free[worst.nearest])
@@ -112,14 +110,14 @@ def _too_short(model: Model, fingers: list[_Reaching]) -> Problem:
         f"reaches {mm(worst.reach)} from its first hinge, and the nearest object that it "
         f"may touch, {model.bodies.name[worst.nearest]!r}, is {mm(worst.distance)} from it"
         + (" and does not approach as it falls" if loose else "")
-        + (f" (and so for {len(others)} more, which lack less or as much: {listed(others)})"
+        + (f" (the same for {len(others)} more: {listed(others)})"
            if others else ""),
         f"move either by {lack} or more, or make it longer"
         + ("; other loads on it are ignored" if loose else ""))
 
 
 def _only_fall(model: Model, objects: Integers) -> bool:
-    """Whether nothing but gravity and contacts moves the objects that do not stay."""
+    """Whether only gravity and contacts move the objects that are not fixed."""
     bodies = model.mechanism.bodies
     tied = np.concatenate([model.joints.bodies.ravel(), model.springs.bodies.ravel(),
                            model.tendons.guide_body])
@@ -142,7 +140,7 @@ def _fingers(model: Model, allowed: Flags, objects: Integers) -> Iterator[_Reach
             (_on_its_way(model, body, circle, hinge), body) for body, circle in zip(
                 objects[touched][order[:MOST_LOOKED]].tolist(),
                 rounds[touched][order[:MOST_LOOKED]], strict=True))
-        others = order[MOST_LOOKED:]  # none of them is nearer than the circle about it, if it stays
+        others = order[MOST_LOOKED:]  # none is nearer than its circle, if it is fixed
         certain = bool(model.bodies.fixed[objects[touched][others]].all()
                        and distance <= apart[others].min(initial=math.inf))
         yield _Reaching(name, links[0].body, bool(model.bodies.fixed[palm]) and certain, reach,
@@ -150,7 +148,7 @@ def _fingers(model: Model, allowed: Flags, objects: Integers) -> Iterator[_Reach
 
 
 def _on_its_way(model: Model, body: int, circle: Array, hinge: Array) -> float:
-    """From a hinge to an object [m]; of one that falls towards it that of its circle, at least."""
+    """Distance of a hinge from an object [m]; for a falling one the minimum along its path."""
     distance, gravity = _distance(model, body, hinge), np.array(model.mechanism.gravity)
     ahead = float((hinge - circle[:2]) @ gravity)
     if not model.bodies.free[body] or ahead <= 0:
@@ -175,7 +173,7 @@ def _hinge_at(model: Model, hinge: int) -> Array:
 
 
 def _round(model: Model, body: int) -> tuple[float, float, float]:
-    """A circle about all of a body: its centre in the world and its radius [m]."""
+    """Bounding circle of a body: centre in the world and radius [m]."""
     written = model.mechanism.bodies[body]
     points = np.array([to_world(pose_of(written), point)
                        for shape in written.shapes for point in outline(shape)])
@@ -199,36 +197,36 @@ def _distance(model: Model, body: int, point: Array) -> float:
 
 
 class StringEnd(NamedTuple):
-    """What draws at a rocker or wheel of a tree: a tendon that ends on it, or a rope."""
+    """A string of a rocker or wheel of a tree: a tendon that ends on it, or a rope."""
 
     tendon: int
-    """By number; none of a rope."""
+    """Its index; -1 for a rope."""
     source: int
-    """The body that it comes from."""
+    """The body at its other end."""
     at: Array
-    """Where it ends, in the frame of the rocker or wheel [m]."""
+    """Its end in the frame of the rocker or wheel [m]."""
     radius: float
-    """Of the wheel that it is wound on, 0 where it ends in an eye [m]."""
+    """Radius of the wheel; 0 for an end at a point [m]."""
     length: float
-    """Of its last stretch at t = 0 [m]."""
+    """Length of its last straight piece at t = 0 [m]."""
 
     @property
     def arm(self) -> float:
-        """About the pivot [m]."""
+        """Moment arm about the pivot [m]."""
         return self.radius or float(np.hypot(*self.at))
 
 
 def ways(model: Model, names: tuple[str, ...]) -> dict[str, float]:
-    """Of each rocker or wheel of a tree, how far its pivot goes until all fingers are closed [m].
+    """Displacement of each pivot of a tree until all fingers are closed [m].
 
-    nan where that is not known: for leaves that are no fingers, and fingers without stops.
+    nan where it is unknown: for leaves other than fingers, and fingers without stops.
     """
     shortenings = _shortenings(model, chains(model))
     strings, found = strings_of(model, names), dict[int, float]()
 
     def way(node: int) -> float:
         if node not in found:
-            found[node] = math.nan  # of what leads back to itself
+            found[node] = math.nan  # for cycles
             if len(strings[node]) == 2:
                 a, b = (string.arm for string in strings[node])
                 one, two = (way(string.source) if string.source in strings
@@ -241,9 +239,9 @@ def ways(model: Model, names: tuple[str, ...]) -> dict[str, float]:
 
 
 def _shortenings(model: Model, chains: Mapping[str, list[Phalanx]]) -> dict[int, float]:
-    """By tendon, how far a finger draws it in from where it starts to its stops [m].
+    """Shortening of each tendon while its finger closes from t = 0 to its stops [m].
 
-    Only tendons over eyes of one finger and of what stays, and fingers with stops at every hinge.
+    Only tendons through points of one finger and of fixed bodies, and fingers with all stops.
     """
     tendons, found = model.tendons, dict[int, float]()
     owner = {link.body: chain for chain in chains.values() for link in chain}
@@ -284,7 +282,7 @@ def _shortening(model: Model, chain: list[Phalanx], guides: list[int]) -> float 
 def _poses(
     model: Model, chain: list[Phalanx], turns: Array,
 ) -> dict[int, tuple[float, float, float]]:
-    """Where the phalanges are once each hinge has turned, counter-clockwise [rad], from t = 0."""
+    """Poses of the phalanges after each hinge has turned counter-clockwise [rad] from t = 0."""
     joints, poses = model.joints, dict[int, tuple[float, float, float]]()
     total = 0.0
     for link, turn in zip(chain, turns.tolist(), strict=True):
@@ -300,7 +298,7 @@ def _poses(
 
 
 def strings_of(model: Model, names: tuple[str, ...]) -> dict[int, list[StringEnd]]:
-    """What ends on the pivots' bodies: tendons, then ropes."""
+    """The strings that end on each pivot: tendons, then ropes."""
     tendons, joints = model.tendons, model.joints
     found: dict[int, list[StringEnd]] = {model.names.body[name]: [] for name in names}
     for tendon in range(len(tendons.name)):
@@ -339,22 +337,22 @@ def reaches(model: Model) -> Iterator[str]:
 
 
 def _rockers(model: Model, names: tuple[str, ...]) -> Iterator[str]:
-    told: dict[str, list[str]] = {}
+    differences: dict[str, list[str]] = {}
     strings = strings_of(model, names)
     for name in names:
         ends = [end for end in strings[model.names.body[name]] if not end.radius]
         if len(ends) == 2:
             one, two = ends
             width = float(np.hypot(*(one.at - two.at)))
-            told.setdefault(f"by {mm(_off(one, two))} and {mm(width)}", []).append(name)
-    if told:
-        where = ", ".join(f"{way} ({listed(named, most=4)})" for way, named in told.items())
-        yield (f"a rocker's shares are {100 * OFF:g} % off, and it turns over, where its strings "
-               f"have gone differently far, {where}")
+            differences.setdefault(f"by {mm(_off(one, two))} and {mm(width)}", []).append(name)
+    if differences:
+        where = ", ".join(f"{way} ({listed(named, most=4)})" for way, named in differences.items())
+        yield (f"the shares of a rocker are {100 * OFF:g} % off, and it turns over, where the "
+               f"displacements of its strings differ {where}")
 
 
 def _off(one: StringEnd, two: StringEnd) -> float:
-    """How differently far the strings have gone where the shares are :data:`OFF` off [m]."""
+    """Difference of the displacements at which the shares are :data:`OFF` off [m]."""
     a, b = one.arm, two.arm
     k, m = (max(end.length, STRAIGHT) for end in (one, two))
     least, most = 0.0, math.pi / 2
@@ -368,9 +366,9 @@ def _off(one: StringEnd, two: StringEnd) -> float:
 
 
 def _error(tilt: float, a: float, b: float, lags: float, leads: float) -> float:
-    """Of T1 / T2 against b / a, where the string of ``a`` lags.
+    """Relative error of T1 / T2 against b / a, where the string of ``a`` lags.
 
-    Of a string that ends in an eye the last stretch grows, and it slants less.
+    It is an upper bound: the last piece of a string at a point grows, and it slants less.
     """
     slant1 = math.atan2(a * (1 - math.cos(tilt)), lags)
     slant2 = math.atan2(b * (1 - math.cos(tilt)), leads)
@@ -387,12 +385,12 @@ def _slots(model: Model, names: tuple[str, ...]) -> Iterator[str]:
                  if name in rooms and way > rooms[name][0] + NEGLIGIBLE}
         if short:
             most = max(short, key=lambda name: short[name] - rooms[name][0])
-            yield (f"to close on nothing, until its fingers are at their stops, {most!r} would go "
+            yield (f"to close the empty hand up to its stops, {most!r} would have to move "
                    f"{mm(short[most])}")
 
 
 def _room(model: Model, body: int) -> tuple[float, float] | None:
-    """How far a pivot can go in its slot from where it starts, on and back [m]."""
+    """Travel of a pivot in its slot from t = 0, forwards and backwards [m]."""
     joints, pose = model.joints, model.bodies.pose
     for joint in joints.keeping("groove"):
         frame, slider = joints.bodies[joint].tolist()

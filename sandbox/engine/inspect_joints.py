@@ -28,8 +28,8 @@ def joint_problems(model: Model) -> Iterator[Problem]:
         if not (directionless or _begins(model, i)):
             continue
         if message := _apart(model, i):
-            told = error if directionless else look
-            yield told("not-assembled", f"$.joints[{i}]", name, "not assembled at t = 0: "
+            report = error if directionless else look
+            yield report("not-assembled", f"$.joints[{i}]", name, "not assembled at t = 0: "
                        f"{message}", f"move a body or an anchor, or {_advice(model, i)}")
         low, high = joints.stops[i].tolist()
         if joints.start[i] < low - 1e-9 or joints.start[i] > high + 1e-9:
@@ -39,7 +39,7 @@ def joint_problems(model: Model) -> Iterator[Problem]:
 
 
 def shared_problems(model: Model) -> Iterator[Problem]:
-    """Joints that hold what others hold already, so that their shares are not decided."""
+    """Redundant joints, whose shares of the load statics does not determine."""
     shared = sorted(shared_joints(model, model.bodies.pose).joints)
     if shared and all(_begins(model, j) for j in shared):
         names = listed([model.joints.name[j] for j in shared])
@@ -54,7 +54,7 @@ def shared_problems(model: Model) -> Iterator[Problem]:
 
 
 def _begins(model: Model, joint: int) -> bool:
-    """Whether a joint holds at t = 0."""
+    """Whether a joint is closed at t = 0."""
     return model.ties.begins(int(model.ties.joint[joint]))
 
 
@@ -73,7 +73,7 @@ def _groove(model: Model, joint: int) -> tuple[Vec, Vec]:
 
 
 def _directionless(model: Model, joint: int) -> bool:
-    """Whether a joint that acts along a line has none: no step can be made then."""
+    """Whether a joint has no line of action; then no step can be made."""
     match model.joints.kind[joint].keeps:
         case "groove":
             return math.dist(*_groove(model, joint)) < STRAIGHT
@@ -84,7 +84,7 @@ def _directionless(model: Model, joint: int) -> bool:
 
 
 def _apart(model: Model, joint: int) -> str:
-    """How a joint's anchors contradict it at t = 0; empty when they do not."""
+    """The error of a joint's anchors at t = 0 in words; empty if there is none."""
     distance, point = _distance(model, joint)
     least, most = model.joints.reach[joint].tolist()
     match model.joints.kind[joint].keeps:
@@ -93,14 +93,14 @@ def _apart(model: Model, joint: int) -> str:
         case "groove":
             start, end = _groove(model, joint)
             if math.dist(start, end) < STRAIGHT:
-                return "its groove begins and ends in one place, where it has no direction"
+                return "the ends of its groove coincide, so it has no direction"
             off = _from_segment(point, start, end)
             return f"its point is {mm(off)} off the groove" if off > NEGLIGIBLE else ""
         case "gear" | "rack" | "roll":  # sandbox.engine.inspect_joints
             return ""
         case "distance":
             if least <= NEGLIGIBLE:
-                return "its ends are in one place, where it has no direction: that is a pin"
+                return "its ends coincide, so it has no direction: use a pin"
             return (f"its ends are {mm(distance)} apart, its length is {mm(least)}"
                     if abs(distance - least) > NEGLIGIBLE else "")
         case "range":
@@ -109,11 +109,11 @@ def _apart(model: Model, joint: int) -> str:
 
 
 def _advice(model: Model, joint: int) -> str:
-    """The length that would do where a joint has one, or that one of its anchors would follow."""
+    """Advice: the right length of the joint, or to leave an anchor out."""
     keeps, most = model.joints.kind[joint].keeps, float(model.joints.reach[joint, 1])
     distance = _distance(model, joint)[0]
     if keeps == "groove":
-        return "put the groove where the point is"
+        return "move the groove to the point"
     if keeps not in ("distance", "range") or distance < STRAIGHT:
         return "leave one anchor out"
     field = "length" if keeps == "distance" else "longest" if distance > most else "shortest"
@@ -130,12 +130,12 @@ def _from_segment(point: Vec, start: Vec, end: Vec) -> float:
 
 
 ASKEW = 1e-4
-"""Sine of the angle from which a rack's pitch line counts as turned from its groove: 0.1 mm in a
+"""Sine of the smallest reported angle between the pitch line of a rack and its groove: 0.1 mm in a
 travel of 1 m."""
 
 
 def wheel_problems(model: Model) -> Iterator[Problem]:
-    """Gears, racks and rolling circles that are not where they meet, or that nothing holds."""
+    """Gears, racks and rolling circles that do not meet, or whose centres are not held."""
     look_at = {"gear": _gear, "rack": _rack, "roll": _roll}
     for i, kind in enumerate(model.joints.kind):
         if kind.keeps in look_at:
@@ -152,13 +152,13 @@ def wheel_problems(model: Model) -> Iterator[Problem]:
                        f"{_name(model, i, 0)} and {_name(model, i, 1)} apart", "give each a "
                        "bearing: a pin on the ground or on a carrier, of a rack a slot")
         elif not model.joints.play[i] > 0:
-            yield look("bad-mesh", path, name, f"only springs or cords hold {whose}: teeth without "
-                       "play are pulled back into mesh where they change over to the other flank",
+            yield look("bad-mesh", path, name, f"only springs or tendons hold {whose}: without "
+                       "backlash the teeth get an impact when the other flank takes over",
                        "give it a 'backlash', for example 0.01 mm")
 
 
 def _tied(model: Model) -> set[int]:
-    """Bodies that springs or cords pull at, which may hold wheels together."""
+    """Bodies with springs or tendons, which may hold wheels together."""
     springs, tendons = model.springs, model.tendons
     return {*springs.bodies[springs.straight].ravel().tolist(), *tendons.guide_body.tolist()}
 
@@ -176,14 +176,14 @@ def _at(model: Model, joint: int) -> tuple[Vec, Vec]:
 
 
 def _radii(model: Model, joint: int) -> tuple[float, float, float, float]:
-    """Distance of two centres at t = 0, where their circles touch, and both radii [m]."""
+    """Distance of two centres at t = 0, that at which their circles touch, both radii [m]."""
     ra, rb = model.joints.radii[joint].tolist()
     right = abs(ra - rb) if model.joints.inside[joint] else ra + rb
     return math.dist(*_at(model, joint)), right, ra, rb
 
 
 def _wheel_advice(model: Model, joint: int) -> str:
-    """Where the centres should be, or what the second radius should be instead."""
+    """Advice: the right distance of the centres, or the right second radius."""
     distance, right, ra, rb = _radii(model, joint)
     other = distance - ra
     if model.joints.inside[joint]:
@@ -206,7 +206,7 @@ def _gear(model: Model, joint: int) -> Iterator[Problem]:
     apart = f"its centres are {mm(distance)} apart, its pitch circles touch at {mm(right)}"
     share = right * math.cos(model.joints.pressure[joint]) / max(distance, STRAIGHT)
     if share >= 1:
-        yield error("bad-mesh", path, name, f"its teeth lie in one another at t = 0: {apart}",
+        yield error("bad-mesh", path, name, f"its teeth overlap at t = 0: {apart}",
                     _wheel_advice(model, joint))
         return
     yield look("bad-mesh", path, name, f"does not mesh as it should at t = 0: {apart}; teeth would "
@@ -218,8 +218,8 @@ def _roll(model: Model, joint: int) -> Iterator[Problem]:
     distance, right, *_ = _radii(model, joint)
     if abs(distance - right) <= NEGLIGIBLE:
         return
-    told = error if distance < STRAIGHT else look
-    yield told("not-assembled", f"$.joints[{joint}]", model.joints.name[joint],
+    report = error if distance < STRAIGHT else look
+    yield report("not-assembled", f"$.joints[{joint}]", model.joints.name[joint],
                f"not assembled at t = 0: its centres are {mm(distance)} apart, its circles touch "
                f"at {mm(right)}", _wheel_advice(model, joint))
 
@@ -245,9 +245,9 @@ def _rack(model: Model, joint: int) -> Iterator[Problem]:
 
 
 def _slide(model: Model, joint: int) -> tuple[int, Vec] | None:
-    """A slot that lets a rack slide another way than along its pitch line, and its direction.
+    """A slot in which a rack slides in another direction than its pitch line, and the direction.
 
-    It keeps the rack from turning and depends on what holds the gear's centre. The direction is
+    The slot prevents rotation and is fixed to the same body as the gear's centre. The direction is
     that of the groove in the rack's frame, of length 1.
     """
     joints, free = model.joints, model.bodies.free
@@ -274,7 +274,7 @@ def _slide(model: Model, joint: int) -> tuple[int, Vec] | None:
 def _from_pitch_line(model: Model, joint: int, along: Vec | None = None) -> float:
     """Distance at t = 0 [m] of a gear's centre from the pitch line of its rack.
 
-    ``along`` takes the place of the line's own direction, which has the gear to its left.
+    ``along`` takes the place of the line's own direction, with the gear to its left.
     """
     joints = model.joints
     x, y = to_body(pose_of(model.mechanism.bodies[joints.bodies[joint, 1]]), _at(model, joint)[0])

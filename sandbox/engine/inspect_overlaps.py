@@ -1,9 +1,8 @@
-"""Bodies that lie in each other at t = 0: pairs that may touch and are deeper than is negligible.
+"""Overlapping bodies at t = 0: pairs that may touch, with a depth that is not negligible.
 
-Shapes are sorted along the axis on which they lie further apart, so that each is held against
-those only whose boxes reach into its own. In a heap of shapes in one place that is still every
-pair of them; no more than :data:`MOST_LOOKED` are looked at (and :data:`MOST_BOXES` pairs of
-boxes), and where that is not all of them it is told.
+Shapes are sorted along the longer axis, so that each is compared only with those whose boxes
+overlap its own. At most :data:`MOST_LOOKED` pairs of shapes (and :data:`MOST_BOXES` pairs of
+boxes) are compared; the report says if this is not all of them.
 """
 
 from __future__ import annotations
@@ -22,23 +21,23 @@ from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.geometry import solids as solids_of
 
 MOST_LOOKED = 20_000
-"""Pairs of shapes that are held against each other."""
+"""Largest number of compared pairs of shapes."""
 MOST_BOXES = 50_000_000
-"""Pairs of boxes."""
-MOST_TOLD = 100
-"""Overlaps that are told; of further ones how many there are."""
+"""Largest number of compared pairs of boxes."""
+MOST_REPORTED = 100
+"""Largest number of reported overlaps; further ones are counted."""
 
 
 class Overlaps(NamedTuple):
-    """What a look at all shapes at t = 0 finds."""
+    """Overlaps of all shapes at t = 0."""
 
     problems: list[Problem]
     near: int
-    """Pairs of bodies, of those looked at, that may touch and whose shapes' boxes meet."""
+    """Compared pairs of bodies that may touch and whose boxes overlap."""
 
 
 def overlaps(model: Model, allowed: Flags) -> Overlaps:
-    """Bodies that lie in each other; ``allowed`` are the pairs that may touch, [nb, nb]."""
+    """Overlapping bodies; ``allowed`` are the pairs that may touch, [nb, nb]."""
     holders, solids, owner = _solids(model)
     looked, whole, depths = 0, True, dict[tuple[int, int], float]()
     for i, others, last in _neighbours(_boxes(solids), owner, allowed):
@@ -56,18 +55,18 @@ def _problems(
     names: tuple[str, ...], depths: dict[tuple[int, int], float], looked: int, *, whole: bool,
 ) -> Iterator[Problem]:
     found = [(pair, depth) for pair, depth in sorted(depths.items()) if depth > NEGLIGIBLE]
-    for (a, b), depth in found[:MOST_TOLD]:
+    for (a, b), depth in found[:MOST_REPORTED]:
         yield look("overlap", f"$.bodies[{a}]", names[a], f"overlaps {names[b]!r} by {mm(depth)} "
                    "at t = 0", "move one of them, or add a contact rule with \"collide\": false")
-    if len(found) > MOST_TOLD or not whole:
-        more = f"{len(found) - MOST_TOLD} more bodies overlap" if whole \
+    if len(found) > MOST_REPORTED or not whole:
+        more = f"{len(found) - MOST_REPORTED} more bodies overlap" if whole \
             else "further bodies may overlap"
         yield look("overlap", "$.bodies", "bodies", f"{more} at t = 0",
-                   "" if whole else f"{looked} pairs of shapes were looked at")
+                   "" if whole else f"{looked} pairs of shapes were compared")
 
 
 def _solids(model: Model) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
-    """What holds shapes, which lasts no longer; all shapes at t = 0; the body of each."""
+    """Bodies that keep the shapes alive; all shapes at t = 0; the body of each."""
     holders, solids, owner = [], [], []
     for i, body in enumerate(model.mechanism.bodies):
         holder = pymunk.Body(body_type=pymunk.Body.STATIC)
@@ -89,9 +88,9 @@ def _boxes(solids: list[pymunk.Shape]) -> Array:
 def _neighbours(
     boxes: Array, owner: Integers, allowed: Flags,
 ) -> Iterator[tuple[int, Integers, bool]]:
-    """Each shape with later ones whose boxes touch its own and whose bodies may touch its own.
+    """Each shape with the later ones whose boxes overlap and whose bodies may touch it.
 
-    True with the last one where more boxes were left than may be held against each other.
+    True with the last one if the limit of pairs was reached.
     """
     if not len(boxes):
         return
@@ -115,12 +114,12 @@ def _neighbours(
 
 
 def _depth(one: pymunk.Shape, other: pymunk.Shape) -> float:
-    """How deep two shapes are in each other [m]; 0 if they are not.
+    """Depth of the overlap of two shapes [m]; 0 if there is none.
 
-    Chipmunk gives points of overlap only, with a sign that hangs on which shape comes first.
+    The sign of Chipmunk's distances depends on the order of the shapes.
     """
     try:
         points = one.shapes_collide(other).points
-    except AssertionError:  # what pymunk has for no point at all
+    except AssertionError:  # pymunk raises it if there is no point
         return 0.0
     return max((abs(point.distance) for point in points), default=0.0)

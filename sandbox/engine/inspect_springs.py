@@ -4,8 +4,8 @@
   w = sqrt(k s), s the response of the two to a unit push (1/m_a + 1/m_b for
   two points); a leapfrog of step h is off by (h w)^2 / 24 in frequency. One that
   is too stiff for it (:mod:`sandbox.engine.stiffness`) is solved at the step's end,
-  which damps its vibration. Of a spring with a law of its own k is the largest
-  slope where it may come to. A damper c settles in 1 / (c s). Of the joints
+  which damps its vibration. For a spring with a law, k is the largest slope in
+  its range. A damper c settles in 1 / (c s). Of the joints
   only a hinge between the two is counted: the others could only make the
   response smaller. Of tendons only stiff ones are checked.
 - **Over centre**: a straight spring across a hinge C has no arm when its ends
@@ -15,13 +15,12 @@
 
 A cable from :data:`RIGID` on is solved at the end
 of a step h, which acts as a damper h k along it, besides its own c: of a mode of w the damping
-ratio is zeta = (c + h k) w / (2 k), large for a small mass on it and small for a large one. No
-default could do for both: k times 1 ms takes the peak of a 0.5 kg weight that is released from 2 to
+ratio is zeta = (c + h k) w / (2 k), large for a small mass and small for a large one. No default
+suits both: k times 1 ms takes the peak of a 0.5 kg weight that is released from 2 to
 1.5 weights, and leaves 20 kg ringing for 1.8 s.
 
-Modes are those of the pose at t = 0 with joints held, every spring and taut cord that no drive
-pulls in them, and all dampers; contacts are left out, and what gravity adds. Cords that begin slack
-get the jolt that makes others ring: modes are looked for once more with all cords taut.
+Modes are those of the pose at t = 0 with joints, springs, dampers and taut cords that no drive
+pulls; contacts and gravity are left out. Modes are computed again with all cords taut.
 """
 
 from __future__ import annotations
@@ -79,10 +78,10 @@ def _centre_of(model: Model, hinge: int) -> Vec:
 
 
 def _softness(model: Model, first: _Push, second: _Push, hinge: Vec | None) -> float:
-    """How far two opposite pushes set their points in motion: l^T W l [1/kg or 1/(kg m^2)].
+    """Response to two opposite pushes: l^T W l [1/kg or 1/(kg m^2)].
 
-    W is the inverse mass matrix of the two bodies, less what a hinge between
-    them at ``hinge`` takes from it: W - W J^T (J W J^T)^-1 J W.
+    W is the inverse mass matrix of the two bodies, reduced by a hinge between
+    them at ``hinge``: W - W J^T (J W J^T)^-1 J W.
     """
     bodies = model.bodies
     free, slip = 0.0, [0.0, 0.0]
@@ -101,7 +100,7 @@ def _softness(model: Model, first: _Push, second: _Push, hinge: Vec | None) -> f
             slip[1] += sign * (fy / m + dx * spin / i)
             xx, xy, yy = xx + 1 / m + dy**2 / i, xy - dx * dy / i, yy + 1 / m + dx**2 / i
     square = xx * yy - xy * xy
-    if not (free and square > 0.0):  # no hinge, or one so far away that rounding leaves nothing
+    if not (free and square > 0.0):  # no hinge, or one too far away
         return free
     x, y = slip
     return max(free - (yy * x * x - 2 * xy * x * y + xx * y * y) / square, 0.0)
@@ -146,7 +145,7 @@ def against_step(model: Model) -> Iterator[Problem]:
 
 
 def _without_value(model: Model, spring: int, law: SpringLaw) -> Iterator[Problem]:
-    """A law that has no value where the spring may come to."""
+    """A law that has no value in the range of the spring."""
     tried = range_of_stretch(model, spring)
     lacks = ~np.isfinite(law.force(tried, np.zeros(len(tried)),
                                    float(model.springs.stiffness[spring])))
@@ -166,15 +165,15 @@ def _against(
         left = 1 / math.hypot(1, h * pace)
         yield look("stiff-step", path, name, f"too stiff for the step: h w = {h * pace:.3g}, so it "
                    f"is solved at the step's end and its vibration damped, to {100 * left:.0f} % "
-                   "in a step", f"a step of {fine:.2g} s shows it ring")
+                   "in a step", f"use a step of {fine:.2g} s to resolve the vibration")
     elif h * pace > COARSE:
         yield look("stiff-step", path, name, f"stiff for the step: h w = {h * pace:.3g}, its "
-                   f"vibration is over {100 * COARSE**2 / 24:.0f} % off above {COARSE:g}",
-                   f"a step of {COARSE / pace:.2g} s would do")
+                   f"frequency is more than {100 * COARSE**2 / 24:.0f} % off above {COARSE:g}",
+                   f"use a step of {COARSE / pace:.2g} s")
     if h * rate > OVERDAMPED:
         yield look("stiff-step", path, name, "the damper is too strong for the step: alone it "
                    f"would settle in {1 / rate:.2g} s, the step is {h:.2g} s",
-                   f"a step of {OVERDAMPED / rate:.2g} s would do")
+                   f"use a step of {OVERDAMPED / rate:.2g} s")
 
 
 def without_arm(model: Model) -> Iterator[Problem]:
@@ -188,7 +187,7 @@ def without_arm(model: Model) -> Iterator[Problem]:
               for body, point in zip((a, b), springs.anchor[i], strict=True)]
         if math.dist(*at) < STRAIGHT and springs.rest[i]:
             yield look("coincident-points", f"$.springs[{i}]", springs.name[i], "its ends coincide "
-                       "at t = 0", "it pushes in no direction until they part")
+                       "at t = 0", "it has no force until they separate")
         hinge = hinges.get(frozenset((a, b)))
         if hinge is not None and (angle := over_centre(model, i, hinge)) is not None:
             bound = ("within its limits" if hinge in joints.stopped
@@ -199,10 +198,10 @@ def without_arm(model: Model) -> Iterator[Problem]:
 
 
 def over_centre(model: Model, spring: int, hinge: int) -> float | None:
-    """The hinge's angle [rad] at which a straight spring across it is stretched over its centre.
+    """The hinge angle [rad] at which a straight spring passes over the centre of the hinge.
 
-    The one nearest to the start (of two as near, the lower) that the hinge's limits let
-    it get to; None if there is none, or when an end lies on the hinge.
+    The nearest to the start (of two equally near, the lower) within the limits of the
+    hinge; None if there is none, or if an end is on the hinge.
     """
     springs, joints = model.springs, model.joints
     centre = _centre_of(model, hinge)
@@ -221,14 +220,14 @@ def over_centre(model: Model, spring: int, hinge: int) -> float | None:
 
 
 PERIODS = 15
-"""After so many an oscillation should have died to :data:`LEFT`."""
+"""Number of periods after which an oscillation should have decayed to :data:`LEFT`."""
 LEFT = 0.01
 ENOUGH = -math.log(LEFT) / (2 * math.pi * PERIODS)
-"""The damping ratio at which it has: 5 %."""
+"""The damping ratio for that: 5 %."""
 
 
 def ringing_problems(model: Model) -> Iterator[Problem]:
-    """Stiff cords that take most of a mode that is damped less than :data:`ENOUGH`."""
+    """Stiff cords with most of the energy of a mode that is damped less than :data:`ENOUGH`."""
     free = np.asarray(model.tendons.drive == NONE)
     pulls = pulls_at_start(model)
     now = free & ~np.asarray(pulls.length < rest_lengths(model) - STRAIGHT)
@@ -241,14 +240,14 @@ def ringing_problems(model: Model) -> Iterator[Problem]:
         periods = -math.log(LEFT) / (2 * math.pi * mode.ratio)
         yield look("undamped", f"$.tendons[{cord}]", model.tendons.name[cord], "vibrates at "
                    f"{mode.omega / (2 * math.pi):.3g} "
-                   f"Hz{'' if cord in ringing else ' once all cords are taut'}: of a jolt, "
-                   f"{100 * LEFT:.0f} % remain after {periods:.3g} periods, "
+                   f"Hz{'' if cord in ringing else ' once all tendons are taut'}: it decays to "
+                   f"{100 * LEFT:.0f} % in {periods:.3g} periods, "
                    f"{2 * math.pi * periods / mode.omega:.2g} s", "with 'damping' "
-                   f"{mode.damping:.3g} N s/m it would take {PERIODS}")
+                   f"{mode.damping:.3g} N s/m it would take {PERIODS} periods")
 
 
 def _ringing(model: Model, elements: list[_Element], taut: Flags) -> dict[int, _Mode]:
-    """Of every cord the worst mode that it takes most of, if that rings; some cords being taut."""
+    """The least damped mode of each cord, if it rings, with some cords taut."""
     rigid = taut & (model.tendons.stiffness >= RIGID)
     at: dict[int, dict[int, _Element]] = {}
     for i, element in enumerate(elements):
@@ -265,32 +264,32 @@ def _ringing(model: Model, elements: list[_Element], taut: Flags) -> dict[int, _
 
 
 class _Mode(NamedTuple):
-    """A motion that stiff cords take most of; the least damped comes first."""
+    """A mode with most of its energy in stiff cords; the least damped comes first."""
 
     ratio: float
-    """Of its damping to what would be critical."""
+    """Damping ratio."""
     omega: float
     """[rad/s]"""
     cord: int
-    """The one that takes most of it."""
+    """The cord with the largest share."""
     damping: float
-    """That this cord would have to have [N s/m] for :data:`ENOUGH`."""
+    """Damping of this cord [N s/m] for :data:`ENOUGH`."""
 
 
 class _Element(NamedTuple):
-    """A spring, cord or damper: bodies and what 1 N or 1 N m in it does to them."""
+    """A spring, cord or damper: bodies and the wrenches of 1 N or 1 N m on them."""
 
     parts: list[tuple[int, Array]]
     stiffness: float
     damping: float
-    """What is solved at the end of a step h has h k more."""
+    """With h k added if it is solved at the end of a step h."""
     cord: int = NONE
 
 
 def _modes(
     model: Model, bodies: Integers, elements: list[_Element], rigid: Flags,
 ) -> Iterator[_Mode]:
-    """Those of a group of bodies and of what acts on them."""
+    """The modes of a group of bodies with their elements."""
     rows, stiffness, damping, cord = _table(bodies, elements)
     if not len(rows) or not rigid[cord[cord >= 0]].any():
         return
@@ -315,7 +314,7 @@ def _modes(
 
 
 def _motions(model: Model, bodies: Integers, weight: Array) -> Array:
-    """A basis of the motions that joints allow, by the roots of the masses, [3 n, freedoms]."""
+    """A basis of the motions that joints allow, times the roots of the masses, [3 n, freedoms]."""
     place = {body: 3 * i for i, body in enumerate(bodies.tolist())}
     pose, found = model.bodies.pose, []
     for joint in sorted({joint for body in place for joint, _ in model.neighbours[body]}):
@@ -328,7 +327,7 @@ def _motions(model: Model, bodies: Integers, weight: Array) -> Array:
     if not found:
         return np.eye(len(weight))
     lines = np.array(found)
-    if len(lines) > lines.shape[1]:  # as many as say the same: the left vectors are not asked for
+    if len(lines) > lines.shape[1]:  # redundant rows: the left vectors are not needed
         lines = np.asarray(np.linalg.qr(lines, mode="r"))
     _, values, right = np.linalg.svd(lines)
     rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
@@ -356,7 +355,7 @@ def _elements(model: Model, pulls: Pulls) -> list[_Element]:
 def _table(
     bodies: Integers, elements: list[_Element],
 ) -> tuple[Array, Array, Array, Integers]:
-    """Elements of a group: rows [n, 3 nb], stiffness, damping, which cord; -1 is no cord."""
+    """Elements of a group: rows [n, 3 nb], stiffness, damping, cord; -1 is no cord."""
     place = {body: 3 * i for i, body in enumerate(bodies.tolist())}
     rows: list[Array] = []
     kept: list[_Element] = []
@@ -380,7 +379,7 @@ def _about(model: Model, joint: int) -> list[tuple[int, Array]]:
 
 
 def _along(model: Model, spring: int) -> list[tuple[int, Array]]:
-    """What a straight spring's unit pull does at t = 0; nothing where its ends are in one place."""
+    """Wrenches of a unit force of a straight spring at t = 0; none if its ends coincide."""
     pose, springs = model.bodies.pose, model.springs
     arms = []
     for body, point in zip(springs.bodies[spring].tolist(), springs.anchor[spring], strict=True):

@@ -12,9 +12,9 @@ from sandbox.model.model import Model
 from sandbox.numeric import Flags, Integers
 
 NEGLIGIBLE = 1e-5
-"""Gaps and overlaps up to this [m] are what a scene written in hundredths of a mm may have."""
+"""Gaps and overlaps up to this [m] are accepted: scenes may be written in hundredths of a mm."""
 STRAIGHT = 1e-9
-"""Two points nearer than this are one [m]."""
+"""Two points nearer than this coincide [m]."""
 
 
 def error(code: str, path: str, element: str, message: str, advice: str) -> Problem:
@@ -33,7 +33,7 @@ def mm(length: float) -> str:
 
 
 def fitting(length: float) -> str:
-    """A length [m] in millimetres that is to be written as it stands: to far below a gap."""
+    """A length [m] in millimetres with enough digits to be copied into a scene."""
     return f"{length * 1e3:.8g} mm"
 
 
@@ -43,9 +43,10 @@ def deg(angle: float) -> str:
 
 
 def linked(model: Model, *, springs: bool = False, contacts: Flags | None = None) -> Flags:
-    """Which free bodies joints and cords link, springs if asked, and pairs that may touch.
+    """Free bodies that joints and tendons connect, [nb, nb].
 
-    Those, ``contacts``, are :func:`sandbox.model.pairs.allowed_pairs`; all are [nb, nb].
+    Optionally also those of springs, and the pairs that may touch, ``contacts`` of
+    :func:`sandbox.model.pairs.allowed_pairs`.
     """
     tendons, free = model.tendons, model.bodies.free
     found = np.zeros((len(free), len(free)), dtype=bool)

@@ -54,15 +54,15 @@ def jointed(**joint: Any) -> dict[str, Any]:
     ({"type": "slot", "start": [0, 0], "end": [0.03, 0]}, "point is 20 mm off the groove"),
     ({"type": "slot", "start": [0.02, -0.04], "end": [0.08, 0.05]}, "point is 2.774 mm off the"),
     ({"type": "rod", "length": 0.04}, "ends are 50 mm apart, its length is 40 mm"),
-    ({"type": "rod", "on_a": [0.05, 0], "on_b": [0, 0]}, "ends are in one place, where it has no"),
+    ({"type": "rod", "on_a": [0.05, 0], "on_b": [0, 0]}, "ends coincide, so it has no"),
     ({"type": "slot", "start": [0.05, 0], "end": [0.05, 0]},
-     "its groove begins and ends in one place, where it has no direction"),
+     "the ends of its groove coincide, so it has no direction"),
     ({"type": "rope", "longest": 0.02}, "ends are 50 mm apart, it allows 0 mm to 20 mm"),
     ({"type": "rope", "longest": 0.09, "shortest": 0.06}, "it allows 60 mm to 90 mm"),
 ])
 def test_joints_that_are_not_assembled(joint, message):
     severity, element, told = the_one(jointed(**joint))
-    assert (severity, element) == ("error" if "in one place" in message else "warning", "j")
+    assert (severity, element) == ("error" if "coincide" in message else "warning", "j")
     assert told.startswith("not assembled at t = 0")
     assert message in told
 
@@ -172,12 +172,12 @@ BELT: dict[str, Any] = {
     ({"closed": True, "guides": [{"body": "ground", "radius": 0.05, "friction": 0.2},
                                  {"body": "w", "radius": 0.05}]}, "no other guide holds the loop"),
     ({"guides": [{"body": "w"}, {"body": "ground", "turns": 2}, {"body": "u"}]},
-     "its 2 turns do nothing: it goes round no wheel"),
+     "its 2 turns have no effect: it has no wheel"),
     ({"guides": [{"body": "w"}, {"body": "ground", "radius": 0.01, "turns": 1}]},
-     "its 1 turns do nothing: the cord is tied there"),
+     "its 1 turns have no effect: the tendon is fixed there"),
     ({"closed": True, "guides": [
         {"body": b, "radius": 0.02, "friction": 0.2} for b in ("ground", "w", "u")]},
-     "crosses itself: on this path it goes 2 times round"),
+     "crosses itself: this path winds 2 times around"),
     ({"closed": True, "guides": [
         {"body": "ground", "radius": 0.05, "side": "left"},
         {"body": "w", "radius": 0.05, "side": "left"}]},
@@ -197,20 +197,20 @@ def test_a_loop_has_no_end_to_pull_at():
     pull = {"type": "pull", "name": "hand", "tendon": "belt", "value": 1}
     severity, element, message = the_one(BELT, tendons=[loop], drives=[pull])
     assert (severity, element) == ("error", "hand")
-    assert "belt, a loop, which has no end to pull at" in message
+    assert "belt, which is closed and has no end" in message
 
 
 def test_wheels_that_leave_no_room_for_the_cord_block():
     cord = {"name": "cord", "guides": [
         {"body": "ground", "at": [0, 0.02], "radius": 0.008, "side": "left"},
         {"body": "bar", "at": [0.01, 0.02], "radius": 0.008, "side": "right"}]}
-    assert "10 mm apart, the cord that crosses between them needs 16 mm" in the_one(
+    assert "10 mm apart, a crossed tangent needs 16 mm" in the_one(
         PINNED | {"tendons": [cord]})[2]
     cord["guides"][1]["side"] = "left"  # an outer tangent always fits beside wheels of one size
     assert found(PINNED | {"tendons": [cord]}) == []
     for one, other in ((0, 1), (1, 0)):  # a wheel within a larger one, whichever comes first
         cord["guides"][one]["radius"], cord["guides"][other]["radius"] = 0.004, 0.016
-        assert "10 mm apart, the cord between them needs 12 mm" in the_one(
+        assert "10 mm apart, a tangent needs 12 mm" in the_one(
             PINNED | {"tendons": [cord]})[2]
 
 
@@ -227,7 +227,7 @@ def test_a_rotary_spring_is_held_against_the_step():
     I is about the hinge: that of the bar about its centre and m (L/2)^2.
     """
     inertia, h = inertia_about_hinge(), Mechanism().run.step
-    for pace, words in ((0.49, None), (0.51, "over 1 % off"), (0.99, "over 1 % off"),
+    for pace, words in ((0.49, None), (0.51, "more than 1 % off"), (0.99, "more than 1 % off"),
                         (1.01, "damped, to 70 % in a step")):
         spring = {"type": "rotary", "name": "s", "joint": "hinge",
                   "stiffness": inertia * (pace / h) ** 2}

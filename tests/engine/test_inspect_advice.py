@@ -115,17 +115,17 @@ def test_a_point_within_a_wheel() -> None:
     point, wheel = {"body": "a", "at": [0.03, 0.04]}, {"body": "ground", "radius": 0.08}
     for one, other, k in ((point, wheel, 0), (wheel, point, 1)):
         (problem,) = told(cord(one, other))
-        assert problem.message == (f"its guide {k} lies in the wheel of its guide {1 - k}, 50 mm "
+        assert problem.message == (f"its guide {k} is inside the wheel of its guide {1 - k}, 50 mm "
                                    "from its centre and 30 mm deep")
-        assert problem.advice.startswith(f"move guide {k} so much further out")
+        assert problem.advice.startswith(f"move guide {k} out by this depth")
     assert told(cord({**point, "at": [0.048, 0.064]}, wheel)) == []
 
 
 def test_a_wheel_within_a_wheel() -> None:
     (problem,) = told(cord({"body": "a", "at": [0.02, 0], "radius": 0.01},
                            {"body": "ground", "radius": 0.05}))
-    assert problem.message == ("the wheel of its guide 0 lies in that of its guide 1: they are "
-                               "20 mm apart, the cord between them needs 40 mm")
+    assert problem.message == ("the wheel of its guide 0 is inside that of its guide 1: they are "
+                               "20 mm apart, a tangent needs 40 mm")
     assert problem.advice.startswith("move one of them 20 mm further out")
 
 
@@ -135,8 +135,8 @@ def test_wheels_that_overlap_are_all_that_is_told_of_their_cord() -> None:
     belt = {"closed": True, "pretension": "10 N"}
     (problem,) = told(cord({"body": "ground", **ends},
                            {"body": "a", "at": [0.08, 0], "side": "right", **ends}, **belt))
-    assert problem.message == ("the wheels of its guides 0 and 1 are 80 mm apart, the cord that "
-                               "crosses between them needs 100 mm")
+    assert problem.message == ("the wheels of its guides 0 and 1 are 80 mm apart, a crossed "
+                               "tangent needs 100 mm")
     assert problem.advice.startswith("put them 20 mm further apart")
     assert "give both the same 'side'" in problem.advice
     assert told(cord({"body": "ground", **ends}, {"body": "a", "at": [0.08, 0], **ends},

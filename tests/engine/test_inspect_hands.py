@@ -61,7 +61,7 @@ def test_fingers_that_lack_the_same_object_share_a_line() -> None:
     ((finger, message, advice),) = told(expand(load_scene({"bodies": [far], "parts": parts})))
     assert finger == "f2"
     assert message.endswith(
-        "'disc', is 210 mm from it (and so for 2 more, which lack less or as much: 'f0', 'f1')")
+        "'disc', is 210 mm from it (the same for 2 more: 'f0', 'f1')")
     assert advice.startswith("move either by 110.5 mm or more")
 
 
@@ -159,10 +159,10 @@ def test_slots_that_are_too_short_for_it_are_told(tree: str) -> None:
     name = "tree.pulley1" if tree == "pulley_tree" else "tree.rocker1"
     way = ways(compile_mechanism(pair("30 mm", tree=tree)), (name,))[name]
     assert line.endswith("its slots end after 30 mm along the pull and 30 mm against it; to close "
-                         f"on nothing, until its fingers are at their stops, '{name}' would go "
+                         f"the empty hand up to its stops, '{name}' would have to move "
                          f"{1e3 * way:.4g} mm")
     (enough,) = reaches(compile_mechanism(pair("45 mm", tree=tree)))
-    assert "to close on nothing" not in enough
+    assert "to close the empty hand" not in enough
 
 
 def test_of_fingers_without_stops_nothing_is_told() -> None:

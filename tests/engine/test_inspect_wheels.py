@@ -36,7 +36,7 @@ def mesh(**joint: Any) -> dict[str, Any]:
      "70 mm; teeth would push at 23.99 deg instead of 20 deg",
      "put them 70 mm apart, or make 'radius_b' 52 mm"),
     (mesh(), 0.065, "error",
-     "its teeth lie in one another at t = 0: its centres are 65 mm apart, its pitch circles touch "
+     "its teeth overlap at t = 0: its centres are 65 mm apart, its pitch circles touch "
      "at 70 mm", "put them 70 mm apart, or make 'radius_b' 45 mm"),
     (mesh(inside=True), 0.032, "warning", "its pitch circles touch at 30 mm",
      "put them 30 mm apart, or make 'radius_b' 52 mm"),
@@ -91,7 +91,7 @@ def test_held_by_a_spring_a_carrier_or_planets() -> None:
     assert told(wheel("a", 0), wheel("b", 0.07), **pressed) == []
     problem, = told(wheel("a", 0), wheel("b", 0.07), **pressed | {
         "joints": [pin("ground", "a"), mesh()]})
-    assert problem.message.startswith("only springs or cords hold its wheels together")
+    assert problem.message.startswith("only springs or tendons hold its wheels together")
     assert problem.advice == "give it a 'backlash', for example 0.01 mm"
     assert told(wheel("a", 0), wheel("b", 0.07), wheel("arm", 0),
                 joints=[pin("ground", "arm"), pin("arm", "a"), pin("arm", "b"), mesh()]) == []
