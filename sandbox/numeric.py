@@ -1,4 +1,4 @@
-"""Types of arrays: what is said of every one is its shape and its unit, not its type."""
+"""Types of arrays, and connected components of a graph."""
 
 from __future__ import annotations
 
@@ -14,8 +14,29 @@ Matrix = Array
 Stack = Array
 """The same, with three axes."""
 Integers = NDArray[np.int64]
-"""Places in other arrays, and counts."""
+"""Indices and counts."""
 Flags = NDArray[np.bool_]
-"""What holds, and what does not."""
+"""Booleans."""
 Records = NDArray[Any]
 """Rows with named fields (a structured dtype)."""
+
+
+def connected_components(links: Flags) -> list[Integers]:
+    """Groups of connected nodes of a graph, each in ascending order.
+
+    Importing ``scipy.sparse.csgraph`` for this would delay each start by 0.4 s.
+
+    Args:
+        links: symmetric adjacency matrix, [n, n].
+    """
+    open_nodes = np.ones(len(links), dtype=bool)
+    found = []
+    for node in range(len(links)):
+        if open_nodes[node]:
+            group = frontier = np.arange(len(links)) == node
+            while frontier.any():
+                frontier = links[frontier].any(axis=0) & ~group
+                group = group | frontier
+            open_nodes &= ~group
+            found.append(np.flatnonzero(group))
+    return found

@@ -14,14 +14,12 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from sandbox.engine.live import Live
 from sandbox.errors import Problem, SceneError
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
-from sandbox.numeric import Array
+from sandbox.numeric import Array, connected_components
 from sandbox.scene.played import Nudge
 from sandbox.values.units import in_range
 from sandbox.wording import WrongValueError
@@ -142,9 +140,12 @@ def _place(numbers: Sequence[float]) -> tuple[float, float]:
 
 
 def _joined_masses(model: Model) -> Array:
-    """Of each body the mass of all free ones that joints hold together with it, [nb]."""
+    """For each body the total mass of the free bodies that joints connect with it, [nb]."""
     mass = np.where(np.isfinite(model.bodies.mass), model.bodies.mass, 0.0)
     pairs = model.joints.bodies[(mass[model.joints.bodies] > 0).all(axis=1)]
-    links = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(mass), len(mass)))
-    _, group = connected_components(links, directed=False)
-    return np.array([mass[group == one].sum() for one in group])
+    links = np.zeros((len(mass), len(mass)), dtype=bool)
+    links[*pairs.T] = links[*pairs[:, ::-1].T] = True
+    total = np.zeros(len(mass))
+    for group in connected_components(links):
+        total[group] = mass[group].sum()
+    return total

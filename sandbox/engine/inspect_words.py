@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
 
 from sandbox.errors import Problem
 from sandbox.model.model import Model
-from sandbox.numeric import Flags, Integers
+from sandbox.numeric import Flags, Integers, connected_components
 
 NEGLIGIBLE = 1e-5
 """Gaps and overlaps up to this [m] are accepted: scenes may be written in hundredths of a mm."""
@@ -65,5 +64,4 @@ def linked(model: Model, *, springs: bool = False, contacts: Flags | None = None
 def groups(model: Model, links: Flags) -> list[Integers]:
     """Connected components of the free bodies under ``links`` [nb, nb]."""
     free = np.flatnonzero(model.bodies.free)
-    count, group = connected_components(links[np.ix_(free, free)], directed=False)
-    return [free[group == number] for number in range(count)]
+    return [free[group] for group in connected_components(links[np.ix_(free, free)])]
