@@ -12,7 +12,6 @@ from scipy.interpolate import CubicSpline
 from sandbox.engine.inspect import inspect
 from sandbox.errors import SceneError
 from sandbox.scene.expand import expand
-from sandbox.scene.outlines.rings import is_convex
 from sandbox.scene.read.load import load_scene
 
 TURNS = np.arange(0.0, math.tau, math.pi / 12)
@@ -32,43 +31,6 @@ def refused(lift, **keys) -> str:
 
 
 # --- the envelope
-
-
-def test_a_cam_for_a_flat_face_with_a_harmonic_lift_is_an_eccentric_disc():
-    """h = b + e (1 - cos turn): the support function of a disc of b + e, e off the centre."""
-    points = cam(0.005 * (1 - np.cos(TURNS)), follower="flat", tolerance=1e-6)
-    # the follower is up, and low where the turn is 0: the centre lies below
-    from_centre = np.hypot(points[:, 0], points[:, 1] + 0.005)
-    # the spline through a cosine at 15 degrees misses it by 5/384 h^4 0.005; its slope by more
-    assert from_centre == pytest.approx(0.035, abs=2e-6)
-    assert is_convex(tuple(map(tuple, points)))
-
-
-@pytest.mark.parametrize("turns", ["counterclockwise", "clockwise"])
-@pytest.mark.parametrize("towards", [2.5])
-@pytest.mark.parametrize("follower", ["flat", "roller"])
-def test_the_follower_is_lifted_by_the_table(turns, towards, follower):
-    """The cam turned by an angle of the table pushes its follower as far as the entry says.
-
-    A flat face stands at the largest reach along its way; the roller's centre at the largest
-    place on its way from which some corner is a roller's radius off.
-    """
-    lift = 0.004 * (1 - np.cos(TURNS)) + 0.001 * np.sin(2 * TURNS)
-    keys = {"roller": 0.008} if follower == "roller" else {"follower": "flat"}
-    points = cam(lift, turns=turns, towards=towards, tolerance=1e-6, **keys)
-    way = np.array([math.cos(towards), math.sin(towards)])
-    for angle, wanted in zip(TURNS, lift, strict=True):
-        turn = angle if turns == "counterclockwise" else -angle
-        c, s = math.cos(turn), math.sin(turn)
-        at = points @ np.array([[c, s], [-s, c]])
-        along, across = at @ way, at @ np.array([-way[1], way[0]])
-        if follower == "flat":
-            reach = along.max()
-        else:
-            under = np.abs(across) < 0.008
-            reach = (along[under] + np.sqrt(0.008**2 - across[under] ** 2)).max() - 0.008
-        # corners lie on the true outline: nothing stands out, chords fall short by the tolerance
-        assert 0.03 + wanted - 2e-6 <= reach <= 0.03 + wanted + 1e-9
 
 
 # --- what cannot be

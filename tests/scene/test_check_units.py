@@ -196,13 +196,3 @@ def test_the_target_that_an_event_sets(controller: dict[str, Any], right: str, w
     assert problems(setting("law.target", right, controller)) == []
     assert [path for path, _ in problems(setting("law.target", wrong, controller))] == [
         '$.events[0].set["law.target"]']
-
-
-def test_a_mistake_elsewhere_hides_no_unit() -> None:
-    """Another controller, and the finger whose spring is driven, cannot be read."""
-    scene = law(PID, bias="1 m")
-    scene["controllers"] += [{**SCHEDULE, "name": "other", "writes": "tug", "vale": 1}]
-    assert [path for path, _ in problems(scene)] == [
-        "$.controllers[1].vale", "$.controllers[0].bias"]
-    scene = {**law(PID, bias="1 m"), "parts": [{**FINGER, "lengths": []}]}
-    assert "$.controllers[0].bias" in [path for path, _ in problems(scene)]

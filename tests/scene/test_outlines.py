@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from sandbox.errors import SceneError
-from sandbox.scene.bodies import Body, Polygon
-from sandbox.scene.geometry import area_properties, mass_properties, solids
+from sandbox.scene.bodies import Polygon
+from sandbox.scene.geometry import area_properties, solids
 from sandbox.scene.outlines.pieces import MOST_CORNERS, pieces_of
 from sandbox.scene.outlines.rings import inside, is_convex, signed_area
 from sandbox.scene.read.load import load_scene
@@ -56,23 +56,6 @@ def test_the_pieces_are_convex_and_cover_the_outline_and_no_more(name):
 
 
 # --- mass
-
-
-def test_an_annulus_has_the_mass_centre_and_inertia_of_its_closed_form():
-    """Regular n-gons: area n R^2 sin(a) / 2, polar second moment area R^2 (2 + cos a) / 6."""
-    def gon(n, radius):
-        a = math.tau / n
-        area = n * radius**2 * math.sin(a) / 2
-        return area, area * radius**2 * (2 + math.cos(a)) / 6
-
-    (a1, i1), (a2, i2) = gon(120, 0.2), gon(80, 0.1)
-    body = Body(name="ring", density=1000.0, thickness=0.01, shapes=(
-        Polygon(type="polygon", points=moved(circle(120, 0.2), 3, 4),
-                holes=(moved(circle(80, 0.1), 3, 4),)),))
-    found = mass_properties(body)
-    assert found.mass == pytest.approx(10 * (a1 - a2), rel=1e-12)
-    assert found.centre == pytest.approx((3, 4), rel=1e-12)
-    assert found.inertia == pytest.approx(10 * (i1 - i2), rel=1e-9)
 
 
 # --- what is wrong
