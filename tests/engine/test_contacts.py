@@ -9,7 +9,6 @@ import pytest
 
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from tests.support.reference import integrate
 
 from .machines import G, disc, fixed, mechanism, sound
 
@@ -53,21 +52,6 @@ def test_what_lies_is_carried(thing: dict[str, Any], table: str, moving_first: b
     np.testing.assert_allclose(last["point"], [0.0, 0.01], atol=1e-6)
 
 
-@pytest.mark.parametrize("order", [("low", "high"), ("high", "low")])
-def test_between_two_moving_bodies_the_first_feels_the_second(order: tuple[str, str]) -> None:
-    """A disc on a disc in a tube: +m g on the upper one by the lower, -m g the other way round."""
-    bodies = {"low": disc("low", 0.01, (0.0, 0.02)), "high": disc("high", 0.01, (0.0, 0.04))}
-    walls = fixed("tube", shapes=[{"type": "box", "size": (0.2, 0.02)}])
-    run = simulate(mechanism(
-        duration=0.4, gravity=(0.0, -G), bodies=[walls, *(bodies[name] for name in order)]))
-    rows = (run.arrays["contact_sample"] == len(run.time) - 1) & (run.arrays["contact_other"] != 0)
-    assert run.arrays["contact_body"][rows].tolist() == [1]
-    sign = 1 if order[0] == "high" else -1
-    np.testing.assert_allclose(
-        run.arrays["contact_force"][rows][0], [0.0, sign * 0.1 * G], rtol=1e-6, atol=1e-9)
-    np.testing.assert_allclose(run.arrays["contact_normal"][rows][0], [0.0, sign], atol=1e-9)
-
-
 # -- friction --------------------------------------------------------------------------
 
 
@@ -99,13 +83,6 @@ def test_friction_is_the_geometric_mean(excess: float, slides: bool, share: floa
     assert run["block.x"][-1] == pytest.approx(expected, rel=0.02, abs=5e-6)
 
 
-@pytest.mark.parametrize(("excess", "slides"), [(1.01, False), (0.99, True)])
-def test_a_rule_sets_the_friction_of_a_pair(excess: float, slides: bool) -> None:
-    """The rule's coefficient is that of the pair, whatever the materials say."""
-    run = incline(SLOPE, of_block=3.0, of_plane=0.01, rule=excess * MU)
-    assert (run["block.x"][-1] > 1e-3) == slides
-
-
 def test_a_rule_concerns_its_pair_only() -> None:
     """Of two like blocks on one plane, one slippery by rule, only that one slides."""
     block = {"mass": 0.1, "material": "rough", "shapes": [{"type": "box", "size": (0.06, 0.02)}]}
@@ -120,32 +97,6 @@ def test_a_rule_concerns_its_pair_only() -> None:
     assert run["one.x"][-1] == pytest.approx(G * np.sin(SLOPE) * 0.2**2 / 2, rel=5e-3)
     assert run["two.x"][-1] == pytest.approx(-1.0, abs=5e-6)
     assert run["one/plane.tangential"][-1] == 0.0
-
-
-def test_a_plane_that_tilts_lets_go_at_static_friction() -> None:
-    """At 0.5 rad/s, along the plane: s'' = g sin + w^2 s - mu n, n = g cos - 2 w s' - w^2 b.
-
-    It holds up to 0.45 n and slides against 0.3 n. The step in which it lets go may leave the place
-    off by a h^2 / 2, a the jump of acceleration, and the rest of the slide as much.
-    """
-    w, b, start, h = 0.5, 0.01, 0.2, 5e-4
-    run = sound(simulate(mechanism(
-        duration=1.2, step=h, gravity=(0.0, -G),
-        materials={"rough": {"friction": 0.3, "static": 1.5}}, bodies=[
-            {"name": "plane", "motion": "scheduled", "path": {"angle": f"=-{w} * t"},
-             "material": "rough", "shapes": [{"type": "box", "size": (8, 0.02), "at": (0, -b)}]},
-            {"name": "block", "mass": 1.0, "at": (start, b), "angular_velocity": -w,
-             "velocity": (w * b, -w * start), "material": "rough",
-             "shapes": [{"type": "box", "size": (0.06, 2 * b)}]}])))
-    t, mu = run.time, 0.45  # g (sin - mu cos) = - w^2 s - mu w^2 b
-    lets_go = (np.arctan(mu) - np.arcsin(w * w * (start + mu * b) / G / np.hypot(1, mu))) / w
-    way = np.cos(w * t) * run["block.x"] - np.sin(w * t) * run["block.y"]
-    assert way[t < lets_go] == pytest.approx(start, abs=1e-9)
-    truth = integrate(lambda u, y: [y[1], G * np.sin(w * (u + lets_go)) + w * w * y[0] - 0.3 * (
-        G * np.cos(w * (u + lets_go)) - 2 * w * y[1] - w * w * b)], [start, 0.0],
-        t[t > lets_go] - lets_go)[:, 0]
-    jump = 0.15 * G * np.cos(w * lets_go)
-    assert way[t > lets_go] == pytest.approx(truth, abs=jump * h**2)
 
 
 @pytest.mark.parametrize(("tangent", "rolls"), [(0.89, True), (0.91, False)])

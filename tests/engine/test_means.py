@@ -9,7 +9,6 @@ import pytest
 
 from sandbox.elements.arrays import MEAN, MEAN_CONTACT
 from sandbox.engine.simulate import simulate
-from sandbox.engine.simulation import Simulation
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
@@ -79,24 +78,6 @@ def test_logged_forces_of_a_bouncing_ball_are_its_change_of_momentum(h, rate):
     assert set(a["impact_body"]) == {ball}
 
 
-@pytest.mark.parametrize("speed", [60.0, 90.0])
-@pytest.mark.parametrize(("h", "rate"), [(5e-4, 1000), (5e-4, 500), (2.5e-4, 1000), (2.5e-4, 500)])
-def test_logged_forces_of_a_follower_are_its_change_of_momentum(h, rate, speed):
-    """From half an interval before the first sample to half an interval after the last but one."""
-    run, steps = (run_of(h, each, **cam(speed)) for each in (rate, 1 / h))
-    every, rod = round(1 / (rate * h)), run.model.names.body["rod"]
-    last = (len(run) - 1) * every + every // 2
-    speeds = steps.arrays["body_velocity"][[every // 2 - 1, last - 1], rod, 1]
-    # with an even number of steps, intervals meet in the middle of a step
-    gained = run.arrays["body_mass"][rod] * (
-        np.diff(speeds)[0] + G * (len(run) - 1) / rate)
-    logged = run["rod.contact.fy"][:-1].sum() / rate
-    assert len(run.arrays["impact_time"]) > 8
-    assert logged == pytest.approx(gained, rel=1e-11)
-    single = run.contacts.of_body(rod, "fy")[:-1].sum() / rate
-    assert abs(single / gained - 1) > 1e-3  # forces of the samples' own steps do not
-
-
 @pytest.mark.parametrize("make", [bouncing, lambda: cam(90.0), busy])
 @pytest.mark.parametrize("every", [2, 3, 8, 50])
 def test_means_are_those_of_all_steps(make, every):
@@ -129,40 +110,11 @@ def test_a_contact_between_samples_is_logged_where_it_was():
     assert rows["contact_force"] / 40 == pytest.approx(a["impact_impulse"], rel=1e-12)
 
 
-def test_what_touches_without_bouncing_is_hit_by_its_momentum():
-    """In the step that closes the gap and the next one, which the weight of the ball adds to."""
-    h = 5e-4
-    run = run_of(h, 1000, duration=0.2, bodies=[
-        fixed("floor", shapes=[{"type": "box", "size": [4, 0.1], "at": [0, -0.05]}]),
-        disc("ball", 0.01, (0, 0.1))])
-    a = run.arrays
-    touched = a["impact_time"][0]
-    assert len(a["impact_time"]) <= 2
-    assert np.ptp(a["impact_time"]) < 1.01 * h
-    weight, speed = 0.1 * G, G * touched  # half a step before the velocity after
-    assert a["impact_impulse"][:, 1].sum() == pytest.approx(0.1 * speed, abs=2 * weight * h)
-    assert touched == pytest.approx(np.sqrt(2 * 0.09 / G), abs=h)
-
-
 def test_every_step_has_its_own_forces():
     run = run_of(5e-4, 2000, duration=0.2, **cam(60.0))
     assert run.arrays.keys().isdisjoint({*MEAN, *MEAN_CONTACT})
     assert np.array_equal(run["guide.reaction_x"], run.arrays["joint_force"][:, 1, 0])
     assert np.array_equal(run["rod.contact.fy"], run.contacts.of_body(2, "fy"))
-
-
-@pytest.mark.parametrize("every", [2, 7])
-def test_pauses_and_little_room_change_nothing(every, monkeypatch):
-    whole = run_of(5e-4, 2000 / every, **cam(90.0))
-    monkeypatch.setattr("sandbox.engine.sampler._contacts_kept", lambda room: room)
-    monkeypatch.setattr("sandbox.engine.tables._impacts", lambda room: room.contacts)
-    simulation = Simulation(whole.mechanism)
-    for n in (1, 2, 3, 5, 8, 13, 21, 34, 55, 89):
-        simulation.step(n)
-        simulation.recording()
-    simulation.run()
-    for key, array in simulation.recording().arrays.items():
-        assert np.array_equal(array, whole.arrays[key], equal_nan=True), key
 
 
 def test_means_and_impacts_are_saved_and_loaded(tmp_path):

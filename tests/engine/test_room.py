@@ -62,25 +62,3 @@ def test_too_many_are_told_with_their_number(monkeypatch: pytest.MonkeyPatch) ->
     cramped(monkeypatch)
     with pytest.raises(SandboxError, match=r"\d+ contacts at once at t = .*more than the 5"):
         simulate(heap(2, 8))
-
-
-def test_a_pile_in_a_v_comes_to_rest_and_its_walls_carry_it() -> None:
-    """28 discs in a groove of two planes at 45 degrees: what these carry is the weight."""
-    planes = fixed("v", material="m", shapes=[
-        {"type": "capsule", "start": (0, -0.05), "end": (1.0, 0.95), "radius": 0.02},
-        {"type": "capsule", "start": (0, -0.05), "end": (-1.0, 0.95), "radius": 0.02}])
-    bodies, count, row = [planes], 0, 0
-    while count < 28:
-        row += 1
-        for i in range(min(row, 28 - count)):
-            at = (2.05 * R * (i - (row - 1) / 2), 2.1 * R * row)
-            bodies.append({**disc(f"d{count}", R, at), "material": "m"})
-            count += 1
-    run = simulate(mechanism(
-        duration=0.8, step=1e-3, gravity=(0.0, -G), bodies=bodies,
-        materials={"m": {"friction": 0.3}},
-        run={"sample_rate": 100.0}))
-    weight = 28 * 0.1 * G
-    assert run["v.contact.fy"][-1] == pytest.approx(-weight, rel=1e-6)
-    speed = np.hypot(run.arrays["body_velocity"][-1, :, 0], run.arrays["body_velocity"][-1, :, 1])
-    assert speed.max() < 1e-6

@@ -48,27 +48,6 @@ def test_the_ends_of_a_chain_can_be_hit():
     assert found["b.y"][-1] == pytest.approx(0.53, abs=1e-6)
 
 
-def test_both_sides_of_a_chain_can_be_hit():
-    points = [[-1, 0], [0, 0.1], [1, 0]]
-    below = run([{"type": "polyline", "points": points}], DISC[0], [0.0, -0.2],
-                velocity=(0.0, 5.0), duration=0.1)
-    # between both slopes, and in them by less than it moves in a step
-    highest = 0.1 - 0.03 / math.cos(math.atan(0.1))
-    assert highest < below["b.y"].max() < highest + 5e-3
-
-
-NOTCH = [[-1, -1], [1, -1], [1, 1], [0.2, 1], [0, 0], [-0.2, 1], [-1, 1]]
-
-
-def test_a_disc_comes_to_rest_in_a_notch():
-    """It touches both sides, r / sin(half the angle) above the notch's bottom."""
-    found = run([{"type": "polygon", "points": NOTCH}], {"type": "circle", "radius": 0.05},
-                [0.02, 0.6], friction=0.5, duration=3.0)
-    half = math.atan(0.2)
-    assert found["b.x"][-1] == pytest.approx(0.0, abs=1e-4)
-    assert found["b.y"][-1] == pytest.approx(0.05 / math.sin(half), abs=1e-4)
-
-
 HILL = [[x / 20, -0.05 * (x / 20) ** 2] for x in range(20, -21, -1)]
 COMB = [[x / 10, -0.3 - 0.4 * (x % 2)] for x in range(-10, 11)]
 

@@ -78,22 +78,6 @@ def test_a_rigid_servo_takes_the_least_time_and_does_not_overshoot(
     judged(run, "drive.place", "work", "momentum.moment")
 
 
-@pytest.mark.parametrize("gravity", [G, -G])
-def test_a_rigid_servo_brakes_under_a_load_that_speeds_it_up(gravity: float) -> None:
-    """The weight helps or hinders: it goes from 0.3 rad to level and stops there, and holds m g r.
-
-    On the way the weight's moment grows by less than 5 %, which the remaining way makes up for.
-    """
-    load = 0.1 * G * 0.05
-    run = wheel({"value": {"table": [(0.0, 0.3), (0.4, 0.3), (0.41, 0.0)]}, "torque": 3 * load},
-                gravity=gravity, duration=1.2)
-    angle = run["p.angle"]
-    assert angle[run.time > 0.3].max() < 0.3 + 1e-6
-    assert angle[run.time > 0.41].min() > -2e-3
-    np.testing.assert_allclose(angle[-100:], 0.0, atol=1e-10)
-    assert run["d.torque"][-1] == pytest.approx(math.copysign(load, gravity), rel=1e-9)
-
-
 def test_a_servo_brakes_the_whole_arm_that_another_one_holds() -> None:
     """Shoulder and elbow of an arm, straight: it brakes with both in time, and does not overshoot.
 
@@ -125,43 +109,6 @@ def test_a_rigid_servo_follows_its_target() -> None:
     judged(run, "drive.place", "drive.signal")
 
 
-def test_a_load_above_its_torque_carries_a_servo_along() -> None:
-    """I q'' = m g r cos q - T: against scipy; it gives all it has, and no more.
-
-    Of a pendulum's angle a leapfrog misses (w h)^2 / 24 of what turns it, twice integrated.
-    """
-    load = 0.1 * G * 0.05
-    run = wheel({"value": 0.0, "torque": load / 2}, gravity=G, duration=0.15)
-    np.testing.assert_allclose(run["d.torque"], load / 2, rtol=ROUNDING)
-    about = INERTIA + 0.1 * 0.05**2
-
-    def falls(_t: float, y: Any) -> list[float]:
-        return [y[1], (load / 2 - load * math.cos(y[0])) / about]
-
-    truth = solve_ivp(falls, (0.0, 0.15), [0.0, 0.0], rtol=1e-11, atol=1e-13, t_eval=run.time)
-    np.testing.assert_allclose(run["p.angle"], truth.y[0], rtol=0,
-                               atol=load / about * 1e-6 / 12)
-
-
-def test_a_chain_of_rigid_servos_holds_a_load_straight_out() -> None:
-    """Ten links of 0.1 m: each servo carries the moment of all beyond it, and nothing sags.
-
-    At rest the torque is exact; poses are held to the rounding of ten sums.
-    """
-    links = [{"name": f"l{i}", "at": (0.1 * i, 0.0), "mass": 0.1, "inertia": 1e-4,
-              "centre": (0.05, 0.0)} for i in range(10)]
-    names = ["wall", *(link["name"] for link in links)]
-    run = simulate(mechanism(
-        duration=0.2, step=1e-3, gravity=(0.0, -G), bodies=[fixed("wall"), *links],
-        joints=[{"type": "pin", "name": f"p{i}", "a": names[i], "b": names[i + 1], "on_b": (0, 0)}
-                for i in range(10)],
-        drives=[{"type": "servo", "name": f"d{i}", "joint": f"p{i}", "value": 0.0, "torque": 20.0}
-                for i in range(10)]))
-    moments = [sum(0.1 * G * (0.1 * (j - i) + 0.05) for j in range(i, 10)) for i in range(10)]
-    np.testing.assert_allclose([run[f"d{i}.torque"][-1] for i in range(10)], moments, rtol=1e-8)
-    assert max(np.abs(run[f"p{i}.angle"]).max() for i in range(10)) < 1e-10
-
-
 # -- with a stiffness ------------------------------------------------------------------
 
 
@@ -189,23 +136,6 @@ def test_a_saturating_controller_is_that_of_an_ode() -> None:
     for step, error in zip((1e-3, 5e-4, 2.5e-4), errors, strict=True):
         assert error < 0.5 * (w * step)**2 / 12
     assert errors[0] / errors[2] > 10
-
-
-@SENSES
-@pytest.mark.parametrize("stiffness", [0.5, 1e4])
-def test_a_controller_without_an_integrator_sags(
-        positive: str, sense: int, stiffness: float) -> None:
-    """k (u - q) = m g r cos q at rest; the second is far too stiff for the step."""
-    load = 0.1 * G * 0.05
-    run = wheel({"value": 0.0, "torque": 1.0, "stiffness": stiffness, "damping": 0.02},
-                gravity=G, duration=1.0, positive=positive)
-    # with its weight to the right it sags clockwise, by q
-    sag = 0.0
-    for _ in range(60):
-        sag = load * math.cos(sag) / stiffness
-    assert sense * run["p.angle"][-1] == pytest.approx(-sag, rel=1e-9)
-    assert sense * run["d.torque"][-1] == pytest.approx(load * math.cos(sag), rel=1e-9)
-    judged(run, "drive.place")
 
 
 # -- actuators ---------------------------------------------------------------------------

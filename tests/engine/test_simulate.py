@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 import sandbox
-from sandbox.engine import inputs, sampler
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import BLOCK
@@ -85,14 +84,6 @@ def test_the_same_in_other_processes() -> None:
         for place in places]
     results = {run.communicate(timeout=600)[0].strip() for run in runs}
     assert results == {digest(simulate(pile()))}
-
-
-def test_chunks_leave_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Samples and inputs worked out 7 and 32 at a time, or all at once, are the same."""
-    whole = digest(simulate(pile()))
-    monkeypatch.setattr(sampler, "CHUNK", 7)
-    monkeypatch.setattr(inputs, "CHUNK", 32)
-    assert digest(simulate(pile())) == whole
 
 
 def test_blocks_leave_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -50,28 +50,6 @@ def test_whole_turns_count() -> None:
             assert ratio == pytest.approx(math.exp(mu * phi), rel=1e-9)
 
 
-def test_friction_along_a_sheath_multiplies() -> None:
-    """Eyes that bend a cord by 30, 45 and 60 degrees: e^(-mu sum phi) of the pull arrives."""
-    mu, angle = 0.2, 0.0
-    points = [(0.0, 0.0)]
-    for turn in (0.0, 30.0, 45.0, 60.0):
-        angle += math.radians(turn)
-        x, y = points[-1]
-        points.append((x + 0.1 * math.cos(angle), y + 0.1 * math.sin(angle)))
-    run = sound(simulate(mechanism(
-        duration=0.2, step=H, bodies=[fixed("ground"), mass("tip", 0.1, points[0])],
-        joints=[{"type": "slot", "name": "rail", "a": "ground", "b": "tip", "start": (-0.1, 0.0),
-                 "end": (0.05, 0.0), "on_b": (0, 0), "turns": False}],
-        springs=[{"type": "linear", "name": "load", "a": "ground", "b": "tip", "on_a": (-0.2, 0.0),
-                  "stiffness": 500.0, "damping": 5.0}],
-        tendons=[{"name": "cord", "stiffness": 1e5, "guides": [
-            guide("tip"), *(guide("ground", p, friction=mu) for p in points[1:-1]),
-            guide("ground", points[-1])]}],
-        drives=[{"type": "pull", "name": "pull", "tendon": "cord", "value": "=100 * t"}])))
-    arrives = run["cord.tension_0"][-1] / run["pull.value"][-1]
-    assert arrives == pytest.approx(math.exp(-mu * math.radians(135.0)), rel=1e-9)
-
-
 @pytest.mark.parametrize("stiffness", [2e3, 1e6])
 def test_a_cord_that_hangs_is_taken_up_as_a_whole(stiffness: float) -> None:
     """1 kg falls 20 mm onto a slack cord over two guides with friction; nothing is lost of it."""

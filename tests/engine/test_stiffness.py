@@ -11,7 +11,7 @@ import pytest
 from sandbox.engine.simulate import simulate
 from sandbox.scene.mechanism import Mechanism
 
-from .machines import G, H, fixed, mechanism
+from .machines import H, fixed, mechanism
 
 INERTIA, M, D = 2e-6, 0.01, 0.03
 """Of a body, and of its centre of mass from its hinge."""
@@ -38,33 +38,6 @@ def test_it_does_not_blow_up_and_shrinks_as_backward_euler_does(pace):
     swing = np.abs(run["hinge.angle"])
     assert swing.max() < 0.11
     assert swing[40:].max() < 0.1 / math.hypot(1, pace) ** 30 + 1e-12
-
-
-def test_a_soft_one_rings_on():
-    swing = np.abs(simulate(flap(ABOUT * (0.2 / H) ** 2))["hinge.angle"])
-    assert swing[-30:].max() == pytest.approx(0.1, rel=0.02)
-
-
-def test_what_it_carries_at_rest_is_recorded():
-    """A weight at 30 mm: m g d cos(angle), whatever the stiffness."""
-    run = simulate(flap(ABOUT * (30 / H) ** 2, gravity=(0.0, -G)))
-    angle = run["hinge.angle"][-1]
-    assert run["s.torque"][-1] == pytest.approx(-M * G * D * math.cos(angle), rel=1e-9)
-    assert angle == pytest.approx(-M * G * D / (ABOUT * (30 / H) ** 2), rel=1e-3)
-
-
-def test_one_that_a_drive_lets_go_carries_nothing():
-    """Its stiffness falls to 0 and it is free: a constant rate without gravity."""
-    k = ABOUT * (3 / H) ** 2
-    run = simulate(flap(0.0, duration=0.06, gravity=(0.0, -G), drives=[
-        {"type": "stiffness", "name": "drive", "spring": "s",
-         "value": {"table": [[0, k], [0.03, k], [0.031, 0], [1, 0]]}}],
-        springs=[{"type": "rotary", "name": "s", "joint": "hinge", "stiffness": k}]))
-    late = run.time > 0.032
-    assert np.isfinite(run["hinge.angle"]).all()
-    assert run["s.torque"][late] == pytest.approx(0.0, abs=1e-12)
-    np.testing.assert_allclose(np.diff(run["hinge.rate"][late])[:5] / H,
-                               -M * G * D / ABOUT, rtol=1e-2)
 
 
 def two_arms(springs: list[dict[str, Any]], damping: float = 1e-3) -> Mechanism:

@@ -67,15 +67,6 @@ def test_a_pair(inside: bool, torque: float) -> None:
     np.testing.assert_allclose(run["mesh.radial"][5:], tangential * TAN, rtol=1e-7)
 
 
-def test_a_ring_drives_its_pinion() -> None:
-    """Told from the ring's side the push is the same, and presses the two apart as well."""
-    run = ran(1e-3, drives=[{"type": "torque", "name": "m", "joint": "on_a", "value": 0.5}],
-              **pair(0.05, 0.02, inside=True))
-    tangential = 0.5 / (2e-4 + 2.5**2 * 3e-3) * 2.5 * 3e-3 / 0.02
-    np.testing.assert_allclose(run["mesh.tangential"][5:], tangential, rtol=1e-7)
-    np.testing.assert_allclose(run["mesh.radial"][5:], tangential * TAN, rtol=1e-7)
-
-
 def test_a_rack_at_an_angle() -> None:
     """The rail carries F tan 20 degrees, the pinion's bearing F / cos."""
     slope, r = 0.3, 0.02

@@ -13,23 +13,6 @@ from .machines import G, H, cord, disc, fixed, mass, mechanism
 
 
 @pytest.mark.parametrize("step", [1e-4, 5e-4, 2e-3])
-@pytest.mark.parametrize("stiffness", [1e3, 1e7])
-def test_a_very_light_and_a_very_heavy_body_on_one_cord(step: float, stiffness: float) -> None:
-    """Atwood's machine with 100 kg and 0.1 g: T = 2 m1 m2 g / (m1 + m2), two masses 1e6 apart.
-
-    The damping is critical for the light body on the soft cord, which rings on its own otherwise.
-    """
-    run = simulate(mechanism(
-        duration=0.3, step=step, gravity=(0.0, -G),
-        bodies=[fixed("beam"), mass("heavy", 100.0, (0.0, -0.5)), mass("light", 1e-4, (0.1, -0.5))],
-        tendons=[cord("cord", ("heavy",), ("beam", (0.0, 0.0)), ("beam", (0.1, 0.0)), ("light",),
-                      stiffness=stiffness, damping=2 * np.sqrt(1e3 * 1e-4))]))
-    late = (run.time > 0.2) & (run.time < 0.3)
-    np.testing.assert_allclose(
-        run["cord.tension"][late], 2 * 100 * 1e-4 * G / (100 + 1e-4), rtol=1e-4)
-
-
-@pytest.mark.parametrize("step", [1e-4, 5e-4, 2e-3])
 def test_slack_then_taut(step: float) -> None:
     """A load falls 0.1 m into its cord: no pull before, no more speed after than it came with.
 
@@ -55,19 +38,6 @@ def test_cords_in_parallel_share() -> None:
         duration=0.5, gravity=(0.0, -G), bodies=[fixed("beam"), mass("m", 0.1, (0.0, -0.2))],
         tendons=[cord(f"leaf{i}", ("beam",), ("m",)) for i in range(5)]))
     np.testing.assert_allclose(run.arrays["tendon_tension"][-1], 0.1 * G / 5, rtol=1e-9)
-
-
-def test_guides_that_pass_through_one_another_are_harmless() -> None:
-    """No direction for an instant, no force, no NaN.
-
-    12 mm lower than it begins the load hangs: it gets lower by the cord's swing at most,
-    v sqrt(m / k) = 0.49 mm, and so it does reach the end of the slack.
-    """
-    run = simulate(mechanism(
-        duration=0.3, gravity=(0.0, -G), bodies=[fixed("beam"), mass("m", 0.1, (0.0, 0.002))],
-        tendons=[cord("cord", ("beam",), ("m",), slack=0.008, damping=30.0)]))
-    assert np.isfinite(run.arrays["body_pose"]).all()
-    assert -0.01 - 6e-4 < run["m.y"].min() < -0.01
 
 
 @pytest.mark.parametrize(("path", "response"), [

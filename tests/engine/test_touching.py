@@ -9,7 +9,6 @@ import pytest
 
 import sandbox
 from sandbox.audit.audit import audit
-from sandbox.engine.bounded import HOLD
 from sandbox.engine.world import MOST_MARGIN
 
 from .machines import Bench, G, disc, fixed, mechanism
@@ -128,19 +127,3 @@ def test_links_that_overlap_on_a_knee_keep_moving_as_their_pins_have_it() -> Non
                  "joint.drift", "contact.bounds"):
         assert verdicts[name] == "pass", name
     assert verdicts["contact.place"] == "look"  # 10 mm deep at the pin, and said
-
-
-@pytest.mark.parametrize("count", [4, 20])
-def test_a_row_that_is_pushed_moves_as_one(count: int) -> None:
-    """A disc that gives nothing back strikes a row of them: each contact is found broken only when
-    the one before it is answered, and in the end all have the same velocity, m v / (n + 1).
-    """
-    run = sandbox.simulate(mechanism(
-        duration=0.02, step=1e-3, bodies=[
-            disc("first", R, (-2 * R - 0.00505, 0.0), velocity=(1.0, 0.0)),
-            *(disc(f"d{i}", R, (2 * R * i, 0.0)) for i in range(count))]))
-    speeds = run.arrays["body_velocity"][-1, :, 0]
-    # each contact gives by the share that holds its impulse, and all before it with it
-    np.testing.assert_allclose(speeds, 1 / (count + 1), rtol=count**2 * HOLD)
-    gaps = np.diff(run.arrays["body_pose"][-1, :, 0]) - 2 * R
-    assert np.abs(gaps).max() < 1e-9
