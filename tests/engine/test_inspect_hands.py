@@ -1,4 +1,4 @@
-"""What a hand cannot do, told before: held against distances by hand and runs that go there."""
+"""Warnings about the reach of fingers and the travel of differentials."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ def disc(x: float, y: float, radius: float = 0.01, **more: Any) -> dict[str, Any
     return {"at": [x, y], "shapes": [{"type": "circle", "radius": radius}], **more}
 
 
-def told(mechanism: Mechanism) -> list[tuple[str, str, str]]:
+def reach_of(mechanism: Mechanism) -> list[tuple[str, str, str]]:
     return [(problem.element, problem.message, problem.advice) for problem in inspect(mechanism)
             if "reaches" in problem.message]
 
 
 def test_a_finger_that_is_too_short_is_told() -> None:
     """45 + 26 + 21 + 7.5 mm from the hinge to the tip; to a disc of 10 mm at (120, -40): 116.5."""
-    assert told(hand(disc(0.12, -0.04), disc(-0.2, 0))) == [(
+    assert reach_of(hand(disc(0.12, -0.04), disc(-0.2, 0))) == [(
         "finger", "reaches 99.5 mm from its first hinge, and the nearest object that it may touch, "
         "'object0', is 116.5 mm from it", "move either by 16.99 mm or more, or make it longer")]
 
@@ -58,7 +58,7 @@ def test_fingers_that_lack_the_same_object_share_a_line() -> None:
     """From hinges at 0, -10 and -20 mm to a disc of 10 mm at 200 mm: 190, 200 and 210 mm."""
     parts = [{**FINGER, "name": f"f{k}", "at": [-0.01 * k, 0]} for k in (0, 1, 2)]
     far = {"name": "disc", "motion": "fixed", "role": "object", **disc(0.2, 0)}
-    ((finger, message, advice),) = told(expand(load_scene({"bodies": [far], "parts": parts})))
+    ((finger, message, advice),) = reach_of(expand(load_scene({"bodies": [far], "parts": parts})))
     assert finger == "f2"
     assert message.endswith(
         "'disc', is 210 mm from it (and so for 2 more, which lack less or as much: 'f0', 'f1')")
@@ -69,7 +69,7 @@ def test_fingers_that_lack_the_same_object_share_a_line() -> None:
 def test_a_free_object_beyond_all_fingers_is_told(gravity: tuple[float, float]) -> None:
     """It falls away, if at all: no finger ever touches it."""
     free = disc(0.12, -0.04, motion="dynamic", mass=1)
-    assert told(hand(free, gravity=gravity)) == [(
+    assert reach_of(hand(free, gravity=gravity)) == [(
         "finger", "reaches 99.5 mm from its first hinge, and the nearest object that it may touch, "
         "'object0', is 116.5 mm from it and does not approach as it falls",
         "move either by 16.99 mm or more, or make it longer; other loads on it are ignored")]
@@ -90,7 +90,7 @@ def test_a_free_object_beyond_all_fingers_is_told(gravity: tuple[float, float]) 
          "another one may push it", "it falls there", "its hand may come", "no object",
          "never touched", "the hand may come"])
 def test_what_may_be_reached_is_not_told(mechanism: Mechanism) -> None:
-    assert not told(mechanism)
+    assert not reach_of(mechanism)
 
 
 def pair(
@@ -178,11 +178,62 @@ def test_of_many_objects_those_whose_circles_are_nearest_are_looked_at(
     A circle says no more than that: of a bar on end it comes near the finger, the bar does not.
     """
     bar = {"at": [0.2, 0], "shapes": [{"type": "box", "size": [0.002, 0.3]}]}
-    assert "is 149 mm from it" in told(hand(bar, disc(-0.15, 0, 0.001)))[0][1]
+    assert "is 149 mm from it" in reach_of(hand(bar, disc(-0.15, 0, 0.001)))[0][1]
     monkeypatch.setattr(inspect_hands, "MOST_LOOKED", 1)
     small, large = disc(0.2, 0, 0.001), disc(0, 0.25, 0.1)
     for objects in ((small, large), (large, small)):
-        assert "is 150 mm from it" in told(hand(*objects))[0][1]
+        assert "is 150 mm from it" in reach_of(hand(*objects))[0][1]
     far = disc(0, 0.5, 0.1)
     for objects in ((small, far), (far, small)):
-        assert "is 199 mm from it" in told(hand(*objects))[0][1]
+        assert "is 199 mm from it" in reach_of(hand(*objects))[0][1]
+
+
+def two_loads(held: int = 1, pull: Any = 20, **tree: Any) -> Mechanism:
+    """Loads 40 mm apart on slides along x, of which ``held`` stay, pulled along -x."""
+    return expand(load_scene({
+        "run": {"duration": 2.0},
+        "bodies": [
+            {"name": "rail", "motion": "fixed"},
+            *({"name": f"load{i}", "mass": 0.02, "inertia": 1e-5, "at": [0, 0.04 * i]}
+              if i >= held else {"name": f"load{i}", "motion": "fixed", "at": [0, 0.04 * i]}
+              for i in range(2))],
+        "joints": [{"type": "slot", "name": f"slide{i}", "a": "rail", "b": f"load{i}",
+                    "start": [-0.2, 0.04 * i], "end": [0.1, 0.04 * i], "turns": False}
+                   for i in range(held, 2)],
+        "springs": [{"type": "linear", "name": f"back{i}", "a": "rail", "b": f"load{i}",
+                     "on_a": [0.1, 0.04 * i], "stiffness": 20, "damping": 5}
+                    for i in range(held, 2)],
+        "parts": [{"type": "rocker_tree", "name": "tree", "pulls": ["load0", "load1"], **tree}],
+        "drives": [{"type": "pull", "name": "pull", "tendon": "tree", "value": pull}]}))
+
+
+def travel_of(mechanism: Mechanism) -> list[str]:
+    return list(reaches(compile_mechanism(mechanism)))
+
+
+@pytest.mark.parametrize("links", ["tendon", "rope"])
+def test_a_rocker_turns_over_where_it_is_told(links: str) -> None:
+    """20 N against 20 N/m would draw load1 far on: it stops a + b = 40 mm on.
+
+    The rocker then lies along its strings, which slant by 20 mm over 280 to 320: so far from the
+    pull. A slanted string is short of sqrt(300^2 + 20^2) - 300 = 0.7 mm along it.
+    """
+    mechanism = two_loads(gap="300 mm", links=links)
+    assert travel_of(mechanism) == [
+        "tree: a rocker's shares are 1 % off, and it turns over, where its strings have gone "
+        "differently far, by 19.8 mm and 40 mm ('tree.rocker1'); its slots end after 60 mm along "
+        "the pull and 150 mm against it"]
+    run = simulate(mechanism)
+    turned = abs(run["tree.rocker1.angle"][-1])
+    assert turned == pytest.approx(math.pi / 2, rel=0, abs=math.asin(20 / 280))
+    assert run["load1.x"][-1] == pytest.approx(-0.04, abs=0.7e-3)
+
+
+def test_a_slot_ends_where_it_is_told() -> None:
+    """Nothing held: both loads are drawn on until the pivot's slot ends."""
+    mechanism = two_loads(held=0, travel="50 mm")
+    (note,) = travel_of(mechanism)
+    assert "its slots end after 50 mm along the pull and 30 mm against it" in note
+    run = simulate(mechanism)
+    start = mechanism.bodies[[b.name for b in mechanism.bodies].index("tree.rocker1")].at[0]
+    assert run["tree.rocker1.x"][-1] == pytest.approx(start - 0.05, abs=1e-6)
