@@ -105,29 +105,6 @@ def test_what_acts_about_a_hinge_acts_until_it_breaks(kind: str, h: float) -> No
 # -- springs and cords -----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.1])
-@pytest.mark.parametrize("h", STEPS)
-def test_a_stiff_cord_breaks_where_its_load_is_reached(friction: float, h: float) -> None:
-    """The weight goes with the stretching cord, and is free then.
-
-    Over a guide the tension behind it is less by e^(-mu phi), and so is what that span stretches;
-    it breaks where its first span does. Damped at once, the cord rings no more by then.
-    """
-    k = 1e5
-    lengths, total = (0.5, 0.5), 1.0
-    made = run(h, 0.25, body("weight", (0.3, -0.4)), drives=[pull("weight")], tendons=[
-        {"name": "held", "stiffness": k, "damping": 300.0, "breaks_at": LOAD, "guides": [
-            {"body": "weight"}, {"body": "frame", "friction": friction},
-            {"body": "frame", "at": (-0.5, 0.0)}]}])
-    phi = math.atan2(0.4, 0.3)
-    speed = GROWS / k * (lengths[0] + lengths[1] * math.exp(-friction * phi)) / total
-    end = made.time[-1] + h / 2
-    went = speed + GROWS * (end**2 - BROKE**2) / 2
-    last = math.hypot(made["weight.vx"][-1], made["weight.vy"][-1]) + h / 2 * GROWS * made.time[-1]
-    # beside the break: what its own stretch delays the load by, c / k of dT/dt
-    assert last == pytest.approx(went, abs=h**2 * GROWS / 2 + speed * 2e-2)
-
-
 def test_what_breaks_first_relieves_the_other() -> None:
     """Two rods in line; the load passes the limits of both in one step, of the lower one before.
 

@@ -142,16 +142,6 @@ def test_bodies_that_may_lie_so(scene):
     assert found(scene) == []
 
 
-def test_overlap_takes_the_angle_of_a_body_into_account():
-    box = {"type": "box", "size": [0.04, 0.004]}
-    scene = {"bodies": [{"name": "a", "mass": M, "shapes": [box]},
-                        {"name": "b", "mass": M, "shapes": [DISC], "at": [0, 0.015]}]}
-    assert found(scene) == []
-    scene["bodies"][0]["angle"] = math.pi / 2
-    # the disc's centre stands 2 mm from the nearest side, inside: 2 mm + its radius
-    assert "overlaps 'b' by 7 mm" in the_one(scene)[2]
-
-
 # --- tendons
 
 def test_guides_that_coincide_block():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from typing import Any
 
@@ -15,7 +14,6 @@ from sandbox.engine.simulate import simulate
 from sandbox.engine.world import MOST_MARGIN
 from sandbox.errors import SceneError
 from sandbox.recording.recording import Recording
-from sandbox.scene.expand import to_json
 from sandbox.scene.read.load import load_scene
 
 from .machines import Bench, G, disc, fixed, mechanism
@@ -233,14 +231,6 @@ def test_a_ball_in_a_hollow_rests_on_both_of_its_flanks() -> None:
     assert 0.5 < lean < 1.0
 
 
-def test_a_curve_is_written_and_read_without_change() -> None:
-    scene = load_scene({"bodies": [{"name": "lens", "motion": "fixed", "shapes": [
-        arch(0.03, 0.01), {"type": "curve", "closed": False, "radius": 0.001,
-                           "points": [[0, 0], [0.1, 0.02], [0.2, 0]]}]}]})
-    assert load_scene(json.loads(to_json(scene))).bodies == scene.bodies
-    assert [len(shape.nodes) for shape in scene.bodies[0].shapes] == [1, 1]
-
-
 @pytest.mark.parametrize(("nodes", "words"), [
     ([[[0, 0, 0, 1]]], "are not on its outline"),
     ([[[0, 0, 0, 1], [2, 0, 0, 1]]], "are not on its outline"),
@@ -250,14 +240,6 @@ def test_nodes_belong_to_their_outline(kind: str, nodes: list[object], words: st
     with pytest.raises(SceneError, match=words):
         load_scene({"bodies": [{"name": "plate", "motion": "fixed", "shapes": [
             {"type": kind, "points": [[0, 0], [1, 0], [1, 1]], "nodes": nodes}]}]})
-
-
-def test_a_curve_of_straight_pieces_is_a_polygon() -> None:
-    square = [[0, 0], [1, 0], [1, 1], [0, 1]]
-    scene = load_scene({"bodies": [{"name": "box", "motion": "fixed", "shapes": [
-        {"type": "curve", "points": square, "corners": [0, 1, 2, 3]}]}]})
-    assert scene.bodies[0].shapes[0].nodes == ()
-    assert [list(point) for point in scene.bodies[0].shapes[0].points] == square
 
 
 BOX_ON, DISC_ON, BAR_ON = (

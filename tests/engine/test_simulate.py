@@ -67,12 +67,6 @@ def digest(run: Recording) -> str:
 # -- repeatable --------------------------------------------------------------------
 
 
-def test_twice_the_same_in_one_process() -> None:
-    first, second = simulate(pile()), simulate(pile())
-    assert len(first.arrays["contact_body"]) > 100
-    assert digest(first) == digest(second)
-
-
 def test_the_same_in_other_processes() -> None:
     """Hash seed, language, time zone, home and addresses in memory do not matter."""
     script = ("import sys\nfrom tests.engine.test_simulate import digest, pile, simulate\n"
@@ -198,34 +192,6 @@ def test_ctrl_c_keeps_the_recording() -> None:
     np.testing.assert_array_equal(
         run.arrays["body_pose"], whole.arrays["body_pose"][:len(run.time)])
     assert run.arrays["contact_sample"].max() < len(run.time)
-
-
-def test_ctrl_c_is_heard_amid_contacts() -> None:
-    """A real SIGINT, which Python delivers at its next instruction. Were pairs with friction of
-    their own answered in Python, that would be within cffi, which prints and drops it.
-    """
-    script = (
-        "import os, signal, threading\n"
-        "from sandbox.engine.simulate import simulate\n"
-        "from sandbox.errors import Interrupted\n"
-        "from tests.engine.machines import G, disc, fixed, mechanism\n"
-        "balls = [disc(f'd{i}', 0.01, (0.05 * i, 0.02), velocity=(0.02, 0))\n"
-        "         for i in range(16)]\n"
-        "floor = fixed('floor', shapes=[{'type': 'box', 'size': (9, 0.02)}])\n"
-        "rule = {'between': ('floor', 'd*'), 'friction': 0.3}\n"
-        "def machine(duration): return mechanism(duration=duration, gravity=(0, -G),\n"
-        "    bodies=[floor, *balls], contacts=[rule], run={'sample_rate': 5.0})\n"
-        "simulate(machine(0.01))\n"
-        "kill = lambda: os.kill(os.getpid(), signal.SIGINT)\n"
-        "threading.Timer(0.1, kill).start()\n"
-        "try: simulate(machine(60.0)); print('lost')\n"
-        "except Interrupted: print('heard')\n")
-    root = Path(__file__).parents[2]
-    paths = os.pathsep.join([str(Path(sandbox.__file__).parents[1]), str(root)])
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", script], capture_output=True, text=True, cwd=root, timeout=600,
-        env={**os.environ, "PYTHONPATH": paths}, check=False)
-    assert done.stdout.split() == ["heard"], done.stderr
 
 
 # -- momentum and energy -------------------------------------------------------------
