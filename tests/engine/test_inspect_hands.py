@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import cmath
-import itertools
 import math
 from collections.abc import Sequence
 from typing import Any
 
 import pytest
 
-from sandbox.engine import inspect_hands
 from sandbox.engine.inspect import inspect
 from sandbox.engine.inspect_hands import reaches, ways
 from sandbox.engine.simulate import simulate
@@ -121,38 +118,6 @@ def test_how_far_a_hand_that_closes_on_nothing_draws_its_tree() -> None:
     assert gone == pytest.approx(way + 40e-6, abs=2e-6)
 
 
-def drawn_in(turned: Sequence[float], scale: float = 1.0) -> float:
-    """By how much FINGER's cord is shorter than straight, its points as complex numbers [m]."""
-    def length(turns: Sequence[float]) -> float:
-        at, angle, points = 0j, 0.0, [complex(*FINGER["guides"][0])]
-        for turn, reach, guide in zip(turns, FINGER["lengths"], FINGER["guides"][1:], strict=True):
-            angle -= turn
-            points.append(at + cmath.exp(1j * angle) * complex(*guide))
-            at += cmath.exp(1j * angle) * reach
-        return sum(abs(b - a) for a, b in itertools.pairwise(points))
-    return scale * (length([0.0, 0.0, 0.0]) - length(turned))
-
-
-STOPS = tuple(math.radians(angle) for angle in (85, 80, 75))
-
-
-@pytest.mark.parametrize("tree", [
-    {"type": "pulley_tree"}, {"type": "rocker_tree"}, {"type": "rocker_tree", "links": "rope"}])
-def test_levels_of_a_tree_go_by_the_means_of_means(tree: dict[str, str]) -> None:
-    """Four fingers in four sizes on two levels, their shares 1 : 2 and 3 : 1, together 3 : 4."""
-    sizes = (1.0, 0.9, 0.8, 0.7)
-    whole = expand(load_scene({"parts": [
-        *({"type": "assembly", "name": f"h{i}", "scale": size, "at": [0, 0.2 * i],
-           "parts": [{**FINGER, "name": "f"}]} for i, size in enumerate(sizes)),
-        {**tree, "name": "tree", "pulls": [f"h{i}.f" for i in range(4)],
-         "shares": [1, 2, 3, 1], "travel": "80 mm"}]}))
-    names = tuple(f"tree.{tree['type'].removesuffix('_tree')}{k}" for k in (1, 2, 3))
-    one, two = (1.0 + 2 * 0.9) / 3, (3 * 0.8 + 0.7) / 4
-    x = drawn_in(STOPS)
-    assert list(ways(compile_mechanism(whole), names).values()) == pytest.approx(
-        [one * x, two * x, (3 * one + 4 * two) / 7 * x], rel=1e-12)
-
-
 @pytest.mark.parametrize("tree", ["pulley_tree", "rocker_tree"])
 def test_slots_that_are_too_short_for_it_are_told(tree: str) -> None:
     (line,) = reaches(compile_mechanism(pair("30 mm", tree=tree)))
@@ -168,24 +133,6 @@ def test_slots_that_are_too_short_for_it_are_told(tree: str) -> None:
 def test_of_fingers_without_stops_nothing_is_told() -> None:
     (line,) = reaches(compile_mechanism(pair("10 mm", limits=None)))
     assert line == "tree: its slots end after 10 mm along the pull and 30 mm against it"
-
-
-def test_of_many_objects_those_whose_circles_are_nearest_are_looked_at(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """The one whose outline is nearest, though another one's middle is, or one is farther off.
-
-    A circle says no more than that: of a bar on end it comes near the finger, the bar does not.
-    """
-    bar = {"at": [0.2, 0], "shapes": [{"type": "box", "size": [0.002, 0.3]}]}
-    assert "is 149 mm from it" in reach_of(hand(bar, disc(-0.15, 0, 0.001)))[0][1]
-    monkeypatch.setattr(inspect_hands, "MOST_LOOKED", 1)
-    small, large = disc(0.2, 0, 0.001), disc(0, 0.25, 0.1)
-    for objects in ((small, large), (large, small)):
-        assert "is 150 mm from it" in reach_of(hand(*objects))[0][1]
-    far = disc(0, 0.5, 0.1)
-    for objects in ((small, far), (far, small)):
-        assert "is 199 mm from it" in reach_of(hand(*objects))[0][1]
 
 
 def two_loads(held: int = 1, pull: Any = 20, **tree: Any) -> Mechanism:

@@ -179,13 +179,6 @@ def test_a_target_is_of_the_kind_of_the_reading(reads: str, unit: str) -> None:
     assert found[1].startswith("'kg' is a unit of mass, but this is a")
 
 
-@pytest.mark.parametrize("reads", [
-    "  =axle.angle", "opening.x", "push.value", "arm.contact.count", "arm.x/arm.y"])
-def test_of_what_is_not_plain_nothing_is_said(reads: str) -> None:
-    meters = [{"name": "opening.x", "value": "=axle.angle"}]
-    assert problems({**law(PID, reads=reads, target="1 kg"), "meters": meters}) == []
-
-
 @pytest.mark.parametrize(("controller", "right", "wrong"), [
     (PID, "30 deg", "30 N"), (RELAY, "30 deg", "30 N"), (SCHEDULE, "1 N", "1 deg"),
     ({**EQUILIBRIUM, "joints": ["finger.mcp"], "writes": ["k_mcp"], "targets": [0], "kp": [0]},
