@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import ast
-import importlib
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, get_args, get_origin
 
-import pytest
-
 import sandbox
-from sandbox.elements.element import tag_of
 from sandbox.elements.loads import Load
-from sandbox.elements.registry import KINDS, Drive, Joint
+from sandbox.elements.registry import Drive, Joint
 from sandbox.elements.springs import Spring
 from sandbox.scene.expand import expand
 from sandbox.scene.library import shipped_scenes
@@ -146,44 +142,9 @@ def tags(union: Any) -> list[str]:
         else tags(kind))]
 
 
-@pytest.mark.parametrize(("module", "table", "union"), [
-    ("sandbox.picture.elements.joints", "JOINTS", Joint),
-    ("sandbox.picture.elements.drives", "DRIVES", Drive)])
-def test_every_element_type_has_its_row(module: str, table: str, union: Any) -> None:
-    assert set(getattr(importlib.import_module(module), table)) == set(tags(union))
-
-
 def test_every_element_type_is_shown_by_a_scene() -> None:
     scenes = [expand(load_scene(path)) for path in shipped_scenes().values()]
     for field, union in (("joints", Joint), ("springs", Spring), ("loads", Load),
                          ("drives", Drive)):
         shown = {element.type for scene in scenes for element in getattr(scene, field)}
         assert set(tags(union)) - shown == set(), f"no scene in scenes/ shows these {field}"
-
-
-NAMED_ELSEWHERE = {"engine": 3, "picture": 5}
-"""Imports of classes of kinds, and tables by `type`, that remain; these numbers may only fall."""
-MADE_OF_ELEMENTS = ("sandbox.scene.parts.", "sandbox.scene.played")
-"""Modules that make elements, by their classes."""
-
-
-def test_no_other_package_names_a_kind_of_element() -> None:
-    classes = {kind.__name__ for kinds in KINDS.values() for kind in kinds.values()
-               if tag_of(kind)}
-    found: dict[str, list[str]] = {}
-    for path in sorted(PACKAGE.rglob("*.py")):
-        room, module = path.relative_to(PACKAGE).parts[0], path.relative_to(PACKAGE.parent)
-        name = ".".join(module.with_suffix("").parts)
-        if room in ("elements", "build.py") or name.startswith(MADE_OF_ELEMENTS):
-            continue
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ImportFrom):
-                found.setdefault(room, []).extend(
-                    f"{module}:{node.lineno} {alias.name}" for alias in node.names
-                    if alias.name in classes and str(node.module).startswith("sandbox.elements"))
-            if isinstance(node, ast.Subscript | ast.Compare):
-                key = node.slice if isinstance(node, ast.Subscript) else node.left
-                if isinstance(key, ast.Attribute) and key.attr == "type":
-                    found.setdefault(room, []).append(f"{module}:{node.lineno} .type")
-    assert {room: places for room, places in found.items()
-            if len(places) > NAMED_ELSEWHERE.get(room, 0)} == {}

@@ -12,7 +12,6 @@ that diverges on purpose is ``json scene diverges``. ``json broken`` is written 
 from __future__ import annotations
 
 import importlib.util
-import json
 import re
 import shlex
 import sys
@@ -24,7 +23,6 @@ from typing import Any
 
 import pytest
 
-from sandbox.cli.console import COMPILE_TIME
 from sandbox.cli.entry import invoke
 from sandbox.cli.failures import Exit
 from sandbox.scene.library import shipped_scenes
@@ -33,47 +31,12 @@ from sandbox.scene.schema import descriptions, scene_schema
 from sandbox.values.messages import fields_page
 
 from .golden.scenes import WHOLE
-from .test_architecture import FLOORS
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted(page for page in (ROOT / "docs").rglob("*.md")
                                      if page.name != "validation.md")]
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 KINDS = {"console", *WHOLE, "json piece", "json broken", "json study", "python", "sh"}
-RUN_ELSEWHERE = {
-    'python3 -m venv .venv && .venv/bin/pip install . && '
-    '.venv/bin/sandbox run scenes/adaptive_grasp.json': ".ci/run",
-    'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/pytest -n 2': ".ci/run",
-    'python3 -m venv .venv && .venv/bin/pip install -e ".[dev]"': ".ci/run, but not editable",
-    "git clone REPOSITORY sandbox && cd sandbox": "whoever has the project has done it",
-    ".venv/bin/pytest -n 2 tests/scene": ".ci/run",
-    ".venv/bin/pytest -n 2": ".ci/run",
-    ".venv/bin/pytest -n 2 -m nightly": "every night",
-    ".venv/bin/pytest -q tests/test_architecture.py tests/web/test_packing.py tests/export "
-    "tests/scene/test_schema.py": ".ci/run",
-    ".ci/release 0.2.0": "by hand",
-    ".venv/bin/ruff check . && .venv/bin/mypy": "developers",
-    "python -m tests.golden check": "tests/golden/test_golden.py, scene by scene",
-    "python -m benchmarks": "tests/test_benchmarks.py, quickly",
-    "python -m benchmarks --only work_precision --draw docs": "tests/test_benchmarks.py, quickly",
-    "python -m tests.scenes.holding": "tests/scenes/test_hands.py, some of the starts",
-    "python -m tests.fuzz --count 200": "tests/fuzz/test_fuzz.py, a share of the inputs",
-    "python -m tests.fuzz --recordings --count 200": "tests/fuzz/test_fuzz.py, a share of them",
-    "dask scheduler --port 8786 &": "tests/sweeps/test_cluster.py, with a scheduler of its own",
-    "dask worker tcp://127.0.0.1:8786 --nworkers 4 --nthreads 1 &": "tests/sweeps/test_cluster.py",
-    "sandbox search fit docs/studies/identification.json --data measured.csv":
-        "tests/search/test_command.py",
-    "python docs/make_reference.py": "tests/scene/test_schema.py",
-    "python docs/make_gallery.py": "test_the_gallery_holds_what_the_docs_show",
-    ".ci/run": "the project's checks",
-    **{f"python docs/studies/{path.stem}.py --out renders/gallery": "tests/test_studies.py, quickly"
-       for path in (ROOT / "docs" / "studies").glob("*.py")},
-    'sandbox search threshold held_disc --vary "drives[pushed].value=0.5 N:2 N" --keep "x=disc.x" '
-    '--keep "y=disc.y" --keep "way==hypot(x, y)" --where "way < 0.2 mm" --within "0.01 N" --set '
-    '"expect=[]" --set run.duration=0.4s --set "drives[pushed].direction=[0,1]"':
-        "the same along x, above it",
-}
-"""Every command of a ``sh`` block, and where it is run."""
 
 GENERATED = ROOT / "docs" / "validation.md"
 """Page that the site build writes."""
@@ -173,9 +136,6 @@ def test_a_wrong_claim_is_found(
 def test_every_block_is_of_a_known_kind(page: Path) -> None:
     kinds = {kind for kind, _ in blocks(page)}
     assert {kind for kind in kinds if not kind.startswith("{")} <= KINDS  # those are for Sphinx
-    for kind, text in blocks(page):
-        if kind == "sh":
-            assert set(text.splitlines()) <= set(RUN_ELSEWHERE)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
@@ -257,13 +217,6 @@ def test_every_scene_has_one_topic_and_is_in_the_gallery() -> None:
     assert set(script("make_gallery").HOW) <= set(grouped)
 
 
-def test_the_gallery_has_the_first_sentence_of_a_scene() -> None:
-    sentence = script("make_reference").sentence
-    assert sentence("Figure 1a. One cord has one tension, so that each gets as much. And on.") == (
-        "Figure 1a. One cord has one tension, so that each gets as much.")
-    assert sentence("A disc.") == "A disc."
-
-
 def test_every_generated_table_is_shown_once() -> None:
     reference = script("make_reference")
     marks = [mark for page in PAGES for mark in reference.MARK.findall(page.read_text("utf-8"))]
@@ -299,104 +252,4 @@ def _units(group: str) -> list[str]:
     return [group] if group in UNITS or not group else group.split()
 
 
-def test_the_measures_of_a_grasp_are_explained() -> None:
-    from sandbox.elements.quantities import GRASP
-
-    text = (ROOT / "docs" / "grasp.md").read_text(encoding="utf-8")
-    rows = text.partition("| quantity |")[2].partition("\n\n")[0]
-    assert re.findall(r"^\| `(\w+)` \|", rows, re.MULTILINE) == list(GRASP)
-
-
-def test_the_objects_of_hands_are_told_and_hung_up() -> None:
-    scenes = shipped_scenes()
-    objects = [name for name in scenes if name.startswith("object_")]
-    text = (ROOT / "docs" / "hands.md").read_text(encoding="utf-8").partition("<!--")[0]
-    assert objects
-    assert [name for name in objects if f"`{name}`" not in text] == []
-    hung = json.loads(scenes["objects"].read_text(encoding="utf-8"))["parts"]
-    assert sorted(part["include"] for part in hung) == sorted(objects)
-
-
-def test_every_kind_without_a_counterpart_is_told() -> None:
-    text = (ROOT / "docs" / "export.md").read_text(encoding="utf-8")
-    told = text.partition("## What has no counterpart")[2].partition("`--without")[0]
-    from sandbox.elements.registry import KINDS as ALL
-
-    facts = [kind.facts for kinds in ALL.values() for kind in kinds.values()
-             if hasattr(kind, "facts")]
-    without = {value for kind in facts for name, value in vars(kind).items()
-               if name.startswith("mujoco") and value}
-    assert len(without) > 4
-    assert [each for each in without if each not in told] == []
-
-
-def test_what_has_a_quantity_is_what_the_catalogue_gives_it() -> None:
-    owners = script("make_reference").owners
-    assert owners("body", "x") == "body"
-    assert owners("joint", "reaction") == "joint"
-    assert owners("joint", "stop") == "joint: pin with limits"
-    assert owners("spring", "torque") == "spring: rotary"
-    assert owners("drive", "work") == "drive except stiffness, opening, hold"
-    assert owners("drive", "torque") == "drive: motor, brake, servo"
-
-
-def test_the_head_of_the_contacts_is_that_of_the_file() -> None:
-    from sandbox.recording.tables import contact_head
-
-    assert f"`{contact_head()}`" in (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
-
-
 # --- packages, layers and the paths that pages name
-
-PLACE = re.compile(r"`([\w.]+(?:/[\w.]*)+|\w+\.py)(?:: (\w+))?`")
-GUIDES = ("extending.md", "contributing.md")
-"""Pages whose places are looked up."""
-
-
-def lost(text: str) -> list[str]:
-    """Paths that lead nowhere, below sandbox/ or the project, and names that are not in them."""
-    found = []
-    for path, name in PLACE.findall(text):
-        place = next((root / path for root in (ROOT / "sandbox", ROOT) if (root / path).exists()),
-                     None)
-        if place is None:
-            found.append(path)
-        elif name and not re.search(rf"\b{name}\b", place.read_text(encoding="utf-8")):
-            found.append(f"{path}: {name}")
-    return found
-
-
-@pytest.mark.parametrize("page", GUIDES)
-def test_every_place_is_where_a_page_says(page: str) -> None:
-    text = BLOCK.sub("", (ROOT / "docs" / page).read_text(encoding="utf-8"))
-    assert lost(text) == []
-
-
-def test_a_lost_place_is_found() -> None:
-    assert lost("`elements/registry.py: KINDS`, `errors.py`, `engine/`, `tests/test_docs.py`") == []
-    assert lost("`elements/pedals.py`, `elements/registry.py: PEDALS`, `machine/`") == [
-        "elements/pedals.py", "elements/registry.py: PEDALS", "machine/"]
-
-
-def test_the_packages_and_layers_are_listed() -> None:
-    text = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
-    house = text.partition("## Packages")[2].partition("\n## ")[0]
-    package = ROOT / "sandbox"
-    rooms = {f"{path.parent.relative_to(package).as_posix()}/"
-             for path in package.rglob("__init__.py") if path.parent != package}
-    assert sorted(re.findall(r"^\| (?:… )?`([\w/]+/)` \|", house, re.MULTILINE)) == sorted(rooms)
-    order, = re.findall(r"^`\w+`[^.]*<[^.]*\.$", house, re.MULTILINE)
-    assert [re.findall(r"`(\w+)`", floor) for floor in order.split("<")] == [
-        sorted(room for room in FLOORS if FLOORS[room] == level)
-        for level in sorted(set(FLOORS.values()))]
-
-
-def test_the_glossary_is_in_order() -> None:
-    text = (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8")
-    words = re.findall(r"^\| ([^|]+) \|", text, re.MULTILINE)[2:]
-    assert words == sorted(set(words), key=str.casefold)
-
-
-@pytest.mark.parametrize("page", ["README.md", "docs/start.md"])
-def test_how_long_compiling_takes_is_told_as_the_program_tells_it(page: str) -> None:
-    assert COMPILE_TIME in " ".join((ROOT / page).read_text(encoding="utf-8").split())

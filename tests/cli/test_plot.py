@@ -85,16 +85,6 @@ def test_without_quantities_it_lists_them_and_commands_that_work(runs):
     assert all(row["about"] for row in told)
 
 
-def test_one_quantity_against_another_in_a_window_of_several_runs(runs):
-    said = runs("plot", "controlled", "finger.mcp.angle", "k1.value", "--x", "finger.dip.angle",
-                "--from", "0.5s", "--to", "2", "--with", "other", "--with", "elsewhere/free",
-                "--out", "all.svg")
-    assert said.out == "all.svg\n"  # responses are those of whole runs
-    text = Path("all.svg").read_text()
-    for word in ("controlled", "other", "free", "finger.dip.angle [deg]", "finger.mcp.angle"):
-        assert f"<!-- {word} -->" in text, word
-
-
 def test_an_incomplete_run(sandbox):
     cut = {"status": Status.DIVERGED, "reason": "it ran away"}
     recording(info=cut).save("renders/controlled")

@@ -15,7 +15,6 @@ from sandbox.engine.compiling import report_began, report_compiled
 from sandbox.engine.entry_points import CalledFromPython
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from sandbox.samples.expectations import Verdict
 
 NUMBERS = {"run.json", "run.npz", "contacts.csv", "tendons.csv", "joints.csv", "bodies.csv",
            "drives.csv"}
@@ -249,8 +248,3 @@ def test_the_first_compilation_is_told_and_no_other(monkeypatch, scene, capfd, t
             report_compiled(12.4)
     report_began()  # outside of the context nothing is printed
     assert capfd.readouterr().err.splitlines() == [NOT_CACHED, "Compiled in 12 s"]
-
-
-def verdict(name, *, ok):
-    return Verdict(quantity=name, statistic="mean", unit="N", value=1.0, low=0.0, high=2.0, ok=ok,
-                   reason="" if ok else "no")

@@ -20,21 +20,6 @@ STEP = [0.0, *[1.0] * 3000]
 """At rest at the first act, where nothing has been integrated; the step comes with the second."""
 
 
-def test_pi_whose_zero_is_on_the_pole_of_a_lag():
-    """With the zero of kp + ki h/2 (z+1)/(z-1) at the pole a = exp(-h/T) of the sampled lag
-    K/(T s + 1), the loop is c b/(z-1) with c = kp + ki h/2 and b = K (1-a): the step response
-    is 1 - (1 - c b)^j, j acts after the step.
-    """
-    lag, gain, kp = 0.05, 3.0, 2.0
-    a = math.exp(-H / lag)
-    ki = 2 * kp * (1 - a) / (H * (1 + a))
-    law = Pid(Gains(kp, ki), H)
-    got, _ = closed(law, Plant([[-1 / lag]], [gain / lag], [1], H), STEP, 500, h=H)
-    rate = 1 - (kp + ki * H / 2) * gain * (1 - a)
-    np.testing.assert_allclose(got[1:], 1 - rate ** np.arange(499), rtol=0, atol=ROUNDING)
-    assert got[-1] > 0.99
-
-
 @pytest.mark.parametrize("filter_time", [0.0, 0.04])
 @pytest.mark.parametrize("gains", [(40.0, 300.0, 0.0), (60.0, 400.0, 1.5), (-40.0, -300.0, -0.5)])
 def test_pid_on_a_mass_on_a_spring(gains, filter_time):

@@ -7,15 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.linalg import expm
-from scipy.optimize import brentq, minimize_scalar
 
 from sandbox.elements.controllers.relay import (
     RULES,
     Relay,
     RelayController,
     gains_of,
-    ultimate_gain,
 )
 
 from .loops import Plant, closed
@@ -36,48 +33,6 @@ def lags(sign: float = 1.0) -> Plant:
     plant = Plant(A, sign * B, C, H)
     plant.x[2] = -0.05
     return plant
-
-
-def exact_cycle(delay: float) -> tuple[float, float, Any]:
-    """Period and amplitude of 1/(s+1)^3 under a relay of +-1 that acts ``delay`` late.
-
-    Over half a period P the input is 1 and the state goes from -x to x, so that
-    x = (1 + exp(A P))^-1 (exp(A P) - 1) A^-1 B; P is where the output is 0 at P - delay.
-    The third value is the state -x, where the input becomes 1.
-    """
-    one, drift = np.eye(3), np.linalg.solve(A, B)
-
-    def start(half: float) -> Any:
-        return -np.linalg.solve(one + expm(A * half), (expm(A * half) - one) @ drift)
-
-    def output(state: Any, t: float) -> float:
-        return float(C @ (expm(A * t) @ (state + drift) - drift))
-
-    half = brentq(lambda p: output(start(p), p - delay), 1.0, 4.0, xtol=1e-12)
-    state = start(half)
-    # after the switch the output goes on downwards before it turns
-    turn = minimize_scalar(lambda t: output(state, t), bounds=(0, half), method="bounded")
-    return 2 * half, -turn.fun, state
-
-
-def test_a_known_plant_gives_its_exact_relay_cycle():
-    """A relay that looks once a period h sees a crossing up to h late, so a cycle's period and
-    amplitude lie between those of the exact cycles with delays 0 and h. The mean of seven
-    periods is known to h/7; the largest reading at the acts misses the turning point by no more
-    than h^2/8 times y'' = x1 - 2 x2 + x3, below 4 as the states are below 1. Begun on the cycle,
-    there is nothing to settle.
-    """
-    (short, low, start), (long, high, _) = exact_cycle(0.0), exact_cycle(H)
-    law, plant = relay(cycles=8), lags()
-    plant.x = start.reshape(-1, 1)
-    closed(law, plant, lambda k: 0.0, 8500, h=H)
-    found = law.report()
-    assert found["tuned"]
-    assert long - short < 6 * H  # 2 pi h over the phase's slope 1.3, by the describing function
-    assert short - H / 7 <= found["ultimate_period_s"] <= long + H / 7
-    assert low - H**2 / 2 <= found["reading_amplitude"] <= high
-    assert found["input_amplitude"] == 1.0
-    assert found["ultimate_gain"] == ultimate_gain(1.0, found["reading_amplitude"], 0.0)
 
 
 def test_integrator_with_delay_to_the_last_bit():

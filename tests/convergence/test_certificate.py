@@ -12,6 +12,8 @@ from sandbox.audit.figures import Figure
 from sandbox.convergence import runs as module
 from sandbox.convergence.certificate import certify, scene_size
 from sandbox.convergence.judgement import Kind
+from sandbox.convergence.runs import refined
+from sandbox.elements.controllers.controller import every
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import SimulationDiverged
@@ -273,3 +275,14 @@ def test_mass_length_and_time_give_a_size_where_all_quantities_are_zero() -> Non
     assert scene_size(runs, "J") == pytest.approx(3.0 * length**2 / 2.0**2)
     assert scene_size(runs, "rad") == scene_size(runs, "1") == 1.0
     assert scene_size(runs, "furlong") == 0.0
+
+
+def test_controllers_keep_their_rate() -> None:
+    """At 0.4 ms the rate next to 1 kHz is 1250 Hz, at 0.2 ms it would be 1 kHz."""
+    law = {"type": "schedule", "name": "law", "writes": "push", "value": 1}
+    plain = mechanism(
+        duration=0.1, step=4e-4, bodies=[mass("load", 1.0, (0, 0))], controllers=[law],
+        drives=[{"type": "force", "name": "push", "body": "load", "direction": [1, 0], "value": 0}])
+    for parts in (2, 4):
+        found = refined(plain, parts)
+        assert every(found.controllers[0].rate, found.run.step) == 2 * parts

@@ -1,18 +1,18 @@
-"""The table of arrays is what recordings hold, to the byte."""
+"""The tables of arrays and of quantity names are those of recordings."""
+
+from __future__ import annotations
 
 import pytest
 
 from sandbox.elements.arrays import (
-    ARRAYS,
-    IMPACT,
-    LAYOUT,
     MEAN,
-    MEAN_CONTACT,
     METERS,
     PER_SAMPLE,
     row_bytes,
 )
+from sandbox.elements.quantities import QUANTITIES
 from sandbox.engine.simulate import simulate
+from sandbox.errors import SceneError
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 
@@ -28,13 +28,33 @@ def test_bytes_of_a_sample_are_those_of_a_recording(scene):
     assert row_bytes(mechanism, PER_SAMPLE) * len(run) == kept
 
 
-def test_every_array_has_its_row():
-    means = {*MEAN, *MEAN_CONTACT}
-    for rate, more in (("1 kHz", means), ("2 kHz", set())):
-        run = simulate(load_scene("single_finger", overrides={
-            "run.duration": 0.002, "run.step": "0.5 ms", "run.sample_rate": rate}))
-        assert set(run.arrays) == {*LAYOUT, *IMPACT, *more}
-    assert {row.name for row in ARRAYS} == {*LAYOUT, *IMPACT, *means, METERS}
-    assert len({row.name for row in ARRAYS}) == len(ARRAYS)
-    assert all(row.about and (row.unit or row.element is not float) for row in ARRAYS)
-    assert next(iter(PER_SAMPLE)) == "time"
+OWNERS = {"body": "disc", "joint": "hinge", "spring": "coil", "tendon": "cord", "drive": "pull",
+          "group": "hand"}
+
+
+def scene(extra):
+    def bar(name):
+        return {"name": name, "mass": 1, "inertia": 1}
+
+    return {
+        "bodies": [bar("disc"), bar("arm"), bar(extra)],
+        "joints": [{"type": "pin", "name": "hinge", "a": "disc", "b": "arm", "on_a": [0, 0]}],
+        "springs": [{"type": "rotary", "name": "coil", "joint": "hinge", "stiffness": 1}],
+        "tendons": [{"name": "cord", "guides": [{"body": "disc"}, {"body": "arm", "at": [1, 0]}]}],
+        "drives": [{"type": "pull", "name": "pull", "tendon": "cord", "value": 1}],
+        "groups": [{"name": "hand", "kind": "finger", "bodies": ["disc"]}],
+    }
+
+
+@pytest.mark.parametrize("element", OWNERS)
+def test_no_element_may_be_called_like_a_quantity_of_another(element):
+    for quantity in QUANTITIES[element]:
+        name = f"{OWNERS[element]}.{quantity}"
+        with pytest.raises(SceneError, match="also means the quantity") as refused:
+            load_scene(scene(name))
+        assert len(refused.value.problems) == 1, name
+
+
+def test_other_names_are_free():
+    assert load_scene(scene("disc.tension"))
+    assert load_scene(scene("disc.normal"))

@@ -1,9 +1,4 @@
-"""Drives of stiffness, motors and brakes against closed forms.
-
-A step changes velocities by (all impulses) / inertia exactly, so a turn under constant torques is a
-polygon on the parabola: rates are exact to rounding (1e-12 of them, some thousand steps), and what
-is asked of instants is asked to within a step.
-"""
+"""Drives against closed forms: stiffness, brakes, motors, servos, actuators."""
 
 from __future__ import annotations
 
@@ -14,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from sandbox.audit.audit import audit
 from sandbox.engine.inspect import inspect
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
@@ -75,30 +71,6 @@ def test_torque_of_a_rotary_spring_whose_stiffness_changes(positive: str, sense:
     np.testing.assert_allclose(4e-5 * sense * run["w.alpha"], -run["s.torque"], atol=1e-12)
 
 
-def oscillation(run: Recording, ratio: Any, start: float) -> np.ndarray:
-    """x'' = - ratio(t) x from x = start at rest, at the run's instants."""
-    found = solve_ivp(lambda t, y: [y[1], -ratio(t) * y[0]], (0, run.time[-1]), [start, 0],
-                      t_eval=run.time, rtol=1e-11, atol=1e-14, method="DOP853")
-    return np.asarray(found.y[0])
-
-
-@pytest.mark.parametrize("kind", ["linear", "rotary"])
-def test_motion_is_second_order(kind: str) -> None:
-    """x'' = - k(t) x / m with k up to 4 k0 and back: halving h quarters the error."""
-    errors = []
-    for step in (1e-3, 5e-4, 2.5e-4):
-        if kind == "linear":
-            run = sprung(setting("=100 + 60 * sin(25 * t)"), step=step)
-            truth = oscillation(run, lambda t: (100 + 60 * math.sin(25 * t)) / 0.1, 0.02)
-            errors.append(np.abs(run["m.x"] - 0.1 - truth).max())
-        else:
-            run = turned(setting("=0.025 + 0.015 * sin(25 * t)"), step=step)
-            truth = oscillation(run, lambda t: (0.025 + 0.015 * math.sin(25 * t)) / 4e-5, -0.3)
-            errors.append(np.abs(run["p.angle"] - 0.2 - truth).max())
-    orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert ((orders > 1.7) & (orders < 2.3)).all(), (orders, errors)
-
-
 # -- brakes ------------------------------------------------------------------------
 
 
@@ -116,48 +88,6 @@ def hinged(drive: dict[str, Any], *, positive: str = "counterclockwise", omega: 
 
 LOAD = 0.1 * G * 0.05
 """The arm's weight about its hinge [N m]."""
-
-
-@SENSES
-@pytest.mark.parametrize("share", [1.001, 1000.0])
-def test_a_brake_holds_a_load_below_its_torque(positive: str, sense: int, share: float) -> None:
-    """Without drift or jitter over 2 s: rounding; and with exactly the load's torque.
-
-    One solve finds the shares of pin and brake at once: not even the first step slips.
-    """
-    run = hinged({"type": "brake", "value": share * LOAD}, gravity=G, duration=2.0,
-                 positive=positive)
-    assert np.ptp(run["p.angle"]) < 1e-12
-    np.testing.assert_allclose(run["d.torque"], sense * LOAD, rtol=1e-9)
-    assert np.ptp(run["d.work"]) < ROUNDING * LOAD
-
-
-@SENSES
-def test_a_brake_stops_a_wheel(positive: str, sense: int) -> None:
-    """After omega I / tau, having slipped omega^2 I / (2 tau); the energy lost is tau angle.
-
-    Its power is -tau (omega - tau t / I), a step early or late. The rate falls on a straight
-    line, so all but the instant (within a step) is exact. Here it is a step's end, where the
-    pose still is half a step back: (tau / I) h^2 / 8 short. Work at a sample is the mean of
-    those before and after its step, tau (tau / I) h^2 / 4 from that of its pose.
-    """
-    run = hinged({"type": "brake", "value": 1e-3}, positive=positive, omega=5.0)
-    stop = 5.0 * 4e-5 / 1e-3
-    still = run.time[np.argmax(np.abs(run["p.rate"]) < 1e-9)]
-    assert stop < still < stop + H
-    short = 1e-3 / 4e-5 * H**2 / 8
-    assert run["p.angle"][-1] == pytest.approx(sense * (5.0 * stop / 2 - short), rel=ROUNDING)
-    slipping = run.time < stop - H
-    np.testing.assert_allclose(run["d.torque"][slipping], -sense * 1e-3, rtol=ROUNDING)
-    np.testing.assert_allclose(run["d.torque"][run.time > stop + H], 0.0, atol=1e-9 * 1e-3)
-    np.testing.assert_allclose(
-        run["d.work"][slipping], -1e-3 * np.abs(run["p.angle"][slipping]), rtol=0,
-        atol=1.01 * 1e-3 * (1e-3 / 4e-5) * H**2 / 4)
-    assert run["d.work"][-1] == pytest.approx(-4e-5 * 5.0**2 / 2, rel=ROUNDING)
-    slows_down = 1e-3 / 4e-5
-    np.testing.assert_allclose(
-        run["d.power"][slipping], -1e-3 * (5.0 - slows_down * run.time[slipping]), rtol=0,
-        atol=1e-3 * slows_down * H)
 
 
 def test_a_brake_lets_go_and_takes_hold_when_told() -> None:
@@ -205,29 +135,6 @@ def test_a_stalled_motor_gives_its_torque(positive: str, sense: int) -> None:
 
 
 @SENSES
-def test_a_motor_turns_the_integral_of_its_speed(positive: str, sense: int) -> None:
-    """5 sin(4 pi t): the angle is (5 / 4 pi) (1 - cos(4 pi t)) to second order.
-
-    Poses are sums of h v at step's ends: the midpoint rule, (w h)^2 / 24 of the amplitude off at
-    most; a lag of h / 2, which would be first order, would be 5 h / 2 = 1.2e-3 rad.
-    """
-    w, errors = 4 * math.pi, []
-    for step in (1e-3, 5e-4, 2.5e-4):
-        run = simulate(mechanism(
-            duration=0.6, step=step, bodies=[fixed("wall"), wheel()],
-            joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0),
-                     "positive": positive}],
-            drives=[{"type": "motor", "name": "d", "joint": "p", "torque": 1.0,
-                     "value": "=5 * sin(4 * pi * t)"}]))
-        truth = 5 / w * (1 - np.cos(w * run.time))
-        errors.append(np.abs(run["p.angle"] - truth).max())
-        np.testing.assert_allclose(sense * run["w.angle"], run["p.angle"], atol=1e-12)
-        assert errors[-1] < 1.5 * 2 * (5 / w) * (w * step)**2 / 24
-    orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    np.testing.assert_allclose(orders, 2.0, atol=0.1)
-
-
-@SENSES
 @pytest.mark.parametrize(("value", "speed"), [
     ("=20 + 30 * t", lambda t: 20 + 30 * t),
     ("=20 + 4 * sin(9 * t)", lambda t: 20 + 4 * np.sin(9 * t))])
@@ -244,26 +151,6 @@ def test_a_motor_that_starts_at_speed_turns_from_the_end_of_the_first_step_on(
     turned = np.cumsum(H * speed(run.time + H / 2))[:-1]
     lead = run["p.angle"][1:] - turned - run["p.angle"][0]
     np.testing.assert_allclose(lead, 0.0, atol=1e-11)
-
-
-@pytest.mark.parametrize("at", [0.4, 2.0])
-def test_a_start_at_speed_leaves_no_jerk_in_the_second_step(at: float) -> None:
-    """A crank with a rod on a fixed pivot's circle: torques from the second step on are smooth.
-
-    Second differences of a smooth torque are some (u h)^2 of it; of a jerk, the jerk itself.
-    """
-    c, s = 0.1 * math.cos(at), 0.1 * math.sin(at)
-    run = simulate(mechanism(
-        duration=0.02, step=5e-4, run={"sample_rate": 2000.0},
-        bodies=[fixed("wall"), mass("crank", 0.05, (c, s), inertia=1e-4),
-                mass("rocker", 0.3, (0.3, 0.2), inertia=1e-3)],
-        joints=[{"type": "pin", "name": "main", "a": "wall", "b": "crank", "on_a": (0, 0)},
-                {"type": "pin", "name": "other", "a": "wall", "b": "rocker", "on_a": (0.3, 0)},
-                {"type": "rod", "name": "rod", "a": "crank", "b": "rocker"}],
-        drives=[{"type": "motor", "name": "d", "joint": "main", "value": 20.0, "torque": 1e4}]))
-    torque = run["d.torque"][1:]
-    bend = np.abs(np.diff(torque, 2))
-    assert bend[0] < 3 * np.median(bend[1:5])
 
 
 # -- the machinery -----------------------------------------------------------------
@@ -286,3 +173,228 @@ def test_inspection_warns_of_a_stiffness_beyond_the_step(value: Any, more: Any) 
     assert len(warned) == (0 if plain else 1)
     if not plain:
         assert "h w = 1.5" in warned[0].message
+
+
+INERTIA, MAX_TORQUE = 4e-5, 2e-3
+
+
+def servo_run(drive: dict[str, Any], *, step: float = 1e-3, duration: float = 0.5,
+              gravity: float = 0.0, spin: float = 0.0, **pin: Any) -> Recording:
+    """A wheel, or under gravity an arm whose weight is 50 mm out, on a hinge with a servo."""
+    body = {"name": "w", "mass": 0.1, "inertia": INERTIA, "angular_velocity": spin,
+            "centre": (0.05 if gravity else 0.0, 0.0), "velocity": (0.0, 0.0)}
+    return simulate(mechanism(
+        duration=duration, step=step, gravity=(0.0, -gravity), bodies=[fixed("wall"), body],
+        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0), **pin}],
+        drives=[{"type": "servo", "name": "d", "joint": "p", **drive}]))
+
+
+def slide(drive: dict[str, Any], *, step: float = 1e-3, duration: float = 0.5,
+          velocity: tuple[float, float] = (0.0, 0.0), gravity: float = 0.0,
+          **actuator: Any) -> Recording:
+    """1 kg at the end of an actuator of 0.1 m, which turns freely about the origin."""
+    return simulate(mechanism(
+        duration=duration, step=step, gravity=(-gravity, 0.0),
+        bodies=[fixed("wall"), mass("m", 1.0, (0.1, 0.0), velocity=velocity)],
+        joints=[{"type": "actuator", "name": "c", "a": "wall", "b": "m", **actuator}],
+        drives=[{"name": "d", "joint": "c", **drive}]))
+
+
+def assert_audit_passes(run: Recording, *names: str) -> None:
+    """Figures of its audit are computed and pass; none asks for a look."""
+    found = {figure.name: figure for figure in audit(run)}
+    assert [name for name, figure in found.items() if figure.verdict == "look"] == []
+    assert [found[name].verdict for name in names] == ["pass"] * len(names)
+
+
+# -- rigid ---------------------------------------------------------------------------
+
+
+@SENSES
+@pytest.mark.parametrize("step", [1e-3, 2.5e-4])
+def test_a_rigid_servo_takes_the_least_time_and_does_not_overshoot(
+        positive: str, sense: int, step: float) -> None:
+    """Half the way with +T, half with -T: t = 2 sqrt(I q / T), to the step and 0.1 % of caution.
+
+    It brakes in whole steps: what is left over of one carries it a h^2 / 8 too far at most.
+    """
+    run = servo_run({"value": 1.1, "torque": MAX_TORQUE}, step=step, positive=positive, zero=-0.1)
+    accelerates = MAX_TORQUE / INERTIA
+    least = 2 * math.sqrt(1.0 / accelerates)
+    angle = run["p.angle"]
+    assert angle[0] == pytest.approx(0.1, abs=1e-4)
+    assert angle.max() < 1.1 + accelerates * step**2 / 8
+    arrives = run.time[np.argmax(angle > 1.1 - 1e-4)]
+    assert least - 3 * step - math.sqrt(2e-4 / accelerates) < arrives < 1.001 * least + step
+    np.testing.assert_allclose(sense * run["w.omega"], run["p.rate"], rtol=ROUNDING, atol=1e-12)
+    early, late = run.time < least / 2 - 2 * step, run.time > 1.05 * least
+    np.testing.assert_allclose(run["d.torque"][early], MAX_TORQUE, rtol=ROUNDING)
+    np.testing.assert_allclose(run["d.torque"][late], 0.0, atol=1e-9 * MAX_TORQUE)
+    np.testing.assert_allclose(angle[late], 1.1, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(run["d.power"], run["d.torque"] * run["p.rate"], rtol=0, atol=0)
+    assert_audit_passes(run, "drive.place", "work", "momentum.moment")
+
+
+def test_a_servo_brakes_the_whole_arm_that_another_one_holds() -> None:
+    """Shoulder and elbow of an arm, straight: it brakes with both in time, and does not overshoot.
+
+    Were the elbow taken as free, the shoulder would feel less, and brake too late.
+    """
+    step, most, way = 1e-3, 0.02, 1.0
+    about = INERTIA + 0.1 * 0.05**2 + INERTIA + 0.1 * 0.15**2
+    links = [{"name": n, "mass": 0.1, "inertia": INERTIA, "at": (at, 0.0)}
+             for n, at in (("upper", 0.05), ("fore", 0.15))]
+    run = simulate(mechanism(
+        duration=1.2, step=step, gravity=(0.0, 0.0), bodies=[fixed("wall"), *links], joints=[
+            {"type": "pin", "name": "shoulder", "a": "wall", "b": "upper", "on_a": (0, 0)},
+            {"type": "pin", "name": "elbow", "a": "upper", "b": "fore", "on_a": (0.05, 0)}],
+        drives=[{"type": "servo", "name": "s", "joint": "shoulder", "value": way, "torque": most},
+                {"type": "servo", "name": "e", "joint": "elbow", "value": 0.0, "torque": 10.0}]))
+    angle, least = run["shoulder.angle"], 2 * math.sqrt(about * way / most)
+    assert np.abs(run["elbow.angle"]).max() < 1e-9
+    assert angle.max() < way + most / about * step**2 / 8
+    np.testing.assert_allclose(angle[run.time > 1.05 * least], way, rtol=0, atol=1e-10)
+
+
+def test_a_rigid_servo_follows_its_target() -> None:
+    """With torque to spare the angle is the target's in every step, without lag."""
+    run = servo_run({"value": "=0.3 * (1 - cos(9 * t))", "torque": 1.0})
+    np.testing.assert_allclose(run["p.angle"][2:], 0.3 * (1 - np.cos(9 * run.time[2:])), rtol=0,
+                               atol=1e-10)
+    assert run["d.torque"][2:] == pytest.approx(
+        INERTIA * 0.3 * 81 * np.cos(9 * run.time[2:]), abs=INERTIA * 0.3 * 9**4 * 1e-6 / 12 * 1.01)
+    assert_audit_passes(run, "drive.place", "drive.signal")
+
+
+# -- with a stiffness ------------------------------------------------------------------
+
+
+def test_a_saturating_controller_is_that_of_an_ode() -> None:
+    """I q'' = clip(k (u - q) - c q', T): second order.
+
+    The torque has a kink where it leaves its limit, and no jump: of a step that it falls into what
+    is missed is of second order, too. A leapfrog misses (w h)^2 / 12 of 0.5 rad at most.
+    """
+    k, c, most = 8 * MAX_TORQUE, 2e-4, 2 * MAX_TORQUE
+    errors = []
+    for step in (1e-3, 5e-4, 2.5e-4):
+        run = servo_run({"value": 0.5, "torque": most, "stiffness": k, "damping": c}, step=step,
+                        duration=0.3)
+
+        def law(_t: float, y: Any) -> list[float]:
+            return [y[1], min(max(k * (0.5 - y[0]) - c * y[1], -most), most) / INERTIA]
+
+        truth = solve_ivp(law, (0.0, 0.3), [0.0, 0.0], rtol=1e-11, atol=1e-13, max_step=1e-3,
+                          t_eval=run.time)
+        errors.append(float(np.abs(run["p.angle"] - truth.y[0]).max()))
+        assert np.abs(run["d.torque"]).max() == pytest.approx(most, rel=ROUNDING)
+        assert_audit_passes(run, "drive.place", "work")
+    w = math.sqrt(k / INERTIA)
+    for step, error in zip((1e-3, 5e-4, 2.5e-4), errors, strict=True):
+        assert error < 0.5 * (w * step)**2 / 12
+    assert errors[0] / errors[2] > 10
+
+
+# -- actuators ---------------------------------------------------------------------------
+
+
+def test_a_push_acts_on_both_ends() -> None:
+    """2 N between 1 kg and 3 kg: x = F t^2 / 2 m each, work F times the growth, no momentum.
+
+    The first pose of a leapfrog lies half a step back: work counts F h^2 F / 8 m too much for that.
+    """
+    run = simulate(mechanism(
+        duration=0.5, step=1e-3, gravity=(0.0, 0.0),
+        bodies=[mass("a", 1.0, (0.0, 0.0)), mass("b", 3.0, (0.3, 0.4))],
+        joints=[{"type": "actuator", "name": "c", "a": "a", "b": "b"}],
+        drives=[{"type": "push", "name": "d", "joint": "c", "value": 2.0}]))
+    grown = 2.0 * run.time**2 / 2 * (1 + 1 / 3)
+    np.testing.assert_allclose(run["c.length"], 0.5 + grown, rtol=1e-13)
+    np.testing.assert_allclose(run["c.speed"], 2.0 * run.time * 4 / 3, rtol=1e-11, atol=1e-14)
+    np.testing.assert_allclose(run["d.work"], 2.0 * grown, rtol=1e-9,
+                               atol=1.01 * 4.0 * (4 / 3) * 1e-6 / 8)
+    np.testing.assert_allclose(run["d.power"], 2.0 * run["c.speed"], rtol=1e-14)
+    np.testing.assert_allclose(run["a.vx"] + 3 * run["b.vx"], 0.0, atol=1e-14)
+    np.testing.assert_allclose(run["b.vx"] / run["b.vy"], 0.75, rtol=1e-9)
+    assert {run.unit(f"d.{name}") for name in ("value", "work", "power")} == {"N", "J", "W"}
+    assert_audit_passes(run, "momentum.force", "energy.lost", "work")
+
+
+@pytest.mark.parametrize("kind", ["extend", "length"])
+def test_a_length_grows_as_it_is_told_while_the_actuator_swings(kind: str) -> None:
+    """L = 0.1 + 0.025 (1 - cos 8 t) with 0.5 m/s across it at t = 0: second order.
+
+    Speeds are sums of h v at step's ends, the midpoint rule, 0.2 * 8 h^2 / 24 off for each second;
+    how the line bends in a step is known to h^2 of v^2 / L^2: (5 h)^2 of 0.2 m/s at most. Told its
+    length, it makes up for that in the next step, so that only a step's is left.
+    """
+    value = ("=0.2 * sin(8 * t)" if kind == "extend" else "=0.1 + 0.025 * (1 - cos(8 * t))")
+    errors = []
+    for step in (1e-3, 5e-4):
+        run = slide({"type": kind, "value": value, "force": 1e4}, velocity=(0.0, 0.5), step=step)
+        truth = 0.1 + 0.025 * (1 - np.cos(8 * run.time))
+        errors.append(float(np.abs(run["c.length"] - truth).max()))
+        allowed = 0.5 * (0.2 * 64 / 24 + 25 * 0.2) * step**2
+        assert errors[-1] < (allowed if kind == "extend" else allowed * 50 * step)
+        spin = run["m.x"] * run["m.vy"] - run["m.y"] * run["m.vx"]
+        # the force is along the line, so that the spin about the origin stays
+        np.testing.assert_allclose(spin, spin[0], rtol=0.05 * (step / 1e-3))
+        assert_audit_passes(run, "work")
+    assert 1.9 < math.log2(errors[0] / errors[1]) < 3.1
+
+
+def test_a_rigid_length_goes_there_in_the_least_time() -> None:
+    """2 sqrt(m L / F), as a servo; then it carries the weight."""
+    run = slide({"type": "length", "value": 0.2, "force": 2.0}, longest=0.3, shortest=0.05,
+                duration=0.8)
+    least = 2 * math.sqrt(0.1 / 2.0)
+    assert run["c.length"].max() < 0.2 + 2.0 * 1e-6 / 8
+    assert run.time[np.argmax(run["c.length"] > 0.2 - 1e-5)] == pytest.approx(least, abs=8e-3)
+    run = slide({"type": "length", "value": 0.2, "force": 20.0, "speed": 0.3}, gravity=G)
+    assert run["c.length"].max() < 0.2 + 1e-6
+    assert run["c.speed"].max() == pytest.approx(0.3, rel=1e-9)
+    assert run["d.force"][-1] == pytest.approx(G, rel=1e-9)
+    assert_audit_passes(run, "drive.place")
+
+
+def test_ends_of_stroke_are_hard() -> None:
+    """The drive goes on pushing, the end of stroke takes it up: its reaction is the drive's."""
+    run = slide({"type": "push", "value": 2.0}, longest=0.15)
+    assert run["c.length"].max() < 0.15 + 1e-9
+    assert run["c.reaction_x"][-1] == pytest.approx(-2.0, rel=1e-9)
+    run = slide({"type": "extend", "value": -0.1, "force": 3.0}, shortest=0.08)
+    assert run["c.length"].min() > 0.08 - 1e-9
+    assert run["d.force"][-1] == pytest.approx(-3.0, rel=1e-12)
+
+
+def test_a_rigid_servo_goes_on_after_its_target_while_something_else_breaks() -> None:
+    """A step that is solved again for what broke in it has the same target, at the same rate."""
+    run = simulate(mechanism(
+        duration=0.3, gravity=(0.0, -G), bodies=[
+            fixed("wall"), {"name": "w", "mass": 1.0, "inertia": 0.01},
+            mass("ball", 1.0, (1.0, -0.5))],
+        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_b": (0, 0)},
+                {"type": "rod", "name": "thread", "a": "wall", "b": "ball", "on_a": (1.0, 0.0),
+                 "breaks_at": 15.0}],
+        drives=[{"type": "servo", "name": "d", "joint": "p", "value": "=2 * t", "torque": 5.0},
+                {"type": "force", "name": "pull", "body": "ball", "direction": (0, -1),
+                 "value": "=30 * t"}]))
+    broke = int(np.argmin(run["thread.held"]))
+    assert 0 < broke < len(run.time) - 10
+    assert np.abs(run["d.torque"][broke - 5:]).max() < 1e-9
+    assert run["p.rate"][broke - 5:] == pytest.approx(2.0, abs=ROUNDING)
+
+
+def test_a_rigid_servo_that_is_taken_up_follows_its_target_from_there() -> None:
+    """Its target went on meanwhile, as its wheel did: there is nothing to catch up with."""
+    run = simulate(mechanism(
+        duration=0.4, bodies=[fixed("wall"), {"name": "w", "mass": 1.0, "inertia": 0.01,
+                                              "angular_velocity": 2.0}],
+        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0)}],
+        drives=[{"type": "servo", "name": "d", "joint": "p", "value": "=2 * t", "torque": 0.05}],
+        events=[{"name": "go", "at": 0.1, "release": ["p"]},
+                {"name": "back", "at": 0.3, "take_up": ["p"]}]))
+    assert run["p.held"].min() == 0
+    # its target is a step's mean rate behind at first: rounding of angles over a step
+    assert np.abs(run["d.torque"]).max() < 1e-6
+    assert run["p.rate"] == pytest.approx(2.0, abs=1e-9)

@@ -93,6 +93,7 @@ def test_cached_code_is_never_out_of_date(tmp_path: Path):
     assert program.run() == (2, 2, 1), "the code of the first version is found again"
 
 
+@pytest.mark.nightly
 def test_two_processes_with_different_sources_share_a_cache(tmp_path: Path):
     """With Numba alone both may save under the same number, and one loads the other's code."""
     programs = []
@@ -158,11 +159,6 @@ def test_documented_interfaces_of_numba_suffice(monkeypatch: pytest.MonkeyPatch)
         assert kernels.kernel_options() == {}
         assert CalledFromPython(outer)(1) == 5
     kernels._tested_options.cache_clear()
-
-
-def test_private_interfaces_of_numba_are_used_where_they_work():
-    """A version of Numba for which they do not compiles twice as long: adapt kernel.py."""
-    assert kernels.kernel_options()
 
 
 def test_old_code_of_other_versions_is_removed(tmp_path: Path):

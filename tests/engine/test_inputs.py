@@ -78,28 +78,6 @@ def test_its_velocity_and_acceleration_belong_to_the_same_instant() -> None:
     np.testing.assert_allclose(run["b.ax"][-1], -4.9 * np.sin(7 * t[-1]), atol=5 * 34 * H)
 
 
-def test_a_scheduled_body_has_its_speed_from_the_start() -> None:
-    """A load pinned to it that moves at the same speed causes no reaction."""
-    run = simulate(mechanism(
-        duration=0.1, joints=[{"type": "pin", "name": "pin", "a": "cart", "b": "load",
-                               "on_b": (0.0, 0.0)}],
-        bodies=[{"name": "cart", "motion": "scheduled", "path": {"x": "=0.5 * t"}},
-                {"name": "load", "mass": 1.0, "inertia": 1e-3, "velocity": (0.5, 0.0)}]))
-    assert run["pin.reaction"].max() < 1e-6
-    np.testing.assert_allclose(run["cart.x"], 0.5 * run.time, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(run["cart.vx"], 0.5, rtol=0, atol=1e-9)
-
-
-def test_scheduled_body_pushes() -> None:
-    """A wall that advances at 0.2 m/s takes a disc along: same speed, no gap."""
-    run = simulate(mechanism(duration=0.4, bodies=[
-        {"name": "wall", "motion": "scheduled", "path": {"x": {"expression": "=0.2 * t"}},
-         "shapes": [{"type": "box", "size": (0.02, 0.2)}]},
-        disc("ball", 0.01, (0.021, 0.0))]))
-    assert run["ball.vx"][-1] == pytest.approx(0.2, rel=1e-6)
-    assert run["ball.x"][-1] - run["wall.x"][-1] == pytest.approx(0.02, abs=2e-6)
-
-
 @pytest.mark.parametrize("motion", ["fixed", "dynamic"])
 def test_radius_drive_moves_the_surface(motion: str) -> None:
     """A disc that swells from 10 to 30 mm pushes another, 38 mm away, which then flies on.

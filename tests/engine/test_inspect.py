@@ -1,4 +1,4 @@
-"""The inspection finds what it is for, and only that."""
+"""The inspection of a scene warns of what is wrong, and only of that."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ import pytest
 from sandbox.engine.inspect import inspect
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SceneError
+from sandbox.scene.expand import expand
 from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.load import load_scene
 
 M, R, L = 0.01, 0.005, 0.04
 DISC = {"type": "circle", "radius": R}
@@ -138,16 +140,6 @@ def test_overlapping_bodies_are_told_with_their_depth():
 ], ids=["touching", "negligibly deep", "rule", "both fixed", "jointed"])
 def test_bodies_that_may_lie_so(scene):
     assert found(scene) == []
-
-
-def test_overlap_takes_the_angle_of_a_body_into_account():
-    box = {"type": "box", "size": [0.04, 0.004]}
-    scene = {"bodies": [{"name": "a", "mass": M, "shapes": [box]},
-                        {"name": "b", "mass": M, "shapes": [DISC], "at": [0, 0.015]}]}
-    assert found(scene) == []
-    scene["bodies"][0]["angle"] = math.pi / 2
-    # the disc's centre stands 2 mm from the nearest side, inside: 2 mm + its radius
-    assert "overlaps 'b' by 7 mm" in the_one(scene)[2]
 
 
 # --- tendons
@@ -329,3 +321,124 @@ def test_joints_that_hold_what_is_held_are_named():
     slides = {**second, "type": "slot", "start": [0, 0], "end": [2 * L, 0]}
     del slides["on_a"]
     assert not found(PINNED, joints=[*PINNED["joints"], {**slides, "on_b": [L, 0]}])
+
+
+ARM_SCENE: dict[str, Any] = {
+    "run": {"duration": 0.1},
+    "bodies": [{"name": "frame", "motion": "fixed"},
+               {"name": "arm", "at": [0.3, 0.0], "mass": 1.0, "inertia": 1e-2}],
+    "joints": [{"type": "pin", "name": "axle", "a": "frame", "b": "arm", "on_b": [-0.3, 0]},
+               {"type": "actuator", "name": "cylinder", "a": "frame", "b": "arm",
+                "on_a": [0.3, -0.5], "shortest": 0.4, "longest": 0.6}],
+}
+LIFT = {"type": "length", "name": "lift", "joint": "cylinder", "force": 10}
+
+
+def idle_warnings(**parts: Any) -> list[tuple[str, str]]:
+    """What is found of an element: its path and the words."""
+    scene = {**ARM_SCENE, **parts}
+    return [(problem.path, problem.message) for problem in inspect(expand(load_scene(scene)))]
+
+
+def released(*joints: str) -> list[dict[str, Any]]:
+    return [{**joint, "released": joint["name"] in joints} for joint in ARM_SCENE["joints"]]
+
+
+@pytest.mark.parametrize(("parts", "path", "words"), [
+    ({"events": [{"name": "catch", "at": 0.05, "take_up": "axle"}]}, "$.events[0].take_up[0]",
+     "takes up axle, which no event releases"),
+    ({"joints": released("axle"), "drives": [
+        {"type": "motor", "name": "spin", "joint": "axle", "value": 1, "torque": 1}]},
+     "$.drives[0]", "acts on axle, which is released from the start and never taken up"),
+    ({"drives": [{"type": "surface", "name": "belt", "body": "frame", "value": 1}]},
+     "$.drives[0].body", "frame has no shapes"),
+    ({"drives": [{**LIFT, "value": {"ramp": {"from": 0.5, "to": 0.7, "over": 0.1}}}]},
+     "$.drives[0].value", "sets cylinder to 700 mm, but it is 600 mm long at most"),
+    ({"drives": [{**LIFT, "value": 0.3}]}, "$.drives[0].value",
+     "sets cylinder to 300 mm, but it is 400 mm long at least"),
+])
+def test_what_does_nothing_is_told(parts: dict[str, Any], path: str, words: str) -> None:
+    [found] = idle_warnings(**parts)
+    assert found[0] == path
+    assert words in found[1]
+
+
+@pytest.mark.parametrize("parts", [
+    {"events": [{"name": "catch", "at": 0.05, "take_up": "axle"}], "joints": released("axle"),
+     "drives": [{"type": "motor", "name": "spin", "joint": "axle", "value": 1, "torque": 1}]},
+    {"events": [{"name": "drop", "at": 0.05, "release": "axle"},
+                {"name": "catch", "at": 0.07, "take_up": "axle"}]},
+    {"drives": [{**LIFT, "value": 0.6}]},
+])
+def test_what_does_something_is_not(parts: dict[str, Any]) -> None:
+    assert idle_warnings(**parts) == []
+
+
+APART = [{"between": ["*", "*"], "collide": False}]
+
+
+def unlike_pair(light: float, *, links: Any = None, inertia: float | None = None) -> dict[str, Any]:
+    """Two discs 20 mm apart, of 2 kg and of less."""
+    return {"bodies": [{"name": "heavy", "mass": 2.0, "shapes": [DISC]},
+                       {"name": "light", "mass": light, "at": [0.02, 0], "shapes": [DISC],
+                        **({"inertia": inertia} if inertia else {})}], **(links or {})}
+
+
+def mass_warnings(scene: dict[str, Any]) -> list[str]:
+    found = inspect(Mechanism.model_validate(scene))
+    assert {one.severity for one in found} <= {"warning"}
+    return [str(one) for one in found if one.code == "mass-ratio"]
+
+
+PIN = {"joints": [{"type": "pin", "name": "j", "a": "heavy", "b": "light", "on_b": [0, 0]}]}
+CORD = {"contacts": APART, "tendons": [{"name": "cord", "guides": [
+    {"body": "heavy"}, {"body": "light"}]}]}
+TOUCH: dict[str, Any] = {}
+
+
+@pytest.mark.parametrize("links", [PIN, CORD, TOUCH], ids=["joint", "cord", "contact"])
+def test_two_bodies_and_the_number(links):
+    assert mass_warnings(unlike_pair(2.1e-6, links=links)) == []
+    line, = mass_warnings(unlike_pair(1.9e-6, links=links))
+    assert line.startswith("warning: light: has 1.9e-06 kg where 'heavy' has 2 kg")
+    assert "masses differ by 1 : 1.1e+06; rounding errors show beyond 1 : 1e+06" in line
+    assert line.endswith("forces are right to 1e-09 of the largest")
+    assert mass_warnings(unlike_pair(1e-10, links=links))[0].endswith("make the two more alike")
+
+
+SPRING = {"springs": [{"type": "linear", "name": "s", "a": "heavy", "b": "light",
+                       "stiffness": 1e-3}]}
+
+
+@pytest.mark.parametrize("more", [{}, SPRING])
+def test_what_has_nothing_to_do_with_each_other_may_be_as_unlike_as_it_likes(more):
+    """A spring is no part of the balance that is solved for."""
+    assert mass_warnings(unlike_pair(1e-9, links={"contacts": APART, **more})) == []
+
+
+def test_a_body_in_between_links_the_two():
+    scene = unlike_pair(1e-6, links={"contacts": APART})
+    scene["bodies"].append({"name": "mean", "mass": 1e-3, "inertia": 1e-7, "at": [0.01, 0]})
+    scene["joints"] = [{"type": "pin", "name": f"to_{one}", "a": "mean", "b": one, "on_b": [0, 0]}
+                       for one in ("heavy", "light")]
+    assert "light: has 1e-06 kg where 'heavy'" in mass_warnings(scene)[0]
+    scene["bodies"][2]["motion"] = "fixed"
+    del scene["bodies"][2]["mass"], scene["bodies"][2]["inertia"]
+    assert mass_warnings(scene) == []
+
+
+@pytest.mark.parametrize("size", [[0.08, 0.002], [0.002, 0.08]])
+def test_a_shape_is_pushed_as_far_out_as_it_reaches(size):
+    """40 mm: 1e-13 kg m^2 over that squared."""
+    rod = {"type": "box", "size": size}
+    scene = unlike_pair(0.1, links=TOUCH, inertia=1e-13)
+    scene["bodies"][1] |= {"shapes": [rod], "at": [0.2, 0]}
+    assert "at 40.01 mm from its centre as 6.2e-11 kg would" in mass_warnings(scene)[0]
+
+
+def test_a_body_that_turns_too_easily_is_as_light_where_it_is_pushed():
+    """1/m + r^2/I with 0.1 kg, 1e-12 kg m^2 and 20 mm: 2.5e-9 kg."""
+    found, = mass_warnings(unlike_pair(0.1, links=PIN | {"joints": [
+        {**PIN["joints"][0], "on_a": [0, 0], "on_b": [-0.02, 0]}]}, inertia=1e-12))
+    assert ("with 1e-12 kg m^2 answers a push at 20 mm from its centre as 2.5e-09 kg would, "
+            "where 'heavy' has 2 kg") in found

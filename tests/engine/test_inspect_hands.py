@@ -1,16 +1,13 @@
-"""What a hand cannot do, told before: held against distances by hand and runs that go there."""
+"""Warnings about the reach of fingers and the travel of differentials."""
 
 from __future__ import annotations
 
-import cmath
-import itertools
 import math
 from collections.abc import Sequence
 from typing import Any
 
 import pytest
 
-from sandbox.engine import inspect_hands
 from sandbox.engine.inspect import inspect
 from sandbox.engine.inspect_hands import reaches, ways
 from sandbox.engine.simulate import simulate
@@ -42,14 +39,14 @@ def disc(x: float, y: float, radius: float = 0.01, **more: Any) -> dict[str, Any
     return {"at": [x, y], "shapes": [{"type": "circle", "radius": radius}], **more}
 
 
-def told(mechanism: Mechanism) -> list[tuple[str, str, str]]:
+def reach_of(mechanism: Mechanism) -> list[tuple[str, str, str]]:
     return [(problem.element, problem.message, problem.advice) for problem in inspect(mechanism)
             if "reaches" in problem.message]
 
 
 def test_a_finger_that_is_too_short_is_told() -> None:
     """45 + 26 + 21 + 7.5 mm from the hinge to the tip; to a disc of 10 mm at (120, -40): 116.5."""
-    assert told(hand(disc(0.12, -0.04), disc(-0.2, 0))) == [(
+    assert reach_of(hand(disc(0.12, -0.04), disc(-0.2, 0))) == [(
         "finger", "reaches 99.5 mm from its first hinge, and the nearest object that it may touch, "
         "'object0', is 116.5 mm from it", "move either by 16.99 mm or more, or make it longer")]
 
@@ -58,7 +55,7 @@ def test_fingers_that_lack_the_same_object_share_a_line() -> None:
     """From hinges at 0, -10 and -20 mm to a disc of 10 mm at 200 mm: 190, 200 and 210 mm."""
     parts = [{**FINGER, "name": f"f{k}", "at": [-0.01 * k, 0]} for k in (0, 1, 2)]
     far = {"name": "disc", "motion": "fixed", "role": "object", **disc(0.2, 0)}
-    ((finger, message, advice),) = told(expand(load_scene({"bodies": [far], "parts": parts})))
+    ((finger, message, advice),) = reach_of(expand(load_scene({"bodies": [far], "parts": parts})))
     assert finger == "f2"
     assert message.endswith(
         "'disc', is 210 mm from it (the same for 2 more: 'f0', 'f1')")
@@ -69,7 +66,7 @@ def test_fingers_that_lack_the_same_object_share_a_line() -> None:
 def test_a_free_object_beyond_all_fingers_is_told(gravity: tuple[float, float]) -> None:
     """It falls away, if at all: no finger ever touches it."""
     free = disc(0.12, -0.04, motion="dynamic", mass=1)
-    assert told(hand(free, gravity=gravity)) == [(
+    assert reach_of(hand(free, gravity=gravity)) == [(
         "finger", "reaches 99.5 mm from its first hinge, and the nearest object that it may touch, "
         "'object0', is 116.5 mm from it and does not approach as it falls",
         "move either by 16.99 mm or more, or make it longer; other loads on it are ignored")]
@@ -90,7 +87,7 @@ def test_a_free_object_beyond_all_fingers_is_told(gravity: tuple[float, float]) 
          "another one may push it", "it falls there", "its hand may come", "no object",
          "never touched", "the hand may come"])
 def test_what_may_be_reached_is_not_told(mechanism: Mechanism) -> None:
-    assert not told(mechanism)
+    assert not reach_of(mechanism)
 
 
 def pair(
@@ -121,38 +118,6 @@ def test_how_far_a_hand_that_closes_on_nothing_draws_its_tree() -> None:
     assert gone == pytest.approx(way + 40e-6, abs=2e-6)
 
 
-def drawn_in(turned: Sequence[float], scale: float = 1.0) -> float:
-    """By how much FINGER's cord is shorter than straight, its points as complex numbers [m]."""
-    def length(turns: Sequence[float]) -> float:
-        at, angle, points = 0j, 0.0, [complex(*FINGER["guides"][0])]
-        for turn, reach, guide in zip(turns, FINGER["lengths"], FINGER["guides"][1:], strict=True):
-            angle -= turn
-            points.append(at + cmath.exp(1j * angle) * complex(*guide))
-            at += cmath.exp(1j * angle) * reach
-        return sum(abs(b - a) for a, b in itertools.pairwise(points))
-    return scale * (length([0.0, 0.0, 0.0]) - length(turned))
-
-
-STOPS = tuple(math.radians(angle) for angle in (85, 80, 75))
-
-
-@pytest.mark.parametrize("tree", [
-    {"type": "pulley_tree"}, {"type": "rocker_tree"}, {"type": "rocker_tree", "links": "rope"}])
-def test_levels_of_a_tree_go_by_the_means_of_means(tree: dict[str, str]) -> None:
-    """Four fingers in four sizes on two levels, their shares 1 : 2 and 3 : 1, together 3 : 4."""
-    sizes = (1.0, 0.9, 0.8, 0.7)
-    whole = expand(load_scene({"parts": [
-        *({"type": "assembly", "name": f"h{i}", "scale": size, "at": [0, 0.2 * i],
-           "parts": [{**FINGER, "name": "f"}]} for i, size in enumerate(sizes)),
-        {**tree, "name": "tree", "pulls": [f"h{i}.f" for i in range(4)],
-         "shares": [1, 2, 3, 1], "travel": "80 mm"}]}))
-    names = tuple(f"tree.{tree['type'].removesuffix('_tree')}{k}" for k in (1, 2, 3))
-    one, two = (1.0 + 2 * 0.9) / 3, (3 * 0.8 + 0.7) / 4
-    x = drawn_in(STOPS)
-    assert list(ways(compile_mechanism(whole), names).values()) == pytest.approx(
-        [one * x, two * x, (3 * one + 4 * two) / 7 * x], rel=1e-12)
-
-
 @pytest.mark.parametrize("tree", ["pulley_tree", "rocker_tree"])
 def test_slots_that_are_too_short_for_it_are_told(tree: str) -> None:
     (line,) = reaches(compile_mechanism(pair("30 mm", tree=tree)))
@@ -170,19 +135,52 @@ def test_of_fingers_without_stops_nothing_is_told() -> None:
     assert line == "tree: its slots end after 10 mm along the pull and 30 mm against it"
 
 
-def test_of_many_objects_those_whose_circles_are_nearest_are_looked_at(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """The one whose outline is nearest, though another one's middle is, or one is farther off.
+def two_loads(held: int = 1, pull: Any = 20, **tree: Any) -> Mechanism:
+    """Loads 40 mm apart on slides along x, of which ``held`` stay, pulled along -x."""
+    return expand(load_scene({
+        "run": {"duration": 2.0},
+        "bodies": [
+            {"name": "rail", "motion": "fixed"},
+            *({"name": f"load{i}", "mass": 0.02, "inertia": 1e-5, "at": [0, 0.04 * i]}
+              if i >= held else {"name": f"load{i}", "motion": "fixed", "at": [0, 0.04 * i]}
+              for i in range(2))],
+        "joints": [{"type": "slot", "name": f"slide{i}", "a": "rail", "b": f"load{i}",
+                    "start": [-0.2, 0.04 * i], "end": [0.1, 0.04 * i], "turns": False}
+                   for i in range(held, 2)],
+        "springs": [{"type": "linear", "name": f"back{i}", "a": "rail", "b": f"load{i}",
+                     "on_a": [0.1, 0.04 * i], "stiffness": 20, "damping": 5}
+                    for i in range(held, 2)],
+        "parts": [{"type": "rocker_tree", "name": "tree", "pulls": ["load0", "load1"], **tree}],
+        "drives": [{"type": "pull", "name": "pull", "tendon": "tree", "value": pull}]}))
 
-    A circle says no more than that: of a bar on end it comes near the finger, the bar does not.
+
+def travel_of(mechanism: Mechanism) -> list[str]:
+    return list(reaches(compile_mechanism(mechanism)))
+
+
+@pytest.mark.parametrize("links", ["tendon", "rope"])
+def test_a_rocker_turns_over_where_it_is_told(links: str) -> None:
+    """20 N against 20 N/m would draw load1 far on: it stops a + b = 40 mm on.
+
+    The rocker then lies along its strings, which slant by 20 mm over 280 to 320: so far from the
+    pull. A slanted string is short of sqrt(300^2 + 20^2) - 300 = 0.7 mm along it.
     """
-    bar = {"at": [0.2, 0], "shapes": [{"type": "box", "size": [0.002, 0.3]}]}
-    assert "is 149 mm from it" in told(hand(bar, disc(-0.15, 0, 0.001)))[0][1]
-    monkeypatch.setattr(inspect_hands, "MOST_LOOKED", 1)
-    small, large = disc(0.2, 0, 0.001), disc(0, 0.25, 0.1)
-    for objects in ((small, large), (large, small)):
-        assert "is 150 mm from it" in told(hand(*objects))[0][1]
-    far = disc(0, 0.5, 0.1)
-    for objects in ((small, far), (far, small)):
-        assert "is 199 mm from it" in told(hand(*objects))[0][1]
+    mechanism = two_loads(gap="300 mm", links=links)
+    assert travel_of(mechanism) == [
+        "tree: a rocker's shares are 1 % off, and it turns over, where its strings have gone "
+        "differently far, by 19.8 mm and 40 mm ('tree.rocker1'); its slots end after 60 mm along "
+        "the pull and 150 mm against it"]
+    run = simulate(mechanism)
+    turned = abs(run["tree.rocker1.angle"][-1])
+    assert turned == pytest.approx(math.pi / 2, rel=0, abs=math.asin(20 / 280))
+    assert run["load1.x"][-1] == pytest.approx(-0.04, abs=0.7e-3)
+
+
+def test_a_slot_ends_where_it_is_told() -> None:
+    """Nothing held: both loads are drawn on until the pivot's slot ends."""
+    mechanism = two_loads(held=0, travel="50 mm")
+    (note,) = travel_of(mechanism)
+    assert "its slots end after 50 mm along the pull and 30 mm against it" in note
+    run = simulate(mechanism)
+    start = mechanism.bodies[[b.name for b in mechanism.bodies].index("tree.rocker1")].at[0]
+    assert run["tree.rocker1.x"][-1] == pytest.approx(start - 0.05, abs=1e-6)

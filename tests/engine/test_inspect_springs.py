@@ -1,17 +1,20 @@
-"""Springs that can snap over the centre of the hinge that they cross."""
+"""Warnings about springs that snap over centre, and about ringing tendons."""
 
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
+import numpy as np
 import pytest
 
 from sandbox.engine.inspect import inspect
-from sandbox.engine.inspect_springs import over_centre
+from sandbox.engine.inspect_springs import over_centre, ringing_problems
+from sandbox.engine.simulate import simulate
 from sandbox.model.compile import compile_mechanism
 from sandbox.scene.mechanism import Mechanism
-from tests.engine.machines import fixed
+from tests.engine.machines import G, fixed, mechanism
 
 M_BEFORE, M_AFTER = (-0.007, 0.008), (0.007, 0.008)
 """The ends of Set A's springs from the hinge [m]."""
@@ -35,23 +38,6 @@ def spring_across(
 
 def snaps_at(machine: Mechanism) -> float | None:
     return over_centre(compile_mechanism(machine), 0, 0)
-
-
-@pytest.mark.parametrize(("positive", "limits", "expected"), [
-    ("clockwise", None, 2 * math.atan2(8, 7)),
-    ("clockwise", (0.0, 1.8), 2 * math.atan2(8, 7)),
-    ("clockwise", (0.0, 1.6), None),
-    ("counterclockwise", (-1.8, 0.0), -2 * math.atan2(8, 7)),
-    ("counterclockwise", (0.0, 1.8), None),
-])
-def test_a_spring_over_centre(positive, limits, expected):
-    """Set A: M'' = (-7, 8), M' = (7, 8) mm about the hinge, closing clockwise.
-
-    rho_0 = w_0 = atan2(8, 7), the angles of the two ends over the hinge's
-    line, so the ends are in line with the hinge at theta = rho_0 + w_0.
-    """
-    angle = snaps_at(spring_across({"positive": positive, "limits": limits}, M_BEFORE, M_AFTER))
-    assert angle == (None if expected is None else pytest.approx(expected, abs=1e-12))
 
 
 def at(degrees: float) -> tuple[float, float]:
@@ -82,13 +68,6 @@ def test_the_way_over_centre_is_the_nearest_that_the_limits_leave(
             math.radians(side * expected), abs=1e-12))
 
 
-@pytest.mark.parametrize("positive", ["clockwise", "counterclockwise"])
-def test_of_two_ways_that_are_as_long_the_lower_one_is_told(positive):
-    """Both ends in one direction from the hinge: half a turn either way."""
-    machine = spring_across({"positive": positive}, (0.0, 0.01), (0.0, 0.02))
-    assert snaps_at(machine) == -math.pi
-
-
 @pytest.mark.parametrize("from_bar", [False, True])
 def test_a_spring_over_centre_is_told_with_its_angle(from_bar):
     (finding,) = inspect(spring_across(
@@ -96,3 +75,116 @@ def test_a_spring_over_centre_is_told_with_its_angle(from_bar):
     degrees = math.degrees(2 * math.atan2(8, 7))
     assert (finding.severity, finding.element) == ("warning", "s")
     assert f"snaps over the centre of 'hinge' at {degrees:.4g} deg" in finding.message
+
+
+K = 1e5
+BEAM = {"name": "beam", "motion": "fixed"}
+
+
+def weight(name: str, mass: float, at: tuple[float, float] = (0.0, -0.1), **more: Any) -> Any:
+    return {"name": name, "mass": mass, "inertia": 1e-4 * mass, "at": at, **more}
+
+
+def hanging(mass: float, *, step: float = 5e-4, duration: float = 0.1, **more: Any) -> Any:
+    """A weight on a cord of 1e5 N/m, let go where it is not stretched."""
+    cord = {"name": "cord", "guides": [{"body": "weight"}, {"body": "beam"}], **more}
+    return mechanism(duration=duration, step=step, gravity=(0.0, -G),
+                     bodies=[BEAM, weight("weight", mass)], tendons=[cord])
+
+
+def ringing_of(machine: Any) -> list[tuple[float, float, float, float]]:
+    """Hz, periods, seconds and the damping advised, of every cord that is named."""
+    numbers = r"[\d.e+-]+"
+    found = []
+    for one in ringing_problems(compile_mechanism(machine)):
+        assert (one.severity, one.blocks) == ("warning", False)
+        match = re.search(rf"vibrates at ({numbers}) Hz(?: once all cords are taut)?: .* after "
+                          rf"({numbers}) periods, ({numbers}) s; with 'damping' ({numbers}) N s/m",
+                          str(one))
+        assert match is not None, str(one)
+        found.append(tuple(float(each) for each in match.groups()))
+    return found
+
+
+@pytest.mark.parametrize("step", [1e-3, 1e-4])
+@pytest.mark.parametrize("damping", [0.0, 10.0])
+def test_the_step_damps_a_cord_as_a_damper_of_h_k_would(step, damping):
+    """zeta = (c + h k) w / (2 k); to 1 % in ln(100) / (2 pi zeta); 5 % asks for c = 0.1 k / w."""
+    omega = math.sqrt(K / 20.0)
+    zeta = (damping + step * K) * omega / (2 * K)
+    (hertz, periods, seconds, advised), = ringing_of(hanging(20.0, step=step, damping=damping))
+    assert hertz == pytest.approx(omega / (2 * math.pi), rel=5e-3)
+    assert periods == pytest.approx(math.log(100) / (2 * math.pi * zeta), rel=5e-3)
+    assert seconds == pytest.approx(math.log(100) / (zeta * omega), rel=5e-2)
+    enough = math.log(100) / (2 * math.pi * 15)
+    assert advised == pytest.approx(2 * enough * K / omega - step * K, rel=1e-2)
+
+
+def test_a_run_rings_as_long_as_was_said_and_with_the_damping_advised_15_periods():
+    (hertz, _, seconds, advised), = ringing_of(hanging(20.0, step=1e-3))
+    for damping, wanted in ((0.0, seconds), (advised, 15 / hertz)):
+        run = simulate(hanging(20.0, step=1e-3, duration=2.5, damping=damping))
+        off = np.abs(run["cord.tension"] / (20.0 * G) - 1)
+        died = run.time[np.flatnonzero(off > 0.01)[-1]]
+        assert died == pytest.approx(wanted, abs=0.6 / hertz)  # a zero is never far from a peak
+
+
+@pytest.mark.parametrize(("mass", "more"), [
+    (0.5, {}),  # 0.11 of what is critical, by the step alone
+    (20.0, {"damping": 200.0}),
+    (20.0, {"stiffness": 0.9e5}),  # a spring that is to ring
+    (0.5, {"slack": 0.01}),
+    (20.0, {"slack": 0.01, "damping": 200.0}),
+])
+def test_cords_of_which_nothing_is_to_be_said(mass, more):
+    assert ringing_of(hanging(mass, **more)) == []
+
+
+@pytest.mark.parametrize("more", [{"rest_length": 0.09}, {"rest_length": 0.1},
+                                  {"rest_length": 0.09, "slack": 0.01}])
+def test_a_cord_that_is_taut_from_the_start_is_named(more):
+    assert len(ringing_of(hanging(20.0, **more))) == 1
+    assert " Hz: of" in str(next(ringing_problems(compile_mechanism(hanging(20.0, **more)))))
+
+
+@pytest.mark.parametrize("more", [{"slack": 1e-6}, {"slack": 0.01}, {"rest_length": 0.11},
+                                  {"rest_length": 0.09, "slack": 0.011}])
+def test_a_slack_cord_rings_once_it_is_taut_as_if_it_were_from_the_start(more):
+    """It is the one that gets the jolt."""
+    assert ringing_of(hanging(20.0, **more)) == ringing_of(hanging(20.0))
+    found, = ringing_problems(compile_mechanism(hanging(20.0, **more)))
+    assert " Hz once all cords are taut: of" in str(found)
+
+
+@pytest.mark.parametrize(("make", "square"), [
+    # pinned under a hook of a gram: both swing as one
+    (lambda: {"bodies": [BEAM, weight("hook", 1e-3), weight("load", 30.0, (0.0, -0.2))],
+              "joints": [{"type": "pin", "name": "pin", "a": "hook", "b": "load", "on_a": (0, 0)}],
+              "tendons": [{"name": "cord", "guides": [{"body": "hook"}, {"body": "beam"}]}]},
+     K / 30.001),
+    # a movable pulley: two stretches lift it
+    (lambda: {"bodies": [BEAM, weight("load", 100.0, (0.0, -0.5))],
+              "tendons": [{"name": "cord", "guides": [
+                  {"body": "beam", "at": (-0.05, 0.0)},
+                  {"body": "load", "radius": 0.05, "side": "left"},
+                  {"body": "beam", "at": (0.05, 0.0)}]}]},
+     4 * K / 100.0),
+    # wound on a wheel that turns: r^2 / I
+    (lambda: {"bodies": [BEAM, {"name": "wheel", "mass": 1.0, "inertia": 0.5}],
+              "joints": [{"type": "pin", "name": "axle", "a": "beam", "b": "wheel",
+                          "on_b": (0, 0)}],
+              "tendons": [{"name": "cord", "guides": [
+                  {"body": "wheel", "radius": 0.1, "side": "left"},
+                  {"body": "beam", "at": (1.0, 0.0)}]}]},
+     0.01 * K / 0.5),
+    # two cords in a row: half as stiff
+    (lambda: {"bodies": [BEAM, weight("knot", 1e-3), weight("load", 30.0, (0.0, -0.2))],
+              "tendons": [{"name": "cord", "guides": [{"body": "knot"}, {"body": "beam"}]},
+                          {"name": "other", "stiffness": 1.01 * K,
+                           "guides": [{"body": "load"}, {"body": "knot"}]}]},
+     K / 30.0 / (1 + 1 / 1.01)),
+])
+def test_the_mode_is_that_of_all_that_hangs_on_it(make, square):
+    found = ringing_of(mechanism(duration=0.1, step=1e-4, **make()))
+    assert [hertz for hertz, *_ in found] == [
+        pytest.approx(math.sqrt(square) / (2 * math.pi), rel=5e-3)]

@@ -1,19 +1,21 @@
-"""Each joint keeps what it says it keeps, while forces do their best to the contrary.
-
-A step closes the joints where it leads to, to CLOSED = 1e-10 m: no drift, no curvature left over.
-Limits look a step ahead: what would pass one lands on it, and stays there.
-"""
+"""Joints keep their constraints; gears; kinematic loops; mechanisms that jam."""
 
 from __future__ import annotations
 
 import math
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 import pytest
 
+import sandbox
+from sandbox.audit.audit import audit
 from sandbox.engine.simulate import simulate
+from sandbox.errors import SandboxError, SimulationDiverged
 from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Status
+from sandbox.scene.mechanism import Mechanism
 
 from .machines import G, H, fixed, mass, mechanism
 
@@ -195,3 +197,220 @@ def test_a_stop_of_a_hinge_that_stands_beyond_it_comes_back_slowly() -> None:
     np.testing.assert_allclose(run["p.rate"][coming][1:], -1.0, atol=1e-9)
     # it arrives with that speed and goes on: a stop holds from one side only
     assert run["p.angle"][-1] <= 0.1 + ROUNDING
+
+
+TAN, COS = math.tan(math.radians(20.0)), math.cos(math.radians(20.0))
+
+
+def gear_run(h: float, duration: float = 0.5, **scene: Any) -> sandbox.Recording:
+    """The run of a scene without gravity, every look of its audit refused but what is shared."""
+    run = sandbox.simulate(sandbox.load_scene({
+        "name": "teeth", "gravity": [0, 0],
+        "run": {"duration": duration, "step": h, "sample_rate": 1000}, **scene}))
+    looks = [one for one in audit(run) if one.verdict == "look" and one.name != "reaction.shared"]
+    assert not looks, looks
+    return run
+
+
+def gear_wheel(name: str, x: float, mass: float, inertia: float, **more: Any) -> dict[str, Any]:
+    return {"name": name, "at": [x, 0], "mass": mass, "inertia": inertia, **more}
+
+
+def pin(name: str, a: str, b: str) -> dict[str, Any]:
+    return {"type": "pin", "name": name, "a": a, "b": b, "on_b": [0, 0]}
+
+
+def gear_pair(ra: float, rb: float, *, inside: bool = False, **gear: Any) -> dict[str, Any]:
+    """Two gears on the ground, 0.2 and 3 g m^2."""
+    return {"bodies": [{"name": "ground", "motion": "fixed"}, gear_wheel("a", 0, 1, 2e-4),
+                       gear_wheel("b", abs(ra - rb) if inside else ra + rb, 2, 3e-3)],
+            "joints": [pin("on_a", "ground", "a"), pin("on_b", "ground", "b"),
+                       {"type": "gear", "name": "mesh", "a": "a", "b": "b", "radius_a": ra,
+                        "radius_b": rb, "inside": inside, **gear}]}
+
+
+@pytest.mark.parametrize("inside", [False, True])
+@pytest.mark.parametrize("torque", [0.5, -0.5])
+def test_a_pair(inside: bool, torque: float) -> None:
+    """I_a + (r_a / r_b)^2 I_b resists; the mesh pushes with F / cos, the bearing feels F tan too.
+
+    Of the speed 1e9 N/m of teeth take the winding up, some sqrt(F^2 / k I) rad/s at most; which
+    way round they push, the bearing is pushed outside, and of a ring inside.
+    """
+    ra, rb = 0.02, 0.05
+    run = gear_run(1e-3, drives=[{"type": "torque", "name": "m", "joint": "on_a", "value": torque}],
+                   **gear_pair(ra, rb, inside=inside))
+    turn, rate = run["on_b.rate"], torque / (2e-4 + (ra / rb) ** 2 * 3e-3)
+    tangential = 3e-3 * abs(rate) * ra / rb / rb
+    slack = math.sqrt(tangential**2 / 1e9 / 2e-4)
+    np.testing.assert_allclose(run["on_a.rate"], rate * run.time, atol=slack)
+    np.testing.assert_allclose(turn * rb, (1 if inside else -1) * run["on_a.rate"] * ra,
+                               atol=slack * ra)
+    np.testing.assert_allclose(run["mesh.reaction"][5:], tangential / COS, rtol=1e-8)
+    np.testing.assert_allclose(run["mesh.reaction_x"][5:], (-1 if inside else 1) * tangential * TAN,
+                               rtol=1e-8)
+    np.testing.assert_allclose(run["on_b.reaction"][5:], tangential / COS, rtol=1e-8)
+    np.testing.assert_allclose(run["mesh.tangential"][5:], math.copysign(tangential, torque),
+                               rtol=1e-8)
+    np.testing.assert_allclose(run["mesh.radial"][5:], tangential * TAN, rtol=1e-7)
+
+
+def test_a_rack_at_an_angle() -> None:
+    """The rail carries F tan 20 degrees, the pinion's bearing F / cos."""
+    slope, r = 0.3, 0.02
+    c, s = math.cos(slope), math.sin(slope)
+    run = gear_run(1e-3, bodies=[
+        {"name": "ground", "motion": "fixed"}, gear_wheel("a", 0, 1, 2e-4),
+        {"name": "rack", "at": [r * s, -r * c], "angle": slope, "mass": 2, "inertia": 1}],
+        joints=[pin("on_a", "ground", "a"),
+                {"type": "slot", "name": "rail", "a": "ground", "b": "rack", "turns": False,
+                 "start": [r * s - 5 * c, -r * c - 5 * s], "end": [r * s + 5 * c, -r * c + 5 * s]},
+                {"type": "rack", "name": "mesh", "a": "a", "b": "rack", "radius": r}],
+        drives=[{"type": "torque", "name": "m", "joint": "on_a", "value": 1.0}])
+    acceleration = 1.0 * r / (2e-4 + r * r * 2)
+    speed = np.hypot(run["rack.vx"], run["rack.vy"])
+    np.testing.assert_allclose(speed, acceleration * run.time, atol=1e-5)
+    np.testing.assert_allclose(run["mesh.reaction"][5:], 2 * acceleration / COS, rtol=1e-8)
+    np.testing.assert_allclose(run["on_a.reaction"][5:], 2 * acceleration / COS, rtol=1e-8)
+    np.testing.assert_allclose(run["rail.reaction"][5:], 2 * acceleration * TAN, rtol=1e-7)
+    np.testing.assert_allclose(run["mesh.tangential"][5:], 2 * acceleration, rtol=1e-8)
+    np.testing.assert_allclose(run["mesh.radial"][5:], 2 * acceleration * TAN, rtol=1e-7)
+
+
+FINGERS = 8
+SUPPORTS: dict[str, list[dict[str, Any]]] = {
+    "free": [],
+    "pinned": [{"type": "pin", "name": "hold", "a": "wall", "b": "palm", "on_a": (0.02, 0.05)}],
+    "pinned twice": [
+        {"type": "pin", "name": f"hold{i}", "a": "wall", "b": "palm", "on_a": (x, 0.05)}
+        for i, x in enumerate((0.02, -0.03))],
+    "sliding": [{"type": "slot", "name": "hold", "a": "wall", "b": "palm", "turns": False,
+                 "start": (-1.0, 0.0), "end": (1.0, 0.0)}],
+    "on a link": [
+        {"type": "pin", "name": "crank", "a": "wall", "b": "link", "on_a": (0.0, 0.1)},
+        {"type": "pin", "name": "hold", "a": "palm", "b": "link", "on_a": (0.02, 0.03)}],
+}
+
+
+def palm_with_fingers(support: str) -> Mechanism:
+    """A palm that carries eight damped fingers all round, and is held or not."""
+    bodies = [fixed("wall"), {"name": "palm", "mass": 0.2, "inertia": 1e-4, "velocity": (0.2, 0.0),
+                              "centre": (0.01, 0.0)},
+              {"name": "link", "mass": 0.02, "inertia": 1e-5, "at": (0.01, 0.07)}]
+    joints = list(SUPPORTS[support])
+    for i in range(FINGERS):
+        angle = 2 * np.pi * i / FINGERS
+        root = (0.04 * np.cos(angle), 0.04 * np.sin(angle))
+        bodies.append({"name": f"f{i}", "mass": 0.01, "inertia": 1e-6, "angle": angle, "at": root,
+                       "centre": (0.02, 0.0), "angular_velocity": (-1.0) ** i})
+        joints.append({"type": "pin", "name": f"j{i}", "a": "palm", "b": f"f{i}", "on_a": root,
+                       "damping": 1e-4})
+    return mechanism(duration=0.2, gravity=(0.0, -G), bodies=bodies, joints=joints)
+
+
+@pytest.mark.parametrize("support", SUPPORTS)
+def test_the_audit_finds_nothing(support: str) -> None:
+    """Momentum, energy and joints of a palm that many fingers act on, over-constrained included."""
+    run = simulate(palm_with_fingers(support))
+    verdicts = {figure.name: figure.verdict for figure in audit(run)}
+    for name in ("momentum.force", "momentum.moment", "energy.created"):
+        assert verdicts[name] == "pass", name
+    assert np.ptp(run["f1.angle"]) > 0.05
+
+
+def test_a_mechanism_too_large_to_factor_is_refused() -> None:
+    """Sixty bodies, every two of them pinned together."""
+    joints = [{"type": "pin", "name": f"p{i}_{j}", "a": f"b{i}", "b": f"b{j}", "on_a": (0, 0)}
+              for i, j in combinations(range(60), 2)]
+    with pytest.raises(SandboxError, match="form too many loops"):
+        simulate(mechanism(bodies=[mass(f"b{i}", 1.0, (0, 0)) for i in range(60)], joints=joints))
+
+
+BOX = [{"type": "box", "size": (0.1, 0.1)}]
+WALL = fixed("wall", at=(0.5, 0.0), shapes=BOX)
+
+
+def block(name: str, x: float, kilograms: float = 1.0, **more: Any) -> dict[str, Any]:
+    return {"name": name, "mass": kilograms, "at": (x, 0.0), "shapes": BOX, **more}
+
+
+def ram(speed: float, start: float = 0.0, *, name: str = "ram", shapes: Any = BOX,
+        ) -> dict[str, Any]:
+    return {"name": name, "motion": "scheduled", "at": (start, 0.0), "shapes": shapes,
+            "path": {"x": f"={start} + {speed} * t"}}
+
+
+ROPES = [{"type": "rope", "name": "near", "a": "wall", "b": "bead", "on_a": (0, 0), "on_b": (0, 0),
+          "longest": 0.2},
+         {"type": "rope", "name": "far", "a": "bead", "b": "ram", "on_a": (0, 0), "on_b": (0, 0),
+          "longest": 0.2}]
+LEVER = [{"type": "pin", "name": "pivot", "a": "frame", "b": "lever", "on_a": (0, 0),
+          "limits": ("-20 deg", "20 deg")},
+         {"type": "rod", "name": "link", "a": "ram", "b": "lever", "on_b": (0, 0.3)}]
+
+
+@pytest.mark.parametrize(("bodies", "joints", "jams", "one", "other"), [
+    # faces meet once the gaps are closed: 0.3 m; 0.3 mm
+    ([WALL, block("crate", 0.2), ram(0.5)], [], 0.6, "crate", "wall"),
+    ([WALL, block("crate", 0.3999, 1e-5), ram(2e-3, 0.2997)], [], 0.15, "crate", "wall"),
+    ([WALL, *(block(f"c{i}", 0.2 + 0.1 * i) for i in range(3)), ram(0.5, 0.05)], [], 0.1, "c2",
+     "wall"),
+    ([block("crate", 0.2), ram(0.5), ram(-0.5, 0.4, name="other")], [], 0.2, "crate", "other"),
+    ([WALL, block("crate", 0.2), block("tool", 0.0), ram(0.5, shapes=[])], [
+        {"type": "weld", "name": "fix", "a": "ram", "b": "tool", "on_a": (0, 0)}], 0.6, "crate",
+     "wall"),
+    # two ropes in line, 0.4 m in all; a lever of 0.3 m whose stop is 0.3 tan(20°) away
+    ([fixed("wall"), {"name": "bead", "mass": 0.2, "inertia": 1e-3, "at": (0.2, 0)},
+      ram(0.5, 0.35, shapes=[])], ROPES, 0.1, "bead", "wall"),
+    ([fixed("frame"), {"name": "lever", "mass": 1.0, "inertia": 0.01},
+      {**ram(-0.5, 0.4, shapes=[]), "at": (0.4, 0.3),
+       "path": {"x": "=0.4 - 0.5 * t", "y": 0.3}}], LEVER, None, "lever", "frame"),
+])
+def test_a_jam_ends_the_run_with_both_bodies_and_the_instant(
+    bodies: list[Any], joints: list[Any], jams: float | None, one: str, other: str,
+) -> None:
+    with pytest.raises(SimulationDiverged) as caught:
+        simulate(mechanism(duration=1.0, step=1e-3, bodies=bodies, joints=joints))
+    error = caught.value
+    assert str(error) == (f"the mechanism jammed at t = {error.time:.6g} s: ram, which moves on a "
+                          f"schedule, drives {one} against {other}, and neither can move away")
+    assert jams is None or error.time == pytest.approx(jams, abs=2e-3)
+    recording = error.recording
+    assert recording is not None
+    assert recording.info.status is Status.DIVERGED
+    assert recording.time[-1] < error.time
+    for name in (one, other):  # the step that jams is not recorded
+        assert recording[f"{name}.contact.normal"].max() < 1e5
+
+
+@pytest.mark.parametrize("machine", [
+    # a crate of 1 g against a stiff spring: 1e6 N/m
+    {"bodies": [fixed("base"), block("anvil", 0.3), block("crate", 0.15, 1e-3), ram(0.5)],
+     "joints": [{"type": "slot", "name": "s", "a": "base", "b": "anvil", "start": (0, 0),
+                 "end": (2, 0), "turns": False}],
+     "springs": [{"type": "linear", "name": "k", "a": "base", "b": "anvil", "on_a": (1.3, 0),
+                  "stiffness": 1e6, "rest_length": 1}]},
+    # ten tons at 10 m/s strike a pin of 1 g, while something else moves on a schedule
+    {"bodies": [WALL, block("pin", 0.4, 1e-3), block("hammer", 0.0, 1e4, velocity=(10, 0)),
+                ram(0.1, 9.0)]},
+    # a schedule that comes to rest where the faces meet
+    {"bodies": [WALL, block("crate", 0.2), {**ram(0.0), "path": {"x": "=0.3 * min(2 * t, 1)"}}]},
+    # a press whose schedule takes it away again
+    {"bodies": [WALL, block("crate", 0.2), {**ram(0.0), "path": {"x": "=0.3 * sin(4 * t) ** 2"}}]},
+])
+def test_what_can_give_way_does_not_jam(machine: dict[str, Any]) -> None:
+    assert simulate(mechanism(duration=0.7, gravity=(0.0, 0.0), **machine)).complete
+
+
+def test_a_schedule_that_leads_beyond_reach_is_named() -> None:
+    """A crank and a rod, 0.3 m in all, and a slider that goes on from 0.28 m."""
+    y = 0.3 / 2 * float(np.sqrt(1 - (0.28 / 0.3) ** 2))
+    with pytest.raises(SimulationDiverged, match="slider, which moves on a schedule: past a dead"):
+        simulate(mechanism(duration=1.0, gravity=(0.0, -G), bodies=[
+            fixed("frame"), {"name": "crank", "mass": 0.2, "inertia": 1e-3, "at": (0.14, y)},
+            {"name": "rod", "mass": 0.2, "inertia": 1e-3, "at": (0.14, y)},
+            {"name": "slider", "motion": "scheduled", "at": (0.28, 0),
+             "path": {"x": "=0.28 + 0.1 * t"}}], joints=[
+            {"type": "pin", "name": "o", "a": "frame", "b": "crank", "on_a": (0, 0)},
+            {"type": "pin", "name": "p", "a": "crank", "b": "rod", "on_b": (0, 0)},
+            {"type": "pin", "name": "q", "a": "rod", "b": "slider", "on_b": (0, 0)}]))

@@ -1,4 +1,4 @@
-"""The loop as a whole: repeatable, honest when it fails, and right in momentum and energy."""
+"""Recordings: reproducible, complete, with means over sample intervals and cost estimates."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 
 import sandbox
-from sandbox.engine import inputs, sampler
+from sandbox.elements.arrays import MEAN, MEAN_CONTACT
+from sandbox.engine.clock import make_clock
+from sandbox.engine.inspect import Estimate, look_over
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import BLOCK
@@ -21,6 +23,7 @@ from sandbox.errors import Interrupted, SimulationDiverged
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.limits import Limits
 
 from .machines import G, H, cord, disc, fixed, mass, mechanism
 
@@ -62,12 +65,6 @@ def digest(run: Recording) -> str:
 # -- repeatable --------------------------------------------------------------------
 
 
-def test_twice_the_same_in_one_process() -> None:
-    first, second = simulate(pile()), simulate(pile())
-    assert len(first.arrays["contact_body"]) > 100
-    assert digest(first) == digest(second)
-
-
 def test_the_same_in_other_processes() -> None:
     """Hash seed, language, time zone, home and addresses in memory do not matter."""
     script = ("import sys\nfrom tests.engine.test_simulate import digest, pile, simulate\n"
@@ -85,14 +82,6 @@ def test_the_same_in_other_processes() -> None:
         for place in places]
     results = {run.communicate(timeout=600)[0].strip() for run in runs}
     assert results == {digest(simulate(pile()))}
-
-
-def test_chunks_leave_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Samples and inputs worked out 7 and 32 at a time, or all at once, are the same."""
-    whole = digest(simulate(pile()))
-    monkeypatch.setattr(sampler, "CHUNK", 7)
-    monkeypatch.setattr(inputs, "CHUNK", 32)
-    assert digest(simulate(pile())) == whole
 
 
 def test_blocks_leave_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -171,19 +160,6 @@ def test_divergence_is_told() -> None:
     assert np.isfinite(run.arrays["body_velocity"]).all()
 
 
-def test_a_run_that_breaks_in_its_very_last_step_is_not_complete() -> None:
-    with pytest.raises(SimulationDiverged) as caught:
-        simulate(Checked(runaway()))
-    last = round(caught.value.time / H + 0.5)
-    machine = runaway()
-    shorter = machine.run.model_copy(update={"duration": last * H})
-    with pytest.raises(SimulationDiverged):
-        simulate(Checked(machine.model_copy(update={"run": shorter})))
-    shorter = machine.run.model_copy(update={"duration": (last - 1) * H})
-    run = simulate(Checked(machine.model_copy(update={"run": shorter})))
-    assert run.info.complete
-
-
 def test_ctrl_c_keeps_the_recording() -> None:
     def stop(share: float) -> None:
         if share > 0.5:
@@ -201,34 +177,6 @@ def test_ctrl_c_keeps_the_recording() -> None:
     np.testing.assert_array_equal(
         run.arrays["body_pose"], whole.arrays["body_pose"][:len(run.time)])
     assert run.arrays["contact_sample"].max() < len(run.time)
-
-
-def test_ctrl_c_is_heard_amid_contacts() -> None:
-    """A real SIGINT, which Python delivers at its next instruction. Were pairs with friction of
-    their own answered in Python, that would be within cffi, which prints and drops it.
-    """
-    script = (
-        "import os, signal, threading\n"
-        "from sandbox.engine.simulate import simulate\n"
-        "from sandbox.errors import Interrupted\n"
-        "from tests.engine.machines import G, disc, fixed, mechanism\n"
-        "balls = [disc(f'd{i}', 0.01, (0.05 * i, 0.02), velocity=(0.02, 0))\n"
-        "         for i in range(16)]\n"
-        "floor = fixed('floor', shapes=[{'type': 'box', 'size': (9, 0.02)}])\n"
-        "rule = {'between': ('floor', 'd*'), 'friction': 0.3}\n"
-        "def machine(duration): return mechanism(duration=duration, gravity=(0, -G),\n"
-        "    bodies=[floor, *balls], contacts=[rule], run={'sample_rate': 5.0})\n"
-        "simulate(machine(0.01))\n"
-        "kill = lambda: os.kill(os.getpid(), signal.SIGINT)\n"
-        "threading.Timer(0.1, kill).start()\n"
-        "try: simulate(machine(60.0)); print('lost')\n"
-        "except Interrupted: print('heard')\n")
-    root = Path(__file__).parents[2]
-    paths = os.pathsep.join([str(Path(sandbox.__file__).parents[1]), str(root)])
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", script], capture_output=True, text=True, cwd=root, timeout=600,
-        env={**os.environ, "PYTHONPATH": paths}, check=False)
-    assert done.stdout.split() == ["heard"], done.stderr
 
 
 # -- momentum and energy -------------------------------------------------------------
@@ -251,3 +199,192 @@ def test_a_free_body_moves_as_it_was_thrown() -> None:
     np.testing.assert_allclose(run["m.vx"], 0.7, rtol=1e-14)
     np.testing.assert_allclose(run["m.omega"], 9.0, rtol=1e-14)
     np.testing.assert_allclose(run.arrays["body_acceleration"], 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(("duration", "step", "rate", "steps", "every"), [
+    (1.0, 5e-4, 1000.0, 2000, 2),
+    (0.3, 1e-4, 1000.0, 3000, 10),  # 0.3 / 1e-4 is 2999.9999999999995
+    (0.7, 1e-4, 1000.0, 7000, 10),  # 0.7 / 1e-4 is 7000.000000000001
+    (1.0, 3e-4, 1000.0, 3334, 3),  # no whole number: the run ends after, not before
+    (1.0, 2e-3, 1000.0, 500, 1),  # no finer than the steps
+    (1e-5, 5e-4, 1000.0, 1, 1),  # at least one step and one sample
+    (0.01, 5e-4, 1.0, 20, 20),  # a sample at the end when the rate asks for none
+])
+def test_counts(duration: float, step: float, rate: float, steps: int, every: int) -> None:
+    clock = make_clock(duration, step, rate)
+    assert (clock.steps, clock.every) == (steps, every)
+
+
+SMALL_DISC = {"type": "circle", "radius": 0.01}
+
+
+def row_of_discs(count: int, apart: float, **more: Any) -> Mechanism:
+    return Mechanism.model_validate({
+        "bodies": [{"name": f"d{i}", "mass": 0.1, "at": [apart * i, 0], "shapes": [SMALL_DISC]}
+                   for i in range(count)],
+        "run": {"duration": 0.01, "step": 1e-3, "sample_rate": 500}, **more})
+
+
+def estimate(mechanism: Mechanism) -> Estimate:
+    return look_over(mechanism).estimate
+
+
+def test_steps_and_samples_are_those_of_the_run() -> None:
+    found, run = estimate(row_of_discs(2, 1.0)), simulate(row_of_discs(2, 1.0))
+    assert (found.steps, found.samples) == (run.info.steps, len(run)) == (10, 5)
+
+
+@pytest.mark.parametrize(("count", "apart", "contacts"), [
+    (1, 1.0, 0),     # nothing to touch
+    (2, 1.0, 1),     # one pair
+    (5, 1.0, 5),     # each touches something
+    (5, 0.0, 10),    # all pairs are together
+])
+def test_contacts_that_are_reckoned_with(count: int, apart: float, contacts: int) -> None:
+    assert estimate(row_of_discs(count, apart)).contacts == contacts
+
+
+def test_sixteen_touching_circles_at_every_microsecond() -> None:
+    machine = row_of_discs(16, 0.0, run={"duration": 0.9, "step": 1e-6, "sample_rate": 1e6})
+    found = estimate(machine)
+    assert found.contacts == 120
+    assert found.recorded_bytes > 9e9
+    (problem,) = found.beyond(Limits())
+    assert "11 412 000 000 bytes with 120 contacts in each sample" in problem.message
+    assert "'recorded_bytes', raised by --limit recorded_bytes=N" in problem.allowed
+    assert list(found.beyond(Limits(recorded_bytes=10**11))) == []
+
+
+def test_a_run_of_hours_is_refused() -> None:
+    found = Estimate(2_000_000, 1000, 0, 11_880.0, 0)
+    (problem,) = found.beyond(Limits())
+    assert problem.message == "the run would take about 3.3 h, 11 880 s"
+    assert problem.blocks
+    assert list(found.beyond(Limits(seconds=20_000))) == []
+
+
+FLOOR = fixed("floor", shapes=[{"type": "box", "size": [4, 0.1], "at": [0, -0.05]}],
+              material="hard")
+
+
+def run_of(h: float, rate: float, *, duration: float = 0.6, **elements: Any) -> Recording:
+    run = {"duration": duration, "step": h, "sample_rate": rate}
+    return simulate(Mechanism.model_validate(
+        {"run": run, "gravity": (0, -G), **elements}))
+
+
+def bouncing() -> dict[str, Any]:
+    """A ball that comes from above, spinning, and ends in the air."""
+    ball = disc("ball", 0.01, (0, 0.1), velocity=(0.3, 0), angular_velocity=5.0, material="hard")
+    return {"bodies": [FLOOR, ball],
+            "materials": {"hard": {"friction": 0.2, "restitution": 0.8}}}
+
+
+def cam(speed: float) -> dict[str, Any]:
+    """An eccentric disc that throws its follower, which falls back on it."""
+    bodies = [fixed("wall"), disc("cam", 0.02, (0, 0), inertia=1e-4),
+              {"name": "rod", "mass": 0.2, "inertia": 1e-4, "at": (0, 0.025),
+               "shapes": [{"type": "box", "size": [0.06, 0.01]}]}]
+    joints = [{"type": "pin", "name": "shaft", "a": "wall", "b": "cam", "on_b": (-0.005, 0)},
+              {"type": "slot", "name": "guide", "a": "wall", "b": "rod", "start": (0, -0.1),
+               "end": (0, 0.3), "turns": False}]
+    drives = [{"type": "motor", "name": "motor", "joint": "shaft", "value": speed, "torque": 5.0}]
+    return {"bodies": bodies, "joints": joints, "drives": drives}
+
+
+def arms_with_everything() -> dict[str, Any]:
+    """Two arms with a stop, dry friction, a motor and a cord that becomes taut."""
+    bodies = [fixed("wall"), mass("arm", 0.2, (0.1, 0)), mass("bob", 0.1, (0.25, 0.02))]
+    joints = [{"type": "pin", "name": "hinge", "a": "wall", "b": "arm", "on_b": (-0.1, 0),
+               "limits": (-0.1, 2.0), "friction": 0.02},
+              {"type": "pin", "name": "elbow", "a": "arm", "b": "bob", "on_a": (0.1, 0),
+               "on_b": (-0.05, -0.02)}]
+    drives = [{"type": "motor", "name": "motor", "joint": "elbow", "value": 3.0, "torque": 0.05}]
+    return {"bodies": bodies, "joints": joints, "drives": drives,
+            "tendons": [cord("line", ("wall", (0.3, 0.2)), ("bob", (0, 0)), stiffness=5e3,
+                             slack=0.01)]}
+
+
+def interval_means(values: np.ndarray, every: int) -> np.ndarray:
+    """Of the values of all steps [n], around each sample whose interval the run completes."""
+    weights = np.ones(2 * (every // 2) + 1)
+    weights[[0, -1]] = 1.0 if every % 2 else 0.5
+    at = np.arange(every - 1, len(values) - every // 2, every)
+    return np.array([weights @ values[i - every // 2:i + every // 2 + 1] / every for i in at])
+
+
+@pytest.mark.parametrize("rate", [1000, 500])
+@pytest.mark.parametrize("h", [5e-4, 2.5e-4])
+def test_logged_forces_of_a_bouncing_ball_are_its_change_of_momentum(h, rate):
+    run = run_of(h, rate, **bouncing())
+    a, ball = run.arrays, run.model.names.body["ball"]
+    end = a["body_velocity"][-1, ball] + h / 2 * a["body_acceleration"][-1, ball]
+    gained = a["body_mass"][ball] * (end[:2] - [0.3, -G * 0.6])
+    logged = np.array([run[f"ball.contact.{name}"].sum() for name in ("fx", "fy")]) / rate
+    assert logged == pytest.approx(gained, rel=1e-12)
+    assert a["impact_impulse"].sum(axis=0) == pytest.approx(gained, rel=1e-12)
+    assert len(a["impact_time"]) == 3
+    assert set(a["impact_body"]) == {ball}
+
+
+@pytest.mark.parametrize("make", [bouncing, lambda: cam(90.0), arms_with_everything])
+@pytest.mark.parametrize("every", [2, 3, 8, 50])
+def test_means_are_those_of_all_steps(make, every):
+    h, names = 5e-4, ("fx", "fy", "normal", "tangential", "reaction_x", "reaction_y", "stop",
+                      "friction", "tension", "torque", "force")
+    run, steps = (run_of(h, each, **make()) for each in (1 / (h * every), 1 / h))
+    found = [name for name in run.names() if name.rpartition(".")[2] in names]
+    if make is arms_with_everything:
+        assert all(np.abs(steps[name]).max() > 1e-3 for name in (
+            "hinge.stop", "hinge.friction", "line.tension", "motor.torque"))
+    for name in found:
+        if name.endswith(("contact.normal", "contact.tangential")):
+            continue  # of a mean contact, sizes are those of the mean
+        own, truth = run[name], interval_means(steps[name], every)
+        scale = np.abs(steps[name]).max() + 1e-9
+        assert own[:len(truth)] == pytest.approx(truth, rel=0, abs=1e-12 * scale), name
+        assert len(truth) == len(run) - 1
+        assert own[-1] == pytest.approx(steps[name][len(run) * every - 1], rel=1e-12, abs=1e-12)
+
+
+def test_a_contact_between_samples_is_logged_where_it_was():
+    """The ball is hit once in 50 steps: no sample's step touches, the log has the contact."""
+    run = run_of(5e-4, 40, duration=0.2, **bouncing())
+    assert len(run.arrays["contact_gap"]) == 0
+    a, rows = run.arrays, run.mean_rows
+    assert len(rows["contact_sample"]) == len(a["impact_time"]) == 1
+    assert abs(run.time[rows["contact_sample"][0]] - a["impact_time"][0]) <= 0.0125
+    assert rows["contact_point"] == pytest.approx(a["impact_point"], abs=1e-15)
+    assert rows["contact_normal"].tolist() == [[0.0, 1.0]]
+    assert rows["contact_force"] / 40 == pytest.approx(a["impact_impulse"], rel=1e-12)
+
+
+def test_every_step_has_its_own_forces():
+    run = run_of(5e-4, 2000, duration=0.2, **cam(60.0))
+    assert run.arrays.keys().isdisjoint({*MEAN, *MEAN_CONTACT})
+    assert np.array_equal(run["guide.reaction_x"], run.arrays["joint_force"][:, 1, 0])
+    assert np.array_equal(run["rod.contact.fy"], run.contacts.of_body(2, "fy"))
+
+
+def test_means_and_impacts_are_saved_and_loaded(tmp_path):
+    run = run_of(5e-4, 500, **bouncing())
+    run.save(tmp_path)
+    again = Recording.load(tmp_path)
+    assert again.arrays.keys() == run.arrays.keys()
+    assert np.array_equal(again["ball.contact.fy"], run["ball.contact.fy"])
+    head, *rows = (tmp_path / "impacts.csv").read_text().splitlines()
+    assert head == "time_s,body,other,x_m,y_m,px_N_s,py_N_s"
+    assert [float(row.split(",")[6]) for row in rows] == pytest.approx(
+        run.arrays["impact_impulse"][:, 1].tolist(), rel=1e-11)
+    forces = np.genfromtxt(tmp_path / "contacts.csv", delimiter=",", skip_header=1, usecols=(0, 6))
+    assert forces[:, 1].sum() == pytest.approx(run["ball.contact.fy"].sum(), rel=1e-9)
+    assert set(forces[:, 0]) <= {float(f"{t:.12g}") for t in run.time}
+
+
+@pytest.mark.parametrize(("first", "last"), [(0, 40), (37, 301)])
+def test_a_part_has_its_own_means(first, last):
+    run = run_of(5e-4, 500, **cam(90.0))
+    part, picked = run.part(first, last), run.pick(np.arange(first, min(last, len(run))))
+    for name in ("rod.contact.fy", "guide.reaction_x", "guide.reaction", "motor.torque"):
+        assert np.array_equal(part[name], run[name][first:last]), name
+        assert np.array_equal(picked[name], run[name][first:last]), name

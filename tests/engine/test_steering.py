@@ -70,34 +70,6 @@ def test_by_default_a_controller_acts_a_thousand_times_a_second():
     np.testing.assert_allclose(seen, np.arange(100) * 1e-3, atol=1e-12)
 
 
-def test_the_friction_of_a_pair_is_read_with_its_sign():
-    """On what slides to the right mu m g to the left: the normal force, up, turned by +90 deg."""
-    rows: list[list[float]] = []
-    names = ["crate/floor.tangential", "floor/crate.tangential", "crate.contact.tangential"]
-    watch = Custom("watch", names, [], lambda t, x: rows.append(list(x)))
-    got = sandbox.simulate({
-        "run": {"duration": 0.05, "sample_rate": 1000}, "gravity": [0, -10],
-        "bodies": [{"name": "floor", "motion": "fixed",
-                    "shapes": [{"type": "box", "size": [2, 0.1], "at": [0, -0.05]}]},
-                   {"name": "crate", "at": [0, 0.1], "mass": 2, "velocity": [1, 0],
-                    "shapes": [{"type": "box", "size": [0.4, 0.2]}]}],
-        "contacts": [{"between": ["crate", "floor"], "friction": 0.25}],
-    }, controllers=[watch])
-    read = np.array(rows[1:])
-    for column, name in zip(read.T, names, strict=True):
-        np.testing.assert_allclose(column, got[name][:len(column)], rtol=1e-9)
-        np.testing.assert_allclose(column[5:], 0.25 * 2 * 10, rtol=1e-6)
-
-
-def test_limits_and_slew_hold_whatever_is_wanted():
-    law = {"type": "feedback", "name": "wild", "writes": "motor", "value": "=sin(100 * t)",
-           "limits": [-0.3, 0.2], "slew": 40}
-    value = run(rotor(controllers=[law]))["motor.value"][::2]
-    assert (value.min(), value.max()) == (pytest.approx(-0.3), pytest.approx(0.2))
-    assert np.abs(np.diff(value)).max() == pytest.approx(40 * 1e-3)
-    assert abs(value[0] - 0.01) <= 40 * 1e-3 * (1 + 1e-12)  # from where the drive was
-
-
 def test_what_a_drive_cannot_be_is_a_limit():
     """A brake below 0 is none: the integral waits there, and is back at once."""
     drives = [{"type": "brake", "name": "brake", "joint": "axle", "value": 0}]
@@ -143,11 +115,6 @@ def test_a_condition_is_looked_at_at_its_rate():
     assert np.array_equal(got["motor.value"] == 0, got.time > at)
 
 
-def test_not_before():
-    events = [{"name": "there", "when": "=t >= 0", "after": "30 ms", "set": {"motor": 0}}]
-    assert run(rotor(events=events)).info.events[0].time == pytest.approx(0.03)
-
-
 def test_a_stop_ends_the_run_with_its_verdict(tmp_path):
     events = [{"name": "far", "when": "=axle.angle > 0.05", "stop": "fail",
                "because": "it must stay near"}]
@@ -164,24 +131,10 @@ def test_a_stop_ends_the_run_with_its_verdict(tmp_path):
     assert verdicts(Recording.load(tmp_path))[-1] == verdict
 
 
-@pytest.mark.parametrize("order", [("pass", "fail"), ("fail", "pass")])
-def test_of_two_stops_at_one_instant_the_failure_counts(order):
-    events = [{"name": verdict, "at": "20 ms", "stop": verdict} for verdict in order]
-    assert run(rotor(events=events)).info.stopped.verdict == "fail"
-
-
 def test_a_condition_without_a_value_is_named():
     events = [{"name": "odd", "when": "=1 / (axle.angle - axle.angle) > 1", "stop": "pass"}]
     with pytest.raises(sandbox.SimulationDiverged, match="odd: its condition"):
         run(rotor(events=events))
-
-
-def test_a_stop_at_once_leaves_one_sample():
-    scene = rotor(events=[{"name": "now", "at": 0, "stop": "pass"}])
-    scene["run"]["sample_rate"] = 1000
-    got = run(scene)
-    assert len(got) == 1
-    assert got.info.stopped.time == 0
 
 
 def test_what_is_set_for_a_while_comes_back():
@@ -210,17 +163,6 @@ def test_of_events_that_overlap_the_last_one_counts(first, second, expected):
     got = run(rotor(events=events))
     looked = np.searchsorted(got.time, [0.005, 0.02, 0.035, 0.045, 0.06, 0.085])
     assert got["motor.value"][looked].tolist() == expected
-
-
-def test_a_motor_that_is_left_to_its_signal_at_once_follows_it():
-    """How often samples are taken decides how many steps are made in one go, and nothing else."""
-    scene = rotor(controllers=[{"type": "schedule", "name": "law", "writes": "turn", "value": 1}],
-                  events=[{"name": "off", "at": 0, "set": {"law.active": 0}}])
-    scene["drives"] = [{"type": "motor", "name": "turn", "joint": "axle", "torque": 1e3,
-                        "value": "=40 * t"}]
-    scene["run"]["sample_rate"] = 50
-    got = run(scene)
-    np.testing.assert_allclose(got["axle.rate"], 40 * got.time, rtol=1e-9)
 
 
 @pytest.mark.parametrize(("more", "scene", "words"), [

@@ -162,21 +162,6 @@ def test_lasting_events_take_up_what_they_let_go_and_let_go_what_they_took_up() 
     assert (run["other.held"] == off).all()
 
 
-def test_a_pulled_cord_with_friction_is_let_go_as_a_whole() -> None:
-    """No tension in any piece, so the weight falls freely: v = -g t."""
-    run = simulate(load_scene(scene(
-        [weight()], tendons=[{"name": "held", "breaks_at": 30.0, "damping": 200, "guides": [
-            {"body": "weight"}, {"body": "frame", "friction": 0.3},
-            {"body": "frame", "at": [0.4, -0.2]}]}],
-        drives=[{"type": "pull", "name": "pull", "tendon": "held", "value": "=10 + 100 * t"}])))
-    gone = int(np.argmin(run["held.held"]))
-    assert run.time[gone] == pytest.approx(0.2, abs=1e-3)
-    for piece in ("tension", "tension_0", "tension_1"):
-        assert not run[f"held.{piece}"][gone + 1:].any()
-    fallen = run["weight.vy"][-1] - run["weight.vy"][gone + 1]
-    assert fallen == pytest.approx(-G * (run.time[-1] - run.time[gone + 1]), rel=1e-9)
-
-
 def problems(**more: Any) -> list[str]:
     with pytest.raises(SceneError) as raised:
         load_scene(scene([weight()], joints=[
@@ -263,23 +248,6 @@ def test_what_broke_stays_broken_until_its_drive_asks_anew() -> None:
     assert not held[(run.time > broke + sways) & (run.time < 0.449)].any()
     assert held[np.argmax(run.time > 0.4505)] == 1
     assert any("rod broke" in note for note in run.notes)
-
-
-def test_a_clutch_shares_the_angular_momentum() -> None:
-    """J1 w0 = (J1 + J2) w, whatever it was like; and the audit knows what closing it took."""
-    bodies = [{"name": name, "mass": 1, "inertia": inertia, "angular_velocity": rate}
-              for name, inertia, rate in (("one", 0.02, 10.0), ("two", 0.01, 0.0))]
-    run = simulate(load_scene(scene(
-        bodies, 0.5e-3, 0.8, gravity=[0, 0],
-        joints=[{"type": "pin", "name": f"pin_{name}", "a": "frame", "b": name,
-                 "on_b": [0, 0]}
-                for name in ("one", "two")]
-        + [{"type": "weld", "name": "dogs", "a": "one", "b": "two", "on_b": [0, 0],
-            "takes_up_in": 0.01}],
-        drives=[{"type": "hold", "name": "clutch", "element": "dogs", "value": "=t > 0.2"}])))
-    for name in ("one", "two"):
-        assert run[f"{name}.omega"][-1] == pytest.approx(10 * 0.02 / 0.03, rel=1e-12)
-    assert unlooked(run) == []
 
 
 @pytest.mark.parametrize(("element", "said"), [

@@ -88,19 +88,6 @@ def test_an_episode_is_the_run_with_its_actions_as_a_table() -> None:
     assert same(run, again)
 
 
-@pytest.mark.parametrize("drive", [
-    {"type": "motor", "stall": 2, "no_load": 20}, {"type": "brake", "value": 0},
-    {"type": "servo", "value": 0, "torque": 2}, {"type": "servo", "value": 0, "torque": 2,
-                                                 "stiffness": 3}])
-def test_it_is_so_for_drives_that_are_told_later(drive: dict[str, Any]) -> None:
-    scene = pendulum(events=[], drives=[{**drive, "name": "motor", "joint": "pendulum"}])
-    env = make(scene, every="5 ms")
-    play(env, np.random.default_rng(4).uniform(-1, 1, 200))
-    run = env.recording()
-    assert run.info.complete
-    assert same(run, sandbox.simulate(sandbox.load_scene(scene, overrides=env.played())))
-
-
 def test_the_same_seed_and_actions_give_the_same() -> None:
     actions = np.random.default_rng(6).uniform(-0.3, 0.3, 25)
     randomised = {"randomise": {"parameters.mass": "uniform(0.1 kg, 0.4 kg)"}}
@@ -124,11 +111,6 @@ def test_observations_and_rewards_are_quantities_at_the_end_of_an_interval() -> 
         assert seen[1] == 2 * run["pendulum.rate"][at]
         assert seen[2] == pytest.approx(run["rod.ay"][at], rel=1e-12)
         assert reward == -abs(angle - 1)
-
-
-def test_actions_go_from_the_least_to_the_largest_value() -> None:
-    env = make(act={"motor": (-1.0, 3.0)}, observe=["motor.value"])
-    assert [play(env, [action])[1][0].item() for action in (-1, 0, 1, 7)] == [-1.0, 1.0, 3.0, 3.0]
 
 
 def test_an_event_terminates_and_the_end_truncates() -> None:

@@ -20,10 +20,9 @@ from sandbox.scene.bodies import Body
 from sandbox.scene.derived_shapes import DiscCam, Drawing, SmoothCurve
 from sandbox.scene.expand import expand, to_json
 from sandbox.scene.geometry import pose_of, to_world
-from sandbox.scene.outlines.curves import flattened
-from sandbox.scene.parts.placement import HOLDERS, Placement
+from sandbox.scene.parts.placement import Placement
 from sandbox.scene.read.load import load_scene
-from sandbox.values.numbers import Point, dimension_read
+from sandbox.values.numbers import dimension_read
 from sandbox.values.signals import values
 from sandbox.values.spec import Spec
 
@@ -177,14 +176,6 @@ def test_every_angle_side_and_vector_is_marked():
     assert missing == []
 
 
-def test_every_point_on_a_named_body_is_known_by_its_holder():
-    for kind in records():
-        for name, field in kind.model_fields.items():
-            of_points = Point in (field.annotation, *get_args(field.annotation))
-            if of_points and {"a", "body"} & set(kind.model_fields):
-                assert HOLDERS[name] in kind.model_fields, f"{kind.__name__}.{name}"
-
-
 # --- gears, racks and rolling circles
 
 
@@ -293,17 +284,3 @@ def test_outlines_are_mirrored_and_scaled_with_their_holes():
             np.stack([1 - 2 * y, 2 - 2 * x], axis=1))
     assert (line.radius, box.size, box.angle) == (
         pytest.approx(0.2), pytest.approx((2, 4)), pytest.approx(-0.3))
-
-
-@pytest.mark.parametrize("mirror", ["left-right", "up-down"])
-def test_the_nodes_of_a_curve_go_along_with_its_chords(mirror: str) -> None:
-    """Chords of the mirrored nodes are the mirrored chords."""
-    body = {"name": "a", "motion": "fixed", "shapes": [
-        {"type": "curve", "points": [[0, 0], [2, 0.3], [1.5, 1], [0.2, 1]], "corners": [0]}]}
-    one = expand(load_scene({"parts": [{
-        "type": "assembly", "name": "a", "mirror": mirror, "scale": 0.5,
-        "bodies": [body]}]})).bodies[0].shapes[0]
-    nodes = np.array(one.nodes[0])
-    ring = flattened(nodes, 0.5e-5, closed=True)
-    assert len(ring) == len(one.points)
-    assert np.array(ring) == pytest.approx(np.array(one.points), abs=1e-12)

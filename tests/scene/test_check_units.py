@@ -179,13 +179,6 @@ def test_a_target_is_of_the_kind_of_the_reading(reads: str, unit: str) -> None:
     assert found[1].startswith("'kg' is a unit of mass, but this is a")
 
 
-@pytest.mark.parametrize("reads", [
-    "  =axle.angle", "opening.x", "push.value", "arm.contact.count", "arm.x/arm.y"])
-def test_of_what_is_not_plain_nothing_is_said(reads: str) -> None:
-    meters = [{"name": "opening.x", "value": "=axle.angle"}]
-    assert problems({**law(PID, reads=reads, target="1 kg"), "meters": meters}) == []
-
-
 @pytest.mark.parametrize(("controller", "right", "wrong"), [
     (PID, "30 deg", "30 N"), (RELAY, "30 deg", "30 N"), (SCHEDULE, "1 N", "1 deg"),
     ({**EQUILIBRIUM, "joints": ["finger.mcp"], "writes": ["k_mcp"], "targets": [0], "kp": [0]},
@@ -196,13 +189,3 @@ def test_the_target_that_an_event_sets(controller: dict[str, Any], right: str, w
     assert problems(setting("law.target", right, controller)) == []
     assert [path for path, _ in problems(setting("law.target", wrong, controller))] == [
         '$.events[0].set["law.target"]']
-
-
-def test_a_mistake_elsewhere_hides_no_unit() -> None:
-    """Another controller, and the finger whose spring is driven, cannot be read."""
-    scene = law(PID, bias="1 m")
-    scene["controllers"] += [{**SCHEDULE, "name": "other", "writes": "tug", "vale": 1}]
-    assert [path for path, _ in problems(scene)] == [
-        "$.controllers[1].vale", "$.controllers[0].bias"]
-    scene = {**law(PID, bias="1 m"), "parts": [{**FINGER, "lengths": []}]}
-    assert "$.controllers[0].bias" in [path for path, _ in problems(scene)]

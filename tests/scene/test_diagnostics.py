@@ -44,24 +44,18 @@ bodies[0].mas = 1 | unknown-key | unknown key 'mas' ? 'mass'
 bodies[0].name = | missing-key | 'name' is missing @ bodies[0]
 bodies[0].mass = 0 | out-of-range | must be greater than 0, got 0
 bodies[0].mass = "1 mm" | wrong-unit | 'mm' is a unit of length
-bodies[0].mass = [1] | wrong-type | expected a number or a string
 bodies[0].mass = Infinity | out-of-range | must be finite
 bodies[0].mass = "=pul" | name-not-found | unknown name 'pul' ? 'pull'
-bodies[0].mass = "=1 / 0" | bad-expression | no finite value
 bodies[0].mass = "=(1).__class__" | bad-expression | no place in an express
-bodies[0].velocity = ["1 mm/s", "2 N"] | wrong-unit | of force @ bodies[0].velocity[1]
 bodies[1].at = [1] | missing-key | entry 1 of the list is missing
-bodies[1].at = 1 | wrong-type | expected a list […], got the number 1
 bodies[1].motion = "fix" | not-allowed | 'fix' is not allowed ? 'fixed'
 bodies[1].shapes[0].type = "polygone" | unknown-type | unknown type 'polygone' ? 'polygon'
 bodies[2].name = "disc" | duplicate-name | is already that of another body
-bodies[2].name = "1 cam" | invalid-name | '1 cam' is not a name
 joints[0].a = "wal" | name-not-found | there is no body named 'wal' ? 'wall'
 joints[0].b = "wall" | conflicting-keys | must be two bodies @ joints[0]
 springs[0].joint = "leash" | name-not-found | no pin joint named 'leash'
 tendons[0].guides = [{"body": "disc"}] | wrong-type | at least 2
 drives[0].tendon = "tre" | name-not-found | no tendon named 'tre' ? 'tree'
-drives[0].value.ramp.ovr = 1 | unknown-key | key 'ovr' ? 'over'
 drives[2].direction = [0, 0] | out-of-range | [0, 0] is no direction
 drives[1].shape = 1 | not-settable | shape 1 of 'disc' is a box
 drives[1].value = "=0.01 - t" | out-of-range | not greater than 0 at t
@@ -70,12 +64,9 @@ parts[3].pulls[1] = "fingr2" | name-not-found | named 'fingr2' ? 'finger2'
 parts[2].name = "finger1" | duplicate-name | is taken by $.parts[0]
 parts[2].material = "ruber" | name-not-found | no material named 'ruber' ? 'rubber' @ parts[2]
 templates.digit.rads = 1 | unknown-key | unknown key ? 'radii'
-parts[1].springs.stiffness = -1 | out-of-range | 0 or more
 parameters.pull = "=each" | circular-definition | each → pull → each @ parameters.each
-parameters.t = 1 | invalid-name | already means the time
 parameters["a.b"] = 1 | invalid-name | is not a parameter's name
 title = "a\ud800" | invalid-json | half a character
-parameters["a\udfff"] = 1 | invalid-json | half a character
 parameters = 3 | wrong-type | expected an object {…}, got the number 3
 run.duration = 31500000.0 | limit-exceeded | 63 000 000 000 steps
 view.fps = 30 | not-allowed | 30 is not allowed here
@@ -84,32 +75,17 @@ contacts[0].collide = "no" | wrong-type | expected true or false, got the text '
 materials.rubber.static = 0.5 | out-of-range | at least 1
 materials.rubber = {"friction": 0, "static": 2}
     | conflicting-keys | 'static' is a multiple of 'friction', which is 0
-contacts[0] = {"between": ["disc", "*"], "friction": 0, "static": 2}
-    | conflicting-keys | 'static' is a multiple of 'friction', which is 0
 groups[0].bodies[0] = "disk" | name-not-found | no body named ? 'disc'
 meters[0].value = "=a +" | bad-expression | 'a +' is not an expression
 expect[0].within = "5 parsec" | wrong-unit | unknown unit 'parsec'
-expect[0].over = "last 1 N" | wrong-unit | unit of force
 expect[0].at = "1 ms" | conflicting-keys | 'quantity' and 'at' go together @ expect[0]
 expect[0] = {"quantity": "body.x", "at": "1 ms", "over": [0, "1 ms"], "is": 1}
     | conflicting-keys | 'at' is one instant and 'over' a window: give one of them
-expect[0] = {"quantity": "body.x", "at": "-1 ms", "is": 1} | out-of-range | 0 or more @ expect[0].at
 format = 2 | unsupported-format | this version of sandbox reads format 1
 drives[2].value = "3 mm" | wrong-unit | 'mm' is a unit of length, but this is a force
-drives[2].value = {"to": "3 mm", "over": 1} | wrong-unit | unit of length @ drives[2].value.to
-drives[2].value = {"table": [[0, 1], [1, "3 deg"]]}
-    | wrong-unit | unit of angle @ drives[2].value.table[1][1]
-drives[2].value = {"to": 3, "over": "1 N"}
-    | wrong-unit | unit of force, but this is a time @ drives[2].value.over
-drives[2].value = "=tt" | name-not-found | unknown name 'tt'
 drives[2].value = "=sin(t, 1)" | bad-expression | takes one argument
-drives[2].value = {"expression": "x + t"}
-    | name-not-found | unknown name 'x' @ drives[2].value.expression
 drives[2].value = {"table": [[1, 0], [1, 2]]} | bad-table | must increase @ drives[2].value.table
 drives[2].value = {"too": 3} | wrong-type | expected a number, a ramp
-drives[2].value = true | wrong-type | expected a number, a ramp
-drives[2].value = null | wrong-type | expected a number, a ramp
-drives[2].value = [1] | wrong-type | expected a number, a ramp
 drives[2].value = {"to": 1, "over": -1} | out-of-range | 0 or more @ drives[2].value.over
 [arm]
 controllers[0].writes = "moter"
@@ -117,71 +93,44 @@ controllers[0].writes = "moter"
 controllers[0].reads = "elbow.angel"
     | unknown-quantity | unknown quantity 'elbow.angel' ? 'elbow.angle'
 controllers[0].reads = "elbow.damping" | quantity-not-live | cannot be read during it
-controllers[0].reads = "elbow.lenght" | unknown-quantity | unknown quantity 'elbow.lenght'
 controllers[0].limits = [1, -1] | out-of-range | 1 is not below -1
 controllers[0].rate = "300 Hz"
     | bad-rate | 300 Hz is no whole number of steps: one act every 6.66667 steps of 0.0
-controllers[0].rate = "5 kHz" | bad-rate | 5000 Hz is more often than every step of 0.0005 s
-controllers[0].kp = NaN | out-of-range | finite
-controllers[0].slew = -1 | out-of-range | greater than 0
 controllers[0].target = "=1 / (t - t)" | out-of-range | no finite value
 controllers[0].type = "pidd" | unknown-type | unknown type 'pidd' ? 'pid'
 controllers[0].name = "motor" | duplicate-name | already that of a drive
 events = [{"name": "later", "at": "2 s", "stop": "pass"}]
     | event-never-happens | the run ends at 1 s @ events[0].at
-events = [{"name": "later", "at": "0.9998 s", "stop": "pass"}]
-    | event-never-happens | due at 1 s, after the run's last step @ events[0].at
 events = [{"name": "later", "when": "=t > 0", "after": "0.6 s", "rate": "2 Hz", "stop": "pass"}]
     | event-never-happens | due at 1 s @ events[0].after
-events = [{"name": "later", "when": "=1 > 2", "stop": "pass"}]
-    | event-never-happens | reads nothing @ events[0].when
 events = [{"name": "later", "when": "=t > 5", "stop": "pass"}]
     | event-never-happens | true at no time of the run @ events[0].when
-events = [{"name": "later", "at": 0.1, "after": 0.2, "stop": "pass"}]
-    | conflicting-keys | 'after' needs 'when' @ events[0]
-events = [{"name": "later", "at": 0.1, "rate": "1 kHz", "stop": "pass"}]
-    | conflicting-keys | 'rate' needs 'when' @ events[0]
-events = [{"name": "later", "when": "=elbow.angle > 1", "after": "1 s", "stop": "pass"}]
-    | event-never-happens | never @ events[0].after
 events = [{"name": "later", "when": "=elbow.angel > 1", "stop": "pass"}]
     | unknown-quantity | unknown quantity 'elbow.angel' ? 'elbow.angle' @ events[0].when
 events = [{"name": "later", "at": 0.1, "set": {"loop.tarket": 1}}] | name-not-found
     | there is nothing named 'loop.tarket' to set ? 'loop.target' @ events[0].set["loop.tarket"]
-events = [{"name": "later", "at": 0.1, "set": {"motor": 1}}]
-    | set-twice | would set it again @ events[0].set.motor
 events = [{"name": "later", "at": 0.1, "set": {"loop.active": 2}}]
     | out-of-range | 0 or 1 @ events[0].set["loop.active"]
 events = [{"name": "later", "stop": "pass"}]
     | conflicting-keys | give either 'at' or 'when' @ events[0]
 events = [{"name": "later", "at": 0.1, "stop": "fail", "lasts": 0.1}]
     | conflicting-keys | 'lasts' needs 'set' @ events[0].lasts
-controllers[0].target = "=1e-3 / t" | out-of-range | at t = 0 s
 [fluids]
 lines[0].chambers[0].b = "rum" | name-not-found | no body named 'rum' ? 'ram'
-lines[0].chambers[1].joint = "hing" | name-not-found | no pin joint named 'hing' ? 'hinge'
 lines[0].chambers[0].area = "10 cm" | wrong-unit | 'cm' is a unit of length
 lines[0].chambers[1].displacement = 0 | out-of-range | 2 ml/rad @ lines[0].chambers[1]
 lines[1].volume = | out-of-range | outside of
 lines[1].modulus = 1000000000.0 | conflicting-keys | exclude each other @ lines[1]
 lines[0].least = 1 | out-of-range | a vacuum, to 0 @ lines[0]
-lines[0].relief = -1 | out-of-range | more than 0 Pa @ lines[0]
 lines[0].pressure = "-2 bar" | out-of-range | between least and relief @ lines[0]
 valves[0].b = "oil" | conflicting-keys | a valve needs a line @ valves[0]
 valves[0].resistance = | conflicting-keys | a 'resistance' greater than 0 @ valves[0]
-valves[0].b = "airs" | name-not-found | no line named 'airs' ? 'air'
-drives[2].valve = "tip" | name-not-found | no valve named 'tip' ? 'tap'
-drives[0].value = "1 bar" | wrong-unit | 'bar' is a unit of pressure
 drives[0] = {"type": "pressure", "name": "more", "line": "air", "value": 0}
     | set-twice | the pressure of 'air' is set already, by 'more' @ drives[1].line
 [ball]
 bodies[0].plane = "al" | not-allowed | 'al' is not a plane ? 'all'
-bodies[0].plane = 1.5 | not-allowed | the number 1.5 is not a plane
-bodies[0].plane = true | not-allowed | true is not a plane
-bodies[0].plane = [0, [1]] | not-allowed | a list […] is not a plane
 bodies[0].plane = [] | wrong-type | expected 1 to 64 planes, got 0
 bodies[0].plane = 1001 | not-allowed | 1001 is not a plane
-bodies = [{"name": "a", "mass": 1, "shapes": [{"type": "box", "size": [1, 1e+155]}]}]
-    | out-of-range | 1e+155 @ bodies[0].shapes[0].size[1]
 bodies = [{"name": "a", "mass": 5e-324, "inertia": 1}]
     | out-of-range | at least 1e-12 kg @ bodies[0].mass
 bodies = [{"name": "a", "density": 1000000000000.0, "shapes": [{"type": "box", "size": [1000000.0,
@@ -190,100 +139,56 @@ bodies = [{"name": "a", "mass": 1e-12, "shapes": [{"type": "circle", "radius": 1
     | out-of-range | inertia is 5e-31 @ bodies[0]
 bodies = [{"name": "a", "motion": "fixed", "shapes": [{"type": "polygon", "points": [[0, 0], [1e-12,
     0], [0, 1]]}]}] | out-of-range | shortest side @ bodies[0].shapes[0].points
-bodies = [{"name": "a", "motion": "scheduled", "path": {"x": "=1e8 * t"}}]
-    | out-of-range | too large @ bodies[0].path.x
 bodies = [{"name": "a", "motion": "scheduled", "path": {"x": {"table": [[0, 0], [0.5, 1000000000.0],
     [1, 0]]}}}] | out-of-range | 1e+09 is too large @ bodies[0].path.x
 drives = [{"type": "force", "name": "push", "body": "a", "direction": [5e-324, 5e-324], "value": 1}]
     | out-of-range | as a direction its length is @ drives[0].direction
-drives = [{"type": "force", "name": "push", "body": "a", "direction": [1, 0], "value": "=1e20 * t"}]
-    | out-of-range | 9.98 @ drives[0].value
 drives = [{"type": "force", "name": "push", "body": "a", "direction": [1, 0], "value": {"to": 1e+17,
     "over": 0.1}}] | out-of-range | 1e+17 is too large @ drives[0].value
 [outline]
 bodies[0].shapes[0].points = [[0, 0], [2, 2], [2, 0], [0, 2]] | bad-outline
     | crosses or touches itself at [1, 1], where the side from corner 0 meets that from corner 2
 bodies[0].shapes[0].points = [[0, 0], [4, 0], [4, 4], [2, 0], [0, 4]] | bad-outline | at [2, 0]
-bodies[0].shapes[0].points = [[0, 0], [4, 0], [4, 4], [4, 2], [0, 4]] | bad-outline | at [4, 2]
 bodies[0].shapes[0].points = [[0, 0], [1, 1], [2, 2]]
     | bad-outline | no area: its corners lie in one line
 bodies[0].shapes[0].points = [[0, 0], [1, 0], [1, 0], [0, 1]]
     | bad-outline | corners 1 and 2 are the same point
-bodies[0].shapes[0].points = [[0, 0], [1, 0], [0, 1], [0, 0]]
-    | bad-outline | corners 3 and 0 are the same point
-bodies[0].shapes[0].points = [[0, 3], [-2, -3], [3, 1], [-3, 1], [2, -3]]
-    | bad-outline | crosses or touches itself
 bodies[0].shapes[0].holes = [[[5, 5], [6, 5], [5, 6]]]
     | bad-outline | hole 0: this hole lies outside of the outline at [5, 5]
 bodies[0].shapes[0].holes = [[[0.5, 0.5], [1.5, 0.5], [0.5, 0.6]]]
     | bad-outline | hole 0: this hole meets the outline at [1, 0.5]
 bodies[0].shapes[0].holes = [[[0.1, 0.1], [0.9, 0.1], [0.1, 0.9]], [[0.2, 0.2], [0.3, 0.2], [0.2,
     0.3]]] | bad-outline | hole 1: this hole and hole 0 lie one in the other
-bodies[0].shapes[0].holes = [[[0.1, 0.1], [0.5, 0.1], [0.1, 0.5]], [[0.2, 0.2], [0.9, 0.2], [0.2,
-    0.9]]] | bad-outline | hole 1: this hole meets hole 0
-bodies[0].shapes[0].holes = [[[0.2, 0.2], [0.3, 0.3], [0.4, 0.4]]]
-    | bad-outline | hole 0: the outline has no area
 bodies[0].shapes[0] = {"type": "cam", "base": 0.03, "roller": 0.01, "lift": [[0, 0], [2, 0], [1,
     0]]} | bad-outline | entry 2 has 57.2958 deg after 114.592 deg
 bodies[0].shapes[0] = {"type": "cam", "base": 0.03, "roller": 0.01, "lift": [[0, 0], [2, 0],
     ["360 deg", 0]]} | bad-outline | cover 360 deg
-bodies[0].shapes[0] = {"type": "cam", "base": 0.03, "roller": 0.01, "lift": [[0, 0], [1, 0]]}
-    | wrong-type | expected at least 3 entries @ bodies[0].shapes[0].lift
-bodies[0].shapes[0] = {"type": "cam", "base": 0.03, "roller": 0.01, "lift": [[0, 0], [1, "3 N"], [2,
-    0]]} | wrong-unit
-    | 'N' is a unit of force, but this is a length @ bodies[0].shapes[0].lift[1][1]
 [repeat]
 bodies[0].repeat = 0 | bad-repeat | 0 is not a number of copies
-bodies[0].repeat = true | bad-repeat | true is not a number
 bodies[0].repeat = "forever" | bad-repeat | 'forever' is not a number
-bodies[0].repeat = "=1/0" | bad-expression | no finite value
-bodies[0].repeat = "=m" | name-not-found | unknown name 'm'
 bodies[0].repeat = 1000000000.0 | limit-exceeded | 1e+09 copies are more
 bodies[0].repeat = {} | bad-repeat | either 'count' or 'list'
-bodies[0].repeat = {"list": []} | wrong-type | without entries @ bodies[0].repeat.list
 bodies[0].repeat = {"list": [{"i": 3}]}
     | duplicate-name | that of the index @ bodies[0].repeat.list[0].i
-bodies[0].repeat = {"list": [{"e": 3}]} | invalid-name | already means @ bodies[0].repeat.list[0].e
-bodies[0].repeat = {"list": ["3 furlongs"]} | wrong-unit | unknown unit @ bodies[0].repeat.list[0]
 bodies[0].repeat = {"count": 2, "index": "t"}
     | invalid-name | means the time @ bodies[0].repeat.index
-bodies[0].repeat = {"count": 2, "index": "n"}
-    | duplicate-name | that of a parameter @ bodies[0].repeat.index
 bodies[0].repeat = {"count": 2, "lien": [0, 0]}
     | unknown-key | unknown key 'lien' ? 'line' @ bodies[0].repeat.lien
-bodies[0].repeat = {"count": 2, "line": 3}
-    | wrong-type | the step from one copy @ bodies[0].repeat.line
-bodies[0].repeat = {"count": 2, "circle": [0, "3 kg"]}
-    | wrong-unit | unit of mass @ bodies[0].repeat.circle[1]
 bodies[0].repeat = {"count": 2, "circle": [0, 0], "line": [0, 0]}
     | bad-repeat | exclude each other @ bodies[0].repeat.circle
 [tables]
 tables.profile = {"points": [[0, 1], [0, 2]]}
     | bad-table | must increase: point 1 has 0 after 0 @ tables.profile.points
-tables.profile = {"points": [[0, 1], [1, 2], [1.000000000001, 3]]}
-    | bad-table | apart, less than @ tables.profile.points
 tables.profile = {"points": [[0, 1], [1, 2]], "beyond": "repeat"} | bad-table | must be equal: 1, 2
-tables.profile = {"points": [[0, 1], [1, 1]], "beyond": "repeat", "between": "cubic"}
-    | bad-table | 4 points
 tables.profile = {"points": [["0 mm", 1], ["1 s", 2]]}
     | bad-table | all x of a table are of one kind, and here are length and @ tables.profile.points
 tables.profile = {"points": [[0, 0], [1e-12, 1000000000.0]]} | bad-table | too steep
-tables.profile = {"points": [[0, 1], [1, 2]], "between": "step"}
-    | not-allowed | 'step' is not allowed here @ tables.profile.between
 [pair]
 view = {"follow": "disk"} | name-not-found | there is no body named 'disk' ? 'disc' @ view.follow
-view = {"bodies": ["wall", "dist*"]}
-    | name-not-found | no body's name matches 'dist*' ? 'disc' @ view.bodies[1]
 view = {"show": {"velocity": ["disk"]}}
     | name-not-found | no body's name matches 'disk' ? 'disc' @ view.show.velocity
-view = {"traces": [{"body": "disk"}]}
-    | name-not-found | there is no body named 'disk' ? 'disc' @ view.traces[0].body
-drives = [{"type": "torque", "name": "d", "joint": "cord", "value": 1}]
-    | name-not-found | no pin joint named 'cord' @ drives[0].joint
 drives = [{"type": "stiffness", "name": "d", "spring": "hinge", "value": 1}]
     | name-not-found | no spring named 'hinge' @ drives[0].spring
-drives = [{"type": "stiffness", "name": "d", "tendon": "hinge", "value": 1}]
-    | name-not-found | no tendon named 'hinge' @ drives[0].tendon
 drives = [{"type": "stiffness", "name": "d", "tendon": "cord", "value": 1}]
     | not-settable | with 100000 N/m it counts as inextensible @ drives[0].tendon
 tendons = [{"name": "cord", "guides": [{"body": "wall"}, {"body": "disc"}],
@@ -294,16 +199,10 @@ tendons = [{"name": "cord", "guides": [{"body": "wall"}, {"body": "disc", "frict
     {"body": "wall", "at": [1, 0]}], "stiffness": 500}] & drives = [{"type": "stiffness",
     "name": "d", "tendon": "cord", "value": 1}] | not-settable
     | its guide 1 has friction @ drives[0].tendon
-drives = [{"type": "motor", "name": "d", "joint": "cord", "value": 1, "torque": 1}]
-    | name-not-found | no pin joint named 'cord' @ drives[0].joint
-drives = [{"type": "brake", "name": "d", "joint": "cord", "value": 1}]
-    | name-not-found | no pin joint named 'cord' @ drives[0].joint
 drives = [{"type": "brake", "name": "d", "joint": "hinge", "value": "=sqrt(0.5 - t)"}]
     | out-of-range | no finite value @ drives[0].value
 drives = [{"type": "radius", "name": "d", "body": "wall", "value": 1}]
     | not-settable | shape 0 of 'wall' is a box @ drives[0].shape
-drives = [{"type": "radius", "name": "d", "body": "disc", "shape": 1, "value": 1}]
-    | not-settable | 'disc' has no shape 1 @ drives[0].shape
 drives = [{"type": "pull", "name": "d", "tendon": "cord", "value": "=sqrt(0.5 - t)"}]
     | out-of-range | no finite value @ drives[0].value
 meters = [{"name": "hinge", "value": "=1"}]
@@ -313,35 +212,15 @@ meters = [{"name": "disc.angle", "value": "=1"}]
 drives = [{"type": "pull", "name": "d", "value": 1, "tendon": "cord"}, {"type": "pull",
     "name": "e", "value": 1, "tendon": "cord"}]
     | set-twice | is set already, by 'd' @ drives[1].tendon
-drives = [{"type": "radius", "name": "d", "value": 0.01, "body": "disc"}, {"type": "radius",
-    "name": "e", "value": 0.01, "body": "disc"}] | set-twice | is set already, by 'd' @ drives[1]
-drives = [{"type": "brake", "name": "d", "value": 1, "joint": "hinge"}, {"type": "brake",
-    "name": "e", "value": 1, "joint": "hinge"}]
-    | set-twice | is set already, by 'd' @ drives[1].joint
-drives = [{"type": "motor", "name": "d", "value": 1, "joint": "hinge", "torque": 1},
-    {"type": "motor", "name": "e", "value": 1, "joint": "hinge", "torque": 1}]
-    | set-twice | is set already, by 'd' @ drives[1].joint
-drives = [{"type": "stiffness", "name": "d", "value": 1, "spring": "coil"}, {"type": "stiffness",
-    "name": "e", "value": 1, "spring": "coil"}]
-    | set-twice | is set already, by 'd' @ drives[1].spring
 drives = [{"type": "servo", "name": "d", "joint": "piston", "value": 0.1, "torque": 1}]
     | name-not-found | 'piston' is an actuator, and 'servo' acts on a hinge
     ? a drive of type 'length', which acts on an actuator @ drives[0].joint
 drives = [{"type": "motor", "name": "d", "joint": "piston", "value": 0.1, "torque": 1}]
     | name-not-found | 'piston' is an actuator, and 'motor' acts on a hinge
     ? a drive of type 'extend', which acts on an actuator @ drives[0].joint
-drives = [{"type": "torque", "name": "d", "joint": "piston", "value": 0.1}]
-    | name-not-found | 'piston' is an actuator, and 'torque' acts on a hinge
-    ? a drive of type 'push', which acts on an actuator @ drives[0].joint
 drives = [{"type": "length", "name": "d", "joint": "hinge", "value": 0.1, "force": 1}]
     | name-not-found | 'hinge' is a hinge, and 'length' acts on an actuator
     ? a drive of type 'servo', which acts on a hinge @ drives[0].joint
-drives = [{"type": "extend", "name": "d", "joint": "hinge", "value": 0.1, "force": 1}]
-    | name-not-found | 'hinge' is a hinge, and 'extend' acts on an actuator
-    ? a drive of type 'motor', which acts on a hinge @ drives[0].joint
-drives = [{"type": "push", "name": "d", "joint": "hinge", "value": 0.1}]
-    | name-not-found | 'hinge' is a hinge, and 'push' acts on an actuator
-    ? a drive of type 'torque', which acts on a hinge @ drives[0].joint
 drives = [{"type": "brake", "name": "d", "joint": "piston", "value": 0.1}]
     | name-not-found | 'piston' is an actuator, and 'brake' acts on a hinge @ drives[0].joint
 """

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import pytest
 
 import sandbox
 from sandbox.engine.inspect import inspect
-from sandbox.model.compile import compile_mechanism
-from sandbox.model.pairs import allowed_pairs
 from sandbox.scene.expand import expand, to_json
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
-from sandbox.values.planes import share
-from tests.scene.hand import ARM, FLUIDS, PID
+from tests.scene.hand import ARM, PID
 
 
 def arm(*controllers: dict[str, Any], events: Any = (), **more: Any) -> dict[str, Any]:
@@ -26,20 +22,6 @@ def told(scene: dict[str, Any]) -> str:
     with pytest.raises(sandbox.SceneError) as caught:
         sandbox.simulate(sandbox.load_scene(scene))
     return str(caught.value)
-
-
-def test_what_is_expanded_reads_the_same_again():
-    damp = {"type": "feedback", "name": "damp", "value": "=-gain * wrist.rate",
-            "writes": "second"}
-    scene = arm(
-        PID, damp,
-        events=[{"name": "push", "when": "=elbow.angle > goal / 2", "set": {"loop.target": 0},
-                 "lasts": "20 ms"}])
-    mechanism = expand(sandbox.load_scene(scene))
-    assert mechanism.controllers[1].readings == ("=-3.0 * wrist.rate",)
-    again = expand(sandbox.load_scene(json.loads(to_json(mechanism))))
-    assert again.controllers == mechanism.controllers
-    assert again.events == mechanism.events
 
 
 def test_an_algebraic_loop_is_named():
@@ -84,11 +66,6 @@ def test_patterns_find_what_moves_freely(bodies: Any, found: list[int]) -> None:
 # --- fluids
 
 
-def test_the_scene_itself_is_right() -> None:
-    oil, air = sandbox.expand(sandbox.load_scene(FLUIDS)).lines
-    assert (oil.chambers[0].area, oil.chambers[1].displacement, air.volume) == (1e-3, 2e-6, 1e-3)
-
-
 # --- planes
 
 
@@ -111,17 +88,6 @@ def test_what_may_be_written(written: Any, meant: Any) -> None:
     again = sandbox.load_scene(sandbox.expand(scene).model_dump(mode="json", by_alias=True))
     assert again.bodies == scene.bodies
     assert ('"plane"' in to_json(sandbox.expand(scene))) == (meant != (0,))
-
-
-def test_the_table_of_all_pairs_is_that_of_each() -> None:
-    planes: list[Any] = [(0,), (0, 1), "all", (-3, 7), (7,), (1,), "all"]
-    scene = sandbox.load_scene({"bodies": [
-        {**BALL, "name": f"b{i}", "at": [i, 0], "plane": plane if plane == "all" else list(plane)}
-        for i, plane in enumerate(planes)]})
-    allowed = allowed_pairs(compile_mechanism(sandbox.expand(scene)))
-    for i, one in enumerate(planes):
-        for j, other in enumerate(planes):
-            assert allowed[i, j] == (i != j and share(one, other))
 
 
 def test_a_part_lies_in_its_plane() -> None:

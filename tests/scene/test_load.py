@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from sandbox.engine.inspect import inspect
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import Scene
-from sandbox.scene.library import wholes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene, read_scene
 from sandbox.scene.settings import Run
@@ -205,10 +204,3 @@ def test_retired_settings_do_nothing_and_are_told() -> None:
 
 
 # --- the library
-
-
-def test_wholes_are_what_nothing_includes():
-    hands = wholes("hands")
-    assert {"four_finger_opposed", "prosthesis", "objects"} <= set(hands)
-    assert not {"digit", "thumb", "shelf", "object_l", "object_bottle"} & set(hands)
-    assert "slider_crank" in wholes("mechanisms")

@@ -1,17 +1,21 @@
-"""Outlines: what is wrong with them, their pieces, and the directions that are their surface."""
+"""Outlines: pieces, drawings, cams, and what is wrong with them."""
 
 from __future__ import annotations
 
 import json
 import math
+import re
 
 import ezdxf
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
+from sandbox.engine.inspect import inspect
 from sandbox.errors import SceneError
-from sandbox.scene.bodies import Body, Polygon
-from sandbox.scene.geometry import area_properties, mass_properties, solids
+from sandbox.scene.bodies import Polygon
+from sandbox.scene.expand import expand
+from sandbox.scene.geometry import area_properties, solids
 from sandbox.scene.outlines.pieces import MOST_CORNERS, pieces_of
 from sandbox.scene.outlines.rings import inside, is_convex, signed_area
 from sandbox.scene.read.load import load_scene
@@ -56,23 +60,6 @@ def test_the_pieces_are_convex_and_cover_the_outline_and_no_more(name):
 
 
 # --- mass
-
-
-def test_an_annulus_has_the_mass_centre_and_inertia_of_its_closed_form():
-    """Regular n-gons: area n R^2 sin(a) / 2, polar second moment area R^2 (2 + cos a) / 6."""
-    def gon(n, radius):
-        a = math.tau / n
-        area = n * radius**2 * math.sin(a) / 2
-        return area, area * radius**2 * (2 + math.cos(a)) / 6
-
-    (a1, i1), (a2, i2) = gon(120, 0.2), gon(80, 0.1)
-    body = Body(name="ring", density=1000.0, thickness=0.01, shapes=(
-        Polygon(type="polygon", points=moved(circle(120, 0.2), 3, 4),
-                holes=(moved(circle(80, 0.1), 3, 4),)),))
-    found = mass_properties(body)
-    assert found.mass == pytest.approx(10 * (a1 - a2), rel=1e-12)
-    assert found.centre == pytest.approx((3, 4), rel=1e-12)
-    assert found.inertia == pytest.approx(10 * (i1 - i2), rel=1e-9)
 
 
 # --- what is wrong
@@ -169,14 +156,6 @@ def test_the_unit_of_a_drawing_may_be_said(folder):
     assert area_properties(doubled)[0] == pytest.approx(4 * AREA, rel=1e-4)
 
 
-def test_once_read_it_needs_no_file(folder):
-    found = drawn(folder, file="plate.dxf")
-    (folder / "plate.dxf").unlink()
-    again = load_scene({"bodies": [{"name": "x", "motion": "fixed",
-                                    "shapes": [found.model_dump(mode="json")]}]})
-    assert again.bodies[0].shapes[0] == found
-
-
 # --- where files may lie
 
 
@@ -202,12 +181,6 @@ def test_a_file_that_is_not_there_is_told_with_a_near_miss(folder):
     text = drawing_refused(folder, file="plat.svg")
     assert "there is no file 'plat.svg'" in text
     assert "Did you mean 'plate.svg'? Allowed: 'plate.dxf', 'plate.svg'." in text
-
-
-def test_a_scene_that_is_no_file_has_no_folder():
-    with pytest.raises(SceneError, match="no folder to read a drawing from"):
-        load_scene({"bodies": [{"name": "x", "motion": "fixed", "shapes": [
-            {"type": "drawing", "file": "plate.svg"}]}]})
 
 
 # --- what is wrong with them
@@ -238,14 +211,71 @@ def test_a_drawing_without_a_unit_asks_for_one(folder):
     assert drawn(folder, file="bare.dxf", unit="1 cm")
 
 
-def test_a_file_that_is_too_large_is_told(folder):
-    (folder / "plate.svg").write_text(PLATE + " " * 1_000_000)
-    assert "is too large for the drawing of an outline" in drawing_refused(folder, file="plate.svg")
-
-
 def test_blocks_are_not_followed(folder):
     drawing = ezdxf.new(units=4)
     drawing.blocks.new("bolt").add_circle((0, 0), 1)
     drawing.modelspace().add_blockref("bolt", (0, 0))
     drawing.saveas(folder / "block.dxf")
     assert "it holds the block 'bolt'" in drawing_refused(folder, file="block.dxf")
+
+
+TURNS = np.arange(0.0, math.tau, math.pi / 12)
+
+
+def cam(lift, **keys):
+    table = [[float(a), float(s)] for a, s in zip(TURNS, lift, strict=True)]
+    shape = {"type": "cam", "base": 0.03, "lift": table, **keys}
+    scene = load_scene({"bodies": [{"name": "cam", "motion": "fixed", "shapes": [shape]}]})
+    return np.array(scene.bodies[0].shapes[0].points)
+
+
+def cam_refused(lift, **keys) -> str:
+    with pytest.raises(SceneError) as raised:
+        cam(lift, **keys)
+    return str(raised.value)
+
+
+# --- the envelope
+
+
+# --- what cannot be
+
+
+def test_a_flat_follower_needs_a_base_above_what_bends_the_lift_most():
+    """b > -min(s + s''): for s = e (1 - cos 2a), s + s'' = e (1 + 3 cos 2a) is at least -2 e.
+
+    A spline's second derivative misses by h^2 / 12 max |s''''|, 16 e h^2 / 12 = 0.09 e.
+    """
+    lift = 0.005 * (1 - np.cos(2 * TURNS))
+    text = cam_refused(lift, follower="flat", base=0.009)
+    assert "undercut at a turn of" in text
+    wanted = float(re.search(r"base radius of at least ([\d.]+) m", text)[1])
+    assert 0.01 < wanted <= 0.0105  # rounded up to three digits
+    assert len(cam(lift, follower="flat", base=wanted)) > 24
+
+
+@pytest.mark.parametrize(("lift", "keys", "words"), [
+    (0 * TURNS, {}, "'roller' is missing"),
+    (0 * TURNS, {"follower": "flat", "roller": 0.01}, "a flat follower has no 'roller'"),
+    (0 * TURNS - 0.04, {"roller": 0.01}, "Allowed: a base radius above 0.04 m"),
+    (0.01 * np.sin(TURNS), {"roller": 0.01, "tolerance": 1e-9}, "Allowed: a tolerance of"),
+])
+def test_what_is_no_cam_is_told(lift, keys, words):
+    text = cam_refused(lift, **keys)
+    assert "$.bodies[0].shapes[0]" in text
+    assert words in text
+
+
+@pytest.mark.parametrize(("dwell", "warned"), [([210, 330], True), (range(180, 360, 15), False)])
+def test_a_lift_that_swings_beyond_its_entries_is_warned_of(dwell, warned):
+    """A rise and return of 10 mm with a dwell of two entries, and of twelve."""
+    turns = np.radians([*range(0, 180, 15), *dwell])
+    lift = np.where(turns < 3.0, 0.005 * (1 - np.cos(2 * turns)), 0.0)
+    scene = load_scene({"bodies": [{"name": "cam", "motion": "fixed", "shapes": [
+        {"type": "cam", "base": 0.1, "follower": "flat", "lift": np.stack([turns, lift], 1)
+         .tolist()}]}]})
+    spline = CubicSpline([*turns, math.tau], [*lift, lift[0]], bc_type="periodic")
+    lowest = 1e3 * spline(np.linspace(0, math.tau, 36_001)).min()
+    text = "".join(str(problem) for problem in inspect(expand(scene)))
+    found = re.findall(r"the lift of its cam swings to (\S+) mm", text)
+    assert list(map(float, found)) == pytest.approx([lowest] * warned, rel=1e-3)

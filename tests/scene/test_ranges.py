@@ -23,10 +23,6 @@ def refused(**scene: Any) -> str:
     return str(found.value)
 
 
-def body(**keys: Any) -> list[dict[str, Any]]:
-    return [{"name": "a", **keys}]
-
-
 DISC = {"name": "a", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
 
 
@@ -86,14 +82,6 @@ def test_each_limit(name: str, most: int) -> None:
         load_scene(_scene(3), limits=Limits().raised(**{name: most - 1}))
 
 
-def test_a_hundred_thousand_bodies() -> None:
-    with pytest.raises(SceneError) as refused:
-        load_scene({"bodies": [{}] * 100_000})
-    (problem,) = refused.value.problems
-    assert problem.message == "the scene has 100 000 bodies"
-    assert problem.path == "$.bodies"
-
-
 def test_corners_count_as_they_are_written() -> None:
     ring = [[0, 0], [9, 0], [9, 9], [0, 9]]
     hole = [[1, 1], [2, 1], [1, 2]]
@@ -105,12 +93,3 @@ def test_corners_count_as_they_are_written() -> None:
         load_scene({"bodies": bodies}, limits=Limits(corners=8))
     with pytest.raises(SceneError, match="outlines have 42 000 corners"):
         load_scene({"bodies": [{"name": "x", "shapes": 21 * [{"type": "cam"}]}]})
-
-
-def test_bodies_of_parts_count() -> None:
-    section = {"type": "section", "circle": 0.01}
-    parts = [{**section, "name": f"s{i}", "at": [i, 0]} for i in range(5)]
-    assert load_scene({"parts": parts}, limits=Limits(bodies=5))
-    with pytest.raises(SceneError, match="has 6 bodies"):
-        load_scene({"parts": parts, "bodies": [{"name": "x", "motion": "fixed"}]},
-                   limits=Limits(bodies=5))

@@ -13,7 +13,6 @@ from pydantic import TypeAdapter
 import sandbox
 from sandbox.errors import SceneError
 from sandbox.values.signals import AnySignal, Signal, values
-from sandbox.values.spline import PeriodicSpline
 from sandbox.values.tables import Function, NamedTable
 
 PROFILE = {"points": [[0, 1], [1, 3], [3, 2]]}
@@ -33,15 +32,6 @@ def _force(value: str) -> dict[str, Any]:
                         "value": value}]}
 
 
-@pytest.mark.parametrize(("beyond", "before", "after"), [("hold", 1.0, 2.0), ("extend", -1.0, 1.5)])
-def test_a_linear_table_is_straight_between_its_points(
-    beyond: str, before: float, after: float,
-) -> None:
-    table = _function(**PROFILE, beyond=beyond)
-    assert table(np.array([0.0, 0.5, 1.0, 2.0, 3.0])) == pytest.approx([1, 2, 3, 2.5, 2])
-    assert table(np.array([-1.0, 4.0])) == pytest.approx([before, after])
-
-
 def test_a_cubic_of_many_points_comes_close_as_the_fourth_power() -> None:
     errors = []
     for n in (16, 32):
@@ -51,14 +41,6 @@ def test_a_cubic_of_many_points_comes_close_as_the_fourth_power() -> None:
         tried = np.linspace(-10, 10, 4001)
         errors.append(float(np.abs(table(tried) - np.sin(tried)).max()))
     assert math.log2(errors[0] / errors[1]) == pytest.approx(4, abs=0.3)
-
-
-def test_one_that_repeats_is_the_spline_of_cams() -> None:
-    x, y = np.array([0.0, 1.0, 2.5, 4.0]), np.array([0.0, 2.0, 1.0, -1.0])
-    points = [*np.stack([x, y], axis=1).tolist(), [math.tau, 0.0]]
-    table, spline = _function(points=points, between="cubic", beyond="repeat"), PeriodicSpline(x, y)
-    tried = np.linspace(-7, 14, 500)
-    assert table(tried) == pytest.approx(spline(tried)[0], abs=1e-14)
 
 
 def test_numbers_parameters_and_signals_call_tables() -> None:

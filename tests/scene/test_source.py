@@ -146,15 +146,6 @@ def test_paths_are_read_as_they_are_written(path: list[int | str]) -> None:
     assert parse_path(path_text(path)) == tuple(path)
 
 
-@pytest.mark.parametrize(("text", "path"), [
-    ("run.step", ("run", "step")), ("$.bodies[0].mass", ("bodies", 0, "mass")),
-    ("joints[f1.mcp].limits[1]", ("joints", "f1.mcp", "limits", 1)), ("$", ()),
-    ("$schema", ("$schema",)),
-])
-def test_paths(text: str, path: tuple[str | int, ...]) -> None:
-    assert parse_path(text) == path
-
-
 def test_file_size(tmp_path: Path) -> None:
     path = tmp_path / "large.json"
     path.write_text('{"about": "' + "x" * 1000 + '"}')

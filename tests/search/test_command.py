@@ -2,13 +2,11 @@
 
 import json
 
-import jsonschema
 import pytest
 
 import sandbox
 from sandbox.cli.entry import invoke
 from sandbox.errors import SceneError
-from sandbox.sweeps.spec import study_schema
 from tests.sweeps.scenes import PUCK
 
 STUDY = {"format": 1, "scene": PUCK, "vary": {"parameters.push": {"from": "1 N", "to": "6 N"}},
@@ -155,11 +153,3 @@ def test_mistakes_in_a_file_are_told_with_their_line(written, search, more, said
     problem, = caught.value.problems
     assert said in str(problem)
     assert problem.line > 0
-
-
-def test_the_schema_knows_the_searches():
-    validator = jsonschema.Draft202012Validator(study_schema())
-    good = {**STUDY, "search": {"best": {"least": "v", "where": ["x > 1 m"], "sampler": "tpe"}}}
-    assert list(validator.iter_errors(good)) == []
-    for search in ({"bst": {}}, {"best": {"sampler": "cmae", "least": "v"}}, {"fit": {}}):
-        assert list(validator.iter_errors({**STUDY, "search": search}))

@@ -3,11 +3,8 @@
 import json
 import multiprocessing
 import os
-import shutil
-import signal
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -130,38 +127,6 @@ def test_a_script_without_a_guard_gets_a_message(tmp_path):
     said = subprocess.run([sys.executable, str(script)], capture_output=True, text=True,
                           timeout=100)
     assert said.stderr.splitlines()[-1].endswith('under if __name__ == "__main__":')
-
-
-def _command(folder):
-    return [sys.executable, "-m", "sandbox", "sweep", str(folder / "puck.json"), "--no-audit",
-            "--vary", "parameters.push=1:30:30", "--keep", "v=puck.vx", "--out",
-            str(folder / "out"), "--workers", "2"]
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
-def test_a_process_that_is_killed_loses_only_what_was_under_way(tmp_path):
-    (tmp_path / "puck.json").write_text(json.dumps(PUCK))
-    process = subprocess.Popen(_command(tmp_path), stdout=subprocess.DEVNULL,
-                               stderr=subprocess.DEVNULL, start_new_session=True)
-    lines = tmp_path / "out" / "rows" / "00000.jsonl"
-    deadline = time.monotonic() + 200
-    while not (lines.exists() and lines.read_bytes().count(b"\n") >= 3):
-        assert process.poll() is None
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-    os.kill(process.pid, signal.SIGKILL)
-    process.wait()
-    before = lines.read_bytes()
-    done = subprocess.run(_command(tmp_path), capture_output=True, text=True, timeout=400)
-    assert done.returncode == 0, done.stderr
-    rows = list(read_rows(tmp_path / "out" / "rows"))
-    assert len(rows) == len({row.id for row in rows}) == 30
-    whole = tmp_path / "whole"
-    shutil.copytree(tmp_path, whole)
-    shutil.rmtree(whole / "out")
-    subprocess.run(_command(whole), capture_output=True, check=True, timeout=400)
-    assert (tmp_path / "out/table.csv").read_bytes() == (whole / "out/table.csv").read_bytes()
-    assert lines.read_bytes().startswith(before[:before.rfind(b"\n") + 1])
 
 
 # -- the log -------------------------------------------------------------------------

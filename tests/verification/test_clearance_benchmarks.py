@@ -8,7 +8,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import pytest
 
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
@@ -363,19 +362,3 @@ def test_woodpecker() -> Problem:
                   [Digit(-0.47797, partial(extreme, "bird.angle", np.min)),
                    Digit(0.09466, partial(extreme, "sleeve.angle", np.max))], 16.0,
                   "an impact within its step, at up to 16 rad/s", floor=1e-5)]
-
-
-@pytest.mark.parametrize(("real", "start", "cycle"), [
-    (False, (-0.1036, -0.2788), (0.146065, -0.019476)), (True, START, CYCLE)],
-    ids=["published", "real corners"])
-def test_woodpecker_digits(real: bool, start: tuple[float, float], cycle: tuple[float, float],
-                           ) -> None:
-    """Four impacts a cycle, each up to a step late to be found and another to be answered."""
-    from tests.support.woodpecker import course  # which reads the constants above
-
-    step = 1e-4
-    time, states = course(0.8, step, start, real=real)
-    passed = cycles(time, states[:, 0], states[:, 2])[:, -4:]
-    found = (passed[:, -1] - passed[:, 0]) / 3
-    assert found[0] == pytest.approx(cycle[0], abs=8 * step)
-    assert found[1] == pytest.approx(cycle[1], abs=0.5 * 8 * step)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -173,47 +173,6 @@ def test_rocking_block() -> Problem:
                   "in three steps"),
             event("instants of the second fall", "s", again, max(later),
                   f"the first fall's, and the peak's effect on it; {landing}")]
-
-
-def struck_in_sequence(speeds: Sequence[float], restitution: float) -> list[float]:
-    """Speeds of equal balls in a row after all impacts, one after the other, the fastest first.
-
-    Each impact turns the speed of approach u of two neighbours into -e u and keeps their sum.
-    """
-    v = [float(speed) for speed in speeds]
-    while True:
-        approach = [v[i] - v[i + 1] for i in range(len(v) - 1)]
-        i = int(np.argmax(approach))
-        if approach[i] <= 1e-12:
-            return v
-        change = (1 + restitution) * approach[i] / 2
-        v[i] -= change
-        v[i + 1] += change
-
-
-ROWS = tuple((count, e) for e in (1.0, 0.5, 0.0) for count in (3, 5))
-
-
-@benchmark("Row of touching discs",
-           "Equal discs touch in a row; another runs into the first one at 1 m/s. With e = 1 three "
-           "leave with (0, 0, 1) where impacts come one after the other, as in Newton's cradle, "
-           "and with (−1/3, 2/3, 2/3) where all are reflected at once by Newton's law (Moreau).",
-           "Closed form of the law in sequence, the fastest approach first: the law of the engine.",
-           steps=(1e-3, 5e-4, 2.5e-4), fault={"bodies[row1_disc2].mass": 0.1001})
-def test_struck_row() -> Problem:
-    bodies, digits = [], []
-    for row, (count, e) in enumerate(ROWS):
-        for i, speed in enumerate(struck_in_sequence([1.0, *[0.0] * (count - 1)], e)):
-            name = f"row{row + 1}_disc{i + 1}"
-            bodies.append({
-                "name": name, "mass": 0.1, "material": f"e{10 * e:g}",
-                "at": [0.02 * i - (0.0 if i else 0.01), 0.1 * row],
-                "velocity": [0.0 if i else 1.0, 0.0],
-                "shapes": [{"type": "circle", "radius": 0.01}]})
-            digits.append(Digit(speed, lambda run, name=name: float(run[f"{name}.vx"][-1])))
-    return lambda step: spelled(0.02, step, bodies=bodies, materials={
-        f"e{10 * e:g}": {"friction": 0.0, "restitution": e} for _, e in ROWS}), [
-            exact("final speeds", "m/s", digits, 1e-6, "impacts do not depend on the step")]
 
 
 @benchmark("Friction oscillator",

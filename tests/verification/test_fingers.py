@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
-import pytest
 from numpy.typing import ArrayLike
 
 from sandbox.engine.simulate import simulate
@@ -298,29 +297,3 @@ def test_pull_below_zero_is_slack() -> None:
     run = simulate(finger(SET_G, pull=-3.0, duration=0.02, step=5e-4))
     assert np.abs(angles(run)).max() < 1e-12
     assert (run["finger.tendon.tension"] == 0).all()
-
-
-@pytest.mark.parametrize("gravity", [(0.0, 0.0), (2.0, -9.81)])
-def test_reference_keeps_energy(gravity: tuple[float, float]) -> None:
-    """Energy less work is constant, to 1e-9 of the tendon's work of 26 mJ."""
-    chain = Chain(SET_G, gravity)
-    states = chain.integrate(np.linspace(0.0, 0.06, 21)[1:], 3.0)
-    energies = [chain.energy(state) for state in (np.zeros(8), *states)]
-    np.testing.assert_allclose(energies, energies[0], rtol=0, atol=1e-9 * 0.026)
-    assert states[-1, -1] > 0.005
-    if not any(gravity):  # published to 0.1 deg
-        np.testing.assert_allclose(np.degrees(states[-1, :3]), [20.6, 29.3, 21.8], atol=0.1)
-
-
-@pytest.mark.parametrize("numbers", [SET_A, SET_G], ids=["A", "G"])
-def test_reference_has_the_closed_arms(numbers: FingerSet) -> None:
-    """Derivatives of lengths in the reference are the arms of (17), (29)."""
-    chain, tendon = Chain(numbers), route(numbers.guides, numbers.lengths)
-    springs = spring_set(numbers.before, numbers.after)
-    for theta in np.random.default_rng(5).uniform(0, 1.2, (10, 3)):
-        length, slope = chain.tendon(theta)
-        np.testing.assert_allclose(length, tendon.lengths(theta), atol=1e-15)
-        np.testing.assert_allclose(-slope, tendon.arms(theta), atol=1e-15)
-        length, slope = chain.spring(theta)
-        np.testing.assert_allclose(length, springs.lengths(theta), atol=1e-15)
-        np.testing.assert_allclose(slope, springs.arms(theta), atol=1e-15)

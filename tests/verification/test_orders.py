@@ -125,16 +125,6 @@ def test_order_linear_damper() -> Iterator[Check]:
         "load.x": lambda t: 0.1 + SPEED / 50.0 * (1 - np.exp(-50.0 * t))})
 
 
-def test_times_at_the_end_of_the_step_show_order_one() -> None:
-    """Labelled t = k h in place of (k - 1/2) h, a pose is half a step of motion off."""
-    found = []
-    for step in STEPS:
-        run = linear_damper()(step)
-        truth = 0.1 + SPEED / 50.0 * (1 - np.exp(-50.0 * (run.time + step / 2)))
-        found.append(np.abs(run["load.x"] - truth).max())
-    assert (np.log2(np.divide(found[:-1], found[1:])) < 1.3).all()
-
-
 @case("Order of accuracy: rotary damper", "I θ″ = −c θ′: θ = ω₀ (I/c) (1 − e^(−c t/I))", DAMPED)
 def test_order_rotary_damper() -> Iterator[Check]:
     rate, decay = 20.0, 50.0
@@ -241,18 +231,6 @@ def test_order_contact_sliding_after_the_landing() -> Iterator[Check]:
         springs=[spring("spring", "plane", "body", on_a=(-far, 0.01), stiffness=0.2 * omega**2,
                         rest_length=far + 0.1)]),
         {"body.x": lambda t: 0.1 + swing(t)}, after=float(np.sqrt(2 * 0.02 / G)) + 0.01)
-
-
-@case("Order of accuracy: over a curved body", "θ″ = (g/(R + r)) sin θ while in contact", SMOOTH)
-def test_order_contact_over_a_curved_body() -> Iterator[Check]:
-    radius, start = 0.06, 0.2
-    yield from second_order(lambda step: simulated(
-        0.1, step, g=G, materials={"smooth": {"friction": 0.0}},
-        bodies=[fixed("hill", material="smooth", shapes=[{"type": "circle", "radius": 0.05}]),
-                {"name": "body", "mass": 0.2, "material": "smooth", "shapes": [DISC],
-                 "at": (radius * np.sin(start), radius * np.cos(start))}],
-        meters=[{"name": "turn", "value": "=atan2(body.x, body.y)", "unit": "rad"}]),
-        {"turn": oscillated(lambda x: G / radius * float(np.sin(x)), start)})
 
 
 def sliding(friction: float, shape: Json, slowing: float, path: Callable[[Array, float], Array],

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
-import pytest
 
 from sandbox.elements.tendons import RIGID
 from sandbox.engine.simulate import simulate
@@ -132,27 +130,6 @@ def test_movable_pulley() -> Iterator[Check]:
         yield Check(f"{word}: accelerations", "m/s^2", [-a, a / 2],
                     [acceleration(run, name, 0.05) for name in ("weight", "pulley")], 2e-5 * a,
                     "a parabola fitted to positions, and the lean")
-
-
-@pytest.mark.parametrize(("side", "drum", "sample_rate"), [
-    ("left", "first", 1000.0), ("right", "last", 2.0)])
-def test_winch(drum: str, side: str, sample_rate: float) -> None:
-    """Shortening is the load's rise and R φ less m g / k, also for 1.6 turns between samples."""
-    radius, turn = 0.02, 10.0
-    x = radius if (side == "left") == (drum == "last") else -radius
-    guides: list[Any] = [("load",), ("shaft", (0.0, 0.0), radius, side)]
-    rate = {"table": [[0, 0], [0.1, turn / 0.6], [0.6, turn / 0.6], [0.7, 0]]}
-    run = simulated(
-        1.0, g=G, run={"sample_rate": sample_rate},
-        bodies=[fixed("beam"), mass("shaft", 0.2, (0.0, 0.0)), mass("load", 0.1, (x, -0.4))],
-        joints=[pin("axle", "beam", "shaft", on_a=(0, 0),
-                    positive="counterclockwise" if x > 0 else "clockwise")],
-        tendons=[cord("cord", *(guides if drum == "last" else guides[::-1]), damping=100.0)],
-        drives=[{"type": "motor", "name": "motor", "joint": "axle", "value": rate, "torque": 1.0}])
-    np.testing.assert_allclose(run["cord.shortening"], run["load.y"] + 0.4, atol=1e-14)
-    assert run["cord.shortening"][-1] == pytest.approx(
-        radius * run["axle.angle"][-1] - 0.1 * G / RIGID, abs=1e-9)
-    assert run["axle.angle"][-1] > 9.9
 
 
 @case("Rope over a bar", "T₂ = T₁ e^(μφ), m v′ = T₂ e^(−μφ) − m g",

@@ -17,30 +17,11 @@ from sandbox.engine.simulate import simulate
 from sandbox.errors import SceneError
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
-from tests.support.reference import stick_slip
 
 from .machines import G, fixed, mechanism, sound
 
 H = 1e-3
-M, L, I0 = 1.0, 0.1, 1e-3
-WEIGHT = M * G * L
-"""Of the arm: mass, distance of its centre from the hinge, inertia about the centre, moment."""
 ROUNDING = 1e-12
-
-
-def arm(angle: float = 0.0, *, positive: str = "counterclockwise", step: float = H,
-        duration: float = 0.3, omega: float = 0.0, torque: Any = None,
-        **friction: Any) -> Recording:
-    """A pendulum, at ``angle`` to the horizontal."""
-    at = (L * math.cos(angle), L * math.sin(angle))
-    body = {"name": "arm", "mass": M, "inertia": I0, "at": at, "angle": angle,
-            "angular_velocity": omega, "velocity": (-omega * at[1], omega * at[0])}
-    drives = [] if torque is None else [
-        {"type": "torque", "name": "push", "joint": "p", "value": torque}]
-    return sound(simulate(mechanism(
-        duration=duration, step=step, gravity=(0.0, -G), bodies=[fixed("wall"), body],
-        drives=drives, joints=[{"type": "pin", "name": "p", "a": "wall", "b": "arm", "on_a": (0, 0),
-                 "positive": positive, **friction}])))
 
 
 def block(slope: float = 0.0, *, speed: float = 0.0, duration: float = 0.3, push: Any = None,
@@ -57,24 +38,7 @@ def block(slope: float = 0.0, *, speed: float = 0.0, duration: float = 0.3, push
                  "end": (c, s), "turns": turns, **friction}])))
 
 
-def along(run: Recording, slope: float) -> np.ndarray:
-    return np.asarray(run["m.vx"] * math.cos(slope) + run["m.vy"] * math.sin(slope))
-
-
 # -- what holds ------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("positive", ["counterclockwise", "clockwise"])
-def test_an_arm_is_held_by_as_much_as_its_weight_turns_it(positive: str) -> None:
-    """The torque is m g l, no more, and nothing creeps: 1e-13 rad is left of the first step's
-    rounding (1e-10 of its torque)."""
-    run = arm(friction=WEIGHT * (1 + 1e-9), positive=positive)
-    sense = 1 if positive == "counterclockwise" else -1
-    assert run["p.friction"] == pytest.approx(np.full(len(run), sense * WEIGHT), rel=2e-9)
-    assert (run["p.sticks"] == 1.0).all()
-    assert np.abs(run["p.angle"]).max() < 5e-13
-    assert np.ptp(run["p.angle"][len(run) // 2:]) < 1e-15
-    assert np.abs(run["p.friction_work"]).max() < 1e-12
 
 
 def test_what_a_drive_holds_sticks_though_its_friction_is_at_its_bound() -> None:
@@ -97,58 +61,6 @@ def test_what_a_drive_holds_sticks_though_its_friction_is_at_its_bound() -> None
     assert torque == pytest.approx(0.1 * G * math.cos(0.5), rel=1e-9)
 
 
-@pytest.mark.parametrize(("tangent", "holds"), [
-    (0.3 * (1 - 1e-6), True), (0.3 * (1 + 1e-3), False)])
-def test_a_groove_holds_up_to_the_angle_of_friction(tangent: float, holds: bool) -> None:
-    """Tan(slope) against mu; what slides does so with g (sin - mu cos), exactly."""
-    slope = math.atan(tangent)
-    run = block(slope, friction_coefficient=0.3)
-    fast = 0.0 if holds else -G * (math.sin(slope) - 0.3 * math.cos(slope)) * (run.time)
-    assert along(run, slope) == pytest.approx(fast, abs=1e-12)
-    assert (run["s.sticks"] == float(holds)).all()
-    if holds:
-        assert run["s.friction"][1:] == pytest.approx(2 * G * math.sin(slope), rel=1e-9)
-
-
-def test_static_friction_gives_way_at_its_own_bound() -> None:
-    """A force that rises by 20 N/s against 3 N that hold with 4.5: at 0.225 s, then 3 N."""
-    run = block(push="=20 * t", duration=0.4, friction=3.0, static=1.5)
-    holds = run["s.sticks"] == 1.0
-    # to where a step's force is below 4.5 N; it holds on until then
-    assert (holds == (20 * run.time < 4.5)).all()
-    assert np.abs(run["m.x"][holds]).max() < 1e-14
-    late = run.time > 0.225 + 1.5 * H
-    assert run["s.friction"][late] == pytest.approx(np.full(late.sum(), -3.0), rel=1e-12)
-    t = run.time[-1]
-    fast = (10 * (t**2 - 0.225**2) - 3 * (t - 0.225)) / 2.0
-    # a sample is the mean of two speeds: 20 N/s / 2 kg h^2 / 8
-    assert run["m.vx"][-1] == pytest.approx(fast, abs=1.001 * 10 * H**2 / 8)
-
-
-@pytest.mark.parametrize(("blocks", "share"), [(1, 1.0), (2, 0.3), (2, 0.9)])
-def test_break_away_takes_the_share_of_the_step(blocks: int, share: float) -> None:
-    """A spring drags a block, or two that a rod joins, of whose friction one has a share.
-
-    At each of three break-aways the place may be off by a h^2 / 2 with a the jump of acceleration.
-    Of two that slip as one, one is at its bound long before.
-    """
-    sliding, static, h = 3.0, 4.8, 5e-4
-    shares = (share, 1 - share)[:blocks]
-    run = sound(simulate(mechanism(
-        duration=2.0, step=h, bodies=[
-            fixed("wall"), {"name": "hand", "motion": "scheduled", "path": {"x": "=0.5 + 0.1 * t"}},
-            *({"name": f"m{i}", "mass": 1.0 / blocks, "inertia": 1e-3, "at": (0.3 * i, 0.4 * i)}
-              for i in range(blocks))],
-        joints=[{"type": "slot", "name": f"s{i}", "a": "wall", "b": f"m{i}", "start": (-1, 0.4 * i),
-                 "end": (3, 0.4 * i), "turns": False, "friction": each * sliding,
-                 "static": static / sliding} for i, each in enumerate(shares)]
-        + [{"type": "rod", "name": "r", "a": "m0", "b": "m1"}] * (blocks - 1),
-        springs=[{"type": "linear", "name": "pull", "a": "m0", "b": "hand", "stiffness": 100.0,
-                  "rest_length": 0.5}])))
-    truth = stick_slip(run.time, 1.0, 100.0, 0.1, static, sliding)
-    assert run["m0.x"] == pytest.approx(truth, abs=3 * (static - sliding) * h**2 / 2)
-
-
 def test_what_slips_back_is_held_by_static_friction_first() -> None:
     """A force that swings by 6 N about a block that holds with 4.8 N and slides with 3 N.
 
@@ -164,44 +76,6 @@ def test_what_slips_back_is_held_by_static_friction_first() -> None:
 def test_what_slides_at_the_start_is_not_held_by_static_friction() -> None:
     run = block(speed=1.0, friction=3.0, static=2.0, duration=0.05)
     assert run["s.friction"] == pytest.approx(np.full(len(run), -3.0), rel=1e-12)
-
-
-# -- what slides -----------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("friction", "slows"), [
-    ({"friction": 6.0}, 3.0), ({"friction_coefficient": 0.3}, 0.3 * G)])
-@pytest.mark.parametrize("way", [1, -1])
-def test_a_block_stops_where_its_energy_is_spent(
-    friction: dict[str, float], slows: float, way: int,
-) -> None:
-    """V^2 / 2 a, and h^2 a / 2 of the step in which it stops; until then v - a t exactly."""
-    run = block(speed=way * 1.0, duration=0.4, **friction)
-    assert run["m.x"][-1] == pytest.approx(way / (2 * slows), abs=slows * H**2 / 2)
-    before = run.time < 1 / slows - H
-    assert run["m.vx"][before] == pytest.approx(
-        way * (1 - slows * run.time[before]), abs=ROUNDING)
-
-
-def test_a_journal_slows_its_wheel_down() -> None:
-    """Alpha = mu R N / I, in either sense; then it stands still and carries on."""
-    run = arm(math.pi / 2, friction_coefficient=0.1, pin_radius=0.01, duration=0.01)
-    assert run["p.sticks"][0] == 1.0  # straight up, where nothing turns it
-    wheel = {"name": "w", "mass": 3.0, "inertia": 2e-3, "angular_velocity": 3.0}
-    for sign in (1.0, -1.0):
-        spun = sound(simulate(mechanism(
-            duration=0.3, step=H, gravity=(0.0, -G),
-            bodies=[fixed("wall"), wheel | {"angular_velocity": 3.0 * sign}],
-            joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0),
-                     "friction_coefficient": 0.1, "pin_radius": 0.01}])))
-        alpha = 0.1 * 0.01 * 3.0 * G / 2e-3
-        slows = spun.time < 3.0 / alpha - H
-        assert slows.sum() > 150
-        assert spun["w.omega"][slows] == pytest.approx(
-            sign * (3.0 - alpha * spun.time[slows]), abs=1e-11)
-        assert spun["w.omega"][-1] == 0.0
-        assert spun["p.friction"][slows] == pytest.approx(
-            np.full(slows.sum(), -sign * 0.1 * 0.01 * 3.0 * G), rel=1e-9)
 
 
 # -- where the bound hangs on the motion -----------------------------------------------
@@ -229,26 +103,6 @@ def test_a_bead_is_held_on_a_turning_rod() -> None:
     assert np.abs(way - r).max() < 1.5 * H**3 * w**3 * r / 6
     assert -run["s.friction"][held][10:] == pytest.approx(
         0.1 * (40 * run.time[held][10:]) ** 2 * r, rel=1e-2)
-
-
-def test_two_bodies_lose_to_a_groove_what_its_work_says() -> None:
-    """Both turn, nothing else acts: their kinetic energy goes into friction, to second order."""
-    lost = []
-    for step in (1e-3, 5e-4):
-        run = sound(simulate(mechanism(
-            duration=0.2, step=step, gravity=(0.0, 0.0), bodies=[
-                {"name": "a", "mass": 1.0, "inertia": 0.02, "angular_velocity": 6.0},
-                {"name": "b", "mass": 0.5, "inertia": 1e-3, "at": (0.1, 0.05),
-                 "velocity": (-0.3, 0.6)}],
-            joints=[{"type": "slot", "name": "s", "a": "a", "b": "b", "start": (-1, 0.05),
-                     "end": (1, 0.05), "friction": 0.5}])))
-        energy = sum(m / 2 * (run[f"{n}.vx"]**2 + run[f"{n}.vy"]**2) + i / 2 * run[f"{n}.omega"]**2
-                     for n, m, i in (("a", 1.0, 0.02), ("b", 0.5, 1e-3)))
-        work = run["s.friction_work"]
-        assert work[-1] - work[0] < -0.02
-        lost.append(abs(energy[-1] - energy[0] - work[-1] + work[0]))
-    assert lost[0] < 1e-4
-    assert lost[1] < lost[0] / 3
 
 
 def ladder(angle: float, load: float, *, speed: float = 0.0, light: float = 0.1) -> Mechanism:

@@ -1,0 +1,436 @@
+"""Tendons: lengths, slack, friction at guides, lift-off from pulleys, driven stiffness."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+import sandbox
+from sandbox.audit.audit import audit
+from sandbox.engine.inspect import inspect
+from sandbox.engine.simulate import simulate
+from sandbox.model.compile import compile_mechanism
+from sandbox.model.tendons import lifted_at_start
+from sandbox.recording.recording import Recording
+from sandbox.scene.mechanism import Mechanism
+from tests.support.mechanisms import guide
+
+from .machines import G, H, cord, disc, fixed, mass, mechanism
+
+FAR, RADIUS = 0.1, 0.02
+
+
+def measure(*guides: tuple[Any, ...], bodies: tuple[Any, ...] = (), duration: float = 1e-3,
+            step: float = 1e-3) -> Recording:
+    """The run of a tendon over guides (body, point, radius, side, more)."""
+    written = [{"body": body, "at": at, "radius": radius, "side": side, **(more[0] if more else {})}
+               for body, at, radius, side, *more in guides]
+    return simulate(mechanism(
+        duration=duration, step=step, bodies=[fixed("wall"), *bodies],
+        tendons=[{"name": "cord", "guides": written, "stiffness": 1.0}]))
+
+
+@pytest.mark.parametrize(("side", "wrap"), [("right", math.pi / 2), ("left", 3 * math.pi / 2)])
+def test_a_wheel_between_two_points(side: str, wrap: float) -> None:
+    """From (-L, 0) over a wheel at the origin to (0, -L), tangents of length sqrt(L^2 - r^2).
+
+    On the right the wheel takes 90 deg + 2 asin(r / L) of the rim; on the left the tendon crosses
+    itself: 270 deg + 2 asin(r / L).
+    """
+    run = measure(("wall", (-FAR, 0), 0, "left"), ("wall", (0, 0), RADIUS, side, {"begins": "on"}),
+                  ("wall", (0, -FAR), 0, "left"))
+    expected = 2 * math.sqrt(FAR**2 - RADIUS**2) + RADIUS * (wrap + 2 * math.asin(RADIUS / FAR))
+    assert run["cord.length"][0] == pytest.approx(expected, rel=1e-13)
+
+
+@pytest.mark.parametrize("sides", [("right", "right"), ("left", "left"), ("left", "right")])
+def test_a_belt_between_two_wheels(sides: tuple[str, str]) -> None:
+    """Open: sqrt(d^2 - (r1 - r2)^2); crossed: sqrt(d^2 - (r1 + r2)^2). Wound on at both ends."""
+    run = measure(("wall", (0, 0), 0.02, sides[0]), ("wall", (0, FAR), 0.03, sides[1]))
+    between = 0.01 if sides[0] == sides[1] else 0.05
+    assert run["cord.length"][0] == pytest.approx(math.sqrt(FAR**2 - between**2), rel=1e-14)
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_tendon_that_grazes_its_wheel_does_not_go_round_it(side: str) -> None:
+    """Three points in line: the wrap is 0, not 2 pi, however the rounding falls."""
+    for angle in np.linspace(0, 2 * math.pi, 24):
+        u = np.array([math.cos(angle), math.sin(angle)])
+        centre = 0.05 * u + (1 if side == "right" else -1) * 0.01 * np.array([u[1], -u[0]])
+        run = measure(("wall", (0, 0), 0, "left"), ("wall", tuple(centre), 0.01, side),
+                      ("wall", tuple(0.1 * u), 0, "left"))
+        assert run["cord.length"][0] == pytest.approx(0.1, abs=1e-9)
+
+
+def test_the_wrap_is_continuous_for_more_than_a_turn() -> None:
+    """A point circles a wheel twice: the length grows by r dphi in each step."""
+    eye = {"name": "eye", "motion": "scheduled", "at": (FAR, 0.0), "path": {
+        "x": f"={FAR} * cos(4 * pi * t)", "y": f"=-{FAR} * sin(4 * pi * t)"}}
+    run = measure(("wall", (-FAR, 0), 0, "left"), ("wall", (0, 0), RADIUS, "right", {"turns": 1}),
+                  ("eye", (0, 0), 0, "left"), bodies=(eye,), duration=1.0)
+    per_step = RADIUS * 4 * math.pi * 1e-3
+    np.testing.assert_allclose(np.diff(run["cord.length"])[1:], per_step, rtol=1e-9)
+
+
+@pytest.mark.parametrize("step", [1e-4, 5e-4, 2e-3])
+def test_slack_then_taut(step: float) -> None:
+    """A load falls 0.1 m into its cord: no pull before, no more speed after than it came with.
+
+    Overrun: half a period of the cord's own swing reaches v sqrt(m / k) = 1.4 mm at most, or the
+    step's travel v h if that is longer.
+    """
+    run = simulate(mechanism(
+        duration=0.6, step=step, gravity=(0.0, -G),
+        bodies=[fixed("beam"), mass("m", 0.1, (0, -0.1))],
+        tendons=[cord("cord", ("beam",), ("m",), slack=0.1)]))
+    free = run.time < np.sqrt(2 * 0.1 / G) - 2 * step
+    assert (run["cord.tension"][free] == 0).all()
+    assert (run["cord.tension"] >= 0).all()
+    speed = np.sqrt(2 * G * 0.1)
+    assert run["m.vy"].max() < speed
+    assert run["m.y"].min() > -0.2 - 1.1 * speed * max(step, np.sqrt(0.1 / 1e5))
+    assert run["cord.tension"].max() > 10 * 0.1 * G
+
+
+def test_cords_in_parallel_share() -> None:
+    """Five like cords side by side, one load: the matrix is all but singular, T = m g / 5 each."""
+    run = simulate(mechanism(
+        duration=0.5, gravity=(0.0, -G), bodies=[fixed("beam"), mass("m", 0.1, (0.0, -0.2))],
+        tendons=[cord(f"leaf{i}", ("beam",), ("m",)) for i in range(5)]))
+    np.testing.assert_allclose(run.arrays["tendon_tension"][-1], 0.1 * G / 5, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("path", "response"), [
+    ([("beam",), ("m",)], 1), ([("beam",), ("m",), ("beam",)], 4)])
+def test_a_tendon_too_stiff_for_the_step_is_damped(path: list[Any], response: float) -> None:
+    """From h^2 k response / m = 1 on, where a tendon folded at the load counts four times."""
+    for share, rings in ((0.9, True), (1.1, False)):
+        run = simulate(mechanism(
+            duration=0.1, gravity=(0.0, -G), bodies=[fixed("beam"), mass("m", 0.01, (0.0, -0.1))],
+            tendons=[cord("cord", *path, stiffness=share * 0.01 / (H**2 * response))]))
+        assert (np.ptp(run["cord.tension"][-20:]) > 0.01) == rings
+
+
+def snatch(h: float, damping: float = 0.0) -> Recording:
+    """20 kg at 2 m/s take up 5 kg, once by a rope and once by a cord, after 50 ms."""
+    bodies = [{"name": name, "mass": mass, "at": [x, y], "velocity": [v, 0],
+               "shapes": [{"type": "circle", "radius": 0.02}]}
+              for y, kind in ((0.0, "rope"), (0.1, "cord"))
+              for name, mass, x, v in ((f"{kind}ed", 5, 0.0, 0.0), (f"{kind}er", 20, 0.1, 2.0))]
+    return simulate(Mechanism.model_validate({
+        "run": {"duration": 0.1, "step": h, "sample_rate": 500}, "bodies": bodies,
+        "joints": [{"type": "rope", "name": "rope", "a": "ropeed", "b": "ropeer", "longest": 0.2}],
+        "tendons": [{"name": "cord", "guides": [{"body": "corded"}, {"body": "corder"}],
+                     "slack": 0.1, "damping": damping}]}))
+
+
+@pytest.mark.parametrize("h", [2e-3, 5e-4, 5e-5])
+def test_a_rope_gives_nothing_back_and_a_cord_what_the_step_leaves_it(h: float):
+    """Together 1.6 m/s; half a period at the damping ratio h w / 2 on top of it.
+
+    To first order in h: the next is (h w)^2 of it.
+    """
+    run, w = snatch(h), np.sqrt(1e5 / 4.0)
+    assert run["ropeed.vx"][-1] == pytest.approx(1.6, abs=1e-9)
+    assert run["corded.vx"][-1] == pytest.approx(
+        1.6 * (1 + np.exp(-np.pi * h * w / 2)), abs=1.6 * (h * w)**2)
+
+
+@pytest.mark.parametrize("stiffness", [100.0, 1e9])
+@pytest.mark.parametrize("damping", [0.0, 1.0])
+def test_a_spring_of_no_length_exerts_no_force(stiffness: float, damping: float) -> None:
+    run = simulate(mechanism(
+        duration=0.01, bodies=[fixed("wall"), mass("b", 0.1, (0.0, 0.0))],
+        springs=[{"type": "linear", "name": "s", "a": "wall", "b": "b", "stiffness": stiffness,
+                  "damping": damping, "rest_length": 0.1}]))
+    np.testing.assert_array_equal(run.arrays["body_velocity"], 0.0)
+
+
+@pytest.mark.parametrize("free", [("one", "two"), ("one",), ("two",)])
+def test_motion_does_not_depend_on_which_end_of_a_spring_is_a(free):
+    """Two discs held off their centres by a damper as strong as the step bears: the same motion."""
+    bodies = [
+        {**disc(name, 0.02, at, velocity=speed, angular_velocity=turn)}
+        if name in free else fixed(name, at=at)
+        for name, at, speed, turn in (("one", (0.0, 0.0), (0.3, -0.2), 9.0),
+                                      ("two", (0.1, 0.03), (-0.1, 0.4), -15.0))]
+    ends = {"one": (0.004, 0.017), "two": (-0.013, 0.009)}
+    runs = [simulate(mechanism(duration=0.05, bodies=bodies, springs=[{
+        "type": "linear", "name": "band", "a": a, "b": b, "on_a": ends[a], "on_b": ends[b],
+        "stiffness": 300.0, "damping": 60.0}])) for a, b in (("one", "two"), ("two", "one"))]
+    for key in ("body_pose", "body_velocity", "spring_force", "spring_work"):
+        one, other = (run.arrays[key] for run in runs)
+        assert one == pytest.approx(other, rel=1e-9, abs=1e-12)
+
+
+M, OWN, MORE, AT = 0.1, 40.0, 70.0, 0.05
+"""Weight, stiffnesses before and after the instant ``AT``: less than twice, so it stays taut."""
+
+
+def hanging(
+    value: Any = None, *, driven: bool = True, own: float = OWN, duration: float = 0.4, **more: Any,
+) -> Mechanism:
+    """A weight in balance on a cord of 0.5 m; some value for the stiffness of the cord."""
+    drive = {"type": "stiffness", "name": "k", "tendon": "c"}
+    return mechanism(
+        duration=duration, gravity=(0.0, -G), run={"sample_rate": 1 / H},
+        bodies=[fixed("wall"), mass("m", M, (0.0, -0.5))],
+        tendons=[cord("c", ("wall",), ("m",), stiffness=own, pretension=M * G, **more)],
+        drives=[drive | ({} if value is None else {"value": value})] if driven else [])
+
+
+@pytest.mark.parametrize("most", [MORE, 1e7])
+def test_one_that_is_let_go_falls(most: float) -> None:
+    """With 0, below which nothing counts: soft by the pose, or as a row at the step's end.
+
+    Taken up again at the depth that it has fallen to it pulls with what it is then stretched by.
+    """
+    values = [(0.0, OWN), (0.1, -5.0), (0.2, OWN), (0.35, most)]
+    run = simulate(hanging({"table": values, "between": "step"}))
+    falls = (run.time > 0.1) & (run.time < 0.2)
+    assert (run["k.value"][falls] == 0).all()
+    assert (run["c.tension"][falls] == 0).all()
+    assert np.diff(run["m.vy"][falls]) == pytest.approx(-G * H, abs=1e-12)
+    assert run["c.tension"][np.flatnonzero(run.time > 0.2)[0]] > M * G
+
+
+def test_a_stiff_one_rests_where_its_stiffness_says() -> None:
+    """The row at the step's end damps its vibration: x = m g / k after it.
+
+    Lengths of 0.5 m are known to 1e-16 m, of 0.2 um that is 5e-10.
+    """
+    own = 2e4
+    run = simulate(hanging({"table": [(0.0, own), (0.1, 1e6), (0.3, 4e6)], "between": "step"},
+                           own=own, damping=50.0))
+    for at, k in ((0.29, 1e6), (0.39, 4e6)):
+        n = int(np.flatnonzero(run.time > at)[0])
+        x = run["c.length"][n] - 0.5 + M * G / own
+        assert x == pytest.approx(M * G / k, rel=1e-8)
+        assert run["c.tension"][n] == pytest.approx(M * G, rel=1e-9)
+
+
+@pytest.mark.parametrize("names", [{}, {"spring": "s", "tendon": "c"}])
+def test_it_sets_one_thing(names: dict[str, str]) -> None:
+    with pytest.raises(ValidationError, match="needs either 'spring' or 'tendon'"):
+        mechanism(drives=[{"type": "stiffness", "name": "k", **names}])
+
+
+STIFF = 1e6
+
+
+def checked(run: Recording) -> Recording:
+    """A run whose audit finds nothing; slack is no fault here."""
+    wrong = {f.name: f.why for f in audit(run) if f.verdict == "look" and f.name != "tendon.slack"}
+    assert wrong == {}
+    return run
+
+
+def test_whole_turns_count() -> None:
+    """A load of 100 kg, three turns and a half round a bar, is held by m g e^(-mu phi)."""
+    mu, r = 0.2, 0.05
+    phi = 7 * math.pi
+    hand = 100 * G * math.exp(-mu * phi)
+    for share, slides in ((1.01, False), (0.99, True)):
+        run = checked(simulate(mechanism(
+            duration=0.3, step=H, gravity=(0.0, -G),
+            bodies=[fixed("ground"), mass("load", 100.0, (r, -1.0))],
+            tendons=[{"name": "rope", "stiffness": STIFF, "damping": 5e3, "pretension": 100 * G,
+                      "guides": [guide("load"), guide("ground", (0, 0), r, "left", mu) | {
+                          "turns": 3}, guide("ground", (-r, -1))]}],
+            drives=[{"type": "pull", "name": "pull", "tendon": "rope", "value": share * hand}])))
+        assert run["rope.length"][0] == pytest.approx(2.0 + phi * r, rel=1e-6)
+        assert (abs(float(run["load.vy"][-1])) > 1e-4) is slides
+        if slides:
+            ratio = run["rope.tension_0"][-1] / run["rope.tension_1"][-1]
+            assert ratio == pytest.approx(math.exp(mu * phi), rel=1e-9)
+
+
+@pytest.mark.parametrize("stiffness", [2e3, 1e6])
+def test_a_cord_that_hangs_is_taken_up_as_a_whole(stiffness: float) -> None:
+    """1 kg falls 20 mm onto a slack cord over two guides with friction; nothing is lost of it."""
+    run = checked(simulate(mechanism(
+        duration=0.4, step=H, gravity=(0.0, -G),
+        bodies=[fixed("ground"), mass("load", 1.0, (0.05, -0.5))],
+        tendons=[{"name": "rope", "stiffness": stiffness, "slack": 0.02, "guides": [
+            guide("load"), guide("ground", (0, 0), 0.05, "left", 0.3),
+            guide("ground", (-0.5, 0.05), friction=0.2), guide("ground", (-1, -0.05))]}])))
+    hangs = run["rope.tension"] == 0.0
+    taken = float(run.time[np.argmin(hangs)])
+    assert taken == pytest.approx(math.sqrt(2 * 0.02 / G), abs=2 * H)
+    pieces = np.array([run[f"rope.tension_{k}"] for k in range(3)])
+    assert (pieces[:, hangs] == 0.0).all()
+    assert (pieces[:, ~hangs] > 0.0).all()
+
+
+def test_a_cord_let_go_slides_until_it_does_not_pull() -> None:
+    """A pull that ends leaves no stretch behind a guide that would still hold some."""
+    run = checked(simulate(mechanism(
+        duration=0.3, step=H, bodies=[fixed("ground"), mass("load", 1.0, (-0.5, 0.0))],
+        joints=[{"type": "weld", "name": "held", "a": "ground", "b": "load",
+                 "on_b": (0.0, 0.0)}],
+        tendons=[{"name": "cord", "stiffness": 1e4, "guides": [
+            guide("load"), guide("ground", friction=0.3), guide("ground", (0.0, -0.5))]}],
+        drives=[{"type": "pull", "name": "pull", "tendon": "cord",
+                 "value": "=20 if abs(t - 0.15) > 0.05 else 0"}])))
+    pulls = np.isclose(run["pull.value"], 20.0)
+    holds = math.exp(0.3 * math.pi / 2)
+    assert run["cord.tension_0"][~pulls] == pytest.approx(np.zeros((~pulls).sum()), abs=1e-9)
+    # 20 N e^(-mu phi) again, after just the slip that stretches 0.5 m by it; what slides in the one
+    # step makes the span stiffer by the strain, 1.25e-3
+    assert run["cord.tension_0"][-1] == pytest.approx(20 / holds, rel=1.3e-3)
+    stretched = 20 / holds / (1e4 * 1.0) * 0.5
+    assert run["cord.slip_1"][-1] == pytest.approx(stretched, rel=1.3e-3)
+    assert run["cord.slip_1"][~pulls][-1] == pytest.approx(0.0, abs=1e-3 * stretched)
+
+
+def scene(tendon: dict[str, Any], bodies: list[dict[str, Any]], **keys: Any) -> dict[str, Any]:
+    return {"bodies": [{"name": "ground", "motion": "fixed"}, *bodies], "tendons": [
+        {"name": "cord", **tendon}], "run": {"duration": 1.0, "step": 1e-3, "sample_rate": 1000},
+        "gravity": [0, -9.81], **keys}
+
+
+def moving_pulley(name: str, x: str, y: str, at: tuple[float, float]) -> dict[str, Any]:
+    return {"name": name, "motion": "scheduled", "at": at, "path": {"x": x, "y": y}}
+
+
+def hanging_load(x: float = 1.0) -> dict[str, Any]:
+    return {"name": "load", "mass": 1.0, "inertia": 1e-3, "at": (x, -0.8)}
+
+
+def run_of(scene: dict[str, Any]) -> Recording:
+    return sandbox.simulate(sandbox.expand(sandbox.load_scene(scene)))
+
+
+def tangent(a: complex, ra: float, b: complex, rb: float) -> tuple[complex, float]:
+    """Direction and length from circle to circle; radii positive right of the way."""
+    length = math.sqrt(abs(b - a)**2 - (ra - rb)**2)
+    return (b - a) / (length + 1j * (ra - rb)), length
+
+
+def shortest_paths(ends: tuple[complex, complex], wheels: list[tuple[complex, float]]) -> Any:
+    """Length of the cord, and which wheels it is off: of all choices the one that holds."""
+    fits = []
+    for on in itertools.product((False, True), repeat=len(wheels)):
+        path = [(ends[0], 0.0), *itertools.compress(wheels, on), (ends[1], 0.0)]
+        ways = [tangent(*one, *two) for one, two in itertools.pairwise(path)]
+        bends = [float(np.angle(before[0] / after[0])) * np.sign(radius) for before, after, (
+            _, radius) in zip(ways[:-1], ways[1:], path[1:-1], strict=True)]
+        clear = True
+        for (centre, radius), is_on in zip(wheels, on, strict=True):
+            for (u, length), (start, own) in zip(ways, path[:-1], strict=False):
+                place = (centre - start - 1j * own * u) / u
+                beside = 0 < place.real < length
+                clear &= is_on or not beside or -np.sign(radius) * place.imag >= abs(radius)
+        if clear and all(bend >= 0 for bend in bends):
+            length = sum(way[1] for way in ways) + sum(
+                bend * abs(radius) for bend, (_, radius) in zip(bends, path[1:-1], strict=True))
+            fits.append((length, tuple(not one for one in on)))
+    return fits
+
+
+@pytest.mark.parametrize("stiffness", [500.0, 1e5])
+def test_three_wheels_are_taken_up_and_left_as_the_shortest_way_has_it(stiffness: float) -> None:
+    """From above and below, so that they lay the cord on each other and lift it off."""
+    phases, rates, radii = (0.3, 2.0, 4.1), (9.0, 7.0, 11.0), (0.05, 0.08, 0.06)
+    signs, xs = (-1, 1, -1), (-0.4, 0.05, 0.45)
+    names = ("a", "b", "c")
+    heights = [0.06 * s for s in (1, -1, 1)]
+    bodies = [moving_pulley(n, f"={x} + 0.03 * sin({p} - {w} * t)",
+                            f"={y} + 0.12 * sin({p} + {w} * t)",
+                            (x + 0.03 * math.sin(p), y + 0.12 * math.sin(p)))
+              for n, x, y, p, w in zip(names, xs, heights, phases, rates, strict=True)]
+    guides = [{"body": n, "radius": r, "side": "left" if s < 0 else "right"}
+              for n, r, s in zip(names, radii, signs, strict=True)]
+    run = run_of(scene({"stiffness": stiffness, "damping": 5.0, "guides": [
+        {"body": "ground", "at": (-1.0, 0.0)}, *guides, {"body": "ground", "at": (1.0, 0.0)},
+        {"body": "load"}]}, [*bodies, hanging_load()]))
+    down = -run["load.y"]
+    seen = set()
+    for k in range(len(run)):
+        wheels = [(complex(run[f"{n}.x"][k], run[f"{n}.y"][k]), s * r)
+                  for n, s, r in zip(names, signs, radii, strict=True)]
+        (length, off), = shortest_paths((-1.0 + 0j, 1.0 + 0j), wheels)
+        assert run["cord.length"][k] == pytest.approx(length + down[k], abs=1e-12)
+        assert tuple(run[f"cord.lifted_{n}"][k] == 1 for n in (1, 2, 3)) == off
+        seen.add(off)
+    assert len(seen) >= 5
+    assert all(figure.verdict != "look" for figure in audit(run) if figure.name != "tendon.slack")
+
+
+def test_a_wheel_that_comes_round_an_end_of_the_cord_is_not_caught_from_its_other_side() -> None:
+    """It begins above the cord, goes round its right end and up through it from below."""
+    turn = "2 * pi * t"
+    path = ("=0.7 + 0.6 * sin({0})", "=0.35 * cos({0})")
+    run = run_of(scene({"guides": [
+        {"body": "ground", "at": (-1.0, 0.0)}, {"body": "wheel", "radius": 0.05},
+        {"body": "load"}]},
+        [moving_pulley("wheel", *(each.format(turn) for each in path), (0.7, 0.35)),
+         {"name": "load", "mass": 1.0, "inertia": 1e-3, "at": (1.0, 0.0)}], gravity=[0, 0],
+        run={"duration": 0.9, "step": 1e-3, "sample_rate": 1000}))
+    assert (run["cord.lifted_1"] == 1).all()
+    np.testing.assert_allclose(run["cord.length"], 2.0, rtol=0, atol=1e-12)
+
+
+def pendulum_with_peg(h: float = 5e-4, **guide: Any) -> dict[str, Any]:
+    return {"gravity": [0, -9.81], "run": {"duration": 1.25, "step": h, "sample_rate": 1 / h},
+            "bodies": [{"name": "ground", "motion": "fixed"}, {
+                "name": "bob", "mass": 1.0, "inertia": 1e-3, "at": (0.3, -0.4)}],
+            "tendons": [{"name": "cord", "guides": [
+                {"body": "ground"},
+                {"body": "ground", "at": (-0.01, -0.3), "radius": 0.01, "side": "right", **guide},
+                {"body": "bob"}]}]}
+
+
+@pytest.mark.parametrize("guide", [{"turns": 1}, {"friction": 0.2}, {"radius": 0.0}])
+def test_whole_turns_wheels_that_grip_and_eyes_are_never_left(guide: dict[str, Any]) -> None:
+    mechanism = sandbox.expand(sandbox.load_scene(pendulum_with_peg(**guide)))
+    assert mechanism.tendons[0].lifting == ()
+    assert not lifted_at_start(compile_mechanism(mechanism)).any()
+
+
+def test_a_loop_begins_on_its_wheels() -> None:
+    scene = pendulum_with_peg()
+    scene["tendons"][0] |= {"closed": True, "pretension": 1.0}
+    assert not lifted_at_start(compile_mechanism(
+        sandbox.expand(sandbox.load_scene(scene)))).any()
+
+
+@pytest.mark.parametrize(("side", "off"), [("right", True), ("left", False)])
+def test_a_cord_begins_off_a_wheel_that_is_clear_of_it_on_its_side(side: str, off: bool) -> None:
+    mechanism = sandbox.expand(sandbox.load_scene(pendulum_with_peg(side=side)))
+    assert lifted_at_start(compile_mechanism(mechanism)).tolist() == [False, off, False]
+    problems = [p for p in inspect(mechanism) if "off its wheel" in p.message]
+    assert [p.path for p in problems] == ["$.tendons[0].guides[1]"] * off
+    # the cord's line is 3/5 x + 4/5 y = 0 turned: the peg's centre lies so far from it
+    assert all("178 mm away" in p.message for p in problems)
+
+
+def test_what_is_said_of_where_a_cord_begins() -> None:
+    """Told to begin off a clear wheel nothing is said; off one in its way is an error; so is on."""
+    def said(**guide: Any) -> list[tuple[str, str, str]]:
+        mechanism = sandbox.expand(sandbox.load_scene(pendulum_with_peg(**guide)))
+        return [(p.path, p.severity, p.message) for p in inspect(mechanism)
+                if p.path.startswith("$.tendons[0].guides")]
+
+    assert said(begins="off") == said(begins="on") == []
+    (path, severity, message), = said(begins="off", side="left")
+    assert (path, severity) == ("$.tendons[0].guides[1].begins", "error")
+    assert "198 mm deep" in message  # its far side: 2 r beyond what it is clear by on the right
+    (path, severity, message), = said(begins="off", turns=1)
+    assert (path, severity) == ("$.tendons[0].guides[1].begins", "warning")
+
+
+def test_a_cord_told_to_begin_on_a_wheel_goes_round_it_and_crosses_itself() -> None:
+    scene = sandbox.load_scene(pendulum_with_peg(begins="on", radius=0.05))
+    run = sandbox.simulate(sandbox.expand(scene))
+    assert run["cord.lifted_1"][0] == 0
+    a, c, b = 0j, complex(-0.01, -0.3), complex(0.3, -0.4)
+    on, off = tangent(a, 0.0, c, 0.05), tangent(c, 0.05, b, 0.0)
+    bend = float(np.angle(on[0] / off[0])) % (2 * math.pi)
+    assert bend > math.pi
+    assert run.arrays["tendon_initial"][0] == pytest.approx(on[1] + off[1] + 0.05 * bend, abs=1e-14)
