@@ -76,7 +76,9 @@ class Entry:
 def entries(legend: Sequence[Item], scale: float, unit: float, *, scales: bool) -> list[Entry]:
     """The rows for a camera of ``scale`` [pixels per metre]; ``scales`` leaves glyphs out."""
     found = []
-    for row in legend:
+    for row, following in zip(legend, [*legend[1:], {}], strict=False):
+        if "instead" in following:
+            continue
         if row["k"] == "scale":
             bar = "size" not in row
             size = round_length((BAR if bar else ARROW) * unit / (row["metres"] * scale))

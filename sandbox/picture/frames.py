@@ -10,16 +10,11 @@ from sandbox.numeric import Array
 from sandbox.picture.cells import Cells
 from sandbox.picture.frame import Picture
 from sandbox.picture.labels import paint_labels
-from sandbox.picture.palette import BACKGROUND, PUSH, TENSION, Colour
+from sandbox.picture.palette import BACKGROUND
 from sandbox.picture.pixels import Pixels
 
 MOST_PIXELS = 60_000_000
 """Of the enlarged picture; very large pictures are enlarged less."""
-
-
-def tension_colours(picture: Picture) -> tuple[Colour, ...]:
-    """Colours of tensions that may occur, which a palette of few colours has to keep."""
-    return TENSION + PUSH if picture.subject.carried.pushes else TENSION
 
 
 class Frames:
@@ -55,11 +50,6 @@ class Frames:
         self._written: list[pygame.Rect] = []
         self._stamped: list[pygame.Rect] = []
         self._key: bytes | None = None
-
-    @property
-    def tension_colours(self) -> tuple[Colour, ...]:
-        """See :func:`tension_colours`."""
-        return tension_colours(self.picture)
 
     def _clip(self, *, on: bool) -> None:
         k = self.painter.enlarge

@@ -122,6 +122,8 @@ class Instant(Moment):
             inner = line if union or not width else self._pool(
                 item["f"], polygon_grown(ring, -half))
             rings.append((line, outer, inner))
+        if self.out.styles[item["s"]][0] not in ("", "paper", "liquid"):
+            self.fills += [line for line, _, _ in rings[:None if union else 1]]
         hatch = PITCH * self.point if hatched and not self.small else 0.0
 
         def paint(painter: Painter) -> None:
@@ -142,7 +144,7 @@ class Instant(Moment):
         x, y, _, _, radius = circle
         at = self._place([item["f"], x, y])
         if not isinstance(radius, list):  # its box
-            self._pool(item["f"], _square(x, y, radius))
+            self.fills.append(self._pool(item["f"], _square(x, y, radius)))
 
         def paint(painter: Painter) -> None:
             fill, edge, width, _, hatched = self.look(item)

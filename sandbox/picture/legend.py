@@ -60,12 +60,15 @@ def add_legend(s: Subject, carried: Tensions) -> None:
     rows.append({"k": "scale", "metres": 1.0, "unit": "m", "words": "", "l": "bodies",
                  "s": out.style("", "ink", 1.6)})
     _arrow_scales(s)
-    if carried.largest > 0 and {"tensions", "bars"} & set(s.layers.names):
-        words = f"{carried.largest:g} N"
-        pushes = carried.pushes
-        rows.append({"k": "ramp", "ramp": "load", "low": -1 if pushes else 0, "l": "tensions",
-                     "before": "push" if pushes else "tension 0",
-                     "after": f"pull {words}" if pushes else words})
+    if carried.largest > 0:
+        words, pushes = f"{carried.largest:g} N", False
+        for layer in ("tensions", "bars"):
+            pushes |= layer in carried.pushing
+            if layer in s.layers:
+                rows.append({"k": "ramp", "ramp": "load", "low": -1 if pushes else 0, "l": layer,
+                             "before": "push" if pushes else "tension 0",
+                             "after": f"pull {words}" if pushes else words,
+                             **({"instead": 1} if layer == "bars" else {})})
     if "pressure" in s.signs:
         largest = max(map(largest_pressure, (s.run, *s.beside)))
         rows.append({"k": "ramp", "ramp": "load", "low": 0, "l": "tendons",

@@ -36,18 +36,13 @@ class Tensions(NamedTuple):
     """Of bodies between two pins that are shown as bars [N], [n, k]."""
     largest: float
     """Top of the scale [N]; 0 if nothing carries anything."""
-    pushes: bool
-    """Whether a link or a bar pushes so much that it shows."""
-
-    def level(self, tension: float) -> float:
-        """Where a link's tension [N] lies on the scale, -1 to 1; 0 if it carries nothing."""
-        share = tension / self.largest if self.largest > 0 else 0.0
-        return share if abs(share) > UNLOADED else 0.0
+    pushing: frozenset[str]
+    """The layers, ``tensions`` of links and ``bars``, in which something pushes visibly."""
 
     @property
     def colours(self) -> tuple[Colour, ...]:
         """All that may occur."""
-        return TENSION + PUSH if self.pushes else TENSION
+        return TENSION + PUSH if self.pushing else TENSION
 
     @property
     def loaded(self) -> Integers:
@@ -59,7 +54,7 @@ class Tensions(NamedTuple):
         """The same on the scale that has room for those of other runs too."""
         every = (self, *others)
         return self._replace(largest=max(each.largest for each in every),
-                             pushes=any(each.pushes for each in every))
+                             pushing=self.pushing.union(*(each.pushing for each in every)))
 
     def hidden(self) -> Tensions:
         """The same where no colours are shown: cords are grey, those that hang still dashed.
@@ -83,8 +78,9 @@ def tensions_of(run: RunData, bars: Sequence[PinnedBar] = ()) -> Tensions:
         if np.abs(each).max(initial=0.0) <= rounding(run):
             each[:] = 0.0
     largest = largest_tension(np.abs(np.column_stack([pieces, links, carried])))
-    pushes = bool((np.column_stack([links, carried]) < -UNLOADED * largest).any())
-    return Tensions(pieces, links, carried, largest, pushes)
+    pushing = frozenset(layer for layer, each in (("tensions", links), ("bars", carried))
+                        if (each < -UNLOADED * largest).any())
+    return Tensions(pieces, links, carried, largest, pushing)
 
 
 def largest_tension(tension: Array) -> float:

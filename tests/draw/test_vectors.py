@@ -96,7 +96,7 @@ def test_a_bar_carries_what_its_pins_pull_it_apart_with(angle):
         bars = bars_of(run, [0, 1])
         assert [bar.body for bar in bars] == [1]
         assert bar_tensions(run, bars) == pytest.approx(np.array([[tension]]))
-        assert tensions_of(run, bars).pushes == (tension < 0)
+        assert tensions_of(run, bars).pushing == ({"bars"} if tension < 0 else set())
     assert bars_of(run, [0]) == []
 
 

@@ -21,6 +21,8 @@ from sandbox.picture.tensions import UNLOADED
 Reach = tuple[float, float]
 TELLING, SHORT = 12, 36.0
 """Numbers beside rods and ropes: of at most so many, and of none shorter than this [points]."""
+BESIDE = 6.0
+"""Distance of such a number from its rod [points]."""
 TUBE, TUBE_WIDTH = 0.85, 13.0
 """Length of an actuator's cylinder as a share of the actuator's least length; width [points]."""
 STROKE, LONGEST_TUBE = 0.88, 0.96
@@ -154,7 +156,7 @@ class _Link:
             there = there & (s.out.columns[self.shown["shown"][0]] != 0)
         s.add("told", "text", self.name, at=[self.along(self.length / 2), 0, 0], words="",
               value=s.out.column(tension, steady=True), factor=factor, unit=unit,
-              decimals=decimals, s=s.style("", "ink"), rank=4,
+              decimals=decimals, s=s.style("", "ink"), rank=4, clear=BESIDE,
               shown=s.out.varying(there, steady=True))
 
 
@@ -262,4 +264,4 @@ def add_bars(s: Subject) -> None:
             middle = s.point_on(bar.body, np.mean(bar.ends, axis=0))
             s.add("bars", "text", at=middle, words="", factor=factor, unit=unit,
                   decimals=decimals, value=s.out.column(carried.bars[:, k], steady=True),
-                  s=s.style("", "ink"), rank=4)
+                  s=s.style("", "ink"), rank=4, clear=BESIDE)
