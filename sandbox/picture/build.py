@@ -34,12 +34,10 @@ STEPS = 8
 """Colours of springs on either side of their own stiffness."""
 
 
-def ramps() -> dict[str, list[list[str]]]:
-    """The ramps of loads (pull and push) and of driven stiffness."""
-    share = [k / (STEPS - 1) for k in range(STEPS)]
-    return {"load": [[css(c) for c in PUSH], [css(c) for c in TENSION]],
-            "stiffness": [[css(mixed(SPRING, SLACK, w)) for w in share],
-                          [css(mixed(SPRING, DRIVE, w)) for w in share]]}
+RAMPS = {"load": [[css(c) for c in PUSH], [css(c) for c in TENSION]],
+         "stiffness": [[css(mixed(SPRING, other, k / (STEPS - 1))) for k in range(STEPS)]
+                       for other in (SLACK, DRIVE)]}
+"""The ramps of loads (push and pull) and of driven stiffness."""
 
 
 def tensions(run: RunData, layers: VisibleLayers, beside: Sequence[RunData],
@@ -68,7 +66,7 @@ def subject_of(run: RunData, view: View, *, width: float, point: float,
     layers = VisibleLayers(run, view)
     carried = tensions(run, layers, beside, view)
     out = Listing.of(run.time, run.arrays["body_pose"], fixed_columns=fixed_columns)
-    out.ramps = ramps()
+    out.ramps = RAMPS
     if view.follow:
         out.drift = drift(run, view)
     s = Subject(run, view, layers, out, carried if "tensions" in layers else carried.hidden(),

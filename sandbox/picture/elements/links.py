@@ -36,6 +36,9 @@ THICK = (0.5, 6.0)
 """Fractions of its own stiffness between which the line of a driven spring changes."""
 BAND = 5.4
 """Width of a loaded bar's band [points]."""
+ZIGZAG = [0, 0, 0.16, 0, *(v for k in range(10) for v in (
+    round(0.16 + 0.68 * (k + 0.5) / 10, 4), 1 - 2 * (k % 2))), 0.84, 0, 1, 0]
+"""A coil as the pattern of a span, with straight ends."""
 
 
 def reach_of(run: RunData, joint: int) -> Reach:
@@ -188,16 +191,6 @@ def thickened(level: Array) -> Array:
     return np.asarray(1 + np.where(level > 0, 1.2, 0.3) * level)
 
 
-def coil_pattern() -> list[float]:
-    """A zig-zag with straight ends, as the pattern of a span."""
-    steps, ends = 10, 0.16
-    along = ends + (1 - 2 * ends) * (np.arange(steps) + 0.5) / steps
-    side = np.where(np.arange(steps) % 2 == 0, 1, -1)
-    inner = [v for w, way in zip(along.round(4).tolist(), side.tolist(), strict=True)
-             for v in (w, way)]
-    return [0, 0, ends, 0, *inner, 1 - ends, 0, 1, 0]
-
-
 def add_springs(s: Subject) -> None:
     """Coils between two points, spirals about hinges."""
     model, pose = s.run.model, s.run.arrays["body_pose"]
@@ -213,13 +206,16 @@ def add_springs(s: Subject) -> None:
         if springs.straight[k]:
             ends = [s.point_on(body, at) for body, at in zip((a, b), springs.anchor[k],
                                                              strict=True)]
-            start, end = map(s.out.place, ends)
-            size = np.maximum(np.hypot(*(end - start).T), 1e-12)
+            apart = None
+            if side:
+                start, end = map(s.out.place, ends)
+                size = np.maximum(np.hypot(*(end - start).T), 1e-12)
+                apart = side * (size - rest) <= 0
             if side < 0 and (size > rest).any():  # it does not follow what leaves it
                 tip = start + (end - start) * np.minimum(1.0, rest / size)[:, None]
                 ends[1] = [s.out.frame(np.column_stack([tip, np.zeros(len(tip))])), 0, 0]
-            look = _spring_look(s, k, side * (size - rest) <= 0 if side else None)
-            s.add("springs", "span", name, a=ends[0], b=ends[1], t=coil_pattern(),
+            look = _spring_look(s, k, apart)
+            s.add("springs", "span", name, a=ends[0], b=ends[1], t=ZIGZAG,
                   w=[COIL_SHARE, *COIL_WIDTH], **look, **shown)
             for at in ends:
                 s.add("springs", "mark", at=at, g=glyph(s.out, "dot"), **shown)
