@@ -366,8 +366,8 @@ def write_page(
     """
     from sandbox.atomic_files import write_atomic
     from sandbox.recording.new_run import made
+    from sandbox.web.page import FoundOut
     from sandbox.web.page import report as page_of_runs
-    from sandbox.web.words import FoundOut
 
     found = judged or [() for _ in recordings]
     told = [FoundOut(verdicts=v, figures=f, source=source, parameters=p)

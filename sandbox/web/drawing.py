@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.elements.arrays import Arrays
+from sandbox.model.catalogue import Catalogue
+from sandbox.model.meters import curves, is_expression
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.picture.bars import bars_of
@@ -217,3 +219,18 @@ def rounded(data: Any) -> Any:
         value = float(f"{float(data):.{DIGITS}g}") if math.isfinite(data) else 0.0
         return int(value) if value == int(value) and abs(value) < 1e9 else value
     return int(data) if isinstance(data, np.integer) else data
+
+
+def meters_of(view: View, known: Catalogue) -> list[dict[str, Any]]:
+    """Each with the ``names`` of its curves, of which there is one at least.
+
+    ``range`` [lowest, highest] in SI, or none; ``number`` is 1 of one without a curve.
+    """
+    found = [{"names": curves(meter, known), "title": meter.title, "range": meter.range,
+              "number": int(meter.style == "number")} for meter in view.meters]
+    return [one for one in found if one["names"]]
+
+
+def expressions_of(view: View) -> dict[str, str]:
+    """The expressions among the curves, each with its unit."""
+    return {word: meter.unit for meter in view.meters for word in meter.of if is_expression(word)}

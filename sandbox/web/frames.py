@@ -27,8 +27,14 @@ from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture.listing import Item, Listing
 from sandbox.recording.recording import Recording
 from sandbox.samples.contacts import on_the_other
-from sandbox.web.drawing import LiveListing, SomeSamples, drawing, page_list
-from sandbox.web.meters import expressions_of, meters_of
+from sandbox.web.drawing import (
+    LiveListing,
+    SomeSamples,
+    drawing,
+    expressions_of,
+    meters_of,
+    page_list,
+)
 
 HEAD = ("seq", "ack", "t", "rate", "hand", "from_x", "from_y", "force_x", "force_y", "trail")
 """The first numbers of a frame: its number; the last message that it answers; the time [s];

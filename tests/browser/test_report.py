@@ -10,9 +10,7 @@ from PIL import Image
 from sandbox.elements.arrays import LATE
 from sandbox.figure.style import shown_as
 from sandbox.recording.recording import Recording
-from sandbox.web.files import CONSTANTS, text_of
-from sandbox.web.page import report
-from sandbox.web.words import FoundOut
+from sandbox.web.page import CONSTANTS, FoundOut, report, text_of
 from tests.browser.conftest import PHONE, STAGE, body_at, until
 from tests.draw.conftest import hand, zoo
 from tests.draw.conftest import recording as made_up
