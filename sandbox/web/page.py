@@ -71,10 +71,9 @@ HASHES = {
         "8f989229699b4fe2f1a0432d0e9edc338a8a911e250e2d1b01ecd770a5f5b1bd",
 }
 """SHA-256 of its files, as registry.npmjs.org has them in uplot-1.6.32.tgz."""
-MODULES = ("data.js", "names.js", "units.js", "stage.js", "strands.js", "plots.js", "camera.js",
-           "shell.js", "taking.js", "report.js", "meters.js", "facts.js")
+MODULES = ("data.js", "text.js", "stage.js", "plots.js", "shell.js", "report.js", "facts.js")
 """In this order: each uses those before it."""
-LIVE = ("scroll.js", "live.js", "controls.js")
+LIVE = ("live.js", "controls.js")
 """Those that a live view has besides."""
 CONSTANTS = (f"const MANY_MM = {MANY_MM}, AS_ONE = {strands.NEAR}, CROSSING = {strands.SHORT}, "
              f"TURN = {strands.STROKE};")
