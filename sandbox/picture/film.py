@@ -147,7 +147,8 @@ def _animate(
         width, height = width // 2 * 2, height // 2 * 2
     picture = Picture(run, size=(width, height), view=view, bare=bare, scales=scales,
                       note="" if view.speed == 1 else f"{view.speed:g}× speed")
-    draw = partial(see_through, picture) if transparent else Frames(picture).draw_packed
+    draw: Callable[[float], NDArray[Any]] = (
+        partial(see_through, picture) if transparent else Frames(picture).draw_packed)
 
     def drawn() -> Iterator[NDArray[Any]]:
         for k, t in enumerate(times):
