@@ -208,6 +208,9 @@ class Instant(Moment):
         if self.small and DETAILS & set(names):
             return None
         at, made = self._place(item["at"]), [self.glyph(name) for name in names]
+        ends = np.concatenate([points + (sign * radius) for _, points, radius, _ in made[-1]
+                               for sign in (-1, 1)])
+        self.marks.append((at, np.array([ends.min(axis=0), ends.max(axis=0)])))
 
         def paint(painter: Painter) -> None:
             state = round(self.value(item["state"])) if "state" in item else 0

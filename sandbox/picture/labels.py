@@ -143,7 +143,12 @@ def _filled(instant: Instant, scale: float, size: tuple[int, int]) -> Array:
         ring = instant.px[part] * scale
         if np.isfinite(ring).all() and np.abs(ring).max() < FAR * max(size):
             pygame.draw.polygon(surface, 1, ring.tolist())
-    return FILLED * np.asarray(pygame.surfarray.array2d(surface).T, dtype=float)
+    cost = FILLED * np.asarray(pygame.surfarray.array2d(surface).T, dtype=float)
+    for at, box in instant.marks:
+        if np.isfinite(instant.px[at]).all():
+            (x0, y0), (x1, y1) = np.clip((instant.px[at] + box) * scale, 0, size).astype(int)
+            cost[y0:y1 + 1, x0:x1 + 1] = COVERED
+    return cost
 
 
 def _along(start: Array, end: Array, step: float = 2 * CELL) -> Array:
