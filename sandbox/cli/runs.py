@@ -169,7 +169,7 @@ def read_size(
     ctx: click.Context, param: click.Parameter, word: str | None,
 ) -> tuple[int, int] | str | None:
     """Read ``800x600`` as two integers; ``2x`` and ``85mm`` stay text."""
-    from sandbox.picture.print_size import paper_of
+    from sandbox.picture.options import paper_of
 
     try:
         if word is None or paper_of(word) is not None:

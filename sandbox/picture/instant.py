@@ -11,8 +11,16 @@ import numpy as np
 
 from sandbox.numeric import Array
 from sandbox.picture.camera import Camera
-from sandbox.picture.cut import cut_line, cut_polygon, large_circle, within
-from sandbox.picture.geometry import arrow, capsule_outline, dashes, polygon_grown
+from sandbox.picture.geometry import (
+    arrow,
+    capsule_outline,
+    cut_line,
+    cut_polygon,
+    dashes,
+    large_circle,
+    polygon_grown,
+    within,
+)
 from sandbox.picture.listing import Item, Listing
 from sandbox.picture.moment import Moment
 from sandbox.picture.painter import XY, Painter

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.picture.cut import within
+from sandbox.picture.geometry import within
 from sandbox.picture.instant import Instant
 from sandbox.picture.listing import SIDES, Item
 from sandbox.picture.painter import XY, Painter

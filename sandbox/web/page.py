@@ -30,8 +30,7 @@ from sandbox.atomic_files import output_path, write_atomic
 from sandbox.audit.figures import Figure
 from sandbox.elements.quantities import GRASP, by_telling
 from sandbox.errors import OutputError
-from sandbox.figure import strands
-from sandbox.figure.style import MANY_MM
+from sandbox.figure import style
 from sandbox.picture.options import check_run
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import Verdict, verdicts, window
@@ -75,8 +74,8 @@ MODULES = ("data.js", "text.js", "stage.js", "plots.js", "shell.js", "report.js"
 """In this order: each uses those before it."""
 LIVE = ("live.js", "controls.js")
 """Those that a live view has besides."""
-CONSTANTS = (f"const MANY_MM = {MANY_MM}, AS_ONE = {strands.NEAR}, CROSSING = {strands.SHORT}, "
-             f"TURN = {strands.STROKE};")
+CONSTANTS = (f"const MANY_MM = {style.MANY_MM}, AS_ONE = {style.NEAR}, CROSSING = {style.SHORT}, "
+             f"TURN = {style.STROKE};")
 """Constants that the script shares with figures."""
 
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from sandbox.picture.bars import bar_tensions, bars_of
 from sandbox.picture.elements.forces import (
     VECTOR_LENGTH,
     Vectors,
@@ -11,8 +10,8 @@ from sandbox.picture.elements.forces import (
     reactions,
     vector_scale,
 )
-from sandbox.picture.marked import fingertip, traced
-from sandbox.picture.tensions import tensions_of
+from sandbox.picture.elements.notes import fingertip, traced
+from sandbox.picture.tensions import bar_tensions, bars_of, tensions_of
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import hand, recording

@@ -9,14 +9,13 @@ import numpy as np
 
 from sandbox.model.model import NONE
 from sandbox.numeric import Array
-from sandbox.picture.bars import bars_of
 from sandbox.picture.elements.joints import JOINTS
 from sandbox.picture.glyphs import glyph
 from sandbox.picture.listing import Point
 from sandbox.picture.run_data import RunData
 from sandbox.picture.scales import prefixed
 from sandbox.picture.subject import Subject
-from sandbox.picture.tensions import UNLOADED
+from sandbox.picture.tensions import UNLOADED, bars_of
 
 Reach = tuple[float, float]
 TELLING, SHORT = 12, 36.0
