@@ -169,7 +169,7 @@ def read_size(
     ctx: click.Context, param: click.Parameter, word: str | None,
 ) -> tuple[int, int] | str | None:
     """Read ``800x600`` as two integers; ``2x`` and ``85mm`` stay text."""
-    from sandbox.picture.print_size import paper_of
+    from sandbox.picture.options import paper_of
 
     try:
         if word is None or paper_of(word) is not None:
@@ -366,8 +366,8 @@ def write_page(
     """
     from sandbox.atomic_files import write_atomic
     from sandbox.recording.new_run import made
+    from sandbox.web.page import FoundOut
     from sandbox.web.page import report as page_of_runs
-    from sandbox.web.words import FoundOut
 
     found = judged or [() for _ in recordings]
     told = [FoundOut(verdicts=v, figures=f, source=source, parameters=p)

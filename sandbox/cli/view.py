@@ -39,8 +39,6 @@ def view(
     its file is saved. A session can be saved as a scene that reproduces it
     exactly. Needs the extra 'view'.
     """
-    import asyncio
-
     from sandbox.web.server import Server, needed
     from sandbox.web.session import Found, Session
 
@@ -69,12 +67,9 @@ def view(
 
             webbrowser.open(opened.enter_context(redirect_to(server.address)).as_uri())
 
-    async def serve() -> None:
-        title = first.scene.title or first.scene.name
-        await Server(session, first, title=title, port=port).serve(ready)
-
     with contextlib.ExitStack() as opened:
-        asyncio.run(serve())
+        title = first.scene.title or first.scene.name
+        Server(session, first, title=title, port=port).serve(ready)
     return Exit.INTERRUPTED
 
 

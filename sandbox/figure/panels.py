@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 
 from sandbox.figure import style
-from sandbox.figure.strands import take_apart
+from sandbox.figure.style import take_apart
 from sandbox.numeric import Array
 
 KINDS: dict[str, dict[str, Any]] = {

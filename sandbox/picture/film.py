@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-import queue
-import threading
+import struct
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import IO, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import GifImagePlugin, Image
 
 from sandbox.atomic_files import atomic_file, output_path, remove_stale
 from sandbox.errors import OutputError
 from sandbox.picture.frame import Picture
-from sandbox.picture.frames import Frames, tension_colours
-from sandbox.picture.gif import GifWriter, Words, covered_words, shared_palette
-from sandbox.picture.options import check_run, check_view, view_of
+from sandbox.picture.frames import Frames
+from sandbox.picture.options import check_run, check_view, paper_of, view_of
 from sandbox.picture.paper import paint_picture, pixels
-from sandbox.picture.print_size import paper_of
 from sandbox.picture.run_data import MeteredRun, frame_times
 from sandbox.picture.stills import ENDINGS as STILLS
 from sandbox.picture.stills import Instants, save_stills
@@ -27,8 +27,131 @@ from sandbox.recording.new_run import FRAME
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.settings import View
 
+Words = NDArray[np.uint32]
+CLEAR = 255
+"""Place in the palette that stands for: as before."""
+UNKNOWN = 255
+COVERED = 128
+"""Opacity, 0 to 255, from which a pixel counts as covered."""
+KEEP, CLEAN = 1, 2
+"""What is done with a frame when its time is over: it stays, or its box is emptied."""
+
+
+def shared_palette(
+    frames: list[Words], keep: Sequence[tuple[int, int, int]] = (),
+) -> NDArray[np.uint8]:
+    """At most 255 colours [n, 3] that suit all ``frames``, the most frequent ones exact.
+
+    ``keep`` (at most 100) are always among them.
+
+    Flat fills matter most in drawings: colours that cover more than 1 in 2000
+    pixels are taken as they are, the mixed ones at edges share what remains.
+    """
+    words, counts = np.unique(np.concatenate([f.ravel() for f in frames]),
+                              return_counts=True)
+    order = np.argsort(-counts, kind="stable")
+    words, counts = words[order], counts[order]
+    kept = np.array([r + 256 * g + 65536 * b for r, g, b in keep], dtype=words.dtype)
+    others = ~np.isin(words, kept)
+    frequent = counts > counts.sum() / 2000
+    words = np.concatenate((kept, words[others]))
+    counts = np.concatenate((np.full(len(kept), counts[0]), counts[others]))
+    exact = len(kept) + min(100, int(frequent[others].sum()))
+    if len(words) <= CLEAR:
+        return colours(words)
+    rare = colours(words[exact:])
+    # edges: each mixed colour once or a few times, so that rare hues keep a place
+    weight = np.minimum(np.ceil(np.sqrt(counts[exact:])), 40).astype(int)
+    strip = Image.fromarray(np.repeat(rare, weight, axis=0)[None])
+    mixed = strip.quantize(CLEAR - exact, method=Image.Quantize.MEDIANCUT,
+                           dither=Image.Dither.NONE).getpalette() or []
+    return np.concatenate((colours(words[:exact]),
+                           np.array(mixed, np.uint8).reshape(-1, 3)[: CLEAR - exact]))
+
+
+def colours(words: Words) -> NDArray[np.uint8]:
+    """Red, green, blue [n, 3] of words [n]."""
+    return np.stack((words & 255, words >> 8 & 255, words >> 16 & 255), axis=-1).astype(np.uint8)
+
+
+def packed(pixels: NDArray[np.uint8]) -> Words:
+    """Red, green, blue [..., 3 or 4] as words."""
+    red, green, blue = (pixels[..., k].astype(np.uint32) for k in range(3))
+    return np.asarray(red | green << 8 | blue << 16, dtype=np.uint32)
+
+
+def covered_words(pixels: NDArray[np.uint8]) -> Words:
+    """The words of the pixels that are covered, in a row."""
+    return packed(pixels[pixels[..., 3] >= COVERED])
+
+
+class GifWriter:
+    """Writes frames to an open binary file."""
+
+    def __init__(self, file: IO[bytes], size: tuple[int, int],
+                 palette: NDArray[np.uint8]) -> None:
+        self._file = file
+        self._palette = palette.astype(np.int32)
+        self._table = np.full(1 << 24, UNKNOWN, dtype=np.uint8)
+        self._last: Words | None = None
+        filled = np.zeros((256, 3), np.uint8)
+        filled[: len(palette)] = palette
+        self._colours = filled.tobytes()
+        # logical screen: a global table of 256 colours; then: repeat for ever
+        file.write(b"GIF89a" + struct.pack("<HHBBB", *size, 0xF7, 0, 0) + self._colours)
+        file.write(b"!\xff\x0bNETSCAPE2.0\x03\x01" + struct.pack("<H", 0) + b"\x00")
+
+    def add(self, frame: Words, hundredths: int) -> None:
+        """Write ``frame`` (height, width), shown for ``hundredths`` of a second."""
+        if self._last is None:
+            self._write(self._places(frame.ravel()).reshape(frame.shape), (0, 0), hundredths)
+        else:
+            changed = frame != self._last
+            rows = np.flatnonzero(changed.any(axis=1))
+            top, bottom = (int(rows[0]), int(rows[-1]) + 1) if len(rows) else (0, 1)
+            columns = np.flatnonzero(changed[top:bottom].any(axis=0))
+            left, right = (int(columns[0]), int(columns[-1]) + 1) if len(columns) else (0, 1)
+            new = np.flatnonzero(changed[top:bottom, left:right])
+            cut = np.full((bottom - top, right - left), CLEAR, dtype=np.uint8)
+            cut.ravel()[new] = self._places(frame[top:bottom, left:right].ravel()[new])
+            self._write(cut, (left, top), hundredths)
+        self._last = frame
+
+    def add_covered(self, pixels: NDArray[np.uint8], hundredths: int) -> None:
+        """Write red, green, blue and opacity [h, w, 4] where it is covered, and nothing else."""
+        covered = pixels[..., 3] >= COVERED
+        rows, columns = (np.flatnonzero(covered.any(axis=axis)) for axis in (1, 0))
+        if not len(rows):
+            rows = columns = np.zeros(1, dtype=np.intp)
+        box = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
+        words = packed(pixels)[box]
+        places = np.where(covered[box], self._places(words.ravel()).reshape(words.shape), CLEAR)
+        self._write(places.astype(np.uint8), (int(columns[0]), int(rows[0])), hundredths, CLEAN)
+
+    def close(self) -> None:
+        """Write the trailer; the file itself stays open."""
+        self._file.write(b";")
+
+    def _write(self, cut: NDArray[np.uint8], at: tuple[int, int], hundredths: int,
+               disposal: int = KEEP) -> None:
+        image = Image.fromarray(cut)
+        image.putpalette(self._colours)
+        blocks = GifImagePlugin.getdata(image, at, duration=10 * hundredths, disposal=disposal,
+                                        transparency=CLEAR)
+        self._file.write(b"".join(blocks))
+
+    def _places(self, words: Words) -> NDArray[np.uint8]:
+        """Places in the palette, the nearest colour where there is no equal one."""
+        found = self._table.take(words)
+        if (unknown := found == UNKNOWN).any():
+            new = np.unique(words[unknown])
+            apart = colours(new).astype(np.int32)[:, None] - self._palette
+            self._table[new] = np.argmin((apart * apart).sum(axis=2), axis=1)
+            found = self._table.take(words)
+        return found
+
+
 T = TypeVar("T")
-Drawn = TypeVar("Drawn")
 Progress = Callable[[float], None]
 Meters = str | Sequence[str | Mapping[str, Any]]
 Show = str | Sequence[str] | Mapping[str, object]
@@ -97,13 +220,13 @@ def render(
         "size": None if paper else size, "fps": fps, "speed": speed, "centre": centre,
         "width": width, "show": show, "bodies": bodies, "follow": follow, "meters": meters})
     check_view(run, view)
-    worn: Any = {"view": view, "transparent": transparent, "bare": bare, "scales": scales}
     if is_still(path, at=at is not None, strip=strip is not False, transparent=transparent,
                 size=size):
-        return save_stills(run, path, at=at, strip=strip, paper=paper,
-                           sized=size is not None and not isinstance(size, str), **worn)
-    write = write_animation if path.suffix and not path.is_dir() else write_frames
-    write(run, path, progress=progress, most_frames=most_frames, **worn)
+        return save_stills(run, path, view=view, at=at, strip=strip, transparent=transparent,
+                           bare=bare, scales=scales, paper=paper,
+                           sized=size is not None and not isinstance(size, str))
+    _animate(run, path, view, progress=progress, most_frames=most_frames,
+             transparent=transparent, bare=bare, scales=scales)
     return [path]
 
 
@@ -135,77 +258,58 @@ def is_still(path: Path, *, at: bool, strip: bool, transparent: bool,
     return stills
 
 
-def write_animation(
-    run: MeteredRun, path: str | Path, *, size: tuple[int, int] | None = None,
-    fps: int | None = None, speed: float | None = None, view: View | None = None,
-    progress: Progress | None = None, most_frames: int = MOST_FRAMES, transparent: bool = False,
-    bare: bool = False, scales: bool = False,
+def _animate(
+    run: MeteredRun, path: Path, view: View, *, progress: Progress | None, most_frames: int,
+    transparent: bool, bare: bool, scales: bool,
 ) -> None:
-    """Draw the run as a film, .gif or .mp4; see :func:`render`."""
-    path = output_path(path, WHAT)
-    ending = path.suffix.lower()
-    if ending not in FILMS:
-        raise OutputError(f"{path}: no film can have the ending {ending!r}; "
-                          f"allowed: {', '.join(ENDINGS)}, or none for a directory of frames",
-                          code="bad-picture")
-    picture, times, rate = _prepare(run, size, fps, speed, view, most_frames,
-                                     even=ending == ".mp4", bare=bare, scales=scales)
+    """Write a film, ``.gif`` or ``.mp4``, or a directory of ``frame_00000.png`` and so on."""
+    ending = "" if path.is_dir() else path.suffix.lower()
+    times = _times(run, view, most_frames)
+    width, height = view.size
+    if ending == ".mp4":
+        width, height = width // 2 * 2, height // 2 * 2
+    picture = Picture(run, size=(width, height), view=view, bare=bare, scales=scales,
+                      note="" if view.speed == 1 else f"{view.speed:g}× speed")
+    draw: Callable[[float], NDArray[Any]] = (
+        partial(see_through, picture) if transparent else Frames(picture).draw_packed)
+
+    def drawn() -> Iterator[NDArray[Any]]:
+        for k, t in enumerate(times):
+            yield draw(t)
+            if progress is not None:
+                progress((k + 1) / len(times))
+
+    if not ending:
+        _write_frames(drawn(), path, len(times))
+        return
     with atomic_file(path) as aside:
-        if transparent:
-            _write_see_through_gif(picture, times, rate, aside, progress)
-        else:
-            write = _write_gif if ending == ".gif" else _write_mp4
-            write(Frames(picture), times, rate, aside, progress)
+        if ending == ".mp4":
+            _write_mp4(drawn(), view.fps, aside)
+            return
+        some = np.unique(np.linspace(0, len(times) - 1, PALETTE_FRAMES).astype(int))
+        palette = shared_palette([covered_words(draw(times[k])) if transparent else draw(times[k])
+                                  for k in some], picture.subject.carried.colours)
+        lasts = [100 // view.fps] * (len(times) - 1) + [round(100 * HOLD)]
+        with aside.open("wb") as file:
+            writer = GifWriter(file, picture.size, palette)
+            add = writer.add_covered if transparent else writer.add
+            side_by_side(zip(drawn(), lasts, strict=True), lambda frame: add(*frame))
+            writer.close()
 
 
-def write_frames(
-    run: MeteredRun, directory: str | Path, *, size: tuple[int, int] | None = None,
-    fps: int | None = None, speed: float | None = None, view: View | None = None,
-    progress: Progress | None = None, most_frames: int = MOST_FRAMES,
-    transparent: bool = False, bare: bool = False, scales: bool = False,
-) -> None:
-    """Draw the run as ``frame_00000.png`` and so on; frames of an earlier film are removed."""
-    directory = output_path(directory, WHAT)
-    picture, times, _ = _prepare(run, size, fps, speed, view, most_frames, bare=bare,
-                                  scales=scales)
+def _times(run: MeteredRun, view: View, most_frames: int) -> list[float]:
+    """Times of a film's frames [s].
 
-    def save(item: tuple[int, NDArray[np.uint8]]) -> None:
-        with atomic_file(directory / f"frame_{item[0]:05d}.png", durable=False) as aside:
-            Image.fromarray(item[1]).save(aside, format="PNG", compress_level=3)
-
-    frames = None if transparent else Frames(picture)
-
-    def draw(t: float) -> NDArray[np.uint8]:
-        return see_through(picture, t) if frames is None else _rgb(frames.draw_packed(t))
-
-    remove_stale(directory)
-    side_by_side(enumerate(_drawn(draw, times, progress)), save)
-    kept = {f"frame_{k:05d}.png" for k in range(len(times))}
-    for old in directory.glob(FRAME):
-        if old.name not in kept:
-            old.unlink()
-
-
-def _prepare(
-    run: MeteredRun, size: tuple[int, int] | None, fps: int | None, speed: float | None,
-    view: View | None, most_frames: int, *, even: bool = False, bare: bool = False,
-    scales: bool = False,
-) -> tuple[Picture, list[float], int]:
-    """The picture, the times of its frames and frames per second."""
-    check_run(run)
-    view = view_of(view or run.mechanism.view, {"size": size, "fps": fps, "speed": speed})
-    rate, pace, (width, height) = view.fps, view.speed, view.size
-    frames = (float(run.time[-1]) - view.start) / pace * rate
+    Raises:
+        OutputError: more than allowed.
+    """
+    frames = (float(run.time[-1]) - view.start) / view.speed * view.fps
     if not frames <= most_frames:
         raise OutputError(
-            f"at a speed of {pace:g} the film would have {frames:.3g} frames. Allowed: at most "
-            f"{most_frames} (the limit 'frames', raised by --limit frames=N or most_frames)",
+            f"at a speed of {view.speed:g} the film would have {frames:.3g} frames. Allowed: at "
+            f"most {most_frames} (the limit 'frames', raised by --limit frames=N or most_frames)",
             code="limit-exceeded")
-    if even:
-        width, height = width // 2 * 2, height // 2 * 2
-    note = "" if pace == 1 else f"{pace:g}× speed"
-    picture = Picture(run, size=(width, height), view=view, note=note, bare=bare, scales=scales)
-    return picture, frame_times(run, fps=rate, speed=pace, start=view.start), rate
+    return frame_times(run, fps=view.fps, speed=view.speed, start=view.start)
 
 
 def see_through(picture: Picture, t: float) -> NDArray[np.uint8]:
@@ -214,53 +318,21 @@ def see_through(picture: Picture, t: float) -> NDArray[np.uint8]:
                   transparent=True)
 
 
-def _drawn(
-    draw: Callable[[float], Drawn], times: list[float], progress: Progress | None,
-) -> Iterator[Drawn]:
-    for k, t in enumerate(times):
-        yield draw(t)
-        if progress is not None:
-            progress((k + 1) / len(times))
+def _write_frames(frames: Iterator[NDArray[Any]], directory: Path, count: int) -> None:
+    """Write frames as PNG files; those of an earlier film are removed."""
+    def save(item: tuple[int, NDArray[Any]]) -> None:
+        with atomic_file(directory / f"frame_{item[0]:05d}.png", durable=False) as aside:
+            Image.fromarray(_bytes(item[1])).save(aside, format="PNG", compress_level=3)
+
+    remove_stale(directory)
+    side_by_side(enumerate(frames), save)
+    kept = {f"frame_{k:05d}.png" for k in range(count)}
+    for old in directory.glob(FRAME):
+        if old.name not in kept:
+            old.unlink()
 
 
-def _write_gif(frames: Frames, times: list[float], fps: int, path: Path,
-               progress: Progress | None) -> None:
-    palette = shared_palette(
-        [frames.draw_packed(t) for t in _for_palette(times)], frames.tension_colours)
-    with path.open("wb") as file:
-        writer = GifWriter(file, frames.size, palette)
-        side_by_side(_lasting(_drawn(frames.draw_packed, times, progress), len(times), fps),
-                     lambda item: writer.add(*item))
-        writer.close()
-
-
-def _write_see_through_gif(picture: Picture, times: list[float], fps: int, path: Path,
-                           progress: Progress | None) -> None:
-    def draw(t: float) -> NDArray[np.uint8]:
-        return see_through(picture, t)
-
-    palette = shared_palette([covered_words(draw(t)) for t in _for_palette(times)],
-                             tension_colours(picture))
-    with path.open("wb") as file:
-        writer = GifWriter(file, picture.size, palette)
-        side_by_side(_lasting(_drawn(draw, times, progress), len(times), fps),
-                     lambda item: writer.add_covered(*item))
-        writer.close()
-
-
-def _for_palette(times: list[float]) -> list[float]:
-    """Times of the frames that a palette is made from."""
-    return [times[k] for k in np.unique(np.linspace(0, len(times) - 1, PALETTE_FRAMES).astype(int))]
-
-
-def _lasting(frames: Iterator[Drawn], count: int, fps: int) -> Iterator[tuple[Drawn, int]]:
-    """Each with how long it is shown, in hundredths of a second: the last one longer."""
-    for k, frame in enumerate(frames):
-        yield frame, round(100 * HOLD) if k == count - 1 else 100 // fps
-
-
-def _write_mp4(frames: Frames, times: list[float], fps: int, path: Path,
-               progress: Progress | None) -> None:
+def _write_mp4(frames: Iterator[Words], fps: int, path: Path) -> None:
     try:
         import av  # noqa: F401
     except ImportError:
@@ -271,29 +343,14 @@ def _write_mp4(frames: Frames, times: list[float], fps: int, path: Path,
     with iio.imopen(path, "w", plugin="pyav") as file:
         film: Any = file
         film.init_video_stream("libx264", fps=fps, pixel_format="yuv420p")
-        side_by_side(_drawn(frames.draw_packed, times, progress),
-                     lambda frame: film.write_frame(_rgb(frame)))
+        side_by_side(frames, lambda frame: film.write_frame(_bytes(frame)))
 
 
-def _rgb(frame: Words) -> NDArray[np.uint8]:
+def _bytes(frame: NDArray[Any]) -> NDArray[np.uint8]:
+    """Red, green, blue of words, or a frame that is bytes already."""
+    if frame.dtype == np.uint8:
+        return frame
     return np.ascontiguousarray(frame.view(np.uint8).reshape(*frame.shape, 4)[..., :3])
-
-
-class _Consumer(threading.Thread, Generic[T]):
-    def __init__(self, consume: Callable[[T], None]) -> None:
-        super().__init__(name="encoder", daemon=True)
-        self.waiting: queue.Queue[tuple[T] | None] = queue.Queue(WAITING)
-        self.error: BaseException | None = None
-        self._consume = consume
-
-    def run(self) -> None:
-        while (item := self.waiting.get()) is not None:
-            if self.error is not None:
-                continue
-            try:
-                self._consume(item[0])
-            except BaseException as error:
-                self.error = error
 
 
 def side_by_side(produce: Iterable[T], consume: Callable[[T], None]) -> None:
@@ -301,15 +358,14 @@ def side_by_side(produce: Iterable[T], consume: Callable[[T], None]) -> None:
 
     Frames are painted while those before them are encoded. An error of either is raised.
     """
-    consumer = _Consumer(consume)
-    consumer.start()
-    try:
-        for item in produce:
-            if consumer.error is not None:
-                break
-            consumer.waiting.put((item,))
-    finally:
-        consumer.waiting.put(None)
-        consumer.join()
-    if consumer.error is not None:
-        raise consumer.error
+    with ThreadPoolExecutor(1, "encoder") as encoder:
+        waiting: deque[Future[None]] = deque()
+        try:
+            for item in produce:
+                waiting.append(encoder.submit(consume, item))
+                if len(waiting) > WAITING:
+                    waiting.popleft().result()
+            for each in waiting:
+                each.result()
+        finally:
+            encoder.shutdown(cancel_futures=True)

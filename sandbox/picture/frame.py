@@ -21,7 +21,6 @@ from sandbox.picture.camera import (
 )
 from sandbox.picture.elements.notes import grid
 from sandbox.picture.geometry import arrow
-from sandbox.picture.headline import HEAD, Headline
 from sandbox.picture.instant import Instant
 from sandbox.picture.labels import SMALL, place_labels
 from sandbox.picture.listing import Item
@@ -29,7 +28,7 @@ from sandbox.picture.meters import MeterPanel
 from sandbox.picture.painter import SheetPainter
 from sandbox.picture.palette import FAINT_INK, HAIRLINE, INK
 from sandbox.picture.run_data import MeteredRun
-from sandbox.picture.typesetter import Typesetter
+from sandbox.picture.typesetter import HEAD, Headline, Typesetter
 from sandbox.scene.settings import View
 
 TYPE, LEAST_TYPE = 20, 11
@@ -76,7 +75,9 @@ class Entry:
 def entries(legend: Sequence[Item], scale: float, unit: float, *, scales: bool) -> list[Entry]:
     """The rows for a camera of ``scale`` [pixels per metre]; ``scales`` leaves glyphs out."""
     found = []
-    for row in legend:
+    for row, following in zip(legend, [*legend[1:], {}], strict=False):
+        if "instead" in following:
+            continue
         if row["k"] == "scale":
             bar = "size" not in row
             size = round_length((BAR if bar else ARROW) * unit / (row["metres"] * scale))

@@ -11,8 +11,16 @@ import numpy as np
 
 from sandbox.numeric import Array
 from sandbox.picture.camera import Camera
-from sandbox.picture.cut import cut_line, cut_polygon, large_circle, within
-from sandbox.picture.geometry import arrow, capsule_outline, dashes, polygon_grown
+from sandbox.picture.geometry import (
+    arrow,
+    capsule_outline,
+    cut_line,
+    cut_polygon,
+    dashes,
+    large_circle,
+    polygon_grown,
+    within,
+)
 from sandbox.picture.listing import Item, Listing
 from sandbox.picture.moment import Moment
 from sandbox.picture.painter import XY, Painter
@@ -122,6 +130,8 @@ class Instant(Moment):
             inner = line if union or not width else self._pool(
                 item["f"], polygon_grown(ring, -half))
             rings.append((line, outer, inner))
+        if self.out.styles[item["s"]][0] not in ("", "paper", "liquid"):
+            self.fills += [line for line, _, _ in rings[:None if union else 1]]
         hatch = PITCH * self.point if hatched and not self.small else 0.0
 
         def paint(painter: Painter) -> None:
@@ -142,7 +152,7 @@ class Instant(Moment):
         x, y, _, _, radius = circle
         at = self._place([item["f"], x, y])
         if not isinstance(radius, list):  # its box
-            self._pool(item["f"], _square(x, y, radius))
+            self.fills.append(self._pool(item["f"], _square(x, y, radius)))
 
         def paint(painter: Painter) -> None:
             fill, edge, width, _, hatched = self.look(item)
@@ -206,6 +216,9 @@ class Instant(Moment):
         if self.small and DETAILS & set(names):
             return None
         at, made = self._place(item["at"]), [self.glyph(name) for name in names]
+        ends = np.concatenate([points + (sign * radius) for _, points, radius, _ in made[-1]
+                               for sign in (-1, 1)])
+        self.marks.append((at, np.array([ends.min(axis=0), ends.max(axis=0)])))
 
         def paint(painter: Painter) -> None:
             state = round(self.value(item["state"])) if "state" in item else 0

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.picture.cut import within
+from sandbox.picture.geometry import within
 from sandbox.picture.instant import Instant
 from sandbox.picture.listing import SIDES, Item
 from sandbox.picture.painter import XY, Painter
@@ -23,13 +23,15 @@ HOLD = 0.35
 """Least time that a label stays or is away [s of the film]."""
 CELL = 5
 """Side of the cells that have ink or not [pixels of the finished picture]."""
-TURNED, OFF, COVERED, CROSSED, OUTSIDE = 0.02, 0.5, 0.12, 2.0, 4.0
-"""Costs of a sample: by the angle to the arrow, for standing off, for each cell with ink, for each
-label that is covered, and for a place outside of the stage."""
+TURNED, OFF, COVERED, FILLED, CROSSED, OUTSIDE = 0.02, 0.5, 0.12, 0.02, 2.0, 4.0
+"""Costs of a sample: by the angle to the arrow, for standing off, for each cell with ink and each
+cell of a filled area, for each label that is covered, and for a place outside of the stage."""
 MOST, FEW, SMALL = 24, 6, 500
 """Numbers in a picture, in one narrower than so many pixels."""
 PATIENCE = 0.25
 """Share of its samples in which a label has to find room, or it is left out."""
+FAR = 20
+"""Areas that reach farther than so many pictures are not counted."""
 Half = Callable[[str], tuple[float, float]]
 
 
@@ -103,7 +105,7 @@ def _write(instant: Instant, label: _Seen, side: int, there: Flags, some: Intege
 
 def _look(instant: Instant, some: Integers, stage: Sequence[float],
           factor: float) -> tuple[dict[tuple[int, int], _Seen], Array]:
-    """Each label in each sample, and sums over cells that have ink."""
+    """Each label in each sample, and sums of the costs of cells."""
     seen: dict[tuple[int, int], _Seen] = {}
     width, height = (int(v) // CELL + 2 for v in stage[2:4])
     covered = np.zeros((len(some), height + 1, width + 1))
@@ -126,9 +128,27 @@ def _look(instant: Instant, some: Integers, stage: Sequence[float],
             ends.append(np.array([label.point]))
         points = _along(np.concatenate(starts), np.concatenate(ends)) * factor / CELL
         points = points[np.isfinite(points).all(axis=1)]
+        covered[row, 1:, 1:] = _filled(instant, factor / CELL, (width, height))
         x, y = np.clip(points, 0, (width - 1, height - 1)).astype(int).T
-        covered[row, y + 1, x + 1] = 1
+        covered[row, y + 1, x + 1] = COVERED
     return seen, covered.cumsum(axis=1).cumsum(axis=2)
+
+
+def _filled(instant: Instant, scale: float, size: tuple[int, int]) -> Array:
+    """The costs of cells [height, width] that filled areas cover."""
+    import pygame
+
+    surface = pygame.Surface(size, 0, 8)
+    for part in instant.fills:
+        ring = instant.px[part] * scale
+        if np.isfinite(ring).all() and np.abs(ring).max() < FAR * max(size):
+            pygame.draw.polygon(surface, 1, ring.tolist())
+    cost = FILLED * np.asarray(pygame.surfarray.array2d(surface).T, dtype=float)
+    for at, box in instant.marks:
+        if np.isfinite(instant.px[at]).all():
+            (x0, y0), (x1, y1) = np.clip((instant.px[at] + box) * scale, 0, size).astype(int)
+            cost[y0:y1 + 1, x0:x1 + 1] = COVERED
+    return cost
 
 
 def _along(start: Array, end: Array, step: float = 2 * CELL) -> Array:
@@ -145,7 +165,7 @@ def _along(start: Array, end: Array, step: float = 2 * CELL) -> Array:
 def _costs(label: _Seen, boxes: Array, placed: Array, covered: Array,
            stage: Sequence[float]) -> Array:
     """What each side costs in all samples together."""
-    cost = COVERED * _inked(covered, boxes)
+    cost = _inked(covered, boxes)
     cost += CROSSED * _meet(boxes[:, None], placed[None]).sum(axis=1)
     cost += OUTSIDE * _outside(boxes, stage)
     away = label.rows[:, 2:4]
@@ -168,7 +188,7 @@ def _meet(a: Array, b: Array) -> Flags:
 
 
 def _inked(sums: Array, boxes: Array) -> Array:
-    """How many cells with ink boxes [sides, samples, 4] cover."""
+    """The costs of all cells that boxes [sides, samples, 4] cover."""
     cells = (np.nan_to_num(np.clip(boxes, -1e6, 1e6)) // CELL).astype(int)
     x0, y0, x1, y1 = np.moveaxis(cells, 2, 0)
     x0, x1 = (np.clip(v, 0, sums.shape[2] - 1) for v in (x0, x1 + 1))

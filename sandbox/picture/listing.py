@@ -86,7 +86,8 @@ Sides of labels are numbers of :data:`SIDES`. ``legend`` is a list of rows, most
 
 ``scale``   ``metres`` that 1 ``unit`` takes, ``unit``, ``words``, ``s`` style and ``size`` of the
             arrow; without ``size`` it is a bar for lengths (``metres`` is 1).
-``ramp``    ``ramp`` name, ``low`` -1 or 0, ``before`` and ``after`` words.
+``ramp``    ``ramp`` name, ``low`` -1 or 0, ``before`` and ``after`` words. With ``instead`` it
+            replaces the row before it, where both are shown.
 ``glyph``   ``g`` glyph, ``width`` in points, ``words``; ``centred`` where its middle is its origin.
 
 All rows have ``l``, the layer that they belong to.
@@ -144,6 +145,10 @@ class Listing:
     """How far the camera goes with a body [n, 2] m; None if it stands."""
     _known: dict[Any, int] = field(default_factory=dict)
     _made: list[Array] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Work out the directions of the frames, which many points share."""
+        self._turn = np.cos(self.pose[..., 2]), np.sin(self.pose[..., 2])
 
     @property
     def sizes(self) -> tuple[int, int, int]:
@@ -209,12 +214,17 @@ class Listing:
 
     def place(self, point: Sequence[float]) -> Array:
         """Where a point ``[frame, x, y]`` is in each sample [n, 2] m."""
-        frame = int(point[0])
-        bodies = self.pose.shape[1]
-        pose = self.pose[:, frame] if frame < bodies else self._made[frame - bodies]
-        c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-        return np.stack((pose[:, 0] + c * point[1] - s * point[2],
-                         pose[:, 1] + s * point[1] + c * point[2]), axis=1)
+        frame, x, y = int(point[0]), point[1], point[2]
+        bodies = self._turn[0].shape[1]
+        if frame < bodies:
+            pose, c, s = self.pose[:, frame], self._turn[0][:, frame], self._turn[1][:, frame]
+        else:
+            pose = self._made[frame - bodies] if self._made else self.pose[:, frame]
+            c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+        found = np.empty((len(pose), 2))
+        found[:, 0] = pose[:, 0] + c * x - s * y
+        found[:, 1] = pose[:, 1] + s * x + c * y
+        return found
 
     def head(self) -> dict[str, Any]:
         """All but the arrays, as JSON has it."""

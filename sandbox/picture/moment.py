@@ -60,6 +60,10 @@ class Moment:
         self.touched: list[tuple[float, float, float, float]] = []
         self.outlines: list[slice] = []
         """Points along the items, in a row for each: where labels hide something."""
+        self.fills: list[slice] = []
+        """Corners of filled areas, a ring each."""
+        self.marks: list[tuple[int, Array]] = []
+        """The point of each glyph, and its box about that [pixels]: left, top and right, bottom."""
         self._sizes = np.maximum(np.abs(np.nan_to_num(self._columns)).max(axis=0, initial=0.0),
                                  1e-300)
         self._largest = {name: np.maximum(np.abs(np.nan_to_num(rows)).max(axis=0), 1e-300)

@@ -105,16 +105,17 @@ class Paper:
         else:
             self._draw(_closed(_holes(lines)), fill, edge if width else None, width)
         if hatch and edge is not None:
-            for ring in lines:
-                self._hatch(ring, edge, hatch)
+            for part in [[ring] for ring in lines] if union else [lines]:
+                self._hatch(part, edge, hatch)
 
-    def _hatch(self, ring: Sequence[XY], edge: Colour, pitch: float) -> None:
+    def _hatch(self, rings: Sequence[Sequence[XY]], edge: Colour, pitch: float) -> None:
+        """Slanted lines in the first ring, but not in the others."""
         from matplotlib.path import Path as Outline
 
-        lines = hatch_lines(ring, pitch)
+        lines = hatch_lines(rings[0], pitch)
         path = Outline(np.array(lines).reshape(-1, 2),
                        np.tile([Outline.MOVETO, Outline.LINETO], len(lines)))
-        self._draw(path, None, hatch_ink(edge), 0.13 * pitch, _closed([ring]))
+        self._draw(path, None, hatch_ink(edge), 0.13 * pitch, _closed(_holes(rings)))
 
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
         """See :class:`sandbox.picture.painter.Painter`."""
@@ -135,7 +136,7 @@ class Paper:
         self._draw(Outline.circle(centre, radius), fill, edge if width else None, width)
         if hatch and edge is not None:
             ring = np.asarray(Outline.circle(centre, radius).to_polygons()[0])
-            self._hatch(ring.tolist(), edge, hatch)
+            self._hatch([ring.tolist()], edge, hatch)
 
     def text(self, middle: XY, words: str, size: int, ink: Colour, leader: Sequence[XY]) -> None:
         """See :class:`sandbox.picture.painter.Painter`."""

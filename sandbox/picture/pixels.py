@@ -54,12 +54,13 @@ class Pixels:
                 polygon(large, fill, inner)
         else:  # one ring with holes, or an outline
             if fill is not None:
-                polygon(large, fill, [at for ring, _, _ in rings for at in (*ring, ring[0])])
+                polygon(large, fill, _bridged([ring for ring, _, _ in rings]))
             if edge is not None and width:
                 self._outline(rings, edge, width)
         if hatch and edge is not None:
-            for _, _, inner in rings:
-                self._hatch(inner, edge, hatch)
+            inside = [inner for _, _, inner in rings]
+            for part in inside if union else [_bridged(inside)]:
+                self._hatch(part, edge, hatch)
 
     def _outline(self, rings: Sequence[Sequence[Sequence[XY]]], edge: Colour,
                  width: float) -> None:
@@ -164,6 +165,11 @@ class Pixels:
         """The finished picture as words of red + 256 green + 65536 blue, (height, width)."""
         words: NDArray[np.uint32] = pygame.surfarray.pixels2d(self.small).T & COLOUR
         return words
+
+
+def _bridged(rings: Sequence[Sequence[XY]]) -> Sequence[XY]:
+    """A ring and its holes as one even-odd polygon."""
+    return rings[0] if len(rings) == 1 else [at for ring in rings for at in (*ring, ring[0])]
 
 
 def _circle(centre: XY, radius: float, sides: int = 64) -> list[XY]:

@@ -13,9 +13,8 @@ import numpy as np
 from sandbox.atomic_files import output_path
 from sandbox.errors import OutputError
 from sandbox.picture.frame import TYPE, Picture
-from sandbox.picture.options import check_run, view_of
+from sandbox.picture.options import PrintSize, check_run, paper_of, view_of
 from sandbox.picture.paper import Paper, paint_picture, save
-from sandbox.picture.print_size import PrintSize, paper_of
 from sandbox.picture.run_data import MeteredRun
 from sandbox.picture.strip import strip_of
 from sandbox.scene.settings import View

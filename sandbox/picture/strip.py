@@ -23,14 +23,13 @@ from sandbox.picture.frame import (
     picture_unit,
     type_size,
 )
-from sandbox.picture.headline import Headline
 from sandbox.picture.labels import paint_labels
 from sandbox.picture.meters import MeterPanel
+from sandbox.picture.options import PrintSize
 from sandbox.picture.palette import HAIRLINE, INK
 from sandbox.picture.paper import Paper
-from sandbox.picture.print_size import PrintSize
 from sandbox.picture.run_data import MeteredRun
-from sandbox.picture.typesetter import Typesetter, ellipsis
+from sandbox.picture.typesetter import Headline, Typesetter, ellipsis
 from sandbox.scene.settings import View
 
 ACROSS = 6

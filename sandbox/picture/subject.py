@@ -23,6 +23,7 @@ from sandbox.values.planes import depth
 BEHIND, ABOVE = -math.inf, math.inf
 """Planes behind all bodies and in front of them."""
 NO_SCALE = ForceScale(0.0, 0.0)
+INKS = {token: [css(day), css(night)] for token, (day, night) in TOKENS.items()}
 ORDER = {name: k for k, name in enumerate(PASSES)}
 
 
@@ -84,12 +85,12 @@ class Subject:
 
     def __post_init__(self) -> None:
         bodies = self.run.mechanism.bodies
-        moving = [depth(body.plane) for body, fixed in zip(
-            bodies, self.run.model.bodies.fixed.tolist(), strict=True) if not fixed]
-        self.lowest = min(moving, default=0)
+        self.depths = [depth(body.plane) for body in bodies]
+        self.lowest = min((deep for deep, fixed in zip(
+            self.depths, self.run.model.bodies.fixed.tolist(), strict=True) if not fixed),
+            default=0)
         """The plane of the lowest body that moves."""
-        for token, pair in TOKENS.items():
-            self.out.inks[token] = [css(pair[0]), css(pair[1])]
+        self.out.inks |= INKS
 
     def ink(self, day: Colour, night: Colour) -> str:
         """The token of a colour."""
@@ -99,8 +100,7 @@ class Subject:
 
     def plane(self, *bodies: int) -> float:
         """Where an element on these bodies lies: in the uppermost of their planes."""
-        specs = self.run.mechanism.bodies
-        return max((depth(specs[body].plane) for body in bodies), default=self.lowest)
+        return max((self.depths[body] for body in bodies), default=self.lowest)
 
     def add(self, step: str, kind: str, name: str = "", *, plane: float = ABOVE, rank: float = 0,
             layer: str = "", shown: Number | None = None, **fields: Any) -> Item | None:

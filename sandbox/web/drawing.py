@@ -9,19 +9,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.elements.arrays import Arrays
+from sandbox.model.catalogue import Catalogue
+from sandbox.model.meters import curves, is_expression
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
-from sandbox.picture.bars import bars_of
 from sandbox.picture.bounds import body_box, whole_box
-from sandbox.picture.build import ELEMENTS, ramps, subject_of
+from sandbox.picture.build import ELEMENTS, RAMPS, add_legend, subject_of
 from sandbox.picture.camera import Stage, place_camera, width_shown
 from sandbox.picture.instant import Instant
 from sandbox.picture.labels import place_labels
-from sandbox.picture.legend import add_legend
 from sandbox.picture.listing import Item, Listing, short
 from sandbox.picture.run_data import RunData
 from sandbox.picture.subject import Subject, VisibleLayers
-from sandbox.picture.tensions import Tensions, tensions_of
+from sandbox.picture.tensions import Tensions, bars_of, tensions_of
 from sandbox.scene.layers import EVERY, LAYERS, shown
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import View
@@ -112,7 +112,8 @@ class LiveListing:
         self._visible = set(shown(self._view.show, traced=bool(self._view.traces)))
         self._refs: dict[int, str] = next(
             (item["refs"] for item in self._full.out.items if "refs" in item), {})
-        self._carried: dict[tuple[int, ...], Tensions] = {}
+        self._known: dict[frozenset[str], tuple[View, VisibleLayers, Tensions]] = {}
+        """By the layers that are shown: the view, its layers, and tensions of the recording."""
         self._changing: list[Callable[[Subject], None]] = []
         """Elements with columns, tables or frames."""
         self._raw: list[Item] = []
@@ -150,19 +151,20 @@ class LiveListing:
         return s
 
     def _subject(self, run: RunData, layers: set[str] | None, like: Listing | None) -> Subject:
-        layers = self._visible if layers is None else layers
-        every = all_layers(self._view).show
-        view = self._view.model_copy(update={"show": {
-            name: every[name] if name in layers and name in every else () for name in LAYERS}})
-        visible, out = VisibleLayers(run, view), Listing.of(
-            run.time, run.arrays["body_pose"], fixed_columns=True)
+        key = frozenset(self._visible if layers is None else layers)
+        if key not in self._known:
+            every = all_layers(self._view).show
+            view = self._view.model_copy(update={"show": {
+                name: every[name] if name in key and name in every else () for name in LAYERS}})
+            visible = VisibleLayers(self._look, view)
+            self._known[key] = view, visible, tensions_of(
+                self._look, bars_of(self._look, visible.of("bars")))
+        view, visible, carried = self._known[key]
+        out = Listing.of(run.time, run.arrays["body_pose"], fixed_columns=True)
         if like is not None:
             out.share_styles(like)
-        out.ramps = ramps()
-        bars = tuple(visible.of("bars"))
-        if bars not in self._carried:
-            self._carried[bars] = tensions_of(self._look, bars_of(self._look, bars))
-        carried = tensions_of(run, bars_of(run, bars)).beside([self._carried[bars]])
+        out.ramps = RAMPS
+        carried = tensions_of(run, bars_of(run, visible.of("bars"))).beside([carried])
         full = self._full
         return Subject(run, view, visible, out,
                        carried if "tensions" in visible else carried.hidden(), full.force,
@@ -215,3 +217,18 @@ def rounded(data: Any) -> Any:
         value = float(f"{float(data):.{DIGITS}g}") if math.isfinite(data) else 0.0
         return int(value) if value == int(value) and abs(value) < 1e9 else value
     return int(data) if isinstance(data, np.integer) else data
+
+
+def meters_of(view: View, known: Catalogue) -> list[dict[str, Any]]:
+    """Each with the ``names`` of its curves, of which there is one at least.
+
+    ``range`` [lowest, highest] in SI, or none; ``number`` is 1 of one without a curve.
+    """
+    found = [{"names": curves(meter, known), "title": meter.title, "range": meter.range,
+              "number": int(meter.style == "number")} for meter in view.meters]
+    return [one for one in found if one["names"]]
+
+
+def expressions_of(view: View) -> dict[str, str]:
+    """The expressions among the curves, each with its unit."""
+    return {word: meter.unit for meter in view.meters for word in meter.of if is_expression(word)}

@@ -27,8 +27,14 @@ from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture.listing import Item, Listing
 from sandbox.recording.recording import Recording
 from sandbox.samples.contacts import on_the_other
-from sandbox.web.drawing import LiveListing, SomeSamples, drawing, page_list
-from sandbox.web.meters import expressions_of, meters_of
+from sandbox.web.drawing import (
+    LiveListing,
+    SomeSamples,
+    drawing,
+    expressions_of,
+    meters_of,
+    page_list,
+)
 
 HEAD = ("seq", "ack", "t", "rate", "hand", "from_x", "from_y", "force_x", "force_y", "trail")
 """The first numbers of a frame: its number; the last message that it answers; the time [s];
@@ -111,6 +117,8 @@ class LiveFrames:
         """Items of the list that the page has."""
         self._told = 0
         """Steps of which a frame has told."""
+        self._gone = np.zeros(len(live.scene.drives))
+        """The integral of each drive's value over these: how far surfaces have gone."""
         if not live.steps:
             live.step()  # before the first one there is nothing to show
         self._look_again()
@@ -194,6 +202,9 @@ class LiveFrames:
         for name in _OF_DRIVES:
             arrays[name] = arrays[name][:, :drives]
         few = _last(arrays)
+        first = max(len(arrays["time"]) - (self.live.steps - self._told), 0)
+        self._gone += self.live.scene.run.step * arrays["drive_value"][first:].sum(axis=0)
+        few["drive_travel"] = np.tile(self._gone, (len(few["time"]), 1))
         self._subject = self._listing.of(
             SomeSamples(self.live.scene, self._model, few, few["time"]), self.layers)
         contacts, tables = self._mean_contacts(arrays), self._subject.out.tables

@@ -20,8 +20,7 @@ from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture.listing import Listing
 from sandbox.picture.run_data import read_curve
 from sandbox.samples.samples import Samples
-from sandbox.web.drawing import moving, page_list
-from sandbox.web.meters import expressions_of
+from sandbox.web.drawing import expressions_of, moving, page_list
 
 BUDGET = 3_300_000
 """Bytes of a run's numbers, before base64 makes them a third longer: 4.4 MB on a page."""

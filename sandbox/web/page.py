@@ -2,34 +2,42 @@
 
 Names, titles and units are data: they stand in ``application/json`` where no markup is read, and
 the script writes them as text. A Content-Security-Policy of hashes runs this one script and
-nothing besides.
+nothing besides. The files of :data:`MODULES` follow each other in one scope; there is nothing else
+to build. They and the styles hold ASCII letters only: a page that is shown in another encoding
+keeps its hashes.
 """
 
 from __future__ import annotations
 
 import base64
+import hashlib
 import html
 import json
+import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from itertools import chain, repeat
 from numbers import Integral
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sandbox.atomic_files import output_path, write_atomic
+from sandbox.audit.figures import Figure
 from sandbox.elements.quantities import GRASP, by_telling
 from sandbox.errors import OutputError
+from sandbox.figure import style
 from sandbox.picture.options import check_run
 from sandbox.recording.recording import Recording
-from sandbox.samples.expectations import verdicts
+from sandbox.samples.expectations import Verdict, verdicts, window
 from sandbox.samples.samples import Samples
-from sandbox.web.drawing import drawing, listed
-from sandbox.web.files import script, source_hash, styles
-from sandbox.web.meters import meters_of
+from sandbox.scene.expand import to_json
+from sandbox.web.drawing import drawing, listed, meters_of
 from sandbox.web.packing import level, packed
-from sandbox.web.words import FoundOut, told_apart, words
 from sandbox.wording import printable, quoted
 
 MOST_RUNS = 4
@@ -51,6 +59,144 @@ PAGE = """<!doctype html>
 """
 RUN = ('<script type="application/json" data-run>{head}</script>'
        '<script type="text/plain">{data}</script>')
+UPLOT = "1.6.32"
+"""The version of uPlot (https://github.com/leeoniya/uPlot, MIT) in ``script/uplot/``."""
+HASHES = {
+    "uPlot.iife.min.js":
+        "19c8d4c6ad88929a79f4ae49d6f7161566dfd0ba3d15cc495e974f787eb78f1f",
+    "uPlot.min.css":
+        "df630c6a8d6f8eeaff264b50f73ce5b114f646ffd9a0bb74f049b0a00135fa04",
+    "uPlot.LICENSE":
+        "8f989229699b4fe2f1a0432d0e9edc338a8a911e250e2d1b01ecd770a5f5b1bd",
+}
+"""SHA-256 of its files, as registry.npmjs.org has them in uplot-1.6.32.tgz."""
+MODULES = ("data.js", "text.js", "stage.js", "plots.js", "shell.js", "report.js", "facts.js")
+"""In this order: each uses those before it."""
+LIVE = ("live.js", "controls.js")
+"""Those that a live view has besides."""
+CONSTANTS = (f"const MANY_MM = {style.MANY_MM}, AS_ONE = {style.NEAR}, CROSSING = {style.SHORT}, "
+             f"TURN = {style.STROKE};")
+"""Constants that the script shares with figures."""
+
+
+@cache
+def text_of(name: str) -> str:
+    """A file of ``script/``."""
+    return files("sandbox.web").joinpath("script", *name.split("/")).read_text(encoding="utf-8")
+
+
+@cache
+def script(*more: str) -> str:
+    """The whole module: uPlot, constants, :data:`MODULES`, then ``more`` files of ``script/``."""
+    return "\n".join([text_of("uplot/uPlot.iife.min.js"), CONSTANTS,
+                      *(text_of(name) for name in (*MODULES, *more))])
+
+
+@cache
+def styles() -> str:
+    """The style sheet."""
+    return text_of("uplot/uPlot.min.css") + "\n" + text_of("sandbox.css")
+
+
+def source_hash(text: str) -> str:
+    """A source of a Content-Security-Policy that allows just this script or style sheet."""
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+class FoundOut(NamedTuple):
+    """What was found out of a run besides its samples."""
+
+    verdicts: Sequence[Verdict] = ()
+    """On what its scene expects; a page judges it where there are none."""
+    figures: Sequence[Figure] = ()
+    source: str = ""
+    """Where it lies, as it was called."""
+    parameters: Mapping[str, float] = MappingProxyType({})
+    """Of its scene, in SI."""
+
+
+def words(run: Samples, told: FoundOut, apart: str = "") -> dict[str, Any]:
+    """What the page says of a run in tables and texts; no number in it is infinite or none.
+
+    ``apart`` is what tells it from others beside it.
+    """
+    info = run.info
+    return {
+        "about": run.mechanism.about, "complete": run.complete, "status": info.status.value,
+        "reason": info.reason, "notes": list(run.notes), "apart": apart,
+        "samples": len(run), "step": info.step, "rate": info.sample_rate,
+        "versions": dict(info.versions),
+        "events": [{"name": one.event, "t": one.time} for one in info.marked],
+        "expect": [_verdict(verdict, over) for verdict, over in zip(
+            told.verdicts, chain(windows(run), repeat(None)), strict=False)],
+        "audit": [{"name": f.name, "value": number(f.value), "most": number(f.threshold),
+                   "unit": f.unit, "verdict": f.verdict, "why": f.why} for f in told.figures],
+        "scene": to_json(run.mechanism),
+    }
+
+
+def _verdict(verdict: Verdict, over: list[float] | None) -> dict[str, Any]:
+    return {"quantity": verdict.quantity, "statistic": verdict.statistic, "unit": verdict.unit,
+            "low": number(verdict.low), "high": number(verdict.high),
+            "value": number(verdict.value), "ok": verdict.ok, "because": verdict.because,
+            "reason": verdict.reason, "over": over}
+
+
+def windows(run: Samples) -> Iterator[list[float] | None]:
+    """From when to when each verdict on a run's expectations is taken [s], in their order.
+
+    A last value is taken at the end of its window, one at an instant there.
+    """
+    for expect in run.mechanism.expect:
+        times = run.time[window(run, expect)[0]]
+        if expect.at is not None and len(times):
+            times = np.array([expect.at])
+        times = times[-1:] if expect.statistic == "final" else times
+        for _ in run.match(expect.quantity) or [""]:
+            yield [float(times[0]), float(times[-1])] if len(times) else None
+
+
+def number(value: float) -> float | None:
+    """A number for JSON; none where it is infinite or has no value."""
+    return value if math.isfinite(value) else None
+
+
+MAX_PARAMETERS = 3
+"""Parameters that are named of a run."""
+
+
+def told_apart(
+    titles: Sequence[str], parameters: Sequence[Mapping[str, float]], sources: Sequence[str],
+) -> list[str]:
+    """A name of each run: its title; of equal ones the parameters that differ, else its place.
+
+    Args:
+        titles: of the scenes.
+        parameters: of the scenes as they were run, in SI; empty where they are not known.
+        sources: where the runs lie.
+    """
+    if _differ(titles):
+        return list(titles)
+    names = dict.fromkeys(name for each in parameters for name in each)
+    varied = [name for name in names
+              if all(name in each for each in parameters)
+              and len({each[name] for each in parameters}) > 1]
+    told = [_told(each, varied) for each in parameters]
+    if not _differ(told):
+        told = list(sources)
+    if len(set(titles)) == 1:
+        return [text or title for text, title in zip(told, titles, strict=True)]
+    return [f"{title}: {text}" if text else title
+            for title, text in zip(titles, told, strict=True)]
+
+
+def _told(parameters: Mapping[str, float], varied: Sequence[str]) -> str:
+    return ", ".join(f"{name} = {parameters[name]:.4g}" for name in varied[:MAX_PARAMETERS]) + (
+        ", \u2026" if len(varied) > MAX_PARAMETERS else "")
+
+
+def _differ(names: Sequence[str]) -> bool:
+    return all(names) and len(set(names)) == len(names)
 
 
 def report(

@@ -1,54 +1,50 @@
 """The live view on this machine: one page, one WebSocket for each tab, a session behind each.
 
-It listens on 127.0.0.1 only. The page's address holds a token drawn by chance; all else is refused,
-and so is what another site asks for (its Origin and Host are looked at). The page may load nothing.
+It listens on 127.0.0.1 only. The page's address holds a random token; all else is refused, and so
+are requests of other sites (by their Origin and Host). The page may load nothing.
 
-Each tab has a thread of its own, which alone touches its session: what takes long there (going
-back, another beginning, a file that is read anew) does not delay other tabs.
-
-A clock of 60/s lets the session's time pass. A frame is sent while fewer than so many are under
-way, as many as the line holds and half as many more: there is never a queue.
+Each tab has a thread of its own, which alone touches its session: a tab that takes long, to step
+back or to read a file again, does not delay other tabs. 60 times a second the thread handles the
+messages of its tab, lets the session's time pass and sends a frame. It sends one only while few
+frames are unanswered: half as many again as the line holds. So there is never a queue.
 """
 
 from __future__ import annotations
 
-import asyncio
-import concurrent.futures
 import contextlib
-import functools
 import html
 import http
 import json
 import math
 import secrets
-import signal
+import threading
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import FrameType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from sandbox.errors import OutputError, SandboxError
-from sandbox.web.files import LIVE, script, source_hash, styles
+from sandbox.web.page import LIVE, script, source_hash, styles
 from sandbox.web.session import FRAME, Answer, Later, Session
 from sandbox.wording import printable
 
 if TYPE_CHECKING:
-    from websockets.asyncio.server import ServerConnection
     from websockets.http11 import Request, Response
+    from websockets.sync.server import ServerConnection
 
-T = TypeVar("T")
 HOST = "127.0.0.1"
 INSTALL = "pip install 'sandbox-mechanics[view]'"
 FEWEST_UNDER_WAY = 4
 LATE = 0.1
-"""Seconds behind the clock from which on time that passed is given up."""
+"""A page that is this far behind the clock [s] skips the time that it missed."""
 LOOK_AT_FILES = 0.5
-"""Seconds between two looks at whether the scene's files have changed."""
+"""Seconds between two checks whether the scene's files have changed."""
 LONG = 0.3
-"""Seconds from which on it is told that something is being worked on."""
+"""Seconds after which the page says that the session is busy."""
+SHORTEST_WAIT = 1e-3
+"""Seconds to wait for a message where a frame is late."""
 MOST_TABS = 8
-"""Pages that play at once: each steps a scene of its own."""
+"""Pages at once: each steps a scene of its own."""
 MOST_BYTES = 1 << 16
 """Of a message."""
 START = '\nlive(document.querySelector("main"), socketLink(location.href));\n'
@@ -77,8 +73,7 @@ class Server:
     ) -> None:
         self._session, self._first, self._title = session, [first], title
         self.port, self.token = port, secrets.token_urlsafe(16)
-        self._stop, self._stopping = asyncio.Event(), False
-        self._tabs = 0
+        self._stopping, self._room = threading.Event(), threading.Semaphore(MOST_TABS)
 
     @property
     def address(self) -> str:
@@ -88,52 +83,40 @@ class Server:
     def _hosts(self) -> list[str]:
         return [f"{HOST}:{self.port}", f"localhost:{self.port}"]
 
-    def stop(self) -> None:
-        """End :meth:`serve`."""
-        self._stop.set()
-
-    async def serve(self, ready: Callable[[Server], None]) -> None:
-        """Serve until :meth:`stop`, or Ctrl-C; ``ready`` is called when it listens.
+    def serve(self, ready: Callable[[Server], None]) -> None:
+        """Serve until Ctrl-C; ``ready`` is called when it listens.
 
         Raises:
-            OutputError: the port cannot be had.
+            OutputError: the port cannot be used.
         """
-        loop = asyncio.get_running_loop()
+        with self.listening(), contextlib.suppress(KeyboardInterrupt):
+            ready(self)
+            while True:  # without a timeout Windows would not notice Ctrl-C
+                time.sleep(1)
 
-        def pressed(_number: int, _frame: FrameType | None) -> None:
-            if self._stopping:  # pressed again: something takes long
-                raise KeyboardInterrupt
-            self._stopping = True
-            loop.call_soon_threadsafe(self.stop)
-
-        before = signal.signal(signal.SIGINT, pressed)
-        try:
-            async with self.listening():
-                ready(self)
-                await self._stop.wait()
-        finally:
-            signal.signal(signal.SIGINT, before)
-
-    @contextlib.asynccontextmanager
-    async def listening(self) -> AsyncIterator[None]:
-        """While this lasts it listens.
+    @contextlib.contextmanager
+    def listening(self) -> Iterator[None]:
+        """Listen within a ``with`` statement.
 
         Raises:
-            OutputError: the port cannot be had.
+            OutputError: the port cannot be used.
         """
         serve = needed()
         try:
-            server = await serve(self._tab, HOST, self.port, process_request=self._asked,
-                                 compression=None, max_size=MOST_BYTES, close_timeout=1)
+            server = serve(self._tab, HOST, self.port, process_request=self._asked,
+                           compression=None, max_size=MOST_BYTES, close_timeout=1)
         except OSError as error:
             raise OutputError(f"cannot listen on port {self.port}: {error.strerror}; "
                               "without --port a free one is found", code="cannot-listen") from None
-        self.port = next(iter(server.sockets)).getsockname()[1]
+        self.port = server.socket.getsockname()[1]
+        thread = threading.Thread(target=server.serve_forever, name="server")
+        thread.start()
         try:
             yield
         finally:
-            server.close()
-            await server.wait_closed()
+            self._stopping.set()
+            server.shutdown()
+            thread.join()
 
     # -- the page ---------------------------------------------------------------------------
 
@@ -172,167 +155,156 @@ class Server:
 
     # -- one tab ----------------------------------------------------------------------------
 
-    async def _tab(self, connection: ServerConnection) -> None:
-        if self._tabs >= MOST_TABS:
-            await _refuse(connection, f"{MOST_TABS} pages play with this scene already; close one, "
-                                      "and load this page again")
-            return
-        self._tabs += 1
-        thread = concurrent.futures.ThreadPoolExecutor(1, "tab")
-        try:
-            await self._play(connection, thread)
-        finally:
-            self._tabs -= 1
-            thread.shutdown(wait=False, cancel_futures=True)
-
-    async def _play(
-        self, connection: ServerConnection, thread: concurrent.futures.Executor,
-    ) -> None:
-        """Let a tab play until it is closed."""
+    def _tab(self, connection: ServerConnection) -> None:
+        """Play with a tab until it is closed, in a thread of its own."""
         from websockets.exceptions import ConnectionClosed
 
-        try:
-            session = self._first.pop() if self._first else (
-                await asyncio.get_running_loop().run_in_executor(thread, self._session))
-        except SandboxError as error:  # its file is wrong by now
-            await _refuse(connection, f"{error}\nmend it, and load this page again")
-            return
-        tab = _Tab(connection, session, thread)
-        tasks = [asyncio.create_task(work()) for work in (tab.listen, tab.pace, tab.watch_files)]
-        try:
-            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-            for task in done:
-                task.result()  # what went wrong in it is not lost
-        except ConnectionClosed:
-            pass
-        finally:
-            session.closed = True
-            for task in tasks:
-                task.cancel()
-            await asyncio.gather(*tasks, *tab.saving, return_exceptions=True)
+        with contextlib.suppress(ConnectionClosed):
+            if not self._room.acquire(blocking=False):
+                self._refuse(connection, f"{MOST_TABS} pages play with this scene already; close "
+                                         "one, and load this page again")
+                return
+            try:
+                _Tab(connection, self._first.pop() if self._first else self._session()).play(
+                    self._stopping)
+            except SandboxError as error:  # the file has become wrong
+                self._refuse(connection, f"{error}\nmend it, and load this page again")
+            finally:
+                self._room.release()
 
-
-async def _refuse(connection: ServerConnection, why: str) -> None:
-    """Say why a page does not play, and wait until it is closed."""
-    await connection.send(json.dumps({"error": why}))
-    await connection.wait_closed()
+    def _refuse(self, connection: ServerConnection, why: str) -> None:
+        """Say why a page does not play, and wait until it is closed."""
+        connection.send(json.dumps({"error": why}))
+        while not self._stopping.is_set():
+            with contextlib.suppress(TimeoutError):
+                connection.recv(timeout=LOOK_AT_FILES)
 
 
 class _Tab:
-    """One page that looks at one session."""
+    """A page that shows one session."""
 
-    def __init__(
-        self, connection: ServerConnection, session: Session, thread: concurrent.futures.Executor,
-    ) -> None:
-        self.connection, self.session, self._thread = connection, session, thread
+    def __init__(self, connection: ServerConnection, session: Session) -> None:
+        self.connection, self.session = connection, session
         self.sent: dict[int, float] = {}
-        """When frames were sent that are under way."""
+        """When the frames that the page has not confirmed were sent."""
         self.round_trip = 0.0
         self._shown: tuple[int, int] | None = None
-        self._files = _stamps(session)
-        self._long = 0
-        """Things under way that take long."""
-        self.saving: list[asyncio.Task[None]] = []
-        """Runs under way to disk."""
+        self._files, self._checked = _stamps(session), 0.0
+        self._saving: list[threading.Thread] = []
 
-    async def say(self, *answers: Answer) -> None:
+    def say(self, *answers: Answer) -> None:
         for answer in answers:
-            await self.connection.send(json.dumps(answer, allow_nan=False))
+            self.connection.send(json.dumps(answer, allow_nan=False))
 
-    async def _off(self, work: Callable[..., T], *words: Any, **more: Any) -> T:
-        """What the session's thread makes of some work; that it takes long is told."""
-        call = functools.partial(work, *words, **more)
-        doing = asyncio.get_running_loop().run_in_executor(self._thread, call)
-        done, _ = await asyncio.wait([doing], timeout=LONG)
-        if not done:
-            await self._tell_working(+1)
-            await asyncio.wait([doing])
-            await self._tell_working(-1)
-        return doing.result()
+    @contextlib.contextmanager
+    def _busy(self) -> Iterator[None]:
+        """Say so if what is done within takes long."""
+        told: list[bool] = []
 
-    async def _tell_working(self, more: int) -> None:
-        """Say it when the first thing takes long, and when none does any more."""
-        before, self._long = self._long, self._long + more
-        if bool(before) != bool(self._long):
-            await self.say({"working": bool(self._long)})
+        def tell() -> None:
+            told.append(True)
+            self.say({"working": True})
 
-    async def listen(self) -> None:
-        session = self.session
-        await self.say(*await self._off(lambda: [session.head(), session.status()]))
-        async for message in self.connection:
-            if self._seen(message):
-                continue
-            for answer in await self._off(session.hear, message):
-                if callable(answer):
-                    self.saving.append(asyncio.create_task(self._save(answer)))
-                else:
-                    await self.say(answer)
+        timer = threading.Timer(LONG, tell)
+        timer.start()
+        try:
+            yield
+        finally:
+            timer.cancel()
+            timer.join()
+            if told:
+                self.say({"working": False})
 
-    async def _save(self, save: Later) -> None:
-        """Save a run, beside what else the page asks; it is saved even if nobody waits for it."""
+    def play(self, stopping: threading.Event) -> None:
+        """Answer messages and send frames until the page is closed."""
+        from websockets.protocol import State
+
+        self.session.closed = lambda: (
+            stopping.is_set() or self.connection.protocol.state is not State.OPEN)
+        try:
+            with self._busy():
+                answers = [self.session.head(), self.session.status()]
+            self.say(*answers)
+            due = before = time.perf_counter()
+            while not stopping.is_set():
+                due = max(due + FRAME, time.perf_counter() - LATE)
+                self.listen(due)
+                now = time.perf_counter()
+                self.go_on(min(now - before, LATE))
+                before = now
+                if now > self._checked + LOOK_AT_FILES:
+                    self._checked = now
+                    self.reload()
+        finally:
+            for thread in self._saving:
+                thread.join()
+
+    def listen(self, until: float) -> None:
+        """Handle the messages that come until a time of the clock."""
+        with contextlib.suppress(TimeoutError):
+            while True:
+                self.hear(self.connection.recv(
+                    timeout=max(until - time.perf_counter(), SHORTEST_WAIT)))
+
+    def hear(self, message: str | bytes) -> None:
+        if self._seen(message):
+            return
+        with self._busy():
+            answers = self.session.hear(message)
+        for answer in answers:
+            if callable(answer):
+                self._saving.append(threading.Thread(target=self._save, args=(answer,)))
+                self._saving[-1].start()
+            else:
+                self.say(answer)
+
+    def _save(self, save: Later) -> None:
+        """Save a run while the page plays on; also if the page is closed meanwhile."""
         from websockets.exceptions import ConnectionClosed
 
-        answer = await asyncio.to_thread(save)
+        answer = save()
         with contextlib.suppress(ConnectionClosed):
-            await self.say(answer)
+            self.say(answer)
 
     def _seen(self, message: str | bytes) -> bool:
-        """Whether it says only that a frame was drawn; then that is noted."""
+        """Whether it only says that a frame was drawn; then that is noted."""
         if not isinstance(message, str) or not message.startswith('{"seen":'):
             return False
         with contextlib.suppress(ValueError, TypeError, OverflowError, RecursionError):
             seen = int(json.loads(message)["seen"])
-            now = time.perf_counter()
             if seen in self.sent:
-                took = now - self.sent[seen]
+                took = time.perf_counter() - self.sent[seen]
                 self.round_trip += 0.2 * (took - self.round_trip)
             self.sent = {seq: at for seq, at in self.sent.items() if seq > seen}
         return True
 
-    async def pace(self) -> None:
-        due, before = time.perf_counter(), time.perf_counter()
-        while True:
-            due += FRAME
-            now = time.perf_counter()
-            if now > due + LATE:
-                due = now
-            await asyncio.sleep(max(0.0, due - now))
-            now = time.perf_counter()
-            passed, before = min(now - before, LATE), now
-            most = max(FEWEST_UNDER_WAY, math.ceil(1.5 * self.round_trip / FRAME))
-            told, frame = await self._off(self._pass, passed, room=len(self.sent) < most)
-            await self.say(*told)
-            if frame is not None:
-                self.sent[self.session.seq] = time.perf_counter()
-                await self.connection.send(frame)
-
-    def _pass(self, seconds: float, *, room: bool) -> tuple[list[Answer], bytes | None]:
-        """Let time pass; what there is to say then, and a frame of what has changed."""
+    def go_on(self, seconds: float) -> None:
+        """Let time pass; send what has changed, and a frame if the line has room for one."""
         session = self.session
-        was = session.playing
-        if was:
+        if session.playing:
             session.advance(seconds)
-        told = [session.status()] if was and not session.playing else []
+            if not session.playing:
+                self.say(session.status())
         state = session.live.steps, session.ack
-        if state == self._shown or not room:
-            return told, None
+        most = max(FEWEST_UNDER_WAY, math.ceil(1.5 * self.round_trip / FRAME))
+        if state == self._shown or len(self.sent) >= most:
+            return
         self._shown = state
-        return [*told, *session.relisted()], session.frame()
+        self.say(*session.relisted())
+        frame = session.frame()
+        self.sent[session.seq] = time.perf_counter()
+        self.connection.send(frame)
 
-    async def watch_files(self) -> None:
-        while True:
-            await asyncio.sleep(LOOK_AT_FILES)
-            await self.say(*await self._off(self._reloaded))
-
-    def _reloaded(self) -> list[Answer]:
-        """Read the scene anew if one of its files has changed; what there is to say then."""
+    def reload(self) -> None:
+        """Read the scene again if one of its files has changed."""
         session, before = self.session, self._files
         self._files = _stamps(session)
         if before == self._files:
-            return []
-        good = session.reload()
+            return
+        with self._busy():
+            answers = [session.head()] if session.reload() else []
         self._files = _stamps(session)
-        return [*([session.head()] if good else []), session.status()]
+        self.say(*answers, session.status())
 
 
 def _is_one_of(said: list[str], known: list[str]) -> bool:
@@ -367,7 +339,7 @@ def needed() -> Any:
         OutputError: it is not installed; with how to.
     """
     try:
-        from websockets.asyncio.server import serve
+        from websockets.sync.server import serve
     except ImportError:
         raise OutputError(f"the live view needs websockets 14 or newer: {INSTALL}",
                           code="missing-package") from None

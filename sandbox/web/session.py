@@ -28,7 +28,6 @@ from sandbox.scene.read.load import Loaded
 from sandbox.values.units import dimension_of, units_of
 from sandbox.web.controls import PARAMETER, Spans, changes, controls, read_value
 from sandbox.web.frames import LOOK, LiveFrames, Stride, looked_at
-from sandbox.web.meters import MOST_METERS, first_meters
 from sandbox.wording import listed, near, quoted
 
 FRAME = 1 / 60
@@ -37,6 +36,8 @@ BUDGET = 0.012
 """Seconds that the steps of a frame may take; what does not fit is left out: it goes slower."""
 SLOWEST, FASTEST = 0.01, 4.0
 """Seconds of motion for each second that can be asked for."""
+MOST_METERS, FIRST_METERS = 12, 4
+"""Meters of a live view that run at once; of usual quantities at first."""
 QUICK_LOOK = 0.2
 """Seconds for that when a parameter was set, so that a slider is not held up."""
 Answer = dict[str, Any]
@@ -87,8 +88,8 @@ class Session:
         self.rate = 0.0
         """Seconds of motion for each second, as of late."""
         self.seq = self.ack = 0
-        self.closed = False
-        """Whether nobody looks any more: what takes long is then given up."""
+        self.closed: Callable[[], bool] = bool
+        """Whether the page was closed: work that takes long is then given up."""
         self._watched: list[str] | None = None
         self._layers: set[str] | None = None
         self._spans: Spans = {}
@@ -319,7 +320,7 @@ class Session:
         Raises:
             SandboxError: nobody waits for it any more.
         """
-        if self.closed:
+        if self.closed():
             raise SandboxError("the page was closed", code="interrupted")
 
     def _reset(self) -> list[Answer]:
@@ -454,3 +455,19 @@ def _said(problem: Problem) -> str:
     allowed = f"; allowed: {problem.allowed}" if problem.allowed else ""
     hint = f"; did you mean {problem.hint}?" if problem.hint else ""
     return f"{place}{problem.message}{allowed}{hint}"
+
+
+def first_meters(frames: LiveFrames, usual: Mapping[str, list[str]]) -> list[str]:
+    """The quantities that a live view plots at first.
+
+    These are the meters of the scene's view, as many as may run at once; else the meters that the
+    scene defines, else the first of the ``usual`` quantities.
+    """
+    shown: list[str] = []
+    for meter in frames.meters:
+        both = list(dict.fromkeys([*shown, *meter["names"]]))
+        shown = both if len(both) <= MOST_METERS else shown
+    if shown:
+        return shown
+    found = ([name for name in names if name in frames.units] for names in usual.values())
+    return next((names[:FIRST_METERS] for names in found if names), [])

@@ -10,9 +10,7 @@ from PIL import Image
 from sandbox.elements.arrays import LATE
 from sandbox.figure.style import shown_as
 from sandbox.recording.recording import Recording
-from sandbox.web.files import CONSTANTS, text_of
-from sandbox.web.page import report
-from sandbox.web.words import FoundOut
+from sandbox.web.page import CONSTANTS, FoundOut, report, text_of
 from tests.browser.conftest import PHONE, STAGE, body_at, until
 from tests.draw.conftest import hand, zoo
 from tests.draw.conftest import recording as made_up
@@ -237,7 +235,7 @@ def test_a_pattern_fits_what_it_fits_in_python(browser, run):
             "finger[2-3].mcp.angle", "finger[3-2].mcp.angle", "finger[]1].mcp.angle", "finger[1",
             "*/section*.normal", "section1*/finger*.normal", "*.normal", "Finger*", "*.m[c-d]p.*",
             "finger1.mcp.angle", "*", "f*.(x)", "[^f]inger1*", "[", "*[!e]"):
-        found = tab.evaluate(f"([p, names]) => {{ {text_of('names.js')}; "
+        found = tab.evaluate(f"([p, names]) => {{ {CONSTANTS} {text_of('text.js')}; "
                              "return matching(p, names); }", [pattern, names])
         known = set(run.match(pattern))
         assert found == [name for name, other in zip(names, swapped, strict=True)
@@ -311,7 +309,7 @@ def test_a_quantity_has_the_unit_that_figures_and_films_give_it(browser):
     for unit in ("1", "rad", "rad/s", "rad/s^2", "m", "m/s", "N", "N m", "N/m", "Pa", "J", "m^3/s",
                  "C"):
         for most in (0.0, 1e-7, 0.499, 0.5, 12.0):
-            found = tab.evaluate(f"([unit, most]) => {{ {CONSTANTS} {text_of('units.js')} "
+            found = tab.evaluate(f"([unit, most]) => {{ {CONSTANTS} {text_of('text.js')} "
                                  "return shownAs(unit, most); }", [unit, most])
             shown = shown_as(unit, np.array([most, -most / 2]))
             assert found == {"factor": pytest.approx(shown.factor), "unit": shown.unit,

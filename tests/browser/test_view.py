@@ -75,10 +75,12 @@ def test_it_runs_is_pulled_ends_steps_back_and_resets(served):
     tab = served("adaptive_grasp")
     tab.locator("[data-layer='traces']").check()
     until(tab, "sandbox.frame.t > 1.2")  # it lies still, and the mouse finds it
+    tab.select_option("#speed", "0.1")
     before = pose(tab, "finger2.distal")
     pull(tab, body_at(tab, "finger2.distal"), 80, 60)
     until(tab, "sandbox.frame.hand >= 0 && Math.abs(sandbox.frame.force_x) > 0.05")
     until(tab, "!sandbox.playing")
+    tab.select_option("#speed", "1")
     assert np.abs(pose(tab, "finger2.distal") - before).max() > 0.005
     tab.mouse.up()
     assert "The scene ends at 2 s." in tab.evaluate("sandbox.state.value")

@@ -6,7 +6,7 @@ import numpy as np
 import pygame
 import pytest
 
-from sandbox.picture.cut import cut_line, cut_polygon, large_circle
+from sandbox.picture.geometry import cut_line, cut_polygon, large_circle
 from sandbox.picture.pixels import new_surface
 from sandbox.picture.typesetter import MOST_LETTERS, Typesetter, ellipsis
 from sandbox.scene.mechanism import Mechanism

@@ -7,7 +7,7 @@ from PIL import Image
 
 from sandbox.errors import OutputError
 from sandbox.picture.film import render
-from sandbox.picture.print_size import LETTERS, PrintSize, paper_of
+from sandbox.picture.options import LETTERS, PrintSize, paper_of
 
 SIZE = re.compile(r"([0-9.]+)px")
 

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from sandbox.errors import OutputError
-from sandbox.picture.bounds import body_box
+from sandbox.picture.bounds import ROOM, anchored, body_box
 from sandbox.picture.options import view_of
-from sandbox.picture.staying import ROOM, anchored
 from sandbox.scene.mechanism import Mechanism
 from tests.draw.painted import frames_of
 

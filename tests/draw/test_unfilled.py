@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from sandbox.picture.unions import bare_outlines
+from sandbox.picture.elements.bodies import bare_outlines
 from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import Mechanism
 from tests.draw.painted import frames_of

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from sandbox.errors import SceneError
-from sandbox.picture.elements.bodies import styles
-from sandbox.picture.elements.pressure import FlatSides, spread
+from sandbox.picture.elements.bodies import styles, united
+from sandbox.picture.elements.forces import FlatSides, spread
 from sandbox.picture.palette import ROLES
-from sandbox.picture.unions import united
 from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.colours import COLOURS, rgb

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from sandbox.picture.bars import bar_tensions, bars_of
 from sandbox.picture.elements.forces import (
     VECTOR_LENGTH,
     Vectors,
@@ -11,8 +10,8 @@ from sandbox.picture.elements.forces import (
     reactions,
     vector_scale,
 )
-from sandbox.picture.marked import fingertip, traced
-from sandbox.picture.tensions import tensions_of
+from sandbox.picture.elements.notes import fingertip, traced
+from sandbox.picture.tensions import bar_tensions, bars_of, tensions_of
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import hand, recording
@@ -96,7 +95,7 @@ def test_a_bar_carries_what_its_pins_pull_it_apart_with(angle):
         bars = bars_of(run, [0, 1])
         assert [bar.body for bar in bars] == [1]
         assert bar_tensions(run, bars) == pytest.approx(np.array([[tension]]))
-        assert tensions_of(run, bars).pushes == (tension < 0)
+        assert tensions_of(run, bars).pushing == ({"bars"} if tension < 0 else set())
     assert bars_of(run, [0]) == []
 
 

@@ -5,8 +5,7 @@ from PIL import Image
 
 from sandbox.errors import OutputError
 from sandbox.picture import film as video
-from sandbox.picture.film import render
-from sandbox.picture.gif import GifWriter, shared_palette
+from sandbox.picture.film import GifWriter, render, shared_palette
 from tests.draw.painted import frames_of
 
 from .conftest import recording, zoo_mechanism

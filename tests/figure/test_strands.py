@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox.figure.strands import NEAR, SHORT, strands
+from sandbox.figure.style import NEAR, SHORT, strands
 
 X = np.linspace(0.0, 1.0, 201)
 

@@ -12,8 +12,7 @@ import pytest
 
 from sandbox.errors import OutputError
 from sandbox.model.catalogue import UnknownQuantityError
-from sandbox.web.page import report
-from sandbox.web.words import FoundOut
+from sandbox.web.page import FoundOut, report
 from tests.draw.conftest import hand
 
 

@@ -9,8 +9,7 @@ import pytest
 
 from sandbox.errors import OutputError
 from sandbox.recording.recording import Recording
-from sandbox.web.files import HASHES, UPLOT, text_of
-from sandbox.web.page import MOST_RUNS, report, safe_json
+from sandbox.web.page import HASHES, MOST_RUNS, UPLOT, report, safe_json, text_of
 from tests.draw.conftest import hand, zoo
 
 EVIL = '</script><script>window.pwned=1</script><img src=x onerror="pwned=2">\u2028"\'&{}'

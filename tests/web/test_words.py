@@ -5,7 +5,7 @@ import pytest
 
 from sandbox.samples.expectations import verdicts
 from sandbox.web.drawing import drawing, listed
-from sandbox.web.words import FoundOut, told_apart, words
+from sandbox.web.page import FoundOut, told_apart, words
 from tests.draw.conftest import hand, hand_mechanism
 
 

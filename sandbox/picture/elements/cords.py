@@ -53,7 +53,7 @@ def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int],
         closed: whether the last guide is the first again.
     """
     meets, leaves = (np.full(on.shape, np.nan) for _ in range(2))
-    for pattern in np.unique(on, axis=0):
+    for pattern in on[:1] if on.all() else np.unique(on, axis=0):
         rows = (on == pattern).all(axis=1)
         guides = np.flatnonzero(pattern).tolist()
         for i, j in pairwise(guides):
@@ -122,9 +122,13 @@ class _Cord:
     def add(self, slips: Flags) -> None:
         """The cord, collars where guides have friction, and its eyes."""
         s = self.s
-        places = [s.out.place(point) for point in self.points]
-        meets, leaves = arcs(places, self.radii, self.senses, self.on, closed=self.spec.closed)
-        leaves = leaves - np.array(self.senses) * math.tau * (self.turns > 0)
+        places: list[Array] = []
+        meets = leaves = np.zeros(self.on.shape)
+        if self.gripped or any(self.radii) or not self.on.all():
+            places = [s.out.place(point) for point in self.points]
+            meets, leaves = arcs(places, self.radii, self.senses, self.on,
+                                 closed=self.spec.closed)
+            leaves = leaves - np.array(self.senses) * math.tau * (self.turns > 0)
         last = len(self.points) - self.spec.closed
         if not self.gripped:
             self.line([self.guide(g, meets[:, g], leaves[:, g]) for g in range(last)],

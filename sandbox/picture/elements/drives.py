@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from sandbox.model.model import Model
-from sandbox.numeric import Array, Flags
+from sandbox.numeric import Array
 from sandbox.picture.geometry import shape_points
 from sandbox.picture.glyphs import glyph
 from sandbox.picture.listing import Point
@@ -293,32 +293,31 @@ def rim(s: Subject, at: Point) -> float:
 
 def add_belts(s: Subject) -> None:
     """Marks that go along the outlines of surfaces that run."""
-    drives, time = s.run.model.drives, s.run.time
-    steps = np.diff(time, prepend=0.0)
+    drives, arrays = s.run.model.drives, s.run.arrays
+    travel = arrays.get("drive_travel")  # of a run that goes on
+    if travel is None:
+        steps = np.diff(s.run.time, prepend=0.0)
+        travel = np.cumsum(steps[:, None] * arrays["drive_value"], axis=0)
     for drive in drives.giving("surface").tolist():
-        speed = float(drives.sense[drive]) * s.run.arrays["drive_value"][:, drive]
-        gone, body = np.cumsum(steps * speed), int(drives.target[drive])
+        speed, gone = float(drives.sense[drive]) * np.stack(
+            (arrays["drive_value"][:, drive], travel[:, drive]))
+        body = int(drives.target[drive])
+        back, marks = s.out.varying(speed < 0, steady=True), ["belt", "belt_back"]
+        pose = arrays["body_pose"][:, body, None]
+        c, sine = np.cos(pose[..., 2]), np.sin(pose[..., 2])
         for shape in s.run.mechanism.bodies[body].shapes:
             points = shape_points(shape)
             corners = np.vstack([points, points[:1]])
-            along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])
+            step = np.diff(corners, axis=0)
+            along = np.concatenate([[0.0], np.cumsum(np.hypot(*step.T))])
+            step /= np.maximum(np.diff(along), 1e-12)[:, None]
             count = max(3, min(200, round(float(along[-1]) / (APART * s.point))))
-            for k in range(count):
-                _belt_mark(s, body, corners, along, gone + along[-1] * k / count, speed < 0)
-
-
-def _belt_mark(s: Subject, body: int, corners: Array, along: Array, way: Array,
-               back: Flags) -> None:
-    at = way % along[-1]
-    side = np.clip(np.searchsorted(along, at, side="right") - 1, 0, len(corners) - 2)
-    step = corners[side + 1] - corners[side]
-    step = step / np.maximum(np.hypot(*step.T), 1e-12)[:, None]
-    x, y = (corners[side] + (at - along[side])[:, None] * step).T
-    pose = s.run.arrays["body_pose"][:, body]
-    c, sine = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-    turn = np.unwrap(np.arctan2(step[:, 1], step[:, 0])) + pose[:, 2]
-    frame = s.out.frame(np.column_stack([
-        pose[:, 0] + c * x - sine * y, pose[:, 1] + sine * x + c * y, turn]))
-    s.add("belts", "mark", plane=s.plane(body), at=[frame, 0, 0], turn=s.out.varying(turn),
-          g=[glyph(s.out, "belt"), glyph(s.out, "belt_back")],
-          state=s.out.varying(back, steady=True))
+            at = (gone[:, None] + along[-1] * np.arange(count) / count) % along[-1]
+            side = np.clip(np.searchsorted(along, at, side="right") - 1, 0, len(step) - 1)
+            x, y = np.moveaxis(corners[side] + (at - along[side])[..., None] * step[side], -1, 0)
+            turn = np.unwrap(np.arctan2(step[side, 1], step[side, 0]), axis=0) + pose[..., 2]
+            for frame in np.moveaxis(np.stack([
+                    pose[..., 0] + c * x - sine * y, pose[..., 1] + sine * x + c * y, turn]), 2, 0):
+                s.add("belts", "mark", plane=s.plane(body), at=[s.out.frame(frame.T), 0, 0],
+                      turn=s.out.varying(frame[2]), g=[glyph(s.out, name) for name in marks],
+                      state=back)

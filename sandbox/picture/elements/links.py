@@ -9,18 +9,19 @@ import numpy as np
 
 from sandbox.model.model import NONE
 from sandbox.numeric import Array
-from sandbox.picture.bars import bars_of
 from sandbox.picture.elements.joints import JOINTS
 from sandbox.picture.glyphs import glyph
 from sandbox.picture.listing import Point
 from sandbox.picture.run_data import RunData
 from sandbox.picture.scales import prefixed
 from sandbox.picture.subject import Subject
-from sandbox.picture.tensions import UNLOADED
+from sandbox.picture.tensions import UNLOADED, bars_of
 
 Reach = tuple[float, float]
 TELLING, SHORT = 12, 36.0
 """Numbers beside rods and ropes: of at most so many, and of none shorter than this [points]."""
+BESIDE = 6.0
+"""Distance of such a number from its rod [points]."""
 TUBE, TUBE_WIDTH = 0.85, 13.0
 """Length of an actuator's cylinder as a share of the actuator's least length; width [points]."""
 STROKE, LONGEST_TUBE = 0.88, 0.96
@@ -34,6 +35,9 @@ THICK = (0.5, 6.0)
 """Fractions of its own stiffness between which the line of a driven spring changes."""
 BAND = 5.4
 """Width of a loaded bar's band [points]."""
+ZIGZAG = [0, 0, 0.16, 0, *(v for k in range(10) for v in (
+    round(0.16 + 0.68 * (k + 0.5) / 10, 4), 1 - 2 * (k % 2))), 0.84, 0, 1, 0]
+"""A coil as the pattern of a span, with straight ends."""
 
 
 def reach_of(run: RunData, joint: int) -> Reach:
@@ -154,7 +158,7 @@ class _Link:
             there = there & (s.out.columns[self.shown["shown"][0]] != 0)
         s.add("told", "text", self.name, at=[self.along(self.length / 2), 0, 0], words="",
               value=s.out.column(tension, steady=True), factor=factor, unit=unit,
-              decimals=decimals, s=s.style("", "ink"), rank=4,
+              decimals=decimals, s=s.style("", "ink"), rank=4, clear=BESIDE,
               shown=s.out.varying(there, steady=True))
 
 
@@ -186,16 +190,6 @@ def thickened(level: Array) -> Array:
     return np.asarray(1 + np.where(level > 0, 1.2, 0.3) * level)
 
 
-def coil_pattern() -> list[float]:
-    """A zig-zag with straight ends, as the pattern of a span."""
-    steps, ends = 10, 0.16
-    along = ends + (1 - 2 * ends) * (np.arange(steps) + 0.5) / steps
-    side = np.where(np.arange(steps) % 2 == 0, 1, -1)
-    inner = [v for w, way in zip(along.round(4).tolist(), side.tolist(), strict=True)
-             for v in (w, way)]
-    return [0, 0, ends, 0, *inner, 1 - ends, 0, 1, 0]
-
-
 def add_springs(s: Subject) -> None:
     """Coils between two points, spirals about hinges."""
     model, pose = s.run.model, s.run.arrays["body_pose"]
@@ -211,13 +205,16 @@ def add_springs(s: Subject) -> None:
         if springs.straight[k]:
             ends = [s.point_on(body, at) for body, at in zip((a, b), springs.anchor[k],
                                                              strict=True)]
-            start, end = map(s.out.place, ends)
-            size = np.maximum(np.hypot(*(end - start).T), 1e-12)
+            apart = None
+            if side:
+                start, end = map(s.out.place, ends)
+                size = np.maximum(np.hypot(*(end - start).T), 1e-12)
+                apart = side * (size - rest) <= 0
             if side < 0 and (size > rest).any():  # it does not follow what leaves it
                 tip = start + (end - start) * np.minimum(1.0, rest / size)[:, None]
                 ends[1] = [s.out.frame(np.column_stack([tip, np.zeros(len(tip))])), 0, 0]
-            look = _spring_look(s, k, side * (size - rest) <= 0 if side else None)
-            s.add("springs", "span", name, a=ends[0], b=ends[1], t=coil_pattern(),
+            look = _spring_look(s, k, apart)
+            s.add("springs", "span", name, a=ends[0], b=ends[1], t=ZIGZAG,
                   w=[COIL_SHARE, *COIL_WIDTH], **look, **shown)
             for at in ends:
                 s.add("springs", "mark", at=at, g=glyph(s.out, "dot"), **shown)
@@ -262,4 +259,4 @@ def add_bars(s: Subject) -> None:
             middle = s.point_on(bar.body, np.mean(bar.ends, axis=0))
             s.add("bars", "text", at=middle, words="", factor=factor, unit=unit,
                   decimals=decimals, value=s.out.column(carried.bars[:, k], steady=True),
-                  s=s.style("", "ink"), rank=4)
+                  s=s.style("", "ink"), rank=4, clear=BESIDE)

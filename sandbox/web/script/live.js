@@ -1,3 +1,63 @@
+// The meters of a live view: quantities that are watched, over the last while.
+
+const KEPT = 1500;                                        // frames
+const STILL = 1e-4;                                       // of a value: less is not spread over a plot, as frames are float32
+
+class Meters {
+  constructor(box, ask) {                                 // ask(names): to watch these
+    Object.assign(this, { box, ask, first: [], watched: [], time: [], rows: [], plots: [] });
+  }
+  names() { return this.watched.map((w) => w.name); }
+  more(names) { this.ask([...new Set([...this.names(), ...names])]); }
+  forget() { this.back(-Infinity); }
+  back(t) {                                               // what was from t on is not any more
+    const kept = this.time.findLastIndex((one) => one < t) + 1;
+    for (const row of [this.time, ...this.rows]) row.length = kept;
+  }
+  show(watched) {                                         // [{name, unit}], a plot for each unit
+    const before = new Map(this.watched.map((w, k) => [w.name, this.rows[k]]));
+    this.watched = watched;
+    this.rows = watched.map((w) => before.get(w.name) || this.time.map(() => null));
+    for (const made of this.plots) { made.quiet = true; made.box.querySelector(".close").click(); }
+    const at = new Map(watched.map((w, k) => [w.name, k])), groups = new Map(), taken = new Set();
+    const first = this.first.filter((meter) => meter.names.every((name) => at.has(name)));
+    this.plots = first.map((meter) => {                   // those of the scene's view
+      const of = meter.names.map((name) => at.get(name));
+      for (const k of of) taken.add(k);
+      return this.plot(watched[of[0]].unit, of, meter);
+    });
+    watched.forEach((w, k) => {
+      if (taken.has(k)) return;
+      if (!groups.has(w.unit)) groups.set(w.unit, []);
+      groups.get(w.unit).push(k);
+    });
+    this.plots.push(...[...groups].map(([unitName, of]) => this.plot(unitName, of)));
+  }
+  plot(unitName, of, { title, range, number } = {}) {
+    const names = of.map((k) => this.watched[k].name), alike = common(names);
+    const made = plot(this.box, {
+      title: title || (names.length === 1 ? names[0] : alike.title), range, number, unit: unitName,
+      names, short: names.map((n) => (names.length > 1 ? alike.cut(n) : "")),
+      least: STILL, time: this.time, rows: of.map((k) => this.rows[k]),
+      close: () => { if (!made.quiet) this.ask(this.names().filter((n) => !names.includes(n))); },
+    });
+    made.of = of;
+    return made;
+  }
+  keep(t, values) {
+    this.time.push(t);
+    this.rows.forEach((row, k) => row.push(Number.isFinite(values[k]) ? values[k] : null));
+    if (this.time.length > KEPT + 300) for (const row of [this.time, ...this.rows]) row.splice(0, 300);
+  }
+  row(name) { return this.rows[this.names().indexOf(name)]; }   // undefined if it is not watched
+  scroll(t) {
+    for (const made of this.plots) {
+      made.set(this.time, made.of.map((k) => this.rows[k]));
+      made.at(t);
+    }
+  }
+}
+
 // The live view: a Stage that shows what a session does, and asks it for things.
 // link = {send(text), onmessage(data), onclose()}: text is JSON, data is JSON or a frame's bytes.
 
@@ -16,8 +76,9 @@ function socketLink(address) {
   return link;
 }
 
-class Live {
+class Live extends Viewer {
   constructor(root, link) {
+    super();
     Object.assign(this, { root, link, ids: 0, sent: new Map(), asked: false, frame: null, ways: [], instants: [],
                           waiting: new Map(), working: false, stats: { drawn: 0, got: 0, latency: [], costs: [] } });
     link.onmessage = (data) => { if (typeof data === "string") this.hear(JSON.parse(data)); else this.take(data); };
@@ -60,15 +121,13 @@ class Live {
       this.speeds, this.clock, this.pace);
   }
   tools() {
-    this.follow = followBox(() => [this.stage], () => this.redraw());
-    this.film = button("film", "film", "record what is seen", () => this.record());
-    return el("div", { className: "tools" },
-      button("fit", "fit", "show all (0)", () => this.fit()), this.follow,
-      button("picture", "picture", "save this picture (s)", () => this.picture()), this.film,
+    return super.tools(
       button("save-run", "save run", "run it again as it was played, and save that", () => this.ask({ save: "run" })),
-      button("save-scene", "save scene", "what was played as a scene of its own", () => this.ask({ save: "scene" })),
-      button("help", "?", "keys", () => this.help.showModal()));
+      button("save-scene", "save scene", "what was played as a scene of its own", () => this.ask({ save: "scene" })));
   }
+  get stages() { return this.stage ? [this.stage] : []; }
+  get t() { return this.frame.t; }
+
   // -- what is heard -------------------------------------------------------------------------------
   hear(message) {
     if (message.head) this.begin(message.head);
@@ -191,7 +250,7 @@ class Live {
     const slow = this.playing && f.rate < 0.9 * +this.speeds.value && f.t > 0.5;
     if (!this.working) this.pace.textContent = slow ? `${f.rate.toFixed(2)} \u00d7 real time` : "";
     this.controls.follow(f.drives);
-    if (this.filming) this.filming.frame([this.stage]);
+    if (this.filming) this.filming.frame(this.stages);
     this.stats.drawn++;
     if (!this.playing || this.stats.drawn % 3 === 0) this.meters.scroll(f.t);
     for (const [id, at] of this.sent) {
@@ -267,23 +326,11 @@ class Live {
     };
     this.tip(pick && pick.n ? toldOf(pick, this.units, read) : null, e);
   }
-  picture() { savePicture([this.stage], this.head.name, this.frame.t); }
-  record() {
-    if (this.filming) { this.filming.stop(); return; }
-    if (!Filming.kind()) { this.tell("this browser records no film", true); return; }
-    this.filming = new Filming([this.stage], this.head.name, () => { this.filming = null; this.film.textContent = "film"; });
-    this.film.textContent = "stop the film";
-  }
-  fit() { fitAll([this.stage], () => this.redraw()); }
-  zoom(factor) { zoomAll([this.stage], factor, () => this.redraw()); }
   listen() {
-    onKeys({
+    super.listen(this.sheet, () => this.meters.plots, {
       " ": () => this.toggle(), ArrowRight: () => this.ask({ do: "step" }), ArrowLeft: () => this.ask({ do: "back" }),
-      r: () => this.ask({ do: "reset" }), "[": () => this.speeds.faster(-1), "]": () => this.speeds.faster(1),
-      "+": () => this.zoom(1.25), "-": () => this.zoom(0.8), ...moves(() => [this.stage], () => this.redraw()), 0: () => this.fit(), s: () => this.picture(),
-      "?": () => this.help.showModal(),
-    }, () => this.head && !this.help.open);
-    onLooks(this.sheet, () => (this.stage ? [this.stage, ...this.meters.plots] : []), () => this.redraw());
+      r: () => this.ask({ do: "reset" }),
+    });
   }
 }
 

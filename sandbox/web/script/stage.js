@@ -4,6 +4,7 @@
 const TAU = 2 * Math.PI, FONT = '"DejaVu Sans", system-ui, sans-serif';
 const SMALL = 500, MOST = 24, FEW = 6;                    // of a picture [px]; numbers in a picture, in a small one
 const PITCH = 7, REACH = 12, SHORTEST = 1.5;              // of hatching [points]; of picking [px]; between points of a trail [px]
+const INSIDE = 14;                                        // by which labels are moved into the picture, at most [points]
 const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
 const apart = (a, b) => Math.hypot(b[0] - a[0], b[1] - a[1]);
 const turned = ([x, y], a) => [Math.cos(a) * x - Math.sin(a) * y, Math.sin(a) * x + Math.cos(a) * y];
@@ -271,8 +272,9 @@ class Stage {
     for (const { text, tip, side, ink, clear, number } of this.words) {
       if (number && numbers >= most) continue;
       const w = this.widthOf(text) / 2, h = 0.55 * this.text, [dx, dy, far] = this.list.sides[side], reach = (3 + far) * u + clear;
-      const x = tip[0] + dx * (w + reach), y = tip[1] - dy * (h + reach), box = [x - w, y - h, x + w, y + h];
-      if (box[0] < 0 || box[2] > this.w || box[1] < 0 || box[3] > bottom
+      const wanted = [tip[0] + dx * (w + reach), tip[1] - dy * (h + reach)];
+      const [x, y] = [clamp(wanted[0], w, this.w - w), clamp(wanted[1], h, bottom - h)], box = [x - w, y - h, x + w, y + h];
+      if (apart(wanted, [x, y]) > INSIDE * u
           || taken.some(([a, b, c, d]) => box[0] < c && a < box[2] && box[1] < d && b < box[3])) continue;
       taken.push(box);
       numbers += number ? 1 : 0;
@@ -290,8 +292,9 @@ class Stage {
     ctx.font = `${this.text}px ${FONT}`;
     const room = this.stamp ? ctx.measureText(`${this.stamp}00`).width + 2 * this.text : 0;
     let used = Infinity;
-    for (const row of this.list.legend) {
-      if (!this.layers.has(row.l)) continue;
+    const shown = this.list.legend.filter((row) => this.layers.has(row.l));
+    for (const [k, row] of shown.entries()) {
+      if (shown[k + 1]?.instead) continue;
       let symbol = row.k === "ramp" ? 64 * u : (row.width || 0) * u, after = row.after ?? row.words;
       if (row.k === "scale") {
         const size = roundLength((row.size ? 52 : 80) * u / (row.metres * this.scale || 1));
@@ -406,7 +409,7 @@ const PAINT = {
     return item.every ? polyline([a, b]) : path;
   },
   spiral(s, item) {
-    const [x, y] = s.at(item.at), [, edge, width] = s.look(item), [r0, r1] = item.r, from = s.value(item.from), sweep = s.value(item.sweep);
+    const [x, y] = s.at(item.at), [, edge, width] = s.look(item), [r0, r1] = item.r, from = s.value(item.start), sweep = s.value(item.sweep);
     if (!edge) return null;
     const head = (item.head || 0) * s.u, back = head ? Math.min(0.8 * Math.abs(sweep), head / (r1 * s.u)) / Math.max(Math.abs(sweep), 1e-9) : 0;
     const spot = (w) => [x + s.u * (r0 + (r1 - r0) * w) * Math.cos(from + sweep * w), y - s.u * (r0 + (r1 - r0) * w) * Math.sin(from + sweep * w)];
