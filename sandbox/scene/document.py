@@ -104,9 +104,6 @@ class Assembly(PartSpec):
         if problems:
             raise PartError([dataclasses.replace(problem, path=problem.path.removeprefix("$"))
                              for problem in problems])
-        inner = dataclasses.replace(
-            inner, contacts=inner.contacts + self.contacts, groups=inner.groups + self.groups,
-            materials=inner.materials + tuple(self.materials.items()))
         placement = Placement(self.at, self.angle, self.mirror, self.scale)
         return before + placed(self.name, inner, placement, outside)
 

@@ -34,9 +34,7 @@ def expand(scene: Scene) -> Mechanism:
         raise SceneError(problems)
     fields = {name: getattr(scene, name) for name in Mechanism.model_fields}
     fields |= {kind.name: getattr(elements, kind.name) for kind in dataclasses.fields(elements)}
-    fields["materials"] = scene.materials | dict(elements.materials)
-    fields["contacts"] = elements.contacts + scene.contacts
-    fields["groups"] = elements.groups + scene.groups
+    fields["materials"] = dict(elements.materials)
     return Mechanism.model_construct(set(fields), **fields)
 
 

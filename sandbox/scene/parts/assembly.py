@@ -41,7 +41,8 @@ def expand_parts(
     elements = Elements(
         bodies=scene.bodies, joints=scene.joints, springs=scene.springs, tendons=scene.tendons,
         lines=scene.lines, valves=scene.valves, loads=scene.loads,
-        controllers=scene.controllers, events=scene.events, meters=scene.meters)
+        controllers=scene.controllers, events=scene.events, meters=scene.meters,
+        materials=tuple(scene.materials.items()))
     tendon_of = {name: tendon for part in scene.parts for name, tendon in part.tendon_names.items()}
     pulled |= {leaf.name for part in scene.parts for leaf in part.leaves}
     problems = _pulled_twice(scene)
@@ -63,7 +64,9 @@ def expand_parts(
                                  f"this part cannot be built: {why}", path=f"$.parts[{i}]")
                          for why in _reasons(error)]
     own = tuple(_resolved(drive, tendon_of) for drive in scene.drives)
-    return dataclasses.replace(elements, drives=own + elements.drives), problems
+    return dataclasses.replace(
+        elements, drives=own + elements.drives, contacts=elements.contacts + scene.contacts,
+        groups=elements.groups + scene.groups), problems
 
 
 def _reasons(error: SceneError | ArithmeticError) -> list[str]:
