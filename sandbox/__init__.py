@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     )
     from sandbox.picture.film import render
     from sandbox.recording.recording import Recording
+    from sandbox.scene.composite import Composite, register
     from sandbox.scene.expand import expand
     from sandbox.scene.read.load import load_scene
     from sandbox.sweeps.sweep import sweep
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "Composite",
     "ControllerFailed",
     "Custom",
     "Interrupted",
@@ -51,6 +53,7 @@ __all__ = [
     "expand",
     "gym",
     "load_scene",
+    "register",
     "render",
     "rest",
     "rest_along",
@@ -60,6 +63,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "Composite": "sandbox.scene.composite",
     "ControllerFailed": "sandbox.errors",
     "Custom": "sandbox.elements.controllers.custom",
     "Interrupted": "sandbox.errors",
@@ -74,6 +78,7 @@ _HOMES = {
     "StopRun": "sandbox.elements.controllers.custom",
     "expand": "sandbox.scene.expand",
     "load_scene": "sandbox.scene.read.load",
+    "register": "sandbox.scene.composite",
     "render": "sandbox.picture.film",
     "rest": "sandbox.equilibria.rest",
     "rest_along": "sandbox.equilibria.branches",

@@ -43,9 +43,10 @@ from sandbox.scene.bodies import Body, Box, Capsule, Circle, Material, Polygon, 
 from sandbox.scene.derived_shapes import DiscCam, Drawing, SmoothCurve
 from sandbox.scene.document import Assembly, Scene
 from sandbox.scene.events import Event
+from sandbox.scene.parts.expansion import Leaf
 from sandbox.scene.parts.finger import Finger, FingerSprings, FingerTendon
 from sandbox.scene.parts.section import Section
-from sandbox.scene.parts.trees import Leaf, PulleyTree, RockerTree
+from sandbox.scene.parts.trees import PulleyTree, RockerTree
 from sandbox.scene.settings import (
     ContactRule,
     Expect,

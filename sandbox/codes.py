@@ -14,6 +14,8 @@ CODES: dict[str, tuple[str, str]] = {
                         "control.md"),
     "bad-drawing": ("The SVG or DXF file has no usable outline. Fix the file or name a layer.",
                     "scenes.md#outlines"),
+    "bad-elements": ("The file of `--elements` cannot be used. Correct the named line.",
+                     "howto/own_joint.md"),
     "bad-expression": ("The expression cannot be computed. Use SI numbers, parameters and the "
                        "listed functions.",
                        "scenes.md#parameters-templates-and-changes-from-outside"),

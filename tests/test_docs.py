@@ -4,7 +4,8 @@ A ``console`` block has commands (``$ sandbox ...``, with ``# exits 2`` for anot
 0; a backslash at the end of a line continues it) and below each of them parts of its output; ``…``
 stands for anything. The blocks of a page run in order in one directory. A ``json scene`` block is a
 whole scene, written to ``scene.json``; ``tests/golden`` simulates it with its expectations. One
-that diverges on purpose is ``json scene diverges``. ``json broken`` is written to ``broken.json``,
+that diverges on purpose is ``json scene diverges``. ``python NAME.py`` is written to that file, and
+``json own`` is a scene that needs its elements. ``json broken`` is written to ``broken.json``,
 ``json study`` to ``study.json``. A ``json piece`` must occur in the next whole scene of its page. A
 ``sh`` block has commands that are too slow or too particular to run here.
 """
@@ -36,7 +37,8 @@ ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted(page for page in (ROOT / "docs").rglob("*.md")
                                      if page.name != "validation.md")]
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-KINDS = {"console", *WHOLE, "json piece", "json broken", "json study", "python", "sh"}
+KINDS = {"console", *WHOLE, "json own", "json piece", "json broken", "json study", "python",
+         "python my_strut.py", "python my_bushing.py", "sh"}
 
 GENERATED = ROOT / "docs" / "validation.md"
 """Page that the site build writes."""
@@ -91,12 +93,14 @@ def run_page(page: Path, capsys: Any) -> int:
         if kind == "json piece":
             whole = next((other for kind, other in found[index:] if kind in WHOLE), "")
             assert "".join(text.split()) in "".join(whole.split()), text
-        elif kind in WHOLE:
+        elif kind in (*WHOLE, "json own"):
             Path("scene.json").write_text(text, encoding="utf-8")
         elif kind == "json broken":
             Path("broken.json").write_text(text, encoding="utf-8")
         elif kind == "json study":
             Path("study.json").write_text(text, encoding="utf-8")
+        elif kind.endswith(".py"):
+            Path(kind.split()[1]).write_text(text, encoding="utf-8")
         elif kind == "python":
             exec(compile(text, str(page), "exec"), {"__name__": "__main__"})
         elif kind == "console":

@@ -281,8 +281,7 @@ def _stops(evidence: Evidence) -> Figure:
 
 def _differential(evidence: Evidence) -> Figure:
     """Every rocker and wheel of every tree: its pivot's displacement against its two strings'."""
-    groups = [group for group in evidence.model.mechanism.groups
-              if group.kind in ("rocker_tree", "pulley_tree")]
+    groups = [group for group in evidence.model.mechanism.groups if group.tree]
     if not groups:
         return missing("differential", source="(4)-(7)",
                        why="there is no tree of rockers or pulleys")

@@ -15,9 +15,9 @@ from sandbox.cli.failures import Exit, see
 from sandbox.cli.options import (
     json_option,
     limit_option,
-    override_option,
     quiet_option,
     read_length,
+    scene_options,
 )
 from sandbox.cli.runs import file_option, open_run
 from sandbox.cli.scenes import load, scene_argument, scene_path
@@ -39,7 +39,7 @@ DIRECTIONS = 12
 
 @click.command()
 @scene_argument
-@override_option
+@scene_options
 @json_option
 @limit_option
 def converge(scene: str, overrides: dict[str, Any], as_json: bool, limits: Limits) -> int:

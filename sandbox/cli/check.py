@@ -10,7 +10,7 @@ import click
 
 from sandbox.cli.console import Console
 from sandbox.cli.failures import Exit, one_line, pages_line, problem_data
-from sandbox.cli.options import json_option, limit_option, override_option
+from sandbox.cli.options import json_option, limit_option, scene_options
 from sandbox.cli.scenes import complete_scene, load, scene_path
 from sandbox.errors import Problem, SceneError
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("scenes", metavar="SCENE...", nargs=-1, shell_complete=complete_scene)
-@override_option
+@scene_options
 @click.option("--strict", is_flag=True, help="Let warnings fail the check.")
 @click.option("--expand", is_flag=True,
               help="Print the one SCENE as plain elements, itself a scene.")

@@ -17,7 +17,7 @@ import click
 from sandbox.cli.check import refuse_blocking
 from sandbox.cli.console import Console, Heartbeat, compilation_notices, table
 from sandbox.cli.failures import Exit
-from sandbox.cli.options import OUT, limit_option, override_option
+from sandbox.cli.options import OUT, limit_option, scene_options
 from sandbox.cli.runs import prepare
 from sandbox.cli.scenes import complete_scene, load, scene_path
 
@@ -60,7 +60,7 @@ _VALUE = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.
               "body with the role 'object' that moves freely.")
 @click.option("--out", type=OUT, metavar="DIR",
               help="Directory of rest.json, rest.csv and rest.png; renders/rest/SCENE by default.")
-@override_option
+@scene_options
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 @limit_option

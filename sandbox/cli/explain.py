@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 import click
 
 from sandbox.cli.console import Console
+from sandbox.cli.options import elements_option
 from sandbox.wording import meant
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ class _Element(NamedTuple):
 
 @click.command()
 @click.argument("name", required=False)
+@elements_option
 def explain(name: str | None) -> None:
     """Explain an element, a field group or a quantity.
 
@@ -112,12 +114,14 @@ def _overview() -> list[str]:
 def _elements() -> list[_Element]:
     """All elements, in the order of the reference."""
     from sandbox.elements.element import tag_of
+    from sandbox.scene.composite import registered
     from sandbox.scene.reference import ELEMENTS, PARTS, VALUES
 
     places = _places()
     return [_Element(topic, *(places[model] if model in places and topic != VALUES
                               else (_snake_case(model.__name__), "")), tag_of(model), model)
-            for topic, models in {**ELEMENTS, **PARTS}.items() for model in models]
+            for topic, models in {**ELEMENTS, **PARTS, "Your own": registered()}.items()
+            for model in models]
 
 
 def _places() -> dict[type[Spec], tuple[str, str]]:

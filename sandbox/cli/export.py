@@ -9,7 +9,7 @@ import click
 
 from sandbox.atomic_files import write_atomic
 from sandbox.cli.console import Console
-from sandbox.cli.options import OUT, limit_option, override_option
+from sandbox.cli.options import OUT, limit_option, scene_options
 from sandbox.cli.scenes import load, scene_argument, scene_path
 from sandbox.errors import SceneError
 
@@ -41,7 +41,7 @@ def read_format(ctx: click.Context, param: click.Parameter, word: str) -> str:
 @click.option("--without", multiple=True, metavar="NAME",
               help="Leave out an element and all that depends on it; patterns such as 'tree.*' "
                    "too. Repeatable.")
-@override_option
+@scene_options
 @limit_option
 def export(
     scene: str, form: str, out: Path | None, without: tuple[str, ...],

@@ -126,9 +126,33 @@ def _measured(
         raise click.BadParameter(str(error), ctx, param) from None
 
 
-override_option = click.option(
+def read_elements(ctx: click.Context, param: click.Parameter, paths: Sequence[Path]) -> None:
+    """Register the elements of files while the command runs.
+
+    Raises:
+        SandboxError: a file cannot be read or run, or registers nothing.
+    """
+    if paths:
+        from sandbox.scene.composite import load_elements
+
+        for path in paths:
+            ctx.call_on_close(load_elements(path))
+
+
+elements_option = click.option(
+    "--elements", multiple=True, metavar="FILE", type=click.Path(path_type=Path), is_eager=True,
+    callback=read_elements, expose_value=False,
+    help="Run a Python file that registers elements of your own. Repeatable.")
+_set_option = click.option(
     "--set", "overrides", multiple=True, metavar="PATH=VALUE", callback=read_overrides,
     help="Change the scene, as in 'parameters.pull=20 N' or 'run.step=1e-3'. Repeatable.")
+
+
+def scene_options(command: F) -> F:
+    """Options of all commands that load a scene: ``--set`` and ``--elements``."""
+    return _set_option(elements_option(command))
+
+
 limit_option = click.option(
     "--limit", "limits", multiple=True, metavar="NAME=VALUE", callback=read_limits,
     help="Change a limit, as in 'steps=5e6'; 'sandbox explain limits' lists them. Repeatable.")

@@ -16,7 +16,7 @@ import click
 from sandbox.cli.check import inspect_scene, inspection_data, inspection_lines, refuse_blocking
 from sandbox.cli.console import Console, Progress, compilation_notices, table
 from sandbox.cli.failures import Exit, pages_line, report, see
-from sandbox.cli.options import OUT, json_option, limit_option, override_option, quiet_option
+from sandbox.cli.options import OUT, json_option, limit_option, quiet_option, scene_options
 from sandbox.cli.runs import default_directory, write_page, written
 from sandbox.cli.scenes import load, scene_argument, scene_path
 from sandbox.errors import Interrupted, Problem, RecordingFull, SimulationDiverged
@@ -57,7 +57,7 @@ class _Job:
 @scene_argument
 @click.option("--out", type=OUT, metavar="DIR",
               help="Directory for the files; renders/<scene name> by default.")
-@override_option
+@scene_options
 @click.option("--no-render", is_flag=True, help="Numbers only, no pictures.")
 @click.option("--format", "animation", type=click.Choice(["gif", "mp4"]), default="gif",
               show_default=True, help="Of the animation.")

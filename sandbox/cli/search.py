@@ -13,7 +13,7 @@ import click
 
 from sandbox.cli.console import Console, Heartbeat, resume_notice, worker_compilation_notices
 from sandbox.cli.failures import Exit
-from sandbox.cli.options import OUT, limit_option, override_option
+from sandbox.cli.options import OUT, limit_option, scene_options
 from sandbox.cli.runs import default_directory, prepare
 from sandbox.cli.scenes import complete_scene
 from sandbox.cli.sweep import problems_at_options, read_varied, workers_option
@@ -98,7 +98,7 @@ def _options(*own: Callable[[Any], Any]) -> Callable[[F], F]:
                      help="Values of a path: a range, 'parameters.pull=2 N:8 N', with ':log' for "
                           "even ratios; for a fit also a list or a distribution, 'normal(3 N, 0.2 "
                           "N)'."),
-        *own, override_option,
+        *own, scene_options,
         click.option("--out", type=OUT, metavar="DIR",
                      help="Directory of the results and finished runs; by default "
                           "searches/KIND/NAME, with a number for another question."),

@@ -24,7 +24,7 @@ from sandbox.cli.console import (
     worker_compilation_notices,
 )
 from sandbox.cli.failures import Exit
-from sandbox.cli.options import OUT, limit_option, override_option
+from sandbox.cli.options import OUT, limit_option, scene_options
 from sandbox.cli.runs import default_directory, prepare
 from sandbox.cli.scenes import complete_scene
 
@@ -132,7 +132,7 @@ def _at_option(problem: Problem, vary: Mapping[str, str], keep: Sequence[str]) -
               help="Number of points, of designs other than grid and paired.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True,
               help="Of random points.")
-@override_option
+@scene_options
 @click.option("--out", type=OUT, metavar="DIR",
               help="Directory of the table, and of finished runs; sweeps/NAME by default.")
 @workers_option

@@ -14,7 +14,7 @@ import click
 from sandbox.cli.check import inspect_scene, inspection_lines, refuse_blocking
 from sandbox.cli.console import Console, compilation_notices
 from sandbox.cli.failures import Exit, pages_line
-from sandbox.cli.options import limit_option, override_option
+from sandbox.cli.options import limit_option, scene_options
 from sandbox.cli.runs import default_directory
 from sandbox.cli.scenes import load, scene_argument, scene_path
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @scene_argument
-@override_option
+@scene_options
 @click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N",
               help="Port to listen on; by default a free one.")
 @click.option("--no-browser", is_flag=True, help="Only print the address.")

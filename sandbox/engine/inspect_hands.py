@@ -329,7 +329,7 @@ OFF = 0.01
 def reaches(model: Model) -> Iterator[str]:
     """A line for every tree of rockers or pulleys: ``tree: …``."""
     for group in model.mechanism.groups:
-        if group.kind not in ("rocker_tree", "pulley_tree"):
+        if not group.tree:
             continue
         words = [*_rockers(model, group.bodies), *_slots(model, group.bodies)]
         if words:

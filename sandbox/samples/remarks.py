@@ -33,7 +33,6 @@ AT_END = 1e-5
 """A point nearer to an end than this [m], which presses against it, is there."""
 PRESSES = 1e-9
 """Of a joint's largest force the share along the groove that is no rounding."""
-TREES = ("rocker_tree", "pulley_tree")
 
 
 def ended(run: Stored) -> Iterator[str]:
@@ -45,8 +44,7 @@ def ended(run: Stored) -> Iterator[str]:
     slots = joints.keeping("groove").tolist()
     if not slots or not len(run):
         return
-    divide = {name for group in run.mechanism.groups if group.kind in TREES
-              for name in group.bodies}
+    divide = {name for group in run.mechanism.groups if group.tree for name in group.bodies}
     told = []
     for joint in slots:
         way, pressed, length = _along(run, joint)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
@@ -14,16 +15,18 @@ from sandbox.elements.tendons import Tendon
 from sandbox.scene.bodies import Body, Material
 from sandbox.scene.events import Event
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.parts.assembly import expand_parts, placed
+from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec
 from sandbox.scene.parts.finger import Finger
-from sandbox.scene.parts.placement import Mirror
+from sandbox.scene.parts.placement import Mirror, Placement
 from sandbox.scene.parts.section import Section
 from sandbox.scene.parts.trees import PulleyTree, RockerTree
 from sandbox.scene.settings import ContactRule, Group, Meter
 from sandbox.values.numbers import POSITIVE, Angle, Items, Name, Number, Point, Quantity
-from sandbox.values.spec import TYPE, Spec
+from sandbox.values.spec import TYPE
 
 
-class Assembly(Spec):
+class Assembly(PartSpec):
     """Elements and parts in one piece: placed, turned, mirrored and scaled as one.
 
     They are written as in a scene, about an origin of their own. In the scene their names begin
@@ -76,6 +79,33 @@ class Assembly(Spec):
     """Its meters."""
     parts: Items[Part] = ()
     """Its parts, assemblies among them."""
+
+    @property
+    def body_count(self) -> int:
+        """Number of its bodies and those of its parts."""
+        return len(self.bodies) + sum(part.body_count for part in self.parts)
+
+    @property
+    def tendon_names(self) -> dict[str, str]:
+        """The tendons of its parts."""
+        return {f"{self.name}.{name}": f"{self.name}.{tendon}"
+                for part in self.parts for name, tendon in part.tendon_names.items()}
+
+    def expand(self, known: Known) -> Elements:
+        """All elements so far, and its own, placed and under their names outside."""
+        begin, before = f"{self.name}.", known.elements
+
+        def outside(name: str) -> Body | None:
+            return before.body(name) or known.outside(name)
+
+        pulled = frozenset(name.removeprefix(begin) for name in known.pulled
+                           if name.startswith(begin))
+        inner, problems = expand_parts(self, pulled, outside, known.near)
+        if problems:
+            raise PartError([dataclasses.replace(problem, path=problem.path.removeprefix("$"))
+                             for problem in problems])
+        placement = Placement(self.at, self.angle, self.mirror, self.scale)
+        return before + placed(self.name, inner, placement, outside)
 
 
 Part = Annotated[Finger | RockerTree | PulleyTree | Section | Assembly,

@@ -50,7 +50,7 @@ ELEMENTS: Mapping[str, Sequence[type[Spec]]] = {
 """The models of a scene by topic."""
 PARTS: Mapping[str, list[type[Spec]]] = {
     "Finger": [finger.Finger, finger.FingerSprings, finger.FingerTendon],
-    "Trees": [trees.RockerTree, trees.PulleyTree, trees.Leaf],
+    "Trees": [trees.RockerTree, trees.PulleyTree, lists.Leaf],
     "Section": [section.Section],
     "Assembly": [Assembly],
 }

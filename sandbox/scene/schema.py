@@ -77,8 +77,11 @@ def _models(model: type[BaseModel]) -> list[type[BaseModel]]:
 
 
 def docstrings(model: type) -> dict[str, str]:
-    """The string below each field of a class, by field."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(model))).body[0]
+    """The string below each field of a class, by field; none where its source is unavailable."""
+    try:
+        tree = ast.parse(textwrap.dedent(inspect.getsource(model))).body[0]
+    except OSError:
+        return {}
     assert isinstance(tree, ast.ClassDef)
     found = {}
     for field, after in zip(tree.body, tree.body[1:], strict=False):

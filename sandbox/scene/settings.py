@@ -380,3 +380,8 @@ class Group(Spec):
     """Type for checks and pictures; ``"group"`` for user-defined groups."""
     bodies: Items[BodyName] = ()
     """Names of its bodies; a finger's are its phalanges, the proximal one first."""
+
+    @property
+    def tree(self) -> bool:
+        """Whether it is a tree of rockers or pulleys, which divides a pull."""
+        return self.kind.endswith("_tree")

@@ -22,6 +22,7 @@ from sandbox.errors import (
     SceneError,
     SimulationDiverged,
 )
+from sandbox.scene.composite import element_files
 from sandbox.scene.outlines.drawings import own_file
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
@@ -55,14 +56,17 @@ class Bundle:
     data: dict[str, Any] | None = None
     files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
     """By name, relative to the folder of the scene."""
+    elements: Mapping[str, bytes] = field(default_factory=element_files, repr=False)
+    """Files that register elements, by path."""
 
     @property
     def digest(self) -> str:
         """SHA-256 of the contents, hexadecimal."""
         total = hashlib.sha256(json.dumps(self.data, sort_keys=True).encode())
         total.update(f"{self.name}\0{self.main}".encode())
-        for name in sorted(self.files):
-            total.update(f"{name}\0{len(self.files[name])}\0".encode() + self.files[name])
+        for files in (self.files, self.elements):
+            for name in sorted(files):
+                total.update(f"{name}\0{len(files[name])}\0".encode() + files[name])
         return total.hexdigest()
 
     @contextmanager

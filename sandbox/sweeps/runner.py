@@ -18,6 +18,7 @@ from sandbox.errors import SandboxError, SceneError
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import measured, verdicts, window
+from sandbox.scene.composite import load_elements
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.sweeps.job import DONE, ENDED, Keep, Override, ReadAt, SweepJob, SweepRow
 from sandbox.values.expressions import parse_expression
@@ -31,6 +32,8 @@ class Runner:
 
     def __init__(self, job: SweepJob, scene: Path | Mapping[str, Any]) -> None:
         self._job, self._scene = job, scene
+        for path, source in job.bundle.elements.items():
+            load_elements(Path(path), source)
 
     def prepare(self) -> None:
         """Compile the kernels that the scene needs into the cache."""

@@ -19,6 +19,8 @@ from sandbox.wording import MOST_NAMED, NearMisses, WrongValueError, kind_of, li
 COMPOSING = ("like", "repeat", "include", "parameters")
 """Words that an entry of a list may hold before the models see it: offered where they are meant."""
 _QUOTED = re.compile(r"'([^']*)'")
+OWN = "; for one of your own give its file with --elements"
+"""Added to the types of parts."""
 
 
 def explain(
@@ -150,8 +152,9 @@ def _choice(
                            f"expected an object {{…}}, got {kind_of(error['input'])}", place)
         return Problem("missing-key", "'type' is missing", place, allowed=listed(choices))
     hint = near(given, choices) if isinstance(given, str) else ""
+    own = OWN if "assembly" in choices else ""
     return Problem("unknown-type", f"unknown type {quoted(given)}", f"{place}.type",
-                   allowed=listed(choices), hint=hint)
+                   allowed=f"{listed(choices)}{own}", hint=hint)
 
 
 def _tags(model: type[BaseModel], loc: tuple[int | str, ...]) -> list[str]:
@@ -226,11 +229,15 @@ ELEMENTS, PARTS = "docs/elements.md", "docs/parts.md"
 """Pages with the fields of all elements and parts."""
 STUDIES = "docs/sweeps.md#a-study-as-a-file"
 SEARCHES = "docs/searches.md#a-search-as-a-file"
+OWN_PAGE = "docs/howto/own_joint.md"
+"""The page about elements of your own."""
 
 
 def fields_page(model: type[BaseModel]) -> str:
     """The section of the docs that has a model's fields, as ``docs/parts.md#leaf``."""
     room, name = model.__module__, model.__name__
+    if not room.startswith("sandbox."):
+        return OWN_PAGE
     if room.startswith("sandbox.sweeps."):
         return SEARCHES if "Search" in name else STUDIES
     part = ".parts." in room or name == "Assembly"

@@ -100,7 +100,7 @@ class _References:
         self.actuators = dict.fromkeys(
             joint.name for joint in mechanism.joints if joint.facts.line)
         self.pulled_groups = [group.name for group in mechanism.groups
-                              if group.kind in ("finger", "rocker_tree", "pulley_tree")]
+                              if group.tree or group.kind == "finger"]
 
     def _unknown(self, name: str, known: Collection[str], what: str, path: str, *,
                  also: Collection[str] = ()) -> Iterator[Problem]:

@@ -1,4 +1,4 @@
-"""What an assembly becomes: its elements placed, under names that begin with its own."""
+"""Expansion of the parts of scenes and assemblies; placement and names of an assembly."""
 
 from __future__ import annotations
 
@@ -7,18 +7,94 @@ import re
 from collections.abc import Callable, Iterable
 from fnmatch import fnmatchcase
 from functools import cache
-from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_args, get_origin
 
-from sandbox.errors import Problem
+from sandbox.elements.registry import Drive
+from sandbox.errors import Problem, SceneError
 from sandbox.scene.bodies import Body
-from sandbox.scene.parts.expansion import Elements, PartError
+from sandbox.scene.parts.expansion import Elements, Known, PartError
 from sandbox.scene.parts.placement import Mover, Placement
 from sandbox.scene.settings import Group
 from sandbox.values.expressions import RESERVED
 from sandbox.values.spec import Spec
+from sandbox.wording import NearMisses
+
+if TYPE_CHECKING:
+    from sandbox.scene.document import Assembly, Scene
 
 PLACED = ("bodies", "joints", "springs", "tendons", "lines", "loads", "drives")
 SpecType = TypeVar("SpecType", bound=Spec)
+
+
+def expand_parts(
+    scene: Scene | Assembly, pulled: frozenset[str] = frozenset(),
+    outside: Callable[[str], Body | None] = lambda name: None, near: NearMisses | None = None,
+) -> tuple[Elements, list[Problem]]:
+    """All elements of a scene or an assembly, not placed yet, and its problems.
+
+    Args:
+        scene: the scene or assembly.
+        pulled: parts and tendons that trees outside pull, by their names in it.
+        outside: finds a body around an assembly, in the frame of its surroundings.
+        near: finds similar names.
+    """
+    elements = Elements(
+        bodies=scene.bodies, joints=scene.joints, springs=scene.springs, tendons=scene.tendons,
+        lines=scene.lines, valves=scene.valves, loads=scene.loads,
+        controllers=scene.controllers, events=scene.events, meters=scene.meters,
+        materials=tuple(scene.materials.items()))
+    tendon_of = {name: tendon for part in scene.parts for name, tendon in part.tendon_names.items()}
+    pulled |= {leaf.name for part in scene.parts for leaf in part.leaves}
+    problems = _pulled_twice(scene)
+    failed: set[str] = set()
+    near = near or NearMisses()
+    for i, part in sorted(enumerate(scene.parts), key=lambda item: bool(item[1].leaves)):
+        try:
+            elements = part.expand(Known(
+                elements, tendon_of, frozenset(failed), pulled, outside, near))
+        except PartError as error:
+            failed.add(part.name)
+            problems += [
+                dataclasses.replace(problem, path=f"$.parts[{i}]{problem.path}")
+                for problem in error.problems
+            ]
+        except (SceneError, ArithmeticError) as error:
+            failed.add(part.name)
+            problems += [Problem("bad-part",
+                                 f"this part cannot be built: {why}", path=f"$.parts[{i}]")
+                         for why in _reasons(error)]
+    own = tuple(_resolved(drive, tendon_of) for drive in scene.drives)
+    return dataclasses.replace(
+        elements, drives=own + elements.drives, contacts=elements.contacts + scene.contacts,
+        groups=elements.groups + scene.groups), problems
+
+
+def _reasons(error: SceneError | ArithmeticError) -> list[str]:
+    """Why an element of a part is invalid."""
+    if isinstance(error, ArithmeticError):
+        return ["its numbers are too large or too small"]
+    return [problem.message for problem in error.problems]
+
+
+def _pulled_twice(scene: Scene | Assembly) -> list[Problem]:
+    """Tendons that two trees pull, or one tree twice: a tendon has one end."""
+    problems: list[Problem] = []
+    seen: dict[tuple[str, tuple[float, float]], str] = {}
+    for i, part in enumerate(scene.parts):
+        for j, leaf in enumerate(part.leaves):
+            key = (leaf.name.removesuffix(".tendon"), leaf.at)
+            if key in seen:
+                problems.append(Problem("set-twice", f"{leaf.name!r} is pulled already, by "
+                                        f"{seen[key]}", path=f"$.parts[{i}].pulls[{j}]"))
+            seen.setdefault(key, f"$.parts[{i}].pulls[{j}]")
+    return problems
+
+
+def _resolved(drive: Drive, tendon_of: dict[str, str]) -> Drive:
+    reference, name = drive.target
+    if reference.among == "tendons" and name in tendon_of:
+        return drive.model_copy(update={"tendon": tendon_of[name]})
+    return drive
 
 
 def placed(

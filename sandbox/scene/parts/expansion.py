@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Annotated, Any, TypeVar
 
 from pydantic import BeforeValidator, WithJsonSchema
@@ -23,10 +23,13 @@ from sandbox.values.numbers import (
     Coordinate,
     Damping,
     Items,
+    Name,
     Point,
     RotaryDamping,
     Stiffness,
 )
+from sandbox.values.spec import Spec
+from sandbox.wording import NearMisses
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,62 @@ class PartError(Exception):
     """What is wrong with one part; ``path`` of each problem starts at the part itself."""
 
     problems: list[Problem]
+
+
+@dataclass(frozen=True)
+class Known:
+    """What a part may refer to while it is expanded."""
+
+    elements: Elements
+    """All elements so far."""
+    tendon_of: Mapping[str, str]
+    """The tendon of each finger and tree, by the part's name."""
+    failed: frozenset[str] = frozenset()
+    """Parts that could not be built; only they are reported, not the parts that depend on them."""
+    pulled: frozenset[str] = frozenset()
+    """Parts and tendons that trees pull, by their names here."""
+    outside: Callable[[str], Body | None] = lambda name: None
+    """Finds a body around an assembly, in the frame of its surroundings."""
+    near: NearMisses = field(default_factory=NearMisses)
+
+
+class Leaf(Spec):
+    """What a tree pulls: a finger, a tendon (at its last guide), or a point of a body."""
+
+    name: Name
+    """Name of a finger, a tendon, a tree or a body."""
+    at: Point = (0.0, 0.0)
+    """Of a body: where the string is tied, in its frame [m]."""
+
+
+class PartSpec(Spec):
+    """The base of parts."""
+
+    name: Name
+    """Its name, with which those of its elements begin."""
+
+    @property
+    def body_count(self) -> int:
+        """Number of bodies that it adds, at least; 0 where it adds none or few."""
+        return 0
+
+    @property
+    def leaves(self) -> tuple[Leaf, ...]:
+        """What it pulls; a part that pulls others is expanded after them."""
+        return ()
+
+    @property
+    def tendon_names(self) -> dict[str, str]:
+        """The tendons that drives and trees pull, by the names that they may use."""
+        return {}
+
+    def expand(self, known: Known) -> Elements:
+        """All elements so far, and those of the part.
+
+        Raises:
+            PartError: it refers to something unknown.
+        """
+        raise NotImplementedError
 
 
 _NUMBER: dict[str, Any] = {"anyOf": [{"type": "number"}, {"type": "string"}]}

@@ -21,6 +21,7 @@ from sandbox.elements.points import Pin
 from sandbox.elements.registry import Joint
 from sandbox.elements.springs import LinearSpring, Spring
 from sandbox.elements.tendons import RIGID, Guide, Tendon
+from sandbox.errors import Problem
 from sandbox.scene.bodies import Body, Box, Capsule
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_world
 from sandbox.scene.parts.expansion import (
@@ -28,7 +29,10 @@ from sandbox.scene.parts.expansion import (
     Coordinates,
     Dampings,
     Elements,
+    Known,
     Limits,
+    PartError,
+    PartSpec,
     Points,
     RotaryDampings,
     Stiffnesses,
@@ -85,7 +89,7 @@ class FingerTendon(Spec):
     ``tendon_to``, have their own friction. None by default."""
 
 
-class Finger(Spec):
+class Finger(PartSpec):
     """A finger of ``n = len(lengths)`` phalanges, from the palm to the tip."""
 
     type: Literal["finger"] = TYPE
@@ -164,6 +168,26 @@ class Finger(Spec):
         if (self.masses is None) == (self.density is None):
             raise WrongValueError("conflicting-keys", "a finger needs either 'masses' or 'density'")
         return self
+
+    @property
+    def body_count(self) -> int:
+        """Number of phalanges."""
+        return len(self.lengths)
+
+    @property
+    def tendon_names(self) -> dict[str, str]:
+        """Its tendon."""
+        return {self.name: f"{self.name}.tendon"}
+
+    def expand(self, known: Known) -> Elements:
+        """All elements so far, and those of the finger."""
+        palm = None
+        if self.on is not None and (palm := known.elements.body(self.on)) is None:
+            raise PartError([Problem(
+                "name-not-found", f"no body before this finger is named {self.on!r}", path=".on",
+                hint=known.near(self.on, (body.name for body in known.elements.bodies)))])
+        pulled = not known.pulled.isdisjoint({self.name, known.tendon_of[self.name]})
+        return known.elements + expand_finger(self, palm=palm, pulled=pulled)
 
 
 def _check_count(given: Sequence[object], counts: tuple[int, ...], what: str) -> None:

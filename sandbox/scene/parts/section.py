@@ -12,7 +12,7 @@ from sandbox.elements.registry import Joint
 from sandbox.elements.springs import LinearSpring, RotarySpring, Spring
 from sandbox.scene.bodies import Body, Box, Circle
 from sandbox.scene.geometry import pose_of, to_world
-from sandbox.scene.parts.expansion import Elements
+from sandbox.scene.parts.expansion import Elements, Known, PartSpec
 from sandbox.scene.settings import Group
 from sandbox.values.numbers import (
     Angle,
@@ -26,7 +26,7 @@ from sandbox.values.numbers import (
     Written,
 )
 from sandbox.values.planes import Planes
-from sandbox.values.spec import TYPE, Spec
+from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
 ARM_FRACTION = 0.2  # of the square's mass, for the body that carries the rod's angle
@@ -44,7 +44,7 @@ RodLengths = Annotated[
 ]
 
 
-class Section(Spec):
+class Section(PartSpec):
     """A fixed circle; with ``square``, also a square held out from its centre by a rod."""
 
     type: Literal["section"] = TYPE
@@ -81,6 +81,10 @@ class Section(Spec):
         if self.rod is not None and self.rod[0] > self.rod[1]:
             raise WrongValueError("wrong-type", "'rod' is a length or [shortest, longest]")
         return self
+
+    def expand(self, known: Known) -> Elements:
+        """All elements so far, and those of the section."""
+        return known.elements + expand_section(self)
 
 
 def expand_section(section: Section) -> Elements:

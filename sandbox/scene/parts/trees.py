@@ -18,7 +18,7 @@ from sandbox.elements.tendons import RIGID, Guide, Tendon
 from sandbox.errors import Problem
 from sandbox.scene.bodies import Body, Capsule, Circle, Shape
 from sandbox.scene.geometry import Vec, pose_of, to_world
-from sandbox.scene.parts.expansion import Elements, PartError
+from sandbox.scene.parts.expansion import Elements, Known, Leaf, PartError, PartSpec
 from sandbox.scene.settings import ContactRule, Group
 from sandbox.values.numbers import (
     Angle,
@@ -27,24 +27,14 @@ from sandbox.values.numbers import (
     Length,
     Mass,
     Name,
-    Point,
     Ratio,
     Stiffness,
 )
-from sandbox.values.spec import TYPE, Spec
+from sandbox.values.spec import TYPE
 from sandbox.wording import NearMisses, WrongValueError
 
 LEAST_DISTANCE = 1e-6  # between the strings of two leaves that need no eyes [m]
 ACTUATOR_DISTANCE = 0.02  # from the root at the end of its travel to the actuator [m]
-
-
-class Leaf(Spec):
-    """What a tree pulls: a finger, a tendon (at its last guide), or a point of a body."""
-
-    name: Name
-    """Name of a finger, a tendon, a tree or a body."""
-    at: Point = (0.0, 0.0)
-    """Of a body: where the string is tied, in its frame [m]."""
 
 
 def _lift(value: Any) -> Any:
@@ -63,7 +53,7 @@ class _NameToo:
 LeafOrName = Annotated[Leaf, BeforeValidator(_lift), _NameToo()]
 
 
-class _TreeSpec(Spec):
+class _TreeSpec(PartSpec):
     name: Name
     """Its name, with which those of its elements begin; a pull drive that names it pulls
     ``<name>.tendon``."""
@@ -101,6 +91,27 @@ class _TreeSpec(Spec):
             raise WrongValueError("out-of-range", "'shares' needs a positive number for each leaf")
         return self
 
+    @property
+    def body_count(self) -> int:
+        """A lower bound: a rocker or wheel for two leaves."""
+        return len(self.pulls)
+
+    @property
+    def leaves(self) -> tuple[Leaf, ...]:
+        """What it pulls."""
+        leaves: tuple[Leaf, ...] = self.pulls
+        return leaves
+
+    @property
+    def tendon_names(self) -> dict[str, str]:
+        """The tendon of its actuator."""
+        return {self.name: f"{self.name}.tendon"}
+
+    def expand(self, known: Known) -> Elements:
+        """All elements so far, with pulled tendons led on, and those of the tree."""
+        assert isinstance(self, RockerTree | PulleyTree)
+        return expand_tree(self, known)
+
 
 class RockerTree(_TreeSpec):
     """Rockers on sliding pivots; a string at each end of a rocker."""
@@ -117,16 +128,6 @@ class PulleyTree(_TreeSpec):
     """Wheels on sliding centres; strings wound on their rims, equations (1)-(7)."""
 
     type: Literal["pulley_tree"] = TYPE
-
-
-@dataclass(frozen=True)
-class Known:
-    """What a tree may pull: the elements so far and the tendon of each finger and tree."""
-
-    elements: Elements
-    tendon_of: Mapping[str, str]
-    failed: frozenset[str] = frozenset()
-    """Parts that could not be built; only they are reported, not the parts that depend on them."""
 
 
 def expand_tree(tree: RockerTree | PulleyTree, known: Known) -> Elements:

@@ -11,10 +11,8 @@ from sandbox.elements.element import LISTS, NAMED
 from sandbox.elements.quantities import QUANTITIES
 from sandbox.errors import Problem
 from sandbox.scene.bodies import MOST_CORNERS, SHAPES
-from sandbox.scene.document import Assembly, Part, Scene
+from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.parts.finger import Finger
-from sandbox.scene.parts.section import Section
 from sandbox.wording import is_pattern
 
 
@@ -164,14 +162,7 @@ def check_values(data: Any, limits: Limits) -> list[Problem]:
 
 def check_parts(scene: Scene, limits: Limits) -> list[Problem]:
     """Whether parts have too many bodies, counted before any of them is made."""
-    count, waiting = 0, list[Part](scene.parts)
-    while waiting:
-        part = waiting.pop()
-        if isinstance(part, Assembly):
-            count += len(part.bodies)
-            waiting += part.parts
-        elif not isinstance(part, Section):
-            count += len(part.lengths) if isinstance(part, Finger) else len(part.pulls)
+    count = sum(part.body_count for part in scene.parts)
     return list(over(limits, "bodies", count, "$.parts", "the parts have {count} bodies and more"))
 
 
