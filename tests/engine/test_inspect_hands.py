@@ -167,8 +167,8 @@ def test_a_rocker_turns_over_where_it_is_told(links: str) -> None:
     """
     mechanism = two_loads(gap="300 mm", links=links)
     assert travel_of(mechanism) == [
-        "tree: a rocker's shares are 1 % off, and it turns over, where its strings have gone "
-        "differently far, by 19.8 mm and 40 mm ('tree.rocker1'); its slots end after 60 mm along "
+        "tree: the shares of a rocker are 1 % off, and it turns over, where the displacements of "
+        "its strings differ by 19.8 mm and 40 mm ('tree.rocker1'); its slots end after 60 mm along "
         "the pull and 150 mm against it"]
     run = simulate(mechanism)
     turned = abs(run["tree.rocker1.angle"][-1])

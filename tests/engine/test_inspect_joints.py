@@ -115,17 +115,17 @@ def test_a_point_within_a_wheel() -> None:
     point, wheel = {"body": "a", "at": [0.03, 0.04]}, {"body": "ground", "radius": 0.08}
     for one, other, k in ((point, wheel, 0), (wheel, point, 1)):
         (problem,) = problems_of(cord(one, other))
-        assert problem.message == (f"its guide {k} lies in the wheel of its guide {1 - k}, 50 mm "
+        assert problem.message == (f"its guide {k} is inside the wheel of its guide {1 - k}, 50 mm "
                                    "from its centre and 30 mm deep")
-        assert problem.advice.startswith(f"move guide {k} so much further out")
+        assert problem.advice.startswith(f"move guide {k} out by this depth")
     assert problems_of(cord({**point, "at": [0.048, 0.064]}, wheel)) == []
 
 
 def test_a_wheel_within_a_wheel() -> None:
     (problem,) = problems_of(cord({"body": "a", "at": [0.02, 0], "radius": 0.01},
                            {"body": "ground", "radius": 0.05}))
-    assert problem.message == ("the wheel of its guide 0 lies in that of its guide 1: they are "
-                               "20 mm apart, the cord between them needs 40 mm")
+    assert problem.message == ("the wheel of its guide 0 is inside that of its guide 1: they are "
+                               "20 mm apart, a tangent needs 40 mm")
     assert problem.advice.startswith("move one of them 20 mm further out")
 
 
@@ -135,8 +135,8 @@ def test_wheels_that_overlap_are_all_that_is_told_of_their_cord() -> None:
     belt = {"closed": True, "pretension": "10 N"}
     (problem,) = problems_of(cord({"body": "ground", **ends},
                            {"body": "a", "at": [0.08, 0], "side": "right", **ends}, **belt))
-    assert problem.message == ("the wheels of its guides 0 and 1 are 80 mm apart, the cord that "
-                               "crosses between them needs 100 mm")
+    assert problem.message == ("the wheels of its guides 0 and 1 are 80 mm apart, a crossed "
+                               "tangent needs 100 mm")
     assert problem.advice.startswith("put them 20 mm further apart")
     assert "give both the same 'side'" in problem.advice
     assert problems_of(cord({"body": "ground", **ends}, {"body": "a", "at": [0.08, 0], **ends},
@@ -198,7 +198,7 @@ def mesh(**joint: Any) -> dict[str, Any]:
      "70 mm; teeth would push at 23.99 deg instead of 20 deg",
      "put them 70 mm apart, or make 'radius_b' 52 mm"),
     (mesh(), 0.065, "error",
-     "its teeth lie in one another at t = 0: its centres are 65 mm apart, its pitch circles touch "
+     "its teeth overlap at t = 0: its centres are 65 mm apart, its pitch circles touch "
      "at 70 mm", "put them 70 mm apart, or make 'radius_b' 45 mm"),
     (mesh(inside=True), 0.032, "warning", "its pitch circles touch at 30 mm",
      "put them 30 mm apart, or make 'radius_b' 52 mm"),
@@ -253,7 +253,7 @@ def test_held_by_a_spring_a_carrier_or_planets() -> None:
     assert findings(disc("a", 0), disc("b", 0.07), **pressed) == []
     problem, = findings(disc("a", 0), disc("b", 0.07), **pressed | {
         "joints": [pin("ground", "a"), mesh()]})
-    assert problem.message.startswith("only springs or cords hold its wheels together")
+    assert problem.message.startswith("only springs or tendons hold its wheels together")
     assert problem.advice == "give it a 'backlash', for example 0.01 mm"
     assert findings(disc("a", 0), disc("b", 0.07), disc("arm", 0),
                     joints=[pin("ground", "arm"), pin("arm", "a"), pin("arm", "b"), mesh()]) == []

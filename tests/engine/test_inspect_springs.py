@@ -98,7 +98,7 @@ def ringing_of(machine: Any) -> list[tuple[float, float, float, float]]:
     found = []
     for one in ringing_problems(compile_mechanism(machine)):
         assert (one.severity, one.blocks) == ("warning", False)
-        match = re.search(rf"vibrates at ({numbers}) Hz(?: once all cords are taut)?: .* after "
+        match = re.search(rf"vibrates at ({numbers}) Hz(?: once all tendons are taut)?: .* in "
                           rf"({numbers}) periods, ({numbers}) s; with 'damping' ({numbers}) N s/m",
                           str(one))
         assert match is not None, str(one)
@@ -144,7 +144,7 @@ def test_cords_of_which_nothing_is_to_be_said(mass, more):
                                   {"rest_length": 0.09, "slack": 0.01}])
 def test_a_cord_that_is_taut_from_the_start_is_named(more):
     assert len(ringing_of(hanging(20.0, **more))) == 1
-    assert " Hz: of" in str(next(ringing_problems(compile_mechanism(hanging(20.0, **more)))))
+    assert " Hz: it decays" in str(next(ringing_problems(compile_mechanism(hanging(20.0, **more)))))
 
 
 @pytest.mark.parametrize("more", [{"slack": 1e-6}, {"slack": 0.01}, {"rest_length": 0.11},
@@ -153,7 +153,7 @@ def test_a_slack_cord_rings_once_it_is_taut_as_if_it_were_from_the_start(more):
     """It is the one that gets the jolt."""
     assert ringing_of(hanging(20.0, **more)) == ringing_of(hanging(20.0))
     found, = ringing_problems(compile_mechanism(hanging(20.0, **more)))
-    assert " Hz once all cords are taut: of" in str(found)
+    assert " Hz once all tendons are taut: it decays" in str(found)
 
 
 @pytest.mark.parametrize(("make", "square"), [
