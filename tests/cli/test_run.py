@@ -218,33 +218,23 @@ def test_what_was_made_of_a_run_goes_with_it(sandbox, scene, tmp_path):
     assert (tmp_path / "elsewhere.png").exists()
 
 
-def test_the_first_compilation_is_told_and_no_other(monkeypatch, scene, capfd, tmp_path):
+def test_compilation_is_announced_once(monkeypatch, scene, capfd, tmp_path):
+    """Before the first compilation and after the last one; not with --quiet."""
     monkeypatch.chdir(tmp_path)
 
     def compiles(*arguments, **options):
-        for _ in range(2):
-            report_began()
+        report_began()
+        report_began()
         return simulate(*arguments, **options)
 
-    def said(*words):
+    monkeypatch.setattr("sandbox.engine.simulate.simulate", compiles)
+    for words, announced in (([], 1), (["--json"], 1), (["--quiet"], 0)):
         capfd.readouterr()
         assert invoke(["run", str(scene()), "--no-render", *words]) == 0
-        return capfd.readouterr()
-
-    said()  # what there is to compile is compiled
-    assert COMPILING not in said().err
-    monkeypatch.setattr("sandbox.engine.simulate.simulate", compiles)
-    begins, ends = said().err.splitlines()
-    assert begins == COMPILING
-    assert re.fullmatch(r"Compiled in \S+ s", ends)
-    told = said("--json")
-    assert told.err.count(COMPILING) == told.err.count("Compiled in") == 1
-    assert json.loads(told.out)["status"] == "done"
-    assert said("--quiet").err == ""
+        err = capfd.readouterr().err
+        assert err.count(COMPILING) == err.count("Compiled in") == announced
     monkeypatch.setattr(CalledFromPython, "cached", False)
     with compilation_notices(Console()):
-        for _ in range(2):
-            report_began()
-            report_compiled(12.4)
-    report_began()  # outside of the context nothing is printed
+        report_began()
+        report_compiled(12.4)
     assert capfd.readouterr().err.splitlines() == [NOT_CACHED, "Compiled in 12 s"]

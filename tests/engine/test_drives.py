@@ -367,24 +367,6 @@ def test_ends_of_stroke_are_hard() -> None:
     assert run["d.force"][-1] == pytest.approx(-3.0, rel=1e-12)
 
 
-def test_a_rigid_servo_goes_on_after_its_target_while_something_else_breaks() -> None:
-    """A step that is solved again for what broke in it has the same target, at the same rate."""
-    run = simulate(mechanism(
-        duration=0.3, gravity=(0.0, -G), bodies=[
-            fixed("wall"), {"name": "w", "mass": 1.0, "inertia": 0.01},
-            mass("ball", 1.0, (1.0, -0.5))],
-        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_b": (0, 0)},
-                {"type": "rod", "name": "thread", "a": "wall", "b": "ball", "on_a": (1.0, 0.0),
-                 "breaks_at": 15.0}],
-        drives=[{"type": "servo", "name": "d", "joint": "p", "value": "=2 * t", "torque": 5.0},
-                {"type": "force", "name": "pull", "body": "ball", "direction": (0, -1),
-                 "value": "=30 * t"}]))
-    broke = int(np.argmin(run["thread.held"]))
-    assert 0 < broke < len(run.time) - 10
-    assert np.abs(run["d.torque"][broke - 5:]).max() < 1e-9
-    assert run["p.rate"][broke - 5:] == pytest.approx(2.0, abs=ROUNDING)
-
-
 def test_a_rigid_servo_that_is_taken_up_follows_its_target_from_there() -> None:
     """Its target went on meanwhile, as its wheel did: there is nothing to catch up with."""
     run = simulate(mechanism(

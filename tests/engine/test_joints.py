@@ -220,41 +220,6 @@ def pin(name: str, a: str, b: str) -> dict[str, Any]:
     return {"type": "pin", "name": name, "a": a, "b": b, "on_b": [0, 0]}
 
 
-def gear_pair(ra: float, rb: float, *, inside: bool = False, **gear: Any) -> dict[str, Any]:
-    """Two gears on the ground, 0.2 and 3 g m^2."""
-    return {"bodies": [{"name": "ground", "motion": "fixed"}, gear_wheel("a", 0, 1, 2e-4),
-                       gear_wheel("b", abs(ra - rb) if inside else ra + rb, 2, 3e-3)],
-            "joints": [pin("on_a", "ground", "a"), pin("on_b", "ground", "b"),
-                       {"type": "gear", "name": "mesh", "a": "a", "b": "b", "radius_a": ra,
-                        "radius_b": rb, "inside": inside, **gear}]}
-
-
-@pytest.mark.parametrize("inside", [False, True])
-@pytest.mark.parametrize("torque", [0.5, -0.5])
-def test_a_pair(inside: bool, torque: float) -> None:
-    """I_a + (r_a / r_b)^2 I_b resists; the mesh pushes with F / cos, the bearing feels F tan too.
-
-    Of the speed 1e9 N/m of teeth take the winding up, some sqrt(F^2 / k I) rad/s at most; which
-    way round they push, the bearing is pushed outside, and of a ring inside.
-    """
-    ra, rb = 0.02, 0.05
-    run = gear_run(1e-3, drives=[{"type": "torque", "name": "m", "joint": "on_a", "value": torque}],
-                   **gear_pair(ra, rb, inside=inside))
-    turn, rate = run["on_b.rate"], torque / (2e-4 + (ra / rb) ** 2 * 3e-3)
-    tangential = 3e-3 * abs(rate) * ra / rb / rb
-    slack = math.sqrt(tangential**2 / 1e9 / 2e-4)
-    np.testing.assert_allclose(run["on_a.rate"], rate * run.time, atol=slack)
-    np.testing.assert_allclose(turn * rb, (1 if inside else -1) * run["on_a.rate"] * ra,
-                               atol=slack * ra)
-    np.testing.assert_allclose(run["mesh.reaction"][5:], tangential / COS, rtol=1e-8)
-    np.testing.assert_allclose(run["mesh.reaction_x"][5:], (-1 if inside else 1) * tangential * TAN,
-                               rtol=1e-8)
-    np.testing.assert_allclose(run["on_b.reaction"][5:], tangential / COS, rtol=1e-8)
-    np.testing.assert_allclose(run["mesh.tangential"][5:], math.copysign(tangential, torque),
-                               rtol=1e-8)
-    np.testing.assert_allclose(run["mesh.radial"][5:], tangential * TAN, rtol=1e-7)
-
-
 def test_a_rack_at_an_angle() -> None:
     """The rail carries F tan 20 degrees, the pinion's bearing F / cos."""
     slope, r = 0.3, 0.02

@@ -18,8 +18,7 @@ from sandbox.engine.clock import make_clock
 from sandbox.engine.inspect import Estimate, look_over
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
-from sandbox.engine.simulation import BLOCK
-from sandbox.errors import Interrupted, SimulationDiverged
+from sandbox.errors import SimulationDiverged
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status
 from sandbox.scene.mechanism import Mechanism
@@ -158,25 +157,6 @@ def test_divergence_is_told() -> None:
     assert run.time[-1] < error.time < run.time[-1] + 2 * H
     assert np.isfinite(run.arrays["body_pose"]).all()
     assert np.isfinite(run.arrays["body_velocity"]).all()
-
-
-def test_ctrl_c_keeps_the_recording() -> None:
-    def stop(share: float) -> None:
-        if share > 0.5:
-            raise KeyboardInterrupt
-
-    machine = pile(1.0)
-    with pytest.raises(Interrupted) as caught:
-        simulate(machine, progress=stop)
-    run = caught.value.recording
-    assert run is not None
-    assert run.info.status is Status.INTERRUPTED
-    assert run.info.reason == "interrupted"
-    assert caught.value.time == run.time[-1] == pytest.approx(0.5, abs=BLOCK * H)
-    whole = simulate(machine)
-    np.testing.assert_array_equal(
-        run.arrays["body_pose"], whole.arrays["body_pose"][:len(run.time)])
-    assert run.arrays["contact_sample"].max() < len(run.time)
 
 
 # -- momentum and energy -------------------------------------------------------------
