@@ -110,7 +110,7 @@ def run_page(page: Path, capsys: Any) -> int:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_what_a_page_says_is_so(
+def test_pages_run_as_written(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -176,7 +176,7 @@ def test_every_model_of_a_scene_is_described() -> None:
             assert anchor in heads, model
 
 
-def test_every_field_of_every_element_is_told() -> None:
+def test_every_field_of_every_element_is_described() -> None:
     """A sentence, in the table of its element and in the schema that editors show."""
     reference, schema = script("make_reference"), scene_schema()
     for model in (model for page in reference.PAGES.values() for group in page.values()

@@ -52,7 +52,7 @@ def test_wrong_types_of_arguments(work: Any, given: Any, keys: dict[str, Any], t
 
 
 @pytest.mark.parametrize("work", [sandbox.simulate, sandbox.Simulation])
-def test_what_a_scene_is_loaded_from_will_do(work: Any, tmp_path: Path) -> None:
+def test_scenes_are_accepted_as_paths_names_and_data(work: Any, tmp_path: Path) -> None:
     path = tmp_path / "disc.json"
     path.write_text(json.dumps({**DATA, "title": "A disc"}), encoding="utf-8")
     for given in (path, str(path), DATA, sandbox.load_scene(DATA),
@@ -63,7 +63,7 @@ def test_what_a_scene_is_loaded_from_will_do(work: Any, tmp_path: Path) -> None:
     assert "Did you mean" in said(work, "single_fnger")
 
 
-def test_what_is_wrong_is_placed_in_the_file(tmp_path: Path) -> None:
+def test_errors_have_a_place_in_the_file(tmp_path: Path) -> None:
     path = tmp_path / "disc.json"
     path.write_text(json.dumps({**DATA, "events": [
         {"name": "e", "when": "=a.xx > 1", "stop": "pass"}]}, indent=1), encoding="utf-8")

@@ -32,7 +32,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_a_bad_scene_is_told_and_exits_2(sandbox, scene, tmp_path, case):
+def test_a_bad_scene_exits_2_with_a_message(sandbox, scene, tmp_path, case):
     content, place, words = CASES[case]
     said = sandbox("check", scene(content))
     assert said.code == 2
@@ -45,7 +45,7 @@ def test_a_bad_scene_is_told_and_exits_2(sandbox, scene, tmp_path, case):
     assert not (tmp_path / "renders").exists()
 
 
-def test_all_problems_are_told_at_once_each_with_its_line(sandbox, scene):
+def test_all_problems_are_reported_with_their_lines(sandbox, scene):
     data = copy.deepcopy(BALL)
     data["gravty"] = [0, 0]
     data["bodies"][0]["mass"] = -1

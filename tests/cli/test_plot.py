@@ -95,7 +95,7 @@ def test_an_incomplete_run(sandbox):
     assert "at least 2" in said.err
 
 
-def test_runs_are_compared_by_default_in_what_controllers_lead(runs):
+def test_runs_are_compared_by_controlled_quantities_by_default(runs):
     said = runs("plot", "controlled", "--with", "other", "--with", "elsewhere/free",
                 "--out", "c.svg", "--out", "c.csv")
     assert said.code == 0

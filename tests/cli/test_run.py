@@ -128,7 +128,7 @@ def test_a_scene_that_blows_up_exits_3_and_keeps_what_was_recorded(sandbox, scen
     ("file", "it is a file"), ("file/below", "Not a directory"),
     ("/proc/nowhere", "No such file or directory"), ("link", "it is a broken link"),
 ])
-def test_a_directory_that_cannot_be_written_is_told_before_simulating(
+def test_an_unwritable_directory_is_refused_before_simulating(
     sandbox, scene, tmp_path, monkeypatch, place, why,
 ):
     def must_not_run(*arguments, **options):
@@ -176,7 +176,7 @@ def test_ctrl_c_at_any_moment_exits_130_and_leaves_no_sign_of_completion(
     ("sandbox.picture.film.render", KeyboardInterrupt),
     ("sandbox.audit.audit.audit", KeyboardInterrupt),
     ("sandbox.picture.film.render", MemoryError)])
-def test_what_stops_while_it_is_drawn_or_audited_keeps_the_old_run_and_the_numbers(
+def test_a_stop_while_drawing_or_auditing_keeps_the_old_run(
     sandbox, scene, monkeypatch, tmp_path, where, stop,
 ):
     def stopped(*arguments, **options):
@@ -202,7 +202,7 @@ def test_what_stops_while_it_is_drawn_or_audited_keeps_the_old_run_and_the_numbe
     assert {path.name for path in out.iterdir()} == {path.name for path in before}
 
 
-def test_what_was_made_of_a_run_goes_with_it(sandbox, scene, tmp_path):
+def test_a_new_run_removes_pictures_of_the_old_one(sandbox, scene, tmp_path):
     assert sandbox("run", scene(), "--no-render", "--out", "out").code == 0
     for words in (("render", "out", "--out", "out/end.png"), ("bounds", "out"),
                   ("plot", "out", "ball.y"), ("plot", "out", "ball.y", "--out", "out/y.svg"),

@@ -74,7 +74,7 @@ def test_it_hands_over_at_the_mean_input_and_the_loop_settles(rule):
     assert np.abs(y[-900:] - 0.2).max() < np.abs(y[at - 900:at] - 0.2).max() / 20
 
 
-def test_a_reading_that_does_not_go_round_is_told():
+def test_a_reading_without_cycles_is_reported():
     law = relay()
     assert law.report() == {"tuned": False, "why": "it was never switched on"}
     closed(law, lags(), lambda k: 50.0, 5000, h=H)

@@ -41,7 +41,7 @@ TABLE: dict[str, list[dict[str, Any]]] = {
 @pytest.mark.parametrize(
     "thing", [BALL, CRATE, PRISM, ROLL], ids=["ball", "crate", "prism", "roll"])
 @pytest.mark.parametrize("moving_first", [True, False])
-def test_what_lies_is_carried(thing: dict[str, Any], table: str, moving_first: bool) -> None:
+def test_the_floor_carries_a_body_at_rest(thing: dict[str, Any], table: str, moving_first: bool) -> None:
     """The force on the moving body by the fixed one is m g upward, whatever the order of the two in
     the scene and of their shapes in pymunk; normal up, sunk by nothing.
 
@@ -110,7 +110,7 @@ def test_a_rule_concerns_its_pair_only() -> None:
 
 
 @pytest.mark.parametrize(("tangent", "rolls"), [(0.89, True), (0.91, False)])
-def test_what_rolls_is_held_by_static_friction(tangent: float, rolls: bool) -> None:
+def test_a_rolling_disc_has_static_friction(tangent: float, rolls: bool) -> None:
     """A disc on a slope needs tan / 3 to roll; else it slides with g (sin - mu cos) at once."""
     slope = np.arctan(tangent)
     run = sound(simulate(mechanism(
@@ -122,7 +122,7 @@ def test_what_rolls_is_held_by_static_friction(tangent: float, rolls: bool) -> N
     assert run["disc.vx"] == pytest.approx(gains * run.time, abs=1e-9)
 
 
-def test_what_lands_sliding_is_not_held_by_static_friction() -> None:
+def test_a_body_that_lands_sliding_has_sliding_friction() -> None:
     """It loses mu times its blow, and then mu g t."""
     fall, mu = 1.0, 0.2
     run = sound(simulate(mechanism(
@@ -209,7 +209,7 @@ def test_slow_approaches_end() -> None:
     np.testing.assert_allclose(run["b/floor.normal"][late], 0.1 * G, rtol=1e-9)
 
 
-def test_what_joints_carry_of_an_impact_is_theirs() -> None:
+def test_joints_carry_their_share_of_an_impact() -> None:
     """A ball against the end of a pinned bar: the bar turns by Newton's law about its pin.
 
     e = 1, I about the pin, arm L: p = 2 v / (1 / m + L^2 / I) between the two.
@@ -287,7 +287,7 @@ def test_the_surface_of_a_free_body_pushes_it_back() -> None:
     assert audit_warnings(run) == []
 
 
-def test_what_bounces_on_a_belt_is_pushed_with_mu_times_the_blow() -> None:
+def test_a_belt_drives_a_bouncing_body_with_mu_times_the_normal_impulse() -> None:
     """Falling at u it leaves with e u up and mu (1 + e) u along, as long as that is less than V."""
     ball = {"at": [0, 0.25], "inertia": 1e6, "shapes": [{"type": "circle", "radius": 0.1}]}
     scene_ = belt(FLAT, ball, value=5.0, end=0.2, materials={
@@ -297,7 +297,7 @@ def test_what_bounces_on_a_belt_is_pushed_with_mu_times_the_blow() -> None:
     assert run["load.vx"][-1] == pytest.approx(-FRICTION * 1.5 * fall, rel=G * 1e-3 / fall * 2)
 
 
-def test_a_box_held_on_a_running_belt_goes_on_costing_power() -> None:
+def test_a_belt_under_a_fixed_box_consumes_power() -> None:
     """At rest nothing is worked out again, but for what the belt does: mu m g v for ever."""
     rod = {"type": "rod", "name": "stay", "a": "belt", "b": "load", "on_a": [1.9, 0.1],
            "collide": True}
@@ -342,7 +342,7 @@ def small_buffers(monkeypatch: pytest.MonkeyPatch, contacts: int = 2, rows: int 
     return made
 
 
-def test_it_goes_on_to_the_last_bit_as_with_room_from_the_start(
+def test_growing_contact_buffers_does_not_change_results(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     machine = heap(3, 4, run={"sample_rate": 400.0})
@@ -354,7 +354,7 @@ def test_it_goes_on_to_the_last_bit_as_with_room_from_the_start(
         np.testing.assert_array_equal(again.arrays[name], array, err_msg=name)
 
 
-def test_too_many_are_told_with_their_number(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_many_contacts_are_refused_with_their_number(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MOST_CONTACTS", 5)
     small_buffers(monkeypatch)
     with pytest.raises(SandboxError, match=r"\d+ contacts at once at t = .*more than the 5"):
@@ -401,7 +401,7 @@ def test_refused_pairs_pass_through_each_other(count: int) -> None:
     np.testing.assert_array_equal(others, [0])
 
 
-def test_what_may_touch_does_so_beyond_32_kinds() -> None:
+def test_permitted_pairs_touch_beyond_32_collision_groups() -> None:
     """Of the same 40 pairs the last may touch after all: its upper disc is pushed off the lower.
 
     Centres 2 r apart once the overlap of 18.5 mm is undone, at 0.1 m/s.

@@ -363,11 +363,11 @@ def test_a_jam_ends_the_run_with_both_bodies_and_the_instant(
     # a press whose schedule takes it away again
     {"bodies": [WALL, block("crate", 0.2), {**ram(0.0), "path": {"x": "=0.3 * sin(4 * t) ** 2"}}]},
 ])
-def test_what_can_give_way_does_not_jam(machine: dict[str, Any]) -> None:
+def test_mechanisms_that_can_yield_do_not_jam(machine: dict[str, Any]) -> None:
     assert simulate(mechanism(duration=0.7, gravity=(0.0, 0.0), **machine)).complete
 
 
-def test_a_schedule_that_leads_beyond_reach_is_named() -> None:
+def test_a_schedule_beyond_the_reach_of_a_mechanism_is_an_error() -> None:
     """A crank and a rod, 0.3 m in all, and a slider that goes on from 0.28 m."""
     y = 0.3 / 2 * float(np.sqrt(1 - (0.28 / 0.3) ** 2))
     with pytest.raises(SimulationDiverged, match="slider, which moves on a schedule: past a dead"):

@@ -97,7 +97,7 @@ def test_gap_normal_and_place(pair: str, gap: float, swapped: bool) -> None:
 # -- memory ----------------------------------------------------------------------------
 
 
-def test_what_is_wedged_is_left_alone() -> None:
+def test_a_wedged_disc_is_not_pushed_out() -> None:
     """A disc half a millimetre too large for its gap on either side: there is no way out, so that
     asking for one would be answered with forces without end. It slides down as if it fitted.
     """
@@ -283,7 +283,7 @@ def test_a_sharp_corner_does_not_fall_through_a_seam(at, speed, sharp):
 
 
 @pytest.mark.parametrize("degrees", [1.0, 10.0, 40.0])
-def test_a_corner_that_bends_inwards_takes_what_lies_across_it(degrees):
+def test_an_inward_corner_stops_the_velocity_across_the_next_side(degrees):
     """A disc that slides on goes at v cos(bend): what was across the new side is gone."""
     bend = math.radians(degrees)
     far = [math.cos(bend), math.sin(bend)]

@@ -141,7 +141,7 @@ def runaway() -> Mechanism:
                  "value": "=exp(400 * t)"}], run={"sample_rate": 2000.0})
 
 
-def test_divergence_is_told() -> None:
+def test_divergence_is_an_error_with_time_culprit_and_recording() -> None:
     """Its time, the culprit's name and what was recorded until then: finite to the last row."""
     with pytest.raises(SimulationDiverged) as caught:
         simulate(Checked(runaway()))

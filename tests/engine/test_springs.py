@@ -100,7 +100,7 @@ def test_a_law_of_the_rate_is_a_damper_of_any_strength() -> None:
     assert 0.0 <= hard["m.vx"][-1] < 1e-2
 
 
-def test_what_law_no_spring_has() -> None:
+def test_wrong_force_laws_are_refused() -> None:
     for given, said in (
         ({}, "give 'stiffness' or 'force', one of them"),
         ({"stiffness": 1, "force": "=stretch"}, "not both"),

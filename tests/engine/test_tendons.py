@@ -110,7 +110,7 @@ def snatch(h: float, damping: float = 0.0) -> Recording:
 
 
 @pytest.mark.parametrize("h", [2e-3, 5e-4, 5e-5])
-def test_a_rope_gives_nothing_back_and_a_cord_what_the_step_leaves_it(h: float):
+def test_the_rebound_of_a_rope_and_of_a_stiff_tendon(h: float):
     """Together 1.6 m/s; half a period at the damping ratio h w / 2 on top of it.
 
     To first order in h: the next is (h w)^2 of it.
@@ -165,7 +165,7 @@ def hanging(
 
 
 @pytest.mark.parametrize("most", [MORE, 1e7])
-def test_one_that_is_let_go_falls(most: float) -> None:
+def test_a_tendon_without_stiffness_carries_nothing(most: float) -> None:
     """With 0, below which nothing counts: soft by the pose, or as a row at the step's end.
 
     Taken up again at the depth that it has fallen to it pulls with what it is then stretched by.
@@ -179,7 +179,7 @@ def test_one_that_is_let_go_falls(most: float) -> None:
     assert run["c.tension"][np.flatnonzero(run.time > 0.2)[0]] > M * G
 
 
-def test_a_stiff_one_rests_where_its_stiffness_says() -> None:
+def test_a_stiff_tendon_stretches_by_its_load() -> None:
     """The row at the step's end damps its vibration: x = m g / k after it.
 
     Lengths of 0.5 m are known to 1e-16 m, of 0.2 um that is 5e-10.
@@ -195,7 +195,7 @@ def test_a_stiff_one_rests_where_its_stiffness_says() -> None:
 
 
 @pytest.mark.parametrize("names", [{}, {"spring": "s", "tendon": "c"}])
-def test_it_sets_one_thing(names: dict[str, str]) -> None:
+def test_a_stiffness_drive_names_a_spring_or_a_tendon(names: dict[str, str]) -> None:
     with pytest.raises(ValidationError, match="needs either 'spring' or 'tendon'"):
         mechanism(drives=[{"type": "stiffness", "name": "k", **names}])
 
@@ -231,7 +231,7 @@ def test_whole_turns_count() -> None:
 
 
 @pytest.mark.parametrize("stiffness", [2e3, 1e6])
-def test_a_cord_that_hangs_is_taken_up_as_a_whole(stiffness: float) -> None:
+def test_a_slack_cord_with_friction_catches_a_falling_load(stiffness: float) -> None:
     """1 kg falls 20 mm onto a slack cord over two guides with friction; nothing is lost of it."""
     run = checked(simulate(mechanism(
         duration=0.4, step=H, gravity=(0.0, -G),
@@ -247,7 +247,7 @@ def test_a_cord_that_hangs_is_taken_up_as_a_whole(stiffness: float) -> None:
     assert (pieces[:, ~hangs] > 0.0).all()
 
 
-def test_a_cord_let_go_slides_until_it_does_not_pull() -> None:
+def test_a_released_pull_leaves_no_tension_behind_a_guide() -> None:
     """A pull that ends leaves no stretch behind a guide that would still hold some."""
     run = checked(simulate(mechanism(
         duration=0.3, step=H, bodies=[fixed("ground"), mass("load", 1.0, (-0.5, 0.0))],
@@ -314,7 +314,7 @@ def shortest_paths(ends: tuple[complex, complex], wheels: list[tuple[complex, fl
 
 
 @pytest.mark.parametrize("stiffness", [500.0, 1e5])
-def test_three_wheels_are_taken_up_and_left_as_the_shortest_way_has_it(stiffness: float) -> None:
+def test_a_cord_over_three_moving_pulleys_takes_the_shortest_path(stiffness: float) -> None:
     """From above and below, so that they lay the cord on each other and lift it off."""
     phases, rates, radii = (0.3, 2.0, 4.1), (9.0, 7.0, 11.0), (0.05, 0.08, 0.06)
     signs, xs = (-1, 1, -1), (-0.4, 0.05, 0.45)
@@ -390,7 +390,7 @@ def test_a_cord_begins_off_a_wheel_that_is_clear_of_it_on_its_side(side: str, of
     assert all("178 mm away" in p.message for p in problems)
 
 
-def test_what_is_said_of_where_a_cord_begins() -> None:
+def test_wrong_starts_on_a_pulley_are_reported() -> None:
     """Told to begin off a clear wheel nothing is said; off one in its way is an error; so is on."""
     def said(**guide: Any) -> list[tuple[str, str, str]]:
         mechanism = sandbox.expand(sandbox.load_scene(pendulum_with_peg(**guide)))
@@ -405,7 +405,7 @@ def test_what_is_said_of_where_a_cord_begins() -> None:
     assert (path, severity) == ("$.tendons[0].guides[1].begins", "warning")
 
 
-def test_a_cord_told_to_begin_on_a_wheel_goes_round_it_and_crosses_itself() -> None:
+def test_a_cord_that_begins_on_a_pulley_may_cross_itself() -> None:
     scene = sandbox.load_scene(pendulum_with_peg(begins="on", radius=0.05))
     run = sandbox.simulate(sandbox.expand(scene))
     assert run["cord.lifted_1"][0] == 0

@@ -73,7 +73,7 @@ def same(one: Recording, other: Recording) -> bool:
                         "reward": lambda run: run.time}),
     (pendulum(), words(randomise={"parameters.mass": [0.1, 0.2, 0.3]})),
 ])
-def test_gymnasium_finds_nothing_to_say(scene: Any, given: dict[str, Any]) -> None:
+def test_gymnasiums_checker_passes(scene: Any, given: dict[str, Any]) -> None:
     """Its checker warns of what is doubtful, and here warnings are errors."""
     check_env(sandbox.gym.make(scene, **given))
 
@@ -123,7 +123,7 @@ def test_an_event_terminates_and_the_end_truncates() -> None:
     assert len(told) == 1 + 25
 
 
-def test_what_diverges_terminates_with_its_own_reward() -> None:
+def test_divergence_terminates_with_its_own_reward() -> None:
     env = make(act={"motor": (-2.0, 1e12)}, lost=-50.0)
     told = play(env, [1.0] * 30)
     seen, reward, terminated, truncated, info = told[-1]
@@ -156,7 +156,7 @@ def test_no_action_is_refused_and_so_is_one_before_an_episode() -> None:
             env.step(np.array(wrong))
 
 
-def test_what_has_no_value_is_told() -> None:
+def test_undefined_observations_and_rewards_are_errors() -> None:
     env = make(observe=["=1 / (1 - pendulum.angle / pendulum.angle)"])
     with pytest.raises(SandboxError, match="has no value at t = 0 s"):
         env.reset()
@@ -167,7 +167,7 @@ def test_what_has_no_value_is_told() -> None:
 
 
 @pytest.mark.parametrize("kind", ["sync", pytest.param("async", marks=pytest.mark.nightly)])
-def test_several_side_by_side_do_what_each_does_alone(kind: str) -> None:
+def test_vector_environments_match_single_ones(kind: str) -> None:
     drawn = words(randomise={"parameters.mass": "uniform(0.1 kg, 0.4 kg)"})
     envs = gymnasium.make_vec(
         "sandbox.gym:sandbox/Scene-v0", num_envs=2, vectorization_mode=kind, scene=pendulum(),
@@ -217,11 +217,11 @@ def spans(scene: Any, **more: Any) -> dict[str, tuple[float, float]]:
     ({"observe": {"pendulum.angle": ("1 N", "2 N")}}, "'N' is a unit of force"),
     ({"every": "9 s"}, "9 s is longer than the run"),
 ])
-def test_what_is_wrong_is_told_with_a_near_miss(wrong: dict[str, Any], said: str) -> None:
+def test_wrong_requests_are_refused_with_a_near_miss(wrong: dict[str, Any], said: str) -> None:
     assert said in told(**wrong)
 
 
-def test_all_that_is_wrong_is_told_at_once() -> None:
+def test_all_mistakes_are_reported_at_once() -> None:
     text = told(observe=["pendulum.angel"], act=["moto"], reward="rat", every="0.1 ms")
     assert text.count("\n") == 3
 

@@ -79,7 +79,7 @@ def still() -> Any:
     {"at": [0.1, 0.2], "angle": "90 deg"}, {"mirror": "up-down"},
     {"mirror": "left-right", "angle": "-50 deg", "at": [0.05, 0.02]},
 ], ids=str)
-def test_it_moves_as_one_that_is_not_placed(still: Any, placing: dict[str, Any]):
+def test_a_placed_mechanism_moves_like_the_original(still: Any, placing: dict[str, Any]):
     """Newton's laws know no place, direction or side: tips go where the placement takes them."""
     run = recording(**placing)
     placement = Placement(

@@ -58,7 +58,7 @@ def _mechanism(*loads: dict[str, Any], **more: Any) -> Mechanism:
 @pytest.mark.parametrize(("bodies", "found"), [
     (None, [0, 1, 2]), ("ball*", [0, 1]), (["box", "ball[2]"], [1, 2]),
     (["ball1", "ball*"], [0, 1])])
-def test_patterns_find_what_moves_freely(bodies: Any, found: list[int]) -> None:
+def test_patterns_match_bodies_that_move_freely(bodies: Any, found: list[int]) -> None:
     load = {"type": "drag", "name": "d", "linear": 1} | ({"bodies": bodies} if bodies else {})
     assert [body for _, body in _mechanism(load).loaded] == found
 
@@ -82,7 +82,7 @@ def loaded(plane: Any) -> sandbox.Scene:
 
 @pytest.mark.parametrize(("written", "meant"), [
     (0, (0,)), (-3, (-3,)), ([2], (2,)), ([0, 1], (0, 1)), ("all", "all"), (1000, (1000,))])
-def test_what_may_be_written(written: Any, meant: Any) -> None:
+def test_allowed_planes(written: Any, meant: Any) -> None:
     scene = loaded(written)
     assert scene.bodies[0].plane == meant
     again = sandbox.load_scene(sandbox.expand(scene).model_dump(mode="json", by_alias=True))

@@ -47,7 +47,7 @@ def test_several_goals_have_a_front():
     assert found.certified
 
 
-def test_a_search_goes_on_from_what_it_did(tmp_path, monkeypatch):
+def test_a_search_resumes_from_its_results(tmp_path, monkeypatch):
     heard = []
     from sandbox.sweeps.log import Log
 
@@ -76,7 +76,7 @@ def test_a_search_goes_on_from_what_it_did(tmp_path, monkeypatch):
     ({"least": ["bowl", "tilt"], "sampler": "cmaes"}, "cmaes looks for one goal"),
     ({"least": "bowl", "vary": {"parameters.a": "normal(1, 2)"}}, "has a distribution"),
 ])
-def test_what_has_no_best_is_told(more, said):
+def test_wrong_optimisations_are_refused(more, said):
     with pytest.raises(SandboxError) as error:
         best(**more)
     assert said in str(error.value)

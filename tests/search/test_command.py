@@ -122,7 +122,7 @@ def test_a_fit_reads_the_measurement_beside_its_file(written, capsys, tmp_path):
     (["none.json"], "is not a search"),
     (["puck.json"], "puck.json is not a search"),
 ])
-def test_wrong_words_are_told_in_a_line(puck, written, capsys, words, said, tmp_path):
+def test_wrong_command_lines_are_refused(puck, written, capsys, words, said, tmp_path):
     written({"threshold": {"where": "v < 0.3 m/s"}})
     assert invoke(["search", *words]) == 2
     error = capsys.readouterr().err
@@ -147,7 +147,7 @@ def test_wrong_words_are_told_in_a_line(puck, written, capsys, words, said, tmp_
     ({"best": {"least": "v"}}, {"vary": {"parameters.push": {"from": "1 N", "to": "6 mm"}}},
      '$.vary["parameters.push"]: these are a force and a length'),
 ])
-def test_mistakes_in_a_file_are_told_with_their_line(written, search, more, said):
+def test_mistakes_in_a_file_are_reported_with_their_line(written, search, more, said):
     with pytest.raises(SceneError) as caught:
         sandbox.search.study(written(search, **more))
     problem, = caught.value.problems

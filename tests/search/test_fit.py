@@ -80,7 +80,7 @@ def test_a_scene_is_fitted_to_a_file(tmp_path):
     assert told["found"]["parameters"][0]["value"] == found["parameters.k"].value
 
 
-def test_stiffness_and_mass_together_cannot_be_told(tmp_path):
+def test_undetermined_parameters_are_reported(tmp_path):
     found = sandbox.search.fit(
         SCENE, written(tmp_path / "x.csv", swing([80.0, 0.0])), match={"x": "mass.x"},
         set={"parameters.c": 0},
@@ -102,7 +102,7 @@ def test_stiffness_and_mass_together_cannot_be_told(tmp_path):
     ("time,x\n0,\n", "has no number in 'x'"),
     ("time,x\n0,1\n", "1 measured numbers do not determine 1 parameters"),
 ])
-def test_data_that_cannot_be_used_are_told(tmp_path, text, said):
+def test_unusable_data_are_refused(tmp_path, text, said):
     (tmp_path / "x.csv").write_text(text)
     with pytest.raises(SandboxError) as error:
         sandbox.search.fit(PUCK, tmp_path / "x.csv", vary={"parameters.push": "1:5"},

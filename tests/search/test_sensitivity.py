@@ -50,7 +50,7 @@ def test_morris_tells_slopes_of_a_sum_exactly():
     ({"vary": {"parameters.a": "0:1"}}, "two paths or more"),
     ({"keep": ["y==sqrt(-1 - a)"], "count": 4}, "too few runs have an answer"),
 ])
-def test_what_cannot_be_asked_is_told(more, said):
+def test_wrong_sensitivity_requests_are_refused(more, said):
     words = {"vary": dict.fromkeys(PATHS, "0:1"), "keep": ["y==a"], **more}
     with pytest.raises(SandboxError) as error:
         sandbox.search.sensitivity(SCENE, **words)

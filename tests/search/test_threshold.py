@@ -50,7 +50,7 @@ def test_the_scenes_own_expectations_are_the_condition():
     assert "between 2.506" in found.certificate
 
 
-def test_a_search_that_was_stopped_goes_on(tmp_path, monkeypatch):
+def test_an_interrupted_search_resumes(tmp_path, monkeypatch):
     from sandbox.sweeps.log import Log
 
     words = {"vary": {"parameters.push": "1 N:6 N"}, "out": tmp_path}
@@ -91,7 +91,7 @@ def test_a_range_without_a_threshold_is_refused_in_a_line():
     ({"within": -1.0}, "no narrower than"),
     ({"where": "nothing > 0", "keep": ["vx=puck.vx", "nothing==vx / 0"]}, "does not decide"),
 ])
-def test_what_cannot_be_searched_is_told(more, said):
+def test_wrong_threshold_requests_are_refused(more, said):
     words = {"vary": {"parameters.push": "1:2"}, "keep": ["vx=puck.vx"], **more}
     with pytest.raises(SandboxError) as error:
         sandbox.search.threshold(PUCK, **words)

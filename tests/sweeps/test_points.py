@@ -92,7 +92,7 @@ def test_random_numbers_have_their_distribution(written, theirs):
     ({"a": []}, {}, "at least 1"),
     ({"a": ["=b"]}, {}, "unknown name 'b'"),
 ])
-def test_what_makes_no_points_is_refused_in_words(vary, more, said):
+def test_wrong_values_are_refused(vary, more, said):
     with pytest.raises(ValidationError) as error:
         points(vary, **more)
     told = " ".join(each["msg"] for each in error.value.errors())

@@ -105,7 +105,7 @@ def test_a_range_without_width_is_refused(words):
     (["sweep", "--vary", "parameters.push=1:4:3", "--set", "run.stp=1"],
      "puck.json:$.run.stp: unknown key"),
 ])
-def test_a_slip_on_the_command_line_is_told_as_it_was_typed(
+def test_command_line_errors_quote_the_option(
     tmp_path: Path, monkeypatch, capsys, words, told,
 ):
     monkeypatch.chdir(tmp_path)
@@ -117,7 +117,7 @@ def test_a_slip_on_the_command_line_is_told_as_it_was_typed(
     assert page.startswith("see docs/messages.md#")
 
 
-def test_what_misses_expectations_is_counted(tmp_path, capsys):
+def test_failed_expectations_are_counted(tmp_path, capsys):
     scene = tmp_path / "puck.json"
     scene.write_text(json.dumps(PUCK))
     words = ["sweep", str(scene), "--vary", "parameters.push=1, 2, 3, 4", "--workers", "1",

@@ -44,7 +44,7 @@ def test_each_row_is_what_its_values_give(tmp_path):
     assert table.plan.units == {"parameters.push": "N", "v": "m/s", "twice": ""}
 
 
-def test_what_is_done_is_not_done_again(tmp_path):
+def test_finished_runs_are_not_repeated(tmp_path):
     run(study("1:3:3"), tmp_path)
     advances = []
     table = run(study("1:6:6"), tmp_path, progress=advances.append)
@@ -75,7 +75,7 @@ def test_runs_that_do_not_end_well_are_rows_with_their_reason():
     assert table["holds"] == [True, None]
 
 
-def test_ctrl_c_keeps_what_was_finished(tmp_path):
+def test_ctrl_c_keeps_finished_runs(tmp_path):
     def stop(at):
         if at.done == 2:
             raise KeyboardInterrupt
@@ -152,7 +152,7 @@ def test_two_processes_do_not_write_one_sweep(tmp_path):
 
 @pytest.mark.parametrize("line", [b"nothing\n", b"{}\n", json.dumps(
     {**json.loads(SweepRow("0", "done").to_json()), "status": "well"}).encode() + b"\n"])
-def test_a_line_that_is_no_row_is_told(tmp_path, line):
+def test_a_corrupt_row_is_an_error(tmp_path, line):
     folder = tmp_path / "rows"
     folder.mkdir()
     (folder / "00000.jsonl").write_bytes(line)
@@ -233,7 +233,7 @@ def test_a_grid_has_a_map_of_where_expectations_hold(tmp_path, monkeypatch):
     ({"vary": {"parameters.push": [1.0, float("nan")]}}, "must be finite"),
     ({"vary": {"parameters.push": "1:2:2"}, "set": {"parameters.push": 3}}, "values twice"),
 ])
-def test_what_cannot_be_run_is_told_before(more, said):
+def test_wrong_studies_are_refused_before_anything_runs(more, said):
     with pytest.raises(SceneError) as error:
         plan_of(study_data(PUCK, **{"keep": None, **more}))
     assert said in str(error.value)
