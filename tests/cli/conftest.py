@@ -48,7 +48,7 @@ class Said:
     err: str
     """Without the line that says where to read on."""
     pages: str = ""
-    """That line; every wrong input that is told has one, unless ``--quiet``."""
+    """That line; every message about wrong input has one, unless ``--quiet``."""
 
 
 @pytest.fixture

@@ -216,7 +216,7 @@ def test_an_audit_that_asks_for_a_look_at_h_withholds_the_certificate(
     assert "docs/audit.md" in found.advice[0]
 
 
-def test_the_audit_finds_errors_that_are_equal_at_all_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_audit_finds_errors_equal_at_all_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every run gets energy from nowhere, the same at every step: no difference would show it."""
     def change(run: Recording) -> Recording:
         arrays = dict(run.arrays)

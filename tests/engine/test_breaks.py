@@ -1,4 +1,4 @@
-"""What breaks with all that acts about it, and what is taken up on bodies that turn: closed forms.
+"""Breaking hinges with all that acts about them, and joints engaged on turning bodies.
 
 Up to the break a load grows linearly, GROWS t, so impulses are exact by the midpoint rule. The step
 of the break gives (s - 1/2) h of them in place of the integral: of a force F that hangs on the load
@@ -122,7 +122,7 @@ def test_the_first_break_relieves_the_other_element() -> None:
 
 
 def test_an_element_engaged_beyond_its_load_breaks_without_an_impulse() -> None:
-    """Let go with 5 N of 6 and taken up with 7.5 N: in the step before it gave nothing."""
+    """Released with 5 N of 6 and engaged with 7.5 N: it breaks at once, without a force."""
     made = run(1e-3, 0.3, body("weight", (0.0, -0.5)), drives=[
         {"type": "force", "name": "pull", "body": "weight", "direction": (0, -1), "value": 5.0}],
         springs=[{"type": "linear", "name": "held", "a": "frame", "b": "weight",

@@ -41,7 +41,7 @@ TABLE: dict[str, list[dict[str, Any]]] = {
 @pytest.mark.parametrize(
     "thing", [BALL, CRATE, PRISM, ROLL], ids=["ball", "crate", "prism", "roll"])
 @pytest.mark.parametrize("moving_first", [True, False])
-def test_the_floor_carries_a_body_at_rest(thing: dict[str, Any], table: str, moving_first: bool) -> None:
+def test_a_table_carries_a_body(thing: dict[str, Any], table: str, moving_first: bool) -> None:
     """The force on the moving body by the fixed one is m g upward, whatever the order of the two in
     the scene and of their shapes in pymunk; normal up, sunk by nothing.
 
@@ -144,7 +144,7 @@ def test_restitution() -> None:
 
 
 def test_pairs_at_rest_leave_no_rows() -> None:
-    """A scheduled body inside a fixed one, and another: pymunk lists them, nobody feels them."""
+    """Scheduled and fixed bodies that overlap: pymunk lists the pairs, no contact is recorded."""
     shape = [{"type": "circle", "radius": 0.01}]
     path = {"x": {"expression": "=0.01 * t"}}
     run = simulate(mechanism(duration=0.02, bodies=[

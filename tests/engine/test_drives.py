@@ -358,7 +358,7 @@ def test_a_rigid_length_goes_there_in_the_least_time() -> None:
 
 
 def test_ends_of_stroke_are_hard() -> None:
-    """The drive goes on pushing, the end of stroke takes it up: its reaction is the drive's."""
+    """The drive pushes on; the reaction of the end of stroke equals its force."""
     run = slide({"type": "push", "value": 2.0}, longest=0.15)
     assert run["c.length"].max() < 0.15 + 1e-9
     assert run["c.reaction_x"][-1] == pytest.approx(-2.0, rel=1e-9)

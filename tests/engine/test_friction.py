@@ -82,7 +82,7 @@ def test_a_block_that_slides_at_the_start_has_sliding_friction() -> None:
 
 
 def test_a_bead_is_held_on_a_turning_rod() -> None:
-    """A rod that turns ever faster lets go at m w^2 r = F, and nothing creeps before.
+    """A bead on a rod that turns ever faster slips at m w^2 r = F and does not creep before.
 
     A step foresees the bend of its way to second order, h^3 w^3 r / 6 are left to the next.
     """
@@ -174,23 +174,23 @@ def test_wrong_friction_is_refused(fields: dict[str, Any], says: str) -> None:
     assert says in f"{problem.message} {problem.allowed}"
 
 
-LET_GO = {"type": "slot", "name": "s", "a": "wall", "b": "m", "start": (0, 0), "end": (3, 0),
+SLOT = {"type": "slot", "name": "s", "a": "wall", "b": "m", "start": (0, 0), "end": (3, 0),
           "turns": False, "friction": 3.0, "static": 1.5, "takes_up_in": "10 ms"}
 
 
-def let_go(pushes: list[Any], *, speed: float = 0.0, events: list[Any]) -> Recording:
-    """1 kg in a groove that rubs with 3 N; without gravity."""
+def pushed(pushes: list[Any], *, speed: float = 0.0, events: list[Any]) -> Recording:
+    """1 kg in a slot with 3 N of friction, without gravity."""
     return sound(simulate(mechanism(
         duration=0.5, step=H, bodies=[fixed("wall"), {
             "name": "m", "mass": 1.0, "inertia": 1e-3, "velocity": (speed, 0.0)}],
-        joints=[LET_GO],
+        joints=[SLOT],
         drives=[{"type": "force", "name": "push", "body": "m", "direction": (1, 0),
                  "value": {"table": pushes}}], events=events)))
 
 
 def test_engaged_friction_holds_at_the_new_place() -> None:
-    """Pushed from rest to rest while it is let go, 32 mm on, it stands where it is taken up."""
-    run = let_go([[0.06, 0], [0.1, 10], [0.14, 0], [0.18, -10], [0.22, 0]],
+    """Moved by 32 mm while released, it rests where the slot is engaged."""
+    run = pushed([[0.06, 0], [0.1, 10], [0.14, 0], [0.18, -10], [0.22, 0]],
                  events=[{"name": "go", "at": 0.05, "release": ["s"]},
                          {"name": "back", "at": 0.3, "take_up": ["s"]}])
     after = run.time > 0.3
@@ -201,7 +201,7 @@ def test_engaged_friction_holds_at_the_new_place() -> None:
 
 def test_friction_engaged_in_motion_slips() -> None:
     """With 3 N from the first step on, not with the 4.5 N that hold."""
-    run = let_go([[0, 0], [1, 0]], speed=2.0, events=[
+    run = pushed([[0, 0], [1, 0]], speed=2.0, events=[
         {"name": "go", "at": 0.1, "release": ["s"]}, {"name": "back", "at": 0.2, "take_up": ["s"]}])
     after = run.time > 0.2
     assert run["s.friction"][after] == pytest.approx(-3.0, abs=ROUNDING)

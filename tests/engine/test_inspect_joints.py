@@ -40,7 +40,7 @@ def two_wheels(distance: float, **joint: Any) -> dict[str, Any]:
 def test_gears_that_fit_the_other_way(
     kind: str, radii: tuple[float, float], inside: bool, advice: str,
 ) -> None:
-    """|r_a - r_b| where r_a + r_b was asked for, and the other way round."""
+    """|r_a - r_b| where r_a + r_b is required, and vice versa."""
     joint = {"type": kind, "radius_a": radii[0], "radius_b": radii[1]}
     distance = 0.1 if inside else 0.06
     (problem,) = problems_with("mesh", two_wheels(distance, **joint, inside=inside))

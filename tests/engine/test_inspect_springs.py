@@ -86,7 +86,7 @@ def weight(name: str, mass: float, at: tuple[float, float] = (0.0, -0.1), **more
 
 
 def hanging(mass: float, *, step: float = 5e-4, duration: float = 0.1, **more: Any) -> Any:
-    """A weight on a cord of 1e5 N/m, let go where it is not stretched."""
+    """A weight on a cord of 1e5 N/m, released where the cord is not stretched."""
     cord = {"name": "cord", "guides": [{"body": "weight"}, {"body": "beam"}], **more}
     return mechanism(duration=duration, step=step, gravity=(0.0, -G),
                      bodies=[BEAM, weight("weight", mass)], tendons=[cord])

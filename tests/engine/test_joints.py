@@ -112,7 +112,7 @@ def test_weld() -> None:
 
 @pytest.mark.parametrize("length", [None, 0.25])
 def test_rod(length: float | None) -> None:
-    """A pendulum on a massless rod, as long as it stands, or as told and pulled in at once."""
+    """A pendulum on a massless rod, as long as it stands, or of a given length, reached at once."""
     run = simulate(mechanism(
         duration=0.5, gravity=(0.0, -G), bodies=[fixed("wall"), mass("m", 0.1, (0.2, 0.0))],
         joints=[{"type": "rod", "name": "r", "a": "wall", "b": "m",
@@ -368,7 +368,7 @@ def test_mechanisms_that_can_yield_do_not_jam(machine: dict[str, Any]) -> None:
 
 
 def test_a_schedule_beyond_the_reach_of_a_mechanism_is_an_error() -> None:
-    """A crank and a rod, 0.3 m in all, and a slider that goes on from 0.28 m."""
+    """A crank and a rod, 0.3 m in all, and a slider that moves out from 0.28 m."""
     y = 0.3 / 2 * float(np.sqrt(1 - (0.28 / 0.3) ** 2))
     with pytest.raises(SimulationDiverged, match="slider, which moves on a schedule: past a dead"):
         simulate(mechanism(duration=1.0, gravity=(0.0, -G), bodies=[

@@ -23,7 +23,7 @@ STEP = 1e-3
 
 def oscillator(x: float, *, step: float = STEP, duration: float = 1.0, v: float = 0.0,
                g: float = 0.0, tables: Any = None, **spring: Any) -> dict[str, Any]:
-    """A mass of 1 kg whose spring has a length of 1 m at rest, let go at a stretch ``x``."""
+    """A mass of 1 kg on a spring of 1 m, released at rest at a stretch ``x``."""
     ball = {"name": "m", "at": [1 + x, 0], "mass": 1, "velocity": [v, 0],
             "shapes": [{"type": "circle", "radius": 0.01}]}
     return {"bodies": [{"name": "frame", "motion": "fixed"}, ball], "gravity": [g, 0],

@@ -97,7 +97,7 @@ def test_a_tendon_too_stiff_for_the_step_is_damped(path: list[Any], response: fl
 
 
 def snatch(h: float, damping: float = 0.0) -> Recording:
-    """20 kg at 2 m/s take up 5 kg, once by a rope and once by a cord, after 50 ms."""
+    """20 kg at 2 m/s start to pull 5 kg after 50 ms, by a rope joint and by a tendon."""
     bodies = [{"name": name, "mass": mass, "at": [x, y], "velocity": [v, 0],
                "shapes": [{"type": "circle", "radius": 0.02}]}
               for y, kind in ((0.0, "rope"), (0.1, "cord"))

@@ -1,4 +1,4 @@
-"""What is let go, breaks and is taken up again, against closed forms."""
+"""Elements that break, are released and engaged again, against closed forms."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_an_elastic_element_breaks_at_its_load(kind: str, h: float) -> None:
 
 @pytest.mark.parametrize("kind", ["cord", "spring"])
 def test_an_element_engaged_as_is_begins_without_force(kind: str) -> None:
-    """Let go at rest and taken up with the length that it has then: no force but what comes after.
+    """Released at rest and engaged with its present length: no force at first.
 
     With its natural length it would pull with k (v t + k-stretch) at once.
     """
@@ -213,7 +213,7 @@ def test_equally_loaded_rods_break_in_the_same_step(h: float) -> None:
 
 @pytest.mark.parametrize("h", [1e-3, 0.37e-3])
 def test_a_hold_drive_gives_the_same_bytes_as_events(h: float) -> None:
-    """Let go, taken up, let go again, each with the step of the same instant: the same bytes."""
+    """Released, engaged and released again at the same steps: the same bytes."""
     holder = {"joints": [{"type": "rod", "name": "rod", "a": "frame", "b": "weight",
                           "on_b": [0, 0], "takes_up_in": 0.01}]}
     times = (0.1, 0.2, 0.35)

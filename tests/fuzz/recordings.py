@@ -1,4 +1,4 @@
-"""A saved run from a seed, changed where a stranger would change it.
+"""A saved run that is changed at random, reproducible from its seed.
 
 It begins as the run of a shipped scene, a few dozen samples long. Changed are its archive (members
 missing, of other names, packed, cut, bytes turned over), types, shapes and numbers of its arrays,

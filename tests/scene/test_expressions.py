@@ -109,7 +109,7 @@ def test_refusals_offer_a_near_miss() -> None:
 
 @pytest.mark.parametrize(("text", "right"), [
     ("=cos(70 deg)", 70 * math.pi / 180), ("=3 mm + 1", 3e-3), ("=2 foo", None)])
-def test_a_unit_in_an_expression_is_refused_with_the_si_number(text: str, right: float | None) -> None:
+def test_a_unit_in_an_expression_is_refused_with_si(text: str, right: float | None) -> None:
     with pytest.raises(WrongValueError, match="without units") as refused:
         parse_expression(text)
     allowed = refused.value.allowed

@@ -28,7 +28,7 @@ SCENE = {
 
 
 def swing(values, time=TIME):
-    """x [m] of 1 kg that is let go 0.1 m from rest, at k, c: the closed form."""
+    """Closed form of x [m] of 1 kg released 0.1 m from rest, for k and c."""
     k, c = np.moveaxis(np.asarray(values), -1, 0)[..., None]
     decay = c / 2
     turn = np.sqrt(k - decay ** 2)

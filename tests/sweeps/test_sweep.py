@@ -1,4 +1,4 @@
-"""Sweeps that are really run, in real processes, killed and gone on with."""
+"""Sweeps in worker processes, interrupted and resumed."""
 
 import json
 import multiprocessing
