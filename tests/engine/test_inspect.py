@@ -63,10 +63,10 @@ def jointed(**joint: Any) -> dict[str, Any]:
     ({"type": "rope", "longest": 0.09, "shortest": 0.06}, "it allows 60 mm to 90 mm"),
 ])
 def test_joints_that_are_not_assembled(joint, message):
-    severity, element, told = the_one(jointed(**joint))
+    severity, element, text = the_one(jointed(**joint))
     assert (severity, element) == ("error" if "in one place" in message else "warning", "j")
-    assert told.startswith("not assembled at t = 0")
-    assert message in told
+    assert text.startswith("not assembled at t = 0")
+    assert message in text
 
 
 @pytest.mark.parametrize(("joint", "blocks"), [
@@ -276,9 +276,9 @@ def test_unknown_quantities_block(more, hint):
 
 def test_a_step_that_does_not_divide_the_sampling_interval():
     run = {"step": 3e-4, "sample_rate": 1000}
-    severity, element, told = the_one(PINNED | {"run": run})
+    severity, element, text = the_one(PINNED | {"run": run})
     assert (severity, element) == ("warning", "run")
-    assert "does not divide" in told
+    assert "does not divide" in text
     assert found(PINNED | {"run": {"step": 2.5e-4, "sample_rate": 1000}}) == []
 
 
@@ -288,10 +288,10 @@ def test_a_step_that_does_not_divide_the_sampling_interval():
 ])
 def test_a_drive_that_moves_nothing(drive, words):
     cord = {"name": "cord", "guides": [{"body": "ground"}, {"body": "ground", "at": [0.1, 0]}]}
-    told = [message for _, element, message in found(
+    text = [message for _, element, message in found(
         PINNED | {"tendons": [cord], "drives": [{"name": "d", **drive}]}) if element == "d"]
-    assert len(told) == 1
-    assert words in told[0]
+    assert len(text) == 1
+    assert words in text[0]
 
 
 def test_a_window_without_a_body():

@@ -125,7 +125,7 @@ def test_a_live_simulation_keeps_only_its_last_steps() -> None:
     assert sum(array.nbytes for array in live.recording().arrays.values()) < 1_000_000
 
 
-@pytest.mark.parametrize(("wrong", "said"), [
+@pytest.mark.parametrize(("wrong", "words"), [
     (lambda live: live.give("lfit", 1.0), "lift"),
     (lambda live: live.give("hand1.x", 1.0), "nothing named"),
     (lambda live: live.give("lift", math.nan), "finite"),
@@ -136,11 +136,11 @@ def test_a_live_simulation_keeps_only_its_last_steps() -> None:
     (lambda live: live.push("a", (0, math.inf), (1, 0)), "two finite numbers"),
     (lambda live: live.push("a", (0, 0), (1, 0, 0)), "two finite numbers"),
 ])
-def test_wrong_pushes_and_settings_are_refused(wrong: Any, said: str) -> None:
+def test_wrong_pushes_and_settings_are_refused(wrong: Any, words: str) -> None:
     live = Live(mechanism(
         bodies=[mass("a", 1.0, (0, 0)), fixed("floor")],
         drives=[{"type": "force", "name": "lift", "body": "a", "direction": (0, 1), "value": 1}]))
-    with pytest.raises(SceneError, match=said):
+    with pytest.raises(SceneError, match=words):
         wrong(live)
     assert live.inputs == []
 
@@ -206,9 +206,9 @@ def test_wrong_grabs_are_refused() -> None:
     with pytest.raises(SceneError, match="no place"):
         hand.hold("block", (0, 0), (1, math.nan))
     for at, to in (((0, 0), (1e308, 0)), ((-1e308, 0), (0, 0))):
-        with pytest.raises(SceneError, match=r"no place: .*e\+308 is too large") as told:
+        with pytest.raises(SceneError, match=r"no place: .*e\+308 is too large") as message:
             hand.hold("block", at, to)
-        assert told.value.problems[0].allowed == "a magnitude of at most 1e+06 m"
+        assert message.value.problems[0].allowed == "a magnitude of at most 1e+06 m"
     assert hand.body is None
     assert hand.live.inputs == []
 

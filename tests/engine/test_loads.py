@@ -204,7 +204,7 @@ def _refused(load: dict[str, Any], **more: Any) -> str:
     return "\n".join(map(str, error.value.problems))
 
 
-@pytest.mark.parametrize(("load", "said"), [
+@pytest.mark.parametrize(("load", "words"), [
     ({"force": ["=-c * vxx", 0]}, "$.loads[0].force[0]: unknown name 'vxx'"),
     ({"force": ["=-c * vxx", 0]}, "Did you mean 'vx'?"),
     ({"force": ["=-mass * vx", 0]}, "'mass' is a parameter, and here it would mean the body's own"),
@@ -219,8 +219,8 @@ def _refused(load: dict[str, Any], **more: Any) -> str:
     ({"force": [0, "=1 / x"]}, "has no finite value on 'ball' at t = 0, x = 0"),
     ({"type": "drag"}, "give 'linear', 'area' or 'turning'"),
 ])
-def test_wrong_loads_are_refused(load: dict[str, Any], said: str) -> None:
-    assert said in _refused(load)
+def test_wrong_loads_are_refused(load: dict[str, Any], words: str) -> None:
+    assert words in _refused(load)
 
 
 def test_a_liquid_needs_weight() -> None:

@@ -101,7 +101,7 @@ def test_a_law_of_the_rate_is_a_damper_of_any_strength() -> None:
 
 
 def test_wrong_force_laws_are_refused() -> None:
-    for given, said in (
+    for given, words in (
         ({}, "give 'stiffness' or 'force', one of them"),
         ({"stiffness": 1, "force": "=stretch"}, "not both"),
         ({"force": "=twist"}, "unknown name 'twist'"),
@@ -110,7 +110,7 @@ def test_wrong_force_laws_are_refused() -> None:
         ({"force": "=stretch +"}, "is not an expression"),
         ({"stiffness": 1, "only": "above"}, "is not allowed"),
     ):
-        with pytest.raises(SceneError, match=said) as refused:
+        with pytest.raises(SceneError, match=words) as refused:
             sandbox.load_scene(oscillator(0.1, **given))
         assert refused.value.problems[0].path.startswith("$.springs[0]")
     with pytest.raises(SceneError, match="'rate' is a parameter"):

@@ -392,16 +392,16 @@ def test_a_cord_begins_off_a_wheel_that_is_clear_of_it_on_its_side(side: str, of
 
 def test_wrong_starts_on_a_pulley_are_reported() -> None:
     """Told to begin off a clear wheel nothing is said; off one in its way is an error; so is on."""
-    def said(**guide: Any) -> list[tuple[str, str, str]]:
+    def words(**guide: Any) -> list[tuple[str, str, str]]:
         mechanism = sandbox.expand(sandbox.load_scene(pendulum_with_peg(**guide)))
         return [(p.path, p.severity, p.message) for p in inspect(mechanism)
                 if p.path.startswith("$.tendons[0].guides")]
 
-    assert said(begins="off") == said(begins="on") == []
-    (path, severity, message), = said(begins="off", side="left")
+    assert words(begins="off") == words(begins="on") == []
+    (path, severity, message), = words(begins="off", side="left")
     assert (path, severity) == ("$.tendons[0].guides[1].begins", "error")
     assert "198 mm deep" in message  # its far side: 2 r beyond what it is clear by on the right
-    (path, severity, message), = said(begins="off", turns=1)
+    (path, severity, message), = words(begins="off", turns=1)
     assert (path, severity) == ("$.tendons[0].guides[1].begins", "warning")
 
 

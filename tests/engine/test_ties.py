@@ -171,7 +171,7 @@ def problems(**more: Any) -> list[str]:
     return [str(problem) for problem in raised.value.problems]
 
 
-@pytest.mark.parametrize(("event", "said"), [
+@pytest.mark.parametrize(("event", "message"), [
     ({"release": "hinges"}, "$.events[0].release[0]: there is no joint, spring or tendon named "
      "'hinges'. Did you mean 'hinge'? Allowed: 'hinge', 'mesh'."),
     ({"release": ["hinge", "weight"]}, "$.events[0].release[1]: 'weight' is a body, which events "
@@ -182,9 +182,9 @@ def problems(**more: Any) -> list[str]:
     ({"release": "hinge", "take_up": "hinge"}, "one event cannot release and engage 'hinge'"),
     ({"lasts": 0.1, "stop": "pass"}, "'lasts' needs 'set', 'release' or 'take_up'"),
 ])
-def test_elements_that_cannot_be_released_are_refused(event: dict[str, Any], said: str) -> None:
+def test_elements_that_cannot_be_released_are_refused(event: dict[str, Any], message: str) -> None:
     found = problems(events=[{"name": "event", "at": 0.1, **event}])
-    assert any(said in text for text in found), found
+    assert any(message in text for text in found), found
 
 
 @pytest.mark.parametrize("h", [0.25e-3, 0.5e-3, 1e-3, 2e-3])
@@ -250,14 +250,14 @@ def test_a_broken_element_stays_broken_until_its_drive_engages_it_again() -> Non
     assert any("rod broke" in note for note in run.notes)
 
 
-@pytest.mark.parametrize(("element", "said"), [
+@pytest.mark.parametrize(("element", "message"), [
     ("hing", "$.drives[0].element: there is no joint, spring or tendon named 'hing'. Did you "
      "mean 'hinge'? Allowed: 'hinge', 'mesh'."),
     ("mesh", "'mesh' joins wheels where they meet at t = 0"),
 ])
-def test_elements_that_a_drive_cannot_hold_are_refused(element: str, said: str) -> None:
+def test_elements_that_a_drive_cannot_hold_are_refused(element: str, message: str) -> None:
     found = problems(drives=[{"type": "hold", "name": "h", "element": element, "value": 1}])
-    assert any(said in text for text in found), found
+    assert any(message in text for text in found), found
 
 
 def test_one_drive_holds_one_element() -> None:

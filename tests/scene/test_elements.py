@@ -18,7 +18,7 @@ def arm(*controllers: dict[str, Any], events: Any = (), **more: Any) -> dict[str
     return {**ARM, "controllers": list(controllers), "events": list(events), **more}
 
 
-def told(scene: dict[str, Any]) -> str:
+def error_of(scene: dict[str, Any]) -> str:
     with pytest.raises(sandbox.SceneError) as caught:
         sandbox.simulate(sandbox.load_scene(scene))
     return str(caught.value)
@@ -28,9 +28,9 @@ def test_an_algebraic_loop_is_named():
     a = {"type": "feedback", "name": "a", "value": "=second.value + 1", "writes": "motor"}
     b = {"type": "feedback", "name": "b", "value": "=2 * half", "writes": "second"}
     meters = [{"name": "half", "value": "=motor.value / 2"}]
-    text = told(arm(a, b, meters=meters))
+    text = error_of(arm(a, b, meters=meters))
     assert "an algebraic loop: 'a' → 'b' → 'a'" in text
-    assert "'c' → 'c'" in told(arm({**a, "name": "c", "value": "=motor.value"}))
+    assert "'c' → 'c'" in error_of(arm({**a, "name": "c", "value": "=motor.value"}))
 
 
 @pytest.mark.parametrize("target", ["120 deg", {"to": "-50 deg", "over": 1}])

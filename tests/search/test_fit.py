@@ -76,8 +76,8 @@ def test_a_scene_is_fitted_to_a_file(tmp_path):
     assert found.certified
     assert found.blind == ()
     assert found.remarks == ()
-    told = json.loads((tmp_path / "out" / "search.json").read_text())
-    assert told["found"]["parameters"][0]["value"] == found["parameters.k"].value
+    message = json.loads((tmp_path / "out" / "search.json").read_text())
+    assert message["found"]["parameters"][0]["value"] == found["parameters.k"].value
 
 
 def test_undetermined_parameters_are_reported(tmp_path):
@@ -91,7 +91,7 @@ def test_undetermined_parameters_are_reported(tmp_path):
     assert any("do not determine" in line for line in found.lines)
 
 
-@pytest.mark.parametrize(("text", "said"), [
+@pytest.mark.parametrize(("text", "words"), [
     ("time,x\n0,1\n0.05,two\n", "row 3: 'two' is no number"),
     ("x,y\n0,1\n", "no column of times"),
     ("time,x\n", "has no measurements"),
@@ -102,12 +102,12 @@ def test_undetermined_parameters_are_reported(tmp_path):
     ("time,x\n0,\n", "has no number in 'x'"),
     ("time,x\n0,1\n", "1 measured numbers do not determine 1 parameters"),
 ])
-def test_unusable_data_are_refused(tmp_path, text, said):
+def test_unusable_data_are_refused(tmp_path, text, words):
     (tmp_path / "x.csv").write_text(text)
     with pytest.raises(SandboxError) as error:
         sandbox.search.fit(PUCK, tmp_path / "x.csv", vary={"parameters.push": "1:5"},
                            match={"x": "puck.x"})
-    assert said in str(error.value)
+    assert words in str(error.value)
 
 
 def test_numbers_of_other_units_are_read_as_si(tmp_path):

@@ -124,9 +124,9 @@ def test_a_script_without_a_guard_gets_a_message(tmp_path):
     script = tmp_path / "script.py"
     script.write_text("import sandbox\nsandbox.sweep('single_finger', vary={'parameters.pull': "
                       "[1, 2]}, workers=1)\n")
-    said = subprocess.run([sys.executable, str(script)], capture_output=True, text=True,
+    words = subprocess.run([sys.executable, str(script)], capture_output=True, text=True,
                           timeout=100)
-    assert said.stderr.splitlines()[-1].endswith('under if __name__ == "__main__":')
+    assert words.stderr.splitlines()[-1].endswith('under if __name__ == "__main__":')
 
 
 # -- the log -------------------------------------------------------------------------
@@ -221,7 +221,7 @@ def test_a_grid_has_a_map_of_where_expectations_hold(tmp_path, monkeypatch):
 # -- what is refused before anything runs -------------------------------------------
 
 
-@pytest.mark.parametrize(("more", "said"), [
+@pytest.mark.parametrize(("more", "words"), [
     ({"vary": {"parameters.psh": "1:2:2"}}, "Did you mean 'push'"),
     ({"vary": {"bodies[puk].mass": "1:2:2"}}, "Did you mean 'puck'"),
     ({"vary": {"parameters.m": "-1:2:4"}}, "must be greater than 0"),
@@ -233,10 +233,10 @@ def test_a_grid_has_a_map_of_where_expectations_hold(tmp_path, monkeypatch):
     ({"vary": {"parameters.push": [1.0, float("nan")]}}, "must be finite"),
     ({"vary": {"parameters.push": "1:2:2"}, "set": {"parameters.push": 3}}, "values twice"),
 ])
-def test_wrong_studies_are_refused_before_anything_runs(more, said):
+def test_wrong_studies_are_refused_before_anything_runs(more, words):
     with pytest.raises(SceneError) as error:
         plan_of(study_data(PUCK, **{"keep": None, **more}))
-    assert said in str(error.value)
+    assert words in str(error.value)
 
 
 def test_rows_are_spread_over_files(tmp_path, monkeypatch):
