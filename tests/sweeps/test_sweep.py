@@ -19,10 +19,15 @@ from sandbox.sweeps.plan import plan_of
 from sandbox.sweeps.sweep import run_plan, study_data
 from sandbox.sweeps.table import draw_table
 from sandbox.sweeps.workers import Processes
-from tests.sweeps.scenes import PUCK
+from tests.sweeps.scenes import PUCK, InProcess
 
 LAST = 0.1 - 0.5e-3
 """When the last sample is [s]: in the middle of the last step."""
+
+
+@pytest.fixture
+def in_process(monkeypatch):
+    monkeypatch.setattr("sandbox.sweeps.workers.Processes", InProcess)
 
 
 def study(vary="1:6:6", **more):
@@ -44,6 +49,7 @@ def test_each_row_is_what_its_values_give(tmp_path):
     assert table.plan.units == {"parameters.push": "N", "v": "m/s", "twice": ""}
 
 
+@pytest.mark.usefixtures("in_process")
 def test_finished_runs_are_not_repeated(tmp_path):
     run(study("1:3:3"), tmp_path)
     advances = []
@@ -57,6 +63,7 @@ def test_finished_runs_are_not_repeated(tmp_path):
     assert len(again) == 6
 
 
+@pytest.mark.usefixtures("in_process")
 def test_rows_of_another_scene_or_of_other_quantities_are_not_taken(tmp_path):
     run(study("1:3:3"), tmp_path)
     heavier = {**study("1:3:3"), "set": {"parameters.m": 2}}
@@ -65,6 +72,7 @@ def test_rows_of_another_scene_or_of_other_quantities_are_not_taken(tmp_path):
     assert (run(other, tmp_path)["v"] < 0.02).all()
 
 
+@pytest.mark.usefixtures("in_process")
 def test_runs_that_do_not_end_well_are_rows_with_their_reason():
     scene = {**PUCK, "run": {**PUCK["run"], "duration": "0.2 s"}}
     data = study_data(scene, vary={"parameters.push": "2, 1e12"}, keep=["v=puck.vx"], audit=False)
@@ -75,6 +83,7 @@ def test_runs_that_do_not_end_well_are_rows_with_their_reason():
     assert table["holds"] == [True, None]
 
 
+@pytest.mark.usefixtures("in_process")
 def test_ctrl_c_keeps_finished_runs(tmp_path):
     def stop(at):
         if at.done == 2:
@@ -120,6 +129,7 @@ def test_a_run_that_ends_two_processes_is_given_up_and_the_others_finish():
     assert "2 worker processes" in rows[plan.ids[2]].reason
 
 
+@pytest.mark.nightly
 def test_a_script_without_a_guard_gets_a_message(tmp_path):
     script = tmp_path / "script.py"
     script.write_text("import sandbox\nsandbox.sweep('single_finger', vary={'parameters.pull': "
@@ -163,6 +173,7 @@ def test_a_corrupt_row_is_an_error(tmp_path, line):
 # -- files ---------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("in_process")
 def test_the_table_is_read_back_by_pandas(tmp_path):
     pandas = pytest.importorskip("pandas")
     pytest.importorskip("pyarrow")
@@ -177,6 +188,7 @@ def test_the_table_is_read_back_by_pandas(tmp_path):
     assert frame.attrs["units"]["v"] == "m/s"
 
 
+@pytest.mark.usefixtures("in_process")
 def test_recordings_that_are_requested_later_are_made(tmp_path):
     run(study("1, 2"), tmp_path)
     again = []
@@ -205,6 +217,7 @@ def test_a_bundle_has_the_scenes_that_a_varied_include_names(tmp_path):
     assert [each.name for each in found.mechanism.bodies] == ["object.one.body"]
 
 
+@pytest.mark.usefixtures("in_process")
 def test_a_grid_has_a_map_of_where_expectations_hold(tmp_path, monkeypatch):
     drawn = []
     monkeypatch.setattr("sandbox.sweeps.table.draw_sweep", lambda path, what: drawn.append(what))
