@@ -66,6 +66,14 @@ def test_pausing_does_not_change_results(name: str) -> None:
     assert same(simulation.recording(), simulate(machine))
 
 
+def test_the_block_length_does_not_change_results(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However many steps the compiled code makes before it returns to Python."""
+    machine = loaded("adaptive_grasp")
+    whole = simulate(machine)
+    monkeypatch.setattr("sandbox.engine.simulation.BLOCK", 3)
+    assert same(simulate(machine), whole)
+
+
 def test_time_and_steps() -> None:
     simulation = Simulation(weight(duration=0.01))
     assert simulation.time == 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -67,7 +68,7 @@ def _check_shipped(mechanism: Mechanism, run: Recording, folder: Path) -> None:
 
 
 def test_another_process_gives_the_same_bytes() -> None:
-    """In another order, and with all entry points compiled."""
+    """In another order, another environment, and with all entry points compiled."""
     script = """if True:
         import json, sys
         from sandbox.engine.entry_points import all_entry_points
@@ -77,9 +78,11 @@ def test_another_process_gives_the_same_bytes() -> None:
             print(json.dumps({name: digest(recording_of(SCENES[name].mechanism()))
                               for name in sys.argv[1:]}))
         """
-    message = subprocess.run([sys.executable, "-c", script, *reversed(TWICE)], check=True,
-                          capture_output=True, text=True, cwd=ROOT)
-    assert json.loads(message.stdout) == {
+    other = {"PYTHONHASHSEED": "1001", "LANG": "tr_TR.UTF-8", "TZ": "Asia/Kathmandu",
+             "HOME": "/nowhere", "PYTHONUTF8": "0"}
+    done = subprocess.run([sys.executable, "-c", script, *reversed(TWICE)], check=True,
+                          capture_output=True, text=True, cwd=ROOT, env={**os.environ, **other})
+    assert json.loads(done.stdout) == {
         name: json.loads(json.dumps(digest(recording_of(SCENES[name].mechanism()))))
         for name in TWICE}
 
@@ -93,9 +96,9 @@ def test_shipped_scenes_need_no_optional_package() -> None:
               "from sandbox.engine.simulation import Simulation; "
               "from tests.golden.scenes import SHIPPED; "
               "print(len([Simulation(each.mechanism()) for each in SHIPPED.values()]))")
-    message = subprocess.run([sys.executable, "-c", script, *optional], capture_output=True,
+    done = subprocess.run([sys.executable, "-c", script, *optional], capture_output=True,
                           text=True, cwd=ROOT, check=False)
-    assert message.stdout == f"{len(SHIPPED)}\n", message.stderr
+    assert done.stdout == f"{len(SHIPPED)}\n", done.stderr
 
 
 @pytest.mark.parametrize(("key", "element", "share", "message"), [
