@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 import sandbox
-from sandbox import atomic_files
 from sandbox.atomic_files import atomic_file, remove_stale, write_atomic
 from sandbox.errors import OutputError
 
@@ -109,19 +108,3 @@ def test_a_temporary_file_that_is_removed_before_it_is_locked_is_made_again(
     write_atomic(tmp_path / "a.csv", "x")
     assert len(made) == 2
     assert names(tmp_path) == ["a.csv"]
-
-
-def test_a_file_is_flushed_before_it_is_moved(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    seen: list[tuple[bool, bool]] = []
-    path = tmp_path / "a.csv"
-    flush = atomic_files.flush
-
-    def watched(what: Path) -> None:
-        seen.append((what.is_dir(), path.exists()))
-        flush(what)
-
-    monkeypatch.setattr(atomic_files, "flush", watched)
-    write_atomic(path, "x")
-    assert seen == [(False, False), (True, True)]

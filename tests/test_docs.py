@@ -80,9 +80,9 @@ def steps(text: str) -> list[tuple[list[str], int, list[str]]]:
     return found
 
 
-def fits(said: str, printed: str) -> bool:
+def fits(fragment: str, printed: str) -> bool:
     """Whether a line of the docs is somewhere in the output; white space counts for nothing."""
-    pieces = [re.escape("".join(piece.split())) for piece in said.split("…")]
+    pieces = [re.escape("".join(piece.split())) for piece in fragment.split("…")]
     return re.search(".*".join(pieces), "".join(printed.split())) is not None
 
 
@@ -114,7 +114,7 @@ def run_page(page: Path, capsys: Any) -> int:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_what_a_page_says_is_so(
+def test_pages_run_as_written(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -180,7 +180,7 @@ def test_every_model_of_a_scene_is_described() -> None:
             assert anchor in heads, model
 
 
-def test_every_field_of_every_element_is_told() -> None:
+def test_every_field_of_every_element_is_described() -> None:
     """A sentence, in the table of its element and in the schema that editors show."""
     reference, schema = script("make_reference"), scene_schema()
     for model in (model for page in reference.PAGES.values() for group in page.values()
@@ -188,10 +188,10 @@ def test_every_field_of_every_element_is_told() -> None:
         shown = schema["$defs"].get(model.__name__, schema)["properties"]
         described = descriptions(model)
         for name, field in model.model_fields.items():
-            said = described.get(name, "")
-            assert len(said.split()) > 1, f"{model.__name__}.{name}"
-            assert said.endswith("."), f"{model.__name__}.{name}"
-            assert said in shown[field.alias or name]["description"], f"{model.__name__}.{name}"
+            fragment = described.get(name, "")
+            assert len(fragment.split()) > 1, f"{model.__name__}.{name}"
+            assert fragment.endswith("."), f"{model.__name__}.{name}"
+            assert fragment in shown[field.alias or name]["description"], f"{model.__name__}.{name}"
 
 
 def test_the_gallery_holds_what_the_docs_show() -> None:
@@ -229,15 +229,15 @@ def test_every_generated_table_is_shown_once() -> None:
 
 def test_the_limits_are_those_of_the_program() -> None:
     text = (ROOT / "docs" / "limits.md").read_text(encoding="utf-8")
-    told = dict(re.findall(r"^\| `(\w+)` \| ([\d ]+) \|", text, re.MULTILINE))
+    message = dict(re.findall(r"^\| `(\w+)` \| ([\d ]+) \|", text, re.MULTILINE))
     limits = {field.name: getattr(Limits(), field.name) for field in fields(Limits)}
-    assert {name: int(value.replace(" ", "")) for name, value in told.items()} == limits
+    assert {name: int(value.replace(" ", "")) for name, value in message.items()} == limits
 
 
 def test_the_exit_codes_are_those_of_the_program() -> None:
     text = (ROOT / "docs" / "limits.md").read_text(encoding="utf-8")
-    told = {int(code) for code in re.findall(r"^\| (\d+) \|", text, re.MULTILINE)}
-    assert told == {int(code) for code in Exit}
+    message = {int(code) for code in re.findall(r"^\| (\d+) \|", text, re.MULTILINE)}
+    assert message == {int(code) for code in Exit}
 
 
 def test_the_units_are_those_of_the_program() -> None:
@@ -245,8 +245,8 @@ def test_the_units_are_those_of_the_program() -> None:
 
     text = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
     paragraph = text.partition("The units:")[2].partition("- an expression")[0]
-    told = {word for group in re.split(r"[;,\n]", paragraph) for word in _units(group.strip())}
-    assert told - {""} == {unit for unit in UNITS if unit.isascii()}
+    message = {word for group in re.split(r"[;,\n]", paragraph) for word in _units(group.strip())}
+    assert message - {""} == {unit for unit in UNITS if unit.isascii()}
 
 
 def _units(group: str) -> list[str]:

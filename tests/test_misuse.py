@@ -24,7 +24,7 @@ def run() -> sandbox.Recording:
     return sandbox.simulate(sandbox.load_scene(DATA))
 
 
-def said(work: Any, *args: Any, **keys: Any) -> str:
+def error_of(work: Any, *args: Any, **keys: Any) -> str:
     with pytest.raises(sandbox.SandboxError) as found:
         work(*args, **keys)
     return str(found.value)
@@ -34,7 +34,7 @@ NO_SCENE = "is no scene. Allowed: a scene from sandbox.load_scene"
 NO_LIST = "pass a list of sandbox.Custom"
 
 
-@pytest.mark.parametrize(("work", "given", "keys", "told"), [
+@pytest.mark.parametrize(("work", "given", "keys", "message"), [
     *((work, given, {}, NO_SCENE) for given in (None, b"single_finger")
       for work in (sandbox.simulate, sandbox.Simulation, sandbox.expand)),
     *((sandbox.load_scene, given, {}, "Allowed: a path, the name of a shipped scene, or a mapping")
@@ -47,12 +47,14 @@ NO_LIST = "pass a list of sandbox.Custom"
     *((sandbox.render, given, {"path": "x.gif"}, "pass what sandbox.simulate")
       for given in (None, "renders/hand", 3, DATA)),
 ])
-def test_wrong_types_of_arguments(work: Any, given: Any, keys: dict[str, Any], told: str) -> None:
-    assert told in said(work, given, **keys)
+def test_wrong_types_of_arguments(
+    work: Any, given: Any, keys: dict[str, Any], message: str,
+) -> None:
+    assert message in error_of(work, given, **keys)
 
 
 @pytest.mark.parametrize("work", [sandbox.simulate, sandbox.Simulation])
-def test_what_a_scene_is_loaded_from_will_do(work: Any, tmp_path: Path) -> None:
+def test_scenes_are_accepted_as_paths_names_and_data(work: Any, tmp_path: Path) -> None:
     path = tmp_path / "disc.json"
     path.write_text(json.dumps({**DATA, "title": "A disc"}), encoding="utf-8")
     for given in (path, str(path), DATA, sandbox.load_scene(DATA),
@@ -60,16 +62,16 @@ def test_what_a_scene_is_loaded_from_will_do(work: Any, tmp_path: Path) -> None:
         assert [body.name for body in work(given).mechanism.bodies] == ["a"]
     assert work(path).mechanism.name == "disc"
     assert work("single_finger").mechanism.name == "single_finger"
-    assert "Did you mean" in said(work, "single_fnger")
+    assert "Did you mean" in error_of(work, "single_fnger")
 
 
-def test_what_is_wrong_is_placed_in_the_file(tmp_path: Path) -> None:
+def test_errors_have_a_place_in_the_file(tmp_path: Path) -> None:
     path = tmp_path / "disc.json"
     path.write_text(json.dumps({**DATA, "events": [
         {"name": "e", "when": "=a.xx > 1", "stop": "pass"}]}, indent=1), encoding="utf-8")
-    told = said(sandbox.simulate, path)
-    assert told.startswith(f"{path}:")
-    assert "$.events[0].when: unknown quantity 'a.xx'. Did you mean 'a.x'?" in told
+    message = error_of(sandbox.simulate, path)
+    assert message.startswith(f"{path}:")
+    assert "$.events[0].when: unknown quantity 'a.xx'. Did you mean 'a.x'?" in message
 
 
 @pytest.mark.parametrize("path", ["", "  ", None, "a\0b"])
@@ -81,7 +83,7 @@ def test_no_path_is_not_the_working_directory(
     for name in kept:
         (tmp_path / name).write_text("mine")
     for work in (run.save, lambda path: sandbox.render(run, path), sandbox.Recording.load):
-        assert "pass a path such as" in said(work, path)
+        assert "pass a path such as" in error_of(work, path)
     assert sorted(each.name for each in tmp_path.iterdir()) == sorted(kept)
 
 
@@ -97,9 +99,9 @@ def test_no_path_is_not_the_working_directory(
 def test_pictures_that_cannot_be(
     run: sandbox.Recording, keys: dict[str, Any], wanted: str, ending: str, tmp_path: Path,
 ) -> None:
-    told = said(sandbox.render, run, tmp_path / f"x.{ending}".rstrip("."), **keys)
-    assert wanted in told
-    assert f"{next(iter(keys))}=" in told
+    message = error_of(sandbox.render, run, tmp_path / f"x.{ending}".rstrip("."), **keys)
+    assert wanted in message
+    assert f"{next(iter(keys))}=" in message
     assert not list(tmp_path.iterdir())
 
 
@@ -130,19 +132,19 @@ def changed(**keys: Any) -> Mechanism:
     ({"shapes": 3}, "$.bodies[0].shapes: expected a list"),
 ])
 def test_a_body_by_hand(keys: dict[str, Any], place: str) -> None:
-    assert said(sandbox.simulate, changed(**keys)).startswith(place)
+    assert error_of(sandbox.simulate, changed(**keys)).startswith(place)
 
 
 def test_mechanisms_by_hand() -> None:
     whole = Mechanism.model_validate(DATA)
     twice = whole.model_copy(update={"bodies": whole.bodies * 2})
-    assert "the name 'a' is already that of another body" in said(sandbox.simulate, twice)
+    assert "the name 'a' is already that of another body" in error_of(sandbox.simulate, twice)
     for nothing in (Mechanism(), Scene(), Mechanism.model_construct()):
-        assert "nothing to simulate" in said(sandbox.simulate, nothing)
-        assert "nothing to simulate" in said(sandbox.simulate, Checked(nothing))
-    assert "$.bodies: expected a list" in said(
+        assert "nothing to simulate" in error_of(sandbox.simulate, nothing)
+        assert "nothing to simulate" in error_of(sandbox.simulate, Checked(nothing))
+    assert "$.bodies: expected a list" in error_of(
         sandbox.simulate, Mechanism.model_construct(bodies=3))
     joint = {"type": "pin", "name": "j", "a": "a", "b": "nobody", "on_a": [0, 0]}
-    assert "there is no body named 'nobody'" in said(
+    assert "there is no body named 'nobody'" in error_of(
         sandbox.simulate, Mechanism.model_validate({**DATA, "joints": [joint]}))
     assert len(sandbox.simulate(whole)) == 10

@@ -40,7 +40,7 @@ PAGES = re.compile(r"^see docs/messages\.md#.*\n", re.MULTILINE)
 
 
 @dataclass(frozen=True)
-class Said:
+class Output:
     """What a command returned and printed."""
 
     code: int
@@ -48,27 +48,27 @@ class Said:
     err: str
     """Without the line that says where to read on."""
     pages: str = ""
-    """That line; every wrong input that is told has one, unless ``--quiet``."""
+    """That line; every message about wrong input has one, unless ``--quiet``."""
 
 
 @pytest.fixture
 def sandbox(
     capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-) -> Callable[..., Said]:
+) -> Callable[..., Output]:
     """Run ``sandbox WORDS`` in an empty directory; never a traceback, whatever the words."""
     monkeypatch.chdir(tmp_path)
 
-    def run(*words: object) -> Said:
+    def run(*words: object) -> Output:
         capfd.readouterr()
         code = invoke([str(word) for word in words])
         out, err = capfd.readouterr()
         # what only the first run after a change of the engine says is no part of any other test
         err = re.sub(FIRST_RUN, "", err)
-        told = "".join(PAGES.findall(err))
-        said = Said(int(code), out, PAGES.sub("", err), told)
-        assert "Traceback" not in said.out + said.err
-        assert told or code != 2 or not err or {"--quiet", "-q"} & {*words}, err
-        return said
+        message = "".join(PAGES.findall(err))
+        output = Output(int(code), out, PAGES.sub("", err), message)
+        assert "Traceback" not in output.out + output.err
+        assert message or code != 2 or not err or {"--quiet", "-q"} & {*words}, err
+        return output
 
     return run
 

@@ -32,29 +32,29 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_a_bad_scene_is_told_and_exits_2(sandbox, scene, tmp_path, case):
+def test_a_bad_scene_exits_2_with_a_message(sandbox, scene, tmp_path, case):
     content, place, words = CASES[case]
-    said = sandbox("check", scene(content))
-    assert said.code == 2
-    lines = said.err.splitlines()
-    assert 1 <= len(lines) <= 3, said.err
+    output = sandbox("check", scene(content))
+    assert output.code == 2
+    lines = output.err.splitlines()
+    assert 1 <= len(lines) <= 3, output.err
     assert all("ball.json" in line for line in lines)
-    assert re.search(place, said.err), said.err
-    assert re.search(words, said.err), said.err
-    assert sandbox("run", scene(content)).err == said.err
+    assert re.search(place, output.err), output.err
+    assert re.search(words, output.err), output.err
+    assert sandbox("run", scene(content)).err == output.err
     assert not (tmp_path / "renders").exists()
 
 
-def test_all_problems_are_told_at_once_each_with_its_line(sandbox, scene):
+def test_all_problems_are_reported_with_their_lines(sandbox, scene):
     data = copy.deepcopy(BALL)
     data["gravty"] = [0, 0]
     data["bodies"][0]["mass"] = -1
     data["run"]["step"] = "1 kg"
     text = json.dumps(data, indent=1)
-    said = sandbox("check", scene(text))
-    assert said.code == 2
-    assert len(said.err.splitlines()) == 3
-    for line in said.err.splitlines():
+    output = sandbox("check", scene(text))
+    assert output.code == 2
+    assert len(output.err.splitlines()) == 3
+    for line in output.err.splitlines():
         number = int(re.search(r"ball\.json:(\d+):\d+: \$", line)[1])
         key = re.search(r"\$\.[\w.\[\]]*?(\w+):", line)[1]
         assert f'"{key}"' in text.splitlines()[number - 1]
@@ -64,17 +64,17 @@ def test_a_file_of_a_gigabyte_is_not_read(sandbox, tmp_path):
     path = tmp_path / "huge.json"
     with path.open("wb") as file:
         file.truncate(1 << 30)
-    said = sandbox("run", path)
-    assert said.code == 2
-    assert "huge.json" in said.err
-    assert len(said.err.splitlines()) == 1
+    output = sandbox("run", path)
+    assert output.code == 2
+    assert "huge.json" in output.err
+    assert len(output.err.splitlines()) == 1
 
 
 @pytest.mark.parametrize("word", ["nothere.json", "no/such/dir/scene.json", ".", "/dev/null", ""])
 def test_a_file_that_is_no_scene(sandbox, word):
-    said = sandbox("run", word)
-    assert said.code == 2
-    assert len(said.err.splitlines()) == 1
+    output = sandbox("run", word)
+    assert output.code == 2
+    assert len(output.err.splitlines()) == 1
 
 
 def test_contacts_count_towards_what_may_be_recorded(sandbox, scene, tmp_path):
@@ -82,16 +82,16 @@ def test_contacts_count_towards_what_may_be_recorded(sandbox, scene, tmp_path):
     ball, floor = BALL["bodies"]
     path = scene(run={"duration": 3, "step": 1e-3, "sample_rate": 1000}, expect=[], bodies=[
         {**ball, "at": [0, 0.007]}, floor, {**floor, "name": "second"}])  # two contacts, not one
-    said = sandbox("run", path, "--no-render", "--limit", "recorded_bytes=1e6")
-    assert said.code == 2
-    assert "take more than 1 000 000 bytes" in said.err
-    assert "--limit recorded_bytes=N" in said.err
-    assert "kept 2560 samples in renders/ball, marked incomplete" in said.err
+    output = sandbox("run", path, "--no-render", "--limit", "recorded_bytes=1e6")
+    assert output.code == 2
+    assert "take more than 1 000 000 bytes" in output.err
+    assert "--limit recorded_bytes=N" in output.err
+    assert "kept 2560 samples in renders/ball, marked incomplete" in output.err
     assert not (tmp_path / "renders/ball/run.json").exists()
     run = Recording.load(tmp_path / "renders/ball")
     assert (run.info.status, len(run)) == (Status.LIMITED, 2560)
     assert sandbox("run", path, "--no-render", "--limit", "recorded_bytes=1.6e6").code == 0
-    said = sandbox("run", path, "--no-render", "--limit", "recorded_bytes=1e6")
-    assert "in renders/ball/incomplete, marked incomplete; the run that was in" in said.err
+    output = sandbox("run", path, "--no-render", "--limit", "recorded_bytes=1e6")
+    assert "in renders/ball/incomplete, marked incomplete; the run that was in" in output.err
     assert Recording.load(tmp_path / "renders/ball").complete
     assert "recording would take" in sandbox("check", path, "--limit", "recorded_bytes=9e5").err

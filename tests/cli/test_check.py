@@ -14,11 +14,11 @@ CORD = {"name": "cord", "guides": [{"body": "floor"}, {"body": "floor"}, {"body"
 
 def test_good_scenes_and_what_a_run_costs(sandbox, scene):
     path = scene()
-    said = sandbox("check", path, path)
-    assert (said.code, said.err) == (0, "")
-    assert said.out.count(": ok") == 2
-    assert f"{path}: would take about 0.01 s and " in said.out
-    assert said.out.endswith("(100 steps, 50 samples)\n")
+    output = sandbox("check", path, path)
+    assert (output.code, output.err) == (0, "")
+    assert output.out.count(": ok") == 2
+    assert f"{path}: would take about 0.01 s and " in output.out
+    assert output.out.endswith("(100 steps, 50 samples)\n")
     (report,) = json.loads(sandbox("check", path, "--json").out)["scenes"]
     assert (report["estimate"]["steps"], report["estimate"]["contacts"]) == (100, 1)
     long = ["--set", "run.duration=800 s", "--set", "run.sample_rate=10", "--limit", "seconds=1"]
@@ -33,15 +33,15 @@ def test_a_warning_has_its_place_and_fails_with_strict(sandbox, scene):
     path = scene(joints=[ROPE], expect=[])
     looked, ran = sandbox("check", path), sandbox("run", path, "--no-render")
     assert (looked.code, ran.code) == (0, 0)
-    told = f"{path}:1:352: warning: $.joints[0]: rope: not assembled at t = 0"
-    assert looked.err.startswith(told)
-    assert ran.err.startswith(told)
+    message = f"{path}:1:352: warning: $.joints[0]: rope: not assembled at t = 0"
+    assert looked.err.startswith(message)
+    assert ran.err.startswith(message)
     assert looked.pages == "see docs/messages.md#not-assembled\n"
     assert sandbox("check", path, "--strict").code == 2
-    said = sandbox("check", path, "nothere.json", "--json")
-    good, bad = json.loads(said.out)["scenes"]
+    output = sandbox("check", path, "nothere.json", "--json")
+    good, bad = json.loads(output.out)["scenes"]
     (found,) = good["findings"]
-    assert (said.code, good["ok"], found["severity"], found["path"], found["line"]) == (
+    assert (output.code, good["ok"], found["severity"], found["path"], found["line"]) == (
         2, True, "warning", "$.joints[0]", 1)
     assert (bad["ok"], len(bad["errors"])) == (False, 1)
 
@@ -50,11 +50,11 @@ def test_an_error_has_its_place_in_text_and_json(sandbox, scene):
     text = json.dumps(BALL | {"tendons": [CORD]}, indent=1)
     path = scene(text)
     line = next(i for i, row in enumerate(text.splitlines(), 1) if "tendons" in row) + 1
-    told = ("its guides 0 and 1 coincide; move one of them: the tendon between them has no "
+    message = ("its guides 0 and 1 coincide; move one of them: the tendon between them has no "
             "direction")
-    assert sandbox("check", path).err == f"{path}:{line}:3: $.tendons[0]: cord: {told}\n"
+    assert sandbox("check", path).err == f"{path}:{line}:3: $.tendons[0]: cord: {message}\n"
     (problem,) = json.loads(sandbox("check", path, "--json").out)["scenes"][0]["errors"]
-    assert problem == {"message": told, "file": str(path), "path": "$.tendons[0]", "line": line,
+    assert problem == {"message": message, "file": str(path), "path": "$.tendons[0]", "line": line,
                        "column": 3, "element": "cord",
                        "code": "coincident-points",
                        "fields": f"{ELEMENTS}#tendon"}
@@ -72,24 +72,24 @@ def test_warnings_of_copies_and_of_included_scenes_have_places(sandbox, scene, t
         "joints": [{**ROPE, "name": "rope{i}", "repeat": 3}],
         "parts": [{"name": "in", "include": "inner"}]}, indent=1)
     path = scene(outer)
-    said = sandbox("check", path).err
-    copies = next(line for line in said.splitlines() if "rope0" in line)
+    output = sandbox("check", path).err
+    copies = next(line for line in output.splitlines() if "rope0" in line)
     line = next(i for i, row in enumerate(outer.splitlines(), 1) if '"joints"' in row) + 1
     assert copies.startswith(f"{path}:{line}:3: warning: $.joints[0]: rope0: ")
     assert "(for i = 0)" in copies
     assert copies.endswith("(and so for 2 more)")
-    included = next(line for line in said.splitlines() if "in.short" in line)
+    included = next(line for line in output.splitlines() if "in.short" in line)
     assert "inner.json:" in included.split(" ")[0]
 
 
 def test_expand_prints_a_scene_that_expands_to_itself(sandbox, tmp_path):
-    said = sandbox("check", "single_finger", "--expand")
-    assert said.code == 0, said.err
+    output = sandbox("check", "single_finger", "--expand")
+    assert output.code == 0, output.err
     path = tmp_path / "plain.json"
-    path.write_text(said.out)
-    assert "finger.proximal" in said.out
-    assert "parts" not in json.loads(said.out)
-    assert sandbox("check", "--expand", path).out == said.out
+    path.write_text(output.out)
+    assert "finger.proximal" in output.out
+    assert "parts" not in json.loads(output.out)
+    assert sandbox("check", "--expand", path).out == output.out
     assert sandbox("check", "--expand", path, path).code == 2
     assert "bodies" in json.loads(sandbox("check", "--schema").out)["properties"]
     assert "vary" in json.loads(sandbox("check", "--schema", "study").out)["properties"]

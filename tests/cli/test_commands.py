@@ -14,9 +14,9 @@ from sandbox.scene.library import shipped_scenes
 
 
 def test_help_fits_on_a_screen_and_every_command_helps(sandbox):
-    said = sandbox("--help")
-    assert said.code == 0
-    lines = said.out.splitlines()
+    output = sandbox("--help")
+    assert output.code == 0
+    lines = output.out.splitlines()
     assert len(lines) <= 45
     for command in COMMANDS:
         assert any(line.startswith(f"  {command} ") for line in lines)
@@ -26,7 +26,7 @@ def test_help_fits_on_a_screen_and_every_command_helps(sandbox):
     assert sandbox("--version").out == f"sandbox {package.__version__}\n"
 
 
-@pytest.mark.parametrize(("words", "told"), [
+@pytest.mark.parametrize(("words", "message"), [
     (["rnu"], "Did you mean 'run'?"),
     *([[name], advice] for name, advice in REMOVED.items()),
     (["check", "x", "--max-recorded-bytes", "9"], "Use --limit recorded_bytes=VALUE."),
@@ -43,36 +43,36 @@ def test_help_fits_on_a_screen_and_every_command_helps(sandbox):
     (["new", "griper_mirrored"], "Did you mean 'gripper_mirrored'?"),
     (["explain", "motr"], "Did you mean 'motor'?"),
 ])
-def test_wrong_words(sandbox, words, told):
-    said = sandbox(*words)
-    assert said.code == 2
-    assert told in said.err
+def test_wrong_words(sandbox, words, message):
+    output = sandbox(*words)
+    assert output.code == 2
+    assert message in output.err
 
 
 @pytest.mark.parametrize("words", [
     ["run", "single_finger"], ["render", "x"], ["export", "single_finger"], ["plot", "x"],
     ["bounds", "x"]])
 def test_no_path_is_not_the_working_directory(sandbox, words):
-    said = sandbox(*words, "--out", " ")
-    assert said.code == 2
-    assert said.err.splitlines()[-1] == ("error: Invalid value for '--out': the path is empty; "
+    output = sandbox(*words, "--out", " ")
+    assert output.code == 2
+    assert output.err.splitlines()[-1] == ("error: Invalid value for '--out': the path is empty; "
                                          "'.' is the directory that you are in.")
 
 
 def test_list_has_every_scene_by_topic(sandbox):
-    said = sandbox("list").out
+    output = sandbox("list").out
     listed = json.loads(sandbox("list", "--json").out)["scenes"]
     assert [entry["name"] for entry in listed] == list(shipped_scenes())
     for entry in listed:
-        assert f"  {entry['name']} " in said
-        assert entry["topic"] in said.splitlines()
+        assert f"  {entry['name']} " in output
+        assert entry["topic"] in output.splitlines()
     folders = {entry["name"]: entry["folder"] for entry in listed}
     assert (folders["adaptive_grasp"], folders["slider_crank"]) == ("", "mechanisms")
 
 
 def test_new_copies_a_scene_with_what_it_includes(sandbox, tmp_path):
-    said = sandbox("new", "gripper_mirrored")
-    assert (said.code, sorted(path.name for path in tmp_path.iterdir())) == (
+    output = sandbox("new", "gripper_mirrored")
+    assert (output.code, sorted(path.name for path in tmp_path.iterdir())) == (
         0, ["gripper_mirrored.json", "jaw.json"])
     assert sandbox("check", "gripper_mirrored.json").code == 0
     again = sandbox("new", "gripper_mirrored")
@@ -94,9 +94,9 @@ def test_explain_has_every_element_and_quantity(sandbox):
     words = set(overview.replace(",", " ").split())
     for each in _elements():
         assert each.name in words
-        said = sandbox("explain", each.name).out
-        assert said.startswith(f"{each.name}: ")
-        assert "Fields\n" in said
+        output = sandbox("explain", each.name).out
+        assert output.startswith(f"{each.name}: ")
+        assert "Fields\n" in output
     assert {name for names in QUANTITIES.values() for name in names} <= words
     assert sum(not _example(each) for each in _elements() if each.key) <= 8
     assert sandbox("explain", "pin").out == sandbox("explain", "joints.pin").out

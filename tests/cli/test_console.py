@@ -46,8 +46,8 @@ def test_no_scene_can_forge_a_line(sandbox, scene, tmp_path):
     for words in (("check", path), ("run", path, "--no-render"), ("check", path, "--expand"),
                   ("run", path, "--no-render", "--json"), ("export", path),
                   ("run", tmp_path / "none\x1b\n.json")):
-        said = sandbox(*words)
-        lines = (said.out + said.err).splitlines()
+        output = sandbox(*words)
+        lines = (output.out + output.err).splitlines()
         assert all(line.isprintable() for line in lines), words
         assert not {"9 of 9 expectations passed", "ball: ok"} & {line.strip() for line in lines}
 

@@ -27,24 +27,24 @@ def runs(sandbox):
 
 
 def test_quantities_of_one_run(runs):
-    said = runs("plot", "controlled.json", "finger.mcp.angle", "k?.value")
-    assert said.code == 0
+    output = runs("plot", "controlled.json", "finger.mcp.angle", "k?.value")
+    assert output.code == 0
     assert Path("renders/controlled/plot.png").is_file()
-    row = next(line.split() for line in said.out.splitlines() if "mcp.angle" in line)
+    row = next(line.split() for line in output.out.splitlines() if "mcp.angle" in line)
     assert row == ["finger.mcp.angle", "controlled", "deg", "5", "5", "9.48", "0.9905", *row[7:]]
-    said = runs("plot", "renders/controlled", "finger.*.angle", "--out", "a.svg", "--out",
+    output = runs("plot", "renders/controlled", "finger.*.angle", "--out", "a.svg", "--out",
                 "new/b.pdf", "--json")
-    told = json.loads(said.out)
-    assert told["files"] == ["a.svg", "new/b.pdf"]
+    message = json.loads(output.out)
+    assert message["files"] == ["a.svg", "new/b.pdf"]
     assert Path("a.svg").read_text().count("<svg") == 1
     assert Path("new/b.pdf").read_bytes().startswith(b"%PDF")
-    responses = {q["quantity"]: q["response"] for q in told["runs"][0]["quantities"]}
+    responses = {q["quantity"]: q["response"] for q in message["runs"][0]["quantities"]}
     assert responses["finger.mcp.angle"]["settling"] == pytest.approx(0.9905, abs=1e-4)
     assert responses["finger.dip.angle"]["settling"] is None
     assert PICTURES == SUFFIXES
 
 
-@pytest.mark.parametrize(("words", "told"), [
+@pytest.mark.parametrize(("words", "message"), [
     (["controled", "x"], "did you mean 'controlled'?; 'sandbox run' makes one"),
     (["controlled", "--x", "k1.value"], "'sandbox plot RUN' lists them"),
     (["controlled", "k2.value", "--x", "k1.valeu"], "Did you mean 'k1.value'?"),
@@ -60,29 +60,29 @@ def test_quantities_of_one_run(runs):
     (["controlled", "--figure", "finger-control"], "Name the quantities."),
     (["elsewhere/free", "--with", "elsewhere/free"], "name the quantities to compare"),
 ])
-def test_wrong_words(runs, words, told):
-    said = runs("plot", *words)
-    assert (said.code, said.out) == (2, "")
-    assert told in said.err
-    assert len([line for line in said.err.splitlines() if line.startswith("error:")]) == 1
+def test_wrong_words(runs, words, message):
+    output = runs("plot", *words)
+    assert (output.code, output.out) == (2, "")
+    assert message in output.err
+    assert len([line for line in output.err.splitlines() if line.startswith("error:")]) == 1
 
 
 def test_without_quantities_it_lists_them_and_commands_that_work(runs):
-    said = runs("plot", "controlled")
-    assert said.code == 0
-    heads = [line.partition(":")[0] for line in said.out.splitlines()
+    output = runs("plot", "controlled")
+    assert output.code == 0
+    heads = [line.partition(":")[0] for line in output.out.splitlines()
              if line and not line.startswith(" ")][2:]
     assert heads == ["drives", "tendons", "joints", "springs", "groups", "bodies", "to plot some"]
-    assert "  .shortening  m " in said.out
+    assert "  .shortening  m " in output.out
     assert not Path("renders/controlled/plot.png").exists()
-    commands = [shlex.split(line) for line in said.out.splitlines() if "sandbox plot" in line]
+    commands = [shlex.split(line) for line in output.out.splitlines() if "sandbox plot" in line]
     assert len(commands) == 3
     for command in commands:
         assert runs(*command[1:]).code == 0, command
-    told = json.loads(runs("plot", "controlled", "--json").out)["quantities"]
+    message = json.loads(runs("plot", "controlled", "--json").out)["quantities"]
     run = Recording.load("renders/controlled")
-    assert {row["name"]: row["unit"] for row in told} == run.catalogue.units
-    assert all(row["about"] for row in told)
+    assert {row["name"]: row["unit"] for row in message} == run.catalogue.units
+    assert all(row["about"] for row in message)
 
 
 def test_an_incomplete_run(sandbox):
@@ -90,16 +90,16 @@ def test_an_incomplete_run(sandbox):
     recording(info=cut).save("renders/controlled")
     assert "diverged at 2.9995 s, before its end" in sandbox("plot", "controlled", "k1.value").err
     recording().part(0, 1).save("renders/controlled")
-    said = sandbox("plot", "controlled", "k1.value")
-    assert said.code == 2
-    assert "at least 2" in said.err
+    output = sandbox("plot", "controlled", "k1.value")
+    assert output.code == 2
+    assert "at least 2" in output.err
 
 
-def test_runs_are_compared_by_default_in_what_controllers_lead(runs):
-    said = runs("plot", "controlled", "--with", "other", "--with", "elsewhere/free",
+def test_runs_are_compared_by_controlled_quantities_by_default(runs):
+    output = runs("plot", "controlled", "--with", "other", "--with", "elsewhere/free",
                 "--out", "c.svg", "--out", "c.csv")
-    assert said.code == 0
-    rows = {tuple(line.split()[:2]): line.split()[2:] for line in said.out.splitlines()
+    assert output.code == 0
+    rows = {tuple(line.split()[:2]): line.split()[2:] for line in output.out.splitlines()
             if line.strip()}
     # exp(-pi z / sqrt(1 - z^2)) for z = 0.6 and 0.3
     assert rows["finger.mcp.angle", "controlled"][:5] == ["deg", "5", "5", "9.48", "0.9905"]

@@ -116,7 +116,7 @@ def test_ctrl_c_exits_130_wherever_it_comes(tmp_path, within):
 @pytest.mark.parametrize("words", [
     ["run", "single_finger", "--set", "run.duration=0.01", "--no-render", "--json"],
     ["check", "nothing", "--json"]])
-def test_a_full_disk_behind_stdout_is_told_on_stderr(words, tmp_path):
+def test_a_full_disk_behind_stdout_is_reported_on_stderr(words, tmp_path):
     """With ``--json`` too, which has no other way; 1 would mean that an expectation failed."""
     with Path("/dev/full").open("w") as full:
         done = subprocess.run([*COMMAND, *words], stdout=full, stderr=subprocess.PIPE, text=True,

@@ -22,33 +22,33 @@ NUMBERS = {"run.json", "run.npz", "contacts.csv", "tendons.csv", "joints.csv", "
 
 
 def test_run_writes_the_files_of_the_contract(sandbox, scene, tmp_path):
-    said = sandbox("run", scene(), "--no-render")
-    assert (said.code, said.err) == (0, "")
+    output = sandbox("run", scene(), "--no-render")
+    assert (output.code, output.err) == (0, "")
     directory = tmp_path / "renders" / "ball"
     assert {path.name for path in directory.iterdir()} >= NUMBERS
     assert not list(directory.glob("*.gif"))
     assert Recording.load(directory).complete
-    row, count, checks, place = said.out.splitlines()[1:]
+    row, count, checks, place = output.out.splitlines()[1:]
     assert row.split()[0:2] == ["ball.contact.fy", "mean"]
     assert row.split()[-2:] == ["N", "pass"]
     assert "0.097119 to 0.099081" in row  # m g -+ 1 %
     assert count == "1 of 1 expectations passed"
     assert re.fullmatch(r"\d+ checks passed; --audit lists them", checks)
     assert place.startswith("Results in renders/ball: run.json, ")
-    said = sandbox("run", scene(), "--no-render", "--audit")
-    assert "is F = m a for every body?" in said.out
+    output = sandbox("run", scene(), "--no-render", "--audit")
+    assert "is F = m a for every body?" in output.out
     kept = json.loads((directory / "run.json").read_text())
     assert {"momentum.force", "energy.created"} <= {f["name"] for f in kept["audit"]}
-    said = sandbox("run", scene(), "--no-render", "--quiet")
-    assert (said.code, said.out, said.err) == (0, "", "")
+    output = sandbox("run", scene(), "--no-render", "--quiet")
+    assert (output.code, output.out, output.err) == (0, "", "")
 
 
 def test_a_failed_expectation_exits_1(sandbox, scene):
-    said = sandbox("run", scene(expect=[{"max": "ball.y", "below": 0.001}]), "--no-render")
-    assert said.code == 1
-    assert "FAIL" in said.out
-    assert "at most 0.001" in said.out
-    assert "0 of 1 expectations passed" in said.out
+    output = sandbox("run", scene(expect=[{"max": "ball.y", "below": 0.001}]), "--no-render")
+    assert output.code == 1
+    assert "FAIL" in output.out
+    assert "at most 0.001" in output.out
+    assert "0 of 1 expectations passed" in output.out
 
 
 @pytest.mark.parametrize(("name", "directory"), [
@@ -60,26 +60,26 @@ def test_a_name_stays_below_renders(name, directory):
 
 
 def test_set_changes_the_scene(sandbox, scene, tmp_path):
-    said = sandbox("run", scene(), "--no-render", "--set", "run.duration=30 ms",
+    output = sandbox("run", scene(), "--no-render", "--set", "run.duration=30 ms",
                    "--set", "run.step=1e-3", "--out", tmp_path / "x")
-    assert said.code == 0, said.err
+    assert output.code == 0, output.err
     assert np.diff(Recording.load(tmp_path / "x").time) == pytest.approx(1e-3)
     assert len(Recording.load(tmp_path / "x").time) == 30
 
 
 def test_json_is_one_object_on_a_clean_stdout(sandbox, scene):
-    said = sandbox("run", scene(), "--no-render", "--json")
-    result = json.loads(said.out)
-    assert (said.code, result["exit_code"], result["status"]) == (0, 0, "done")
+    output = sandbox("run", scene(), "--no-render", "--json")
+    result = json.loads(output.out)
+    assert (output.code, result["exit_code"], result["status"]) == (0, 0, "done")
     assert result["complete"] is True
     assert set(result["files"]) >= NUMBERS
     verdict, = result["expectations"]
     assert verdict["ok"] is True
     assert verdict["value"] == pytest.approx(0.0981, rel=0.01)
     assert result["wall_s"]["simulate"] > 0
-    said = sandbox("run", scene(run={"stp": 1, "duration": -1}), "--json")
-    result = json.loads(said.out)
-    assert (said.code, result["exit_code"], result["status"]) == (2, 2, "input")
+    output = sandbox("run", scene(run={"stp": 1, "duration": -1}), "--json")
+    result = json.loads(output.out)
+    assert (output.code, result["exit_code"], result["status"]) == (2, 2, "input")
     assert {error["path"] for error in result["errors"]} == {"$.run.stp", "$.run.duration"}
     assert all(error["line"] == 1 and error["file"].endswith("ball.json")
                for error in result["errors"])
@@ -87,8 +87,8 @@ def test_json_is_one_object_on_a_clean_stdout(sandbox, scene):
 
 def test_pictures_are_drawn_by_default_and_old_ones_do_not_stay(sandbox, scene, tmp_path):
     directory = tmp_path / "out"
-    said = sandbox("run", scene(), "--out", directory)
-    assert said.code == 0, said.err
+    output = sandbox("run", scene(), "--out", directory)
+    assert output.code == 0, output.err
     assert (directory / "animation.gif").read_bytes().startswith(b"GIF89a")
     assert sandbox("render", directory, "--out", directory / "frames").code == 0
     assert sorted((directory / "frames").glob("*.png"))
@@ -114,11 +114,11 @@ def runaway(scene, gain=1.1 * GAIN, **run):
 
 
 def test_a_scene_that_blows_up_exits_3_and_keeps_what_was_recorded(sandbox, scene, tmp_path):
-    said = sandbox("run", runaway(scene), "--out", tmp_path / "out")
-    assert said.code == 3
-    assert "diverged at t = " in said.err
-    assert "ball" in said.err.splitlines()[-1]
-    assert "law" in said.err.splitlines()[-1]
+    output = sandbox("run", runaway(scene), "--out", tmp_path / "out")
+    assert output.code == 3
+    assert "diverged at t = " in output.err
+    assert "ball" in output.err.splitlines()[-1]
+    assert "law" in output.err.splitlines()[-1]
     assert not (tmp_path / "out" / "run.json").exists()
     assert Recording.load(tmp_path / "out").complete is False
     assert json.loads((tmp_path / "out" / "run.incomplete.json").read_text())["complete"] is False
@@ -128,7 +128,7 @@ def test_a_scene_that_blows_up_exits_3_and_keeps_what_was_recorded(sandbox, scen
     ("file", "it is a file"), ("file/below", "Not a directory"),
     ("/proc/nowhere", "No such file or directory"), ("link", "it is a broken link"),
 ])
-def test_a_directory_that_cannot_be_written_is_told_before_simulating(
+def test_an_unwritable_directory_is_refused_before_simulating(
     sandbox, scene, tmp_path, monkeypatch, place, why,
 ):
     def must_not_run(*arguments, **options):
@@ -137,10 +137,10 @@ def test_a_directory_that_cannot_be_written_is_told_before_simulating(
     monkeypatch.setattr("sandbox.engine.simulate.simulate", must_not_run)
     (tmp_path / "file").write_text("in the way")
     (tmp_path / "link").symlink_to("nowhere")
-    said = sandbox("run", scene(), "--out", place)
-    assert said.code == 2
-    assert f"cannot write into {place}: {why}" in said.err
-    assert len(said.err.splitlines()) == 1
+    output = sandbox("run", scene(), "--out", place)
+    assert output.code == 2
+    assert f"cannot write into {place}: {why}" in output.err
+    assert len(output.err.splitlines()) == 1
 
 
 def test_a_fault_of_sandbox_is_one_line_and_exits_70(sandbox, scene, monkeypatch):
@@ -148,10 +148,10 @@ def test_a_fault_of_sandbox_is_one_line_and_exits_70(sandbox, scene, monkeypatch
         raise ZeroDivisionError("in the engine\nwith more lines")
 
     monkeypatch.setattr("sandbox.engine.simulate.simulate", broken)
-    said = sandbox("run", scene(), "--no-render")
-    assert said.code == 70
-    assert "ZeroDivisionError: in the engine" in said.err
-    assert len(said.err.splitlines()) == 1
+    output = sandbox("run", scene(), "--no-render")
+    assert output.code == 70
+    assert "ZeroDivisionError: in the engine" in output.err
+    assert len(output.err.splitlines()) == 1
 
 
 @pytest.mark.parametrize("where", [
@@ -166,9 +166,9 @@ def test_ctrl_c_at_any_moment_exits_130_and_leaves_no_sign_of_completion(
         raise KeyboardInterrupt
 
     monkeypatch.setattr(where, interrupted)
-    said = sandbox("run", scene(), "--out", "out")
-    assert said.code == 130
-    assert said.err.splitlines()[-1].startswith("error: interrupted")
+    output = sandbox("run", scene(), "--out", "out")
+    assert output.code == 130
+    assert output.err.splitlines()[-1].startswith("error: interrupted")
     assert not (tmp_path / "out" / "run.json").exists()
 
 
@@ -176,7 +176,7 @@ def test_ctrl_c_at_any_moment_exits_130_and_leaves_no_sign_of_completion(
     ("sandbox.picture.film.render", KeyboardInterrupt),
     ("sandbox.audit.audit.audit", KeyboardInterrupt),
     ("sandbox.picture.film.render", MemoryError)])
-def test_what_stops_while_it_is_drawn_or_audited_keeps_the_old_run_and_the_numbers(
+def test_a_stop_while_drawing_or_auditing_keeps_the_old_run(
     sandbox, scene, monkeypatch, tmp_path, where, stop,
 ):
     def stopped(*arguments, **options):
@@ -186,12 +186,12 @@ def test_what_stops_while_it_is_drawn_or_audited_keeps_the_old_run_and_the_numbe
     assert sandbox("run", scene(title="old"), "--out", out).code == 0
     before = {path: path.read_bytes() for path in out.iterdir()}
     monkeypatch.setattr(where, stopped)
-    said = sandbox("run", scene(title="new"), "--out", out)
-    assert "marked incomplete; the run that was in" in said.err
+    output = sandbox("run", scene(title="new"), "--out", out)
+    assert "marked incomplete; the run that was in" in output.err
     assert {path: path.read_bytes() for path in out.iterdir() if path.is_file()} == before
-    said = sandbox("run", scene(title="new"), "--out", tmp_path / "none")
-    assert said.err.count("marked incomplete") == 1
-    assert said.code == (130 if stop is KeyboardInterrupt else 2)
+    output = sandbox("run", scene(title="new"), "--out", tmp_path / "none")
+    assert output.err.count("marked incomplete") == 1
+    assert output.code == (130 if stop is KeyboardInterrupt else 2)
     for place in (out / "incomplete", tmp_path / "none"):
         kept = Recording.load(place)
         assert (kept.complete, len(kept), kept.mechanism.title) == (False, 50, "new")
@@ -202,7 +202,7 @@ def test_what_stops_while_it_is_drawn_or_audited_keeps_the_old_run_and_the_numbe
     assert {path.name for path in out.iterdir()} == {path.name for path in before}
 
 
-def test_what_was_made_of_a_run_goes_with_it(sandbox, scene, tmp_path):
+def test_a_new_run_removes_pictures_of_the_old_one(sandbox, scene, tmp_path):
     assert sandbox("run", scene(), "--no-render", "--out", "out").code == 0
     for words in (("render", "out", "--out", "out/end.png"), ("bounds", "out"),
                   ("plot", "out", "ball.y"), ("plot", "out", "ball.y", "--out", "out/y.svg"),
@@ -218,33 +218,23 @@ def test_what_was_made_of_a_run_goes_with_it(sandbox, scene, tmp_path):
     assert (tmp_path / "elsewhere.png").exists()
 
 
-def test_the_first_compilation_is_told_and_no_other(monkeypatch, scene, capfd, tmp_path):
+def test_compilation_is_announced_once(monkeypatch, scene, capfd, tmp_path):
+    """Before the first compilation and after the last one; not with --quiet."""
     monkeypatch.chdir(tmp_path)
 
     def compiles(*arguments, **options):
-        for _ in range(2):
-            report_began()
+        report_began()
+        report_began()
         return simulate(*arguments, **options)
 
-    def said(*words):
+    monkeypatch.setattr("sandbox.engine.simulate.simulate", compiles)
+    for words, announced in (([], 1), (["--json"], 1), (["--quiet"], 0)):
         capfd.readouterr()
         assert invoke(["run", str(scene()), "--no-render", *words]) == 0
-        return capfd.readouterr()
-
-    said()  # what there is to compile is compiled
-    assert COMPILING not in said().err
-    monkeypatch.setattr("sandbox.engine.simulate.simulate", compiles)
-    begins, ends = said().err.splitlines()
-    assert begins == COMPILING
-    assert re.fullmatch(r"Compiled in \S+ s", ends)
-    told = said("--json")
-    assert told.err.count(COMPILING) == told.err.count("Compiled in") == 1
-    assert json.loads(told.out)["status"] == "done"
-    assert said("--quiet").err == ""
+        err = capfd.readouterr().err
+        assert err.count(COMPILING) == err.count("Compiled in") == announced
     monkeypatch.setattr(CalledFromPython, "cached", False)
     with compilation_notices(Console()):
-        for _ in range(2):
-            report_began()
-            report_compiled(12.4)
-    report_began()  # outside of the context nothing is printed
+        report_began()
+        report_compiled(12.4)
     assert capfd.readouterr().err.splitlines() == [NOT_CACHED, "Compiled in 12 s"]

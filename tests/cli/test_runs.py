@@ -21,9 +21,9 @@ def saved(sandbox, scene):
 
 
 def test_films_and_frames(sandbox, saved):
-    said = sandbox("render", saved, "--out", "x.gif", "--out", "frames", "--size", "320x200",
+    output = sandbox("render", saved, "--out", "x.gif", "--out", "frames", "--size", "320x200",
                    "--fps", 50, "--speed", 0.5, "--fit", "ball")
-    assert (said.code, said.out.split()) == (0, ["x.gif", "frames"]), said.err
+    assert (output.code, output.out.split()) == (0, ["x.gif", "frames"]), output.err
     with Image.open("x.gif") as image:
         assert image.size == (320, 200)
     assert Path("frames/frame_00000.png").is_file()
@@ -32,10 +32,11 @@ def test_films_and_frames(sandbox, saved):
 
 
 def test_stills_and_strips(sandbox, saved):
-    said = sandbox("render", saved, "--at", "0.02s", "--at", "end")
-    assert (said.code, said.out.split()) == (0, ["saved/still_0.02s.png", "saved/still_end.png"])
-    said = sandbox("render", saved, "--at", "10 ms", "--format", "svg", "--labels", "scales")
-    assert said.out.split() == ["saved/still_10ms.svg"]
+    output = sandbox("render", saved, "--at", "0.02s", "--at", "end")
+    assert output.code == 0
+    assert output.out.split() == ["saved/still_0.02s.png", "saved/still_end.png"]
+    output = sandbox("render", saved, "--at", "10 ms", "--format", "svg", "--labels", "scales")
+    assert output.out.split() == ["saved/still_10ms.svg"]
     assert sandbox("render", saved, "--format", "pdf").out.split() == ["saved/still_end.pdf"]
     assert sandbox("render", saved, "--at", "start", "--out", "x.png", "--size", "2x").code == 0
     with Image.open("x.png") as picture:
@@ -44,13 +45,13 @@ def test_stills_and_strips(sandbox, saved):
                         ("still_end.pdf", b"%PDF")):
         assert Path(saved, name).read_bytes().startswith(begin)
     for words in (["--strip"], ["--strip", "3"], ["--strip", "--at", "start", "--at", "end"]):
-        said = sandbox("render", saved, *words, "--transparent", "--labels", "none")
-        assert (said.code, said.out.split()) == (0, ["saved/strip.png"])
+        output = sandbox("render", saved, *words, "--transparent", "--labels", "none")
+        assert (output.code, output.out.split()) == (0, ["saved/strip.png"])
     with Image.open(Path(saved, "strip.png")) as picture:
         assert picture.mode == "RGBA"
 
 
-@pytest.mark.parametrize(("words", "told"), [
+@pytest.mark.parametrize(("words", "message"), [
     (["--out", "a.gif", "--out", "b.mpg", "--out", "c.jpg"], "c.jpg: no picture can have"),
     (["--out", "a.png", "--out", "a.gif", "--size", "85mm"], "asks for paper: a film has pixels"),
     (["--at", "1 s", "--at", "soon"], "\nerror: at='soon'"),
@@ -66,10 +67,10 @@ def test_stills_and_strips(sandbox, saved):
     (["--max-frames", "9"], "Use --limit frames=VALUE."),
     (["--bare"], "Use --labels none."),
 ])
-def test_wrong_pictures(sandbox, saved, words, told):
-    said = sandbox("render", saved, *words)
-    assert said.code == 2
-    assert told in said.err
+def test_wrong_pictures(sandbox, saved, words, message):
+    output = sandbox("render", saved, *words)
+    assert output.code == 2
+    assert message in output.err
     assert not Path("a.gif").exists()
     assert not Path("a.png").exists()
 
@@ -82,26 +83,26 @@ def runs():
 
 
 def test_a_page_lies_beside_its_run_or_shows_several(sandbox, runs):
-    said = sandbox("report", "controlled", "--plot", "finger.*.angle")
-    assert said.code == 0
-    assert said.out.startswith("renders/controlled/report.html  (")
+    output = sandbox("report", "controlled", "--plot", "finger.*.angle")
+    assert output.code == 0
+    assert output.out.startswith("renders/controlled/report.html  (")
     page = Path("renders/controlled/report.html").read_text()
     assert page.count("data-run>") == 1
     plots = json.loads(re.search(r'"plots":(\[.*?\])', page)[1])
     assert {"finger.mcp.angle", "finger.pip.angle", "finger.dip.angle"} <= set(plots)
     recording().save("renders/controlled")  # a new run removes the page of the old one
     assert not Path("renders/controlled/report.html").exists()
-    said = sandbox("report", "controlled", "renders/other", "--out", "both.html", "--json")
-    told = json.loads(said.out)
-    assert told["runs"] == ["renders/controlled", "renders/other"]
-    assert told["bytes"] == Path(told["file"]).stat().st_size
+    output = sandbox("report", "controlled", "renders/other", "--out", "both.html", "--json")
+    message = json.loads(output.out)
+    assert message["runs"] == ["renders/controlled", "renders/other"]
+    assert message["bytes"] == Path(message["file"]).stat().st_size
     assert Path("both.html").read_text().count("data-run>") == 2
-    for words, told in (
+    for words, message in (
             (["controlled", "--plot", "finger.mcp.angel"], "Did you mean 'finger.mcp.angle'?"),
             (["controled"], "did you mean 'controlled'"),
             (["controlled", "renders/controlled"], "is given twice"),
             (["controlled", "--out", "page.txt"], "does not end in .html"),
             (["controlled", "--out", "no/where/page.html"], "no directory")):
-        said = sandbox("report", *words)
-        assert said.code == 2
-        assert told in said.err
+        output = sandbox("report", *words)
+        assert output.code == 2
+        assert message in output.err

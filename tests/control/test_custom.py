@@ -38,7 +38,7 @@ def test_one_name_one_pair_one_number_will_do():
     ({"writes": ["u", "v"], "limits": (0, 1)}, "'limits' must be 2"),
     ({"slew": 0}, "greater than 0"), ({"slew": [1, 2]}, "1 entries"), ({"slew": True}, "finite"),
 ])
-def test_what_cannot_work_is_refused_at_once(more, words):
+def test_wrong_arguments_are_refused(more, words):
     with pytest.raises(ValueError, match="controller") as error:
         custom(**more)
     assert words in str(error.value)
@@ -66,7 +66,7 @@ def test_a_wrong_return_is_named(result, words):
     assert words in str(error.value)
 
 
-def test_one_that_writes_nothing_returns_nothing():
+def test_a_controller_without_outputs_returns_nothing():
     seen = []
     law = custom(writes=[], act=lambda t, x: seen.append((t, *x))).law()
     assert law.act(0.5, [3.0], [], []) == []
@@ -75,7 +75,7 @@ def test_one_that_writes_nothing_returns_nothing():
         custom(writes=[], act=lambda t, x: 2.0).law().act(0.5, [3.0], [], [])
 
 
-def test_a_wish_to_stop_goes_through():
+def test_stop_run_passes_through():
     def enough(t, x):
         raise StopRun("far enough", verdict="fail")
 

@@ -59,7 +59,7 @@ def moment(theta: Any) -> np.ndarray:
     {}, {"palm": "above"}, {"angle": 0.7, "at": [0.1, -0.2]}, {"start": [0.3, 0.1]},
     {"palm": "above", "angle": -2.0},
 ])
-def test_it_sees_the_finger_as_the_closed_forms_do(finger):
+def test_arms_and_moments_are_those_of_the_closed_forms(finger):
     """However the finger lies, mirrored, turned or bent at the start; to rounding."""
     made = mechanism(law_spec(), **finger)
     joints = joint_model(made.controllers[0], Fingers(made))
@@ -77,7 +77,7 @@ def begun(law: dict[str, Any], readings: list[float], inputs: list[float]) -> An
     return ready
 
 
-def test_at_rest_on_the_targets_it_asks_for_what_holds_them():
+def test_at_the_targets_the_stiffnesses_are_those_of_equilibrium():
     law = begun(law_spec(), [*TARGETS, 0.0, 0.0, 12.0], [1.0, 1.0])
     wanted = law.act(0.0, [*TARGETS, 0.0, 0.0, 12.0], TARGETS, [1.0, 1.0])
     assert wanted == pytest.approx(12.0 * arm(TARGETS) / moment(TARGETS), rel=1e-12)
@@ -122,7 +122,7 @@ def test_the_integral_is_held_while_the_drive_is_cut():
 
 
 @pytest.mark.parametrize("rise", [0.1, 0.0])
-def test_switched_on_in_the_middle_it_goes_on_from_what_there_is(rise):
+def test_a_law_switched_on_late_continues_from_the_drive_values(rise):
     law = begun(law_spec(pull=10.0, active=False, rise=rise, ki=[1.0, 1.0], kd=[0.02, 0.02]),
                 [0.05, 0.3, 1.0, -1.0], [3000.0, 700.0])
     assert law.act(0.4, [0.05, 0.3, 1.0, -1.0], TARGETS, [3000.0, 700.0]) == pytest.approx(
@@ -146,7 +146,7 @@ def test_lists_that_do_not_fit_are_refused(more):
     ({"writes": ["k2", "k1"]}, ".writes[0]", "across"),
     ({"writes": ["pull", "k2"]}, ".writes[0]", "across"),
 ])
-def test_what_does_not_belong_together_is_named(more, path, word):
+def test_wrong_references_are_refused(more, path, word):
     with pytest.raises(SceneError) as caught:
         load_scene(scene(law_spec(**more)))
     assert any(problem.path == f"$.controllers[0]{path}" and word in problem.message

@@ -77,7 +77,7 @@ def test_a_target_that_jumps_gives_no_kick():
 
 
 @pytest.mark.parametrize("bias", [None, 0.0, 100.0])
-def test_switched_on_again_a_loop_goes_on_from_what_the_drive_has(bias):
+def test_a_loop_switched_on_again_continues_from_the_drive_value(bias):
     law = Pid(Gains(4.0, 2.0, 1.0), H, bias=bias)
     law.begin([0.0], [1.0], [3.0])
     outputs = [law.act(k * H, [0.1 * k], [1.0], [0.0])[0] for k in range(9)]

@@ -35,14 +35,15 @@ def lags(sign: float = 1.0) -> Plant:
     return plant
 
 
-def test_integrator_with_delay_to_the_last_bit():
-    """y' = u after N acts. The relay sees the sign one act after the crossing, so the reading goes
-    N + 1 acts beyond: a triangle of amplitude (N+1) h and period 4 (N+1) h.
+@pytest.mark.parametrize(("late", "hysteresis"), [(20, 0.0), (0, 0.25), (0, 0.5)])
+def test_the_relay_cycle_of_an_integrator_is_exact(late: int, hysteresis: float) -> None:
+    """y' = u after ``late`` acts. The relay sees a crossing one act after it, so the reading goes
+    late + 1 acts beyond +-hysteresis: a triangle of that amplitude a and the period 4 a.
     """
-    h, late = 2.0**-10, 20
-    law = relay(h, cycles=3)
-    y, queue, applied = 5 * h, [0.0] * late, 0.0
-    for k in range(2000):
+    h = 2.0**-10
+    law = relay(h, cycles=3, hysteresis=hysteresis)
+    y, queue, applied = (5 * h if late else 0.0), [0.0] * late, 0.0
+    for k in range(16_000):
         if k == 0:
             law.begin([y], [0.0], [0.0])
         applied = law.act(k * h, [y], [0.0], [applied])[0]
@@ -50,30 +51,12 @@ def test_integrator_with_delay_to_the_last_bit():
             break
         queue.append(applied)
         y += h * queue.pop(0)
-    found = law.report()
-    assert found["reading_amplitude"] == (late + 1) * h
-    assert found["ultimate_period_s"] == 4 * (late + 1) * h
-    assert found["ultimate_gain"] == pytest.approx(4 / (math.pi * (late + 1) * h), rel=1e-15)
-    assert found["bias"] == 0.0
-
-
-@pytest.mark.parametrize("hysteresis", [0.25, 0.5])
-def test_hysteresis_of_an_integrator(hysteresis):
-    """Without a delay the reading goes one act beyond +-eps: a = eps + h, a period of 4 a."""
-    h = 2.0**-8
-    law = relay(h, cycles=3, hysteresis=hysteresis)
-    y, applied = 0.0, 0.0
-    for k in range(4000):
-        if k == 0:
-            law.begin([y], [0.0], [0.0])
-        applied = law.act(k * h, [y], [0.0], [applied])[0]
-        y += h * applied
-    found = law.report()
-    a = hysteresis + h
+    found, a = law.report(), hysteresis + (late + 1) * h
     assert found["reading_amplitude"] == a
     assert found["ultimate_period_s"] == 4 * a
     assert found["ultimate_gain"] == pytest.approx(
         4 / (math.pi * math.sqrt(a**2 - hysteresis**2)), rel=1e-14)
+    assert found["bias"] == 0.0
 
 
 @pytest.mark.parametrize("rule", RULES)
@@ -91,7 +74,7 @@ def test_it_hands_over_at_the_mean_input_and_the_loop_settles(rule):
     assert np.abs(y[-900:] - 0.2).max() < np.abs(y[at - 900:at] - 0.2).max() / 20
 
 
-def test_a_reading_that_does_not_go_round_is_told():
+def test_a_reading_without_cycles_is_reported():
     law = relay()
     assert law.report() == {"tuned": False, "why": "it was never switched on"}
     closed(law, lags(), lambda k: 50.0, 5000, h=H)

@@ -53,7 +53,7 @@ def test_one_row_is_a_pi(kp, ki, limit, most, errors):
 
 
 def test_only_the_row_that_is_cut_is_held():
-    """Both rows integrate +1; the first drive ends at 0.02, the second goes on."""
+    """Both rows integrate +1; the first drive stops at 0.02, the second continues."""
     u = law([[0.0], [0.0]], [[10.0], [10.0]], bias=[0.0, 0.0])
     applied = [0.0, 0.0]
     u.begin([0.0], [1.0], applied)

@@ -25,7 +25,7 @@ def test_it_remembers_between_the_thresholds():
     assert law.report() == {}
 
 
-def test_it_begins_below_and_goes_on_from_what_the_drive_has():
+def test_a_switch_continues_from_the_drive_value():
     law = switch()
     assert path(law, [1.5], has=20.0) == [10]
     assert path(law, [1.5], has=20.0) == [20]

@@ -94,7 +94,7 @@ def growing(run: Recording) -> Recording:
 
 @pytest.mark.parametrize("expect", [
     WIDE, {"max": "load.x", "below": 1000.0}, {"mean": "load.x", "is": 0, "within": 1000.0}])
-def test_what_grows_with_finer_steps_diverges_in_any_range(
+def test_an_error_that_grows_as_the_step_shrinks_diverges(
     monkeypatch: pytest.MonkeyPatch, expect: dict[str, Any],
 ) -> None:
     assert certify(spring([expect])).certified
@@ -216,7 +216,7 @@ def test_an_audit_that_asks_for_a_look_at_h_withholds_the_certificate(
     assert "docs/audit.md" in found.advice[0]
 
 
-def test_the_audit_sees_what_all_steps_agree_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_audit_finds_errors_equal_at_all_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every run gets energy from nowhere, the same at every step: no difference would show it."""
     def change(run: Recording) -> Recording:
         arrays = dict(run.arrays)
@@ -244,7 +244,7 @@ def test_side_by_side_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
 # -- the rest -------------------------------------------------------------------------
 
 
-def test_what_cannot_be_certified() -> None:
+def test_scenes_that_cannot_be_certified_are_refused() -> None:
     stopped = spring([{"max": "load.x", "below": 1.0}])
     event = Event(name="near", when="=load.x < 0.055", stop="pass")
     with pytest.raises(ValueError, match="an event may stop the run"):
@@ -255,15 +255,15 @@ def test_what_cannot_be_certified() -> None:
         certify(spring([{"final": "load.x", "above": 0.0}], duration=2e-3))
 
 
-@pytest.mark.parametrize(("count", "told"), [
+@pytest.mark.parametrize(("count", "text"), [
     (1, "1 of 2 expected quantities have converged; one depends on the step but stays in its"),
     (2, "1 of 3 expected quantities have converged; 2 depend on the step but stay in their")])
-def test_what_stays_inside_its_range_is_counted(count: int, told: str) -> None:
+def test_quantities_within_their_range_are_counted(count: int, text: str) -> None:
     """0.1 mm of error after nine periods, where 0.02 mm are allowed, and a range of 0.2 mm."""
     wide = {"mean": "load.x", "over": (0.965, 0.975), "is": "50.9 mm", "within": "0.2 mm"}
     found = certify(spring([{"max": "load.vx", "below": 1.0}, *[wide] * count], duration=1.0))
     assert {trust.kind for trust in found.quantities[1:]} == {Kind.WITHIN}
-    assert told in found.conclusion
+    assert text in found.conclusion
 
 
 def test_mass_length_and_time_give_a_size_where_all_quantities_are_zero() -> None:

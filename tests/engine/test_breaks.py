@@ -1,4 +1,4 @@
-"""What breaks with all that acts about it, and what is taken up on bodies that turn: closed forms.
+"""Breaking hinges with all that acts about them, and joints engaged on turning bodies.
 
 Up to the break a load grows linearly, GROWS t, so impulses are exact by the midpoint rule. The step
 of the break gives (s - 1/2) h of them in place of the integral: of a force F that hangs on the load
@@ -77,7 +77,7 @@ def slowed(kind: str, t: float) -> float:
 
 @pytest.mark.parametrize("kind", ABOUT)
 @pytest.mark.parametrize("h", STEPS)
-def test_what_acts_about_a_hinge_acts_until_it_breaks(kind: str, h: float) -> None:
+def test_torques_about_a_hinge_act_until_it_breaks(kind: str, h: float) -> None:
     """A wheel that spins in a bearing, which is pulled at until it breaks.
 
     Left out of its last step, the torque would be missed by up to h TORQUE / 2 of momentum; so is
@@ -105,7 +105,7 @@ def test_what_acts_about_a_hinge_acts_until_it_breaks(kind: str, h: float) -> No
 # -- springs and cords -----------------------------------------------------------------
 
 
-def test_what_breaks_first_relieves_the_other() -> None:
+def test_the_first_break_relieves_the_other_element() -> None:
     """Two rods in line; the load passes the limits of both in one step, of the lower one before.
 
     Without it the upper one has only its own weight to carry.
@@ -121,8 +121,8 @@ def test_what_breaks_first_relieves_the_other() -> None:
     assert made["first.held"].all()
 
 
-def test_what_is_taken_up_beyond_its_load_takes_nothing_back() -> None:
-    """Let go with 5 N of 6 and taken up with 7.5 N: in the step before it gave nothing."""
+def test_an_element_engaged_beyond_its_load_breaks_without_an_impulse() -> None:
+    """Released with 5 N of 6 and engaged with 7.5 N: it breaks at once, without a force."""
     made = run(1e-3, 0.3, body("weight", (0.0, -0.5)), drives=[
         {"type": "force", "name": "pull", "body": "weight", "direction": (0, -1), "value": 5.0}],
         springs=[{"type": "linear", "name": "held", "a": "frame", "b": "weight",
@@ -176,7 +176,7 @@ def gaps(kind: str, a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("kind", HOOKS)
-def test_gaps_close_as_foreseen_on_bodies_that_turn(kind: str) -> None:
+def test_gaps_of_engaged_joints_close_by_the_closed_form(kind: str) -> None:
     """Each of its gaps goes as (d + (u + d / T) t) exp(-t / T), from pose to pose, exactly.
 
     Until then both bodies fly freely, at constant rates, so that d and u follow from their poses:

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 from sandbox.audit.audit import audit
 from sandbox.engine import simulation as module
@@ -42,7 +41,7 @@ TABLE: dict[str, list[dict[str, Any]]] = {
 @pytest.mark.parametrize(
     "thing", [BALL, CRATE, PRISM, ROLL], ids=["ball", "crate", "prism", "roll"])
 @pytest.mark.parametrize("moving_first", [True, False])
-def test_what_lies_is_carried(thing: dict[str, Any], table: str, moving_first: bool) -> None:
+def test_a_table_carries_a_body(thing: dict[str, Any], table: str, moving_first: bool) -> None:
     """The force on the moving body by the fixed one is m g upward, whatever the order of the two in
     the scene and of their shapes in pymunk; normal up, sunk by nothing.
 
@@ -111,7 +110,7 @@ def test_a_rule_concerns_its_pair_only() -> None:
 
 
 @pytest.mark.parametrize(("tangent", "rolls"), [(0.89, True), (0.91, False)])
-def test_what_rolls_is_held_by_static_friction(tangent: float, rolls: bool) -> None:
+def test_a_rolling_disc_has_static_friction(tangent: float, rolls: bool) -> None:
     """A disc on a slope needs tan / 3 to roll; else it slides with g (sin - mu cos) at once."""
     slope = np.arctan(tangent)
     run = sound(simulate(mechanism(
@@ -123,7 +122,7 @@ def test_what_rolls_is_held_by_static_friction(tangent: float, rolls: bool) -> N
     assert run["disc.vx"] == pytest.approx(gains * run.time, abs=1e-9)
 
 
-def test_what_lands_sliding_is_not_held_by_static_friction() -> None:
+def test_a_body_that_lands_sliding_has_sliding_friction() -> None:
     """It loses mu times its blow, and then mu g t."""
     fall, mu = 1.0, 0.2
     run = sound(simulate(mechanism(
@@ -145,7 +144,7 @@ def test_restitution() -> None:
 
 
 def test_pairs_at_rest_leave_no_rows() -> None:
-    """A scheduled body inside a fixed one, and another: pymunk lists them, nobody feels them."""
+    """Scheduled and fixed bodies that overlap: pymunk lists the pairs, no contact is recorded."""
     shape = [{"type": "circle", "radius": 0.01}]
     path = {"x": {"expression": "=0.01 * t"}}
     run = simulate(mechanism(duration=0.02, bodies=[
@@ -174,41 +173,6 @@ def test_a_bar_on_feet_in_line_stays_put(count: int) -> None:
 
 
 R = 0.01
-
-
-@pytest.mark.parametrize("spin", [0.0, 5.0])
-@pytest.mark.parametrize("late", [0.1, 0.5, 0.9])
-def test_a_disc_meets_a_free_plate_where_it_is_at_the_instant(spin: float, late: float) -> None:
-    """Smooth and elastic: one impulse J n at the arm a along the plate, at the root of the gap.
-
-    J = 2 u / (1/m + 1/M + a^2 / Iz) with the approach u. The way from the pose to the instant is
-    straight in the plate's frame to first order: a may be off by spin |v| h^2 / 2.
-    """
-    m, M, Iz, half = 0.1, 0.4, 2e-3, 0.02
-    velocity, start = np.array([4.0, -1.0]), np.array([0.05, half + R + (3 + late) * H])
-
-    def state(t: float) -> tuple[np.ndarray, np.ndarray]:
-        turn = spin * t
-        return start + velocity * t, np.array([-np.sin(turn), np.cos(turn)])
-
-    def gap(t: float) -> float:
-        place, normal = state(t)
-        return float(normal @ place) - half - R
-
-    place, n = state(brentq(gap, 0.0, 10 * H, xtol=1e-16))
-    a = float(n[1] * place[0] - n[0] * place[1])
-    u = spin * a - float(n @ velocity)
-    J = 2 * u / (1 / m + 1 / M + a**2 / Iz)
-    run = simulate(mechanism(
-        duration=12 * H, materials={"m": {"restitution": 1.0, "friction": 0.0}}, bodies=[
-            {"name": "plate", "mass": M, "inertia": Iz, "material": "m", "angular_velocity": spin,
-             "shapes": [{"type": "box", "size": (0.4, 2 * half)}]},
-            {"name": "disc", "mass": m, "material": "m", "at": tuple(start),
-             "velocity": tuple(velocity), "shapes": [{"type": "circle", "radius": R}]}]))
-    off = spin * float(np.hypot(*velocity)) * H**2 / 2
-    assert run["plate.omega"][-1] == pytest.approx(spin - J * a / Iz, abs=1e-9 + J / Iz * off)
-    np.testing.assert_allclose([run["disc.vx"][-1], run["disc.vy"][-1]], velocity + J * n / m,
-                               rtol=0, atol=1e-9 + J**2 * a / (Iz * m) * off)
 
 
 def dropped(shapes: list[dict[str, Any]], e: float, **more: Any) -> Recording:
@@ -245,7 +209,7 @@ def test_slow_approaches_end() -> None:
     np.testing.assert_allclose(run["b/floor.normal"][late], 0.1 * G, rtol=1e-9)
 
 
-def test_what_joints_carry_of_an_impact_is_theirs() -> None:
+def test_joints_carry_their_share_of_an_impact() -> None:
     """A ball against the end of a pinned bar: the bar turns by Newton's law about its pin.
 
     e = 1, I about the pin, arm L: p = 2 v / (1 / m + L^2 / I) between the two.
@@ -323,7 +287,7 @@ def test_the_surface_of_a_free_body_pushes_it_back() -> None:
     assert audit_warnings(run) == []
 
 
-def test_what_bounces_on_a_belt_is_pushed_with_mu_times_the_blow() -> None:
+def test_a_belt_drives_a_bouncing_body_with_mu_times_the_normal_impulse() -> None:
     """Falling at u it leaves with e u up and mu (1 + e) u along, as long as that is less than V."""
     ball = {"at": [0, 0.25], "inertia": 1e6, "shapes": [{"type": "circle", "radius": 0.1}]}
     scene_ = belt(FLAT, ball, value=5.0, end=0.2, materials={
@@ -333,7 +297,7 @@ def test_what_bounces_on_a_belt_is_pushed_with_mu_times_the_blow() -> None:
     assert run["load.vx"][-1] == pytest.approx(-FRICTION * 1.5 * fall, rel=G * 1e-3 / fall * 2)
 
 
-def test_a_box_held_on_a_running_belt_goes_on_costing_power() -> None:
+def test_a_belt_under_a_fixed_box_consumes_power() -> None:
     """At rest nothing is worked out again, but for what the belt does: mu m g v for ever."""
     rod = {"type": "rod", "name": "stay", "a": "belt", "b": "load", "on_a": [1.9, 0.1],
            "collide": True}
@@ -378,7 +342,7 @@ def small_buffers(monkeypatch: pytest.MonkeyPatch, contacts: int = 2, rows: int 
     return made
 
 
-def test_it_goes_on_to_the_last_bit_as_with_room_from_the_start(
+def test_growing_contact_buffers_does_not_change_results(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     machine = heap(3, 4, run={"sample_rate": 400.0})
@@ -390,7 +354,7 @@ def test_it_goes_on_to_the_last_bit_as_with_room_from_the_start(
         np.testing.assert_array_equal(again.arrays[name], array, err_msg=name)
 
 
-def test_too_many_are_told_with_their_number(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_many_contacts_are_refused_with_their_number(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MOST_CONTACTS", 5)
     small_buffers(monkeypatch)
     with pytest.raises(SandboxError, match=r"\d+ contacts at once at t = .*more than the 5"):
@@ -437,7 +401,7 @@ def test_refused_pairs_pass_through_each_other(count: int) -> None:
     np.testing.assert_array_equal(others, [0])
 
 
-def test_what_may_touch_does_so_beyond_32_kinds() -> None:
+def test_permitted_pairs_touch_beyond_32_collision_groups() -> None:
     """Of the same 40 pairs the last may touch after all: its upper disc is pushed off the lower.
 
     Centres 2 r apart once the overlap of 18.5 mm is undone, at 0.1 m/s.

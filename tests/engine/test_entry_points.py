@@ -124,7 +124,7 @@ def other_version(**changes: object) -> str:
     return source_hash(type(outer)(outer.__code__, scope, "outer"))
 
 
-def test_the_hash_covers_what_is_called_and_its_constants():
+def test_the_source_hash_covers_called_functions_and_constants():
     same = other_version()
     assert other_version(code="def inner(x):\n\n    # a comment\n    return x + STEP") == same
     assert other_version(code="def inner(x):\n    'Add.'\n    return x + STEP") == same

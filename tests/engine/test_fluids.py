@@ -56,7 +56,7 @@ def test_a_stiff_line_damps_and_rests_where_it_must() -> None:
     assert recording["ram.x"][-1] == pytest.approx(0.1 - 500 / AREA * 1e-14 / AREA, rel=1e-9)
 
 
-def test_a_source_fills_a_vessel_with_what_a_gas_takes_in() -> None:
+def test_a_source_fills_a_vessel_by_the_gas_law() -> None:
     """From 1 atm to p: V ((p / atm + 1)^(1/n) - 1) of free air, whatever the steps."""
     scene = {"bodies": [fixed("ground"), {"name": "b", "mass": 1, "inertia": 1}],
              "lines": [line("air", volume=1e-3, gas=1.4)],
@@ -187,7 +187,7 @@ def test_a_void_pulls_with_its_least_pressure() -> None:
     assert recording["oil.pressure"].min() == -1e5
 
 
-def test_what_flows_keeps_a_mechanism_awake() -> None:
+def test_flow_keeps_a_mechanism_awake() -> None:
     """Nothing moves, but one vessel fills the other: that is no rest."""
     scene = {"bodies": [fixed("ground"), {"name": "b", "mass": 1, "inertia": 1}],
              "lines": [line("one", volume=1e-3, pressure=1e6), line("two", volume=1e-3)],
@@ -200,7 +200,7 @@ def test_what_flows_keeps_a_mechanism_awake() -> None:
     assert np.abs(recording["one.pressure"] - truth).max() < 5e5 * off
 
 
-def test_a_pump_without_a_way_out_is_told() -> None:
+def test_a_pump_without_an_outlet_is_an_error() -> None:
     """Before the run, and when the pressure has left all range: with the line's name."""
     scene = {"bodies": [fixed("ground"), {"name": "b", "mass": 1, "inertia": 1}],
              "lines": [line("oil", volume=1e-9, modulus=1e12)],

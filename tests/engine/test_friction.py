@@ -41,7 +41,7 @@ def block(slope: float = 0.0, *, speed: float = 0.0, duration: float = 0.3, push
 # -- what holds ------------------------------------------------------------------------
 
 
-def test_what_a_drive_holds_sticks_though_its_friction_is_at_its_bound() -> None:
+def test_a_joint_held_by_a_servo_sticks() -> None:
     """A servo turns an arm and stops: it slips on the way, and sticks when nothing moves.
 
     What of the arm's weight friction takes and what the servo takes is open; both are all of it.
@@ -61,7 +61,7 @@ def test_what_a_drive_holds_sticks_though_its_friction_is_at_its_bound() -> None
     assert torque == pytest.approx(0.1 * G * math.cos(0.5), rel=1e-9)
 
 
-def test_what_slips_back_is_held_by_static_friction_first() -> None:
+def test_a_block_that_reverses_has_static_friction() -> None:
     """A force that swings by 6 N about a block that holds with 4.8 N and slides with 3 N.
 
     Whenever it comes to rest while the force is between the two, it stays there up to 4.8 N.
@@ -73,7 +73,7 @@ def test_what_slips_back_is_held_by_static_friction_first() -> None:
     assert force[begins + 1].min() > 4.8 - 1.5 * H * 6 * 12
 
 
-def test_what_slides_at_the_start_is_not_held_by_static_friction() -> None:
+def test_a_block_that_slides_at_the_start_has_sliding_friction() -> None:
     run = block(speed=1.0, friction=3.0, static=2.0, duration=0.05)
     assert run["s.friction"] == pytest.approx(np.full(len(run), -3.0), rel=1e-12)
 
@@ -82,7 +82,7 @@ def test_what_slides_at_the_start_is_not_held_by_static_friction() -> None:
 
 
 def test_a_bead_is_held_on_a_turning_rod() -> None:
-    """A rod that turns ever faster lets go at m w^2 r = F, and nothing creeps before.
+    """A bead on a rod that turns ever faster slips at m w^2 r = F and does not creep before.
 
     A step foresees the bend of its way to second order, h^3 w^3 r / 6 are left to the next.
     """
@@ -124,7 +124,7 @@ def ladder(angle: float, load: float, *, speed: float = 0.0, light: float = 0.1)
 
 
 @pytest.mark.parametrize("load", [1.0, 1e4])
-def test_what_jams_holds_any_load(load: float) -> None:
+def test_a_self_locking_mechanism_holds_any_load(load: float) -> None:
     """A rod steeper than atan(1 / mu) presses more than it pushes, however much that is."""
     steep = math.atan(2.0)
     held = sound(simulate(ladder(steep * 1.001, load)))
@@ -133,11 +133,11 @@ def test_what_jams_holds_any_load(load: float) -> None:
     assert held["h.reaction"][5:] == pytest.approx(np.full(45, load), rel=1e-7)
 
 
-def test_what_is_less_steep_slides() -> None:
+def test_a_mechanism_below_the_self_locking_angle_slides() -> None:
     assert (sound(simulate(ladder(math.atan(2.0) * 0.99, 1.0)))["h.sticks"] == 0.0).all()
 
 
-def test_what_moves_into_a_jam_stops_at_once() -> None:
+def test_a_mechanism_that_becomes_self_locking_stops_at_once() -> None:
     """Where sliding friction has no answer the block sticks: its speed goes in one step.
 
     Of a light block, mu sin - cos > sin^2 m / (M cos): were it to slide, the rod could neither push
@@ -160,7 +160,7 @@ def test_what_moves_into_a_jam_stops_at_once() -> None:
     ({"friction": 1.0, "static": 0.5}, "1"),
     ({"friction": -1.0}, "0"),
 ])
-def test_what_makes_no_sense_is_said(fields: dict[str, Any], says: str) -> None:
+def test_wrong_friction_is_refused(fields: dict[str, Any], says: str) -> None:
     from sandbox.scene.read.load import load_scene
 
     scene = {"format": 1, "bodies": [{"name": "wall", "motion": "fixed"},
@@ -174,23 +174,23 @@ def test_what_makes_no_sense_is_said(fields: dict[str, Any], says: str) -> None:
     assert says in f"{problem.message} {problem.allowed}"
 
 
-LET_GO = {"type": "slot", "name": "s", "a": "wall", "b": "m", "start": (0, 0), "end": (3, 0),
+SLOT = {"type": "slot", "name": "s", "a": "wall", "b": "m", "start": (0, 0), "end": (3, 0),
           "turns": False, "friction": 3.0, "static": 1.5, "takes_up_in": "10 ms"}
 
 
-def let_go(pushes: list[Any], *, speed: float = 0.0, events: list[Any]) -> Recording:
-    """1 kg in a groove that rubs with 3 N; without gravity."""
+def pushed(pushes: list[Any], *, speed: float = 0.0, events: list[Any]) -> Recording:
+    """1 kg in a slot with 3 N of friction, without gravity."""
     return sound(simulate(mechanism(
         duration=0.5, step=H, bodies=[fixed("wall"), {
             "name": "m", "mass": 1.0, "inertia": 1e-3, "velocity": (speed, 0.0)}],
-        joints=[LET_GO],
+        joints=[SLOT],
         drives=[{"type": "force", "name": "push", "body": "m", "direction": (1, 0),
                  "value": {"table": pushes}}], events=events)))
 
 
-def test_friction_does_not_draw_back_to_where_it_held_before() -> None:
-    """Pushed from rest to rest while it is let go, 32 mm on, it stands where it is taken up."""
-    run = let_go([[0.06, 0], [0.1, 10], [0.14, 0], [0.18, -10], [0.22, 0]],
+def test_engaged_friction_holds_at_the_new_place() -> None:
+    """Moved by 32 mm while released, it rests where the slot is engaged."""
+    run = pushed([[0.06, 0], [0.1, 10], [0.14, 0], [0.18, -10], [0.22, 0]],
                  events=[{"name": "go", "at": 0.05, "release": ["s"]},
                          {"name": "back", "at": 0.3, "take_up": ["s"]}])
     after = run.time > 0.3
@@ -199,9 +199,9 @@ def test_friction_does_not_draw_back_to_where_it_held_before() -> None:
     assert np.abs(run["s.friction"][after]).max() < 1e-6
 
 
-def test_friction_that_is_taken_up_while_it_moves_slips() -> None:
+def test_friction_engaged_in_motion_slips() -> None:
     """With 3 N from the first step on, not with the 4.5 N that hold."""
-    run = let_go([[0, 0], [1, 0]], speed=2.0, events=[
+    run = pushed([[0, 0], [1, 0]], speed=2.0, events=[
         {"name": "go", "at": 0.1, "release": ["s"]}, {"name": "back", "at": 0.2, "take_up": ["s"]}])
     after = run.time > 0.2
     assert run["s.friction"][after] == pytest.approx(-3.0, abs=ROUNDING)

@@ -110,7 +110,7 @@ def test_an_input_that_cannot_be_computed() -> None:
         driven("=sqrt(2.2 - t)")  # in the second chunk
 
 
-def test_a_path_is_asked_for_no_time_after_the_end() -> None:
+def test_paths_are_evaluated_up_to_the_end_of_the_run() -> None:
     """sqrt(T - t) is fine up to T = the duration."""
     run = simulate(mechanism(duration=0.05, bodies=[
         {"name": "b", "motion": "scheduled", "path": {"x": {"expression": "=sqrt(0.05 - t)"}}},

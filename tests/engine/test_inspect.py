@@ -63,10 +63,10 @@ def jointed(**joint: Any) -> dict[str, Any]:
     ({"type": "rope", "longest": 0.09, "shortest": 0.06}, "it allows 60 mm to 90 mm"),
 ])
 def test_joints_that_are_not_assembled(joint, message):
-    severity, element, told = the_one(jointed(**joint))
+    severity, element, text = the_one(jointed(**joint))
     assert (severity, element) == ("error" if "coincide" in message else "warning", "j")
-    assert told.startswith("not assembled at t = 0")
-    assert message in told
+    assert text.startswith("not assembled at t = 0")
+    assert message in text
 
 
 @pytest.mark.parametrize(("joint", "blocks"), [
@@ -78,7 +78,7 @@ def test_joints_that_are_not_assembled(joint, message):
     ({"type": "slot", "start": [0.05, 0], "end": [0.05, 2e-9]}, None),
     ({"type": "rope", "on_a": [0.05, 0], "longest": 0.04, "shortest": 0.03}, False),
 ])
-def test_a_joint_along_a_line_that_has_no_direction_is_refused_with_what_check_says(joint, blocks):
+def test_a_joint_without_a_direction_is_refused(joint, blocks):
     mechanism = Mechanism.model_validate(jointed(**joint))
     findings = inspect(mechanism)
     assert [one.blocks for one in findings] == ([] if blocks is None else [blocks])
@@ -125,7 +125,7 @@ def two_discs(distance: float, **second: Any) -> dict[str, Any]:
     ]}
 
 
-def test_overlapping_bodies_are_told_with_their_depth():
+def test_overlapping_bodies_are_reported_with_their_depth():
     assert the_one(two_discs(2 * R - 0.001)) == (
         "warning", "a", "overlaps 'b' by 1 mm at t = 0")
 
@@ -138,7 +138,7 @@ def test_overlapping_bodies_are_told_with_their_depth():
     two_discs(0.0) | {"joints": [
         {"type": "pin", "name": "j", "a": "a", "b": "b", "on_a": [0, 0]}]},
 ], ids=["touching", "negligibly deep", "rule", "both fixed", "jointed"])
-def test_bodies_that_may_lie_so(scene):
+def test_permitted_overlaps_are_not_reported(scene):
     assert found(scene) == []
 
 
@@ -177,7 +177,7 @@ BELT: dict[str, Any] = {
     ({"guides": [{"body": "w"}, {"body": "ground"}], "pretension": 300, "stiffness": 10},
      "is too large for a tendon"),
 ])
-def test_cords_whose_friction_turns_or_loops_are_of_no_use_are_told(
+def test_useless_friction_turns_and_loops_of_tendons_are_reported(
         cord: dict[str, Any], finding: str):
     assert finding in the_one(BELT, tendons=[{"name": "cord", **cord}])[2]
 
@@ -276,9 +276,9 @@ def test_unknown_quantities_block(more, hint):
 
 def test_a_step_that_does_not_divide_the_sampling_interval():
     run = {"step": 3e-4, "sample_rate": 1000}
-    severity, element, told = the_one(PINNED | {"run": run})
+    severity, element, text = the_one(PINNED | {"run": run})
     assert (severity, element) == ("warning", "run")
-    assert "does not divide" in told
+    assert "does not divide" in text
     assert found(PINNED | {"run": {"step": 2.5e-4, "sample_rate": 1000}}) == []
 
 
@@ -288,10 +288,10 @@ def test_a_step_that_does_not_divide_the_sampling_interval():
 ])
 def test_a_drive_that_moves_nothing(drive, words):
     cord = {"name": "cord", "guides": [{"body": "ground"}, {"body": "ground", "at": [0.1, 0]}]}
-    told = [message for _, element, message in found(
+    text = [message for _, element, message in found(
         PINNED | {"tendons": [cord], "drives": [{"name": "d", **drive}]}) if element == "d"]
-    assert len(told) == 1
-    assert words in told[0]
+    assert len(text) == 1
+    assert words in text[0]
 
 
 def test_a_window_without_a_body():
@@ -312,7 +312,7 @@ def test_a_scheduled_body_begins_where_its_path_does(path, jumps):
     assert not jumps or findings[0][:2] == ("warning", "plate")
 
 
-def test_joints_that_hold_what_is_held_are_named():
+def test_overconstrained_joints_are_reported():
     """A bar on two pins of the ground: along it either may carry what the other does not."""
     second = {"type": "pin", "name": "second", "a": "ground", "b": "bar", "on_a": [L, 0]}
     severity, _, message = the_one(PINNED, joints=[*PINNED["joints"], second])
@@ -357,7 +357,7 @@ def released(*joints: str) -> list[dict[str, Any]]:
     ({"drives": [{**LIFT, "value": 0.3}]}, "$.drives[0].value",
      "sets cylinder to 300 mm, but it is 400 mm long at least"),
 ])
-def test_what_does_nothing_is_told(parts: dict[str, Any], path: str, words: str) -> None:
+def test_idle_drives_and_events_are_reported(parts: dict[str, Any], path: str, words: str) -> None:
     [found] = idle_warnings(**parts)
     assert found[0] == path
     assert words in found[1]
@@ -370,7 +370,7 @@ def test_what_does_nothing_is_told(parts: dict[str, Any], path: str, words: str)
                 {"name": "catch", "at": 0.07, "take_up": "axle"}]},
     {"drives": [{**LIFT, "value": 0.6}]},
 ])
-def test_what_does_something_is_not(parts: dict[str, Any]) -> None:
+def test_effective_drives_and_events_are_not_reported(parts: dict[str, Any]) -> None:
     assert idle_warnings(**parts) == []
 
 
@@ -397,7 +397,7 @@ TOUCH: dict[str, Any] = {}
 
 
 @pytest.mark.parametrize("links", [PIN, CORD, TOUCH], ids=["joint", "cord", "contact"])
-def test_two_bodies_and_the_number(links):
+def test_a_large_mass_ratio_is_reported_with_both_bodies(links):
     assert mass_warnings(unlike_pair(2.1e-6, links=links)) == []
     line, = mass_warnings(unlike_pair(1.9e-6, links=links))
     assert line.startswith("warning: light: has 1.9e-06 kg where 'heavy' has 2 kg")
@@ -411,12 +411,12 @@ SPRING = {"springs": [{"type": "linear", "name": "s", "a": "heavy", "b": "light"
 
 
 @pytest.mark.parametrize("more", [{}, SPRING])
-def test_what_has_nothing_to_do_with_each_other_may_be_as_unlike_as_it_likes(more):
+def test_unconnected_bodies_may_have_any_mass_ratio(more):
     """A spring is no part of the balance that is solved for."""
     assert mass_warnings(unlike_pair(1e-9, links={"contacts": APART, **more})) == []
 
 
-def test_a_body_in_between_links_the_two():
+def test_a_mass_ratio_counts_through_a_third_body():
     scene = unlike_pair(1e-6, links={"contacts": APART})
     scene["bodies"].append({"name": "mean", "mass": 1e-3, "inertia": 1e-7, "at": [0.01, 0]})
     scene["joints"] = [{"type": "pin", "name": f"to_{one}", "a": "mean", "b": one, "on_b": [0, 0]}

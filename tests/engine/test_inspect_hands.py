@@ -44,7 +44,7 @@ def reach_of(mechanism: Mechanism) -> list[tuple[str, str, str]]:
             if "reaches" in problem.message]
 
 
-def test_a_finger_that_is_too_short_is_told() -> None:
+def test_a_finger_that_is_too_short_is_reported() -> None:
     """45 + 26 + 21 + 7.5 mm from the hinge to the tip; to a disc of 10 mm at (120, -40): 116.5."""
     assert reach_of(hand(disc(0.12, -0.04), disc(-0.2, 0))) == [(
         "finger", "reaches 99.5 mm from its first hinge, and the nearest object that it may touch, "
@@ -63,7 +63,7 @@ def test_fingers_that_lack_the_same_object_share_a_line() -> None:
 
 
 @pytest.mark.parametrize("gravity", [(0, 0), (0, -9.81), (0.6, -1)])
-def test_a_free_object_beyond_all_fingers_is_told(gravity: tuple[float, float]) -> None:
+def test_a_free_object_beyond_all_fingers_is_reported(gravity: tuple[float, float]) -> None:
     """It falls away, if at all: no finger ever touches it."""
     free = disc(0.12, -0.04, motion="dynamic", mass=1)
     assert reach_of(hand(free, gravity=gravity)) == [(
@@ -86,7 +86,7 @@ def test_a_free_object_beyond_all_fingers_is_told(gravity: tuple[float, float]) 
     ids=["within reach", "no object", "another one", "it comes",
          "another one may push it", "it falls there", "its hand may come", "no object",
          "never touched", "the hand may come"])
-def test_what_may_be_reached_is_not_told(mechanism: Mechanism) -> None:
+def test_reachable_objects_are_not_reported(mechanism: Mechanism) -> None:
     assert not reach_of(mechanism)
 
 
@@ -105,7 +105,7 @@ def pair(
                     "value": {"ramp": {"to": "8 N", "over": "1 s"}}}]}))
 
 
-def test_how_far_a_hand_that_closes_on_nothing_draws_its_tree() -> None:
+def test_the_travel_of_a_hand_that_closes_on_nothing() -> None:
     """Run until all hinges are at their stops: the wheel's centre has gone the mean of both.
 
     The cords of 100 kN/m give by 4 N / 100 kN/m each, 40 um; the pull's own is not on the way.
@@ -119,7 +119,7 @@ def test_how_far_a_hand_that_closes_on_nothing_draws_its_tree() -> None:
 
 
 @pytest.mark.parametrize("tree", ["pulley_tree", "rocker_tree"])
-def test_slots_that_are_too_short_for_it_are_told(tree: str) -> None:
+def test_slots_that_are_too_short_are_reported(tree: str) -> None:
     (line,) = reaches(compile_mechanism(pair("30 mm", tree=tree)))
     name = "tree.pulley1" if tree == "pulley_tree" else "tree.rocker1"
     way = ways(compile_mechanism(pair("30 mm", tree=tree)), (name,))[name]
@@ -130,7 +130,7 @@ def test_slots_that_are_too_short_for_it_are_told(tree: str) -> None:
     assert "to close the empty hand" not in enough
 
 
-def test_of_fingers_without_stops_nothing_is_told() -> None:
+def test_fingers_without_stops_have_no_travel_warning() -> None:
     (line,) = reaches(compile_mechanism(pair("10 mm", limits=None)))
     assert line == "tree: its slots end after 10 mm along the pull and 30 mm against it"
 
@@ -159,7 +159,7 @@ def travel_of(mechanism: Mechanism) -> list[str]:
 
 
 @pytest.mark.parametrize("links", ["tendon", "rope"])
-def test_a_rocker_turns_over_where_it_is_told(links: str) -> None:
+def test_a_rocker_turns_over_at_the_predicted_travel(links: str) -> None:
     """20 N against 20 N/m would draw load1 far on: it stops a + b = 40 mm on.
 
     The rocker then lies along its strings, which slant by 20 mm over 280 to 320: so far from the
@@ -176,7 +176,7 @@ def test_a_rocker_turns_over_where_it_is_told(links: str) -> None:
     assert run["load1.x"][-1] == pytest.approx(-0.04, abs=0.7e-3)
 
 
-def test_a_slot_ends_where_it_is_told() -> None:
+def test_a_slot_ends_at_the_predicted_travel() -> None:
     """Nothing held: both loads are drawn on until the pivot's slot ends."""
     mechanism = two_loads(held=0, travel="50 mm")
     (note,) = travel_of(mechanism)

@@ -40,7 +40,7 @@ def two_wheels(distance: float, **joint: Any) -> dict[str, Any]:
 def test_gears_that_fit_the_other_way(
     kind: str, radii: tuple[float, float], inside: bool, advice: str,
 ) -> None:
-    """|r_a - r_b| where r_a + r_b was asked for, and the other way round."""
+    """|r_a - r_b| where r_a + r_b is required, and vice versa."""
     joint = {"type": kind, "radius_a": radii[0], "radius_b": radii[1]}
     distance = 0.1 if inside else 0.06
     (problem,) = problems_with("mesh", two_wheels(distance, **joint, inside=inside))
@@ -129,7 +129,7 @@ def test_a_wheel_within_a_wheel() -> None:
     assert problem.advice.startswith("move one of them 20 mm further out")
 
 
-def test_wheels_that_overlap_are_all_that_is_told_of_their_cord() -> None:
+def test_overlapping_pulleys_are_the_only_problem_reported_of_a_cord() -> None:
     """It has no length, of which nothing that is said could be right."""
     ends = {"radius": 0.05, "friction": 0.3}
     belt = {"closed": True, "pretension": "10 N"}
@@ -214,7 +214,7 @@ def mesh(**joint: Any) -> dict[str, Any]:
      "warning", "its pitch line is 25 mm from the gear's centre, the pitch circle has a radius of "
      "20 mm", "move the rack or its 'on_b' by 5 mm, or make 'radius' 25 mm"),
 ])
-def test_what_does_not_meet(
+def test_wrong_distances_of_gears_are_reported(
     joint: dict[str, Any], distance: float, severity: str, words: str, advice: str,
 ) -> None:
     found = findings(disc("a", 0), disc("b", distance),
@@ -225,7 +225,7 @@ def test_what_does_not_meet(
     assert problem.advice.startswith(advice)
 
 
-def test_what_fits_is_not_told() -> None:
+def test_correct_gears_are_not_reported() -> None:
     for joint, distance in ((mesh(), 0.07), (mesh(inside=True), 0.03)):
         assert findings(disc("a", 0), disc("b", distance),
                         joints=[pin("ground", "a"), pin("ground", "b"), joint]) == []

@@ -52,7 +52,7 @@ def at(degrees: float) -> tuple[float, float]:
     ("counterclockwise", (-150, 150), None), ("clockwise", (-150, 150), None),
 ])
 @pytest.mark.parametrize("first", [170, 160, 20, 0, -5, -15, -180])
-def test_the_way_over_centre_is_the_nearest_that_the_limits_leave(
+def test_the_over_centre_angle_is_the_nearest_within_the_limits(
     first, positive, limits, expected,
 ):
     """The bar's end lies 20 degrees ahead, wherever the angles of the two jump by a turn.
@@ -69,7 +69,7 @@ def test_the_way_over_centre_is_the_nearest_that_the_limits_leave(
 
 
 @pytest.mark.parametrize("from_bar", [False, True])
-def test_a_spring_over_centre_is_told_with_its_angle(from_bar):
+def test_a_spring_over_centre_is_reported_with_its_angle(from_bar):
     (finding,) = inspect(spring_across(
         {"positive": "clockwise", "limits": (0, 1.8)}, M_BEFORE, M_AFTER, from_bar=from_bar))
     degrees = math.degrees(2 * math.atan2(8, 7))
@@ -86,7 +86,7 @@ def weight(name: str, mass: float, at: tuple[float, float] = (0.0, -0.1), **more
 
 
 def hanging(mass: float, *, step: float = 5e-4, duration: float = 0.1, **more: Any) -> Any:
-    """A weight on a cord of 1e5 N/m, let go where it is not stretched."""
+    """A weight on a cord of 1e5 N/m, released where the cord is not stretched."""
     cord = {"name": "cord", "guides": [{"body": "weight"}, {"body": "beam"}], **more}
     return mechanism(duration=duration, step=step, gravity=(0.0, -G),
                      bodies=[BEAM, weight("weight", mass)], tendons=[cord])
@@ -108,7 +108,7 @@ def ringing_of(machine: Any) -> list[tuple[float, float, float, float]]:
 
 @pytest.mark.parametrize("step", [1e-3, 1e-4])
 @pytest.mark.parametrize("damping", [0.0, 10.0])
-def test_the_step_damps_a_cord_as_a_damper_of_h_k_would(step, damping):
+def test_the_step_adds_the_damping_h_k(step, damping):
     """zeta = (c + h k) w / (2 k); to 1 % in ln(100) / (2 pi zeta); 5 % asks for c = 0.1 k / w."""
     omega = math.sqrt(K / 20.0)
     zeta = (damping + step * K) * omega / (2 * K)
@@ -120,7 +120,7 @@ def test_the_step_damps_a_cord_as_a_damper_of_h_k_would(step, damping):
     assert advised == pytest.approx(2 * enough * K / omega - step * K, rel=1e-2)
 
 
-def test_a_run_rings_as_long_as_was_said_and_with_the_damping_advised_15_periods():
+def test_a_tendon_rings_as_long_as_predicted():
     (hertz, _, seconds, advised), = ringing_of(hanging(20.0, step=1e-3))
     for damping, wanted in ((0.0, seconds), (advised, 15 / hertz)):
         run = simulate(hanging(20.0, step=1e-3, duration=2.5, damping=damping))
@@ -136,7 +136,7 @@ def test_a_run_rings_as_long_as_was_said_and_with_the_damping_advised_15_periods
     (0.5, {"slack": 0.01}),
     (20.0, {"slack": 0.01, "damping": 200.0}),
 ])
-def test_cords_of_which_nothing_is_to_be_said(mass, more):
+def test_damped_tendons_are_not_reported(mass, more):
     assert ringing_of(hanging(mass, **more)) == []
 
 
@@ -184,7 +184,7 @@ def test_a_slack_cord_rings_once_it_is_taut_as_if_it_were_from_the_start(more):
                            "guides": [{"body": "load"}, {"body": "knot"}]}]},
      K / 30.0 / (1 + 1 / 1.01)),
 ])
-def test_the_mode_is_that_of_all_that_hangs_on_it(make, square):
+def test_the_frequency_counts_all_connected_masses(make, square):
     found = ringing_of(mechanism(duration=0.1, step=1e-4, **make()))
     assert [hertz for hertz, *_ in found] == [
         pytest.approx(math.sqrt(square) / (2 * math.pi), rel=5e-3)]

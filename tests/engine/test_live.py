@@ -56,7 +56,7 @@ def test_a_free_body_answers_as_newton_says() -> None:
 
 
 @pytest.mark.parametrize("scene", ["adaptive_grasp", "finger_dual_control", "conveyor"])
-def test_what_was_played_runs_again_to_the_same_bits(scene: str) -> None:
+def test_a_played_scene_gives_the_same_bytes_again(scene: str) -> None:
     machine = expand(load_scene(scene))
     live, rng = Live(machine), np.random.default_rng(4)
     free = [body.name for body in machine.bodies if body.motion == "dynamic"]
@@ -79,7 +79,7 @@ def test_what_was_played_runs_again_to_the_same_bits(scene: str) -> None:
     assert np.array_equal(live.copy().recording().arrays["body_pose"][-1], kept[-1][-1])
 
 
-def test_what_rests_is_woken_by_the_same_force_elsewhere_and_not_by_none() -> None:
+def test_a_push_at_rest_wakes_and_no_push_does_not() -> None:
     """At rest steps are repeated, not solved: that has to be so in both, or the last bits part."""
     live = Live(expand(load_scene("adaptive_grasp")))
     kept = [poses_of(live, 3000)]
@@ -113,7 +113,7 @@ def test_pushes_are_drives_of_the_points_and_settings_events() -> None:
     assert made.expect == ()
 
 
-def test_it_keeps_its_last_steps_only() -> None:
+def test_a_live_simulation_keeps_only_its_last_steps() -> None:
     live = Live(mechanism(bodies=[mass("block", 0.4, (0.0, 0.0))]))
     for _ in range(40):
         live.step(100)
@@ -125,7 +125,7 @@ def test_it_keeps_its_last_steps_only() -> None:
     assert sum(array.nbytes for array in live.recording().arrays.values()) < 1_000_000
 
 
-@pytest.mark.parametrize(("wrong", "said"), [
+@pytest.mark.parametrize(("wrong", "words"), [
     (lambda live: live.give("lfit", 1.0), "lift"),
     (lambda live: live.give("hand1.x", 1.0), "nothing named"),
     (lambda live: live.give("lift", math.nan), "finite"),
@@ -136,11 +136,11 @@ def test_it_keeps_its_last_steps_only() -> None:
     (lambda live: live.push("a", (0, math.inf), (1, 0)), "two finite numbers"),
     (lambda live: live.push("a", (0, 0), (1, 0, 0)), "two finite numbers"),
 ])
-def test_what_cannot_be_done_is_said_and_changes_nothing(wrong: Any, said: str) -> None:
+def test_wrong_pushes_and_settings_are_refused(wrong: Any, words: str) -> None:
     live = Live(mechanism(
         bodies=[mass("a", 1.0, (0, 0)), fixed("floor")],
         drives=[{"type": "force", "name": "lift", "body": "a", "direction": (0, 1), "value": 1}]))
-    with pytest.raises(SceneError, match=said):
+    with pytest.raises(SceneError, match=words):
         wrong(live)
     assert live.inputs == []
 
@@ -156,7 +156,7 @@ def distances_while_pulling(hand: Hand, seconds: float) -> list[float]:
     return left
 
 
-def test_a_free_mass_comes_as_a_critically_damped_spring_lets_it(
+def test_a_pulled_mass_moves_as_on_a_critically_damped_spring(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """By a leapfrog with the force kept for T, to rounding; by the closed form to first order in T.
@@ -192,28 +192,28 @@ def test_a_point_far_out_on_a_light_rod_is_drawn_without_swinging() -> None:
     assert max(left) <= 0.05 * 1.01
 
 
-def test_it_draws_with_no_more_than_so_many_weights() -> None:
+def test_the_pulling_force_is_limited() -> None:
     hand = Hand(Live(mechanism(bodies=[mass("block", 0.4, (0.0, 0.0))])))
     hand.hold("block", (0.0, 0.0), (300.0, -400.0))
     hand.draw()
     assert hand.force == pytest.approx((0.6 * 50 * 9.81 * 0.4, -0.8 * 50 * 9.81 * 0.4))
 
 
-def test_what_cannot_be_held_is_said() -> None:
+def test_wrong_grabs_are_refused() -> None:
     hand = Hand(Live(mechanism(bodies=[fixed("floor"), mass("block", 0.4, (0.0, 0.0))])))
     with pytest.raises(SceneError, match="moves freely"):
         hand.hold("floor", (0, 0), (1, 0))
     with pytest.raises(SceneError, match="no place"):
         hand.hold("block", (0, 0), (1, math.nan))
     for at, to in (((0, 0), (1e308, 0)), ((-1e308, 0), (0, 0))):
-        with pytest.raises(SceneError, match=r"no place: .*e\+308 is too large") as told:
+        with pytest.raises(SceneError, match=r"no place: .*e\+308 is too large") as message:
             hand.hold("block", at, to)
-        assert told.value.problems[0].allowed == "a magnitude of at most 1e+06 m"
+        assert message.value.problems[0].allowed == "a magnitude of at most 1e+06 m"
     assert hand.body is None
     assert hand.live.inputs == []
 
 
-def test_what_is_held_still_takes_no_new_numbers() -> None:
+def test_a_body_held_still_records_no_new_inputs() -> None:
     """Its force goes in steps of some millionth of the most: 50 times 0.4 kg x 9.81 m/s^2."""
     live = Live(mechanism(bodies=[mass("block", 0.4, (0.0, 0.0))]))
     hand = Hand(live)

@@ -118,7 +118,7 @@ def test_a_field_of_any_strength_holds(k: float) -> None:
         assert np.abs(run["b.x"]).max() <= 0.1 + 1e-9
 
 
-def test_a_law_of_time_moves_what_was_at_rest() -> None:
+def test_a_load_that_depends_on_time_wakes_a_body_at_rest() -> None:
     """A body at rest on the floor is woken by a load that nothing else announces."""
     floor = {"name": "floor", "motion": "fixed", "shapes": [{"type": "box", "size": [9, 1]}],
              "at": [0, -0.6]}
@@ -163,14 +163,14 @@ def _floating(shape: dict[str, Any], *, at: list[float], density: float = 500.0,
     {"type": "polygon", "points": [[-0.2, -0.1], [0.2, -0.1], [0.1, 0], [0.2, 0.1], [-0.2, 0.1]],
      "holes": [[[-0.1, -0.05], [0, -0.05], [0, 0.05], [-0.1, 0.05]]]},
     {"type": "capsule", "start": [-0.1, 0], "end": [0.1, 0.05], "radius": 0.05}])
-def test_what_is_under_water_weighs_less_by_all_of_its_area(shape: dict[str, Any]) -> None:
+def test_a_submerged_body_weighs_less_by_the_water_it_displaces(shape: dict[str, Any]) -> None:
     """Twice as dense as the water it sinks at g / 2, at any angle, and is not turned."""
     run = _floating(shape, at=[0.3, -2], density=2000, angle=1.0, duration=0.2)
     assert run["b.ay"] == pytest.approx(-G / 2, rel=1e-11)
     assert np.abs(run["b.alpha"]).max() < 1e-9
 
 
-def test_what_a_body_displaces_is_scaled_and_mirrored_with_it() -> None:
+def test_displaced_shapes_are_scaled_and_mirrored_with_their_body() -> None:
     """Half a box to the right of the origin, in a mirror to its left, and twice as large."""
     part = {"type": "assembly", "name": "p", "mirror": "left-right", "scale": 2, "bodies": [
         {"name": "b", "mass": 4.0, "thickness": 0.1, "inertia": 1, "centre": [0, 0],
@@ -204,7 +204,7 @@ def _refused(load: dict[str, Any], **more: Any) -> str:
     return "\n".join(map(str, error.value.problems))
 
 
-@pytest.mark.parametrize(("load", "said"), [
+@pytest.mark.parametrize(("load", "words"), [
     ({"force": ["=-c * vxx", 0]}, "$.loads[0].force[0]: unknown name 'vxx'"),
     ({"force": ["=-c * vxx", 0]}, "Did you mean 'vx'?"),
     ({"force": ["=-mass * vx", 0]}, "'mass' is a parameter, and here it would mean the body's own"),
@@ -219,8 +219,8 @@ def _refused(load: dict[str, Any], **more: Any) -> str:
     ({"force": [0, "=1 / x"]}, "has no finite value on 'ball' at t = 0, x = 0"),
     ({"type": "drag"}, "give 'linear', 'area' or 'turning'"),
 ])
-def test_what_is_wrong_is_told(load: dict[str, Any], said: str) -> None:
-    assert said in _refused(load)
+def test_wrong_loads_are_refused(load: dict[str, Any], words: str) -> None:
+    assert words in _refused(load)
 
 
 def test_a_liquid_needs_weight() -> None:
@@ -228,7 +228,7 @@ def test_a_liquid_needs_weight() -> None:
         {"type": "buoyancy"}, gravity=[1, 0])
 
 
-def test_a_name_means_one_thing() -> None:
+def test_names_of_loads_are_unique() -> None:
     other = {"name": "f.ball", "bodies": ["ball"]}
     assert "'f.ball' is the name of another element" in _refused(
         {"force": [0, 0]}, groups=[other])

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import sandbox
-from sandbox.audit.audit import audit
 from sandbox.engine.simulate import simulate
 from sandbox.engine.world import MOST_MARGIN
 from sandbox.errors import SceneError
@@ -98,7 +97,7 @@ def test_gap_normal_and_place(pair: str, gap: float, swapped: bool) -> None:
 # -- memory ----------------------------------------------------------------------------
 
 
-def test_what_is_wedged_is_left_alone() -> None:
+def test_a_wedged_disc_is_not_pushed_out() -> None:
     """A disc half a millimetre too large for its gap on either side: there is no way out, so that
     asking for one would be answered with forces without end. It slides down as if it fitted.
     """
@@ -115,23 +114,6 @@ def test_what_is_wedged_is_left_alone() -> None:
     # elsewhere an overlap of 2 mm comes out, at 0.1 m/s, and then the disc rests
     assert run["sunk.y"][-1] == pytest.approx(R, abs=1e-6)
     assert np.abs(np.diff(run["sunk.y"]) / np.diff(run.time)).max() == pytest.approx(0.1, rel=1e-3)
-
-
-def test_links_that_overlap_on_a_knee_keep_moving_as_their_pins_have_it() -> None:
-    """Two links on one pin of a third collide, and overlap for good: no blow, no divergence."""
-    bar = {"type": "capsule", "end": (0.1, 0.0), "radius": 0.005}
-    run = sandbox.simulate(mechanism(
-        duration=0.3, gravity=(0.0, -G),
-        bodies=[fixed("base"), {"name": "one", "mass": 0.3, "shapes": [bar]}, *(
-            {"name": name, "mass": 0.3, "at": (0.1, 0.0), "angle": angle, "shapes": [bar]}
-            for name, angle in (("two", -1.0), ("three", 1.0)))],
-        joints=[{"type": "pin", "name": f"pin{i}", "a": a, "b": b, "on_b": (0.0, 0.0)}
-                for i, (a, b) in enumerate((("base", "one"), ("one", "two"), ("one", "three")))]))
-    verdicts = {figure.name: figure.verdict for figure in audit(run)}
-    for name in ("energy.created", "energy.lost", "momentum.force", "momentum.moment",
-                 "joint.drift", "contact.bounds"):
-        assert verdicts[name] == "pass", name
-    assert verdicts["contact.place"] == "look"  # 10 mm deep at the pin, and said
 
 
 GRAVITY, MASS = 9.81, 0.5
@@ -301,7 +283,7 @@ def test_a_sharp_corner_does_not_fall_through_a_seam(at, speed, sharp):
 
 
 @pytest.mark.parametrize("degrees", [1.0, 10.0, 40.0])
-def test_a_corner_that_bends_inwards_takes_what_lies_across_it(degrees):
+def test_an_inward_corner_stops_the_velocity_across_the_next_side(degrees):
     """A disc that slides on goes at v cos(bend): what was across the new side is gone."""
     bend = math.radians(degrees)
     far = [math.cos(bend), math.sin(bend)]

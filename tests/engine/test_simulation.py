@@ -55,7 +55,7 @@ def weight(**more: object) -> Mechanism:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_pieces_make_the_whole(name: str) -> None:
+def test_pausing_does_not_change_results(name: str) -> None:
     machine = loaded(name)
     simulation = Simulation(machine)
     rng = np.random.default_rng(1)
@@ -64,6 +64,14 @@ def test_pieces_make_the_whole(name: str) -> None:
         if rng.random() < 0.3:
             simulation.recording()
     assert same(simulation.recording(), simulate(machine))
+
+
+def test_the_block_length_does_not_change_results(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However many steps the compiled code makes before it returns to Python."""
+    machine = loaded("adaptive_grasp")
+    whole = simulate(machine)
+    monkeypatch.setattr("sandbox.engine.simulation.BLOCK", 3)
+    assert same(simulate(machine), whole)
 
 
 def test_time_and_steps() -> None:
@@ -80,7 +88,7 @@ def test_time_and_steps() -> None:
 @pytest.mark.parametrize("name", [*SCENES, "finger_antagonist", "rope_differential", "four_bar",
                                   "drums", "belt_drive", "finger_friction", "wheel_in_cord",
                                   "servo_arm", "actuators", "hydraulic_lift", "pneumatic_hand"])
-def test_every_live_quantity_reads_what_a_sample_records(name: str) -> None:
+def test_live_quantities_are_those_of_the_recording(name: str) -> None:
     """Each by itself: a quantity that is said to be live must not be read as another one."""
     simulation = Simulation(loaded(name))
     simulation.step(60)
@@ -93,7 +101,7 @@ def test_every_live_quantity_reads_what_a_sample_records(name: str) -> None:
     assert read > 20
 
 
-def test_set_holds_until_it_is_let_go() -> None:
+def test_a_set_value_holds_until_it_is_reset() -> None:
     """A pull of twice the weight gives the load +g: v = g t; then its own signal balances it."""
     simulation = Simulation(weight())
     simulation.step(20)
@@ -119,7 +127,7 @@ def test_a_value_set_below_the_minimum_is_the_minimum() -> None:
 
 
 @pytest.mark.parametrize("kind", ["pull", "brake", "stiffness"])
-def test_a_signal_below_the_floor_is_recorded_as_what_is_in_force(kind: str) -> None:
+def test_a_signal_below_its_minimum_is_recorded_as_the_minimum(kind: str) -> None:
     """From -3 to 3: 0 up to the middle, in the log as in the forces."""
     signal = {"ramp": {"from": -3.0, "to": 3.0, "over": 0.1}}
     drive = {"pull": {"tendon": "rope"}, "brake": {"joint": "hinge"},
@@ -137,7 +145,7 @@ def test_a_signal_below_the_floor_is_recorded_as_what_is_in_force(kind: str) -> 
         np.testing.assert_array_equal(run["rope.tension"], run["d.value"])
 
 
-def test_a_copy_goes_its_own_way() -> None:
+def test_a_copy_is_independent() -> None:
     first = Simulation(weight())
     first.step(10)
     first.set("winch", 12.0)
@@ -168,7 +176,7 @@ def test_python_controllers_take_part() -> None:
         simulation.set("winch", 1.0)
 
 
-def test_what_cannot_be_asked_or_set() -> None:
+def test_wrong_quantities_and_values_are_refused() -> None:
     simulation = Simulation(weight())
     with pytest.raises(UnknownQuantityError, match=r"did you mean 'rope\.tension'"):
         simulation["rope.tensio"]
@@ -200,7 +208,7 @@ def test_a_run_that_diverges_stays_so() -> None:
 
 @pytest.mark.parametrize("late", [False, True])
 @pytest.mark.parametrize("chunk", [1, 7, 40])
-def test_nobody_goes_on_after_ctrl_c(
+def test_an_interrupted_simulation_cannot_continue(
     chunk: int, late: bool, monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Ctrl-C before or after samples are written: each is kept once, and it is over."""
@@ -233,7 +241,7 @@ def test_nobody_goes_on_after_ctrl_c(
         np.testing.assert_array_equal(recording["load.y"], whole["load.y"][:3 * chunk])
 
 
-def test_nobody_goes_on_after_a_law_has_failed() -> None:
+def test_a_simulation_with_a_failed_controller_cannot_continue() -> None:
     def fails(t: float, reads: list[float]) -> float:
         if t > 0.01:
             raise ValueError("the law's own")
@@ -254,7 +262,7 @@ def test_nobody_goes_on_after_a_law_has_failed() -> None:
         np.testing.assert_array_equal(kept["load.y"], whole["load.y"][:len(kept)])
 
 
-def test_a_law_ends_it() -> None:
+def test_a_controller_can_stop_the_run() -> None:
     """At the first sample that is past a height; then no step is made."""
     def enough(t: float, reads: list[float]) -> None:
         if reads[0] < 0.025:
@@ -272,7 +280,7 @@ def test_a_law_ends_it() -> None:
     assert (judged.quantity, judged.ok, judged.reason) == ("watch", False, "low enough")
 
 
-def test_one_that_watches_changes_nothing() -> None:
+def test_a_controller_without_outputs_does_not_change_results() -> None:
     """And accelerations that it reads are those that are recorded, to the last bit."""
     rows = []
     watch = Custom("watch", ["ball.ax", "ball.ay", "ball.alpha"], [],
@@ -285,7 +293,7 @@ def test_one_that_watches_changes_nothing() -> None:
     assert max(abs(with_it["ball.ay"] + G)) > 1  # it hits the floor
 
 
-def test_an_event_ends_it() -> None:
+def test_an_event_can_stop_the_run() -> None:
     machine = weight(events=[{"name": "enough", "at": 0.01, "stop": "pass"}])
     simulation = Simulation(machine)
     assert simulation.step(1000) == 20
@@ -299,7 +307,7 @@ def test_an_event_ends_it() -> None:
     assert other.recording().info.stopped == simulation.recording().info.stopped
 
 
-def test_an_input_without_a_value_ends_it() -> None:
+def test_an_input_without_a_value_is_an_error() -> None:
     """sqrt(2.2 - t) has none after 2.2 s, in the second chunk of signals: an error each time that
     it is asked for, and not a number.
     """
@@ -312,7 +320,7 @@ def test_an_input_without_a_value_ends_it() -> None:
             simulation.run()
 
 
-def test_a_run_that_records_more_than_it_may_stops_with_what_it_has() -> None:
+def test_a_recording_that_exceeds_its_limit_is_kept_incomplete() -> None:
     machine = weight(duration=1.0)
     simulation = Simulation(machine, recorded_bytes=150_000)
     with pytest.raises(RecordingFull, match="take more than 150 000 bytes") as caught:
@@ -330,7 +338,7 @@ def test_a_run_that_records_more_than_it_may_stops_with_what_it_has() -> None:
     assert np.array_equal(whole.arrays["body_pose"][:len(run)], run.arrays["body_pose"])
 
 
-def test_a_run_tells_in_how_many_steps_forces_were_relaxed() -> None:
+def test_a_run_notes_in_how_many_steps_forces_were_relaxed() -> None:
     run = Simulation(Scene.model_validate({"run": {"duration": 0.01}, "bodies": [
         {"name": "ground", "motion": "fixed"}]}))
     run.run()
@@ -361,7 +369,7 @@ DAILY = ("adaptive_grasp", "finger_dual_control", "conveyor", "pneumatic_hand", 
 @pytest.mark.parametrize("name", [
     name if name in DAILY else pytest.param(name, marks=pytest.mark.nightly)
     for name in shipped_scenes() if not name.startswith("object")])
-def test_every_scene_begins_anew(name: str) -> None:
+def test_a_restarted_simulation_gives_the_same_bytes(name: str) -> None:
     machine = short(name)
     simulation = Simulation(Checked(machine))
     disturb(simulation, 25)
@@ -372,7 +380,7 @@ def test_every_scene_begins_anew(name: str) -> None:
     assert same(simulation.recording(), simulate(machine))
 
 
-def test_one_that_diverged_begins_anew() -> None:
+def test_a_diverged_simulation_can_restart() -> None:
     machine = mechanism(bodies=[disc("puck", 0.01, (0.0, 0.0))], gravity=(0.0, 0.0), drives=[
         {"type": "force", "name": "push", "body": "puck", "direction": (1.0, 0.0), "value": 0.0}])
     simulation = Simulation(machine)

@@ -23,7 +23,7 @@ STEP = 1e-3
 
 def oscillator(x: float, *, step: float = STEP, duration: float = 1.0, v: float = 0.0,
                g: float = 0.0, tables: Any = None, **spring: Any) -> dict[str, Any]:
-    """A mass of 1 kg whose spring has a length of 1 m at rest, let go at a stretch ``x``."""
+    """A mass of 1 kg on a spring of 1 m, released at rest at a stretch ``x``."""
     ball = {"name": "m", "at": [1 + x, 0], "mass": 1, "velocity": [v, 0],
             "shapes": [{"type": "circle", "radius": 0.01}]}
     return {"bodies": [{"name": "frame", "motion": "fixed"}, ball], "gravity": [g, 0],
@@ -100,8 +100,8 @@ def test_a_law_of_the_rate_is_a_damper_of_any_strength() -> None:
     assert 0.0 <= hard["m.vx"][-1] < 1e-2
 
 
-def test_what_law_no_spring_has() -> None:
-    for given, said in (
+def test_wrong_force_laws_are_refused() -> None:
+    for given, words in (
         ({}, "give 'stiffness' or 'force', one of them"),
         ({"stiffness": 1, "force": "=stretch"}, "not both"),
         ({"force": "=twist"}, "unknown name 'twist'"),
@@ -110,7 +110,7 @@ def test_what_law_no_spring_has() -> None:
         ({"force": "=stretch +"}, "is not an expression"),
         ({"stiffness": 1, "only": "above"}, "is not allowed"),
     ):
-        with pytest.raises(SceneError, match=said) as refused:
+        with pytest.raises(SceneError, match=words) as refused:
             sandbox.load_scene(oscillator(0.1, **given))
         assert refused.value.problems[0].path.startswith("$.springs[0]")
     with pytest.raises(SceneError, match="'rate' is a parameter"):

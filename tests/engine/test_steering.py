@@ -70,7 +70,7 @@ def test_by_default_a_controller_acts_a_thousand_times_a_second():
     np.testing.assert_allclose(seen, np.arange(100) * 1e-3, atol=1e-12)
 
 
-def test_what_a_drive_cannot_be_is_a_limit():
+def test_the_range_of_a_drive_limits_its_controller():
     """A brake below 0 is none: the integral waits there, and is back at once."""
     drives = [{"type": "brake", "name": "brake", "joint": "axle", "value": 0}]
     law = {"type": "pid", "name": "loop", "reads": "=t", "target": 0.05, "writes": "brake",
@@ -104,7 +104,7 @@ def test_a_push_gives_its_impulse():
     assert got.info.events == (Happened("tap", pytest.approx(0.02)),)
 
 
-def test_a_condition_is_looked_at_at_its_rate():
+def test_conditions_are_evaluated_at_their_rate():
     """alpha = torque / I from rest: 0.2 rad are passed at sqrt(2 * 0.2 / alpha)."""
     alpha = 0.01 / INERTIA
     events = [{"name": "there", "when": "=axle.angle > 0.05", "set": {"motor": 0}}]
@@ -137,7 +137,7 @@ def test_a_condition_without_a_value_is_named():
         run(rotor(events=events))
 
 
-def test_what_is_set_for_a_while_comes_back():
+def test_a_target_set_for_a_while_is_restored():
     law = {"type": "pid", "name": "loop", "reads": "axle.angle", "target": 0.1, "writes": "motor",
            "kp": 1}
     events = [{"name": "step", "at": "20 ms", "set": {"loop.target": 0.5}, "lasts": "10 ms"}]
@@ -172,7 +172,7 @@ def test_of_events_that_overlap_the_last_one_counts(first, second, expected):
     ({}, {"controllers": [{"type": "schedule", "name": "mine", "writes": "other", "value": 1}]},
      "another controller has this name"),
 ])
-def test_a_callable_is_looked_over_as_a_controller_is(more, scene, words):
+def test_a_callable_is_checked_like_a_controller(more, scene, words):
     mine = Custom("mine", [], ["motor"], lambda t, x: 0.0, **more)
     made = rotor(**scene)
     made["drives"].append({**made["drives"][0], "name": "other"})
@@ -180,7 +180,7 @@ def test_a_callable_is_looked_over_as_a_controller_is(more, scene, words):
         run(made, mine)
 
 
-def test_a_quotient_that_is_spelled_as_a_pair_is_told_what_it_is():
+def test_a_pair_of_bodies_in_an_expression_is_explained_as_a_quotient():
     scene = rotor(events=[{"name": "touch", "when": "=a/b.normal > 0", "stop": "pass"}])
     scene["bodies"] += [{"name": name, "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
                         for name in "ab"]
@@ -210,7 +210,7 @@ def test_an_event_may_only_mark_an_instant():
 
 
 @pytest.mark.parametrize("order", [1, -1])
-def test_of_several_loops_the_one_that_ran_away_is_named(order):
+def test_divergence_names_the_unstable_control_loop(order):
     """One's reading ends as near its target as it began, the other's far off, a few acts later."""
     steady = {"type": "pid", "name": "steady", "reads": "other.value", "target": 0.1,
               "writes": "other", "kp": 0}
@@ -227,7 +227,7 @@ def test_of_several_loops_the_one_that_ran_away_is_named(order):
     assert len(caught.value.recording) > 10
 
 
-def test_a_reading_that_is_no_number_is_named():
+def test_a_reading_that_is_not_a_number_is_named():
     law = {"type": "feedback", "name": "ratio", "value": "=0.1 / (axle.angle - axle.angle)",
            "writes": "motor"}
     with pytest.raises(sandbox.SimulationDiverged, match=r"ratio: it reads =0\.1 /"):
@@ -236,7 +236,7 @@ def test_a_reading_that_is_no_number_is_named():
 
 @pytest.mark.parametrize("limits", [None, (-1.0, 1.0)])
 @pytest.mark.parametrize("value", [float("inf"), float("nan")])
-def test_a_wish_that_is_no_number_is_named(value, limits):
+def test_an_output_that_is_not_a_number_is_named(value, limits):
     wish = Custom("endless", ["axle.angle"], ["motor"], lambda t, x: value, limits=limits)
     with pytest.raises(sandbox.SimulationDiverged, match=r"endless: it wants (inf|nan) of motor"):
         run(rotor(), wish)

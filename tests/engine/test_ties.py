@@ -1,4 +1,4 @@
-"""What is let go, breaks and is taken up again, against closed forms."""
+"""Elements that break, are released and engaged again, against closed forms."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ JOINTS = {
 
 @pytest.mark.parametrize("kind", JOINTS)
 @pytest.mark.parametrize("h", [1e-3, 0.53e-3])
-def test_a_joint_breaks_where_its_load_is_reached(kind: str, h: float) -> None:
+def test_a_joint_breaks_at_its_load(kind: str, h: float) -> None:
     """It carries m g + GROWS t, so from (LOAD - m g) / GROWS on the weight is free.
 
     Impulses of a load that is linear in time are exact by the midpoint rule, but for the last one,
@@ -88,7 +88,7 @@ HOLDERS: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize("kind", HOLDERS)
 @pytest.mark.parametrize("h", [1e-3, 0.53e-3])
-def test_an_elastic_one_breaks_where_its_load_is_reached(kind: str, h: float) -> None:
+def test_an_elastic_element_breaks_at_its_load(kind: str, h: float) -> None:
     """m x'' = GROWS t - k x from rest: x = GROWS / k (t - sin(w t) / w), w^2 = k / m.
 
     Allowed: h^2 times dT/dt at the break, as above, and the leapfrog's own error, which is less.
@@ -105,8 +105,8 @@ def test_an_elastic_one_breaks_where_its_load_is_reached(kind: str, h: float) ->
 
 
 @pytest.mark.parametrize("kind", ["cord", "spring"])
-def test_taken_up_as_it_is_it_begins_without_force(kind: str) -> None:
-    """Let go at rest and taken up with the length that it has then: no force but what comes after.
+def test_an_element_engaged_as_is_begins_without_force(kind: str) -> None:
+    """Released at rest and engaged with its present length: no force at first.
 
     With its natural length it would pull with k (v t + k-stretch) at once.
     """
@@ -127,7 +127,7 @@ def test_taken_up_as_it_is_it_begins_without_force(kind: str) -> None:
     assert abs(force["as_is"]) < SOFT * G * 0.1 * 2e-3  # what it falls in two steps
 
 
-def test_with_a_hinge_goes_all_that_acts_about_it() -> None:
+def test_a_released_hinge_takes_its_springs_stops_and_drives_with_it() -> None:
     """Nothing turns two bodies any more: damper, stop, springs, torque, motor, brake have gone."""
     bodies = [weight("a", (0, 0)), weight("b", (0.3, 0))]
     spring = {"type": "rotary", "joint": "hinge", "stiffness": 0.1}
@@ -152,7 +152,7 @@ def test_with_a_hinge_goes_all_that_acts_about_it() -> None:
     assert unlooked(run) == []
 
 
-def test_lasting_events_take_up_what_they_let_go_and_let_go_what_they_took_up() -> None:
+def test_lasting_events_undo_releasing_and_engaging() -> None:
     held = HOLDERS["spring"]["springs"][0]
     run = simulate(load_scene(scene(
         [weight()], springs=[held, {**held, "name": "other", "released": True}],
@@ -171,7 +171,7 @@ def problems(**more: Any) -> list[str]:
     return [str(problem) for problem in raised.value.problems]
 
 
-@pytest.mark.parametrize(("event", "said"), [
+@pytest.mark.parametrize(("event", "message"), [
     ({"release": "hinges"}, "$.events[0].release[0]: there is no joint, spring or tendon named "
      "'hinges'. Did you mean 'hinge'? Allowed: 'hinge', 'mesh'."),
     ({"release": ["hinge", "weight"]}, "$.events[0].release[1]: 'weight' is a body, which events "
@@ -182,13 +182,13 @@ def problems(**more: Any) -> list[str]:
     ({"release": "hinge", "take_up": "hinge"}, "one event cannot release and engage 'hinge'"),
     ({"lasts": 0.1, "stop": "pass"}, "'lasts' needs 'set', 'release' or 'take_up'"),
 ])
-def test_what_cannot_be_let_go_is_told(event: dict[str, Any], said: str) -> None:
+def test_elements_that_cannot_be_released_are_refused(event: dict[str, Any], message: str) -> None:
     found = problems(events=[{"name": "event", "at": 0.1, **event}])
-    assert any(said in text for text in found), found
+    assert any(message in text for text in found), found
 
 
 @pytest.mark.parametrize("h", [0.25e-3, 0.5e-3, 1e-3, 2e-3])
-def test_two_alike_break_at_once(h: float) -> None:
+def test_equally_loaded_rods_break_in_the_same_step(h: float) -> None:
     """Two rods share a growing load 100 t, and break where each carries 20 N: as one of both would.
 
     Then the weight, 1 kg, is pulled straight down: vx = 0, v = (F^2 - F_b^2) / (2 m dF/dt).
@@ -212,8 +212,8 @@ def test_two_alike_break_at_once(h: float) -> None:
 
 
 @pytest.mark.parametrize("h", [1e-3, 0.37e-3])
-def test_a_drive_does_what_events_do(h: float) -> None:
-    """Let go, taken up, let go again, each with the step of the same instant: the same bytes."""
+def test_a_hold_drive_gives_the_same_bytes_as_events(h: float) -> None:
+    """Released, engaged and released again at the same steps: the same bytes."""
     holder = {"joints": [{"type": "rod", "name": "rod", "a": "frame", "b": "weight",
                           "on_b": [0, 0], "takes_up_in": 0.01}]}
     times = (0.1, 0.2, 0.35)
@@ -231,7 +231,7 @@ def test_a_drive_does_what_events_do(h: float) -> None:
     assert by_drive.notes == by_event.notes
 
 
-def test_what_broke_stays_broken_until_its_drive_asks_anew() -> None:
+def test_a_broken_element_stays_broken_until_its_drive_engages_it_again() -> None:
     """It breaks though the drive wants it held; the drive's next rise takes it up."""
     run = simulate(load_scene(scene(
         [weight()], end=0.6, gravity=[0, 0],
@@ -250,14 +250,14 @@ def test_what_broke_stays_broken_until_its_drive_asks_anew() -> None:
     assert any("rod broke" in note for note in run.notes)
 
 
-@pytest.mark.parametrize(("element", "said"), [
+@pytest.mark.parametrize(("element", "message"), [
     ("hing", "$.drives[0].element: there is no joint, spring or tendon named 'hing'. Did you "
      "mean 'hinge'? Allowed: 'hinge', 'mesh'."),
     ("mesh", "'mesh' joins wheels where they meet at t = 0"),
 ])
-def test_what_a_drive_cannot_hold_is_told(element: str, said: str) -> None:
+def test_elements_that_a_drive_cannot_hold_are_refused(element: str, message: str) -> None:
     found = problems(drives=[{"type": "hold", "name": "h", "element": element, "value": 1}])
-    assert any(said in text for text in found), found
+    assert any(message in text for text in found), found
 
 
 def test_one_drive_holds_one_element() -> None:
@@ -266,7 +266,7 @@ def test_one_drive_holds_one_element() -> None:
     assert any("the hold of 'hinge' is set already, by 'h'" in text for text in found), found
 
 
-def test_what_an_event_lets_go_did_not_break() -> None:
+def test_a_released_element_is_not_reported_as_broken() -> None:
     run = simulate(load_scene({
         "run": {"duration": 0.02}, "bodies": [
             {"name": "frame", "motion": "fixed"},
@@ -277,7 +277,7 @@ def test_what_an_event_lets_go_did_not_break() -> None:
     assert run.notes == []
 
 
-def test_a_thing_that_breaks_again_and_again_is_told_of_each_time() -> None:
+def test_every_break_of_an_element_is_noted() -> None:
     """Every 16 ms a drive takes it up, and what it carries breaks it: as often in one go."""
     machine = load_scene(scene(
         [weight()], end=0.6, gravity=[0, 0],

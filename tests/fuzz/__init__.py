@@ -1,1 +1,1 @@
-"""Inputs of strangers by the thousand, each made again from its seed: ``python -m tests.fuzz``."""
+"""Random untrusted input, reproducible from its seed: ``python -m tests.fuzz``."""

@@ -34,6 +34,7 @@ KEYS = ("extra", "limits", "value", "rate", "radius", "damping", "", "\ud800", "
         "torque", "only", "between", "beyond")
 MOST_CHANGES = 6
 Path = tuple[str | int, ...]
+Change = Callable[[Any, random.Random], None]
 
 
 def make(seed: int) -> bytes:
@@ -76,49 +77,46 @@ def _pick(
     return chance.choice(found) if found else None
 
 
+def _edit(fits: Callable[[Any], bool], new: Callable[[Any, random.Random], Any]) -> Change:
+    """The change of one value that fits into a new one."""
+    def change(data: Any, chance: random.Random) -> None:
+        if spot := _pick(data, chance, fits):
+            holder, key = spot
+            holder[key] = new(holder[key], chance)
+
+    return change
+
+
 def _number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
-def _change_number(data: Any, chance: random.Random) -> None:
-    if spot := _pick(data, chance, _number):
-        holder, key = spot
-        end = chance.choice(ENDS) * chance.choice([1, 1, 1, -1])
-        holder[key] = chance.choice([end, end, holder[key] * chance.choice([-1, 0.5, 2, 1e3, 1e-3]),
-                                     chance.uniform(-1, 1)])
+def _other_number(value: float, chance: random.Random) -> float:
+    end = chance.choice(ENDS) * chance.choice([1, 1, 1, -1])
+    return chance.choice([end, end, value * chance.choice([-1, 0.5, 2, 1e3, 1e-3]),
+                          chance.uniform(-1, 1)])
 
 
-def _change_quantity(data: Any, chance: random.Random) -> None:
-    if spot := _pick(data, chance, lambda v: isinstance(v, str) and v[:1].isdigit()):
-        holder, key = spot
-        unit = holder[key].partition(" ")[2]
-        holder[key] = f"{chance.choice(ENDS)!r} {unit}".strip()
-
-
-def _change_text(data: Any, chance: random.Random) -> None:
-    if spot := _pick(data, chance, lambda v: isinstance(v, str)):
-        holder, key = spot
-        holder[key] = chance.choice(TEXTS)
+_change_number = _edit(_number, _other_number)
+_change_quantity = _edit(
+    lambda value: isinstance(value, str) and value[:1].isdigit(),
+    lambda value, chance: f"{chance.choice(ENDS)!r} {value.partition(' ')[2]}".strip())
+_change_text = _edit(lambda value: isinstance(value, str), lambda _, chance: chance.choice(TEXTS))
+_change_kind = _edit(lambda _: True, lambda _, chance: copy.deepcopy(chance.choice(OTHERS)))
+_add_key = _edit(lambda value: isinstance(value, dict), lambda value, chance: {
+    **value, chance.choice(KEYS): copy.deepcopy(chance.choice([*OTHERS, *ENDS, *TEXTS]))})
 
 
 def _swap_reference(data: Any, chance: random.Random) -> None:
     """Let a text be another text of the scene: another body, another kind, another quantity."""
-    one = _pick(data, chance, lambda v: isinstance(v, str))
-    other = _pick(data, chance, lambda v: isinstance(v, str))
+    one, other = (_pick(data, chance, lambda v: isinstance(v, str)) for _ in range(2))
     if one and other:
         one[0][one[1]] = other[0][other[1]]
 
 
-def _change_kind(data: Any, chance: random.Random) -> None:
-    if spot := _pick(data, chance):
-        holder, key = spot
-        holder[key] = copy.deepcopy(chance.choice(OTHERS))
-
-
 def _remove(data: Any, chance: random.Random) -> None:
     if spot := _pick(data, chance):
-        holder, key = spot
-        del holder[key]
+        del spot[0][spot[1]]
 
 
 def _repeat(data: Any, chance: random.Random) -> None:
@@ -139,12 +137,6 @@ def _graft(data: Any, chance: random.Random) -> None:
         key = chance.choice(lists)
         if isinstance(data.setdefault(key, []), list):
             data[key].append(copy.deepcopy(chance.choice(other[key])))
-
-
-def _add_key(data: Any, chance: random.Random) -> None:
-    if spot := _pick(data, chance, lambda v: isinstance(v, dict)):
-        holder, key = spot
-        holder[key][chance.choice(KEYS)] = copy.deepcopy(chance.choice([*OTHERS, *ENDS, *TEXTS]))
 
 
 def _entries_of(data: Any, chance: random.Random) -> list[Any]:

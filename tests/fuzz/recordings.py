@@ -1,4 +1,4 @@
-"""A saved run from a seed, changed where a stranger would change it.
+"""A saved run that is changed at random, reproducible from its seed.
 
 It begins as the run of a shipped scene, a few dozen samples long. Changed are its archive (members
 missing, of other names, packed, cut, bytes turned over), types, shapes and numbers of its arrays,
@@ -37,8 +37,7 @@ NAMES = ("../run.json", "/etc/passwd.npy", "a\\b.npy", "extra.npy", "TIME.npy", 
          "time", "meter_value.npy", "x" * 300 + ".npy", "\u202e.npy", "info.json", "mechanism.json")
 UNFIT = (ValueError, KeyError, TypeError, IndexError, AttributeError, OverflowError, SyntaxError,
          RecursionError, EOFError, tokenize.TokenError)
-"""What a change raises if one before it left nothing that could be changed so."""
-"""Bytes that a packed member unpacks to."""
+"""Exceptions of a change that no longer fits the files after an earlier one."""
 
 
 @dataclass
@@ -65,6 +64,9 @@ class Files:
         """Members that are arrays still."""
         return sorted(name for name, content in self.members.items()
                       if name.endswith(".npy") and content[:6] == b"\x93NUMPY")
+
+
+Change = Callable[[Files, random.Random], None]
 
 
 def make(seed: int) -> dict[str, bytes]:
@@ -119,9 +121,6 @@ def _damaged(content: bytes, chance: random.Random) -> bytes:
     return content
 
 
-# -- members ----------------------------------------------------------------------------------
-
-
 def _drop(files: Files, chance: random.Random) -> None:
     del files.members[chance.choice(sorted(files.members))]
 
@@ -140,29 +139,46 @@ def _bytes(files: Files, chance: random.Random) -> None:
     files.members[name] = _damaged(files.members[name], chance)
 
 
-# -- arrays -----------------------------------------------------------------------------------
+def _array(new: Callable[[NDArray[Any], random.Random], Any]) -> Change:
+    """The change of one array into a new one."""
+    def change(files: Files, chance: random.Random) -> None:
+        name = chance.choice(files.arrays)
+        with np.errstate(all="ignore"):
+            files.keep(name, np.asarray(new(files.array(name), chance)))
+
+    return change
 
 
-def _number(files: Files, chance: random.Random) -> None:
-    """Some numbers of an array, anywhere or at its ends."""
-    name = chance.choice(files.arrays)
-    array = files.array(name)
-    flat = array.reshape(-1)
-    value = chance.choice(WHOLE if array.dtype.kind == "i" else NUMBERS)
+def _hostile(array: NDArray[Any], chance: random.Random) -> Any:
+    return chance.choice(WHOLE if array.dtype.kind == "i" else NUMBERS)
+
+
+def _numbers(array: NDArray[Any], chance: random.Random) -> NDArray[Any]:
+    """Some numbers of an array changed, anywhere or at its ends."""
+    flat, value = array.reshape(-1), _hostile(array, chance)
     for _ in range(chance.choice([1, 1, 3])):
         flat[chance.choice([0, -1, chance.randrange(len(flat))])] = value
-    files.keep(name, array)
+    return array
 
 
-def _all_numbers(files: Files, chance: random.Random) -> None:
-    """A whole array: of one number, larger, smaller, the other way round, in another order."""
-    name = chance.choice(files.arrays)
-    array = files.array(name)
+def _all_numbers(array: NDArray[Any], chance: random.Random) -> NDArray[Any]:
+    """A whole array: of one number, larger, smaller, reversed, in another order."""
     factor = chance.choice([0, -1, 1e9, 1e-9, 1e20, 1e150])
-    files.keep(name, np.asarray(chance.choice([
-        lambda: np.full_like(array, chance.choice(WHOLE if array.dtype.kind == "i" else NUMBERS)),
+    return chance.choice([
+        lambda: np.full_like(array, _hostile(array, chance)),
         lambda: (array * factor).astype(array.dtype), lambda: array[::-1].copy(),
-        lambda: np.roll(array, 1), lambda: np.sort(array, axis=0)])()))
+        lambda: np.roll(array, 1), lambda: np.sort(array, axis=0)])()
+
+
+def _shape(array: NDArray[Any], chance: random.Random) -> NDArray[Any]:
+    return chance.choice([
+        lambda: array[:-1], lambda: array[None], lambda: array.T, lambda: array.reshape(-1),
+        lambda: np.concatenate([array, array]), lambda: array.sum(),
+        lambda: np.asfortranarray(array), lambda: array[:0]])()
+
+
+def _type(array: NDArray[Any], chance: random.Random) -> NDArray[Any]:
+    return array.astype(chance.choice(["f4", "i8", "i4", "c16", ">f8", "?", "U3"]))
 
 
 def _cut(files: Files, chance: random.Random) -> None:
@@ -175,25 +191,6 @@ def _cut(files: Files, chance: random.Random) -> None:
             files.keep(name, array[kept])
         elif array.ndim and len(array) == SAMPLES:
             files.keep(name, array[:count])
-
-
-def _shape(files: Files, chance: random.Random) -> None:
-    name = chance.choice(files.arrays)
-    array = files.array(name)
-    files.keep(name, np.asarray(chance.choice([
-        lambda: array[:-1], lambda: array[None], lambda: array.T, lambda: array.reshape(-1),
-        lambda: np.concatenate([array, array]), lambda: array.sum(),
-        lambda: np.asfortranarray(array), lambda: array[:0]])()))
-
-
-def _type(files: Files, chance: random.Random) -> None:
-    name = chance.choice(files.arrays)
-    with np.errstate(all="ignore"):
-        files.keep(name, files.array(name).astype(chance.choice(["f4", "i8", "i4", "c16", ">f8",
-                                                                "?", "U3"])))
-
-
-# -- texts ------------------------------------------------------------------------------------
 
 
 def _mechanism(files: Files, chance: random.Random) -> None:
@@ -214,6 +211,6 @@ def _info(files: Files, chance: random.Random) -> None:
     files.members["info.json"] = json.dumps(data).encode()
 
 
-CHANGES: tuple[Callable[[Files, random.Random], None], ...] = (
-    _drop, _rename, _pack, _bytes, _number, _number, _number, _all_numbers, _all_numbers, _cut,
-    _shape, _type, _mechanism, _mechanism, _mechanism, _info)
+CHANGES: tuple[Change, ...] = (
+    _drop, _rename, _pack, _bytes, *[_array(_numbers)] * 3, *[_array(_all_numbers)] * 2, _cut,
+    _array(_shape), _array(_type), *[_mechanism] * 3, _info)

@@ -30,7 +30,7 @@ def test_an_input_is_made_again_from_its_seed() -> None:
     assert recordings.make(3) == recordings.make(3) != recordings.make(4)
 
 
-def test_what_is_wrong_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_fault_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(path: Path) -> None:
         raise ZeroDivisionError("of all things")
 

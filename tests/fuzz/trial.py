@@ -1,4 +1,4 @@
-"""What is done with one input: all that a stranger's file would go through.
+"""Take one untrusted input through every stage of the program.
 
 Refusals (:class:`sandbox.SandboxError`) are what is wanted of a bad input; any other exception,
 more time or more memory than allowed is a fault.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -67,7 +68,7 @@ def _check_shipped(mechanism: Mechanism, run: Recording, folder: Path) -> None:
 
 
 def test_another_process_gives_the_same_bytes() -> None:
-    """In another order, and with all entry points compiled."""
+    """In another order, another environment, and with all entry points compiled."""
     script = """if True:
         import json, sys
         from sandbox.engine.entry_points import all_entry_points
@@ -77,9 +78,11 @@ def test_another_process_gives_the_same_bytes() -> None:
             print(json.dumps({name: digest(recording_of(SCENES[name].mechanism()))
                               for name in sys.argv[1:]}))
         """
-    told = subprocess.run([sys.executable, "-c", script, *reversed(TWICE)], check=True,
-                          capture_output=True, text=True, cwd=ROOT)
-    assert json.loads(told.stdout) == {
+    other = {"PYTHONHASHSEED": "1001", "LANG": "tr_TR.UTF-8", "TZ": "Asia/Kathmandu",
+             "HOME": "/nowhere", "PYTHONUTF8": "0"}
+    done = subprocess.run([sys.executable, "-c", script, *reversed(TWICE)], check=True,
+                          capture_output=True, text=True, cwd=ROOT, env={**os.environ, **other})
+    assert json.loads(done.stdout) == {
         name: json.loads(json.dumps(digest(recording_of(SCENES[name].mechanism()))))
         for name in TWICE}
 
@@ -93,22 +96,22 @@ def test_shipped_scenes_need_no_optional_package() -> None:
               "from sandbox.engine.simulation import Simulation; "
               "from tests.golden.scenes import SHIPPED; "
               "print(len([Simulation(each.mechanism()) for each in SHIPPED.values()]))")
-    told = subprocess.run([sys.executable, "-c", script, *optional], capture_output=True,
+    done = subprocess.run([sys.executable, "-c", script, *optional], capture_output=True,
                           text=True, cwd=ROOT, check=False)
-    assert told.stdout == f"{len(SHIPPED)}\n", told.stderr
+    assert done.stdout == f"{len(SHIPPED)}\n", done.stderr
 
 
-@pytest.mark.parametrize(("key", "element", "share", "told"), [
+@pytest.mark.parametrize(("key", "element", "share", "message"), [
     ("spring_force", 1, 0.5, "finger.pip_spring.force: mean "),
     ("tendon_tension", 0, -2.0, "finger.tendon.tension: mean "),
     ("joint_reaction", 0, 1e-12, "finger.mcp.reaction: other bytes")])
-def test_one_number_that_moves_is_named(key: str, element: int, share: float, told: str) -> None:
+def test_one_number_that_moves_is_named(key: str, element: int, share: float, message: str) -> None:
     run = recording_of(SCENES["single_finger"].mechanism())
     array = np.array(run.arrays[key])
     array[len(array) // 2, element] *= 1 + share
     other = Recording(run.mechanism, {**run.arrays, key: array}, run.info)
     plain, new, names = digest(run), digest(other), names_by_kind(run)
-    assert told in "\n".join(differences(plain, new, names))
+    assert message in "\n".join(differences(plain, new, names))
     if abs(share) < 1e-9:
         assert not differences(plain, new, names, tolerance=1e-6)
 

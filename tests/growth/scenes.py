@@ -41,12 +41,6 @@ def _two() -> list[dict[str, Any]]:
     return [FRAME, _body("disc", 0.1)]
 
 
-def _cord(name: str, guides: int = 2, **more: Any) -> dict[str, Any]:
-    return {"name": name, "guides": [
-        {"body": "frame" if k % 2 else "disc", "at": [0.0, 0.01 * k]} for k in range(guides)],
-        **more}
-
-
 def _finger(name: str, **more: Any) -> dict[str, Any]:
     return {"type": "finger", "name": name, "lengths": [0.04, 0.03], "radii": [0.008, 0.008],
             "masses": [0.01, 0.01], "guides": [[-0.02, -0.01], [0.01, -0.01], [0.01, -0.01]],

@@ -74,7 +74,7 @@ def test_twice_as_much_takes_twice_as_long(kind: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("cap", "pairs", "whole"), [
     ("MOST_LOOKED", 45, True), ("MOST_LOOKED", 44, False), ("MOST_BOXES", 44, False)])
-def test_only_overlaps_that_were_not_looked_for_are_told_as_such(
+def test_unchecked_overlaps_are_reported(
     monkeypatch: pytest.MonkeyPatch, cap: str, pairs: int, whole: bool,
 ) -> None:
     """Ten discs in one place are 45 pairs."""
@@ -87,7 +87,7 @@ def test_only_overlaps_that_were_not_looked_for_are_told_as_such(
     assert found[-1].startswith("further bodies may overlap") is not whole
 
 
-def test_what_templates_give_to_all_parts_counts() -> None:
+def test_values_of_templates_count_towards_limits() -> None:
     big = {"type": "finger", **{f"key{i}": 1 for i in range(500)}}
     scene = {"templates": {"t": big}, "parts": [
         {"name": f"f{i}", "like": "t"} for i in range(1000)]}

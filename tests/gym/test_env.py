@@ -52,12 +52,12 @@ def make(scene: Any = None, **more: Any) -> SceneEnv:
 def play(env: SceneEnv, actions: Any, **options: Any) -> list[tuple[Any, ...]]:
     """All that an episode tells, its first observation first."""
     first, info = env.reset(**options)
-    told: list[tuple[Any, ...]] = [(first, info)]
+    steps: list[tuple[Any, ...]] = [(first, info)]
     for action in actions:
-        told.append(env.step(np.atleast_1d(action)))
-        if told[-1][2] or told[-1][3]:
+        steps.append(env.step(np.atleast_1d(action)))
+        if steps[-1][2] or steps[-1][3]:
             break
-    return told
+    return steps
 
 
 def same(one: Recording, other: Recording) -> bool:
@@ -73,7 +73,7 @@ def same(one: Recording, other: Recording) -> bool:
                         "reward": lambda run: run.time}),
     (pendulum(), words(randomise={"parameters.mass": [0.1, 0.2, 0.3]})),
 ])
-def test_gymnasium_finds_nothing_to_say(scene: Any, given: dict[str, Any]) -> None:
+def test_gymnasiums_checker_passes(scene: Any, given: dict[str, Any]) -> None:
     """Its checker warns of what is doubtful, and here warnings are errors."""
     check_env(sandbox.gym.make(scene, **given))
 
@@ -93,8 +93,8 @@ def test_the_same_seed_and_actions_give_the_same() -> None:
     randomised = {"randomise": {"parameters.mass": "uniform(0.1 kg, 0.4 kg)"}}
     one, other = make(**randomised), make(**randomised)
     first = play(one, actions, seed=8)
-    for told in (play(other, actions, seed=8), play(one, actions, seed=8)):
-        for a, b in zip(first, told, strict=True):
+    for steps in (play(other, actions, seed=8), play(one, actions, seed=8)):
+        for a, b in zip(first, steps, strict=True):
             assert a[0].tobytes() == b[0].tobytes()
             assert a[1:] == b[1:]
     assert play(one, actions)[0][1] != first[0][1]  # the next draw
@@ -102,9 +102,9 @@ def test_the_same_seed_and_actions_give_the_same() -> None:
 
 def test_observations_and_rewards_are_quantities_at_the_end_of_an_interval() -> None:
     env = make(observe=["pendulum.angle", "=2 * pendulum.rate", "rod.ay"])
-    told = play(env, [0.5, -0.5, 0.2])
+    steps = play(env, [0.5, -0.5, 0.2])
     run = env.recording()
-    for k, (seen, reward, *_) in enumerate(told[1:], start=1):
+    for k, (seen, reward, *_) in enumerate(steps[1:], start=1):
         at = 20 * k - 1  # every step is a sample
         angle = run["pendulum.angle"][at]
         assert seen[0] == angle
@@ -118,15 +118,15 @@ def test_an_event_terminates_and_the_end_truncates() -> None:
     assert last[2:4] == (True, False)
     assert last[4]["stopped"] == "up"
     assert last[4]["because"] == "it is up"
-    told = play(make(), [0.0] * 50)
-    assert told[-1][2:4] == (False, True)
-    assert len(told) == 1 + 25
+    steps = play(make(), [0.0] * 50)
+    assert steps[-1][2:4] == (False, True)
+    assert len(steps) == 1 + 25
 
 
-def test_what_diverges_terminates_with_its_own_reward() -> None:
+def test_divergence_terminates_with_its_own_reward() -> None:
     env = make(act={"motor": (-2.0, 1e12)}, lost=-50.0)
-    told = play(env, [1.0] * 30)
-    seen, reward, terminated, truncated, info = told[-1]
+    steps = play(env, [1.0] * 30)
+    seen, reward, terminated, truncated, info = steps[-1]
     assert (reward, terminated, truncated) == (-50.0, True, False)
     assert "diverged" in info
     assert np.isfinite(seen).all()
@@ -156,7 +156,7 @@ def test_no_action_is_refused_and_so_is_one_before_an_episode() -> None:
             env.step(np.array(wrong))
 
 
-def test_what_has_no_value_is_told() -> None:
+def test_undefined_observations_and_rewards_are_errors() -> None:
     env = make(observe=["=1 / (1 - pendulum.angle / pendulum.angle)"])
     with pytest.raises(SandboxError, match="has no value at t = 0 s"):
         env.reset()
@@ -167,7 +167,7 @@ def test_what_has_no_value_is_told() -> None:
 
 
 @pytest.mark.parametrize("kind", ["sync", pytest.param("async", marks=pytest.mark.nightly)])
-def test_several_side_by_side_do_what_each_does_alone(kind: str) -> None:
+def test_vector_environments_match_single_ones(kind: str) -> None:
     drawn = words(randomise={"parameters.mass": "uniform(0.1 kg, 0.4 kg)"})
     envs = gymnasium.make_vec(
         "sandbox.gym:sandbox/Scene-v0", num_envs=2, vectorization_mode=kind, scene=pendulum(),
@@ -180,13 +180,13 @@ def test_several_side_by_side_do_what_each_does_alone(kind: str) -> None:
         envs.close()
     for i, seed in enumerate((11, 12)):
         alone = play(sandbox.gym.make(pendulum(), **drawn), [actions[i, 0]] * 5, seed=seed)
-        assert [row[i].tobytes() for row in rows] == [told[0].tobytes() for told in alone]
+        assert [row[i].tobytes() for row in rows] == [steps[0].tobytes() for steps in alone]
 
 
 # --- requests that are refused
 
 
-def told(scene: Any = None, **more: Any) -> str:
+def refusal(scene: Any = None, **more: Any) -> str:
     with pytest.raises(SceneError) as raised:
         sandbox.gym.make(pendulum() if scene is None else scene, **words(**more))
     return str(raised.value)
@@ -197,7 +197,7 @@ def spans(scene: Any, **more: Any) -> dict[str, tuple[float, float]]:
     return {**env.task.observe, **env.task.act}
 
 
-@pytest.mark.parametrize(("wrong", "said"), [
+@pytest.mark.parametrize(("wrong", "message"), [
     ({"observe": ["pendulum.angel"]},
      r"observe[0]: unknown quantity 'pendulum.angel'. Did you mean 'pendulum.angle'?"),
     ({"observe": {"pendulum.rat": (0, 1)}}, "observe['pendulum.rat']: unknown quantity"),
@@ -217,26 +217,26 @@ def spans(scene: Any, **more: Any) -> dict[str, tuple[float, float]]:
     ({"observe": {"pendulum.angle": ("1 N", "2 N")}}, "'N' is a unit of force"),
     ({"every": "9 s"}, "9 s is longer than the run"),
 ])
-def test_what_is_wrong_is_told_with_a_near_miss(wrong: dict[str, Any], said: str) -> None:
-    assert said in told(**wrong)
+def test_wrong_requests_are_refused_with_a_near_miss(wrong: dict[str, Any], message: str) -> None:
+    assert message in refusal(**wrong)
 
 
-def test_all_that_is_wrong_is_told_at_once() -> None:
-    text = told(observe=["pendulum.angel"], act=["moto"], reward="rat", every="0.1 ms")
+def test_all_mistakes_are_reported_at_once() -> None:
+    text = refusal(observe=["pendulum.angel"], act=["moto"], reward="rat", every="0.1 ms")
     assert text.count("\n") == 3
 
 
 def test_a_drive_that_the_scene_steers_is_refused() -> None:
     scene = pendulum(controllers=[{"type": "schedule", "name": "program", "writes": "motor",
                                    "value": 1}])
-    assert "the drive 'motor' is set by 'program'" in told(scene)
+    assert "the drive 'motor' is set by 'program'" in refusal(scene)
     scene = pendulum(events=[{"name": "off", "at": 0.2, "set": {"motor": 0}}])
-    assert "the drive 'motor' is set by 'off'" in told(scene)
+    assert "the drive 'motor' is set by 'off'" in refusal(scene)
 
 
 def test_a_drive_without_a_range_asks_for_one() -> None:
     scene = pendulum(drives=[{"type": "torque", "name": "motor", "joint": "pendulum", "value": 0}])
-    text = told(scene, act=["motor"])
+    text = refusal(scene, act=["motor"])
     assert "the scene gives no range for 'motor'" in text
     assert "act={'motor': (lowest, highest)}" in text
     assert text.count("\n") == 0

@@ -79,7 +79,7 @@ def still() -> Any:
     {"at": [0.1, 0.2], "angle": "90 deg"}, {"mirror": "up-down"},
     {"mirror": "left-right", "angle": "-50 deg", "at": [0.05, 0.02]},
 ], ids=str)
-def test_it_moves_as_one_that_is_not_placed(still: Any, placing: dict[str, Any]):
+def test_a_placed_mechanism_moves_like_the_original(still: Any, placing: dict[str, Any]):
     """Newton's laws know no place, direction or side: tips go where the placement takes them."""
     run = recording(**placing)
     placement = Placement(
@@ -174,97 +174,6 @@ def test_every_angle_side_and_vector_is_marked():
             if (turned or len(numbers) == 2 or choices & {"left", "clockwise"}) and not marked:
                 missing.append((kind.__name__, name))
     assert missing == []
-
-
-# --- gears, racks and rolling circles
-
-
-def on_ground(x: float, y: float) -> list[float]:
-    c, s = np.cos(0.4), np.sin(0.4)
-    return [float(c * (x - 0.01) + s * (y + 0.02)), float(c * (y + 0.02) - s * (x - 0.01))]
-
-
-def pin(name: str, body: str, x: float, y: float, *, on: str = "ground") -> dict[str, Any]:
-    where = on_ground(x, y) if on == "ground" else [x, y]
-    return {"type": "pin", "name": name, "a": on, "b": body, "on_a": where, "on_b": [0, 0]}
-
-
-def wheel(name: str, x: float, y: float, **more: Any) -> dict[str, Any]:
-    return {"name": name, "at": [x, y], "mass": 0.2, "inertia": 4e-5, **more}
-
-
-TRAIN: dict[str, Any] = {
-    "bodies": [
-        wheel("pinion", 0, 0, angular_velocity=20.0), wheel("big", 0.05, 0),
-        wheel("ring", 0, 0), wheel("slide", 0.05, -0.015, angle=0.2),
-        # rolls up a rack of the ground, driven by nothing but its own spin
-        wheel("climber", -0.2, 0.1, velocity=[-0.12 * 0.6, 0.12 * 0.8], angular_velocity=-6.0),
-        wheel("disc", 0.2, 0.15, velocity=[-0.5, 0], angular_velocity=50.0)],
-    "joints": [
-        pin("on_pinion", "pinion", 0, 0), pin("on_big", "big", 0.05, 0),
-        pin("on_ring", "ring", 0, 0),
-        {"type": "slot", "name": "rail", "a": "ground", "b": "slide", "turns": False,
-         "start": on_ground(0, -0.015), "end": on_ground(0.1, -0.015)},
-        {"type": "gear", "name": "mesh", "a": "pinion", "b": "big", "radius_a": 0.02,
-         "radius_b": 0.03, "pressure_angle": "25 deg"},
-        {"type": "gear", "name": "within", "a": "ring", "b": "big", "radius_a": 0.08,
-         "radius_b": 0.03, "inside": True, "backlash": "0.3 mm"},
-        {"type": "rack", "name": "push", "a": "big", "b": "slide", "radius": 0.015,
-         "along": [float(np.cos(0.2)), float(-np.sin(0.2))]},
-        {"type": "rack", "name": "climb", "a": "climber", "b": "ground", "radius": 0.02,
-         "along": [float(v) for v in np.array(on_ground(-0.6, 0.8)) - on_ground(0, 0)],
-         "on_b": on_ground(-0.2 + 0.02 * 0.8, 0.1 + 0.02 * 0.6)},
-        {"type": "slot", "name": "lane", "a": "ground", "b": "climber",
-         "start": on_ground(-0.2 + 0.06, 0.1 - 0.08), "end": on_ground(-0.2 - 0.06, 0.1 + 0.08)},
-        {"type": "roll", "name": "around", "a": "ground", "b": "disc", "radius_a": 0.04,
-         "radius_b": 0.01, "on_a": on_ground(0.2, 0.1)}],
-}
-
-
-def train_recording(parts: list[dict[str, Any]], **elements: Any) -> Any:
-    return simulate(load_scene({
-        "gravity": [0, 0], "run": {"duration": 0.2}, "bodies": [GROUND], "parts": parts}
-        if parts else {"gravity": [0, 0], "run": {"duration": 0.2}, **elements}))
-
-
-@pytest.fixture(scope="module")
-def train() -> Any:
-    """The train written without an assembly; all of it turns."""
-    run = train_recording([], **TRAIN | {"bodies": [GROUND, *TRAIN["bodies"]]})
-    assert abs(run["push.tangential"]).max() > 0.1
-    assert np.isclose(run["on_big.rate"][-1] * 0.03, -run["on_pinion.rate"][-1] * 0.02, rtol=1e-6)
-    assert np.isclose(run["on_ring.rate"][-1] * 0.08, run["on_big.rate"][-1] * 0.03, rtol=1e-3)
-    assert np.isclose(run["climber.omega"][-1] * 0.02, -0.12, rtol=1e-3)
-    assert run["disc.y"][-1] < 0.1  # a quarter round the ground's circle, and more
-    return run
-
-
-@pytest.mark.parametrize("placing", [
-    {"mirror": "left-right", "angle": 0.7, "at": [0.05, 0.02]},
-    {"scale": 0.5, "mirror": "up-down", "angle": -1.1},
-], ids=str)
-def test_a_train_runs_as_the_one_that_is_not_placed(train: Any, placing: dict[str, Any]) -> None:
-    """Angles stay what they were, ways are scaled; forces too, as masses stay.
-
-    Positions are those of the placement to rounding, and what stiff teeth make of it.
-    """
-    run = train_recording([{"type": "assembly", "name": "m", **placing, **TRAIN}])
-    placement = Placement(placing.get("at", (0.0, 0.0)), placing.get("angle", 0.0),
-                          placing.get("mirror"), placing.get("scale", 1.0))
-    for body in ("slide", "climber", "disc"):
-        there = np.column_stack([run[f"m.{body}.{axis}"] for axis in "xy"])
-        here = np.column_stack([train[f"{body}.{axis}"] for axis in "xy"])
-        assert np.abs(there - [placement.point(tuple(p)) for p in here]).max() < 1e-9
-    for name in ("on_pinion.angle", "on_big.angle", "on_ring.angle"):
-        assert np.abs(run[f"m.{name}"] - train[name]).max() < 1e-7
-    for name in ("mesh", "within", "push", "climb", "around"):
-        size = max(np.abs(train[f"{name}.reaction"]).max() * placement.scale, 1.0)
-        for quantity, sign in (("reaction", 1), ("radial", 1), ("tangential", placement.sign)):
-            here = train[f"{name}.{quantity}"] * placement.scale * sign
-            there = run[f"m.{name}.{quantity}"]
-            # a step ends closing gaps at 1e-6 m/s^2 of acceleration, of 0.2 kg; which flank of the
-            # teeth presses is known after the first step, which counts in the first sample's mean
-            assert np.abs(there - here)[1:].max() < 1e-6 * size, name
 
 
 def test_outlines_are_mirrored_and_scaled_with_their_holes():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import pytest
@@ -90,11 +89,6 @@ def setting(name: str, value: Any, *controllers: dict[str, Any]) -> dict[str, An
             "events": [{"name": "event", "at": 0, "set": {name: value}}]}
 
 
-def with_stiffness(drive: str, value: Any) -> dict[str, Any]:
-    return {**SCENE, "drives": [{**each, "value": value} if each["name"] == drive else each
-                                for each in SCENE["drives"]]}
-
-
 @pytest.mark.parametrize("drive", UNIT)
 def test_every_drive_takes_its_own_unit_from_an_event_and_a_schedule(drive: str) -> None:
     names = list(UNIT)
@@ -107,29 +101,6 @@ def test_every_drive_takes_its_own_unit_from_an_event_and_a_schedule(drive: str)
             found = problems(scene)
             assert [at for at, _ in found] == ([] if wanted else [path])
             assert all(message.endswith(f"but this is {KIND[drive]}") for _, message in found)
-
-
-@pytest.mark.parametrize(("shape", "inside"), [
-    ("{}", [""]),
-    ({"constant": "{}"}, [".constant"]),
-    ({"from": "{}", "to": "{}", "over": 1}, [".from", ".to"]),
-    ({"ramp": {"from": "{}", "to": "{}", "over": 1}}, [".ramp.from", ".ramp.to"]),
-    ({"table": [[0, 1], ["0.5 s", "{}"]]}, [".table[1][1]"])])
-def test_a_stiffness_is_that_of_its_spring(
-    shape: Any, inside: list[str]
-) -> None:
-    drive, right, wrong = "k_coil", "N m/rad", "N/m"
-    index = [each["name"] for each in SCENE["drives"]].index(drive)
-
-    def with_unit(unit: str) -> Any:
-        return json.loads(json.dumps(shape).replace("{}", f"300 {unit}"))
-
-    assert problems(with_stiffness(drive, with_unit(right))) == []
-    assert problems(law(SCHEDULE, writes=drive, value=with_unit(right))) == []
-    assert [path for path, _ in problems(with_stiffness(drive, with_unit(wrong)))] == [
-        f"$.drives[{index}].value{place}" for place in inside]
-    assert [path for path, _ in problems(law(SCHEDULE, writes=drive, value=with_unit(wrong)))] == [
-        f"$.controllers[0].value{place}" for place in inside]
 
 
 @pytest.mark.parametrize(("controller", "key", "right", "wrong", "places"), [

@@ -1,4 +1,4 @@
-"""like, repeat and include: what they come to, where problems are told, what they may cost."""
+"""The keys like, repeat and include: results, places of problems, limits."""
 
 from __future__ import annotations
 

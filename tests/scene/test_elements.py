@@ -18,7 +18,7 @@ def arm(*controllers: dict[str, Any], events: Any = (), **more: Any) -> dict[str
     return {**ARM, "controllers": list(controllers), "events": list(events), **more}
 
 
-def told(scene: dict[str, Any]) -> str:
+def error_of(scene: dict[str, Any]) -> str:
     with pytest.raises(sandbox.SceneError) as caught:
         sandbox.simulate(sandbox.load_scene(scene))
     return str(caught.value)
@@ -28,9 +28,9 @@ def test_an_algebraic_loop_is_named():
     a = {"type": "feedback", "name": "a", "value": "=second.value + 1", "writes": "motor"}
     b = {"type": "feedback", "name": "b", "value": "=2 * half", "writes": "second"}
     meters = [{"name": "half", "value": "=motor.value / 2"}]
-    text = told(arm(a, b, meters=meters))
+    text = error_of(arm(a, b, meters=meters))
     assert "an algebraic loop: 'a' → 'b' → 'a'" in text
-    assert "'c' → 'c'" in told(arm({**a, "name": "c", "value": "=motor.value"}))
+    assert "'c' → 'c'" in error_of(arm({**a, "name": "c", "value": "=motor.value"}))
 
 
 @pytest.mark.parametrize("target", ["120 deg", {"to": "-50 deg", "over": 1}])
@@ -58,7 +58,7 @@ def _mechanism(*loads: dict[str, Any], **more: Any) -> Mechanism:
 @pytest.mark.parametrize(("bodies", "found"), [
     (None, [0, 1, 2]), ("ball*", [0, 1]), (["box", "ball[2]"], [1, 2]),
     (["ball1", "ball*"], [0, 1])])
-def test_patterns_find_what_moves_freely(bodies: Any, found: list[int]) -> None:
+def test_patterns_match_bodies_that_move_freely(bodies: Any, found: list[int]) -> None:
     load = {"type": "drag", "name": "d", "linear": 1} | ({"bodies": bodies} if bodies else {})
     assert [body for _, body in _mechanism(load).loaded] == found
 
@@ -82,7 +82,7 @@ def loaded(plane: Any) -> sandbox.Scene:
 
 @pytest.mark.parametrize(("written", "meant"), [
     (0, (0,)), (-3, (-3,)), ([2], (2,)), ([0, 1], (0, 1)), ("all", "all"), (1000, (1000,))])
-def test_what_may_be_written(written: Any, meant: Any) -> None:
+def test_allowed_planes(written: Any, meant: Any) -> None:
     scene = loaded(written)
     assert scene.bodies[0].plane == meant
     again = sandbox.load_scene(sandbox.expand(scene).model_dump(mode="json", by_alias=True))

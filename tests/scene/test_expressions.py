@@ -109,7 +109,7 @@ def test_refusals_offer_a_near_miss() -> None:
 
 @pytest.mark.parametrize(("text", "right"), [
     ("=cos(70 deg)", 70 * math.pi / 180), ("=3 mm + 1", 3e-3), ("=2 foo", None)])
-def test_a_unit_inside_is_told_with_the_number_in_si(text: str, right: float | None) -> None:
+def test_a_unit_in_an_expression_is_refused_with_si(text: str, right: float | None) -> None:
     with pytest.raises(WrongValueError, match="without units") as refused:
         parse_expression(text)
     allowed = refused.value.allowed
@@ -156,14 +156,6 @@ def test_the_same_number(text, values):
     if math.isnan(got):  # on the way to a finite end something overflowed, or divided by zero
         assert any(symbol in text for symbol in ("/", "%", "**", "exp", "tan", "log", "sqrt",
                                                 "asin", "acos"))
-
-
-def test_every_function_computes_the_same():
-    for name, (_, arity) in FUNCTIONS.items():
-        text = f"{name}({', '.join(['0.3', '0.2', '0.4'][:arity or 2])})"
-        value = parse_expression(text).evaluate({})
-        assert math.isfinite(value)
-        assert closure(text, lambda name: lambda: math.nan)() == pytest.approx(value, rel=1e-12)
 
 
 @pytest.mark.parametrize("text", ["1 / a", "sqrt(-1 - a)", "log(a)", "(-8.0) ** 0.5", "exp(1e6)",

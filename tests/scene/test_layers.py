@@ -14,20 +14,20 @@ def test_words_are_taken_in_order():
     assert parse_layers(["-contacts", "contacts"]) == {"contacts": EVERY}
 
 
-def test_all_means_every_layer_and_what_comes_later_counts():
+def test_all_means_every_layer_and_later_words_override():
     assert parse_layers("all") == dict.fromkeys(LAYERS, EVERY)
     assert set(shown(parse_layers(["-all", "bodies"]), traced=True)) == {"bodies"}
     assert set(LAYERS) - set(shown(parse_layers("all,-velocity"), traced=False)) == {"velocity"}
 
 
-def test_unparse_layers_the_usual_ones_are_shown_and_traces_where_there_are_any():
+def test_default_layers():
     usual = {name for name, layer in LAYERS.items() if layer.default}
     assert set(shown({}, traced=False)) == usual
     assert set(shown({}, traced=True)) == usual | {"traces"}
     assert set(shown(parse_layers("-traces"), traced=True)) == usual
 
 
-def test_an_object_says_of_which_bodies():
+def test_layers_may_name_their_bodies():
     found = parse_layers({"velocity": ["finger*", "disc"], "contacts": False, "axes": True,
                    "body_names": "disc"})
     assert found == {"velocity": ("finger*", "disc"), "contacts": (), "axes": EVERY,
@@ -49,7 +49,7 @@ def test_an_object_says_of_which_bodies():
     ({"velocity": 3}, "the number 3 does not name the bodies for 'velocity'", ""),
     ({"tensions": ["a"]}, "'tensions' is shown for all bodies or for none", ""),
 ])
-def test_what_is_no_layer_is_said_with_what_is(value, message, hint):
+def test_wrong_layers_are_refused_with_the_allowed_ones(value, message, hint):
     with pytest.raises(WrongValueError) as caught:
         parse_layers(value)
     assert message in caught.value.message

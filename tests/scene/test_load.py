@@ -178,7 +178,7 @@ TWO = {"name": "two", "parameters": {"r": "20 mm", "k": 3, "twice": "=2 * r"},
 
 
 @pytest.mark.parametrize("wrong", ["3 kg", "2 N/m", "10 deg"])
-def test_a_parameter_of_another_dimension_is_told(wrong):
+def test_a_parameter_of_another_dimension_is_refused(wrong):
     with pytest.raises(SceneError, match=r"unit of .*, and 'r' is in 'mm'.*Allowed: m, dm, cm"):
         load_scene(TWO, overrides={"parameters.r": wrong})
 
@@ -190,7 +190,7 @@ def test_without_a_unit_before_or_now_any_is_taken(path, value):
     assert load_scene(TWO, overrides={path: value})
 
 
-def test_retired_settings_do_nothing_and_are_told() -> None:
+def test_retired_settings_are_ignored_with_a_warning() -> None:
     scene = {"run": {"step": "1 ms", "iterations": "many", "slop": None},
              "bodies": [{"name": "still", "motion": "fixed"}]}
     run = load_scene(scene).run

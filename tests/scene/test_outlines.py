@@ -72,7 +72,7 @@ def problems(**shape) -> str:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_what_crosses_itself_is_found_as_all_pairs_find_it(seed):
+def test_self_intersections_are_found(seed):
     """Against every pair of sides, one by one; what is sound is cut into pieces."""
     rng = np.random.default_rng(seed)
     n = int(rng.integers(4, 9))
@@ -147,7 +147,7 @@ def test_a_plate_is_as_large_as_drawn(folder, keys, up):
     assert centre == pytest.approx((CENTRE, up * 0.005), abs=1e-6)
 
 
-def test_the_unit_of_a_drawing_may_be_said(folder):
+def test_the_unit_of_a_drawing_can_be_given(folder):
     small = drawn(folder, file="plate.dxf", tolerance="1 um")
     for unit, factor in (("2 mm", 2), (1e-3, 1)):
         found = drawn(folder, file="plate.dxf", unit=unit, tolerance=f"{factor} um")
@@ -177,7 +177,7 @@ def test_a_link_out_of_the_folder_is_not_followed(folder, tmp_path_factory):
     assert drawn(folder, file="own.svg", layer="plate").holes
 
 
-def test_a_file_that_is_not_there_is_told_with_a_near_miss(folder):
+def test_a_missing_drawing_is_refused_with_a_near_miss(folder):
     text = drawing_refused(folder, file="plat.svg")
     assert "there is no file 'plat.svg'" in text
     assert "Did you mean 'plate.svg'? Allowed: 'plate.dxf', 'plate.svg'." in text
@@ -198,7 +198,7 @@ def test_a_file_that_is_not_there_is_told_with_a_near_miss(folder):
     ("a.svg", f"{HEAD}<use href='#a'/></svg>", "it holds 'use', which is not followed"),
     ("a.svg", f"<!DOCTYPE svg [<!ENTITY a 'b'>]>{HEAD}</svg>", "it holds 'ENTITY'"),
 ])
-def test_a_drawing_that_gives_no_outline_is_told(folder, name, text, words):
+def test_drawings_without_an_outline_are_refused(folder, name, text, words):
     (folder / name).write_text(text)
     assert words in drawing_refused(folder, file=name)
 
@@ -260,7 +260,7 @@ def test_a_flat_follower_needs_a_base_above_what_bends_the_lift_most():
     (0 * TURNS - 0.04, {"roller": 0.01}, "Allowed: a base radius above 0.04 m"),
     (0.01 * np.sin(TURNS), {"roller": 0.01, "tolerance": 1e-9}, "Allowed: a tolerance of"),
 ])
-def test_what_is_no_cam_is_told(lift, keys, words):
+def test_wrong_cams_are_refused(lift, keys, words):
     text = cam_refused(lift, **keys)
     assert "$.bodies[0].shapes[0]" in text
     assert words in text

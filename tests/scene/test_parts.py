@@ -195,7 +195,7 @@ def problems(*parts, **more):
     return {problem.path: problem for problem in caught.value.problems}
 
 
-def test_of_what_hangs_on_a_broken_part_nothing_is_told():
+def test_only_the_cause_is_reported_of_dependent_parts():
     """The cause alone: neither the tree that pulls the broken finger nor the tree that pulls it."""
     broken = SET_G | {"name": "g", "on": "plam"}
     trees = tree_of("f1", "g"), tree_of("tree", "f2") | {"name": "two"}

@@ -64,7 +64,7 @@ OF_A_TURN = {"angle": {"deg": "1/360", "°": "1/360", "turn": "1"},
       for dimension, units in OF_A_TURN.items() for unit, turns in units.items()),
     ("rotary stiffness", "N m/deg", 360 / (2 * math.pi)),
 ])
-def test_one_of_each_unit_is_what_the_si_says(dimension: str, unit: str, factor: float) -> None:
+def test_units_have_their_si_values(dimension: str, unit: str, factor: float) -> None:
     assert parse_quantity(f"1 {unit}", dimension) == pytest.approx(factor, rel=4e-16)
     assert parse_quantity(f"-2.5 {unit}", dimension) == pytest.approx(-2.5 * factor, rel=4e-16)
 

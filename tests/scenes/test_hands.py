@@ -147,11 +147,11 @@ def test_a_planted_fault_is_found(hand: str, fault: dict[str, Any], broken: set[
     assert bool(broken) == bool(found)
 
 
-def test_an_object_in_a_finger_is_told() -> None:
+def test_an_object_that_overlaps_a_finger_is_reported() -> None:
     scene = load_scene(shipped_scenes()["four_finger_opposed"],
                        overrides={"parameters.beside": 0.01})
-    told = [problem.message for problem in inspect(expand(scene))]
-    assert any("'object.body'" in message and "at t = 0" in message for message in told)
+    text = [problem.message for problem in inspect(expand(scene))]
+    assert any("'object.body'" in message and "at t = 0" in message for message in text)
 
 
 # --- hands without a free object

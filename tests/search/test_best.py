@@ -47,7 +47,7 @@ def test_several_goals_have_a_front():
     assert found.certified
 
 
-def test_a_search_goes_on_from_what_it_did(tmp_path, monkeypatch):
+def test_a_search_resumes_from_its_results(tmp_path, monkeypatch):
     heard = []
     from sandbox.sweeps.log import Log
 
@@ -63,7 +63,7 @@ def test_a_search_goes_on_from_what_it_did(tmp_path, monkeypatch):
     assert heard == []
 
 
-@pytest.mark.parametrize(("more", "said"), [
+@pytest.mark.parametrize(("more", "words"), [
     ({}, "to minimise or maximise"),
     ({"least": "bowl", "most": "bowl"}, "'bowl' cannot be minimised and maximised"),
     ({"least": "bowl", "seed": 2**32}, "not 4294967296"),
@@ -76,7 +76,7 @@ def test_a_search_goes_on_from_what_it_did(tmp_path, monkeypatch):
     ({"least": ["bowl", "tilt"], "sampler": "cmaes"}, "cmaes looks for one goal"),
     ({"least": "bowl", "vary": {"parameters.a": "normal(1, 2)"}}, "has a distribution"),
 ])
-def test_what_has_no_best_is_told(more, said):
+def test_wrong_optimisations_are_refused(more, words):
     with pytest.raises(SandboxError) as error:
         best(**more)
-    assert said in str(error.value)
+    assert words in str(error.value)

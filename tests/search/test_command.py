@@ -39,15 +39,15 @@ def written(tmp_path, monkeypatch):
 def test_a_threshold_and_its_files(puck, capsys):
     words = ["search", "threshold", puck, *PUSH, "--within", "0.1 N"]
     assert invoke(words) == 0
-    said = capsys.readouterr().out
-    assert "every expectation holds above parameters.push = 2.5" in said
-    assert "half the step: the same" in said
+    fragment = capsys.readouterr().out
+    assert "every expectation holds above parameters.push = 2.5" in fragment
+    assert "half the step: the same" in fragment
     assert invoke([*words, "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["new"] == 0
-    assert told["found"]["low"] < 2.5126 < told["found"]["high"]
-    assert told["files"] == ["search.json", "table.csv", "table.parquet", "search.png"]
-    assert told["directory"] == "searches/threshold/puck"
+    message = json.loads(capsys.readouterr().out)
+    assert message["new"] == 0
+    assert message["found"]["low"] < 2.5126 < message["found"]["high"]
+    assert message["files"] == ["search.json", "table.csv", "table.parquet", "search.png"]
+    assert message["directory"] == "searches/threshold/puck"
 
 
 @pytest.mark.parametrize("words", [
@@ -74,8 +74,8 @@ def test_each_question_has_a_directory_of_its_own(puck, capsys):
     def where(kind, *words, path="push=1 N:6 N"):
         assert invoke(["search", kind, puck, "--vary", f"parameters.{path}", "--keep", "v=puck.vx",
                        *words, "--json"]) == 0
-        told = json.loads(capsys.readouterr().out)
-        return told["directory"].rpartition("/")[2], told["new"]
+        message = json.loads(capsys.readouterr().out)
+        return message["directory"].rpartition("/")[2], message["new"]
 
     assert where("threshold", "--within", "1 N")[0] == "puck"
     assert where("threshold", "--within", "1 N", "--where", "v < 0.3 m/s")[0] == "puck-2"
@@ -92,14 +92,14 @@ def test_a_fit_reads_the_measurement_beside_its_file(written, capsys, tmp_path):
     (tmp_path / "x.csv").write_text(MEASURED)
     written({"fit": {"data": "x.csv", "match": {"x": "puck.x"}, "noise": {"x": "0.01 mm"}}})
     assert invoke(["search", "study.json", "--out", "out"]) == 0
-    said = capsys.readouterr().out
-    assert "noise of x: 1e-05" in said
-    assert "fit.csv, found.png" in said
+    fragment = capsys.readouterr().out
+    assert "noise of x: 1e-05" in fragment
+    assert "fit.csv, found.png" in fragment
     parameter, = json.loads((tmp_path / "out/search.json").read_text())["found"]["parameters"]
     assert parameter["low"] < 3 < parameter["high"]
 
 
-@pytest.mark.parametrize(("words", "said"), [
+@pytest.mark.parametrize(("words", "fragment"), [
     ([], "Say which search: fit, optimize, sensitivity, threshold"),
     (["thresold", "puck.json"], "Did you mean 'threshold'?"),
     (["best", "puck.json"], "Use 'sandbox search optimize SCENE'"),
@@ -122,16 +122,16 @@ def test_a_fit_reads_the_measurement_beside_its_file(written, capsys, tmp_path):
     (["none.json"], "is not a search"),
     (["puck.json"], "puck.json is not a search"),
 ])
-def test_wrong_words_are_told_in_a_line(puck, written, capsys, words, said, tmp_path):
+def test_wrong_command_lines_are_refused(puck, written, capsys, words, fragment, tmp_path):
     written({"threshold": {"where": "v < 0.3 m/s"}})
     assert invoke(["search", *words]) == 2
     error = capsys.readouterr().err
-    assert said in error
+    assert fragment in error
     assert "Traceback" not in error
     assert not list((tmp_path / "searches").rglob("search.json"))
 
 
-@pytest.mark.parametrize(("search", "more", "said"), [
+@pytest.mark.parametrize(("search", "more", "fragment"), [
     ({"bst": {}}, {}, "$.search.bst: unknown key 'bst'. Did you mean 'best'?"),
     ({}, {}, "$.search: a study is one search. Allowed: threshold, fit, best, sensitivity."),
     ({"best": {"least": "v"}, "threshold": {}}, {}, "one search, not threshold and best"),
@@ -147,9 +147,9 @@ def test_wrong_words_are_told_in_a_line(puck, written, capsys, words, said, tmp_
     ({"best": {"least": "v"}}, {"vary": {"parameters.push": {"from": "1 N", "to": "6 mm"}}},
      '$.vary["parameters.push"]: these are a force and a length'),
 ])
-def test_mistakes_in_a_file_are_told_with_their_line(written, search, more, said):
+def test_mistakes_in_a_file_are_reported_with_their_line(written, search, more, fragment):
     with pytest.raises(SceneError) as caught:
         sandbox.search.study(written(search, **more))
     problem, = caught.value.problems
-    assert said in str(problem)
+    assert fragment in str(problem)
     assert problem.line > 0

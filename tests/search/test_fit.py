@@ -28,7 +28,7 @@ SCENE = {
 
 
 def swing(values, time=TIME):
-    """x [m] of 1 kg that is let go 0.1 m from rest, at k, c: the closed form."""
+    """Closed form of x [m] of 1 kg released 0.1 m from rest, for k and c."""
     k, c = np.moveaxis(np.asarray(values), -1, 0)[..., None]
     decay = c / 2
     turn = np.sqrt(k - decay ** 2)
@@ -76,11 +76,11 @@ def test_a_scene_is_fitted_to_a_file(tmp_path):
     assert found.certified
     assert found.blind == ()
     assert found.remarks == ()
-    told = json.loads((tmp_path / "out" / "search.json").read_text())
-    assert told["found"]["parameters"][0]["value"] == found["parameters.k"].value
+    message = json.loads((tmp_path / "out" / "search.json").read_text())
+    assert message["found"]["parameters"][0]["value"] == found["parameters.k"].value
 
 
-def test_stiffness_and_mass_together_cannot_be_told(tmp_path):
+def test_undetermined_parameters_are_reported(tmp_path):
     found = sandbox.search.fit(
         SCENE, written(tmp_path / "x.csv", swing([80.0, 0.0])), match={"x": "mass.x"},
         set={"parameters.c": 0},
@@ -91,7 +91,7 @@ def test_stiffness_and_mass_together_cannot_be_told(tmp_path):
     assert any("do not determine" in line for line in found.lines)
 
 
-@pytest.mark.parametrize(("text", "said"), [
+@pytest.mark.parametrize(("text", "words"), [
     ("time,x\n0,1\n0.05,two\n", "row 3: 'two' is no number"),
     ("x,y\n0,1\n", "no column of times"),
     ("time,x\n", "has no measurements"),
@@ -102,12 +102,12 @@ def test_stiffness_and_mass_together_cannot_be_told(tmp_path):
     ("time,x\n0,\n", "has no number in 'x'"),
     ("time,x\n0,1\n", "1 measured numbers do not determine 1 parameters"),
 ])
-def test_data_that_cannot_be_used_are_told(tmp_path, text, said):
+def test_unusable_data_are_refused(tmp_path, text, words):
     (tmp_path / "x.csv").write_text(text)
     with pytest.raises(SandboxError) as error:
         sandbox.search.fit(PUCK, tmp_path / "x.csv", vary={"parameters.push": "1:5"},
                            match={"x": "puck.x"})
-    assert said in str(error.value)
+    assert words in str(error.value)
 
 
 def test_numbers_of_other_units_are_read_as_si(tmp_path):

@@ -12,7 +12,7 @@ SCENE = {**PUCK, "run": {"duration": "2 ms", "step": "1 ms"},
 PATHS = ("parameters.a", "parameters.b", "parameters.c")
 
 
-def told(found, name, word):
+def index_values(found, name, word):
     by_path = {each.path: each for each in found.influences[name]}
     return (np.array([by_path[path].values[word] for path in PATHS]),
             np.array([by_path[path].halves.get(word, 0.0) for path in PATHS]))
@@ -24,7 +24,7 @@ def test_sobols_indices_of_ishigamis_function():
         keep=["y==sin(a) + 7 * sin(b) ** 2 + 0.1 * c ** 4 * sin(a)"])
     assert found.runs == 128 * 5
     for word, truth in (("first", [0.3139, 0.4424, 0.0]), ("total", [0.5576, 0.4424, 0.2437])):
-        values, halves = told(found, "y", word)
+        values, halves = index_values(found, "y", word)
         assert (halves > 0).all()
         assert (np.abs(values - truth) <= 1.5 * halves + 0.01).all()
     assert found.certified
@@ -36,25 +36,25 @@ def test_morris_tells_slopes_of_a_sum_exactly():
         SCENE, vary=dict.fromkeys(PATHS, "0:2"), keep=["y==a + 3 * b", "product==a * c"],
         method="morris", count=8)
     assert found.runs == 8 * 4
-    values, _ = told(found, "y", "mu_star")
+    values, _ = index_values(found, "y", "mu_star")
     assert values == pytest.approx([2, 6, 0], abs=1e-9)
-    sigma, _ = told(found, "y", "sigma")
+    sigma, _ = index_values(found, "y", "sigma")
     assert sigma == pytest.approx([0, 0, 0], abs=1e-9)
-    assert told(found, "product", "sigma")[0][0] > 0.1
+    assert index_values(found, "product", "sigma")[0][0] > 0.1
 
 
-@pytest.mark.parametrize(("more", "said"), [
+@pytest.mark.parametrize(("more", "fragment"), [
     ({"method": "sobl"}, "did you mean 'sobol'"),
     ({"count": 100}, "a power of 2, not 100 (allowed: 64, 128)"),
     ({"count": 2}, "4 or more"),
     ({"vary": {"parameters.a": "0:1"}}, "two paths or more"),
     ({"keep": ["y==sqrt(-1 - a)"], "count": 4}, "too few runs have an answer"),
 ])
-def test_what_cannot_be_asked_is_told(more, said):
+def test_wrong_sensitivity_requests_are_refused(more, fragment):
     words = {"vary": dict.fromkeys(PATHS, "0:1"), "keep": ["y==a"], **more}
     with pytest.raises(SandboxError) as error:
         sandbox.search.sensitivity(SCENE, **words)
-    assert said in str(error.value)
+    assert fragment in str(error.value)
 
 
 @pytest.mark.parametrize("method", ["sobol", "morris"])

@@ -33,8 +33,8 @@ def test_a_push_moves_a_block_from_its_friction_on(tmp_path):
     assert found.certified
     assert found.high - found.low <= 0.01
     assert 0.5 * 9.81 - 0.01 <= found.low <= found.high <= 0.5 * 9.81 + 0.03
-    told = json.loads((tmp_path / "search.json").read_text())
-    assert told["found"]["low"] == found.low
+    message = json.loads((tmp_path / "search.json").read_text())
+    assert message["found"]["low"] == found.low
     with (tmp_path / "table.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == found.runs
@@ -50,7 +50,7 @@ def test_the_scenes_own_expectations_are_the_condition():
     assert "between 2.506" in found.certificate
 
 
-def test_a_search_that_was_stopped_goes_on(tmp_path, monkeypatch):
+def test_an_interrupted_search_resumes(tmp_path, monkeypatch):
     from sandbox.sweeps.log import Log
 
     words = {"vary": {"parameters.push": "1 N:6 N"}, "out": tmp_path}
@@ -77,7 +77,7 @@ def test_a_range_without_a_threshold_is_refused_in_a_line():
         sandbox.search.threshold(PUCK, vary={"parameters.push": "3 N:6 N"})
 
 
-@pytest.mark.parametrize(("more", "said"), [
+@pytest.mark.parametrize(("more", "fragment"), [
     ({"vary": {"parameters.push": "1:2", "parameters.m": "1:2"}}, "one path with a range"),
     ({"vary": {"parameters.push": "normal(1, 2)"}}, "one path with a range"),
     ({"vary": {"parameters.push": "1:2:7"}}, "has a count, 7, and a search chooses its points"),
@@ -91,11 +91,11 @@ def test_a_range_without_a_threshold_is_refused_in_a_line():
     ({"within": -1.0}, "no narrower than"),
     ({"where": "nothing > 0", "keep": ["vx=puck.vx", "nothing==vx / 0"]}, "does not decide"),
 ])
-def test_what_cannot_be_searched_is_told(more, said):
+def test_wrong_threshold_requests_are_refused(more, fragment):
     words = {"vary": {"parameters.push": "1:2"}, "keep": ["vx=puck.vx"], **more}
     with pytest.raises(SandboxError) as error:
         sandbox.search.threshold(PUCK, **words)
-    assert said in str(error.value)
+    assert fragment in str(error.value)
 
 
 def test_bisection_keeps_the_threshold_in_its_bracket():

@@ -90,11 +90,11 @@ class Chain:
         M = sum m_i J_i^T J_i + I_i w_i^T w_i
         M q'' = Q - sum m_i J_i^T b_i,   b_i = acceleration of c_i at q'' = 0
 
-    and Q the generalised forces of tendon, springs, joint damping and weight.
+    and Q the generalised forces of tendon, springs and joint damping.
     """
 
-    def __init__(self, finger: FingerSet, gravity: tuple[float, float] = (0.0, 0.0)) -> None:
-        self.finger, self.gravity, self.n = finger, np.array(gravity), len(finger.lengths)
+    def __init__(self, finger: FingerSet) -> None:
+        self.finger, self.n = finger, len(finger.lengths)
         self.m, self.k = np.array(finger.masses), np.array(finger.stiffness)
         self.damping = np.array(finger.damping)
         lengths = np.array(finger.lengths)
@@ -123,38 +123,29 @@ class Chain:
         """Lengths of the springs [m], and d/dq of each by its own joint."""
         return self.across(np.array(self.finger.before), np.array(self.finger.after), q)
 
-    def centres(self, q: Array) -> tuple[Array, Array, Array, Array]:
-        """Directions u, centres [n, 2], their Jacobians [n, 2, n], and the mass matrix M."""
+    def inertia(self, q: Array) -> tuple[Array, Array, Array]:
+        """Directions u [n, 2], Jacobians of the centres [n, 2, n], and the mass matrix M."""
         a = self.spin @ q
         u = np.stack([np.cos(a), np.sin(a)], axis=1)
         turned = np.stack([-np.sin(a), np.cos(a)], axis=1)
         J = np.einsum("im,mx,mj->ixj", self.reach, turned, self.spin)
         M = (np.einsum("i,ixj,ixk->jk", self.m, J, J)
              + self.spin.T @ np.diag(self.finger.inertias) @ self.spin)
-        return u, self.reach @ u, J, M
+        return u, J, M
 
     def derivative(self, pull: float, state: Array) -> Array:
-        """Of angles, rates, work of the tension and energy lost in the joints."""
-        q, v = state[:self.n], state[self.n:2 * self.n]
-        u, _, J, M = self.centres(q)
+        """Derivatives of angles and rates [2 n] under a tension [N]."""
+        q, v = state[:self.n], state[self.n:]
+        u, J, M = self.inertia(q)
         bias = self.reach @ (-((self.spin @ v)**2)[:, None] * u)
         length, arm = self.spring(q)
-        pulled = -pull * self.tendon(q)[1]
-        Q = (pulled - self.k * (length - self.rest) * arm - self.damping * v
-             + np.einsum("i,ixj,ix->j", self.m, J, self.gravity - bias))
-        return np.concatenate([v, np.linalg.solve(M, Q), [pulled @ v, self.damping @ v**2]])
-
-    def energy(self, state: Array) -> float:
-        """Kinetic, elastic and potential energy, less the work done, plus what was lost [J]."""
-        q, v = state[:self.n], state[self.n:2 * self.n]
-        _, centre, _, M = self.centres(q)
-        stretch = self.spring(q)[0] - self.rest
-        return float(v @ M @ v / 2 + self.k @ stretch**2 / 2 - self.m @ (centre @ self.gravity)
-                     - state[-2] + state[-1])
+        Q = (-pull * self.tendon(q)[1] - self.k * (length - self.rest) * arm - self.damping * v
+             - np.einsum("i,ixj,ix->j", self.m, J, bias))
+        return np.concatenate([v, np.linalg.solve(M, Q)])
 
     def integrate(self, times: Array, pull: float) -> Array:
-        """States [n_times, 2 n + 2] of the motion from straight at rest under a tension [N]."""
-        return integrate(lambda _, y: self.derivative(pull, y), np.zeros(2 * self.n + 2), times)
+        """States [n_times, 2 n] of the motion from straight at rest under a tension [N]."""
+        return integrate(lambda _, y: self.derivative(pull, y), np.zeros(2 * self.n), times)
 
 
 def integrate(derivative: Callable[[float, Array], Any], start: Any, times: Array) -> Array:

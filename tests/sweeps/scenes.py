@@ -1,4 +1,6 @@
-"""A scene of which everything is known: a puck that is pushed for a while."""
+"""A puck that is pushed for a while, and workers without processes."""
+
+from sandbox.sweeps.runner import make_runner
 
 PUCK = {
     "name": "puck", "gravity": [0, 0], "parameters": {"push": "2 N", "m": "1 kg"},
@@ -9,3 +11,21 @@ PUCK = {
                 "value": "=push"}],
     "expect": [{"final": "puck.vx", "above": 0.25}],
 }
+
+
+class InProcess:
+    """Workers that are this process, in place of ``sandbox.sweeps.workers.Processes``."""
+
+    def __init__(self, job, workers):
+        self._job = job
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def results(self, tasks):
+        with make_runner(self._job) as run:
+            for id, values in tasks:
+                yield run(id, values)

@@ -13,8 +13,8 @@ from sandbox.sweeps.plan import plan_of
 from sandbox.sweeps.sweep import run_plan, study_data
 from tests.sweeps.scenes import PUCK
 
-pytestmark = pytest.mark.skipif(importlib.util.find_spec("distributed") is None,
-                                reason="needs distributed")
+pytestmark = [pytest.mark.nightly, pytest.mark.skipif(
+    importlib.util.find_spec("distributed") is None, reason="needs distributed")]
 # what Dask leaves open when workers are killed is its own affair
 quiet = pytest.mark.filterwarnings("ignore")
 

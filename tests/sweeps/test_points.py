@@ -73,7 +73,7 @@ def test_random_numbers_have_their_distribution(written, theirs):
     assert stats.kstest(values, theirs.cdf).pvalue > 1e-3
 
 
-@pytest.mark.parametrize(("vary", "more", "said"), [
+@pytest.mark.parametrize(("vary", "more", "words"), [
     ({"a": {"from": 1, "to": 2}}, {}, "has no count"),
     ({"a": {"from": 1, "to": 2, "count": 3}}, {"count": 3, "design": "grid"}, "has no count"),
     ({"a": [1, 2], "b": [1]}, {"design": "paired"}, "as many values each: 'a' 2, 'b' 1"),
@@ -92,11 +92,11 @@ def test_random_numbers_have_their_distribution(written, theirs):
     ({"a": []}, {}, "at least 1"),
     ({"a": ["=b"]}, {}, "unknown name 'b'"),
 ])
-def test_what_makes_no_points_is_refused_in_words(vary, more, said):
+def test_wrong_values_are_refused(vary, more, words):
     with pytest.raises(ValidationError) as error:
         points(vary, **more)
-    told = " ".join(each["msg"] for each in error.value.errors())
-    assert said in told, told
+    message = " ".join(each["msg"] for each in error.value.errors())
+    assert words in message, message
 
 
 @pytest.mark.parametrize(("text", "meant"), [
@@ -124,7 +124,7 @@ def test_texts_of_results(text, meant):
     assert parse_statistic(text) == meant
 
 
-@pytest.mark.parametrize(("read", "text", "said"), [
+@pytest.mark.parametrize(("read", "text", "words"), [
     (parse_values, "", "no values"), (parse_values, "1:2:3:4", "too many"),
     (parse_values, "1:2:lgo", "is not a whole number"),
     (parse_values, "[1, NaN]", "NaN is no number"),
@@ -134,7 +134,7 @@ def test_texts_of_results(text, meant):
     (parse_statistic, "max disc.x over always", "no window"),
     (parse_statistic, "max disc.x over 1:2 over 3:4", "more than one"),
 ])
-def test_texts_that_are_refused(read, text, said):
+def test_texts_that_are_refused(read, text, words):
     with pytest.raises(WrongValueError) as error:
         read(text)
-    assert said in str(error.value)
+    assert words in str(error.value)

@@ -30,13 +30,13 @@ def test_more_workers_than_processors_can_do_with(workers, tmp_path: Path):
     assert not (tmp_path / "out" / "rows").exists()
 
 
-@pytest.mark.parametrize(("text", "said"), [
+@pytest.mark.parametrize(("text", "fragment"), [
     ('{"scene": "x.json", "vary": {"p": [1, NaN]}}', "NaN is not a number"),
     ('{"scene": "x.json", "vary": ' + "[" * 60 + "]" * 60 + "}", "nested deeper"),
     ('{"vary": 1, "vary": 2}', "is repeated"),
     ("", "study.json"),
 ])
-def test_a_study_that_cannot_be_read_says_why(text, said, tmp_path: Path, monkeypatch, capsys):
+def test_a_study_that_cannot_be_read_says_why(text, fragment, tmp_path: Path, monkeypatch, capsys):
     """And not that it varies nothing."""
     monkeypatch.chdir(tmp_path)
     Path("study.json").write_text(text)
@@ -44,21 +44,21 @@ def test_a_study_that_cannot_be_read_says_why(text, said, tmp_path: Path, monkey
         study_file("study.json")
     for words in (["sweep"], ["search", "threshold"]):
         assert invoke([*words, "study.json"]) == 2
-        told = capsys.readouterr().err
-        assert said in told
-        assert "nothing is varied" not in told
+        reported = capsys.readouterr().err
+        assert fragment in reported
+        assert "nothing is varied" not in reported
 
 
-@pytest.mark.parametrize(("window", "said"), [
+@pytest.mark.parametrize(("window", "fragment"), [
     ("last 9 s", "the window is the last 9 s, the run has 0.1 s"),
     ("0.05 : 0.2", "the window ends at 0.2 s, the run at 0.1 s"),
 ])
-def test_a_window_that_no_run_has_is_refused_before_anything_runs(window, said):
+def test_a_window_that_no_run_has_is_refused_before_anything_runs(window, fragment):
     push, keep = {"parameters.push": [1, 2]}, [f"v=mean puck.vx over {window}"]
     problem, = problems(vary=push, keep=keep)
-    assert (problem.message, problem.path) == (said, '$.keep["v"]')
+    assert (problem.message, problem.path) == (fragment, '$.keep["v"]')
     problem, = problems(vary={"run.duration": ["50 ms", "100 ms"]}, keep=keep)
-    assert problem.message == said
+    assert problem.message == fragment
     for words in ({"vary": {"run.duration": ["50 ms", "9 s", "1 s"]}},
                   {"vary": push, "set": {"run.duration": "9 s"}},
                   {"vary": {"parameters.push": [1, 90]}, "set": {"run.duration": "=push / 10"}}):
@@ -91,7 +91,7 @@ def test_a_range_without_width_is_refused(words):
     assert len(plan_of(one)) == 1
 
 
-@pytest.mark.parametrize(("words", "told"), [
+@pytest.mark.parametrize(("words", "reported"), [
     (["sweep", "--vary", "parameters.push=1:4:x"], "--vary parameters.push=1:4:x: 'x' is not"),
     (["sweep", "--vary", "parameters.push=1 N:4 kg:3"], "--vary 'parameters.push=1 N:4 kg:3': "),
     (["sweep", "--vary", "parameters.pusch=1:4:3"], "--vary parameters.pusch=1:4:3: cannot set"),
@@ -105,19 +105,19 @@ def test_a_range_without_width_is_refused(words):
     (["sweep", "--vary", "parameters.push=1:4:3", "--set", "run.stp=1"],
      "puck.json:$.run.stp: unknown key"),
 ])
-def test_a_slip_on_the_command_line_is_told_as_it_was_typed(
-    tmp_path: Path, monkeypatch, capsys, words, told,
+def test_command_line_errors_quote_the_option(
+    tmp_path: Path, monkeypatch, capsys, words, reported,
 ):
     monkeypatch.chdir(tmp_path)
     Path("puck.json").write_text(json.dumps(PUCK))
     place = 1 if words[0] == "sweep" else 2
     assert invoke([*words[:place], "puck.json", *words[place:]]) == 2
-    said, page = capsys.readouterr().err.splitlines()
-    assert said.startswith(told)
+    fragment, page = capsys.readouterr().err.splitlines()
+    assert fragment.startswith(reported)
     assert page.startswith("see docs/messages.md#")
 
 
-def test_what_misses_expectations_is_counted(tmp_path, capsys):
+def test_failed_expectations_are_counted(tmp_path, capsys):
     scene = tmp_path / "puck.json"
     scene.write_text(json.dumps(PUCK))
     words = ["sweep", str(scene), "--vary", "parameters.push=1, 2, 3, 4", "--workers", "1",

@@ -1,4 +1,4 @@
-"""Sweeps that are really run, in real processes, killed and gone on with."""
+"""Sweeps in worker processes, interrupted and resumed."""
 
 import json
 import multiprocessing
@@ -19,10 +19,15 @@ from sandbox.sweeps.plan import plan_of
 from sandbox.sweeps.sweep import run_plan, study_data
 from sandbox.sweeps.table import draw_table
 from sandbox.sweeps.workers import Processes
-from tests.sweeps.scenes import PUCK
+from tests.sweeps.scenes import PUCK, InProcess
 
 LAST = 0.1 - 0.5e-3
 """When the last sample is [s]: in the middle of the last step."""
+
+
+@pytest.fixture
+def in_process(monkeypatch):
+    monkeypatch.setattr("sandbox.sweeps.workers.Processes", InProcess)
 
 
 def study(vary="1:6:6", **more):
@@ -44,7 +49,8 @@ def test_each_row_is_what_its_values_give(tmp_path):
     assert table.plan.units == {"parameters.push": "N", "v": "m/s", "twice": ""}
 
 
-def test_what_is_done_is_not_done_again(tmp_path):
+@pytest.mark.usefixtures("in_process")
+def test_finished_runs_are_not_repeated(tmp_path):
     run(study("1:3:3"), tmp_path)
     advances = []
     table = run(study("1:6:6"), tmp_path, progress=advances.append)
@@ -57,6 +63,7 @@ def test_what_is_done_is_not_done_again(tmp_path):
     assert len(again) == 6
 
 
+@pytest.mark.usefixtures("in_process")
 def test_rows_of_another_scene_or_of_other_quantities_are_not_taken(tmp_path):
     run(study("1:3:3"), tmp_path)
     heavier = {**study("1:3:3"), "set": {"parameters.m": 2}}
@@ -65,6 +72,7 @@ def test_rows_of_another_scene_or_of_other_quantities_are_not_taken(tmp_path):
     assert (run(other, tmp_path)["v"] < 0.02).all()
 
 
+@pytest.mark.usefixtures("in_process")
 def test_runs_that_do_not_end_well_are_rows_with_their_reason():
     scene = {**PUCK, "run": {**PUCK["run"], "duration": "0.2 s"}}
     data = study_data(scene, vary={"parameters.push": "2, 1e12"}, keep=["v=puck.vx"], audit=False)
@@ -75,7 +83,8 @@ def test_runs_that_do_not_end_well_are_rows_with_their_reason():
     assert table["holds"] == [True, None]
 
 
-def test_ctrl_c_keeps_what_was_finished(tmp_path):
+@pytest.mark.usefixtures("in_process")
+def test_ctrl_c_keeps_finished_runs(tmp_path):
     def stop(at):
         if at.done == 2:
             raise KeyboardInterrupt
@@ -120,13 +129,14 @@ def test_a_run_that_ends_two_processes_is_given_up_and_the_others_finish():
     assert "2 worker processes" in rows[plan.ids[2]].reason
 
 
+@pytest.mark.nightly
 def test_a_script_without_a_guard_gets_a_message(tmp_path):
     script = tmp_path / "script.py"
     script.write_text("import sandbox\nsandbox.sweep('single_finger', vary={'parameters.pull': "
                       "[1, 2]}, workers=1)\n")
-    said = subprocess.run([sys.executable, str(script)], capture_output=True, text=True,
+    words = subprocess.run([sys.executable, str(script)], capture_output=True, text=True,
                           timeout=100)
-    assert said.stderr.splitlines()[-1].endswith('under if __name__ == "__main__":')
+    assert words.stderr.splitlines()[-1].endswith('under if __name__ == "__main__":')
 
 
 # -- the log -------------------------------------------------------------------------
@@ -152,7 +162,7 @@ def test_two_processes_do_not_write_one_sweep(tmp_path):
 
 @pytest.mark.parametrize("line", [b"nothing\n", b"{}\n", json.dumps(
     {**json.loads(SweepRow("0", "done").to_json()), "status": "well"}).encode() + b"\n"])
-def test_a_line_that_is_no_row_is_told(tmp_path, line):
+def test_a_corrupt_row_is_an_error(tmp_path, line):
     folder = tmp_path / "rows"
     folder.mkdir()
     (folder / "00000.jsonl").write_bytes(line)
@@ -163,6 +173,7 @@ def test_a_line_that_is_no_row_is_told(tmp_path, line):
 # -- files ---------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("in_process")
 def test_the_table_is_read_back_by_pandas(tmp_path):
     pandas = pytest.importorskip("pandas")
     pytest.importorskip("pyarrow")
@@ -177,6 +188,7 @@ def test_the_table_is_read_back_by_pandas(tmp_path):
     assert frame.attrs["units"]["v"] == "m/s"
 
 
+@pytest.mark.usefixtures("in_process")
 def test_recordings_that_are_requested_later_are_made(tmp_path):
     run(study("1, 2"), tmp_path)
     again = []
@@ -205,6 +217,7 @@ def test_a_bundle_has_the_scenes_that_a_varied_include_names(tmp_path):
     assert [each.name for each in found.mechanism.bodies] == ["object.one.body"]
 
 
+@pytest.mark.usefixtures("in_process")
 def test_a_grid_has_a_map_of_where_expectations_hold(tmp_path, monkeypatch):
     drawn = []
     monkeypatch.setattr("sandbox.sweeps.table.draw_sweep", lambda path, what: drawn.append(what))
@@ -221,7 +234,7 @@ def test_a_grid_has_a_map_of_where_expectations_hold(tmp_path, monkeypatch):
 # -- what is refused before anything runs -------------------------------------------
 
 
-@pytest.mark.parametrize(("more", "said"), [
+@pytest.mark.parametrize(("more", "words"), [
     ({"vary": {"parameters.psh": "1:2:2"}}, "Did you mean 'push'"),
     ({"vary": {"bodies[puk].mass": "1:2:2"}}, "Did you mean 'puck'"),
     ({"vary": {"parameters.m": "-1:2:4"}}, "must be greater than 0"),
@@ -233,10 +246,10 @@ def test_a_grid_has_a_map_of_where_expectations_hold(tmp_path, monkeypatch):
     ({"vary": {"parameters.push": [1.0, float("nan")]}}, "must be finite"),
     ({"vary": {"parameters.push": "1:2:2"}, "set": {"parameters.push": 3}}, "values twice"),
 ])
-def test_what_cannot_be_run_is_told_before(more, said):
+def test_wrong_studies_are_refused_before_anything_runs(more, words):
     with pytest.raises(SceneError) as error:
         plan_of(study_data(PUCK, **{"keep": None, **more}))
-    assert said in str(error.value)
+    assert words in str(error.value)
 
 
 def test_rows_are_spread_over_files(tmp_path, monkeypatch):

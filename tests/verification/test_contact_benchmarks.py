@@ -14,7 +14,7 @@ from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from tests.support.mechanisms import G, Json
 
-from .case import Criterion, Digit, Problem, at, benchmark, event, exact, lag, spelled
+from .case import Criterion, Digit, Problem, at, benchmark, event, exact, spelled
 
 SETTLED = 2
 """First samples left out: a contact that begins in motion is off by half the centripetal force."""
@@ -173,50 +173,6 @@ def test_rocking_block() -> Problem:
                   "in three steps"),
             event("instants of the second fall", "s", again, max(later),
                   f"the first fall's, and the peak's effect on it; {landing}")]
-
-
-@benchmark("Friction oscillator",
-           "A block of 1 kg on a spring of 10 N/m slides on a floor with μ = 0.1. It turns three "
-           "times, each time 2 μ g m/k nearer, and sticks at the third.",
-           "Textbook; siconos-tutorials has it as FrictionOscillator. Closed form.",
-           steps=(2e-3, 1e-3, 5e-4), fault={"materials.rough.friction": 0.101})
-def test_friction_oscillator() -> Problem:
-    mu, start, rate = 0.1, 0.5, 10.0**0.5
-    half, less = np.pi / rate, 2 * mu * G / 10.0
-    turns = [(-1)**i * (start - i * less) for i in range(1, 4)]
-
-    def turn(i: int, place: bool, run: Recording) -> float:
-        """By the cubic through the four samples before it, since friction changes sign there."""
-        near = np.abs(run.time - i * half) < half / 4
-        k = first(near) + first((-1)**i * run["block.x"][near]
-                                == ((-1)**i * run["block.x"][near]).max())
-        t, x = run.time[k - 4:k], run["block.x"][k - 4:k]
-        curve = np.polyfit(t - t[-1], x, 3)
-        roots = np.roots(np.polyder(curve))
-        root = float(roots[np.argmin(np.abs(roots))].real)
-        return float(np.polyval(curve, root)) if place else float(t[-1]) + root
-
-    def sticks(run: Recording) -> float:
-        return float(run.time[np.flatnonzero(np.abs(run["block.vx"]) > 1e-9)[-1]])
-
-    return lambda step: spelled(
-        3.5, step, gravity=[0.0, -G], materials={"rough": {"friction": mu}},
-        bodies=[ground(4.0, material="rough", at=[-1.0, 0.0]),
-                {"name": "block", "mass": 1.0, "at": [start, 0.05], "material": "rough",
-                 "shapes": [{"type": "box", "size": [0.2, 0.1]}]}],
-        springs=[{"type": "linear", "name": "spring", "a": "floor", "b": "block",
-                  "on_a": [-1.0, 0.0], "on_b": [0.0, -0.05], "stiffness": 10.0,
-                  "rest_length": 2.0}]), [
-            Criterion("places of the turns", "m",
-                      [*(Digit(turns[i - 1], partial(turn, i, True)) for i in (1, 2)),
-                       at("block.x", 3.4, turns[2])],
-                      "ω² = k/m: its phase; and in the step of each of three turns friction may "
-                      "push the wrong way: 2 μ g h²",
-                      lag(start, rate, 3 * half) + 6 * mu * G / rate**2, rate, falls=False),
-            event("instants of the turns", "s",
-                  [*(Digit(i * half, partial(turn, i, False)) for i in (1, 2)),
-                   Digit(3 * half, sticks)], 3.0,
-                  "a block that turns stands still up to the end of that step: up to h late each")]
 
 
 @benchmark("Pinch that must not creep",

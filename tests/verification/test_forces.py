@@ -31,24 +31,6 @@ def crossings(time: Array, value: Array) -> Array:
     return np.asarray(time[i] - value[i] * (time[i + 1] - time[i]) / (value[i + 1] - value[i]))
 
 
-@case("Pendulum of any swing", "T = 4 √(I / (m g l)) K(sin²(A/2))", "a rod on a pin, h = 0.5 ms")
-def test_pendulum() -> Iterator[Check]:
-    length, m, inertia, h = 0.1, 0.05, 2e-5, 5e-4
-    omega = math.sqrt(m * G * length / (inertia + m * length**2))
-    for degrees in (5.0, 30.0, 60.0, 90.0, 120.0, 150.0):
-        amplitude = math.radians(degrees)
-        period = 4 / omega * float(ellipk(math.sin(amplitude / 2)**2))
-        run = simulated(
-            2.2 * period, h, g=G, bodies=[fixed("wall"), {
-                "name": "rod", "mass": m, "inertia": inertia, "angle": amplitude,
-                "centre": (0.0, -length)}], joints=[pin("pin", "wall", "rod", on_a=(0.0, 0.0))])
-        through = crossings(run.time, run["pin.angle"])
-        yield Check(f"period at {degrees:g}°", "s", period, through[2] - through[0],
-                    period * (omega * h)**2,
-                    "(ω h)² of a period: the scheme's (ω h)²/24, up to four times that at the "
-                    "bottom of a large swing, and the straight line between samples")
-
-
 def oscillation(x: float, duration: float, g: float = 0.0, **law: object) -> Recording:
     """Mass of 1 kg released at a stretch x [m] of a spring along x; ``g`` acts along x."""
     return simulated(

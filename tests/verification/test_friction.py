@@ -48,14 +48,6 @@ def test_incline() -> Iterator[Check]:
                                    for key in "xy")), 1e-9, "it sticks: 1 nm in 0.4 s")
 
 
-@case("Block that friction stops", "s = v² / (2 μ g)", "a level plane, μ = 0.4, h = 0.5 ms")
-def test_stopping() -> Iterator[Check]:
-    for speed in (0.2, 0.5, 0.8, 1.2):
-        yield Check(f"distance from {speed:g} m/s", "m", speed**2 / (2 * 0.4 * G),
-                    on_plane(0.0, 0.4, speed)["block.x"][-1], 0.4 * G * H**2 / 8,
-                    "μ g h²/8: exact but for the step in which it stops")
-
-
 def pinned(body: Json, *drives: Json, duration: float, **more: Any) -> Recording:
     return simulated(duration, H, g=G, bodies=[fixed("ground"), body], drives=list(drives),
                      joints=[pin("p", "ground", body["name"], on_a=(0.0, 0.0), **more)])

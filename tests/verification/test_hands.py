@@ -272,7 +272,7 @@ def sdm_forces(hand: Mapping[str, float], radius: float, soft: float) -> tuple[f
       "f₂ = (T h₂ − K₂ Δ₂) / k₂, f₁ = (T h₁ − K₁ Δ₁ − (k₂ + l₁ cos θ₂) f₂) / k₁",
       "the scene `sdm` with softer and stiffer proximal joints and other discs")
 def test_sdm_range() -> Iterator[Check]:
-    """A phalanx that would have to pull lets go, and the other finds another place."""
+    """A phalanx that would have to pull leaves the disc, and the other one moves."""
     hand = load_scene("sdm").parameters
     for soft in (0.02, 0.04, 0.06):
         for radius in (0.026, 0.029, 0.033):

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.elements.tendons import RIGID
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from tests.support.mechanisms import G, Json, cord, fixed, mass, pin, simulated, spring
@@ -162,20 +161,6 @@ def test_order_elastic_tendon() -> Iterator[Check]:
       DAMPED)
 def test_order_elastic_tendon_with_damper() -> Iterator[Check]:
     yield from second_order(*on_cord(0.8))
-
-
-@case("Order of accuracy: stiff tendon", "a = (m₁ − m₂) g/(m₁ + m₂), the cord stretched by T/k",
-      f"{RUN}exact, from 0.2 s on, when the cord's own ringing has decayed")
-def test_order_stiff_tendon() -> Iterator[Check]:
-    m, n, duration = 0.2, 0.12, 0.3
-    a, stretch = (m - n) / (m + n) * G, 2 * m * n * G / (m + n) / RIGID * n / (m + n)
-    yield from rounding_only(lambda step: simulated(
-        duration, step, g=G, bodies=[fixed("beam"), mass("heavy", m, (0.0, -0.5)),
-                                     mass("light", n, (0.1, -0.9))],
-        tendons=[cord("cord", ("heavy",), ("beam", (0.0, 0.0)), ("beam", (0.1, 0.0)), ("light",),
-                      stiffness=RIGID)]),
-        {"heavy.y": lambda t: -0.5 - a * t**2 / 2 - stretch}, "m",
-        duration / min(STEPS) * 2.0**-52, "each step may round by an ulp of 1 m", after=0.2)
 
 
 @case("Order of accuracy: joint limit", "θ = min(ω t, limit), no rebound",
