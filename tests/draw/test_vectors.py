@@ -87,7 +87,7 @@ def test_a_bar_carries_what_its_pins_pull_it_apart_with(angle):
 
 
 def test_what_is_traced_unless_the_view_says_it():
-    run = hand(samples=21)
+    run = hand()
     names = [body.name for body in run.mechanism.bodies]
     tips = [names.index(f"finger{k}.distal") for k in (1, 2, 3, 4)]
     found = traced(run, run.mechanism.view, ("*",))
