@@ -7,6 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from sandbox.model.model import NONE
 from sandbox.numeric import Array, Flags
@@ -257,21 +259,13 @@ def groups_of(run: RunData) -> list[int]:
 
     What does not move freely is a group of its own each and ties nothing together.
     """
-    model = run.model
-    parent = list(range(len(model.mechanism.bodies)))
-
-    def root(i: int) -> int:
-        while parent[i] != i:
-            parent[i] = parent[parent[i]]
-            i = parent[i]
-        return i
-
-    still = _held(run)
-    for bodies in _tied(run):
-        free = [b for b in bodies if not still[b]]
-        for one, other in pairwise(free):
-            parent[root(one)] = root(other)
-    return [root(i) for i in range(len(parent))]
+    still, count = _held(run), len(run.mechanism.bodies)
+    pairs = [pair for bodies in _tied(run)
+             for pair in pairwise(body for body in bodies if not still[body])]
+    one, other = np.array(pairs, dtype=np.intp).reshape(-1, 2).T
+    ties = coo_array((np.ones(len(pairs)), (one, other)), shape=(count, count))
+    found: list[int] = connected_components(ties, directed=False)[1].tolist()
+    return found
 
 
 def _held(run: RunData) -> Flags:

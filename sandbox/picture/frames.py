@@ -14,61 +14,36 @@ from sandbox.picture.pixels import Pixels
 
 CELL = 24
 """Side of a cell [pixels of the finished picture]."""
-FAR_SIDES = np.array([0.0, 0.0, 1.0, 1.0])
-
-
-class Cells:
-    """Marks what is drawn, so that only this is cleared and scaled down."""
-
-    def __init__(self, stage: pygame.Rect) -> None:
-        self._stage = stage
-        self._grid = np.zeros((-(-stage.height // CELL), -(-stage.width // CELL)), dtype=bool)
-
-    def mark(self, boxes: Array) -> list[pygame.Rect]:
-        """Rectangles without overlap that cover all ``boxes`` [n, 4] (left, top, right, bottom).
-
-        What lies outside of the stage is cut off.
-        """
-        left, top = self._stage.topleft
-        cells = np.floor((boxes - np.array([left, top, left, top])) / CELL) + FAR_SIDES
-        cells = np.where(np.isnan(cells), 0.0, cells)
-        rows, columns = self._grid.shape
-        limit = (columns, rows, columns, rows)
-        x0, y0, x1, y1 = np.minimum(np.maximum(cells, 0), limit).astype(np.intp).T
-        # +1 and -1 at the corners: the running sum counts the boxes over each cell
-        width = columns + 1
-        corners = np.concatenate((y0 * width + x0, y1 * width + x1, y0 * width + x1,
-                                  y1 * width + x0))
-        signs = np.repeat((1.0, -1.0), 2 * len(boxes))
-        steps = np.bincount(corners, signs, minlength=(rows + 1) * width)
-        count = steps.reshape(rows + 1, width).cumsum(axis=0).cumsum(axis=1)
-        self._grid = count[:rows, :columns] > 0.5
-        return self._runs()
-
-    def _runs(self) -> list[pygame.Rect]:
-        """Marked cells joined along rows, and equal runs of neighbouring rows joined."""
-        padded = np.zeros((self._grid.shape[0], self._grid.shape[1] + 2), dtype=np.int8)
-        padded[:, 1:-1] = self._grid
-        step = np.diff(padded, axis=1)
-        rows, starts = np.nonzero(step == 1)
-        _, ends = np.nonzero(step == -1)
-        open_runs: dict[tuple[int, int], list[int]] = {}
-        done: list[list[int]] = []
-        for row, start, end in zip(rows.tolist(), starts.tolist(), ends.tolist(), strict=True):
-            run = open_runs.get((start, end))
-            if run is not None and run[3] == row:
-                run[3] = row + 1
-            else:
-                run = [start, row, end, row + 1]
-                open_runs[start, end] = run
-                done.append(run)
-        left, top = self._stage.topleft
-        return [pygame.Rect(left + x0 * CELL, top + y0 * CELL, (x1 - x0) * CELL,
-                            (y1 - y0) * CELL).clip(self._stage) for x0, y0, x1, y1 in done]
-
-
 MOST_PIXELS = 60_000_000
 """Of the enlarged picture; very large pictures are enlarged less."""
+
+
+def touched(boxes: Array, stage: pygame.Rect) -> list[pygame.Rect]:
+    """Rectangles of whole cells, without overlap, that cover boxes on the stage.
+
+    Args:
+        boxes: left, top, right, bottom [k, 4] pixels of the finished picture.
+        stage: what lies outside of it is cut off.
+    """
+    grid = np.zeros((-(-stage.height // CELL), -(-stage.width // CELL)), dtype=np.int8)
+    cells = np.floor((boxes - np.tile(stage.topleft, 2)) / CELL) + np.array([0.0, 0.0, 1.0, 1.0])
+    limit = (*grid.shape[::-1], *grid.shape[::-1])
+    for x0, y0, x1, y1 in np.clip(np.nan_to_num(cells), 0, limit).astype(int).tolist():
+        grid[y0:y1, x0:x1] = 1
+    edges = np.diff(grid, axis=1, prepend=0, append=0)
+    found: list[pygame.Rect] = []
+    last = np.zeros(0)
+    for row, edge in enumerate(edges):
+        ends = np.flatnonzero(edge)
+        runs = ends.reshape(-1, 2).tolist()
+        if np.array_equal(ends, last):  # of equal rows the rectangles go on
+            for rect in found[len(found) - len(runs):]:
+                rect.height += CELL
+        else:
+            found += [pygame.Rect(stage.left + a * CELL, stage.top + row * CELL, (b - a) * CELL,
+                                  CELL) for a, b in runs]
+        last = ends
+    return [rect.clip(stage) for rect in found]
 
 
 class Frames:
@@ -87,7 +62,6 @@ class Frames:
         self.painter = painter = Pixels(self.size, enlarge, picture.type)
         self.instant = picture.instant(enlarge)
         self._stage = pygame.Rect(picture.stage)
-        self._cells = Cells(self._stage)
         self.instant.go_to_sample(0)
         self._clip(on=True)
         self.instant.paint_still(painter)
@@ -133,7 +107,7 @@ class Frames:
             self._clip(on=True)
             instant.paint(painter)
             self._clip(on=False)
-            self._areas = self._cells.mark(self._boxes())
+            self._areas = touched(self._boxes(), self._stage)
             painter.scale_down(self._areas)
             paint_labels(instant, painter, self.picture.label_size, self.picture.half)
             self._written = painter.write_texts()

@@ -194,10 +194,16 @@ class Listing:
             return short(values[0])
         return self.column(values, steady=steady)
 
-    def frame(self, pose: Array) -> int:
-        """A frame that is no body, with a pose [n, 3] in each sample."""
-        self._made.append(np.asarray(pose, dtype=float))
-        return int(self.pose.shape[1]) + len(self._made) - 1
+    def spot(self, place: Array, angle: Array | float = 0.0) -> Point:
+        """A point at a place [n, 2] m of each sample, in a frame of its own with an angle [rad]."""
+        pose = np.empty((len(self.time), 3))
+        pose[:, :2], pose[:, 2] = place, angle
+        self._made.append(pose)
+        return [int(self.pose.shape[1]) + len(self._made) - 1, 0, 0]
+
+    def between(self, a: Point, b: Point) -> Between:
+        """The way from one point to another."""
+        return Between(self, self.place(a), self.place(b))
 
     def close(self) -> None:
         """Join the frames that elements made to those of the bodies."""
@@ -243,3 +249,21 @@ class Listing:
         columns = np.array(self.columns) if self.columns else np.zeros((0, len(self.time)))
         return {"time": self.time, "pose": self.pose, "columns": columns, "tables": self.tables,
                 "drift": self.drift}
+
+
+class Between:
+    """The way from one place to another, in each sample."""
+
+    def __init__(self, out: Listing, a: Array, b: Array) -> None:
+        way = b - a
+        self.out, self.a = out, a
+        self.length = np.maximum(np.hypot(*way.T), 1e-12)
+        """[n] m"""
+        self.way = way / self.length[:, None]
+        """Its direction [n, 2]."""
+        self.angle: Array = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
+        """[n] rad"""
+
+    def at(self, distance: Array | float) -> Point:
+        """A point so far from the first place [m], in a frame whose x axis points to the other."""
+        return self.out.spot(self.a + np.reshape(distance, (-1, 1)) * self.way, self.angle)

@@ -13,8 +13,8 @@ from pydantic import ValidationError
 from sandbox.errors import OutputError
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import problems_of
+from sandbox.picture.painter import EM
 from sandbox.picture.run_data import MeteredRun
-from sandbox.picture.typesetter import EM
 from sandbox.scene.layers import BY_ROLE, EVERY, meant, parse_layers, words_for
 from sandbox.scene.settings import View
 from sandbox.values.messages import explain

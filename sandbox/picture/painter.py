@@ -10,6 +10,8 @@ import numpy as np
 from sandbox.picture.palette import Colour, lighter
 
 XY = tuple[float, float]
+EM = 0.6875
+"""Pixels of an em for one of pygame's own font's size."""
 
 
 class Painter(Protocol):

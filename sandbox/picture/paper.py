@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from sandbox.atomic_files import atomic_file
 from sandbox.picture.frame import Picture
 from sandbox.picture.labels import paint_labels
-from sandbox.picture.painter import XY, hatch_ink, hatch_lines
+from sandbox.picture.painter import EM, XY, hatch_ink, hatch_lines
 from sandbox.picture.palette import BACKGROUND, Colour, lighter
-from sandbox.picture.typesetter import EM, Typesetter, letters
+from sandbox.picture.typesetter import Typesetter, letters
 
 SCREEN_PER_INCH = 96
 """Pixels per inch of pictures for the screen, as in CSS."""

@@ -16,8 +16,6 @@ from sandbox.wording import printable
 
 FINER = 4
 """Letters are drawn this many times larger, then scaled down."""
-EM = 0.6875
-"""Pixels of an em for one of pygame's own font's size."""
 MOST_LETTERS = 1000
 """Of a text; no picture is as wide."""
 

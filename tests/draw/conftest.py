@@ -1,18 +1,17 @@
-"""A made-up hand and a made-up collection of elements, moving by formula: no engine needed."""
+"""A simulated hand and finger, and a made-up collection of elements that moves by formula."""
+
+from functools import cache
 
 import numpy as np
 import pytest
 
 from sandbox.elements.arrays import CONTACT, PER_SAMPLE, STATIC, dtype_of, shape_of, sizes
+from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import planned
 from sandbox.scene.mechanism import Mechanism
-
-MM = 1e-3
-LENGTHS = (45 * MM, 26 * MM, 21 * MM)
-RADII = (9 * MM, 8 * MM, 7.5 * MM)
-GUIDES = ((-22, -14), (24, -8), (10, -3), (4, -1))
-PITCH = 130 * MM
+from sandbox.scene.read.load import load_scene
+from sandbox.scene.settings import View
 
 
 def arrays_for(mechanism, time, pose, **given):
@@ -33,123 +32,12 @@ def recording(mechanism, time, pose, **given):
                      planned(mechanism.run))
 
 
-def _finger(k):
-    name, x = f"finger{k + 1}", k * PITCH
-    bodies = [{"name": f"{name}.palm", "motion": "fixed", "role": "palm", "at": [x, 0],
-               "shapes": [{"type": "box", "size": [0.024, 0.026], "at": [-0.016, -0.004]}]}]
-    joints, springs = [], []
-    at, before = x, f"{name}.palm"
-    parts = zip(("proximal", "middle", "distal"), ("mcp", "pip", "dip"), LENGTHS, RADII,
-                (0, *LENGTHS[:2]), strict=True)
-    for part, hinge, length, radius, offset in parts:
-        body = f"{name}.{part}"
-        bodies.append({"name": body, "mass": 0.01, "role": "phalanx", "at": [at, 0],
-                       "shapes": [{"type": "capsule", "end": [length, 0], "radius": radius}]})
-        joints.append({"type": "pin", "name": f"{name}.{hinge}", "a": before, "b": body,
-                       "on_b": [0, 0], "positive": "clockwise", "limits": [0, 1.5]})
-        springs.append({"type": "linear", "name": f"{name}.{hinge}_spring", "a": before,
-                        "b": body, "on_a": [offset - 8 * MM, 8 * MM], "on_b": [8 * MM, 8 * MM],
-                        "stiffness": 300})
-        at, before = at + length, body
-    names = [b["name"] for b in bodies]
-    guides = [{"body": b, "at": [gx * MM, gy * MM]}
-              for b, (gx, gy) in zip(names, GUIDES, strict=True)]
-    return bodies, joints, springs, guides[::-1]
-
-
-def hand_mechanism(fingers=4, title="Adaptive grasp of four sections", **view):
-    """Fingers that close clockwise on discs, on a rocker tree above (to the left)."""
-    bodies, joints, springs, tendons, groups = [], [], [], [], []
-    for k in range(fingers):
-        b, j, s, guides = _finger(k)
-        bodies += b
-        joints += j
-        springs += s
-        rocker = f"tree.rocker{k // 2 + 1}" if fingers > 1 else "anchor"
-        side = (-0.065 if k % 2 == 0 else 0.065) if fingers > 1 else 0.0
-        tendons.append({"name": f"finger{k + 1}.tendon",
-                        "guides": [*guides, {"body": rocker, "at": [side, 0]}]})
-        groups.append({"name": f"finger{k + 1}", "kind": "finger",
-                       "bodies": [x["name"] for x in b]})
-        bodies += [
-            {"name": f"section{k + 1}.circle", "motion": "fixed", "role": "object",
-             "at": [k * PITCH + 0.011, -0.0383 - 0.001 * k],
-             "shapes": [{"type": "circle", "radius": (14 + 2 * k) * MM}]},
-            {"name": f"section{k + 1}.square", "mass": 0.01, "role": "object",
-             "at": [k * PITCH + 0.045, -0.075],
-             "shapes": [{"type": "box", "size": [0.012, 0.012]}]},
-        ]
-    if fingers > 1:
-        for k in range(fingers // 2):
-            bodies.append({"name": f"tree.rocker{k + 1}", "mass": 0.01, "role": "rocker",
-                           "at": [(2 * k + 0.5) * PITCH - 0.022, 0.08],
-                           "shapes": [{"type": "capsule", "start": [-0.065, 0],
-                                       "end": [0.065, 0], "radius": 0.004}]})
-        bodies.append({"name": "tree.rocker3", "mass": 0.01, "role": "rocker",
-                       "at": [1.5 * PITCH - 0.022, 0.12],
-                       "shapes": [{"type": "capsule", "start": [-PITCH, 0],
-                                   "end": [PITCH, 0], "radius": 0.004}]})
-        for k in range(fingers // 2):
-            tendons.append({"name": f"tree.link{k + 1}", "guides": [
-                {"body": f"tree.rocker{k + 1}"},
-                {"body": "tree.rocker3", "at": [-PITCH if k == 0 else PITCH, 0]}]})
-    bodies.append({"name": "anchor", "motion": "fixed", "at": [1.5 * PITCH - 0.022, 0.16]
-                   if fingers > 1 else [-0.07, -0.014]})
-    if fingers > 1:
-        tendons.append({"name": "tree.actuator",
-                        "guides": [{"body": "tree.rocker3"}, {"body": "anchor"}]})
-    drives = [{"type": "pull", "name": "actuator", "tendon": tendons[-1]["name"], "value": 15}]
-    return Mechanism.model_validate({
-        "name": "hand", "title": title, "bodies": bodies, "joints": joints, "springs": springs,
-        "tendons": tendons, "drives": drives, "groups": groups, "view": view})
-
-
-def hand(fingers=4, samples=201, **view):
-    """The hand closing within 1 s and holding for another."""
-    mechanism = hand_mechanism(fingers, **view)
-    time = (np.arange(samples) + 0.5) * 2.0 / samples
-    close = np.clip(time / 1.0, 0, 1)
-    close = close * close * (3 - 2 * close)
-    index = {b.name: i for i, b in enumerate(mechanism.bodies)}
-    pose = np.zeros((samples, len(mechanism.bodies), 3))
-    pose[:] = [[*b.at, b.angle] for b in mechanism.bodies]
-    final = np.radians([35.0, 62.361, 49.276])
-    rows = []
-    for k in range(fingers):
-        angle = np.zeros(samples)
-        x, y = np.full(samples, k * PITCH), np.zeros(samples)
-        for part, turn, length, radius in zip(("proximal", "middle", "distal"), final, LENGTHS,
-                                              RADII, strict=True):
-            angle = angle - turn * close
-            i = index[f"finger{k + 1}.{part}"]
-            pose[:, i] = np.column_stack((x, y, angle))
-            normal = np.column_stack((-np.sin(angle), np.cos(angle)))
-            middle = np.column_stack((x, y)) + length / 2 * np.column_stack(
-                (np.cos(angle), np.sin(angle)))
-            size = (0.6 + 0.3 * k) * np.clip((time - 0.9) / 0.3, 0, 1)
-            rows += [(s, i, index[f"section{k + 1}.circle"], *(middle[s] - radius * normal[s]),
-                      *(size[s] * normal[s]), *normal[s])
-                     for s in np.flatnonzero(size > 0)]
-            x, y = x + length * np.cos(angle), y + length * np.sin(angle)
-    rows.sort()
-    rows = np.array(rows)
-    tension = np.full((samples, len(mechanism.tendons)), 3.75)
-    if fingers > 1:
-        tension[:, fingers:-1] = 7.5
-        tension[:, -1] = 15.0
-        for r, rate in ((1, 0.2), (2, -0.15), (3, 0.1)):
-            pose[:, index[f"tree.rocker{r}"], 2] = rate * np.sin(3 * time)
-    tension *= np.clip((time - 0.05) / 0.5, 0, 1)[:, None]
-    stop = np.zeros((samples, len(mechanism.joints)))
-    stop[time > 1.2, 2] = -0.05
-    pull = 15.0 if fingers > 1 else 3.75
-    drive = pull * np.clip(time / 0.5, 0, 1)[:, None]
-    return recording(
-        mechanism, time, pose, tendon_tension=tension, joint_stop=stop, drive_value=drive,
-        contact_sample=rows[:, 0].astype(int), contact_body=rows[:, 1].astype(int),
-        contact_other=rows[:, 2].astype(int), contact_point=rows[:, 3:5],
-        contact_force=rows[:, 5:7], contact_normal=rows[:, 7:9],
-        contact_gap=np.zeros(len(rows)))
+@cache
+def hand(rate=100, scene="adaptive_grasp"):
+    """Four fingers that close on discs, sampled at a rate [Hz], without view and expectations."""
+    run = simulate(load_scene(scene, overrides={"run.sample_rate": rate}))
+    plain = {"name": "hand", "view": View(), "expect": ()}
+    return Recording(run.mechanism.model_copy(update=plain), run.arrays, run.info)
 
 
 def zoo_mechanism():
@@ -239,7 +127,7 @@ def hand_run():
 
 @pytest.fixture(scope="session")
 def finger_run():
-    return hand(fingers=1, title="One finger on a disc")
+    return hand(scene="single_finger")
 
 
 @pytest.fixture(scope="session")

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pygame
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from sandbox.picture.geometry import cut_line, cut_polygon, large_circle
+from sandbox.picture.camera import Rectangle, Stage, place_camera, round_length, round_up
+from sandbox.picture.geometry import large_circle
 from sandbox.picture.pixels import new_surface
 from sandbox.picture.typesetter import MOST_LETTERS, Typesetter, ellipsis
 from sandbox.scene.mechanism import Mechanism
@@ -95,22 +98,6 @@ def test_a_large_circle_is_where_its_rim_is(angle, radius):
         assert surface.get_at(outside)[:3] != RED
 
 
-def test_a_polygon_cut_far_outside_is_the_same_in_sight():
-    corners = [(-3e4, 10.0), (80.0, -2e4), (3e4, 110.0), (60.0, 90.0)]
-    whole, cut = new_surface(*SIZE), new_surface(*SIZE)
-    pygame.draw.polygon(whole, RED, corners)
-    pygame.draw.polygon(cut, RED, cut_polygon(corners, EDGES))
-    apart = pygame.surfarray.array3d(whole) != pygame.surfarray.array3d(cut)
-    assert apart.any(axis=2).mean() < 0.01
-
-
-@pytest.mark.parametrize(("line", "seen"), [
-    (((-1e9, 60.0), (1e9, 60.0)), True), (((-1e9, 1e9), (1e9, 1e9)), False),
-    (((np.nan, 0.0), (1.0, 1.0)), False), (((80.0, -1e300), (80.0, 1e300)), True)])
-def test_a_line_is_cut(line, seen):
-    assert (cut_line(*line, EDGES) is not None) == seen
-
-
 def test_texts_are_bounded_and_print():
     type_ = Typesetter(12)
     assert type_.width("W" * 20_000) == type_.width("W" * MOST_LETTERS)
@@ -119,3 +106,39 @@ def test_texts_are_bounded_and_print():
     short = ellipsis(type_, "many words " * 2000, 100, 12)
     assert short.endswith("...")
     assert 60 < type_.width(short) <= 100
+
+
+metres = st.floats(-10, 10)
+sizes = st.floats(1e-4, 10)
+
+
+@given(metres, metres, sizes, sizes, st.integers(64, 2000), st.integers(64, 2000))
+def test_fitted_box_lies_on_the_stage_and_touches_its_margin(x, y, w, h, width, height):
+    stage = Stage(0, 30, width, height)
+    camera = place_camera(Rectangle(x, y, x + w, y + h), stage)
+    (left, bottom), (right, top) = camera.to_pixels(np.array([[x, y], [x + w, y + h]]))
+    margins = [left / width, 1 - right / width, (top - 30) / height,
+               1 - (bottom - 30) / height]
+    assert min(margins) == pytest.approx(0.04, abs=1e-6)
+
+
+def test_box_leaves_out_what_is_not_finite():
+    box = Rectangle.around(np.array([[0, 0], [np.nan, 9], [1, 2], [np.inf, 0]]))
+    assert box == Rectangle(0, 0, 1, 2)
+    assert Rectangle.around(np.zeros((0, 2))) == Rectangle(0, 0, 0, 0)
+
+
+@given(st.floats(1e-9, 1e9))
+def test_round_length_is_round_and_not_above(largest):
+    length = round_length(largest)
+    assert length <= largest * (1 + 1e-8)
+    assert largest < 2.5 * length * (1 + 1e-8)
+    digit = length / 10 ** np.floor(np.log10(length) + 1e-9)
+    assert min(abs(digit - d) for d in (1, 2, 5)) < 1e-6
+
+
+@pytest.mark.parametrize(("value", "expected"), [(15, 15), (15.1, 20), (3.75, 4), (0.9, 1),
+                                                 (0.83, 1), (0.0, 1), (5e-324, 1),
+                                                 (1.4e308, 1.5e308)])
+def test_round_up(value, expected):
+    assert round_up(value) == pytest.approx(expected)

@@ -11,11 +11,10 @@ from sandbox.picture.frame import Picture
 from sandbox.picture.frames import Frames
 from sandbox.picture.palette import FORCE
 from sandbox.picture.paper import paint_picture, pixels
-from sandbox.picture.scales import number
 from sandbox.scene.mechanism import Mechanism
 from tests.draw.painted import frames_of
 
-from .conftest import hand, recording
+from .conftest import recording
 
 GOLDEN = Path(__file__).parent / "golden"
 SMALL = (320, 240)
@@ -120,17 +119,3 @@ def test_an_empty_scene_has_a_picture():
     mechanism = Mechanism(name="empty")
     run = recording(mechanism, np.array([0.0]), np.zeros((1, 0, 3)))
     assert frames_of(run, size=SMALL).draw(0.0).shape == (240, 320, 3)
-
-
-def test_a_view_beside_everything_is_blank_but_has_its_title():
-    run = hand(fingers=1, samples=11, centre=[50.0, 50.0], width=0.1, size=[400, 300])
-    picture = frames_of(run).draw(1.0)
-    assert (picture[40:250] == 255).all()
-    assert (picture[:30] != 255).any()
-
-
-@pytest.mark.parametrize(("value", "reference", "text"), [
-    (0.5839, 1.0, "0.58"), (15.0, 15.0, "15.0"), (151.2, 400.0, "151"),
-    (0.0123, 0.05, "0.012"), (0.00021, 0.0004, "0.00021"), (0.0, 0.0, "0.00")])
-def test_numbers_have_the_decimals_of_their_scale(value, reference, text):
-    assert number(value, reference) == text

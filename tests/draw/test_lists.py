@@ -90,16 +90,6 @@ def test_lists_hold_no_other_kinds_and_every_reference_is_there() -> None:
         assert inks <= set(out.inks)
 
 
-def test_live_lists_keep_their_items_and_columns() -> None:
-    """Two parts of one run have the same items where no column is left out."""
-    run = sandbox.simulate(sandbox.load_scene("single_finger", overrides={"run.duration": 0.1}))
-    view = run.mechanism.view
-    one, two = (subject_of(part, view, width=1.0, point=1e-3, fixed_columns=True).out
-                for part in (run.part(0, 20), run.part(20, 40)))
-    assert [item["k"] for item in one.items] == [item["k"] for item in two.items]
-    assert len(one.columns) == len(two.columns)
-
-
 @pytest.mark.parametrize("size", [(400, 300), (800, 600)])
 def test_numbers_do_not_jump_and_are_few_in_small_pictures(
         hand_run: Any, size: tuple[int, int]) -> None:

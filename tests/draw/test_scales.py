@@ -1,8 +1,11 @@
-"""How long arrows are: by what acts most of the time, not by the largest blow."""
+"""How long arrows are and how colours are scaled: by what acts most of the time."""
+
+from __future__ import annotations
 
 import numpy as np
 
 from sandbox.picture.scales import quantile, typical
+from sandbox.picture.tensions import largest_tension
 
 TIME = np.arange(1000) / 1000
 
@@ -30,3 +33,10 @@ def test_only_the_time_in_which_anything_acts_counts():
     size[500] = 7e7  # of what rounding leaves beside that nothing is shown
     size[100:110] = 7.0
     assert typical(size, TIME) == 7e7
+
+
+def test_a_short_spike_does_not_wash_out_what_is_carried_else() -> None:
+    """5 % of the run at 100 N, the rest at 1 N: the top is what twice 1 N is rounded up to."""
+    tension = np.where(np.arange(1000) < 50, 100.0, 1.0)[:, None]
+    assert largest_tension(tension) == 2.0
+    assert largest_tension(tension[::-1]) == 100.0  # the last picture is not beyond the scale

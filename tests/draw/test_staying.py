@@ -6,6 +6,7 @@ import pytest
 from sandbox.errors import OutputError
 from sandbox.picture.bounds import ROOM, anchored, body_box
 from sandbox.picture.options import view_of
+from sandbox.picture.palette import TRACE
 from sandbox.scene.mechanism import Mechanism
 from tests.draw.painted import frames_of
 
@@ -77,15 +78,6 @@ def test_what_is_tied_stays():
     assert anchored(tied).tolist() == [True, True]
     assert body_box(tied).x1 == pytest.approx(5.05)
     assert body_box(free).x1 < 0.5 + ROOM + 0.2
-
-
-def test_the_view_says_which_bodies_matter():
-    ways = {"ball": np.stack((9 * TIME, 0 * TIME), axis=1)}
-    found = {name: body_box(world(body("ball", [0, 0.1]), ways=ways, view={"bodies": [name]}))
-             for name in ("ball", "floor", "*")}
-    assert (found["ball"].x0, found["ball"].x1) == pytest.approx((-0.05, 9.05))
-    assert found["floor"].width == pytest.approx(1.0)
-    assert (found["*"].x0, found["*"].x1) == pytest.approx((-0.5, 9.05))
 
 
 def test_a_picture_that_follows_a_body_keeps_it_where_it_is():
@@ -175,3 +167,46 @@ def test_a_body_that_goes_far_in_its_machine_is_shown_with_what_is_near():
     box = body_box(run)
     # half its size to either side, where rail and floor go on; nothing is above
     assert (box.x0, box.y0, box.x1, box.y1) == pytest.approx((-0.1, 0.0, 0.1, 0.15))
+
+
+RADIUS = 0.04
+
+
+def turning(turns=1.0, samples=101, traces=({"body": "arm", "at": [RADIUS, 0]},), **view):
+    """An arm that turns about the middle, evenly, once in a second for each of ``turns``."""
+    time = np.linspace(0, 1, samples)
+    pose = np.zeros((samples, 1, 3))
+    pose[:, 0, 2] = 2 * np.pi * turns * time
+    return recording(Mechanism.model_validate({
+        "bodies": [{"name": "arm", "mass": 1, "shapes": [{"type": "circle", "radius": 0.005}]}],
+        "view": {"centre": [0, 0], "width": 0.12, "traces": list(traces), **view}}), time, pose)
+
+
+def green(run, t, at):
+    """Whether places [k, 2] of the world show the trace's colour at ``t``."""
+    drawn = frames_of(run, size=(480, 480))
+    picture = drawn.draw(t).astype(int)
+    found = []
+    for x, y in drawn.picture.camera.to_pixels(np.asarray(at, dtype=float)):
+        near = picture[int(y) - 2:int(y) + 3, int(x) - 2:int(x) + 3].reshape(-1, 3)
+        found.append(bool((np.abs(near - TRACE).max(axis=1) < 40).any()))
+    return found
+
+
+def on_circle(*degrees):
+    angle = np.radians(degrees)
+    return RADIUS * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def test_a_way_gone_twice_is_as_one_gone_once():
+    """One outline around both would have its inside out."""
+    places = on_circle(*range(5, 360, 15))
+    assert all(green(turning(turns=2.0), 1.0, places))
+    assert all(green(turning(turns=3.5), 1.0, places))
+
+
+def test_the_picture_has_room_for_it():
+    view = {"centre": None, "width": None}
+    far = turning(traces=[{"body": "arm", "at": [0.5, 0]}], **view)
+    assert body_box(far).width == pytest.approx(1.0, rel=0.01)
+    assert body_box(turning(traces=(), **view)).width < 0.02

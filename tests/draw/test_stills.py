@@ -1,4 +1,4 @@
-"""Stills are the frames of the film, in every format: both come from the same drawers."""
+"""Stills are the frames of the film, in every format and on paper."""
 
 import re
 from xml.etree import ElementTree
@@ -12,7 +12,7 @@ from sandbox.picture.film import render
 from sandbox.picture.frame import Picture
 from sandbox.picture.frames import Frames
 from sandbox.picture.meters import HUES, dials
-from sandbox.picture.options import view_of
+from sandbox.picture.options import LETTERS, PrintSize, paper_of, view_of
 from sandbox.picture.paper import paint_picture, pixels
 from sandbox.picture.stills import instants
 from sandbox.picture.strip import strip_of
@@ -42,18 +42,6 @@ def test_paper_and_films_show_the_same_picture(run):
 def still(picture, t, transparent=False):
     return pixels(picture.size, picture.type, lambda paper: paint_picture(picture, paper, t),
                   transparent=transparent)
-
-
-def test_without_a_ground_colours_are_those_of_the_picture(zoo_run):
-    """Colour c of opacity a on a ground g is a c + (1 - a) g, by the definition of opacity."""
-    picture = Picture(zoo_run, view=everything(zoo_run))
-    found = still(picture, 0.7, transparent=True).astype(float)
-    opacity = found[..., 3:] / 255
-    laid = opacity * found[..., :3] + (1 - opacity) * 255
-    # colour and opacity of each of the shapes that lie there are rounded
-    assert np.abs(laid - still(picture, 0.7)).max() <= 4
-    assert found[0, 0, 3] == 0
-    assert (found[..., 3] == 255).mean() > 0.01
 
 
 def test_an_svg_keeps_its_words_and_has_the_size_of_the_picture(zoo_run, tmp_path):
@@ -212,3 +200,54 @@ def test_a_strips_meters_have_a_cursor_for_each_picture(finger_run):
     assert len(dots) == 3
     apart = np.diff(dots)
     assert apart[0] / apart[1] == pytest.approx(0.8, abs=1e-6)
+
+
+FONT_SIZE = re.compile(r"([0-9.]+)px")
+
+
+def letters(path):
+    """Sizes of all letters [pt], and width and height [mm] of an SVG."""
+    text = path.read_text()
+    sides = [float(re.search(rf'<svg[^>]*? {side}="([0-9.]+)pt"', text)[1]) / 72 * 25.4
+             for side in ("width", "height")]
+    return [float(size) for size in FONT_SIZE.findall(text)], sides
+
+
+@pytest.mark.parametrize(("word", "paper"), [
+    ("85mm", PrintSize(85)), ("8.5 cm", PrintSize(85)), ("85mmx70mm", PrintSize(85, 70)),
+    ("85 x 70 mm", PrintSize(85, 70)), ("3.5in", PrintSize(3.5 * 25.4)),
+    ("8.5cm × 70mm", PrintSize(85, 70)),
+    ("800x600", None), ("2x", None), ("85", None), ((800, 600), None), ("mm", None),
+])
+def test_a_size_on_paper_has_a_unit(word, paper):
+    found = paper_of(word)
+    assert found == paper if paper is None else (found.width, found.height) == pytest.approx(
+        (paper.width, paper.height) if paper.height else (paper.width, None))
+
+
+@pytest.mark.parametrize("word", ["85mm", "85mmx70mm"])
+@pytest.mark.parametrize("more", [{}, {"strip": 3}])
+def test_no_letter_of_a_still_on_paper_is_smaller_than_seven_points(
+    finger_run, tmp_path, word, more,
+):
+    file, = render(finger_run, tmp_path / "a.svg", size=word, **more)
+    sizes, (width, height) = letters(file)
+    assert sizes
+    assert min(sizes) >= LETTERS == 7.0  # points, as the docs say
+    assert width == pytest.approx(paper_of(word).width, abs=0.01)
+    if paper_of(word).height:
+        assert height == pytest.approx(70, abs=0.1)
+
+
+def test_a_still_on_paper_has_pixels_enough_for_print_and_says_how_large_it_is(
+    finger_run, tmp_path,
+):
+    file, = render(finger_run, tmp_path / "a.png", size="85mmx70mm")
+    with Image.open(file) as picture:
+        assert picture.size == (1004, 827)
+        assert picture.info["dpi"] == pytest.approx((300, 300), abs=0.1)
+
+
+def test_a_film_has_no_size_on_paper(finger_run, tmp_path):
+    with pytest.raises(OutputError, match=r"a film has pixels.*\.svg"):
+        render(finger_run, tmp_path / "a.gif", size="85mm")

@@ -1,16 +1,23 @@
-"""Shapes of a body without seams, its colour, and pressures along flat sides."""
+"""Shapes of bodies without seams, outlines, colours, pressures; rods and points beside bodies."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
 
 import numpy as np
 import pytest
 
+import sandbox
 from sandbox.errors import SceneError
-from sandbox.picture.elements.bodies import styles, united
+from sandbox.model.compile import compile_mechanism
+from sandbox.picture.elements.bodies import bare_outlines, beside, far_feet, stalks, styles, united
 from sandbox.picture.elements.forces import FlatSides, spread
+from sandbox.picture.elements.links import cylinder
 from sandbox.picture.palette import ROLES
 from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.colours import COLOURS, rgb
-from tests.draw.painted import frames_of
 
 from .conftest import recording
 
@@ -44,20 +51,6 @@ def still(bodies, **more):
     pose = np.zeros((1, len(bodies), 3))
     pose[0] = [[*b.at, b.angle] for b in mechanism.bodies]
     return mechanism, pose
-
-
-@pytest.mark.parametrize("motion", [{"mass": 1}, {"motion": "fixed"}])
-def test_where_two_boxes_meet_nothing_is_seen(motion):
-    """On the line that they share all is as inside of them; across it a seam would be dark."""
-    mechanism, pose = still([{"name": "ell", "shapes": [BOX, LEG], **motion}],
-                            view={"centre": [0.05, 0.07], "width": 0.3, "size": [800, 640]})
-    renderer = frames_of(recording(mechanism, np.zeros(1), pose))
-    picture = renderer.draw(0.0).astype(int)
-    for x, y, edge in ((0.1, 0.0, False), (0.1, 0.1, True), (0.0, 0.025, True)):
-        row, column = renderer.picture.camera.to_pixels(np.array([x, y])).astype(int)[::-1]
-        near = picture[row - 3:row + 4, column - 3:column + 4].reshape(-1, 3)
-        dark = (np.abs(near - ROLES["link"].edge).max(axis=1) < 40).any()
-        assert dark == edge
 
 
 def test_a_body_has_its_colour_else_that_of_its_material_else_that_of_its_role():
@@ -129,3 +122,63 @@ def test_a_box_presses_where_it_stands(at, ends, sizes):
     assert [x for x, _ in found] == pytest.approx(ends)
     assert [q for _, q in found] == pytest.approx(sizes, abs=1e-9)
     assert (one[1], two[1], way) == (0.0, 0.0, (0.0, -1.0))
+
+
+BLOCK = {"type": "box", "size": [0.2, 0.1]}
+ELL = {"type": "polygon", "points": [
+    [-0.1, -0.05], [0.1, -0.05], [0.1, 0.05], [0, 0.05], [0, 0.15], [-0.1, 0.15]]}
+
+
+def length(shapes):
+    body = Body.model_validate({"name": "b", "mass": 1, "shapes": shapes})
+    return sum(np.hypot(*np.diff(line, axis=0).T).sum()
+               for line in bare_outlines(body.shapes, 1e-6, turns=False))
+
+
+@pytest.mark.parametrize(("shapes", "around"), [
+    ([BLOCK], 0.6), ([ELL], 0.8),
+    # beside each other, with a seam
+    ([BLOCK, {**BLOCK, "at": [0.2, 0]}], 1.0),
+    # apart; one in the other
+    ([BLOCK, {**BLOCK, "at": [0.5, 0]}], 1.2), ([BLOCK, {"type": "box", "size": [0.1, 0.05]}], 0.9),
+    # two discs whose centres are a radius apart: of either two thirds are seen
+    ([{"type": "circle", "radius": 0.1}, {"type": "circle", "radius": 0.1, "at": [0.1, 0]}],
+     2 * 2 / 3 * 2 * np.pi * 0.1)])
+def test_the_outline_is_as_long_as_the_outline_of_all(shapes, around):
+    assert length(shapes) == pytest.approx(around, rel=2e-3)
+
+
+@pytest.mark.parametrize(("low", "high"), [(100, 107), (100, 100), (100, 140), (100, 185)])
+def test_a_rod_keeps_its_length(low: float, high: float) -> None:
+    """As it is of steel: the piston goes as far as the actuator grows, within its cylinder."""
+    made = cylinder(np.linspace(low, high, 7), low, high, 12)
+    found = list(zip(*(each.tolist() for each in made), strict=True))
+    rods = [length - piston for length, (_, piston) in
+            zip(np.linspace(low, high, 7), found, strict=True)]
+    assert rods == pytest.approx([rods[0]] * 7, rel=1e-12)
+    tubes = {tube for tube, _ in found}
+    assert len(tubes) == 1
+    assert all(0 <= piston <= tube < low for tube, piston in found)
+
+
+def _beside(**field: Any) -> Any:
+    return compile_mechanism(sandbox.expand(sandbox.load_scene({
+        "bodies": [{"name": "frame", "motion": "fixed",
+                    "shapes": [{"type": "box", "size": [0.2, 0.1]}]},
+                   {"name": "arm", "mass": 1, "at": [1, 0],
+                    "shapes": [{"type": "capsule", "end": [1, 0], "radius": 0.1}]}],
+        "joints": [{"type": "actuator", "name": "c", "a": "frame", "b": "arm",
+                    "on_a": [0, -0.5], "on_b": [0.5, 0.35]}], **field})))
+
+
+def test_a_point_beside_a_body_has_a_line_to_where_the_body_is_nearest() -> None:
+    """Straight down 0.25 m to a capsule's side, 0.45 m to that of a box."""
+    model = _beside()
+    found = stalks(model)
+    assert len(found[0]) == len(found[1]) == 1
+    assert found[1][0][0] == (0.5, 0.35)
+    assert found[1][0][1] == pytest.approx((0.5, 0.1), abs=1e-12)
+    assert math.dist(*found[0][0]) == pytest.approx(0.45)
+    assert beside(model, 1, (0.5, 0.05)) is None
+    assert far_feet(model, 0.44) == {0: [(0.0, -0.5)]}
+    assert far_feet(model, 0.46) == {0: []}

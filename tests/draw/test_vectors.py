@@ -4,11 +4,8 @@ import numpy as np
 import pytest
 
 from sandbox.picture.elements.forces import (
-    VECTOR_LENGTH,
-    Vectors,
     point_motion,
     reactions,
-    vector_scale,
 )
 from sandbox.picture.elements.notes import fingertip, traced
 from sandbox.picture.tensions import bar_tensions, bars_of, tensions_of
@@ -41,16 +38,6 @@ def test_points_of_a_body_that_turns_go_on_circles(radius):
     v, a = point_motion(run, [(0, (radius, 0.0))])
     assert v[0, 0] == pytest.approx(radius * 3 * across, abs=1e-15)
     assert a[0, 0] == pytest.approx(radius * (2 * across - 9 * out), abs=1e-15)
-
-
-def test_an_arrow_has_the_length_of_its_value_by_the_size_that_is_typical():
-    values = np.array([[[0.5, 0.0], [2.0, 0.0], [0.0, 40.0]]])
-    places = [(0, (0.0, 0.0))] * 3
-    scale = vector_scale(Vectors(places, values, "m/s", "", "velocity"), np.zeros(1), 1.0)
-    assert (scale.reference, scale.metres) == (40.0, pytest.approx(VECTOR_LENGTH / 40))
-    many = np.concatenate([values[:, :2]] * 99 + [values[:, 1:]])
-    scale = vector_scale(Vectors(places[:2], many, "m/s", "", "velocity"), np.arange(100.0), 1.0)
-    assert scale.reference == 2.0
 
 
 def hanging(roles=("ground", "link")):
@@ -100,7 +87,7 @@ def test_a_bar_carries_what_its_pins_pull_it_apart_with(angle):
 
 
 def test_what_is_traced_unless_the_view_says_it():
-    run = hand(samples=21)
+    run = hand()
     names = [body.name for body in run.mechanism.bodies]
     tips = [names.index(f"finger{k}.distal") for k in (1, 2, 3, 4)]
     found = traced(run, run.mechanism.view, ("*",))

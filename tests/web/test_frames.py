@@ -122,3 +122,20 @@ def test_a_traced_point_beside_the_middle_goes_round_with_its_body() -> None:
     assert (np.diff(angles) > 0).all()
     assert angles[-1] == pytest.approx(frames.live["disc.angle"], abs=1e-5)
     assert before < angles[0] <= before + 20.0 * 2 * H
+
+
+def test_marks_of_a_belt_go_as_far_as_its_speed_says() -> None:
+    """From rest with 2 m/s^2: t^2 metres, whatever the frames are that lie between."""
+    machine = mechanism(
+        bodies=[fixed("belt", shapes=[{"type": "box", "size": (4.0, 0.2)}])],
+        drives=[{"type": "surface", "name": "run", "body": "belt",
+                 "value": {"ramp": {"from": 0, "to": 1, "start": 0, "over": 0.5}}}])
+    frames = begun(machine)
+    frames.layers = {"drives"}
+    places = []
+    for steps in (40, 200, 40):
+        frames.live.step(steps)
+        found = told(frames)
+        places.append((found["pose"][found["items"][0]["at"][0]][0], frames.live.time))
+    (x0, t0), _, (x1, t1) = places
+    assert abs(x1 - x0) == pytest.approx(t1**2 - t0**2, rel=0.01)

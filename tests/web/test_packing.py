@@ -77,17 +77,17 @@ def test_the_samples_of_a_drawing_miss_no_pose():
 
 
 def test_plots_keep_the_least_and_the_greatest_of_each_bin(monkeypatch):
-    run = hand(samples=801)
-    noise = np.random.default_rng(3).random((801, len(run.mechanism.tendons)))
-    run = type(run)(run.mechanism, {**run.arrays, "tendon_tension": noise}, run.info)
+    run = hand(400)
+    noise = np.random.default_rng(3).random((800, 1))
+    run = type(run)(run.mechanism, {**run.arrays, "drive_value": noise}, run.info)
     monkeypatch.setattr(packing, "BINS", 100)
-    found = packed(run, listing(run), ["tree.actuator.tension"], 0.6)
+    found = packed(run, listing(run), ["actuator.value"], 0.6)
     assert len(found.thinned) == 1
     data, _, raw = parts(found)
     heads = {head["key"]: head for head in data["blocks"] if head["part"] == 2}
     values, times = read(heads["plots"], raw)[0], read(heads["ptime"], raw)[0]
-    truth = run["tree.actuator.tension"]
-    bins = [truth[i:i + 9] for i in range(0, 801, 9)]
+    truth = run["actuator.value"]
+    bins = [truth[i:i + 8] for i in range(0, 800, 8)]
     step = heads["plots"]["step"][0]
     assert np.abs(values.reshape(-1, 2).min(axis=1) - [b.min() for b in bins]).max() <= step
     assert np.abs(values.reshape(-1, 2).max(axis=1) - [b.max() for b in bins]).max() <= step
@@ -117,7 +117,7 @@ def test_the_page_draws_contacts_on_the_objects_and_knows_their_quantities():
 
 
 def test_a_budget_is_kept_and_said(monkeypatch):
-    run = hand(samples=6001)
+    run = hand(2000)
     names = [name for name in run.names() if name.endswith((".x", ".y", ".angle", ".tension"))]
     whole = packed(run, listing(run), names, 0.6)
     monkeypatch.setattr(packing, "BUDGET", len(whole.data) * 2 // 3)

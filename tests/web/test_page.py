@@ -8,8 +8,9 @@ import re
 import pytest
 
 from sandbox.errors import OutputError
+from sandbox.picture.subject import INKS
 from sandbox.recording.recording import Recording
-from sandbox.web.page import HASHES, MOST_RUNS, UPLOT, report, safe_json, text_of
+from sandbox.web.page import HASHES, MOST_RUNS, UPLOT, report, safe_json, styles, text_of
 from tests.draw.conftest import hand, zoo
 
 EVIL = '</script><script>window.pwned=1</script><img src=x onerror="pwned=2">\u2028"\'&{}'
@@ -74,3 +75,30 @@ def test_uplot_is_the_version_that_is_said():
         assert hashlib.sha256(text_of(f"uplot/{name}").encode()).hexdigest() == digest
     assert f"(v{UPLOT})" in text_of("uplot/uPlot.iife.min.js")
     assert "MIT License" in text_of("uplot/uPlot.LICENSE")
+
+
+def contrast(one, other):
+    """The ratio of two colours ``#rrggbb`` by WCAG 2: relative luminances in linear light."""
+    def light(colour):
+        parts = [int(colour[k:k + 2], 16) / 255 for k in (1, 3, 5)]
+        red, green, blue = (v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4
+                            for v in parts)
+        return 0.2126 * red + 0.7152 * green + 0.0722 * blue + 0.05
+
+    low, high = sorted((light(one), light(other)))
+    return high / low
+
+
+@pytest.mark.parametrize("night", [0, 1])
+def test_controls_and_texts_have_contrast_by_day_and_by_night(night):
+    """Edges of controls and marks 3 : 1, as WCAG 2.2 asks (1.4.11); texts 4.5 : 1 (1.4.3)."""
+    tokens = dict(re.findall(r"--([a-z]+): (#[0-9a-f]{6})",
+                             re.findall(r":root \{(.*?)\}", styles(), re.DOTALL)[night]))
+    assert {"edge", "accent", "ink", "faint", "bad", "good", "warn"} <= set(tokens)
+    for ground in ("back", "page"):
+        for name in ("edge", "accent"):
+            assert contrast(tokens[name], tokens[ground]) >= 3, (name, ground)
+        for name in ("ink", "faint", "bad", "good", "warn"):
+            assert contrast(tokens[name], tokens[ground]) >= 4.5, (name, ground)
+    for token in ("ink", "faint_ink", "force", "drive", "spring", "pin_ring", "stop"):
+        assert contrast(*(INKS[name][night] for name in (token, "paper"))) >= 3, token

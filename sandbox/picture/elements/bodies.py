@@ -169,9 +169,9 @@ class _BodyMaker:
             self.path([{"c": [short(x), short(y), short(x), short(y), size]}])
             pose = self.s.run.arrays["body_pose"][:, self.body]
             c, sine = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-            end = [self.s.out.frame(np.column_stack([
-                pose[:, 0] + c * (x + radius) - sine * y, pose[:, 1] + sine * (x + radius) + c * y,
-                pose[:, 2]])), 0, 0]
+            end = self.s.out.spot(np.column_stack([
+                pose[:, 0] + c * (x + radius) - sine * y,
+                pose[:, 1] + sine * (x + radius) + c * y]), pose[:, 2])
         if not self.fixed:
             line = self.s.style("", self.edge, EDGE)
             self.s.add("bodies", "line", self.name, plane=self.plane, rank=self.rank, s=line,

@@ -189,9 +189,8 @@ class _Cord:
         """The end of a piece that skips guides which the cord has left."""
         rows = np.arange(len(following))
         centre = np.stack(places, axis=1)[rows, following]
-        frame = self.s.out.frame(np.column_stack([centre, np.zeros(len(rows))]))
         h = int(following[0])
-        return [frame, 0, 0, self.radii[h], self.senses[h],
+        return [*self.s.out.spot(centre), self.radii[h], self.senses[h],
                 self.s.out.varying(meets[rows, following]),
                 self.s.out.varying(middle[rows, following])]
 
@@ -201,7 +200,7 @@ class _Cord:
         at: Point = self.points[guide]
         if radius:
             place = centre + radius * np.column_stack((np.cos(angle), np.sin(angle)))
-            at = [s.out.frame(np.column_stack([place, np.zeros(len(place))])), 0, 0]
+            at = s.out.spot(place)
         there = self.on[:, guide] & self.hold
         s.add("cords", "mark", plane=self.plane, rank=1, at=at, state=s.out.varying(
             ~slips, steady=True), g=[glyph(s.out, "slides"), glyph(s.out, "rubs")],

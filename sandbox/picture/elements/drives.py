@@ -270,8 +270,7 @@ def _numbers(s: Subject) -> None:
         if line:
             other = s.out.place([int(model.joints.bodies[joint, 0]),
                                  *model.joints.anchor[joint, 0]])
-            middle = (s.out.place(at) + other) / 2
-            at = [s.out.frame(np.column_stack([middle, np.zeros(len(middle))])), 0, 0]
+            at = s.out.spot((s.out.place(at) + other) / 2)
         s.add("drives", "text", model.drives.name[k], at=at, words=model.drives.name[k],
               value=s.out.column(torque, steady=True), factor=factor, unit=unit,
               clear=12.0 if line else max(12.0, rim(s, at)), decimals=decimals,
@@ -318,6 +317,6 @@ def add_belts(s: Subject) -> None:
             turn = np.unwrap(np.arctan2(step[side, 1], step[side, 0]), axis=0) + pose[..., 2]
             for frame in np.moveaxis(np.stack([
                     pose[..., 0] + c * x - sine * y, pose[..., 1] + sine * x + c * y, turn]), 2, 0):
-                s.add("belts", "mark", plane=s.plane(body), at=[s.out.frame(frame.T), 0, 0],
+                s.add("belts", "mark", plane=s.plane(body), at=s.out.spot(frame[:2].T, frame[2]),
                       turn=s.out.varying(frame[2]), g=[glyph(s.out, name) for name in marks],
                       state=back)

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from sandbox.model.model import NONE
-from sandbox.numeric import Array
 from sandbox.picture.camera import round_up
 from sandbox.picture.glyphs import glyph
-from sandbox.picture.listing import Number, Point, short
+from sandbox.picture.listing import Between, Number, Point, short
 from sandbox.picture.run_data import RunData
 from sandbox.picture.scales import decimals, number
 from sandbox.picture.subject import Subject
@@ -138,13 +137,9 @@ class _Fluids:
     def tube(self, tube: Tube, *, told: bool) -> Point:
         """A cylinder with its piston; returns where its hose begins."""
         s = self.s
-        a, b = s.out.place(tube.a), s.out.place(tube.b)
-        way = b - a
-        length = np.maximum(np.hypot(*way.T), 1e-12)
-        angle = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
-        piston = tube.end - tube.slope * (tube.longest - length)
-        foot = s.out.frame(np.column_stack([a, angle]))
-        head = s.out.frame(np.column_stack([a + (piston / length)[:, None] * way, angle]))
+        way = s.out.between(tube.a, tube.b)
+        foot = way.at(0.0)[0]
+        head = way.at(tube.end - tube.slope * (tube.longest - way.length))[0]
         half = min(max(TUBE_SHARE * tube.tube, TUBE[0] * s.point), TUBE[1] * s.point)
         whole, level = tube.tube, self.level(tube.line)
         box = [short(v) for v in (0, -half, whole, -half, whole, half, 0, half)]
@@ -209,10 +204,8 @@ class _Fluids:
         s = self.s
         a, b = (s.out.place(end) + s.point * np.array(_offset(end, (0.0, 0.0)))
                 for end in (one, two))
-        way = b - a
-        angle: Array = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
-        frame = s.out.frame(np.column_stack([(a + b) / 2, angle]))
-        return [frame, 0, 0], s.out.varying(angle)
+        way = Between(s.out, a, b)
+        return way.at(way.length / 2), s.out.varying(way.angle)
 
     def pumps(self) -> None:
         """Sources of flow or pressure beside their lines, with their values."""

@@ -83,22 +83,14 @@ class _Link:
                  shown: list[int] | None) -> None:
         self.s, self.name, self.ends, self.plane = s, name, ends, plane
         self.shown: dict[str, Any] = {} if shown is None else {"shown": shown}
-        self.a, self.b = (s.out.place(end) for end in ends)
-        way = self.b - self.a
-        self.length = np.maximum(np.hypot(*way.T), 1e-12)
-        self.way = way / self.length[:, None]
-        self.angle = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
+        self.way = s.out.between(*ends)
+        self.length = self.way.length
 
     def add(self, kind: str, **fields: Any) -> None:
         self.s.add("links", kind, self.name, plane=self.plane, **{**self.shown, **fields})
 
     def line(self, points: list[Point], token: str, width: float, **fields: Any) -> None:
         self.add("line", p=points, s=self.s.style("", token, width), **fields)
-
-    def along(self, way: Array | float) -> int:
-        """A frame so far from a to b [m], with x towards b."""
-        at = self.a + np.reshape(way, (-1, 1)) * self.way
-        return self.s.out.frame(np.column_stack([at, self.angle]))
 
     def tube(self, start: Point, end: Point, level: Array) -> None:
         """A tube filled with the colour of what it carries."""
@@ -112,7 +104,7 @@ class _Link:
         """A taut rope with strands, a slack one dashed; with a least length a telescope."""
         s, (shortest, longest) = self.s, reach
         if shortest > 0:
-            middle = [self.along(self.length / 2), 0, 0]
+            middle = self.way.at(self.length / 2)
             self.tube(self.ends[0], middle, level)
             self.line([middle, self.ends[1]], "pin_ring", 1.6)
             return
@@ -140,7 +132,7 @@ class _Link:
         tube, piston = cylinder(self.length, *reach, 12 * point)
         inset, half = 1.4 * point, 3.0 * point
         middle = np.clip(piston, inset + half, np.maximum(tube - inset - half, inset + half))
-        foot, cap, head, block = map(self.along, (0.0 * tube, tube, piston, middle))
+        foot, cap, head, block = (self.way.at(far)[0] for far in (0.0, tube, piston, middle))
         self.line([[head, 0, 0], self.ends[1]], "pin_ring", 4.4)
         self.line([[foot, 0, 0], [cap, 0, 0]], "pin_ring", TUBE_WIDTH)
         self.line([[foot, inset, 0], [cap, -inset, 0]], "paper", TUBE_WIDTH - 2.6)
@@ -156,7 +148,7 @@ class _Link:
         there = there & (self.length > SHORT * s.point)
         if "shown" in self.shown:
             there = there & (s.out.columns[self.shown["shown"][0]] != 0)
-        s.add("told", "text", self.name, at=[self.along(self.length / 2), 0, 0], words="",
+        s.add("told", "text", self.name, at=self.way.at(self.length / 2), words="",
               value=s.out.column(tension, steady=True), factor=factor, unit=unit,
               decimals=decimals, s=s.style("", "ink"), rank=4, clear=BESIDE,
               shown=s.out.varying(there, steady=True))
@@ -212,7 +204,7 @@ def add_springs(s: Subject) -> None:
                 apart = side * (size - rest) <= 0
             if side < 0 and (size > rest).any():  # it does not follow what leaves it
                 tip = start + (end - start) * np.minimum(1.0, rest / size)[:, None]
-                ends[1] = [s.out.frame(np.column_stack([tip, np.zeros(len(tip))])), 0, 0]
+                ends[1] = s.out.spot(tip)
             look = _spring_look(s, k, apart)
             s.add("springs", "span", name, a=ends[0], b=ends[1], t=ZIGZAG,
                   w=[COIL_SHARE, *COIL_WIDTH], **look, **shown)
