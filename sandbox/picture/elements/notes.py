@@ -9,13 +9,7 @@ import numpy as np
 from sandbox.picture.camera import Camera, Stage, round_length
 from sandbox.picture.glyphs import glyph
 from sandbox.picture.listing import Item, Listing, short
-from sandbox.picture.marked import (
-    finger_names,
-    round_interval,
-    trace_colours,
-    trace_names,
-    traced,
-)
+from sandbox.picture.marked import finger_names, round_interval, trace_colours, trace_names, traced
 from sandbox.picture.palette import lighter
 from sandbox.picture.subject import BEHIND, Subject
 
