@@ -100,7 +100,7 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
         _displace(table)
     add_work(table, h)
     note_impacts(table)
-    return bool(sound(h, body)) and is_valid(table) and at.standing(table)[3] == 0
+    return bool(sound(h, body)) and bool(is_valid(table)) and at.standing(table)[3] == 0
 
 
 @kernel

@@ -30,6 +30,9 @@ from sandbox.engine.tendons import ask_slips, change_cords, cord_rows, pull, sla
 from sandbox.engine.ties import release_rows
 from sandbox.numeric import Array
 
+# phases of one group
+couple_rows, limit_rates, is_valid = join_lines, brake_in_time, contained
+
 
 @kernel
 def apply_forces(table: int, h: float, drive: Array) -> None:
@@ -61,18 +64,6 @@ def update_rows(table: int, h: float, drive: Array) -> None:
 
 
 @kernel
-def couple_rows(table: int, h: float) -> None:
-    """Add the terms between two rows to the matrix."""
-    join_lines(table, h)
-
-
-@kernel
-def limit_rates(table: int, h: float, n: int) -> None:
-    """Limit the rates of servos, among n bounded rows, to those that they can brake from."""
-    brake_in_time(table, h, n)
-
-
-@kernel
 def change(
     table: int, h: float, drive: Array, attempt: int, n: int, again: bool,
 ) -> tuple[bool, bool]:
@@ -99,9 +90,3 @@ def change(
 def is_changing(table: int) -> bool:
     """Whether fluid flows or a load depends on time."""
     return bool(flowing(table) or timed(table))
-
-
-@kernel
-def is_valid(table: int) -> bool:
-    """Whether the contents of all lines are in their range."""
-    return bool(contained(table))
