@@ -47,16 +47,7 @@ from sandbox.scene.parts.expansion import Leaf
 from sandbox.scene.parts.finger import Finger, FingerSprings, FingerTendon
 from sandbox.scene.parts.section import Section
 from sandbox.scene.parts.trees import PulleyTree, RockerTree
-from sandbox.scene.settings import (
-    ContactRule,
-    Expect,
-    Group,
-    Meter,
-    Run,
-    ShownMeter,
-    Trace,
-    View,
-)
+from sandbox.scene.settings import ContactRule, Expect, Group, Meter, Run, ShownMeter, Trace, View
 from sandbox.values.signals import Constant, Formula, Path, Ramp, Table
 from sandbox.values.tables import NamedTable
 

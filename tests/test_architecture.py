@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Annotated, Any, NamedTuple, get_args, get_origin
 
 import sandbox
+from sandbox.elements.element import tag_of
 from sandbox.elements.loads import Load
-from sandbox.elements.registry import Drive, Joint
+from sandbox.elements.registry import KINDS, Drive, Joint
 from sandbox.elements.springs import Spring
 from sandbox.scene.expand import expand
 from sandbox.scene.library import shipped_scenes
@@ -148,3 +149,31 @@ def test_every_element_type_is_shown_by_a_scene() -> None:
                          ("drives", Drive)):
         shown = {element.type for scene in scenes for element in getattr(scene, field)}
         assert set(tags(union)) - shown == set(), f"no scene in scenes/ shows these {field}"
+
+
+NAMED_ELSEWHERE = {"picture": 3}
+"""Imports of classes of kinds, and tables by `type`, that remain; these numbers may only fall."""
+MADE_OF_ELEMENTS = ("sandbox.scene.parts.", "sandbox.scene.played")
+"""Modules that make elements, by their classes."""
+
+
+def test_no_other_package_names_a_kind_of_element() -> None:
+    classes = {kind.__name__ for kinds in KINDS.values() for kind in kinds.values()
+               if tag_of(kind)}
+    found: dict[str, list[str]] = {}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        room, module = path.relative_to(PACKAGE).parts[0], path.relative_to(PACKAGE.parent)
+        name = ".".join(module.with_suffix("").parts)
+        if room in ("elements", "build.py") or name.startswith(MADE_OF_ELEMENTS):
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                found.setdefault(room, []).extend(
+                    f"{module}:{node.lineno} {alias.name}" for alias in node.names
+                    if alias.name in classes and str(node.module).startswith("sandbox.elements"))
+            if isinstance(node, ast.Subscript | ast.Compare):
+                key = node.slice if isinstance(node, ast.Subscript) else node.left
+                if isinstance(key, ast.Attribute) and key.attr == "type":
+                    found.setdefault(room, []).append(f"{module}:{node.lineno} .type")
+    assert {room: places for room, places in found.items()
+            if len(places) > NAMED_ELSEWHERE.get(room, 0)} == {}

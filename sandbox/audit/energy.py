@@ -20,15 +20,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import (
-    EXACT,
-    NOT_EVERY_STEP,
-    ROUNDING,
-    Figure,
-    judged,
-    missing,
-    peak,
-)
+from sandbox.audit.figures import EXACT, NOT_EVERY_STEP, ROUNDING, Figure, judged, missing, peak
 from sandbox.audit.starts import StartsAtSpeed, initial_velocity, paced, starts
 from sandbox.numeric import Array, Flags
 from sandbox.samples.samples import OLDER

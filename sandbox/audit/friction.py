@@ -23,13 +23,7 @@ from sandbox.model.model import NONE
 from sandbox.model.tendons import CordSpan, spans_of
 from sandbox.model.ties import held_of, held_one
 from sandbox.numeric import Array, Flags
-from sandbox.samples.cords import (
-    bends,
-    lengths_at_start,
-    piece_tensions,
-    rest_lengths,
-    span_length,
-)
+from sandbox.samples.cords import bends, lengths_at_start, piece_tensions, rest_lengths, span_length
 
 SOLVED = 1e-9
 """Share of the largest tension by which friction may miss its bound.

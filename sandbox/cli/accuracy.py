@@ -12,13 +12,7 @@ import click
 from sandbox.cli.check import refuse_blocking
 from sandbox.cli.console import Console, Progress, compilation_notices, table
 from sandbox.cli.failures import Exit, see
-from sandbox.cli.options import (
-    json_option,
-    limit_option,
-    quiet_option,
-    read_length,
-    scene_options,
-)
+from sandbox.cli.options import json_option, limit_option, quiet_option, read_length, scene_options
 from sandbox.cli.runs import file_option, open_run
 from sandbox.cli.scenes import load, scene_argument, scene_path
 from sandbox.errors import Problem, SceneError

@@ -158,13 +158,7 @@ def _models(annotation: Any) -> Iterator[type[Spec]]:
 def _element_lines(each: _Element) -> list[str]:
     """Description, fields, example and quantities of an element."""
     from sandbox.elements.element import NAMED
-    from sandbox.scene.reference import (
-        about,
-        field_rows,
-        kinds_of,
-        quantity_rows,
-        recorded_by,
-    )
+    from sandbox.scene.reference import about, field_rows, kinds_of, quantity_rows, recorded_by
 
     lines = []
     for paragraph in about(each.model).split("\n\n"):

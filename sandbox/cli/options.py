@@ -140,7 +140,8 @@ def read_elements(ctx: click.Context, param: click.Parameter, paths: Sequence[Pa
 
 
 elements_option = click.option(
-    "--elements", multiple=True, metavar="FILE", type=click.Path(path_type=Path), is_eager=True,
+    "--elements", multiple=True, metavar="FILE", is_eager=True,
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
     callback=read_elements, expose_value=False,
     help="Run a Python file that registers elements of your own. Repeatable.")
 _set_option = click.option(

@@ -10,14 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from sandbox.elements.drive import DriveKind, DriveSpec
-from sandbox.elements.element import (
-    BODY,
-    OTHER_SIDE,
-    BodyName,
-    Direction,
-    Turn,
-    direction_problems,
-)
+from sandbox.elements.element import BODY, OTHER_SIDE, BodyName, Direction, Turn, direction_problems
 from sandbox.errors import Problem
 from sandbox.values.numbers import Name, Point
 from sandbox.values.signals import ForceSignal, LengthSignal, RateSignal

@@ -1,17 +1,13 @@
-"""The inner loop: move, measure, apply known forces, solve, write, work; and samples."""
+"""The inner loop: move, measure, apply forces, solve, report, sample."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.coordinates import ends
-from sandbox.engine.entry_points import CalledFromPython, entry_point
-from sandbox.engine.fluid_report import contained
-from sandbox.engine.fluids import swell
+from sandbox.engine.entry_points import CalledFromPython
+from sandbox.engine.groups import apply_forces, is_valid
 from sandbox.engine.kernel import kernel
-from sandbox.engine.loads import press
 from sandbox.engine.native import call_each, call_step
 from sandbox.engine.report import add_work
 from sandbox.engine.snapshot import (
@@ -23,9 +19,7 @@ from sandbox.engine.snapshot import (
     take,
 )
 from sandbox.engine.solve import SETTLED, solve
-from sandbox.engine.springs import stretch
-from sandbox.engine.tendons import pull
-from sandbox.engine.ties import holds, release_and_engage, run_surfaces
+from sandbox.engine.ties import release_and_engage, run_surfaces
 from sandbox.engine.touching import list_contacts_of_step, short
 from sandbox.numeric import Array, Matrix, Stack
 
@@ -92,11 +86,7 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
     body, velocity = at.body(table), at.velocity(table)
     release_and_engage(table, drive)
     begin(table)
-    act(table, drive)
-    stretch(table, drive)
-    pull(table, drive)
-    swell(table, drive)
-    press(table, h)
+    apply_forces(table, h, drive)
     let_go(table, h, speeds)
     run_surfaces(table, drive)
     list_contacts_of_step(table)
@@ -110,7 +100,7 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
         _displace(table)
     add_work(table, h)
     note_impacts(table)
-    return bool(sound(h, body)) and bool(contained(table)) and at.standing(table)[3] == 0
+    return bool(sound(h, body)) and bool(is_valid(table)) and at.standing(table)[3] == 0
 
 
 @kernel
@@ -156,57 +146,6 @@ def advance(
             take(table, h, drive[i])
             due = every
     return len(drive)
-
-
-@entry_point("actions")
-def act(table: int, drive: Array) -> None:
-    """Forces and torques of drives [nd]."""
-    actions, results = at.actions(table), at.action_results(table)
-    body, out = at.body(table), at.force(table)
-    for i in range(len(actions)):
-        action, result = actions[i], results[i]
-        a = action["a"]
-        if action["motor"] >= 0 or action["runs"]:
-            continue
-        if not holds(table, action["tie"]):
-            result["torque"] = 0.0
-            continue
-        value = drive[action["drive"]]
-        if action["line"]:
-            result["torque"] = value
-            _push_forces(table, action, value)
-            continue
-        if action["b"] >= 0:
-            result["torque"] = action["sense"] * value
-            out[action["b"], 2] += result["torque"]
-            out[a, 2] -= result["torque"]
-            continue
-        c, s = math.cos(body[a, 2]), math.sin(body[a, 2])
-        fx, fy = value * action["dx"], value * action["dy"]
-        if action["turning"]:
-            fx, fy = c * fx - s * fy, s * fx + c * fy
-        rx, ry = c * action["x"] - s * action["y"], s * action["x"] + c * action["y"]
-        result["fx"], result["fy"] = fx, fy
-        result["torque"] = rx * fy - ry * fx
-        out[a, 0] += fx
-        out[a, 1] += fy
-        out[a, 2] += result["torque"]
-
-
-@kernel
-def _push_forces(table: int, action: Any, force: float) -> None:
-    """The force of a drive between the two points of an actuator; none where they meet."""
-    out, joint, a, b = at.force(table), at.joints(table)[action["joint"]], action["a"], action["b"]
-    ax, ay, bx, by, dx, dy = ends(joint, at.body(table), at.turn(table))
-    length = math.hypot(dx, dy)
-    if length > 0.0:
-        fx, fy = force * dx / length, force * dy / length
-        out[a, 0] -= fx
-        out[a, 1] -= fy
-        out[a, 2] -= ax * fy - ay * fx
-        out[b, 0] += fx
-        out[b, 1] += fy
-        out[b, 2] += bx * fy - by * fx
 
 
 @kernel

@@ -18,24 +18,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.elements.element import GRAZE
+from sandbox.engine import records
 from sandbox.engine.kernel import kernel
 from sandbox.engine.plan import PlacedBodies, Rows
-from sandbox.engine.records import (
-    CORD,
-    CORD_RESULT,
-    CORD_STATE,
-    DAMPED,
-    ELASTIC,
-    EVEN,
-    GRIPPED,
-    GUIDE,
-    GUIDE_RESULT,
-    GUIDE_STATE,
-    PULL,
-    SLIP,
-    SOFT,
-    STIFF,
-)
 from sandbox.engine.stiffness import cord_responses, stiff_cords
 from sandbox.model.tendons import CordSpan, lifted_at_start, spans_of
 from sandbox.numeric import Array, Integers, Records
@@ -220,10 +205,11 @@ def cord_tables(places: PlacedBodies, h: float, rows: Rows) -> CordTables:
     whole = len(tendons.name)
     path = [*range(len(tendons.guide_body)), *(g for span in spans for g in span.guides)]
     guides = _guides(places, np.array(path, dtype=np.int64))
+    cords = whole + len(spans)
     found = CordTables(
-        np.zeros(whole + len(spans), CORD), np.zeros(whole + len(spans), CORD_STATE),
-        np.zeros(whole + len(spans), CORD_RESULT), guides, np.zeros(len(path), GUIDE_STATE),
-        np.zeros(len(path), GUIDE_RESULT), np.zeros(len(tendons.grips), SLIP),
+        np.zeros(cords, records.CORD), np.zeros(cords, records.CORD_STATE),
+        np.zeros(cords, records.CORD_RESULT), guides, np.zeros(len(path), records.GUIDE_STATE),
+        np.zeros(len(path), records.GUIDE_RESULT), np.zeros(len(tendons.grips), records.SLIP),
         np.zeros(len(tendons.grips)), [])
     found.state["active"] = 1
     off = lifted_at_start(places.model)[path]
@@ -244,11 +230,11 @@ def cord_tables(places: PlacedBodies, h: float, rows: Rows) -> CordTables:
             rest = length - tendons.pretension[e] / tendons.stiffness[e]
         found.state[e]["rest"] = rest + tendons.slack[e]
         if len(tendons.gripped(e)):
-            cord["kind"] = GRIPPED
+            cord["kind"] = records.GRIPPED
             continue
-        cord["kind"] = (PULL if cord["drive"] >= 0 else STIFF if stiff[e]
-                        else DAMPED if cord["c"] > 0 else ELASTIC)
-        if cord["kind"] in (STIFF, DAMPED) and cord["response"] > 0:
+        cord["kind"] = (records.PULL if cord["drive"] >= 0 else records.STIFF if stiff[e]
+                        else records.DAMPED if cord["c"] > 0 else records.ELASTIC)
+        if cord["kind"] in (records.STIFF, records.DAMPED) and cord["response"] > 0:
             _add_row(found, rows, e, [])
     _add_spans(places, found, spans, rows, h)
     return found
@@ -257,7 +243,7 @@ def cord_tables(places: PlacedBodies, h: float, rows: Rows) -> CordTables:
 def _guides(places: PlacedBodies, path: Integers) -> Records:
     tendons = places.model.tendons
     body = tendons.guide_body[path]
-    guides = np.zeros(len(path), GUIDE)
+    guides = np.zeros(len(path), records.GUIDE)
     guides["body"], guides["radius"] = places.number[body], tendons.guide_radius[path]
     guides["turns"] = tendons.guide_turns[path]
     guides["lifts"] = np.isin(path, tendons.wheels)
@@ -303,7 +289,7 @@ def _add_spans(
         found.state[e]["k"] = found.state[span.tendon]["k"] * rest
         cord["c"] = own["c"] * rest
         if span.out_of < 0 and own["drive"] >= 0:
-            cord["kind"], cord["drive"] = PULL, own["drive"]
+            cord["kind"], cord["drive"] = records.PULL, own["drive"]
             continue
         slides = [bodies + slip for slip in (span.into, span.out_of) if slip >= 0]
         _add_row(found, rows, e, slides)
@@ -322,7 +308,7 @@ def _fill(found: CordTables) -> None:
 
     What lies on wheels that hold the cord is stretched, too, but does not hang.
     """
-    for e in np.flatnonzero(found.constants["kind"] == GRIPPED):
+    for e in np.flatnonzero(found.constants["kind"] == records.GRIPPED):
         own, whole = found.constants[e], float(found.result[e]["length"])
         spans = slice(int(own["spans"]), int(own["spans_end"]))
         length, rest = found.result["length"][spans], float(found.state[e]["rest"])
@@ -334,13 +320,14 @@ def _fill(found: CordTables) -> None:
 def _choose_kinds(places: PlacedBodies, found: CordTables, h: float) -> None:
     """All spans of a cord are solved alike: at the step's end if one of them is too stiff."""
     stiff = stiff_cords(places.model, h)
-    for e in np.flatnonzero(found.constants["kind"] == GRIPPED):
+    for e in np.flatnonzero(found.constants["kind"] == records.GRIPPED):
         own = found.constants[e]
         spans = slice(int(own["spans"]), int(own["spans_end"]))
         largest = (found.state["k"][spans] / found.state["rest"][spans]).max()
-        quick = h * h * largest * own["response"] > SOFT
+        quick = h * h * largest * own["response"] > records.SOFT
         of_row = found.constants["row"][spans] >= 0
-        found.constants["kind"][spans][of_row] = STIFF if stiff[e] or quick else EVEN
+        kind = records.STIFF if stiff[e] or quick else records.EVEN
+        found.constants["kind"][spans][of_row] = kind
         if own["closed"]:
             found.drag[places.model.tendons.gripped(int(e))] = DRAG * h * h * largest
 

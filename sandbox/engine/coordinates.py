@@ -101,10 +101,16 @@ def rate(element: Any, out: Any, velocity: Array) -> float:
 
 
 @kernel
+def set_row(J: Array, entry: int, dx: float, dy: float, ta: float, tb: float) -> None:
+    """Set the two entries of a bilateral row on the coordinate with these coefficients."""
+    J[entry, 0], J[entry, 1], J[entry, 2] = 0.0 - dx, 0.0 - dy, ta
+    J[entry + 1, 0], J[entry + 1, 1], J[entry + 1, 2] = dx, dy, tb
+
+
+@kernel
 def put_row(J: Array, entry: int, out: Any) -> None:
-    """The two entries of a bilateral row on a coordinate."""
-    J[entry, 0], J[entry, 1], J[entry, 2] = 0.0 - out["dx"], 0.0 - out["dy"], out["ta"]
-    J[entry + 1, 0], J[entry + 1, 1], J[entry + 1, 2] = out["dx"], out["dy"], out["tb"]
+    """The same of a measured coordinate."""
+    set_row(J, entry, out["dx"], out["dy"], out["ta"], out["tb"])
 
 
 @kernel

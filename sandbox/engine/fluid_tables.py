@@ -8,13 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.elements.element import ATMOSPHERE
-from sandbox.engine.records import (
-    CHAMBER,
-    FLUID,
-    PUMP,
-    SOFT,
-    VALVE,
-)
+from sandbox.engine.records import CHAMBER, FLUID, PUMP, SOFT, VALVE
 from sandbox.engine.stiffness import line_responses
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers, Records

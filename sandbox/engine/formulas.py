@@ -15,50 +15,7 @@ import numpy as np
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
-from sandbox.model.programs import (
-    ABS,
-    ACOS,
-    ADD,
-    AND,
-    ASIN,
-    ATAN,
-    ATAN2,
-    CEIL,
-    COS,
-    DIV,
-    DROP,
-    EQ,
-    EXP,
-    FLOOR,
-    GE,
-    GT,
-    HYPOT,
-    LARGEST_EXPONENT,
-    LE,
-    LOG,
-    LT,
-    MAX,
-    MIN,
-    MOD,
-    MUL,
-    NAME,
-    NE,
-    NEG,
-    NEXT_LT,
-    NEXT_NE,
-    NOT,
-    NUMBER,
-    OR,
-    POW,
-    SELECT,
-    SIGN,
-    SIN,
-    SQRT,
-    SUB,
-    TABLE,
-    TAN,
-    TANH,
-)
+from sandbox.model import programs as ops
 from sandbox.numeric import Array
 
 
@@ -76,46 +33,47 @@ def formula(table: int, first: int, last: int, read: Array) -> Any:
     top = -1
     for n in range(first, last):
         op = steps[n]["op"]
-        if op in (NUMBER, NAME):
+        if op in (ops.NUMBER, ops.NAME):
             top += 1
-            if op == NUMBER:
+            if op == ops.NUMBER:
                 stack[top, 0] = steps[n]["value"]
             for j in range(stack.shape[1]):
-                if op == NAME:
+                if op == ops.NAME:
                     stack[top, j] = read[int(steps[n]["value"]), j]
                 elif j > 0:
                     stack[top, j] = 0.0
-        elif op == TABLE:
+        elif op == ops.TABLE:
             y, slope = look_up(table, int(steps[n]["value"]), stack[top, 0])
             _chain(stack, top, y, slope)
-        elif op == SELECT:
+        elif op == ops.SELECT:
             top -= 2
             chosen = top + 1 if stack[top, 0] != 0.0 else top + 2
             for j in range(stack.shape[1]):
                 stack[top, j] = stack[chosen, j]
-        elif op == DROP:
+        elif op == ops.DROP:
             top -= 1
-        elif LT <= op < NEXT_LT:
+        elif ops.LT <= op < ops.NEXT_LT:
             _compare(stack, top - 1, op)
-        elif op in (AND, OR):
+        elif op in (ops.AND, ops.OR):
             top -= 1
             a, b = stack[top, 0] != 0.0, stack[top + 1, 0] != 0.0
-            _whether(stack, top, (a and b) if op == AND else (a or b))
-        elif op == NOT:
+            _whether(stack, top, (a and b) if op == ops.AND else (a or b))
+        elif op == ops.NOT:
             _whether(stack, top, stack[top, 0] == 0.0)
-        elif NEXT_LT <= op <= NEXT_NE:
+        elif ops.NEXT_LT <= op <= ops.NEXT_NE:
             so_far = stack[top - 2, 0]
             top -= 1
-            _compare(stack, top, op - NEXT_LT + LT)
+            _compare(stack, top, op - ops.NEXT_LT + ops.LT)
             for j in range(stack.shape[1]):  # the result in front of what is compared next
                 stack[top - 1, j] = 0.0
             stack[top - 1, 0] = so_far * stack[top, 0]
             for j in range(stack.shape[1]):
                 stack[top, j] = stack[top + 1, j]
-        elif op == NEG:
+        elif op == ops.NEG:
             for j in range(stack.shape[1]):
                 stack[top, j] = -stack[top, j]
-        elif op in (ADD, SUB, MUL, DIV, MOD, POW) or (op in (ATAN2, HYPOT, MIN, MAX)):
+        elif op in (ops.ADD, ops.SUB, ops.MUL, ops.DIV, ops.MOD, ops.POW) or (
+                op in (ops.ATAN2, ops.HYPOT, ops.MIN, ops.MAX)):
             top -= 1
             _two(stack, top, op)
         else:
@@ -127,8 +85,8 @@ def formula(table: int, first: int, last: int, read: Array) -> Any:
 def _compare(stack: Array, k: int, op: int) -> None:
     """1 or 0 for what stands at ``k`` and above it, of whether they compare so."""
     a, b = stack[k, 0], stack[k + 1, 0]
-    true = ((op == LT and a < b) or (op == LE and a <= b) or (op == GT and a > b)
-            or (op == GE and a >= b) or (op == EQ and a == b) or (op == NE and a != b))
+    true = ((op == ops.LT and a < b) or (op == ops.LE and a <= b) or (op == ops.GT and a > b)
+            or (op == ops.GE and a >= b) or (op == ops.EQ and a == b) or (op == ops.NE and a != b))
     _whether(stack, k, true)
 
 
@@ -153,26 +111,26 @@ def _two(stack: Array, k: int, op: int) -> None:
     """An operation on the number at ``k`` and the one above it."""
     a, b = stack[k, 0], stack[k + 1, 0]
     value, by_a, by_b = a + b, 1.0, 1.0
-    if op == SUB:
+    if op == ops.SUB:
         value, by_b = a - b, -1.0
-    elif op == MUL:
+    elif op == ops.MUL:
         value, by_a, by_b = a * b, b, a
-    elif op == DIV:
+    elif op == ops.DIV:
         value, by_a, by_b = a / b, 1.0 / b, -a / (b * b)
-    elif op == MOD:
+    elif op == ops.MOD:
         value = a - np.floor(a / b) * b
         by_b = -np.floor(a / b)
-    elif op == POW:
-        value = a**b if abs(b) <= LARGEST_EXPONENT else math.nan
+    elif op == ops.POW:
+        value = a**b if abs(b) <= ops.LARGEST_EXPONENT else math.nan
         by_a, by_b = b * a ** (b - 1.0), value * math.log(a) if a > 0.0 else 0.0
-    elif op == ATAN2:
+    elif op == ops.ATAN2:
         square = a * a + b * b
         value, by_a, by_b = math.atan2(a, b), b / square, -a / square
-    elif op == HYPOT:
+    elif op == ops.HYPOT:
         value = math.hypot(a, b)
         by_a, by_b = a / value, b / value
-    elif op in (MIN, MAX):
-        first = a <= b if op == MIN else a >= b
+    elif op in (ops.MIN, ops.MAX):
+        first = a <= b if op == ops.MIN else a >= b
         value = a + b if a != a or b != b else a if first else b
         by_a, by_b = (1.0, 0.0) if first else (0.0, 1.0)
     stack[k, 0] = value
@@ -190,40 +148,40 @@ def _one(stack: Array, k: int, op: int) -> None:
     """A function of the number at ``k``."""
     x = stack[k, 0]
     value, slope = math.nan, 0.0
-    if op == SIN:
+    if op == ops.SIN:
         value, slope = math.sin(x), math.cos(x)
-    elif op == COS:
+    elif op == ops.COS:
         value, slope = math.cos(x), -math.sin(x)
-    elif op == TAN:
+    elif op == ops.TAN:
         value = math.tan(x)
         slope = 1.0 + value * value
-    elif op in (ASIN, ACOS):
+    elif op in (ops.ASIN, ops.ACOS):
         if abs(x) <= 1.0:
             value, slope = math.asin(x), 1.0 / math.sqrt(1.0 - x * x)
-            if op == ACOS:
+            if op == ops.ACOS:
                 value, slope = math.acos(x), -slope
-    elif op == ATAN:
+    elif op == ops.ATAN:
         value, slope = math.atan(x), 1.0 / (1.0 + x * x)
-    elif op == SQRT:
+    elif op == ops.SQRT:
         if x >= 0.0:
             value = math.sqrt(x)
             slope = 0.5 / value
-    elif op == EXP:
+    elif op == ops.EXP:
         value = math.exp(x)
         slope = value
-    elif op == LOG:
+    elif op == ops.LOG:
         if x > 0.0:
             value, slope = math.log(x), 1.0 / x
-    elif op == TANH:
+    elif op == ops.TANH:
         value = math.tanh(x)
         slope = 1.0 - value * value
-    elif op == ABS:
+    elif op == ops.ABS:
         value, slope = abs(x), 1.0 if x >= 0.0 else -1.0
-    elif op == SIGN:
+    elif op == ops.SIGN:
         value = x if x != x else 1.0 if x > 0.0 else -1.0 if x < 0.0 else 0.0
-    elif op == FLOOR:
+    elif op == ops.FLOOR:
         value = np.floor(x)
-    elif op == CEIL:
+    elif op == ops.CEIL:
         value = np.ceil(x)
     _chain(stack, k, value, slope)
 

@@ -49,8 +49,7 @@ class Inputs:
         """From the order of ``_moved`` to that of pymunk."""
         self._speeds: Array = np.zeros((0, len(self._moved), 3))
         kinds = self.model.drives.kind
-        self._latches = {i: LATCHES[drive.type](world, i)
-                      for i, drive in enumerate(self.mechanism.drives) if kinds[i].latched}
+        self._latches = {i: _radius(world, i) for i, kind in enumerate(kinds) if kind.latched}
         self._latched: dict[int, float] = {}
         """What pymunk was last given of each drive."""
 
@@ -174,6 +173,7 @@ Latch = Callable[[float], None]
 
 
 def _radius(world: World, drive: int) -> Latch:
+    """A function that sets the radius of a drive's circle in pymunk."""
     drives = world.model.drives
     circle, = world.shapes[int(drives.target[drive])][int(drives.shape[drive])]
     margin = float(world.shape_tables.shapes["margin"][circle.collision_type - 1])
@@ -185,7 +185,3 @@ def _radius(world: World, drive: int) -> Latch:
         world.space.reindex_shape(circle)  # pymunk keeps the bounds of what is fixed
 
     return latch
-
-
-LATCHES: dict[str, Callable[[World, int], Latch]] = {"radius": _radius}
-"""What sets in pymunk the value that it latches of each kind of drive, by its tag."""

@@ -36,12 +36,7 @@ from sandbox.engine.inspect_hands import hand_problems
 from sandbox.engine.inspect_joints import joint_problems, shared_problems, wheel_problems
 from sandbox.engine.inspect_overlaps import overlaps
 from sandbox.engine.inspect_springs import against_step, ringing_problems, without_arm
-from sandbox.engine.inspect_words import (
-    NEGLIGIBLE,
-    deg,
-    look,
-    mm,
-)
+from sandbox.engine.inspect_words import NEGLIGIBLE, deg, look, mm
 from sandbox.errors import Problem
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.meters import check_quantities, check_shown

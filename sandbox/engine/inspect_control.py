@@ -10,8 +10,6 @@ from functools import cached_property
 from typing import Any
 
 from sandbox.elements.controllers.custom import Custom
-from sandbox.elements.controllers.equilibrium import EquilibriumController, Fingers, joint_model
-from sandbox.elements.controllers.simple import FeedbackController
 from sandbox.elements.quantities import LIVE, is_live
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue
@@ -36,39 +34,16 @@ def control_problems(mechanism: Mechanism) -> list[Problem]:
         texts = controller.readings
         several = isinstance(getattr(controller, "reads", ""), tuple)
         for j, text in enumerate(texts):
-            key = "value" if isinstance(controller, FeedbackController) else "reads"
-            place = f"$.controllers[{i}].{key}" + (f"[{j}]" if several else "")
+            place = f"$.controllers[{i}].{controller.reads_key}" + (f"[{j}]" if several else "")
             problems += unreadable(text, known, place)
     for i, event in enumerate(mechanism.events):
         if event.when is not None:
             problems += unreadable(event.when, known, f"$.events[{i}].when")
     if not problems:
         problems += _circles(mechanism, known)
-        problems += _powerless(mechanism)
+        for i, controller in enumerate(mechanism.controllers):
+            problems += controller.law_problems(mechanism, f"$.controllers[{i}]")
     return problems
-
-
-def _powerless(mechanism: Mechanism) -> Iterator[Problem]:
-    """Springs that can hold nothing at the rotation that an equilibrium law falls back on."""
-    fingers = Fingers(mechanism)
-    for i, spec in enumerate(mechanism.controllers):
-        if not isinstance(spec, EquilibriumController):
-            continue
-        if next(fingers.problems(spec, ""), None) is not None:
-            continue
-        try:
-            joints = joint_model(spec, fingers)
-        except ValueError as error:
-            yield Problem("bad-control-law",
-                          f"the law cannot use this finger: {error}", f"$.controllers[{i}]",
-                          allowed="guides and springs' ends away from the hinges")
-            continue
-        for name, joint in zip(spec.joints, joints, strict=True):
-            if not joint.spring_moment(spec.guard) > 0:
-                yield Problem("bad-control-law", f"the spring across {quoted(name)} has no moment "
-                              f"at the guard's rotation, {math.degrees(spec.guard):.4g} deg",
-                              f"$.controllers[{i}].guard", allowed="a small rotation at which "
-                              "every spring is stretched and has an arm")
 
 
 @dataclass(frozen=True)
@@ -222,11 +197,10 @@ def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
 
     One circle for all laws that hang together so.
     """
-    texts = {i: c.value for i, c in enumerate(mechanism.controllers)
-             if isinstance(c, FeedbackController)}
+    texts = {i: c.immediate for i, c in enumerate(mechanism.controllers) if c.immediate}
     laws = {mechanism.controllers[i].name: i for i in texts}
-    writer = {f"{name}.value": c.name for c in mechanism.controllers
-              if isinstance(c, FeedbackController) for name in c.written}
+    writer = {f"{name}.value": c.name for c in mechanism.controllers if c.immediate
+              for name in c.written}
 
     def nexts(node: _Node) -> list[_Node]:
         """What a law or a meter reads: the laws that write it, and meters."""

@@ -8,32 +8,9 @@ from typing import Any
 import numpy as np
 
 from sandbox.elements.joint import Keeps
+from sandbox.engine import records
 from sandbox.engine.law_tables import LawTables
 from sandbox.engine.plan import PlacedBodies, Rows
-from sandbox.engine.records import (
-    ACTION,
-    DAMPED,
-    DISTANCE,
-    DRY_FRICTION,
-    ELASTIC,
-    FLANK,
-    GEAR,
-    GROOVE,
-    JOINT,
-    LIMIT,
-    LINE,
-    MOTOR,
-    PACED,
-    PLACED,
-    POINT,
-    RACK,
-    RANGE,
-    ROLL,
-    SPRING,
-    SPRUNG,
-    STIFF,
-    STOP,
-)
 from sandbox.engine.stiffness import stiff_servos
 from sandbox.model.joints import flank_of, slip_of
 from sandbox.model.model import Model
@@ -41,8 +18,8 @@ from sandbox.model.starts import sliding, turning
 from sandbox.numeric import Flags, Records
 
 KEEPS: dict[Keeps, int] = {
-    "point": POINT, "groove": GROOVE, "distance": DISTANCE, "range": RANGE, "gear": GEAR,
-    "rack": RACK, "roll": ROLL}
+    "point": records.POINT, "groove": records.GROOVE, "distance": records.DISTANCE,
+    "range": records.RANGE, "gear": records.GEAR, "rack": records.RACK, "roll": records.ROLL}
 """How compiled code tells apart what joints keep."""
 
 
@@ -67,14 +44,15 @@ def motor_table(places: PlacedBodies, h: float) -> tuple[Records, dict[int, int]
             a, b = places.number[joints.bodies[joint]]
             found[i] = len(rows)
             line = kind.gives == "push"
-            law = PACED if not kind.places else PLACED if np.isnan(drives.stiffness[i]) else SPRUNG
+            placed = records.PLACED if np.isnan(drives.stiffness[i]) else records.SPRUNG
+            law = placed if kind.places else records.PACED
             rows.append({
                 "drive": i, "a": a, "b": b, "sense": 1.0 if line else joints.sense[joint],
                 "most": drives.most[i], "slope": drives.slope[i],
                 "tie": places.model.ties.joint[joint], "law": law, "joint": joint, "line": line,
                 "k": drives.stiffness[i], "c": drives.damping[i], "stiff": stiff[i],
                 "fastest": drives.fastest[i], "zero": 0.0 if line else joints.zero[joint]})
-    return records_of(rows, MOTOR), found
+    return records_of(rows, records.MOTOR), found
 
 
 def action_table(places: PlacedBodies, motors: dict[int, int]) -> Records:
@@ -99,7 +77,7 @@ def action_table(places: PlacedBodies, motors: dict[int, int]) -> Records:
         rows.append(row | {"a": a, "b": b, "joint": target, "line": line,
                            "sense": 1.0 if line else joints.sense[target],
                            "tie": model.ties.joint[target]})
-    return records_of(rows, ACTION)
+    return records_of(rows, records.ACTION)
 
 
 def joint_table(places: PlacedBodies, rows: Rows) -> Records:
@@ -135,7 +113,7 @@ def joint_table(places: PlacedBodies, rows: Rows) -> Records:
             if not joints.turns[i]:
                 row["row_turn"], _ = rows.add(a, b)
         table.append(row)
-    return records_of(table, JOINT)
+    return records_of(table, records.JOINT)
 
 
 def limit_table(places: PlacedBodies) -> Records:
@@ -147,22 +125,23 @@ def limit_table(places: PlacedBodies) -> Records:
             continue
         if np.isfinite(joints.stops[i]).all():
             low, high = sorted(joints.sense[i] * (joints.stops[i] + joints.zero[i]))
-            rows += _both(i, STOP, low, high)
+            rows += _both(i, records.STOP, low, high)
         if kind.keeps == "range":
-            rows += _both(i, LINE, *joints.reach[i])
+            rows += _both(i, records.LINE, *joints.reach[i])
         if kind.keeps == "groove":
-            rows += _both(i, LINE, 0.0, math.hypot(*(joints.groove[i, 1] - joints.groove[i, 0])))
+            length = math.hypot(*(joints.groove[i, 1] - joints.groove[i, 0]))
+            rows += _both(i, records.LINE, 0.0, length)
         if joints.play[i] > 0:
             play = joints.play[i] * math.cos(joints.pressure[i]) / 2
-            rows += [{"joint": i, "what": FLANK, "side": side, "bound": -play}
+            rows += [{"joint": i, "what": records.FLANK, "side": side, "bound": -play}
                      for side in (1.0, -1.0)]
-    return records_of(rows, LIMIT)
+    return records_of(rows, records.LIMIT)
 
 
 def _both(joint: int, what: int, low: float, high: float) -> list[dict[str, Any]]:
     return [{"joint": joint, "what": what, "side": side, "bound": bound}
             for side, bound in ((1.0, low), (-1.0, high)) if math.isfinite(bound)
-            and not (what == LINE and side > 0 and bound <= 0.0 and high == math.inf)]
+            and not (what == records.LINE and side > 0 and bound <= 0.0 and high == math.inf)]
 
 
 def spring_table(
@@ -188,8 +167,8 @@ def spring_table(
             rest = sense * (springs.rest[i] + joints.zero[joint])
             row |= {"joint": joint, "turning": 1, "sense": sense, "hinge_tie": ties.joint[joint]}
         row["a"], row["b"] = a, b = number[bodies].tolist()
-        row["kind"] = STIFF if stiff[i] else DAMPED if c > 0 else ELASTIC
-        if (row["kind"] != ELASTIC or springs.law[i]) and inverse[[a, b]].any():
+        row["kind"] = records.STIFF if stiff[i] else records.DAMPED if c > 0 else records.ELASTIC
+        if (row["kind"] != records.ELASTIC or springs.law[i]) and inverse[[a, b]].any():
             row["row"], row["entry"] = rows.add(a, b)
         table.append(row)
         rests.append(rest)
@@ -197,12 +176,12 @@ def spring_table(
         a, b = number[joints.bodies[joint]].tolist()
         if model.hinge_damping[joint] > 0 and inverse[[a, b]].any():
             first, entry = rows.add(a, b)
-            table.append({"number": -1, "joint": joint, "turning": 1, "kind": DAMPED, "drive": -1,
-                          "a": a, "b": b, "c": model.hinge_damping[joint], "sense": 1.0,
-                          "row": first, "entry": entry, "code": -1, "tie": -1,
+            table.append({"number": -1, "joint": joint, "turning": 1, "kind": records.DAMPED,
+                          "drive": -1, "a": a, "b": b, "c": model.hinge_damping[joint],
+                          "sense": 1.0, "row": first, "entry": entry, "code": -1, "tie": -1,
                           "hinge_tie": ties.joint[joint]})
             rests.append(0.0)
-    return records_of(table, SPRING), rests
+    return records_of(table, records.SPRING), rests
 
 
 def dry_friction_table(
@@ -216,7 +195,7 @@ def dry_friction_table(
         first: the number of the first sum of rows.
     """
     held = [j for j in model.joints.rubbed.tolist() if joints[j]["row"] >= 0]
-    table = np.zeros(len(held), DRY_FRICTION)
+    table = np.zeros(len(held), records.DRY_FRICTION)
     sums: list[tuple[int, int]] = []
     for rub, j in zip(table, held, strict=True):
         rub["joint"], rub["sum"] = j, -1

@@ -1,4 +1,4 @@
-"""Rows of what goes to a place, and of drives of actuators.
+"""Forces of drives; rows of motors, brakes, servos and drives of actuators.
 
 D v is the rate of a hinge or of an actuator's length x; p / h what the drive gives, between its
 bounds. After the target x* of a step a drive with a stiffness k and a damping c asks for
@@ -20,14 +20,16 @@ much less.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import HOLD, UNBOUNDED, begin_row, eliminate, put_coordinate, rate
-from sandbox.engine.coordinates import vector_ahead
+from sandbox.engine.coordinates import ends, vector_ahead
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import PACED, PLACED, SPRUNG
 from sandbox.engine.state import DRIVEN
+from sandbox.engine.ties import holds
 from sandbox.numeric import Array
 
 CAUTION = 0.999
@@ -152,3 +154,54 @@ def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
         out["want"] = (before[motor["b"], 2] - before[motor["a"], 2]
                        - 2.0 * motor["sense"] * value)
         out["soft"] = 2.0 / (h * motor["slope"])
+
+
+@entry_point("actions")
+def drive_forces(table: int, drive: Array) -> None:
+    """Apply the forces and torques of drives; their values are ``drive`` [nd]."""
+    actions, results = at.actions(table), at.action_results(table)
+    body, out = at.body(table), at.force(table)
+    for i in range(len(actions)):
+        action, result = actions[i], results[i]
+        a = action["a"]
+        if action["motor"] >= 0 or action["runs"]:
+            continue
+        if not holds(table, action["tie"]):
+            result["torque"] = 0.0
+            continue
+        value = drive[action["drive"]]
+        if action["line"]:
+            result["torque"] = value
+            _push_forces(table, action, value)
+            continue
+        if action["b"] >= 0:
+            result["torque"] = action["sense"] * value
+            out[action["b"], 2] += result["torque"]
+            out[a, 2] -= result["torque"]
+            continue
+        c, s = math.cos(body[a, 2]), math.sin(body[a, 2])
+        fx, fy = value * action["dx"], value * action["dy"]
+        if action["turning"]:
+            fx, fy = c * fx - s * fy, s * fx + c * fy
+        rx, ry = c * action["x"] - s * action["y"], s * action["x"] + c * action["y"]
+        result["fx"], result["fy"] = fx, fy
+        result["torque"] = rx * fy - ry * fx
+        out[a, 0] += fx
+        out[a, 1] += fy
+        out[a, 2] += result["torque"]
+
+
+@kernel
+def _push_forces(table: int, action: Any, force: float) -> None:
+    """The force of a drive between the two points of an actuator; none where they meet."""
+    out, joint, a, b = at.force(table), at.joints(table)[action["joint"]], action["a"], action["b"]
+    ax, ay, bx, by, dx, dy = ends(joint, at.body(table), at.turn(table))
+    length = math.hypot(dx, dy)
+    if length > 0.0:
+        fx, fy = force * dx / length, force * dy / length
+        out[a, 0] -= fx
+        out[a, 1] -= fy
+        out[a, 2] -= ax * fy - ay * fx
+        out[b, 0] += fx
+        out[b, 1] += fy
+        out[b, 2] += bx * fy - by * fx

@@ -13,12 +13,12 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.coordinates import toothed
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.fluid_report import add_fluid_work
+from sandbox.engine.fluid_report import add_fluid_work, report_lines
 from sandbox.engine.friction import add_friction_work, release_friction, report_friction
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import add_load_work
 from sandbox.engine.records import FLANK, GROOVE, LINE, POINT, ROLL
-from sandbox.engine.rows import LEAST, joint_rate
+from sandbox.engine.rows import joint_rate
 from sandbox.engine.springs import add_spring_work, report_springs
 from sandbox.engine.state import (
     CABLE_FRICTION,
@@ -30,22 +30,17 @@ from sandbox.engine.state import (
     NORMAL,
     TANGENT,
 )
-from sandbox.engine.tendons import add_cord_work, slipped
+from sandbox.engine.tendons import add_cord_work, report_cords, slipped
 from sandbox.engine.ties import acts, holds, tied
 from sandbox.numeric import Array
 
 
 @entry_point()
-def report(table: int, h: float, n: int) -> None:
-    """Impulses into the tables of their elements."""
+def report(table: int, h: float, drive: Array, n: int) -> None:
+    """Write the impulses into the tables of their elements."""
     unknown = at.unknowns(table)[3]
     report_springs(table, h)
-    cords, cord_states, cord_results = (
-        at.cords(table), at.cord_states(table), at.cord_results(table))
-    for i in range(len(cords)):
-        if cords[i]["row"] >= 0 and acts(table, cords[i]["tie"]):
-            pulls = _whole(max(unknown[cords[i]["row"]] / h, 0.0))
-            cord_results[i]["tension"] = pulls if cord_states[i]["active"] else 0.0
+    report_cords(table, h)
     slipped(table, h)
     joints, joint_results, joint_states = (
         at.joints(table), at.joint_results(table), at.joint_states(table))
@@ -55,12 +50,7 @@ def report(table: int, h: float, n: int) -> None:
         _change_flank(joints[i], joint_states[i], unknown)
     _report_bounded(table, h, n)
     tied(table, h)
-
-
-@kernel
-def _whole(force: float) -> float:
-    """A force; none where it is only what is left of a row that asks for nothing."""
-    return force if abs(force) > LEAST else 0.0
+    report_lines(table, h, drive)
 
 
 @kernel

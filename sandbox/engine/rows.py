@@ -23,8 +23,10 @@ from sandbox.engine.coordinates import (
     flank,
     gaps,
     measure_angle,
+    put_row,
     rate,
     rolled,
+    set_row,
     toothed,
     vector_ahead,
 )
@@ -85,10 +87,8 @@ def joint_rows(table: int, h: float) -> None:
             continue
         if joint["keeps"] == POINT:
             if joint["row"] >= 0:
-                J[e, 0], J[e, 1], J[e, 2] = -1.0, 0.0, ay
-                J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 1.0, 0.0, -by
-                J[e + 2, 0], J[e + 2, 1], J[e + 2, 2] = 0.0, -1.0, -ax
-                J[e + 3, 0], J[e + 3, 1], J[e + 3, 2] = 0.0, 1.0, bx
+                set_row(J, e, 1.0, 0.0, ay, -by)
+                set_row(J, e + 2, 0.0, 1.0, -ax, bx)
                 rhs[joint["row"]] = -beyond(px) / h - h / 2 * kx
                 rhs[joint["row_y"]] = -beyond(py) / h - h / 2 * ky
             measure_angle(joint, out, body)
@@ -100,8 +100,7 @@ def joint_rows(table: int, h: float) -> None:
             out["way"], out["dx"], out["dy"] = dx * px + dy * py, dx, dy
             out["ta"], out["tb"] = qy * dx - qx * dy, bx * dy - by * dx
             if joint["row"] >= 0:
-                J[e, 0], J[e, 1], J[e, 2] = dy, -dx, -(qx * dx + qy * dy)
-                J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = -dy, dx, bx * dx + by * dy
+                set_row(J, e, -dy, dx, -(qx * dx + qy * dy), bx * dx + by * dy)
                 across = dx * py - dy * px
                 bend = dx * ky - dy * kx - wa * wa * across - 2.0 * wa * (dx * vx + dy * vy)
                 rhs[joint["row"]] = -beyond(across) / h - h / 2 * bend
@@ -112,16 +111,14 @@ def joint_rows(table: int, h: float) -> None:
             out["way"], out["dx"], out["dy"] = way, ux, uy
             out["ta"], out["tb"] = ay * ux - ax * uy, bx * uy - by * ux
             if joint["row"] >= 0:  # a rope has none
-                J[e, 0], J[e, 1], J[e, 2] = -ux, -uy, out["ta"]
-                J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = ux, uy, out["tb"]
+                put_row(J, e, out)
                 bend = ux * kx + uy * ky + (ux * vy - uy * vx) ** 2 / way
                 rhs[joint["row"]] = beyond(joint["reach"] - way) / h - h / 2 * bend
                 e += 2
             if joint["keeps"] == ROLL:
                 rolling_row(table, h, k, ax * ux + ay * uy, bx * ux + by * uy)
         if joint["row_turn"] >= 0:
-            J[e, 0], J[e, 1], J[e, 2] = 0.0, 0.0, -1.0
-            J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 0.0, 0.0, 1.0
+            set_row(J, e, 0.0, 0.0, -1.0, 1.0)
             rhs[joint["row_turn"]] = -beyond(body[b, 2] - body[a, 2] - joint["turn"]) / h
 
 
@@ -159,8 +156,7 @@ def teeth_row(table: int, h: float, k: int) -> None:
     side = at.joint_states(table)[k]["flank"]
     gap, ux, uy, on_a, on_b = flank(joint, side, 0.0, at.body(table), before)
     out["dx"], out["dy"] = ux, uy
-    J[e, 0], J[e, 1], J[e, 2] = -ux, -uy, on_a
-    J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = ux, uy, on_b
+    set_row(J, e, ux, uy, on_a, on_b)
     then = flank(joint, side, h, at.body(table), before)[0]
     at.unknowns(table)[0][r] = _ahead(gap, then, J[e:e + 2], joint, before, h)
     at.unknowns(table)[1][r] = 1.0 / (h * h * joint["k"])
@@ -184,8 +180,7 @@ def rolling_row(table: int, h: float, k: int, on_a: float, on_b: float) -> None:
         return
     ra, rb, ux, uy = joint["ra"], joint["rb"], out["dx"], out["dy"]
     lever = (ra + rb) / out["way"]
-    J[e, 0], J[e, 1], J[e, 2] = -lever * uy, lever * ux, ra + lever * on_a
-    J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = lever * uy, -lever * ux, rb - lever * on_b
+    set_row(J, e, lever * uy, -lever * ux, ra + lever * on_a, rb - lever * on_b)
     at.unknowns(table)[0][r] = _ahead(
         rolled(joint, 0.0, body, before), rolled(joint, h, body, before), J[e:e + 2], joint,
         before, h)

@@ -1,4 +1,4 @@
-"""The one solve of a step: all that joints, dampers, cords, limits, motors and contacts carry.
+"""The solve of a step: impulses of all joints, dampers, tendons, limits, motors and contacts.
 
 pymunk has moved the bodies to the poses x of the step and found what is near. With W the inverse
 masses, f the forces that the poses tell, B the bilateral rows and C those with bounds,
@@ -7,9 +7,8 @@ masses, f the forces that the poses tell, B the bilateral rows and C those with 
 
 gives the velocities v at the step's end. B is factored once (:mod:`sandbox.engine.plan`), the
 rows C are solved on what it leaves (:mod:`sandbox.engine.bounded`); only those come in that carry
-something or would be broken without. Whether cords are taut is tried last, and whether springs
-and loads with laws of their own gave what these say (:mod:`sandbox.engine.springs`,
-:mod:`sandbox.engine.loads`).
+something or would be broken without. Then groups of elements may change their active sets and
+linearisations (:mod:`sandbox.engine.groups`), and the step is solved again.
 
 Contacts that give back speed do so before all forces (:mod:`sandbox.engine.impacts`).
 """
@@ -20,46 +19,26 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.bounded import (
-    columns,
-    couple,
-    push,
-    rate,
-    relax,
-    solve_modes,
-    wipe,
-    y_of,
-)
+from sandbox.engine.bounded import columns, couple, push, rate, relax, solve_modes, wipe, y_of
 from sandbox.engine.breaks import breaks
 from sandbox.engine.candidates import RETURN, broken_rows, kept_rows
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.fluid_report import flowing, report_lines
-from sandbox.engine.fluids import change_lines, fluid_rows, join_lines
-from sandbox.engine.friction import break_away, change_friction
+from sandbox.engine.friction import break_away
+from sandbox.engine.groups import (
+    change,
+    couple_rows,
+    is_changing,
+    limit_rates,
+    set_rows,
+    update_rows,
+)
 from sandbox.engine.impacts import impacts, late_hits, lead_back
 from sandbox.engine.kernel import kernel
 from sandbox.engine.lemke import MOST, lemke_modes
-from sandbox.engine.loads import change_loads, load_rows, timed
-from sandbox.engine.motors import brake_in_time
 from sandbox.engine.plan import assemble, backward, factor, forward
 from sandbox.engine.report import report
-from sandbox.engine.rows import (
-    apply_impulses,
-    closed,
-    joint_gaps,
-    joint_rows,
-    right_side,
-    scale_entries,
-)
-from sandbox.engine.springs import change_laws, law_rows, spring_rows
+from sandbox.engine.rows import apply_impulses, closed, joint_gaps, right_side, scale_entries
 from sandbox.engine.state import STILL, STILL_TURNING
-from sandbox.engine.tendons import (
-    ask_slips,
-    change_cords,
-    cord_rows,
-    slacken,
-)
-from sandbox.engine.ties import release_rows
 from sandbox.numeric import Array, Records
 
 HARD = 1e-12
@@ -102,12 +81,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
     starts, below = at.starts(table), at.below(table)
     Y, reached = at.columns(table), at.reached(table)
     at.standing(table)[2] = 0
-    joint_rows(table, h)
-    spring_rows(table, h, drive)
-    law_rows(table, h, drive)
-    load_rows(table, h)
-    release_rows(table, h)
-    slacken(table)
+    set_rows(table, h, drive)
     n = kept_rows(table, h, drive)
     hit = struck = True
     for attempt in range(PRESSED):
@@ -121,7 +95,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
             columns(table, 0, done, n)
             couple(table, 0, done, n)
             if done == 0:
-                brake_in_time(table, h, n)
+                limit_rates(table, h, n)
             done = n
             slack = solve_bounded(table, n)
             find_velocities(table, n)
@@ -135,10 +109,8 @@ def solve(table: int, h: float, drive: Array) -> bool:
             lead_back(table, h, n)
         wipe(rows, n, Y, reached)
         hit = late_hits(table, n)
-        changed, pressed = change_laws(table, h, drive), change_loads(table, h)
-        changed |= change_friction(table, n)
-        changed |= hit or change_cords(table, h, attempt) or change_lines(table, h, drive, attempt)
-        if not (pressed or (changed and attempt < ROUNDS - 1)):
+        changed, converging = change(table, h, drive, attempt, n, hit)
+        if not (converging or (changed and attempt < ROUNDS - 1)):
             if attempt + 1 == PRESSED:
                 break
             if break_away(table, n):
@@ -147,8 +119,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
                 break
             n = kept_rows(table, h, drive)
     at.standing(table)[3], at.standing(table)[4] = jammed(table, n, slack), n
-    report(table, h, n)
-    report_lines(table, h, drive)
+    report(table, h, drive, n)
     _rest(table)
     return struck
 
@@ -158,12 +129,10 @@ def factor_matrix(table: int, h: float, drive: Array) -> None:
     """Put together the matrix of the bilateral rows, and factor it."""
     unknowns, values = at.unknowns(table), at.values(table)
     J, WJ = at.entries(table)[0], at.entries(table)[1]
-    cord_rows(table, h)
-    ask_slips(table, h)
-    fluid_rows(table, h, drive)
+    update_rows(table, h, drive)
     scale_entries(table)
     assemble(at.pairs(table), at.direct(table), J, WJ, values)
-    join_lines(table, h)
+    couple_rows(table, h)
     count = unknowns.shape[1]
     diagonal = len(values) - count
     for i in range(count):
@@ -335,7 +304,7 @@ def _rest(table: int) -> None:
             return
     for b in range(len(velocity)):
         velocity[b, 0] = velocity[b, 1] = velocity[b, 2] = 0.0
-    if not (flowing(table) or timed(table) or _running(table)):
+    if not (is_changing(table) or _running(table)):
         count[1] = min(before + 1, SETTLED + 2)
 
 

@@ -26,13 +26,7 @@ from __future__ import annotations
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.coordinates import (
-    add_effort,
-    measure_angle,
-    measure_distance,
-    put_row,
-    rate,
-)
+from sandbox.engine.coordinates import add_effort, measure_angle, measure_distance, put_row, rate
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.formulas import formula
 from sandbox.engine.kernel import kernel

@@ -16,53 +16,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from sandbox.engine.records import (
-    ACTION,
-    ACTION_RESULT,
-    ACTION_STATE,
-    BROKEN,
-    CHAMBER,
-    CHAMBER_RESULT,
-    CORD,
-    CORD_RESULT,
-    CORD_STATE,
-    DRY_FRICTION,
-    DRY_FRICTION_RESULT,
-    DRY_FRICTION_STATE,
-    FLUID,
-    FLUID_RESULT,
-    FLUID_STATE,
-    GUIDE,
-    GUIDE_RESULT,
-    GUIDE_STATE,
-    JOINT,
-    JOINT_RESULT,
-    JOINT_STATE,
-    LIMIT,
-    LIMIT_STATE,
-    LOAD,
-    LOAD_RESULT,
-    LOAD_STATE,
-    LOADED,
-    LOADED_RESULT,
-    MOTOR,
-    MOTOR_STATE,
-    PUMP,
-    PUMP_RESULT,
-    PUMP_STATE,
-    SLIP,
-    SLIP_RESULT,
-    SLIP_STATE,
-    SPRING,
-    SPRING_RESULT,
-    SPRING_STATE,
-    TIE,
-    TIE_RESULT,
-    TIE_STATE,
-    VALVE,
-    VALVE_RESULT,
-    VALVE_STATE,
-)
+from sandbox.engine import records
 from sandbox.model.programs import CURVE, KNOT, STEP
 from sandbox.numeric import Array, Integers, Records
 
@@ -197,27 +151,27 @@ class Constants(NamedTuple):
     bodies: Annotated[Records, BODY]
     scheduled: Integers
     """Numbers of the bodies that move as a schedule has it."""
-    actions: Annotated[Records, ACTION]
-    springs: Annotated[Records, SPRING]
-    cords: Annotated[Records, CORD]
-    guides: Annotated[Records, GUIDE]
-    slips: Annotated[Records, SLIP]
+    actions: Annotated[Records, records.ACTION]
+    springs: Annotated[Records, records.SPRING]
+    cords: Annotated[Records, records.CORD]
+    guides: Annotated[Records, records.GUIDE]
+    slips: Annotated[Records, records.SLIP]
     wheels: Integers
     """Guides whose wheels a cord can lift off, [nw]."""
-    joints: Annotated[Records, JOINT]
-    limits: Annotated[Records, LIMIT]
-    motors: Annotated[Records, MOTOR]
-    dry_friction: Annotated[Records, DRY_FRICTION]
-    fluids: Annotated[Records, FLUID]
-    chambers: Annotated[Records, CHAMBER]
-    valves: Annotated[Records, VALVE]
-    pumps: Annotated[Records, PUMP]
-    loads: Annotated[Records, LOAD]
+    joints: Annotated[Records, records.JOINT]
+    limits: Annotated[Records, records.LIMIT]
+    motors: Annotated[Records, records.MOTOR]
+    dry_friction: Annotated[Records, records.DRY_FRICTION]
+    fluids: Annotated[Records, records.FLUID]
+    chambers: Annotated[Records, records.CHAMBER]
+    valves: Annotated[Records, records.VALVE]
+    pumps: Annotated[Records, records.PUMP]
+    loads: Annotated[Records, records.LOAD]
     """[nk], those of a body side by side."""
-    loaded: Annotated[Records, LOADED]
+    loaded: Annotated[Records, records.LOADED]
     sides: Annotated[Array, 2]
     """Outlines of what liquids lift, from the centres of mass (:mod:`sandbox.model.loads`)."""
-    ties: Annotated[Records, TIE]
+    ties: Annotated[Records, records.TIE]
     shapes: Annotated[Records, SHAPE]
     faces: Annotated[Records, FACE]
     """Those of a shape side by side."""
@@ -257,24 +211,24 @@ class State(NamedTuple):
 
     body: Annotated[Array, 2]
     """x, y, angle, vx, vy, omega of the centres of mass, [nb, 6]; pymunk's, filled after moves."""
-    actions: Annotated[Records, ACTION_STATE]
-    springs: Annotated[Records, SPRING_STATE]
-    cords: Annotated[Records, CORD_STATE]
-    guides: Annotated[Records, GUIDE_STATE]
-    slips: Annotated[Records, SLIP_STATE]
-    joints: Annotated[Records, JOINT_STATE]
-    limits: Annotated[Records, LIMIT_STATE]
-    motors: Annotated[Records, MOTOR_STATE]
-    dry_friction: Annotated[Records, DRY_FRICTION_STATE]
-    fluids: Annotated[Records, FLUID_STATE]
-    valves: Annotated[Records, VALVE_STATE]
-    pumps: Annotated[Records, PUMP_STATE]
-    loads: Annotated[Records, LOAD_STATE]
+    actions: Annotated[Records, records.ACTION_STATE]
+    springs: Annotated[Records, records.SPRING_STATE]
+    cords: Annotated[Records, records.CORD_STATE]
+    guides: Annotated[Records, records.GUIDE_STATE]
+    slips: Annotated[Records, records.SLIP_STATE]
+    joints: Annotated[Records, records.JOINT_STATE]
+    limits: Annotated[Records, records.LIMIT_STATE]
+    motors: Annotated[Records, records.MOTOR_STATE]
+    dry_friction: Annotated[Records, records.DRY_FRICTION_STATE]
+    fluids: Annotated[Records, records.FLUID_STATE]
+    valves: Annotated[Records, records.VALVE_STATE]
+    pumps: Annotated[Records, records.PUMP_STATE]
+    loads: Annotated[Records, records.LOAD_STATE]
     made: Integers
     """Steps made, this one among them, but for those in which all was at rest; which of those made
     in one go this one is, from 0; how many of ``broken`` and of ``impacts`` are filled, [4]."""
-    ties: Annotated[Records, TIE_STATE]
-    broken: Annotated[Records, BROKEN]
+    ties: Annotated[Records, records.TIE_STATE]
+    broken: Annotated[Records, records.BROKEN]
     """What broke in the steps made in one go; room for more than do."""
     impacts: Annotated[Records, IMPACT]
     """Of the steps made in one go, [contacts] or more."""
@@ -315,24 +269,24 @@ class Result(NamedTuple):
     """How far impacts after the pose displace it, so that the next one is right, [nb, 3]."""
     turn: Annotated[Array, 2]
     """Cosine and sine of the bodies' angles, [nb, 2]."""
-    actions: Annotated[Records, ACTION_RESULT]
-    springs: Annotated[Records, SPRING_RESULT]
-    cords: Annotated[Records, CORD_RESULT]
-    guides: Annotated[Records, GUIDE_RESULT]
-    slips: Annotated[Records, SLIP_RESULT]
-    joints: Annotated[Records, JOINT_RESULT]
-    dry_friction: Annotated[Records, DRY_FRICTION_RESULT]
-    fluids: Annotated[Records, FLUID_RESULT]
-    chambers: Annotated[Records, CHAMBER_RESULT]
-    valves: Annotated[Records, VALVE_RESULT]
-    pumps: Annotated[Records, PUMP_RESULT]
-    loads: Annotated[Records, LOAD_RESULT]
-    loaded: Annotated[Records, LOADED_RESULT]
+    actions: Annotated[Records, records.ACTION_RESULT]
+    springs: Annotated[Records, records.SPRING_RESULT]
+    cords: Annotated[Records, records.CORD_RESULT]
+    guides: Annotated[Records, records.GUIDE_RESULT]
+    slips: Annotated[Records, records.SLIP_RESULT]
+    joints: Annotated[Records, records.JOINT_RESULT]
+    dry_friction: Annotated[Records, records.DRY_FRICTION_RESULT]
+    fluids: Annotated[Records, records.FLUID_RESULT]
+    chambers: Annotated[Records, records.CHAMBER_RESULT]
+    valves: Annotated[Records, records.VALVE_RESULT]
+    pumps: Annotated[Records, records.PUMP_RESULT]
+    loads: Annotated[Records, records.LOAD_RESULT]
+    loaded: Annotated[Records, records.LOADED_RESULT]
     pressing: Annotated[Array, 3]
     """Numbers of the loaded bodies, [no, NUMBERS, 3]."""
     felt: Annotated[Array, 2]
     """Scratch: a load's force and torque with slopes, [3, 4]."""
-    ties: Annotated[Records, TIE_RESULT]
+    ties: Annotated[Records, records.TIE_RESULT]
     belts: Array
     """Speeds at which surfaces run, counter-clockwise round their bodies [m/s], [nb]."""
     stack: Annotated[Array, 2]

@@ -33,23 +33,10 @@ from sandbox.engine.bounded import HOLD_TANGENT, UNBOUNDED, begin_row
 from sandbox.engine.cables import measure, wound_up
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.records import (
-    EVEN,
-    GRIPPED,
-    PULL,
-    STIFF,
-)
-from sandbox.engine.rows import (
-    LEAST,
-)
-from sandbox.engine.state import (
-    CABLE_FRICTION,
-    CABLE_LOAD,
-)
-from sandbox.engine.ties import (
-    holds,
-    slacken_released,
-)
+from sandbox.engine.records import EVEN, GRIPPED, PULL, STIFF
+from sandbox.engine.rows import LEAST
+from sandbox.engine.state import CABLE_FRICTION, CABLE_LOAD
+from sandbox.engine.ties import acts, holds, slacken_released
 from sandbox.numeric import Array, Records
 
 EXCESS = 1e-10
@@ -103,6 +90,17 @@ def slip_rows(table: int, h: float, i: int, n: int) -> int:
     out["ax"], out["normal"], out["friction"] = -1.0, n, bound
     out["hold"], out["tight"] = HOLD_TANGENT, EXCESS
     return n + 2
+
+
+@entry_point("cords")
+def report_cords(table: int, h: float) -> None:
+    """Tensions of all cords that have a row; rounding in a row without stiffness counts as none."""
+    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    unknown = at.unknowns(table)[3]
+    for i in range(len(cords)):
+        if cords[i]["row"] >= 0 and acts(table, cords[i]["tie"]):
+            tension = max(unknown[cords[i]["row"]] / h, 0.0)
+            results[i]["tension"] = tension if states[i]["active"] and tension > LEAST else 0.0
 
 
 @entry_point("slips")

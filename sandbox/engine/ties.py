@@ -22,23 +22,10 @@ import numpy as np
 
 from sandbox.elements.element import HELD_ABOVE
 from sandbox.engine import memory as at
+from sandbox.engine import records
 from sandbox.engine.coordinates import ends, gaps, toothed
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.records import (
-    BROKEN,
-    CORDED,
-    GROOVE,
-    JOINED,
-    NONE,
-    POINT,
-    RANGE,
-    SETTLED,
-    SPRINGY,
-    TAKEN,
-    TIE,
-    TIE_STATE,
-)
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Records
 from sandbox.samples.outcome import Happened
@@ -85,12 +72,12 @@ def release_and_engage(table: int, drive: Array) -> None:
     """
     ties, states = at.ties(table), at.tie_states(table)
     for i in range(len(ties)):
-        wish, states[i]["wish"] = states[i]["wish"], NONE
+        wish, states[i]["wish"] = states[i]["wish"], records.NONE
         if ties[i]["drive"] >= 0:
             driven = 1 if drive[ties[i]["drive"]] > HELD_ABOVE else 0
             if driven != states[i]["driven"]:
                 wish = states[i]["driven"] = driven
-        if wish != NONE and wish != states[i]["held"]:
+        if wish != records.NONE and wish != states[i]["held"]:
             states[i]["held"] = wish
             if wish == 1:
                 _engage(table, i)
@@ -100,12 +87,12 @@ def release_and_engage(table: int, drive: Array) -> None:
 def _engage(table: int, i: int) -> None:
     """Begin to close the gap of a joint; note the length of what is taken up as it is."""
     tie, index = at.ties(table)[i], at.ties(table)[i]["index"]
-    if tie["what"] == JOINED:
-        at.tie_states(table)[i]["age"] = TAKEN
-    elif tie["as_is"] and tie["what"] == SPRINGY:
+    if tie["what"] == records.JOINED:
+        at.tie_states(table)[i]["age"] = records.TAKEN
+    elif tie["as_is"] and tie["what"] == records.SPRINGY:
         if not at.springs(table)[index]["turning"]:
             at.spring_states(table)[index]["rest"] = at.spring_results(table)[index]["way"]
-    elif tie["as_is"] and tie["what"] == CORDED:
+    elif tie["as_is"] and tie["what"] == records.CORDED:
         for k in range(len(at.cords(table))):
             if at.cords(table)[k]["tie"] == i:
                 at.cord_states(table)[k]["rest"] = at.cord_results(table)[k]["length"]
@@ -173,14 +160,14 @@ def _ask_gently(table: int, h: float, k: int) -> None:
     for row in (joint["row"], joint["row_y"], joint["row_turn"]):
         if row >= 0 and not teeth:
             at.unknowns(table)[1][row] = 0.0
-    if state["age"] == TAKEN:
+    if state["age"] == records.TAKEN:
         _look(table, k)
     if joint["row_turn"] >= 0:
         rhs[joint["row_turn"]] += state["turns"] / h
     x, y, t = remaining_gap(table, joint["tie"], h)
     if joint["row"] >= 0 and not teeth:
         rhs[joint["row"]] += x / h
-    if joint["keeps"] == POINT and joint["row_y"] >= 0:
+    if joint["keeps"] == records.POINT and joint["row_y"] >= 0:
         rhs[joint["row_y"]] += y / h
     if joint["row_turn"] >= 0:
         rhs[joint["row_turn"]] += t / h
@@ -198,14 +185,14 @@ def _look(table: int, k: int) -> None:
     vx = before[b, 0] - wb * by - before[a, 0] + wa * ay
     vy = before[b, 1] + wb * bx - before[a, 1] - wa * ax
     (x, y), (rx, ry) = gaps(joint, px, py, turn[a, 0], turn[a, 1]), (vx, vy)
-    if joint["keeps"] == GROOVE:
+    if joint["keeps"] == records.GROOVE:
         c, s = turn[a, 0], turn[a, 1]
         dx, dy = c * joint["gx"] - s * joint["gy"], s * joint["gx"] + c * joint["gy"]
         rx, ry = dx * vy - dy * vx - wa * (dx * px + dy * py), 0.0
-    elif joint["keeps"] != POINT:
+    elif joint["keeps"] != records.POINT:
         way = math.hypot(px, py)
         rx, ry = (px * vx + py * vy) / way if way > 0.0 else 0.0, 0.0
-    if joint["keeps"] == RANGE:
+    if joint["keeps"] == records.RANGE:
         x = rx = 0.0
     askew = body[b, 2] - body[a, 2] - joint["turn"]
     state["turns"] = 2 * math.pi * math.floor(askew / (2 * math.pi) + 0.5)
@@ -235,7 +222,7 @@ def tied(table: int, h: float) -> None:
         if states[i]["age"] >= 0.0:
             states[i]["age"] += h
             if states[i]["age"] > CLOSED_AFTER * ties[i]["over"]:
-                states[i]["age"] = SETTLED
+                states[i]["age"] = records.SETTLED
 
 
 @kernel
@@ -256,12 +243,13 @@ LEAST = 1024
 def tie_table(model: Model, springs: Records, cords: Records) -> Records:
     """TIE, [nr]; spans of cords get the number of theirs."""
     ties = model.ties
-    table = np.zeros(len(ties.name), TIE)
+    table = np.zeros(len(ties.name), records.TIE)
     table["breaks_at"], table["over"] = ties.breaks_at, ties.over
     table["as_is"], table["drive"] = ties.as_is, ties.drive
     for row in np.flatnonzero(springs["tie"] >= 0):
-        table[springs["tie"][row]]["what"], table[springs["tie"][row]]["index"] = SPRINGY, row
-    for what, numbers in ((JOINED, ties.joint), (CORDED, ties.tendon)):
+        own = table[springs["tie"][row]]
+        own["what"], own["index"] = records.SPRINGY, row
+    for what, numbers in ((records.JOINED, ties.joint), (records.CORDED, ties.tendon)):
         own = np.flatnonzero(numbers >= 0)
         table["what"][numbers[own]], table["index"][numbers[own]] = what, own
     whole = len(model.tendons.name)
@@ -272,9 +260,9 @@ def tie_table(model: Model, springs: Records, cords: Records) -> Records:
 
 def tie_state(model: Model) -> Records:
     """TIE_STATE at t = 0, [nr]."""
-    state = np.zeros(len(model.ties.name), TIE_STATE)
-    state["held"], state["load"], state["age"] = model.ties.held, np.nan, SETTLED
-    state["wish"], state["driven"] = NONE, model.ties.held
+    state = np.zeros(len(model.ties.name), records.TIE_STATE)
+    state["held"], state["load"], state["age"] = model.ties.held, np.nan, records.SETTLED
+    state["wish"], state["driven"] = records.NONE, model.ties.held
     return state
 
 
@@ -285,7 +273,7 @@ def room_for_breaks(model: Model) -> Records:
     have room for one in every step.
     """
     breaking = int(np.isfinite(model.ties.breaks_at).sum())
-    return np.zeros(max(AGAIN * breaking, LEAST if breaking else 0), BROKEN)
+    return np.zeros(max(AGAIN * breaking, LEAST if breaking else 0), records.BROKEN)
 
 
 def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) -> list[Happened]:

@@ -18,11 +18,7 @@ import pymunk
 from pymunk import batch
 
 from sandbox.engine import native
-from sandbox.engine.state import (
-    FACE,
-    SHAPE,
-    SPAN,
-)
+from sandbox.engine.state import FACE, SHAPE, SPAN
 from sandbox.model.model import Model
 from sandbox.model.pairs import Words, allowed_pairs, joined
 from sandbox.numeric import Array, Flags, Integers, Records, Stack

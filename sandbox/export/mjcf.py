@@ -27,17 +27,7 @@ from sandbox.export.selection import contact_pairs, leave_out, without_counterpa
 from sandbox.export.tree import Freedom, grow, vec
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import NONE, Bodies
-from sandbox.scene.bodies import (
-    Body,
-    Box,
-    Capsule,
-    Circle,
-    Polygon,
-    Polyline,
-    Role,
-    Shape,
-    Solid,
-)
+from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Polyline, Role, Shape, Solid
 from sandbox.scene.geometry import Vec, corners, count_solids, solids
 from sandbox.scene.mechanism import Mechanism
 

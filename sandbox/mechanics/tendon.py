@@ -47,14 +47,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import (
-    finite,
-    not_negative,
-    per_phalanx,
-    points,
-    positive,
-    together,
-)
+from sandbox.mechanics.checks import finite, not_negative, per_phalanx, points, positive, together
 from sandbox.mechanics.triangle import corner, third_side
 from sandbox.numeric import Array
 

@@ -13,13 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.numeric import Array, Integers, Records
-from sandbox.values.expressions import (
-    CONSTANTS,
-    MAX_EXPONENT,
-    Expression,
-    dotted,
-    unknown_name,
-)
+from sandbox.values.expressions import CONSTANTS, MAX_EXPONENT, Expression, dotted, unknown_name
 from sandbox.values.tables import Function
 
 (NUMBER, NAME, TABLE, ADD, SUB, MUL, DIV, MOD, POW, NEG, SELECT, DROP, AND, OR, NOT, LT, LE, GT,

@@ -135,8 +135,7 @@ def load_elements(path: Path, source: bytes | None = None) -> Callable[[], None]
             raise SandboxError("it registers no element; write @sandbox.register above its class")
     except Exception as error:  # whatever the file raises
         _restore(before, files)
-        raise SandboxError(f"{path}{_line(error, path)}: {_reason(error)}",
-                           code="bad-elements") from None
+        raise SandboxError(_message(error, path), code="bad-elements") from None
     _files[str(path)] = source
     return partial(_restore, before, files)
 
@@ -147,18 +146,13 @@ def _restore(types: dict[str, type[Composite]], files: dict[str, bytes]) -> None
     _set_types()
 
 
-def _line(error: Exception, path: Path) -> str:
-    """The line of a file that an exception came from, as ``:12``; empty if none did."""
+def _message(error: Exception, path: Path) -> str:
+    """The message of an exception that the file at a path raised, with its line."""
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__)
              if frame.filename == str(path)]
-    found = error.lineno if isinstance(error, SyntaxError) else lines[-1] if lines else None
-    return f":{found}" if found else ""
-
-
-def _reason(error: Exception) -> str:
-    if isinstance(error, OSError):
-        return f"cannot be read: {error.strerror}"
-    if isinstance(error, SandboxError):
-        return str(error)
-    said = error.msg if isinstance(error, SyntaxError) else str(error)
-    return f"{type(error).__name__}: {' '.join(said.split())}"
+    said = " ".join(str(error).split())
+    if isinstance(error, SyntaxError):
+        lines, said = [error.lineno], error.msg
+    place = f"{path}:{lines[-1]}" if lines else str(path)
+    return f"{place}: {said}" if isinstance(error, SandboxError) else \
+        f"{place}: {type(error).__name__}: {said}"

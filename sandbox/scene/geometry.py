@@ -12,16 +12,7 @@ import numpy as np
 
 from sandbox.elements.registry import Joint
 from sandbox.numeric import Array
-from sandbox.scene.bodies import (
-    Body,
-    Box,
-    Capsule,
-    Circle,
-    Polygon,
-    Polyline,
-    Shape,
-    Solid,
-)
+from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Polyline, Shape, Solid
 from sandbox.scene.outlines.curves import reversed_nodes
 from sandbox.scene.outlines.pieces import chain_faces, pieces_of
 from sandbox.scene.outlines.rings import signed_area, wound

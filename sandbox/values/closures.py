@@ -13,13 +13,7 @@ import operator
 from collections.abc import Callable
 from typing import NamedTuple
 
-from sandbox.values.expressions import (
-    CONSTANTS,
-    MAX_EXPONENT,
-    call,
-    dotted,
-    parse_expression,
-)
+from sandbox.values.expressions import CONSTANTS, MAX_EXPONENT, call, dotted, parse_expression
 from sandbox.values.tables import NONE, Tables
 
 Read = Callable[[], float]

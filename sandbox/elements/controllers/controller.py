@@ -14,12 +14,13 @@ Laws know numbers only: readings, targets and drive values come in the order of 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from sandbox.elements.element import Element
+from sandbox.errors import Problem
 from sandbox.values.numbers import (
     POSITIVE,
     Flag,
@@ -124,6 +125,8 @@ class ControllerSpec(Element):
     of_force: ClassVar[tuple[str, ...]] = ()
     # the field that has its targets
     target_key: ClassVar[str] = "target"
+    # the field that has its readings
+    reads_key: ClassVar[str] = "reads"
     # whether it sets its drive to its target
     sets_target: ClassVar[bool] = False
 
@@ -152,6 +155,15 @@ class ControllerSpec(Element):
     def signals(self) -> tuple[AnySignal, ...]:
         """The targets of its readings over time; of a schedule its value."""
         return ()
+
+    @property
+    def immediate(self) -> str:
+        """The expression that its output equals at once; empty of a law with memory."""
+        return ""
+
+    def law_problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """Reasons why its law cannot work on this mechanism, whose names and units are right."""
+        return iter(())
 
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
         """Its law, which acts every ``period`` [s]."""

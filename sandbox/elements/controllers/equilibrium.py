@@ -125,6 +125,24 @@ class EquilibriumController(SeveralController):
         """Joints, tendon and springs that are not there, or do not belong to each other."""
         return Fingers(mechanism).problems(self, path)
 
+    def law_problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """Springs without a moment at the rotation that the law falls back on."""
+        fingers = Fingers(mechanism)
+        if next(fingers.problems(self, ""), None) is not None:
+            return
+        try:
+            joints = joint_model(self, fingers)
+        except ValueError as error:
+            yield Problem("bad-control-law", f"the law cannot use this finger: {error}", path,
+                          allowed="guides and springs' ends away from the hinges")
+            return
+        for name, joint in zip(self.joints, joints, strict=True):
+            if not joint.spring_moment(self.guard) > 0:
+                yield Problem("bad-control-law", f"the spring across {quoted(name)} has no moment "
+                              f"at the guard's rotation, {math.degrees(self.guard):.4g} deg",
+                              f"{path}.guard", allowed="a small rotation at which every spring is "
+                              "stretched and has an arm")
+
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
         """Its law, which acts every ``period`` [s]."""
         return Equilibrium(self, joint_model(self, Fingers(mechanism)), period)

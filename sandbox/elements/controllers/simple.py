@@ -59,6 +59,8 @@ class Schedule(Memoryless):
 class FeedbackController(SingleController):
     """Sets a drive to an expression of quantities and of the time ``t``."""
 
+    reads_key: ClassVar[str] = "value"
+
     type: Literal["feedback"] = TYPE
     value: str
     """Value of the drive, in its unit: an expression of quantities, of parameters and of the time
@@ -73,6 +75,11 @@ class FeedbackController(SingleController):
     def readings(self) -> tuple[str, ...]:
         """The expression."""
         return (self.value,)
+
+    @property
+    def immediate(self) -> str:
+        """The expression."""
+        return self.value
 
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
         """Its law, which acts every ``period`` [s]."""

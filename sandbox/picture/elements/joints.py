@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from sandbox.elements.arrays import largest_size
+from sandbox.elements.joint import JointKind
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
 from sandbox.picture.elements.bodies import beside, far_feet, joined_points
@@ -25,26 +24,13 @@ PILED = 11.0
 """Ground symbols nearer than this to another one are left out [points]."""
 
 
-@dataclass(frozen=True)
-class JointLook:
-    """How joints of a kind look."""
-
-    mark: str = ""
-    """On top of the bodies: ``pin`` at b, ``weld`` at a, or ``ends``."""
-    link: str = ""
-    """From point to point below the bodies: ``rod``, ``rope`` or ``actuator``."""
-
-
-JOINTS: Mapping[str, JointLook] = {
-    "pin": JointLook("pin"),
-    "slot": JointLook("pin"),
-    "weld": JointLook("weld"),
-    "rod": JointLook("ends", "rod"),
-    "rope": JointLook("ends", "rope"),
-    "actuator": JointLook("ends", "actuator"),
-    "gear": JointLook(), "rack": JointLook(), "roll": JointLook(),
-}
-"""By the type of a joint. Gears, racks and rolling circles are painted with their bodies."""
+def mark_of(kind: JointKind) -> str:
+    """The mark of a kind of joint: ``pin`` at b, ``weld`` at a, ``end`` at both; or none."""
+    if kind.along_line:
+        return "end"
+    if kind.keeps == "groove" or kind.angle:
+        return "pin"
+    return "weld" if kind.keeps == "point" else ""
 
 
 def is_rail(model: Model, joint: int) -> bool:
@@ -58,7 +44,7 @@ def add_joints(s: Subject) -> None:
     """Marks and grooves of all joints."""
     joints, rubbed = s.run.model.joints, set(s.run.model.joints.rubbed.tolist())
     grooved, sticks = set(joints.grooved.tolist()), s.run.arrays["joint_sticks"]
-    for k, joint in enumerate(s.run.mechanism.joints):
+    for k in range(len(joints.name)):
         (a, b), (on_a, on_b) = joints.bodies[k].tolist(), joints.anchor[k]
         name, plane = joints.name[k], s.plane(a, b)
         shown = s.held(int(s.run.model.ties.joint[k]))
@@ -68,11 +54,11 @@ def add_joints(s: Subject) -> None:
             s.add("pins", "mark", name, plane=plane, rank=-1, at=s.point_on(b, on_b),
                   g=[glyph(s.out, "slides"), glyph(s.out, "rubs")],
                   state=s.out.varying(sticks[:, k] == 1.0, steady=True), shown=shown)
-        mark = JOINTS[joint.type].mark
-        places = {"pin": [(b, on_b)], "weld": [(a, on_a)], "ends": [(a, on_a), (b, on_b)]}
+        mark = mark_of(joints.kind[k])
+        places = {"pin": [(b, on_b)], "weld": [(a, on_a)], "end": [(a, on_a), (b, on_b)]}
         for body, at in places.get(mark, []):
             s.add("pins", "mark", name, plane=plane, at=s.point_on(body, at),
-                  g=glyph(s.out, "end" if mark == "ends" else mark), shown=shown)
+                  g=glyph(s.out, mark), shown=shown)
 
 
 def _groove(s: Subject, k: int, plane: float, shown: list[int] | None) -> None:

@@ -9,7 +9,6 @@ import numpy as np
 
 from sandbox.model.model import NONE
 from sandbox.numeric import Array
-from sandbox.picture.elements.joints import JOINTS
 from sandbox.picture.glyphs import glyph
 from sandbox.picture.listing import Point
 from sandbox.picture.run_data import RunData
@@ -55,9 +54,8 @@ def add_links(s: Subject) -> None:
     model, carried = s.run.model, s.carried
     driven = {int(model.drives.target[i]) for i in model.drives.giving("push")}
     loaded = carried.loaded.tolist()
-    for k, joint in enumerate(s.run.mechanism.joints):
-        link = JOINTS[joint.type].link
-        if not link:
+    for k, kind in enumerate(model.joints.kind):
+        if not kind.along_line:
             continue
         bodies = model.joints.bodies[k].tolist()
         ends = [s.point_on(body, at) for body, at in zip(bodies, model.joints.anchor[k],
@@ -66,9 +64,9 @@ def add_links(s: Subject) -> None:
                      s.held(int(model.ties.joint[k])))
         level = carried.links[:, k] / (carried.largest or 1.0)
         level[np.abs(level) <= UNLOADED] = 0.0
-        if link == "rod":
+        if kind.keeps == "distance":
             made.tube(ends[0], ends[1], level)
-        elif link == "actuator":
+        elif kind.line:
             made.actuator(reach_of(s.run, k), "drive" if k in driven else "pin_ring")
         else:
             made.rope(reach_of(s.run, k), level)

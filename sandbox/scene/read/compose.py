@@ -30,12 +30,7 @@ from sandbox.scene.read.scopes import (
     unknown_key,
 )
 from sandbox.scene.read.source import SceneSource
-from sandbox.scene.read.templates import (
-    Context,
-    LikeError,
-    inside_template,
-    merge_templates,
-)
+from sandbox.scene.read.templates import Context, LikeError, inside_template, merge_templates
 from sandbox.values.numbers import number_from
 from sandbox.values.paths import JsonPath, parse_path
 from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted

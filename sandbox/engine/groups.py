@@ -1,0 +1,92 @@
+"""Groups of elements in the phases of a step.
+
+A group is a set of elements that are solved together, such as all tendons. It has a function for
+some of the phases. Most of these are entry points: they are called through their address and
+compiled only for scenes that have the group. The step and its solve know the phases only:
+
+    apply_forces    measure coordinates at the pose; apply the forces that follow from it
+    set_rows        bilateral rows that the pose determines, before the solve
+    update_rows     bilateral rows that depend on active sets, before each factorisation
+    couple_rows     terms of the matrix between two rows, in each factorisation
+    limit_rates     rates of bounded rows that depend on the other rows
+    change          active sets and linearisations, after each solve
+    is_changing     whether a mechanism whose bodies rest changes nevertheless
+    is_valid        whether the results are in their ranges
+
+Bounded rows: :mod:`sandbox.engine.candidates`; results and work: :mod:`sandbox.engine.report`.
+"""
+
+from __future__ import annotations
+
+from sandbox.engine.fluid_report import contained, flowing
+from sandbox.engine.fluids import change_lines, fluid_rows, join_lines, swell
+from sandbox.engine.friction import change_friction
+from sandbox.engine.kernel import kernel
+from sandbox.engine.loads import change_loads, load_rows, press, timed
+from sandbox.engine.motors import brake_in_time, drive_forces
+from sandbox.engine.rows import joint_rows
+from sandbox.engine.springs import change_laws, law_rows, spring_rows, stretch
+from sandbox.engine.tendons import ask_slips, change_cords, cord_rows, pull, slacken
+from sandbox.engine.ties import release_rows
+from sandbox.numeric import Array
+
+# phases of one group
+couple_rows, limit_rates, is_valid = join_lines, brake_in_time, contained
+
+
+@kernel
+def apply_forces(table: int, h: float, drive: Array) -> None:
+    """Measure the coordinates of all groups and add the forces that follow from the pose."""
+    drive_forces(table, drive)
+    stretch(table, drive)
+    pull(table, drive)
+    swell(table, drive)
+    press(table, h)
+
+
+@kernel
+def set_rows(table: int, h: float, drive: Array) -> None:
+    """Set the rows that the pose determines, and the initial active sets."""
+    joint_rows(table, h)
+    spring_rows(table, h, drive)
+    law_rows(table, h, drive)
+    load_rows(table, h)
+    release_rows(table, h)
+    slacken(table)
+
+
+@kernel
+def update_rows(table: int, h: float, drive: Array) -> None:
+    """Set the rows that depend on active sets."""
+    cord_rows(table, h)
+    ask_slips(table, h)
+    fluid_rows(table, h, drive)
+
+
+@kernel
+def change(
+    table: int, h: float, drive: Array, attempt: int, n: int, again: bool,
+) -> tuple[bool, bool]:
+    """Change active sets and linearisations that the solution contradicts.
+
+    Args:
+        table: the memory.
+        h: the step [s].
+        drive: values of the drives, [nd].
+        attempt: number of earlier solves of the step.
+        n: number of bounded rows.
+        again: whether the step is solved again in any case; then active sets stay as they are.
+
+    Returns:
+        whether the step must be solved again; whether this is sure to converge.
+    """
+    changed, converging = change_laws(table, h, drive), change_loads(table, h)
+    changed |= change_friction(table, n)
+    changed |= again or change_cords(table, h, attempt) or change_lines(table, h, drive, attempt)
+    return changed, converging
+
+
+@kernel
+def is_changing(table: int) -> bool:
+    """Whether fluid flows or a load depends on time."""
+    return bool(flowing(table) or timed(table))
