@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import EXACT, ROUNDING, SMALLEST_SCALE, Figure, Worst, missing
+from sandbox.audit.figures import EXACT, ROUNDING, SMALLEST_SCALE, NotComputed, Worst, check
 from sandbox.audit.touching import touched
 from sandbox.audit.unknowns import Unknown, Unknowns
 from sandbox.mechanics.linear_program import LinearProgram
@@ -237,25 +237,23 @@ class Balance:
         return np.concatenate([self.motions.T @ self.target, self.most])
 
 
-def bound_figure(evidence: Evidence) -> Figure:
-    """Contact forces at the end lie where balance, friction and one-sided contacts let them."""
-    name, source = "contact.bounds", "minimum and maximum f with m a = Σ F, |t| <= μ n"
+@check("contact.bounds", "N", "minimum and maximum f with m a = Σ F, |t| <= μ n",
+       asks="is each contact force within the range that balance and friction allow?",
+       compared="distance of contact forces at the end from the range that balance and friction "
+                "allow, {count:component}, worst: {where}{note}",
+       none=f"more than {MOST // 3} bodies are connected")
+def _contact_bounds(evidence: Evidence, worst: Worst) -> str:
     if not len(evidence.last.run.contacts.normal):
-        return missing(name, why="nothing touches at the end", source=source)
-    found = contact_bounds(evidence)
-    worst, widest, names = Worst(), (0.0, ""), evidence.model.bodies.name
-    for bounds in found:
+        raise NotComputed("nothing touches at the end")
+    widest, note, names = 0.0, "", evidence.model.bodies.name
+    for bounds in contact_bounds(evidence):
         for kind, part in (("normal", bounds.normal), ("tangential", bounds.tangential)):
             label = f"{names[bounds.body]}/{names[bounds.other]}.{kind}"
-            # where there is no bound none is exceeded
             worst.add(label, np.array(part.excess), np.maximum(part.allowed, ROUNDING))
-            if part.high - part.low > widest[0] and kind == "normal":
-                widest = part.high - part.low, (
-                    f"; widest: {label}, {part.force:.4g} in {part.low:.4g} to {part.high:.4g} N")
-    return worst.figure(
-        name, "N", source=source, none=f"more than {MOST // 3} bodies are connected",
-        why="distance of contact forces at the end from the range that balance and friction allow, "
-            "{count:component}, worst: {where}" + widest[1])
+            if part.high - part.low > widest and kind == "normal":
+                widest = part.high - part.low
+                note = f"; widest: {label}, {part.force:.4g} in {part.low:.4g} to {part.high:.4g} N"
+    return note
 
 
 def push_limits(

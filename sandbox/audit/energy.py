@@ -1,4 +1,4 @@
-"""Figures of energy: the work of joints and contacts, and the balance of all work.
+"""Energy: the work of joints and contacts, and the balance of all work.
 
 In each step the kinetic energy of a body grows by the work of its forces, to rounding. Ideal joints
 should do no work, but a step leaves them some of second order. An anchor at r from the centre of
@@ -15,7 +15,7 @@ energy the step is too coarse. Motors that start at speed: :mod:`sandbox.audit.s
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,9 +24,9 @@ from sandbox.audit.figures import (
     EXACT,
     NOT_EVERY_STEP,
     ROUNDING,
-    Figure,
-    judged,
-    missing,
+    NotComputed,
+    Worst,
+    check,
     peak,
 )
 from sandbox.audit.starts import StartsAtSpeed, initial_velocity, paced, starts
@@ -34,19 +34,30 @@ from sandbox.numeric import Array, Flags
 from sandbox.samples.samples import OLDER
 
 LARGEST_STEP_ERROR = 0.01
-"""The largest share of all energy turned over that may be called the step's error."""
+"""Largest error of the step that is allowed, relative to all energy converted."""
 LEFT = 1e-8
-"""Overlaps up to this [m] may be undone without being called a source of energy."""
+"""Overlap [m] whose removal does not count as a source of energy."""
 
 
-def energy_figures(evidence: Evidence) -> Iterator[Figure]:
-    """Of all work against the kinetic energy."""
-    source = "ΔE = Σ W"
-    unknown = _unrecorded(evidence)
-    if unknown:
-        for name in ("energy.start", "energy.created", "energy.lost"):
-            yield missing(name, why=unknown, source=source)
-        return
+class _Balance(NamedTuple):
+    """All works against the kinetic energy."""
+
+    scale: float
+    """All energy converted [J]."""
+    left: Array
+    """Kinetic energy minus the work of all but joints and contacts [J], [n]."""
+    by_joints: Array
+    """Known work of joints that start or close [J], [n]."""
+    least: float
+    """Tolerance without the error of the step, relative to the scale."""
+    allowed: float
+    """Tolerance with it."""
+    started: StartsAtSpeed
+    blow: bool
+    """Whether motors that start at speed exceed the error of the step."""
+
+
+def _balance(evidence: Evidence) -> _Balance:
     a = evidence.run.arrays
     kinetic = kinetic_energy(evidence)
     works = sum(np.abs(a[f"{kind}_work"]).sum(axis=1)
@@ -62,17 +73,90 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
     error = smooth + (started.unsure if blow else float(each[started.within].sum()))
     allowed = least + min(error / scale, LARGEST_STEP_ERROR)
     by_joints = started.made if blow else np.zeros(len(left))
-    yield _started(evidence, started, blow, scale, allowed)
+    return _Balance(scale, left, by_joints, least, allowed, started, blow)
+
+
+def _closed_balance(evidence: Evidence) -> _Balance:
+    """The balance with the work of joints that close gaps.
+
+    Raises:
+        NotComputed: it is unknown.
+    """
+    _refuse_unrecorded(evidence)
+    found = evidence.once(_balance)
     if _closed_gaps(evidence) and not evidence.every_step:
-        why = f"joints broke or were engaged again, which does work, and {NOT_EVERY_STEP}"
-        yield missing("energy.created", why=why, source=source)
-        yield missing("energy.lost", why=why, source=source)
-        return
+        raise NotComputed(
+            f"joints broke or were engaged again, which does work, and {NOT_EVERY_STEP}")
     closing = ~evidence.joints_hold
-    by_joints = by_joints + (_work_of_joints(evidence, closing) if closing.any() else 0.0)
-    made = (left - by_joints)[evidence.known]
-    yield _created(made, scale, allowed + _unseen(evidence) / scale)
-    yield _lost(evidence, left, by_joints, scale, least, allowed)
+    if closing.any():
+        found = found._replace(by_joints=found.by_joints + _work_of_joints(evidence, closing))
+    return found
+
+
+def _refuse_unrecorded(evidence: Evidence) -> None:
+    bodies, drives = evidence.model.bodies, evidence.model.drives
+    if len(moved := np.flatnonzero(bodies.scheduled)):
+        raise NotComputed(
+            f"the work of {bodies.name[moved[0]]!r}, moved by a schedule, is not recorded")
+    if len(grown := drives.giving("radius")):
+        raise NotComputed(
+            f"the work of {drives.name[grown[0]]!r}, which changes a radius, is not recorded")
+
+
+@check("energy.start", source="W = P Δω / 2",
+       asks="do motors start without a jolt that loses energy?")
+def _started(evidence: Evidence, worst: Worst) -> str:
+    _refuse_unrecorded(evidence)
+    balance = evidence.once(_balance)
+    if not paced(evidence.model).any():
+        raise NotComputed("there is no motor")
+    worst.judge(balance.started.cost / balance.scale, balance.allowed)
+    if not balance.blow:
+        return "every motor starts at the speed of its hinge"
+    return (f"{'; '.join(balance.started.jumps[:3])}. This is an impact in one step: its forces "
+            f"grow as 1 / step. The {balance.started.made[-1]:.2g} J of joints in it are not "
+            "counted in energy.created and energy.lost. A signal that starts at the hinge's speed "
+            "avoids it")
+
+
+@check("energy.created", source="ΔE = Σ W", asks="is there no more energy than was supplied?",
+       compared="most energy that joints and contacts supplied, relative to all energy converted: "
+                "kinetic energy minus the work of drives, tendons, springs, dampers and weight; "
+                "the error of the step is allowed, up to 1 %")
+def _created(evidence: Evidence, worst: Worst) -> None:
+    """The energy that joints and contacts take never decreases."""
+    balance = _closed_balance(evidence)
+    made = (balance.left - balance.by_joints)[evidence.known]
+    lowest = np.minimum.accumulate(np.minimum(made, 0.0)) if len(made) else made
+    worst.judge((made - lowest).max(initial=0.0) / balance.scale,
+                balance.allowed + _unseen(evidence) / balance.scale)
+
+
+@check("energy.lost", source="ΔE = Σ W",
+       asks="is energy lost only to friction, dampers and impacts?")
+def _lost(evidence: Evidence, worst: Worst) -> str:
+    """The energy that joints and contacts take, against the work of contacts and stops."""
+    balance, run, a = _closed_balance(evidence), evidence.run, evidence.run.arrays
+    touched = (len(run.mean_contacts.sample) + len(a["impact_time"]) > 0
+               or bool(np.nan_to_num(run.means("joint_stop")["joint_stop"]).any())
+               or _stretched(evidence))
+    if touched and not evidence.every_step:
+        raise NotComputed(
+            f"contacts, stops and ropes do work in every step, and {NOT_EVERY_STEP}")
+    if not touched:
+        worst.judge(peak(balance.left - balance.by_joints) / balance.scale, balance.allowed)
+        return ("energy lost without contacts: kinetic energy minus the work of drives, tendons, "
+                "springs, dampers and weight, relative to all energy converted; the error of the "
+                "step is allowed as in energy.created")
+    if not evidence.vectors:
+        raise NotComputed(OLDER)
+    # contacts do a part of the work of running surfaces, the rest is heat
+    running = a["drive_work"][:, evidence.model.drives.giving("surface")].sum(axis=1)
+    left = balance.left + running - _work_of_contacts(evidence) - _work_of_joints(evidence)
+    left = left + _work_of_displacements(evidence)
+    worst.judge(peak(left[evidence.known]) / balance.scale, balance.least)
+    return ("kinetic energy minus all work, including contacts, stops and joints in every step, "
+            "relative to all energy converted")
 
 
 def kinetic_energy(evidence: Evidence) -> Array:
@@ -88,15 +172,6 @@ def kinetic_energy(evidence: Evidence) -> Array:
 def kinetic_at_start(evidence: Evidence) -> float:
     """At t = 0 [J], from the scene."""
     return float((evidence.loads.weights * initial_velocity(evidence)**2).sum()) / 2
-
-
-def _unrecorded(evidence: Evidence) -> str:
-    bodies, drives = evidence.model.bodies, evidence.model.drives
-    if len(moved := np.flatnonzero(bodies.scheduled)):
-        return f"the work of {bodies.name[moved[0]]!r}, moved by a schedule, is not recorded"
-    if len(grown := drives.giving("radius")):
-        return f"the work of {drives.name[grown[0]]!r}, which changes a radius, is not recorded"
-    return ""
 
 
 def _work_of_loads(evidence: Evidence) -> Array:
@@ -245,65 +320,6 @@ def _of_lines(evidence: Evidence, force: Array) -> Array:
     return result
 
 
-def _started(
-    evidence: Evidence, started: StartsAtSpeed, blow: bool, scale: float, allowed: float,
-) -> Figure:
-    """What motors that start at speed cost; a look where that can be told from the step's error."""
-    name, source = "energy.start", "W = P Δω / 2"
-    if not paced(evidence.model).any():
-        return missing(name, why="there is no motor", source=source)
-    if not blow:
-        why = "every motor starts at the speed of its hinge"
-    else:
-        why = (f"{'; '.join(started.jumps[:3])}. This is an impact in one step: its forces grow as "
-               f"1 / step. The {started.made[-1]:.2g} J of joints in it are not counted in "
-               "energy.created and energy.lost. A signal that starts at the hinge's speed avoids "
-               "it")
-    return judged(name, started.cost / scale, "", allowed, why=why, source=source)
-
-
-def _created(left: Array, scale: float, allowed: float) -> Figure:
-    """Joints and contacts take energy or none: what they do may not grow."""
-    lowest = np.minimum.accumulate(np.minimum(left, 0.0)) if len(left) else left
-    rise = float((left - lowest).max(initial=0.0)) / scale
-    return judged(
-        "energy.created", rise, "", allowed, source="ΔE = Σ W",
-        why="most energy that joints and contacts supplied, relative to all energy converted: "
-            "kinetic energy minus the work of drives, tendons, springs, dampers and weight; the "
-            "error of the step is allowed, up to 1 %")
-
-
-def _lost(
-    evidence: Evidence, left: Array, by_joints: Array, scale: float, least: float, allowed: float,
-) -> Figure:
-    """What joints and contacts took, against the contacts' and stops' own work."""
-    a, run, source = evidence.run.arrays, evidence.run, "ΔE = Σ W"
-    touched = (len(run.mean_contacts.sample) + len(a["impact_time"]) > 0
-               or bool(np.nan_to_num(run.means("joint_stop")["joint_stop"]).any())
-               or _stretched(evidence))
-    if touched and not evidence.every_step:
-        return missing(
-            "energy.lost", source=source,
-            why=f"contacts, stops and ropes do work in every step, and {NOT_EVERY_STEP}")
-    if not touched:
-        return judged(
-            "energy.lost", peak(left - by_joints) / scale, "", allowed,
-            source=source, why="energy lost without contacts: kinetic energy minus the work of "
-                               "drives, tendons, springs, dampers and weight, relative to all "
-                               "energy converted; the error of the step is allowed as in "
-                               "energy.created")
-    if not evidence.vectors:
-        return missing("energy.lost", source=source, why=OLDER)
-    # of what surfaces that run do the contacts' own work has a share, the rest goes into heat
-    running = a["drive_work"][:, evidence.model.drives.giving("surface")].sum(axis=1)
-    left = left + running - _work_of_contacts(evidence) - _work_of_joints(evidence)
-    left = left + _work_of_displacements(evidence)
-    return judged(
-        "energy.lost", peak(left[evidence.known]) / scale, "", least, source=source,
-        why="kinetic energy minus all work, including contacts, stops and joints in every step, "
-            "relative to all energy converted")
-
-
 def _stretched(evidence: Evidence) -> bool:
     """Whether a rope was ever taut, a pin at an end of its groove, teeth with play hit one another.
 
@@ -344,8 +360,7 @@ def _work_of_joints(evidence: Evidence, among: Flags | None = None) -> Array:
     step, and closing what that opened takes work; so does closing one that is taken up. ``among``
     are the samples of each joint that count, [nj, n].
     """
-    joints, v = evidence.loads.joints, evidence.loads.frames.velocity[:, evidence.loads.joints.body]
-    power = joints.x * v[0] + joints.y * v[1] + joints.moment * v[2]
+    power = evidence.loads.joints.power(evidence.velocity)
     if among is not None:
         power = np.where(np.tile(among, (2, 1)), power, 0.0)
     step = evidence.h * np.nan_to_num(power).sum(axis=0)

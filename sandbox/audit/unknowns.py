@@ -121,7 +121,7 @@ class Unknowns:
 
     def _pair(self, one: int, two: int, at: Array, force: Array, couple: float = 0.0) -> dict[
             int, Array]:
-        """A force at a place of the world, and a couple, on ``one`` by ``two``."""
+        """A force at a position in the world, and a couple, on ``one`` by ``two``."""
         does = {}
         for sign, body in ((1.0, one), (-1.0, two)):
             arm = at - self.centre[body]
@@ -162,29 +162,19 @@ class Unknowns:
             low, high = joints.stops[j].tolist()
             for reached, sign in ((angle <= low + near, 1.0), (angle >= high - near, -1.0)):
                 if reached:
-                    yield Unknown(self._couple(j, sign))
-
-    def _couple(self, joint: int, size: float) -> dict[int, Array]:
-        """A torque in a hinge's positive sense."""
-        a, b = self.model.joints.bodies[joint].tolist()
-        turn = np.array([0.0, 0.0, size * float(self.model.joints.sense[joint])])
-        return {b: turn, a: -turn}
+                    torque = self.loads.joint_efforts.on_bodies(j)
+                    yield Unknown({body: sign * wrench for body, wrench in torque.items()})
 
     def _cords(self) -> Iterator[Unknown]:
         if not self.rigid.any():
             return
-        pulls, a = self.loads.cord_pulls, self.arrays
-        rates = self.loads.lengthening(pulls, len(self.rigid), self.evidence.velocity)
+        efforts, a = self.loads.cord_efforts, self.arrays
+        rates = efforts.rates(len(self.rigid), self.evidence.velocity)
         for cord in np.flatnonzero(self.rigid).tolist():
             stretch = float(a["tendon_length"][0, cord] - a["tendon_rest"][cord])
-            if stretch + 2 * self.evidence.h * abs(float(rates[cord, 0])) < -ROUNDING:
-                continue
-            does: dict[int, Array] = {}
-            for k in np.flatnonzero(pulls.element == cord).tolist():
-                body = int(pulls.body[k])
-                wrench = np.array([pulls.x[k, 0], pulls.y[k, 0], pulls.moment[k, 0]])
-                does[body] = does.get(body, np.zeros(3)) + wrench
-            yield Unknown(does)
+            if stretch + 2 * self.evidence.h * abs(float(rates[cord, 0])) >= -ROUNDING:
+                yield Unknown({body: -wrench
+                               for body, wrench in efforts.on_bodies(cord).items()})
 
     def _motors(self) -> Iterator[Unknown]:
         drives = self.model.drives
@@ -193,29 +183,15 @@ class Unknowns:
                 most = float(drives.most[i])
                 if np.isnan(most):  # a brake may give what it is set to
                     most = float(self.arrays["drive_value"][0, i])
-                yield Unknown(self._driven(i), free=True, most=most)
-
-    def _driven(self, drive: int) -> dict[int, Array]:
-        """What a unit of a drive does: a torque in a hinge, a push of an actuator."""
-        drives, j = self.model.drives, int(self.model.drives.target[drive])
-        if drives.kind[drive].gives != "push":
-            return self._couple(j, 1.0)
-        a, b = self.model.joints.bodies[j].tolist()
-        on_a, on_b = (np.array([end.x[j, 0], end.y[j, 0]]) for end in self.loads.frames.anchors)
-        way = on_b - on_a
-        return self._pair(b, a, on_b, way / max(float(np.hypot(*way)), ROUNDING))
+                yield Unknown(self.loads.drive_efforts.on_bodies(i), free=True, most=most)
 
     def _rubs(self) -> Iterator[Unknown]:
         """Friction of joints that hold, up to what it could hold with under what they carry."""
-        joints, pushes = self.model.joints, self.loads.rub_pushes
+        joints, efforts = self.model.joints, self.loads.friction_efforts
         for j in joints.rubbed.tolist():
-            if self.arrays["joint_sticks"][0, j] != 1.0:
-                continue
-            does = {int(pushes.body[k]): np.array([pushes.x[k, 0], pushes.y[k, 0],
-                                                   pushes.moment[k, 0]])
-                    for k in np.flatnonzero(pushes.element == j).tolist()}
-            most = joints.friction[j] + joints.rubbing[j] * float(carried(self.evidence, j)[0])
-            yield Unknown(does, free=True, most=float(joints.static[j] * most))
+            if self.arrays["joint_sticks"][0, j] == 1.0:
+                most = joints.friction[j] + joints.rubbing[j] * float(carried(self.evidence, j)[0])
+                yield Unknown(efforts.on_bodies(j), free=True, most=float(joints.static[j] * most))
 
     def _contacts(self) -> Iterator[Unknown]:
         a = self.arrays

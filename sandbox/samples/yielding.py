@@ -182,16 +182,15 @@ class Yielding:
         """What gives way under a load: springs, taut cords, drives that hold a place as they do."""
         a, model, s = self.run.arrays, self.model, self.sample
         springs, tendons = model.springs, model.tendons
-        pulls = self._rows(self.loads.spring_pulls, len(springs.name))
+        efforts = self._rows(self.loads.spring_efforts, len(springs.name))
         for i in range(len(springs.name)):
-            u = pulls[i] if springs.straight[i] else self._couple(int(springs.joint[i]))
-            yield Elastic("spring", i, self._slope(i), u)
+            yield Elastic("spring", i, self._slope(i), efforts[i])
         taut = np.flatnonzero((tendons.drive == NONE) & (a["tendon_tension"][s] > 0)).tolist()
-        pulls = self._rows(self.loads.cord_pulls, len(tendons.name)) if taut else pulls
+        efforts = self._rows(self.loads.cord_efforts, len(tendons.name)) if taut else efforts
         for i in taut:
             by = int(tendons.stiffener[i])
             k = float(tendons.stiffness[i] if by == NONE else a["drive_value"][s, by])
-            yield Elastic("tendon", i, k, pulls[i])
+            yield Elastic("tendon", i, k, efforts[i])
         for i, u in self._placing():
             if np.isfinite(model.drives.stiffness[i]):
                 yield Elastic("drive", i, float(model.drives.stiffness[i]), u)
@@ -207,17 +206,10 @@ class Yielding:
         step = 1e-5 * max(abs(stretch), 1e-3)
         return float(law.slopes(stretch + np.array([-step, step]), k)[0])
 
-    def _couple(self, joint: int) -> Array:
-        """A unit torque in a hinge's positive sense."""
-        a, b = self.model.joints.bodies[joint].tolist()
-        turn = float(self.model.joints.sense[joint])
-        return self._row((b, a), np.array([0.0, 0.0, turn, 0.0, 0.0, -turn]))
-
     def _placing(self) -> Iterator[tuple[int, Array]]:
         """Motors and the like that the solver has hold a place or a speed, below their most."""
         drives, a, s = self.model.drives, self.run.arrays, self.sample
-        pushes = self._rows(self.loads.actuator_pushes, len(drives.name)) if len(
-            drives.giving("push")) else None
+        efforts = self._rows(self.loads.drive_efforts, len(drives.name))
         for i, kind in enumerate(drives.kind):
             if not kind.limited or np.isfinite(drives.slope[i]):
                 continue
@@ -225,8 +217,7 @@ class Yielding:
             if kind.unit in ("N m", "N"):  # a brake's value is its most
                 most = a["drive_value"][s, i]
             if abs(a["drive_torque"][s, i]) < most * (1 - AT_CONE):
-                yield i, (pushes[i] if kind.gives == "push" and pushes is not None
-                          else self._couple(int(drives.target[i])))
+                yield i, efforts[i]
 
     # --- what keeps
 
@@ -235,13 +226,11 @@ class Yielding:
         for i, u in self._placing():
             if not np.isfinite(self.model.drives.stiffness[i]):
                 self._hold(u)
-        for j in joints.stopped.tolist():
-            if a["joint_stop"][s, j]:
-                self._hold(self._couple(j))
-        if len(joints.rubbed):
-            rubs = self._rows(self.loads.rub_pushes, len(joints.name))
-            for j in joints.rubbed[a["joint_sticks"][s, joints.rubbed] == 1.0].tolist():
-                self._hold(rubs[j])
+        stopped = joints.stopped[a["joint_stop"][s, joints.stopped] != 0.0]
+        stuck = joints.rubbed[a["joint_sticks"][s, joints.rubbed] == 1.0]
+        for efforts, held in ((self.loads.joint_efforts, stopped),
+                              (self.loads.friction_efforts, stuck)):
+            self._held += map(_KeptRow, self._rows(efforts, len(joints.name))[held])
         for j in np.flatnonzero(held_of(self.model.ties.joint, a["held"])[:, s]).tolist():
             if not joints.turns[j]:
                 one, two = joints.bodies[j].tolist()
