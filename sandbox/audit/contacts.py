@@ -29,29 +29,27 @@ from sandbox.numeric import Array, Flags
 from sandbox.samples.contacts import TOUCH
 
 CONE = 1e-6
-"""Share of the friction limit by which sums over the points of a contact may miss it."""
+"""Relative error of the friction limit by sums over the points of a contact."""
 SLIPS = 1e-3
-"""Nearer to the limit than this fraction, a contact counts as slipping."""
+"""Distance from the limit, relative to it, below which a contact counts as slipping."""
 SLACK = 1e-9
-"""A tension [N] below which a cord hangs."""
+"""Tension [N] of a slack tendon."""
 SOLVED = 2e-9
-"""Share of the fastest by which rates may be off."""
+"""Error of rates relative to the fastest."""
 HELD = 2e-7
-"""How strongly the solver holds impulses to the last ones, for both rows (docs/engine.md)."""
+"""Regularisation of impulses towards the last ones, for both rows (docs/engine.md)."""
 JOINT = 10.0
-"""Acceleration [m/s^2] that joints may add in the step of an impact, besides that beside it."""
+"""Acceleration [m/s^2] that joints may add in the step of an impact."""
 STARTS = 0.1
-"""Sliding that was slower than this share of itself may have begun in the step."""
+"""Relative speed of sliding before the step below which it may begin in the step."""
 LANDS = 0.2
-"""Share of a step's approach by which one point may miss the surface: the normal turns in it. Of
-several points each has its own gap."""
+"""Error of the gap of one point relative to the approach in a step, since the normal turns."""
 ROUND = 0.01
-"""Radius [m] at which surfaces that slide may bend away from their tangent within a step."""
+"""Least radius of curvature [m] of sliding surfaces."""
 DEEP = 0.01
-"""Share of the smaller body up to which outlines may overlap that do not touch: chords of curves.
-"""
+"""Allowed overlap without a contact, relative to the smaller body: chords of curves."""
 POSES = 20
-"""Samples in which outlines are searched for overlaps without a contact force."""
+"""Number of samples in which overlaps without a contact force are searched."""
 NO_IMPACT = ("no impact with restitution is alone in a recorded step; run.sample_rate = "
              "1 / run.step records them all")
 
@@ -65,21 +63,14 @@ _places = check("contact.place", "m", "outlines",
 
 
 def used_friction(evidence: Evidence) -> Array:
-    """Tangential force of every contact row against static friction, [m]; 1 is the cone's edge.
+    """Tangential force of every contact row relative to static friction, [m]; 1 is the limit.
 
-    Where the coefficient is 0, so is the limit: then any tangential force
-    counts against the normal force itself.
+    Without friction any tangential force counts relative to the normal force.
     """
-    a, contacts = evidence.run.arrays, evidence.run.contacts
-    count = len(evidence.model.bodies.name)
-    pair = a["contact_body"] * count + a["contact_other"]
-    kinds = np.unique(pair)
-    mu = np.array([static_friction_of(evidence.model.mechanism, *divmod(int(k), count))
-                   for k in kinds])
-    limit = mu[np.searchsorted(kinds, pair)] * contacts.normal if len(kinds) else np.zeros(0)
+    rows = evidence.once(_Rows)
+    limit, size = rows.static * rows.normal, np.abs(rows.force)
     rough = limit > TOUCH
-    size = np.abs(contacts.tangential)
-    smooth = 1.0 + np.maximum(size - limit, 0.0) / np.maximum(contacts.normal, TOUCH)
+    smooth = 1.0 + np.maximum(size - limit, 0.0) / np.maximum(rows.normal, TOUCH)
     return np.where(rough, size / np.where(rough, limit, 1.0), np.where(size > TOUCH, smooth, 0.0))
 
 
@@ -110,7 +101,7 @@ def _friction(evidence: Evidence, worst: Worst) -> str:
 
 
 class _Rows:
-    """Motion of the two bodies at every contact row, [m] each; of impacts at their instants."""
+    """Motion of both bodies at every contact row, [m] each; of impacts at their instants."""
 
     def __init__(self, evidence: Evidence) -> None:
         self.evidence, self.h, a = evidence, evidence.h, evidence.run.arrays
@@ -135,13 +126,13 @@ class _Rows:
         self.arms = self._arms(a)
 
     def add(self, worst: Worst, error: Array, allowed: Array, among: Flags) -> None:
-        """Compare the rows of each pair that are ``among`` those to judge."""
+        """Compare the rows of each pair that are ``among`` the selected ones."""
         for kind in self.kinds.tolist():
             worst.add("/".join(self.names[b] for b in divmod(kind, len(self.names))), error,
                       allowed, among & (self.pair == kind))
 
     def _impacts(self, a: Arrays) -> tuple[Flags, Array]:
-        """Which rows bounce in their step, and the instants after the pose [s]; nan if unknown."""
+        """Rows that bounce in their step, and the instants after the pose [s]; nan if unknown."""
         time, count = self.evidence.run.time, len(self.names)
         hit, instant = np.zeros(len(self.pair), dtype=bool), np.full(len(self.pair), np.nan)
         if not len(hit):
@@ -163,10 +154,10 @@ class _Rows:
         return hit, instant
 
     def _arms(self, a: Arrays) -> tuple[Array, Array]:
-        """From the centres of mass to the place, of impacts at their instants [m], [m, 2] each.
+        """From the centres of mass to the contact point, at the instants of impacts, [m, 2] m each.
 
-        The place of an impact is recorded on the first body, led back to the pose. That on the
-        other follows from the motion of both; across the force from the recorded moment, exactly.
+        The point of an impact is recorded on the first body, moved back to the pose. That on the
+        other body follows from the motion of both, and across the force from the recorded moment.
         """
         (one, two), force = self.evidence.contact_arms, a["contact_force"]
         s = np.nan_to_num(self.instant)
@@ -192,7 +183,7 @@ class _Rows:
         return self.evidence.contact_rate(velocity, along, self.arms)
 
     def count(self, among: Flags) -> Array:
-        """How many of some rows each free body has in each sample, at the more of both sides."""
+        """Number of selected rows of a free body in its sample, the larger of both sides, [m]."""
         n = np.zeros(self.before.shape[1:])
         for b in self.sides:
             np.add.at(n, (b[among], self.sample[among]), 1)
@@ -206,7 +197,7 @@ class _Rows:
 
     @cached_property
     def alone(self) -> Flags:
-        """Impacts at one point, of bodies that nothing else touches, fast enough to be judged."""
+        """Impacts at one point of bodies without other contacts, fast enough to be judged."""
         known = self.hit & self.one & ~np.isnan(self.instant)
         fast, others = self.gap_rates[0] < -2 * REBOUND, self.count(np.ones_like(self.hit)) > 1
         return np.asarray(known & fast & ~others)
@@ -221,19 +212,19 @@ class _Rows:
 
     @property
     def spins(self) -> tuple[Array, Array]:
-        """How fast either body turns in the step, at most [rad/s]."""
+        """Largest angular speed of either body in the step [rad/s]."""
         turning = np.abs(self.evidence.velocity[2]) + np.abs(self.change[2])
         one, two = (turning[b, self.sample] for b in self.sides)
         return one, two
 
     @cached_property
     def landing(self) -> Array:
-        """How far bodies come nearer in a step at the rate before it [m]."""
+        """Approach of the bodies in a step at the rate before it [m]."""
         return np.maximum(-self.h * self.rate(self.before, self.out), 0.0)
 
     @cached_property
     def gap_rates(self) -> tuple[Array, Array]:
-        """At which gaps open just before and after each impact [m/s]."""
+        """Rates at which gaps open just before and after each impact [m/s]."""
         d = self.h * self.rate(self.others, self.out)
         share = np.nan_to_num(self.instant) / self.h
         return (self.rate(self.before, self.out) + (0.5 + share) * d,
@@ -256,10 +247,10 @@ class _Rows:
 
     @cached_property
     def unsure(self) -> Array:
-        """By how much rates may be off [m/s]: rounding, the solve, held impulses.
+        """Error of rates [m/s]: rounding, the solve, regularisation.
 
-        At impacts also by arms, which are known to second order, and by what joints, cords and
-        springs do in the step, which the samples beside it bound.
+        At impacts also the error of arms, which is of second order, and the effect of joints,
+        tendons and springs in the step, bounded by that in the samples beside it.
         """
         h, evidence = self.h, self.evidence
         fast = (np.abs(evidence.velocity) + np.abs(self.change)).max(axis=(0, 1))[self.sample]

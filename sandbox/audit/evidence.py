@@ -181,13 +181,10 @@ class Evidence:
         return np.asarray(simple[a["contact_body"]] & simple[a["contact_other"]]
                           | (a["contact_merged"] == 1))
 
-    @cached_property
+    @property
     def contact_arms(self) -> tuple[Array, Array]:
-        """From the centres of mass of both bodies to the places of contact rows [m], [m, 2]."""
-        a, frames = self.run.arrays, self.loads.frames
-        one, two = (a["contact_point"] - np.stack(
-            [centre[a[key], a["contact_sample"]] for centre in (frames.centre_x, frames.centre_y)],
-            axis=1) for key in ("contact_body", "contact_other"))
+        """From the centres of mass of both bodies to the contact points [m], [m, 2] each."""
+        one, two = np.split(self.loads.contact_sides.arm, 2)
         return one, two
 
     def contact_rate(

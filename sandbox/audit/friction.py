@@ -235,7 +235,7 @@ def carried(evidence: Evidence, joint: int) -> Array:
     force = evidence.run.arrays["joint_force"][:, joint]
     if evidence.model.joints.kind[joint].keeps != "groove":
         return np.asarray(np.hypot(force[:, 0], force[:, 1]))
-    x, y = evidence.loads.groove_direction(joint)
+    x, y = evidence.loads.frames.groove_direction(joint)
     return np.asarray(np.abs(x * force[:, 1] - y * force[:, 0]))
 
 

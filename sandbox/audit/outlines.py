@@ -20,6 +20,7 @@ from sandbox.audit.figures import DIGITS, ROUNDING, Worst
 from sandbox.model.pairs import restitution_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
+from sandbox.scene import geometry
 from sandbox.scene.bodies import Circle, Polygon, Polyline, Solid
 from sandbox.scene.geometry import core, solids, true_curves
 from sandbox.scene.outlines.curves import on_spans, spans_of
@@ -290,5 +291,4 @@ def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> tuple
 
 def reach_of(evidence: Evidence, body: int) -> float:
     """From the frame's origin to the furthest of a body's shapes [m]."""
-    cores = [_core(shape) for _, shape in _solids(evidence, body)]
-    return max((float(np.hypot(*corner.T).max() + grown) for corner, grown in cores), default=0.0)
+    return geometry.reach_of(evidence.model.mechanism.bodies[body], (0.0, 0.0))

@@ -18,11 +18,11 @@ from sandbox.scene.settings import Group
 from sandbox.wording import counted
 
 LAST = 0.05
-"""Fraction of the run, at its end, that has to be at rest."""
+"""Fraction of the run at its end that has to be at rest."""
 SPEED, RATE = 1e-3, 2e-2
-"""Slower than this everywhere [m/s, rad/s] counts as rest: at arms of 50 mm they are alike."""
+"""Largest speeds at rest [m/s, rad/s]; equal at arms of 50 mm."""
 MOMENT = 1e-4
-"""Fraction of the largest moment about a hinge that may be left over at rest."""
+"""Residual moment at rest, relative to the largest moment about a hinge."""
 
 
 def _at_rest(evidence: Evidence) -> Rest:
@@ -52,7 +52,7 @@ def _at_rest(evidence: Evidence) -> Rest:
 
 @dataclass(frozen=True)
 class _About:
-    """Moments about one hinge of everything beyond it, counter-clockwise [N m]."""
+    """Moments about one hinge of all loads beyond it, counter-clockwise [N m]."""
 
     contacts: float
     others: float
@@ -61,7 +61,7 @@ class _About:
 
 
 class Rest:
-    """The last sample of a run, as statics sees it."""
+    """Statics of the last sample of a run."""
 
     def __init__(self, final: Evidence) -> None:
         self.final = final
@@ -98,10 +98,10 @@ class Rest:
         return _About(contacts, others, largest)
 
     def idle(self, joint: int, beyond: set[int], window: float) -> float:
-        """Moment [N m] that bodies still coming to rest may have about a joint.
+        """Moment [N m] about a joint of bodies that still come to rest.
 
-        Within :data:`RATE` for ``window`` [s] the rate changes by 2 RATE at most, so on average by
-        2 RATE / window. A hinge whose loads are all below I times that carries none.
+        Within :data:`RATE` for ``window`` [s] the mean acceleration is 2 RATE / window at most. A
+        hinge whose loads are all below I times that carries no load.
         """
         arrays, frames = self.loads.run.arrays, self.loads.frames
         anchor = frames.anchors[1]
@@ -112,7 +112,7 @@ class Rest:
         return float(2 * RATE / window * inertia.sum())
 
     def _outside(self, beyond: set[int]) -> Integers:
-        """Sides of contacts on ``beyond`` by bodies that are not."""
+        """Sides of contacts on bodies ``beyond`` by other bodies."""
         sides, half = self.loads.contact_sides, len(self.loads.contact_sides.body) // 2
         other = np.concatenate([sides.body[half:], sides.body[:half]])
         inside = np.zeros(len(self.model.bodies.name), dtype=bool)
@@ -121,7 +121,7 @@ class Rest:
 
 
 def beyond_joint(model: Model, joint: int) -> set[int]:
-    """Free bodies that only this joint holds to the other bodies; empty if it stands in a ring."""
+    """Free bodies that only this joint connects to the other bodies; empty in a loop."""
     pair = set(model.joints.bodies[joint].tolist())
     for start in model.joints.bodies[joint].tolist()[::-1]:
         if not model.bodies.free[start]:
@@ -166,7 +166,7 @@ def _moments(evidence: Evidence, worst: Worst) -> str:
 
 @dataclass(frozen=True)
 class Grip:
-    """A finger's hinges, the contacts on it from outside in one sample, and their Jacobian."""
+    """A finger's hinges, the external contacts on it in one sample, and their Jacobian."""
 
     name: str
     hinges: list[int]
@@ -182,7 +182,7 @@ class Grip:
 
 
 def _chain(model: Model, group: Group) -> list[int]:
-    """The hinges of a finger from the palm out; empty where it is no chain of hinges."""
+    """The hinges of a finger from the palm out; empty if it is no chain of hinges."""
     numbers = model.names.body
     members = [numbers[name] for name in group.bodies if name in numbers]
     hinges = []
@@ -198,9 +198,9 @@ def _chain(model: Model, group: Group) -> list[int]:
 
 
 def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
-    """How a finger touches in the sample of ``rest``; None where it is no chain of hinges.
+    """The contacts of a finger in the sample of ``rest``; None if it is no chain of hinges.
 
-    Of contacts those that press with more than ``least`` [N].
+    Contacts count that press with more than ``least`` [N].
     """
     model, loads = rest.model, rest.loads
     hinges = _chain(model, group)
@@ -259,7 +259,7 @@ def _contacts(evidence: Evidence, worst: Worst) -> str:
 
 
 def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
-    """Why a finger's contact forces do not follow from f = J^-T tau; empty if they do."""
+    """Why f = J^-T tau does not give a finger's contact forces; empty if it does."""
     if grip is None:
         return "not a chain of hinges"
     count = len(grip.sides)

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from sandbox.model.joints import flank_of, meeting, outward
+from sandbox.model.joints import flank_of, meeting, outward, rotated
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 
@@ -170,5 +170,5 @@ def about_centre(model: Model, pose: Array, body: int, wrench: Array) -> Array:
 
 
 def _arm(pose: Array, point: Array) -> tuple[float, float]:
-    c, s = float(np.cos(pose[2])), float(np.sin(pose[2]))
-    return c * float(point[0]) - s * float(point[1]), s * float(point[0]) + c * float(point[1])
+    x, y = rotated(point, pose[2]).tolist()
+    return x, y

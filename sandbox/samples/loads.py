@@ -76,6 +76,8 @@ class ContactSides(NamedTuple):
     """About its centre of mass [N m]."""
     at: Array
     """Where the force acts, in the world [m], [2 m, 2]."""
+    arm: Array
+    """From the centre of mass to there [m], [2 m, 2]."""
 
 
 class Loads:
@@ -278,17 +280,10 @@ class Loads:
         x, y, couple = np.zeros((3, len(which), self.frames.samples))
         couple[~slots] = joints.sense[which[~slots], None]
         for k in np.flatnonzero(slots):
-            x[k], y[k] = self.groove_direction(int(which[k]))
+            x[k], y[k] = self.frames.groove_direction(int(which[k]))
         (ax, ay), (bx, by) = self._joint_arms
         return self._pair("friction", which, joints.bodies[which], (x, y),
                           ((ax[which], ay[which]), (bx[which], by[which])), couple)
-
-    def groove_direction(self, joint: int) -> tuple[Array, Array]:
-        """Direction of a slot's groove from its start to its end, in the world, [n] each."""
-        groove, a = self.model.joints.groove[joint], int(self.model.joints.bodies[joint, 0])
-        gx, gy = ((groove[1] - groove[0]) / np.hypot(*(groove[1] - groove[0]))).tolist()
-        c, s = self.frames.cos[a], self.frames.sin[a]
-        return c * gx - s * gy, s * gx + c * gy
 
     # -- loads of elements ------------------------------------------------------------------
 
@@ -381,12 +376,13 @@ class Loads:
         sample, at, sides = a["contact_sample"], a["contact_point"], []
         for sign, on, twist in ((1.0, a["contact_body"], 0.0),
                                 (-1.0, a["contact_other"], np.nan_to_num(a["contact_twist"]))):
-            arm_x = at[:, 0] - self.frames.centre_x[on, sample]
-            arm_y = at[:, 1] - self.frames.centre_y[on, sample]
+            arm = at - np.stack([self.frames.centre_x[on, sample],
+                                 self.frames.centre_y[on, sample]], axis=1)
             force = sign * a["contact_force"]
-            sides.append((on, force, arm_x * force[:, 1] - arm_y * force[:, 0] + twist))
-        body, force, moment = (np.concatenate(part) for part in zip(*sides, strict=True))
-        return ContactSides(np.tile(sample, 2), body, force, moment, np.tile(at, (2, 1)))
+            moment = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0] + twist
+            sides.append((on, force, moment, arm))
+        body, force, moment, arm = (np.concatenate(part) for part in zip(*sides, strict=True))
+        return ContactSides(np.tile(sample, 2), body, force, moment, np.tile(at, (2, 1)), arm)
 
     def _contact_totals(self) -> Array:
         count, n, sides = len(self.model.bodies.name), self.frames.samples, self.contact_sides

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.elements.arrays import CONTACT, LAYOUT, PER_SAMPLE
+from sandbox.model.joints import rotated
 from sandbox.model.model import NONE, Model
 from sandbox.model.pairs import friction_of
 from sandbox.model.ties import held_of
@@ -278,7 +279,7 @@ class Yielding:
             for way in np.eye(2):
                 yield Rigid((b, a), centres, arms, (0.0, 0.0), way, 3, float(f @ way))
         elif keeps == "groove":
-            x, y = (float(v[0]) for v in self.loads.groove_direction(j))
+            x, y = (float(v[0]) for v in self.loads.frames.groove_direction(j))
             for way in (np.array([-y, x]), *([np.array([x, y])] if self._at_end(j, f) else [])):
                 yield Rigid((b, a), centres, arms, (0.0, 0.0), way, 1, float(f @ way))
         elif keeps in ("distance", "roll") or (keeps == "range" and np.hypot(*f) > TOUCH):
@@ -292,7 +293,7 @@ class Yielding:
 
     def _at_end(self, j: int, force: Array) -> bool:
         """Whether a slot's point is pushed back by an end of its groove."""
-        x, y = (float(v[0]) for v in self.loads.groove_direction(j))
+        x, y = (float(v[0]) for v in self.loads.frames.groove_direction(j))
         rub = self.run.arrays["joint_friction"][self.sample, j]
         own = abs(float(force[0]) * x + float(force[1]) * y)
         return own > TOUCH + (0.0 if np.isnan(rub) else abs(float(rub)))
@@ -424,11 +425,8 @@ def _repeated(run: Stored, sample: int, moved: Array) -> Stored:
     arrays = {key: run.arrays[key][:0] if key in CONTACT else
               run.arrays[key][which] if key in PER_SAMPLE else run.arrays[key] for key in LAYOUT}
     pose, centre = np.array(arrays["body_pose"]), run.arrays["body_centre"]
-    before = pose[..., 2].copy()
+    before = rotated(centre, pose[..., 2])
     pose += moved
-    for sign, angle in ((1.0, before), (-1.0, pose[..., 2])):
-        c, s = np.cos(angle), np.sin(angle)
-        pose[..., 0] += sign * (c * centre[:, 0] - s * centre[:, 1])
-        pose[..., 1] += sign * (s * centre[:, 0] + c * centre[:, 1])
+    pose[..., :2] += before - rotated(centre, pose[..., 2])
     arrays["body_pose"] = pose
     return Stored(run.mechanism, arrays, run.info, model=run.model)
