@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import sandbox.mechanics as mechanics_package
-from sandbox.audit.words import ADVICE, ASKS
+from sandbox.audit.audit import ADVICE, ASKS
 from sandbox.codes import CODES
 from sandbox.elements.arrays import ARRAYS
 from sandbox.elements.element import tag_of

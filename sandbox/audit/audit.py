@@ -1,62 +1,104 @@
 """The audit: a recording checked against the paper's equations and the laws of mechanics.
 
-Everything is worked out from the recording alone; the solver is not asked.
-Every figure has a threshold that follows from the time step and the solver,
-said beside it and in docs/audit.md, and a verdict: ``pass``, ``look``, or ``not
-computed`` with the reason.
+Everything follows from the recording alone, not from the solver. Every check has a threshold that
+follows from the time step and the solver (docs/audit.md), and a verdict: ``pass``, ``look``, or
+``not computed`` with the reason.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.audit.balance import balance_figures
-from sandbox.audit.bounds import bound_figure
-from sandbox.audit.contacts import contact_figures
-from sandbox.audit.driven import driven_figures
-from sandbox.audit.energy import energy_figures
+from sandbox.audit import (
+    balance,
+    bounds,
+    contacts,
+    driven,
+    energy,
+    fluids,
+    friction,
+    geometry,
+    laws,
+    motion,
+    rest,
+)
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import Figure, figure_data, missing
-from sandbox.audit.fluids import fluid_figures
-from sandbox.audit.friction import friction_figures
-from sandbox.audit.geometry import geometry_figures
-from sandbox.audit.laws import law_figures
-from sandbox.audit.motion import motion_figures
-from sandbox.audit.rest import rest_figures
-from sandbox.audit.ties import tie_figures
+from sandbox.audit.figures import Check, Figure, figure_data
 from sandbox.samples.samples import Samples
 
-__all__ = ["Figure", "audit", "figure_data"]
+__all__ = ["ADVICE", "ASKS", "CHECKS", "Figure", "advice_on", "audit", "figure_data"]
 
-PARTS: tuple[tuple[str, Callable[[Evidence], Iterable[Figure]]], ...] = (
-    ("geometry", geometry_figures),
-    ("motion", motion_figures),
-    ("laws", law_figures),
-    ("friction", friction_figures),
-    ("fluids", fluid_figures),
-    ("release", tie_figures),
-    ("driven", driven_figures),
-    ("balance", balance_figures),
-    ("energy", energy_figures),
-    ("rest", rest_figures),
-    ("contacts", contact_figures),
-    ("contact.bounds", lambda evidence: [bound_figure(evidence)]),
-)
+CHECKS: Mapping[str, Check] = {
+    each.name: each
+    for module in (geometry, motion, laws, friction, fluids, driven, balance, energy, rest,
+                   contacts, bounds)
+    for each in vars(module).values() if isinstance(each, Check)}
+"""All checks by name, in the order of the docs."""
+ASKS: Mapping[str, str] = {name: each.asks for name, each in CHECKS.items()}
+"""The questions that the checks answer, by their names; yes means pass."""
 
 
 def audit(run: Samples) -> list[Figure]:
     """All figures of a recording, in the order of the docs."""
     if not len(run):
-        return [missing(name, why="nothing was recorded", source="") for name, _ in PARTS]
+        return [each.missing("nothing was recorded") for each in CHECKS.values()]
     evidence = Evidence(run)
-    figures: list[Figure] = []
     with np.errstate(all="ignore"):
-        for name, part in PARTS:
-            try:
-                figures.extend(part(evidence))
-            except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
-                # numbers that are none, of a run that diverged: say so, and lose no other figure
-                figures.append(missing(name, why=f"the numbers cannot be used: {error}", source=""))
-    return figures
+        return [each.figure(evidence) for each in CHECKS.values()]
+
+
+@dataclass(frozen=True)
+class Advice:
+    """Meaning and remedy of a warning."""
+
+    figures: tuple[str, ...]
+    """Names of the checks; empty: all checks that no other advice names."""
+    means: str
+    do: str
+
+
+ADVICE: tuple[Advice, ...] = (
+    Advice(("contact.shared",),
+           "nothing is wrong: with friction, or with more contacts than hinges, several sets of "
+           "contact forces balance the same grasp, and the run shows one of them",
+           "quote tensions and sums of forces; of a single contact force quote its range from "
+           "`sandbox bounds RUN`"),
+    Advice(("reaction.shared",),
+           "nothing is wrong: the mechanism has redundant joints, so rigid-body statics does not "
+           "determine each reaction; the run shows the smallest reactions",
+           "remove the redundant joint, or replace it by a stiff spring"),
+    Advice(("tendon.slack",),
+           "a tendon was slack after it had pulled, or it never pulled",
+           "plot its tension; to keep it taut, reduce its slack or increase the load against it"),
+    Advice(("energy.start",),
+           "a motor starts at another speed than its hinge: an impact within one step, whose "
+           "forces grow as the step shrinks",
+           "start from the speed of the hinge: from rest, `=20 * (1 - exp(-50 * t))`"),
+    Advice(("rest.moments", "rest.contacts"),
+           "the mechanism still moves a little, so the forces are not yet those of rest",
+           "increase `run.duration` and check whether the value falls"),
+    Advice(("energy.created", "energy.lost", "poses", "joint.drift", "tendon.shortening",
+            "spring.length", "differential", "stop.overrun", "stop.law"),
+           "the step is too long for this speed or for these mass ratios",
+           "halve `run.step` and run again: if the value falls, the step was too long; "
+           "`sandbox converge` finds a suitable step"),
+    Advice(("contact.friction", "contact.slides", "contact.closes", "contact.bounces",
+            "impact.swallowed", "contact.bounds", "contact.place", "joint.friction", "drive.motor",
+            "drive.place", "tendon.grip"),
+           "in some step no forces satisfied all conditions, for example in a jam; the forces of "
+           "that step are approximate",
+           "find the element; halve `run.step`; remove the jam"),
+    Advice((),
+           "the recording does not match its scene: it was changed, an older version wrote it, or "
+           "sandbox has a bug",
+           "run the scene again; if the warning stays, report it with the scene"),
+)
+"""The last one is for all other checks."""
+
+
+def advice_on(figure: str) -> Advice:
+    """Return the advice on a warning of a check."""
+    return next(each for each in ADVICE if not each.figures or figure in each.figures)

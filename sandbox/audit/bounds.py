@@ -1,16 +1,15 @@
-"""Between which values mechanics leaves the contact forces of one sample.
+"""The range of contact forces in one sample that mechanics allows.
 
-With friction, or with more contacts than freedoms, balance does not decide single contact forces.
-What it leaves is a convex set: all that has, on every free body, m a = sum F and I alpha = sum M,
-with every contact pushing and within its friction cone (in the plane two straight lines, so that
-nothing is approximated), every cord pulling. The least and the largest of each component over that
-set follow from a linear program (:mod:`sandbox.mechanics.linear_program`). What is recorded has to
-lie between them, wherever the way to the grasp has led; outside is an error.
+With friction, or with more contacts than degrees of freedom, balance does not determine single
+contact forces. The possible forces are a convex set: on every free body m a = sum F and I alpha =
+sum M, with contacts that push within their friction cones (in the plane two straight lines, so that
+nothing is approximated) and tendons that pull. A linear program gives the least and the largest of
+each component over this set (:mod:`sandbox.mechanics.linear_program`). The recorded forces have to
+lie between them.
 
-How hard an object may be pushed is the same program with one unknown more: a force along a
-direction at the centre of mass of one body. What drives give, springs and weights stay as they are.
-Beyond the largest such force nothing balances at rest in this pose. Below it something may give
-way, too.
+The largest push on an object follows from the same program with one more unknown: a force along a
+direction at the centre of mass of one body. Drives, springs and weights stay as they are. Beyond
+the largest such force there is no balance at rest in this pose; below it something may move, too.
 """
 
 from __future__ import annotations
@@ -21,35 +20,35 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import EXACT, ROUNDING, SMALLEST_SCALE, Figure, Worst, missing
+from sandbox.audit.figures import EXACT, ROUNDING, SMALLEST_SCALE, NotComputed, Worst, check
 from sandbox.audit.touching import touched
 from sandbox.audit.unknowns import Unknown, Unknowns
 from sandbox.mechanics.linear_program import LinearProgram
-from sandbox.model.supports import RANK
+from sandbox.model.supports import RANK, components
 from sandbox.numeric import Array
 
 MOST = 300
-"""Rows of balance (three a body) that hang together and are still asked."""
+"""Largest number of connected rows of balance, three a body."""
 
 
 class Interval(NamedTuple):
-    """A component of a contact force, and what it could be [N]."""
+    """A component of a contact force and its range [N]."""
 
     force: float
     low: float
-    """-inf where there is no bound; nan where no forces balance at all."""
+    """-inf without a bound; nan where no forces balance."""
     high: float
     allowed: tuple[float, float]
-    """By how much rounding may move either bound."""
+    """Rounding error of either bound."""
 
     @property
     def excess(self) -> tuple[float, float]:
-        """How far it is below the least and above the largest [N]; 0 inside."""
+        """Distance below the least and above the largest [N]; 0 inside."""
         return _beyond(self.low - self.force), _beyond(self.force - self.high)
 
     @property
     def outside(self) -> bool:
-        """Whether that is more than rounding."""
+        """Whether it exceeds rounding."""
         return any(off > most for off, most in zip(self.excess, self.allowed, strict=True))
 
 
@@ -58,10 +57,10 @@ def _beyond(off: float) -> float:
 
 
 class Bounds(NamedTuple):
-    """Of one contact row."""
+    """The ranges of one contact row."""
 
     row: int
-    """Of the sample; higher numbers than it has rows of what touches and carries nothing."""
+    """Of the sample; contacts without a force have higher numbers."""
     body: int
     other: int
     normal: Interval
@@ -71,14 +70,13 @@ class Bounds(NamedTuple):
 def contact_bounds(
     evidence: Evidence, sample: int = -1, near: float | None = None,
 ) -> list[Bounds]:
-    """The bounds of all contact rows in one sample of a recording, in their order.
+    """Bounds of all contact rows in one sample of a recording, then of contacts without a force.
 
-    After them those of what touches and carries nothing. ``near`` [m] is how near outlines count
-    as touching; by default what a step may leave open. Rows that hang together with
-    more than :data:`MOST` others are left out.
+    ``near`` [m] is the distance within which outlines count as touching, by default the gap that a
+    step may leave. Groups of more than :data:`MOST` rows are left out.
 
     Raises:
-        ArithmeticError: a linear program does not come to an end.
+        ArithmeticError: a linear program does not converge.
     """
     allowed = evidence.left_allowed
     alone = touched(evidence.alone(sample % len(evidence.run), near))
@@ -89,32 +87,25 @@ def contact_bounds(
 
 
 class Together(NamedTuple):
-    """Free bodies, and the unknown forces that act on them and on no others."""
+    """Free bodies, and all unknown forces that act on them."""
 
     bodies: list[int]
     forces: list[Unknown]
 
 
 def together(unknowns: Unknowns) -> list[Together]:
-    """Those with contacts; forces hang together where they act on the same free body."""
-    place = list(range(len(unknowns.model.bodies.name)))
-
-    def root(body: int) -> int:
-        while place[body] != body:
-            body = place[body]
-        return body
-
-    for one in unknowns.all:
-        first, *others = one.does
-        for body in others:
-            place[root(body)] = root(first)
+    """Groups with contacts; forces that act on the same free body are connected."""
+    pairs = [(first, body) for first, *others in (list(one.does) for one in unknowns.all)
+             for body in others]
+    free = unknowns.model.bodies.free
+    group = components(len(free), pairs)
     found: dict[int, Together] = {}
     for one in unknowns.all:
-        found.setdefault(root(next(iter(one.does))), Together([], [])).forces.append(one)
-    for body in np.flatnonzero(unknowns.model.bodies.free).tolist():
-        if root(body) in found:
-            found[root(body)].bodies.append(body)
-    return [group for group in found.values() if any(one.contact >= 0 for one in group.forces)]
+        found.setdefault(group[next(iter(one.does))], Together([], [])).forces.append(one)
+    for body in np.flatnonzero(free).tolist():
+        if group[body] in found:
+            found[group[body]].bodies.append(body)
+    return [each for each in found.values() if any(one.contact >= 0 for one in each.forces)]
 
 
 class Balance:
@@ -150,7 +141,7 @@ class Balance:
         self._reduce()
 
     def _largest(self) -> float:
-        """The largest recorded contact force [N]: what the others are measured in."""
+        """The largest recorded contact force [N], the unit of all forces."""
         rows = {one.contact for one in self.group.forces if one.contact >= 0}
         return max(float(np.hypot(*self.unknowns.arrays["contact_force"][row])) for row in rows)
 
@@ -160,7 +151,7 @@ class Balance:
         motions = left[:, rank:]
         limited = [k for k, one in enumerate(np.array(self.group.forces, dtype=object)[~self.free])
                    if np.isfinite(one.most)]
-        # what is limited either way: p - q with p + q + rest = most
+        # a force limited either way is p - q with p + q + rest = most
         self.limited = limited
         G = np.concatenate([self.G, -self.G[:, limited]], axis=1)
         left, values, _ = np.linalg.svd(motions.T @ G)
@@ -180,7 +171,7 @@ class Balance:
         self.program = LinearProgram(A, np.concatenate([self.motions.T @ self.target, most]))
 
     def bounds(self) -> Iterator[Bounds]:
-        """Of every contact row of the group."""
+        """The bounds of every contact row of the group."""
         a, contacts = self.unknowns.arrays, self.unknowns.evidence.run.contacts
         balanced = self.balanced()
         for row in sorted({one.contact for one in self.group.forces if one.contact >= 0}):
@@ -197,20 +188,20 @@ class Balance:
             yield Bounds(row, int(a["contact_body"][row]), int(a["contact_other"][row]), *parts)
 
     def balanced(self) -> bool:
-        """Whether any forces balance the sample, to rounding."""
+        """Whether there are forces that balance the sample, to rounding."""
         program, m = self.program, self.motions.shape[1]
         against = np.abs(self.motions @ program.against[:m]) @ self.allowed / self.size
         against += np.abs(program.against[m:]) @ (EXACT * self.most) + EXACT
         return bool(program.missing <= against and (self.idle[0] <= self.idle[1] + EXACT).all())
 
     def least(self, weight: Array) -> tuple[float, float]:
-        """The least of a weighted sum of all forces [N], and by how much rounding may lower it.
+        """The least weighted sum of all forces [N], and its rounding error.
 
-        Whoever balances all but d, with parts that are below 0 by no more than e, has at least
-        y (target + d) - (c - G^T y) e, whatever the forces are.
+        Forces that balance up to d, and are negative by e at most, have a sum of at least
+        y (target + d) - (c - G^T y) e.
         """
         scale = float(np.abs(weight).max())
-        if scale == 0.0:  # smooth: nothing rubs
+        if scale == 0.0:  # no friction
             return 0.0, EXACT * self.size
         c, n = weight / scale, self.G.shape[1]
         joined = np.zeros(len(self.target))
@@ -237,25 +228,23 @@ class Balance:
         return np.concatenate([self.motions.T @ self.target, self.most])
 
 
-def bound_figure(evidence: Evidence) -> Figure:
-    """Contact forces at the end lie where balance, friction and one-sided contacts let them."""
-    name, source = "contact.bounds", "minimum and maximum f with m a = Σ F, |t| <= μ n"
+@check("contact.bounds", "N", "minimum and maximum f with m a = Σ F, |t| <= μ n",
+       asks="is each contact force within the range that balance and friction allow?",
+       compared="distance of contact forces at the end from the range that balance and friction "
+                "allow, {count:component}, worst: {where}{note}",
+       none=f"more than {MOST // 3} bodies are connected")
+def _contact_bounds(evidence: Evidence, worst: Worst) -> str:
     if not len(evidence.last.run.contacts.normal):
-        return missing(name, why="nothing touches at the end", source=source)
-    found = contact_bounds(evidence)
-    worst, widest, names = Worst(), (0.0, ""), evidence.model.bodies.name
-    for bounds in found:
+        raise NotComputed("nothing touches at the end")
+    widest, note, names = 0.0, "", evidence.model.bodies.name
+    for bounds in contact_bounds(evidence):
         for kind, part in (("normal", bounds.normal), ("tangential", bounds.tangential)):
             label = f"{names[bounds.body]}/{names[bounds.other]}.{kind}"
-            # where there is no bound none is exceeded
             worst.add(label, np.array(part.excess), np.maximum(part.allowed, ROUNDING))
-            if part.high - part.low > widest[0] and kind == "normal":
-                widest = part.high - part.low, (
-                    f"; widest: {label}, {part.force:.4g} in {part.low:.4g} to {part.high:.4g} N")
-    return worst.figure(
-        name, "N", source=source, none=f"more than {MOST // 3} bodies are connected",
-        why="distance of contact forces at the end from the range that balance and friction allow, "
-            "{count:component}, worst: {where}" + widest[1])
+            if part.high - part.low > widest and kind == "normal":
+                widest = part.high - part.low
+                note = f"; widest: {label}, {part.force:.4g} in {part.low:.4g} to {part.high:.4g} N"
+    return note
 
 
 def push_limits(

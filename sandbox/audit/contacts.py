@@ -1,4 +1,4 @@
-"""Figures of touch: places, two-sided laws of contacts and impacts, slack tendons.
+"""Contacts: positions, two-sided laws of contacts and impacts; slack tendons.
 
 With f the tangential and N the normal force of a contact, y its rate of sliding and u the rate at
 which its gap opens:
@@ -15,91 +15,75 @@ u- = u_0 + (1/2 + s / h) d and u+ = u_1 - (1/2 - s / h) d.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
 
 from sandbox.audit.evidence import REBOUND, Evidence
-from sandbox.audit.figures import EXACT, ROUNDING, STILL, Figure, Worst, judged, missing, peak
-from sandbox.audit.outlines import contact_geometry, reach_of
+from sandbox.audit.figures import EXACT, ROUNDING, STILL, NotComputed, Worst, check, peak
+from sandbox.audit.outlines import compare_outlines, reach_of
 from sandbox.audit.touching import overlaps
 from sandbox.elements.arrays import Arrays
 from sandbox.model.pairs import friction_of, restitution_of, static_friction_of
-from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.contacts import TOUCH
 
 CONE = 1e-6
-"""Share of the friction limit by which sums over the points of a contact may miss it."""
+"""Relative error of the friction limit by sums over the points of a contact."""
 SLIPS = 1e-3
-"""Nearer to the limit than this fraction, a contact counts as slipping."""
+"""Distance from the limit, relative to it, below which a contact counts as slipping."""
 SLACK = 1e-9
-"""A tension [N] below which a cord hangs."""
+"""Tension [N] of a slack tendon."""
 SOLVED = 2e-9
-"""Share of the fastest by which rates may be off."""
+"""Error of rates relative to the fastest."""
 HELD = 2e-7
-"""How strongly the solver holds impulses to the last ones, for both rows (docs/engine.md)."""
+"""Regularisation of impulses towards the last ones, for both rows (docs/engine.md)."""
 JOINT = 10.0
-"""Acceleration [m/s^2] that joints may add in the step of an impact, besides that beside it."""
+"""Acceleration [m/s^2] that joints may add in the step of an impact."""
 STARTS = 0.1
-"""Sliding that was slower than this share of itself may have begun in the step."""
+"""Relative speed of sliding before the step below which it may begin in the step."""
 LANDS = 0.2
-"""Share of a step's approach by which one point may miss the surface: the normal turns in it. Of
-several points each has its own gap."""
+"""Error of the gap of one point relative to the approach in a step, since the normal turns."""
 ROUND = 0.01
-"""Radius [m] at which surfaces that slide may bend away from their tangent within a step."""
+"""Least radius of curvature [m] of sliding surfaces."""
 DEEP = 0.01
-"""Share of the smaller body up to which outlines may overlap that do not touch: chords of curves.
-"""
+"""Allowed overlap without a contact, relative to the smaller body: chords of curves."""
 POSES = 20
-"""Samples in which outlines are searched for overlaps without a contact force."""
+"""Number of samples in which overlaps without a contact force are searched."""
 NO_IMPACT = ("no impact with restitution is alone in a recorded step; run.sample_rate = "
              "1 / run.step records them all")
 
 
-def contact_figures(evidence: Evidence) -> Iterator[Figure]:
-    """Places, friction and gaps of contacts, impacts, slack of tendons."""
-    yield contact_geometry(evidence)
-    yield _friction(evidence)
-    rows = _Rows(evidence)
-    for figure in (_slides, _closes, _bounces, _swallowed):
-        yield figure(rows)
-    yield _slack(evidence)
+_places = check("contact.place", "m", "outlines",
+       asks="are contacts on the outlines of both bodies?",
+       compared="points, gaps and normals of contacts against the outlines of the shapes; for "
+                "merged contacts of several shapes, points along the force against the hulls; "
+                "{count:comparison}, worst: {where}",
+       none="nothing touches")(compare_outlines)
 
 
 def used_friction(evidence: Evidence) -> Array:
-    """Tangential force of every contact row against static friction, [m]; 1 is the cone's edge.
+    """Tangential force of every contact row relative to static friction, [m]; 1 is the limit.
 
-    Where the coefficient is 0, so is the limit: then any tangential force
-    counts against the normal force itself.
+    Without friction any tangential force counts relative to the normal force.
     """
-    a, contacts = evidence.run.arrays, evidence.run.contacts
-    count = len(evidence.model.bodies.name)
-    pair = a["contact_body"] * count + a["contact_other"]
-    kinds = np.unique(pair)
-    mu = np.array([static_friction_of(evidence.model.mechanism, *divmod(int(k), count))
-                   for k in kinds])
-    limit = mu[np.searchsorted(kinds, pair)] * contacts.normal if len(kinds) else np.zeros(0)
+    rows = evidence.once(_Rows)
+    limit, size = rows.static * rows.normal, np.abs(rows.force)
     rough = limit > TOUCH
-    size = np.abs(contacts.tangential)
-    smooth = 1.0 + np.maximum(size - limit, 0.0) / np.maximum(contacts.normal, TOUCH)
+    smooth = 1.0 + np.maximum(size - limit, 0.0) / np.maximum(rows.normal, TOUCH)
     return np.where(rough, size / np.where(rough, limit, 1.0), np.where(size > TOUCH, smooth, 0.0))
 
 
-def _friction(evidence: Evidence) -> Figure:
-    """No contact may exceed its friction limit; which ones stick and slip at the end.
-
-    What adds up forces across normals that differ (a disc wedged in a V) has no limit of its own.
-    """
-    name, source = "contact.friction", "|t| <= μ n"
+@check("contact.friction", source="|t| <= μ n", asks="is contact friction at most mu N?",
+       compared="largest ratio of friction to its limit in the whole run; {note}")
+def _friction(evidence: Evidence, worst: Worst) -> str:
+    """Rows that sum forces along different normals (a disc wedged in a V) have no limit."""
     a = evidence.run.arrays
     if not len(a["contact_gap"]):
-        return missing(name, why="nothing touches", source=source)
+        raise NotComputed("nothing touches")
     used, sure = used_friction(evidence), evidence.one_normal
     if not sure.any():
-        return missing(name, source=source, why="all contacts merge several points with "
-                       "different normals")
+        raise NotComputed("all contacts merge several points with different normals")
     last = np.flatnonzero((a["contact_sample"] == len(evidence.run) - 1)
                           & (evidence.run.contacts.normal > TOUCH))
     states = []
@@ -112,33 +96,12 @@ def _friction(evidence: Evidence) -> Figure:
                  else f"sticks, {100 * (1 - used[row]):.0f} % from the limit")
         names = evidence.model.bodies.name
         states.append(f"{names[one]}/{names[two]} {state}")
-    end = "at the end: " + "; ".join(states) if states else "nothing touches at the end"
-    return judged(name, float(used[sure].max(initial=0.0)), "", 1 + CONE, source=source,
-                  why=f"largest ratio of friction to its limit in the whole run; {end}")
-
-
-def _slack(evidence: Evidence) -> Figure:
-    """Time for which tendons that have pulled hang slack again."""
-    name, source = "tendon.slack", "T > 0"
-    tendons, time = evidence.model.mechanism.tendons, evidence.run.time
-    if not tendons or len(time) < 2:
-        return missing(name, source=source,
-                       why="there is no tendon" if not tendons else "there are too few samples")
-    hangs = evidence.run.arrays["tendon_tension"] <= SLACK
-    hangs &= held_of(evidence.model.ties.tendon, evidence.run.arrays["held"]).T
-    once = np.maximum.accumulate(~hangs, axis=0)
-    seconds = np.count_nonzero(hangs & once, axis=0) * float(time[1] - time[0])
-    never = [t.name for t, pulled in zip(tendons, once[-1], strict=True) if not pulled]
-    some = [f"{t.name} for {s:.3g} s" for t, s in zip(tendons, seconds, strict=True) if s > 0]
-    slack = [*some, *(f"{each} never pulled" for each in never)]
-    value = math.inf if never else float(seconds.max())
-    return judged(name, value, "s", 0.0, source=source,
-                  why=("slack tendons: " + "; ".join(slack[:4]) if slack
-                       else "no tendon was slack after it had pulled"))
+    worst.judge(used[sure].max(initial=0.0), 1 + CONE)
+    return "at the end: " + "; ".join(states) if states else "nothing touches at the end"
 
 
 class _Rows:
-    """Motion of the two bodies at every contact row, [m] each; of impacts at their instants."""
+    """Motion of both bodies at every contact row, [m] each; of impacts at their instants."""
 
     def __init__(self, evidence: Evidence) -> None:
         self.evidence, self.h, a = evidence, evidence.h, evidence.run.arrays
@@ -163,13 +126,13 @@ class _Rows:
         self.arms = self._arms(a)
 
     def add(self, worst: Worst, error: Array, allowed: Array, among: Flags) -> None:
-        """Compare the rows of each pair that are ``among`` those to judge."""
+        """Compare the rows of each pair that are ``among`` the selected ones."""
         for kind in self.kinds.tolist():
             worst.add("/".join(self.names[b] for b in divmod(kind, len(self.names))), error,
                       allowed, among & (self.pair == kind))
 
     def _impacts(self, a: Arrays) -> tuple[Flags, Array]:
-        """Which rows bounce in their step, and the instants after the pose [s]; nan if unknown."""
+        """Rows that bounce in their step, and the instants after the pose [s]; nan if unknown."""
         time, count = self.evidence.run.time, len(self.names)
         hit, instant = np.zeros(len(self.pair), dtype=bool), np.full(len(self.pair), np.nan)
         if not len(hit):
@@ -191,10 +154,10 @@ class _Rows:
         return hit, instant
 
     def _arms(self, a: Arrays) -> tuple[Array, Array]:
-        """From the centres of mass to the place, of impacts at their instants [m], [m, 2] each.
+        """From the centres of mass to the contact point, at the instants of impacts, [m, 2] m each.
 
-        The place of an impact is recorded on the first body, led back to the pose. That on the
-        other follows from the motion of both; across the force from the recorded moment, exactly.
+        The point of an impact is recorded on the first body, moved back to the pose. That on the
+        other body follows from the motion of both, and across the force from the recorded moment.
         """
         (one, two), force = self.evidence.contact_arms, a["contact_force"]
         s = np.nan_to_num(self.instant)
@@ -220,7 +183,7 @@ class _Rows:
         return self.evidence.contact_rate(velocity, along, self.arms)
 
     def count(self, among: Flags) -> Array:
-        """How many of some rows each free body has in each sample, at the more of both sides."""
+        """Number of selected rows of a free body in its sample, the larger of both sides, [m]."""
         n = np.zeros(self.before.shape[1:])
         for b in self.sides:
             np.add.at(n, (b[among], self.sample[among]), 1)
@@ -234,7 +197,7 @@ class _Rows:
 
     @cached_property
     def alone(self) -> Flags:
-        """Impacts at one point, of bodies that nothing else touches, fast enough to be judged."""
+        """Impacts at one point of bodies without other contacts, fast enough to be judged."""
         known = self.hit & self.one & ~np.isnan(self.instant)
         fast, others = self.gap_rates[0] < -2 * REBOUND, self.count(np.ones_like(self.hit)) > 1
         return np.asarray(known & fast & ~others)
@@ -249,19 +212,19 @@ class _Rows:
 
     @property
     def spins(self) -> tuple[Array, Array]:
-        """How fast either body turns in the step, at most [rad/s]."""
+        """Largest angular speed of either body in the step [rad/s]."""
         turning = np.abs(self.evidence.velocity[2]) + np.abs(self.change[2])
         one, two = (turning[b, self.sample] for b in self.sides)
         return one, two
 
     @cached_property
     def landing(self) -> Array:
-        """How far bodies come nearer in a step at the rate before it [m]."""
+        """Approach of the bodies in a step at the rate before it [m]."""
         return np.maximum(-self.h * self.rate(self.before, self.out), 0.0)
 
     @cached_property
     def gap_rates(self) -> tuple[Array, Array]:
-        """At which gaps open just before and after each impact [m/s]."""
+        """Rates at which gaps open just before and after each impact [m/s]."""
         d = self.h * self.rate(self.others, self.out)
         share = np.nan_to_num(self.instant) / self.h
         return (self.rate(self.before, self.out) + (0.5 + share) * d,
@@ -284,10 +247,10 @@ class _Rows:
 
     @cached_property
     def unsure(self) -> Array:
-        """By how much rates may be off [m/s]: rounding, the solve, held impulses.
+        """Error of rates [m/s]: rounding, the solve, regularisation.
 
-        At impacts also by arms, which are known to second order, and by what joints, cords and
-        springs do in the step, which the samples beside it bound.
+        At impacts also the error of arms, which is of second order, and the effect of joints,
+        tendons and springs in the step, bounded by that in the samples beside it.
         """
         h, evidence = self.h, self.evidence
         fast = (np.abs(evidence.velocity) + np.abs(self.change)).max(axis=(0, 1))[self.sample]
@@ -303,9 +266,14 @@ class _Rows:
                           + np.where(self.one, 0.0, 2 * spin * (evidence.open + self.landing)))
 
 
-def _slides(rows: _Rows) -> Figure:
-    """Friction that slides is at its bound, against the sliding; what is within it sticks."""
-    (first, last), worst = rows.sliding, Worst()
+@check("contact.slides", source="f = -μ N y / |y|",
+       asks="is contact friction mu N against the sliding?",
+       compared="difference between friction and μ N against the sliding, and excess over the "
+                "static limit where nothing slides, relative to N, {count:pair}, worst: {where}",
+       none="no contact with friction has one normal and at most one impact per step")
+def _slides(evidence: Evidence, worst: Worst) -> None:
+    rows = evidence.once(_Rows)
+    first, last = rows.sliding
     size = np.maximum(rows.normal, ROUNDING)
     sticks = np.abs(rows.force) / size - rows.static
     slides = np.abs(-np.sign(last) * rows.force / size - rows.friction)
@@ -316,16 +284,16 @@ def _slides(rows: _Rows) -> Figure:
     rows.add(worst, error, CONE + EXACT * peak(rows.normal) / size,
              rows.evidence.one_normal & (rows.friction > 0)
              & np.where(rows.hit, rows.alone, ~rows.struck))
-    return worst.figure(
-        "contact.slides", "", source="f = -μ N y / |y|",
-        none="no contact with friction has one normal and at most one impact per step",
-        why="difference between friction and μ N against the sliding, and excess over the static "
-            "limit where nothing slides, relative to N, {count:pair}, worst: {where}")
 
 
-def _closes(rows: _Rows) -> Figure:
-    """What carries is closed, or closes in the step; what overlaps carries, or parts."""
-    evidence, h, worst = rows.evidence, rows.h, Worst()
+@check("contact.closes", "m", "N > 0 only at gap = 0",
+       asks="do contacts push exactly where bodies touch?",
+       compared="gaps of contacts with a force, and overlaps that grow with their force or "
+                f"without one, {{count:comparison}}, of overlaps in {POSES} samples, worst: "
+                "{where}",
+       none="nothing touches")
+def _closes(evidence: Evidence, worst: Worst) -> None:
+    rows, h = evidence.once(_Rows), evidence.h
     gap, first, last = (evidence.run.arrays["contact_gap"], rows.rate(rows.before, rows.out),
                         rows.rate(rows.after, rows.out))
     # curved surfaces that stay closed have no rate at mid-step, and one at the step's end
@@ -343,30 +311,33 @@ def _closes(rows: _Rows) -> Figure:
         for pair, depth in overlaps(evidence.alone(sample)):
             worst.add("/".join(rows.names[b] for b in pair), np.array([depth]),
                       evidence.open + DEEP * min(reach_of(evidence, b) for b in pair))
-    return worst.figure(
-        "contact.closes", "m", source="N > 0 only at gap = 0", none="nothing touches",
-        why="gaps of contacts with a force, and overlaps that grow with their force or without "
-            f"one, {{count:comparison}}, of overlaps in {POSES} samples, worst: {{where}}")
 
 
-def _bounces(rows: _Rows) -> Figure:
-    """Speed of parting over speed of approach against the coefficient of restitution."""
-    (before, after), worst = rows.gap_rates, Worst()
+@check("contact.bounces", source="u+ = -e u-",
+       asks="do impacts rebound with the coefficient of restitution?",
+       compared="coefficients of restitution from the gap rates before and after an impact, "
+                "against the scene, {count:pair}, worst: {where}",
+       none=NO_IMPACT)
+def _bounces(evidence: Evidence, worst: Worst) -> None:
+    rows = evidence.once(_Rows)
+    before, after = rows.gap_rates
     speed = np.maximum(-before, REBOUND)
     rows.add(worst, np.abs(after / speed - rows.restitution), rows.unsure / speed, rows.alone)
-    return worst.figure(
-        "contact.bounces", "", source="u+ = -e u-", none=NO_IMPACT,
-        why="coefficients of restitution from the gap rates before and after an impact, against "
-            "the scene, {count:pair}, worst: {where}")
 
 
-def _swallowed(rows: _Rows) -> Figure:
-    """Kinetic energy that the impacts of a step take, beyond what restitution explains.
+@check("impact.swallowed", source="ΔT = Σ J (u- + u+) / 2",
+       asks="do impacts lose no more energy than restitution allows?",
+       compared="kinetic energy that impacts took beyond what restitution allows, relative to "
+                "that of their approach, worst: {where}",
+       none=NO_IMPACT)
+def _swallowed(evidence: Evidence, worst: Worst) -> None:
+    """The approaches of several impacts in one step are not recorded.
 
-    Of several impacts in one step the approaches are not recorded. Without friction and joints each
-    is at most what all impulses of the step on its two bodies can make.
+    Without friction and joints each is at most the effect of all impulses of the step on its two
+    bodies.
     """
-    (before, after), alone, count = rows.gap_rates, rows.alone, len(rows.evidence.run)
+    rows = evidence.once(_Rows)
+    (before, after), alone, count = rows.gap_rates, rows.alone, len(evidence.run)
     impulse, restitution = rows.h * rows.normal, np.where(rows.hit, rows.restitution, 0.0)
     approach, pushes = np.zeros(len(impulse)), np.zeros((2, *rows.before.shape[1:]))
     sides = [(b, np.hypot(*arm.T)) for b, arm in zip(rows.sides, rows.arms, strict=True)]
@@ -383,13 +354,26 @@ def _swallowed(rows: _Rows) -> Figure:
             -(before + after + (1 - restitution) * approach) / 2, rows.hit * approach / 2, off))
     unknown = rows.struck & ~alone & (
         (rows.force != 0) | rows.joined | (~rows.one & (restitution < 1)))
-    at, worst = np.setdiff1d(rows.sample[rows.hit & (before < -2 * REBOUND)],
-                             rows.sample[unknown]), Worst()
+    at = np.setdiff1d(rows.sample[rows.hit & (before < -2 * REBOUND)], rows.sample[unknown])
     error, allowed = np.maximum(taken, 0.0)[at] / energy[at], EXACT + allowed[at] / energy[at]
     if len(at):
-        time = rows.evidence.run.time[at[(error / allowed).argmax()]]
+        time = evidence.run.time[at[(error / allowed).argmax()]]
         worst.add(f"at {time:.5g} s", error, allowed)
-    return worst.figure(
-        "impact.swallowed", "", source="ΔT = Σ J (u- + u+) / 2", none=NO_IMPACT,
-        why="kinetic energy that impacts took beyond what restitution allows, relative to that of "
-            "their approach, worst: {where}")
+
+
+@check("tendon.slack", "s", "T > 0", asks="do tendons stay taut once they have pulled?")
+def _slack(evidence: Evidence, worst: Worst) -> str:
+    """Time for which tendons that have pulled are slack again."""
+    tendons, time = evidence.model.tendons.name, evidence.run.time
+    if not tendons or len(time) < 2:
+        raise NotComputed("there are too few samples" if tendons else "there is no tendon")
+    slack = evidence.run.arrays["tendon_tension"] <= SLACK
+    slack &= evidence.holds("tendon").T
+    once = np.maximum.accumulate(~slack, axis=0)
+    seconds = np.count_nonzero(slack & once, axis=0) * float(time[1] - time[0])
+    never = [name for name, pulled in zip(tendons, once[-1], strict=True) if not pulled]
+    some = [f"{name} for {s:.3g} s" for name, s in zip(tendons, seconds, strict=True) if s > 0]
+    found = [*some, *(f"{each} never pulled" for each in never)]
+    worst.judge(math.inf if never else seconds.max(), 0.0)
+    return ("slack tendons: " + "; ".join(found[:4]) if found
+            else "no tendon was slack after it had pulled")

@@ -1,8 +1,9 @@
-"""Figures of drives and stops: signals, motors, servos, work."""
+"""Releases, drives and stops: signals, motors, servos, work."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -15,65 +16,130 @@ from sandbox.audit.figures import (
     SMALLEST_SCALE,
     STILL,
     STOPPED,
-    Figure,
+    NotComputed,
     Worst,
+    check,
     lost_rate,
-    missing,
     peak,
     whole,
 )
 from sandbox.model.starts import lengthening, turning
-from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Flags, Integers
+from sandbox.samples.cords import piece_tensions
 from sandbox.scene.mechanism import Mechanism
 from sandbox.values.signals import values
 
 SOLVED = 1e-9
-"""Share of the fastest that bounded rows see by which their rates may be off."""
+"""Error of the rates of bounded rows, relative to the largest."""
 HELD, FADED = 1e-10, 0.01
-"""How strongly impulses are held to the last, and how much of these fades (docs/engine.md)."""
+"""Regularisation of impulses towards the last ones, and the fraction of these that fades
+(docs/engine.md)."""
 
 
-def driven_figures(evidence: Evidence) -> Iterator[Figure]:
-    """Signals, motors and brakes, stops, work, servos."""
-    yield _signals(evidence)
-    yield _motors(evidence)
-    yield _stops(evidence)
-    yield _works(evidence)
-    yield _places(evidence)
+# -- release and breaking ---------------------------------------------------------------------
+
+
+@check("release.force", "N", "F = 0 where released",
+       asks="do released and broken elements carry no load?")
+def _released(evidence: Evidence, worst: Worst) -> str:
+    ties, held, most, told = evidence.model.ties, evidence.run.arrays["held"], 0.0, []
+    if not ties.name:
+        raise NotComputed("nothing can be released")
+    for tie, name in enumerate(ties.name):
+        holds = held[:, tie] != 0.0
+        gone = ~holds
+        gone[1:] &= ~holds[:-1]  # in the step of breaking it carries a part of its load
+        most = max(most, peak(_load(evidence, tie)[gone]))
+        if not holds.all():
+            told.append(f"{name} at {evidence.run.time[int(np.argmin(holds))]:.4g} s"
+                        + _lost_energy(evidence, tie, holds))
+    worst.judge(most, 0.0)
+    return "largest load of released elements; released: " + ("; ".join(told[:4]) or "nothing")
+
+
+@check("release.load", source="F <= F_b", asks="does no element carry more than its breaking load?",
+       compared="load above the breaking load, relative to it, {count:element}, worst: {where}",
+       none="no element has a breaking load")
+def _breaking_loads(evidence: Evidence, worst: Worst) -> None:
+    ties = evidence.model.ties
+    if not ties.name:
+        raise NotComputed("nothing can be released")
+    for tie in np.flatnonzero(np.isfinite(ties.breaks_at)).tolist():
+        over = _load(evidence, tie) / ties.breaks_at[tie] - 1.0
+        worst.add(ties.name[tie], np.maximum(over, 0.0), EXACT,
+                  evidence.run.arrays["held"][:, tie] != 0.0)
+
+
+def _load(evidence: Evidence, tie: int) -> Array:
+    """Magnitude of the load of an element [N, N m], [n]; of a tendon the largest tension."""
+    (kind, i), model = evidence.model.ties.element(tie), evidence.model
+    if kind == "joints":
+        return np.asarray(evidence.run.arrays["joint_reaction"][:, i])
+    if kind == "tendons":
+        pieces = np.flatnonzero(model.tendons.stretch_tendon == i)
+        return np.asarray(np.abs(piece_tensions(
+            model, evidence.run.arrays, pieces)).max(axis=0))
+    force = evidence.loads.spring_forces[i]
+    if model.springs.straight[i]:
+        return np.asarray(np.abs(force))
+    least = EXACT * peak(evidence.run.arrays["spring_force"][:, i])
+    return np.asarray(np.where(np.abs(force) > least, np.abs(force), 0.0))
+
+
+def _lost_energy(evidence: Evidence, tie: int, holds: Flags) -> str:
+    """The energy of a linear spring or tendon that is lost when it is released, in words."""
+    (kind, i), model = evidence.model.ties.element(tie), evidence.model
+    last = int(np.argmin(holds)) - 1
+    if kind == "joints" or last < 0:
+        return ""
+    springs, tendons = model.springs, model.tendons
+    nonlinear, k = ((springs.law[i] is not None or springs.drive[i] >= 0, springs.stiffness[i])
+                    if kind == "springs" else
+                    (max(tendons.drive[i], tendons.stiffener[i]) >= 0, tendons.stiffness[i]))
+    if nonlinear or not k > 0:
+        return ""
+    return f" with {float(_load(evidence, tie)[last]) ** 2 / (2 * k):.3g} J, which go with it"
+
+
+# -- drives and stops -------------------------------------------------------------------------
 
 
 def set_while_running(mechanism: Mechanism) -> set[str]:
-    """Names of all that controllers and events set, drives among them."""
+    """Names of everything that controllers and events set, drives among them."""
     names = {name for controller in mechanism.controllers for name in controller.written}
     keys = {key for event in mechanism.events for key in event.set}
     return names | keys | {key.split(".")[0] for key in keys}
 
 
-def _signals(evidence: Evidence) -> Figure:
-    """A drive's value is its signal's at the sample; a motor's, a rigid servo's that of later."""
+@check("drive.signal", source="u(t)", asks="do drives have the values of the scene?",
+       compared="values of {count:drive} against their signals, relative to the largest of each, "
+                "worst: {where}{note}",
+       none="there is no drive")
+def _signals(evidence: Evidence, worst: Worst) -> str:
+    """A drive's value is its signal at the sample; a motor's, a rigid servo's is that of later."""
     mechanism, drives, a = evidence.model.mechanism, evidence.model.drives, evidence.run.arrays
-    set_by, worst, left_out = set_while_running(mechanism), Worst(), []
+    set_by = set_while_running(mechanism)
     for i, drive in enumerate(mechanism.drives):
-        if drive.name in set_by:
-            left_out.append(drive.name)
-            continue
-        late = evidence.h * float(drives.late[i])
-        signal = np.maximum(values(drive.signal(mechanism), evidence.run.time + late,
-                                   mechanism.functions), drives.floor[i])
-        most = whole(signal)
-        worst.add(drive.name, np.abs(a["drive_value"][:, i] - signal) / most, ROUNDING)
-    more = f"; left out, because the run changes them: {', '.join(left_out[:3])}"
-    return worst.figure(
-        "drive.signal", "", source="u(t)",
-        none="there is no drive" if not left_out else more.removeprefix("; "),
-        why="values of {count:drive} against their signals, relative to the largest of each, "
-            "worst: {where}" + (more if left_out else ""))
+        if drive.name not in set_by:
+            late = evidence.h * float(drives.late[i])
+            signal = np.maximum(values(drive.signal(mechanism), evidence.run.time + late,
+                                       mechanism.functions), drives.floor[i])
+            worst.add(drive.name, np.abs(a["drive_value"][:, i] - signal) / whole(signal), ROUNDING)
+    left_out = [drive.name for drive in mechanism.drives if drive.name in set_by]
+    note = f"left out, because the run changes them: {', '.join(left_out[:3])}"
+    if left_out and not worst.count:
+        raise NotComputed(note)
+    return f"; {note}" if left_out else ""
 
 
-def _motors(evidence: Evidence) -> Figure:
-    """Motors and brakes give what keeps their speed at the end of a step, or the most they can."""
-    model, a, worst = evidence.model, evidence.run.arrays, Worst()
+@check("drive.motor", source="ω = u, τ = c (u - ω) or τ = ±τmax",
+       asks="do motors and brakes keep their speed, or act at their limit?",
+       compared="rates and torques of motors and brakes against their targets and limits, "
+                "{count:comparison}, worst: {where}",
+       none="there is no motor and no brake")
+def _motors(evidence: Evidence, worst: Worst) -> None:
+    """Motors and brakes keep their speed at the end of a step, or act at their limit."""
+    model, a = evidence.model, evidence.run.arrays
     h, drives = evidence.h, model.drives
     rates, shared = evidence.rates_after, _limited_drives(evidence)
     for i, kind in enumerate(drives.kind):
@@ -89,7 +155,7 @@ def _motors(evidence: Evidence) -> Figure:
         if shared[j] > 1 or kind.places:
             continue
         if not np.isnan(drives.slope[i]):
-            _line(evidence, i, worst)
+            _compare_line(evidence, i, worst)
             continue
         off = (rates[j] - (0.0 if brake else value) + bend(evidence, j)) * evidence.joints_hold[j]
         gives = np.abs(torque) < most * (1 - EXACT)
@@ -98,15 +164,10 @@ def _motors(evidence: Evidence) -> Figure:
         wrong = np.where(gives, np.abs(off), np.maximum(off * np.sign(torque), 0.0))
         held = np.where(gives, held_off(evidence, i, h * most), 0.0)
         worst.add(drives.name[i], wrong / fast, SOLVED + (STILL[1] + DIGITS / h + held) / fast)
-    return worst.figure(
-        "drive.motor", "", source="ω = u, τ = c (u - ω) or τ = ±τmax",
-        none="there is no motor and no brake",
-        why="rates and torques of motors and brakes against their targets and limits, "
-            "{count:comparison}, worst: {where}")
 
 
 def _limited_drives(evidence: Evidence) -> Integers:
-    """How many drives with a limit each joint has, [nj]."""
+    """Number of drives with a limit of each joint, [nj]."""
     drives = evidence.model.drives
     limited = [target for target, kind in zip(drives.target, drives.kind, strict=True)
                if kind.limited]
@@ -114,32 +175,23 @@ def _limited_drives(evidence: Evidence) -> Integers:
                        minlength=len(evidence.model.joints.name))
 
 
-def _line(evidence: Evidence, drive: int, worst: Worst) -> None:
-    """A motor's torque is that of its line at the rate in the middle of the step, or its most."""
+def _compare_line(evidence: Evidence, drive: int, worst: Worst) -> None:
+    """Compare a motor's torque with its line at the rate at mid-step, within its limit."""
     drives, a = evidence.model.drives, evidence.run.arrays
     torque, rate = a["drive_torque"][:, drive], evidence.rates[drives.target[drive]]
     slope, most = float(drives.slope[drive]), float(drives.most[drive])
     law = np.clip(slope * (a["drive_value"][:, drive] - rate), -most, most)
-    # its impulse is held to the last as others are, by so much of a rate
     kept = held_off(evidence, drive, np.full(len(torque), np.inf))
     allowed = EXACT * whole(torque) + slope * (kept + lost_rate(rate, turning=True))
     worst.add(f"line of {drives.name[drive]}", np.abs(torque - law) / whole(torque),
-              allowed / whole(torque), still_held(evidence, int(drives.target[drive])))
-
-
-def still_held(evidence: Evidence, joint: int) -> Flags:
-    """In which samples a joint holds, [n]: what acts about one that is let go gives nothing.
-
-    In the step in which it breaks a part of what it gave, of either sign.
-    """
-    return held_one(evidence.model.ties.joint[joint], evidence.run.arrays["held"])
+              allowed / whole(torque),
+              evidence.holds("joint")[drives.target[drive]])
 
 
 def bend(evidence: Evidence, joint: int) -> Array:
-    """The rate by which an actuator grows longer in a step, besides that along its line [m/s], [n].
+    """Rate of an actuator's length in a step besides that along its line [m/s], [n]; 0 of hinges.
 
-    As the velocities before the step have it: those that the engine has foreseen it by. 0 of
-    hinges.
+    It follows from the velocities before the step, as in the engine.
     """
     if not evidence.model.joints.kind[joint].line:
         return np.zeros(len(evidence.run))
@@ -157,7 +209,7 @@ def bend(evidence: Evidence, joint: int) -> Array:
 
 
 def initial_rate(evidence: Evidence, drive: int) -> float:
-    """Of the hinge or actuator of a motor or brake at t = 0, from the scene [rad/s, m/s]."""
+    """Rate of the hinge or actuator of a motor or brake at t = 0, from the scene [rad/s, m/s]."""
     model, joint = evidence.model, int(evidence.model.drives.target[drive])
     if model.joints.kind[joint].line:
         return lengthening(model, joint)
@@ -165,13 +217,11 @@ def initial_rate(evidence: Evidence, drive: int) -> float:
 
 
 def held_off(evidence: Evidence, drive: int, most: Array) -> Array:
-    """How far a rate may be off since impulses are held to those of the step before [rad/s], [n].
+    """Error of a rate by the regularisation towards the last impulses [rad/s], [n].
 
-    A row's rate is :data:`HELD` times the change of its impulse times what its two bodies,
-    joined to nothing, make of one; of the last impulse up to :data:`FADED` is forgotten first.
-    On a light link that leads a heavy one bodies make far more of it than the mechanism does.
-    Where the step before was not recorded, its impulse is what did the work since the last
-    sample, and ``most`` at most.
+    It is :data:`HELD` times the change of the impulse times the response of the two bodies without
+    joints; :data:`FADED` of the last impulse is dropped first. Where the step before was not
+    recorded, its impulse follows from the work since the last sample, and is ``most`` at most.
     """
     a, h, joints = evidence.run.arrays, evidence.h, evidence.model.joints
     j = int(evidence.model.drives.target[drive])
@@ -194,9 +244,12 @@ def held_off(evidence: Evidence, drive: int, most: Array) -> Array:
     return np.asarray(HELD * alone * (change + FADED * last))
 
 
-def _stops(evidence: Evidence) -> Figure:
-    """A stop pushes back, and only where the hinge comes to its limit in that step."""
-    joints, a, worst, h = evidence.model.joints, evidence.run.arrays, Worst(), evidence.h
+@check("stop.law", "rad", "τ > 0 at the limit only", asks="do stops act only at the hinge limits?",
+       compared="distance of stops in action from their limit, and overshoot in a step, "
+                "{count:comparison}, worst: {where}",
+       none="no hinge has stops")
+def _stops(evidence: Evidence, worst: Worst) -> None:
+    joints, a, h = evidence.model.joints, evidence.run.arrays, evidence.h
     rates = evidence.rates_after
     for j in joints.stopped.tolist():
         torque, angle = a["joint_stop"][:, j], evidence.angles[j]
@@ -204,70 +257,47 @@ def _stops(evidence: Evidence) -> Figure:
         to_low, to_high = angle + h * rates[j] - low, high - angle - h * rates[j]
         ahead = np.where(torque > 0, to_low, np.where(torque < 0, to_high, 0.0))
         fast = 1 + peak(rates[j])
-        # an overrun goes back no faster than 1 rad/s, and may last
+        # an overrun is corrected at up to 1 rad/s, and may last
         wrong = np.where(ahead > 0, ahead, 0.0)
-        worst.add(joints.name[j], wrong, STOPPED + h * SOLVED * fast, still_held(evidence, j))
+        worst.add(joints.name[j], wrong, STOPPED + h * SOLVED * fast, evidence.holds("joint")[j])
         worst.add(f"reach of {joints.name[j]}", np.maximum(np.maximum(-to_low, -to_high), 0.0),
                   STOPPED + h * SOLVED * fast + np.maximum(
                       np.maximum(low - angle, angle - high) - h, 0.0), evidence.joints_hold[j])
-    return worst.figure(
-        "stop.law", "rad", source="τ > 0 at the limit only", none="no hinge has stops",
-        why="distance of stops in action from their limit, and overshoot in a step, "
-            "{count:comparison}, worst: {where}")
 
 
-def _works(evidence: Evidence) -> Figure:
-    """Work, added up, against forces and rates of every recorded step."""
-    name, source = "work", "W = Σ h F v"
+@check("work", source="W = Σ h F v", asks="is the work of each element the integral of its power?",
+       compared="recorded work against the sum of force times rate over all steps, relative to all "
+                "work of each of {count:element}, worst: {where}",
+       none="nothing works")
+def _works(evidence: Evidence, worst: Worst) -> None:
     if not evidence.every_step:
-        return missing(name, source=source, why=NOT_EVERY_STEP)
-    worst, h = Worst(), evidence.h
-    for label, power, work in _powers(evidence):
-        each = h * power
+        raise NotComputed(NOT_EVERY_STEP)
+    for name, power, work in _powers(evidence):
+        each = evidence.h * power
         added = np.cumsum(each) - each / 2 - (np.cumsum(each) - each / 2)[0]
-        moved = float(np.abs(each).sum())
         off = np.abs(work - work[0] - added)[evidence.known]
-        worst.add(label, off / max(moved, SMALLEST_SCALE), EXACT)
-    return worst.figure(
-        name, "", source=source, none="nothing works",
-        why="recorded work against the sum of force times rate over all steps, relative to all "
-            "work of each of {count:element}, worst: {where}")
+        worst.add(name, off / max(float(np.abs(each).sum()), SMALLEST_SCALE), EXACT)
 
 
 def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
-    """Of every element that works: its name, power [W] and recorded work [J], [n]."""
-    model, a, loads = evidence.model, evidence.run.arrays, evidence.loads
-    way = evidence.velocity + evidence.displacement / evidence.h
-    rates = evidence.rates_of(way)
-    if model.tendons.name:
-        power = -loads.lengthening(loads.cord_loads, len(model.tendons.name), way)
-        for i, name in enumerate(model.tendons.name):
-            yield name, power[i], a["tendon_work"][:, i]
-    if model.lines.name:
-        rate = -loads.lengthening(loads.line_pushes, len(model.lines.name), way)
-        for i, name in enumerate(model.lines.name):
-            yield name, a["line_pressure"][:, i] * rate[i], a["line_work"][:, i]
-    straight = np.flatnonzero(model.springs.straight)
-    if len(straight):
-        rate = loads.lengthening(loads.spring_pulls, len(model.springs.name), way)
-        for i in straight.tolist():
-            yield (model.springs.name[i], -a["spring_force"][:, i] * rate[i],
-                   a["spring_work"][:, i])
-    for i in np.flatnonzero(~model.springs.straight).tolist():
-        j = model.springs.joint[i]
-        holds = still_held(evidence, j)
-        torque = a["spring_force"][:, i] - holds * model.springs.damping[i] * evidence.rates[j]
-        yield model.springs.name[i], -torque * rates[j], a["spring_work"][:, i]
-    for j in model.joints.hinges.tolist():
-        yield (f"damper of {model.joints.name[j]}", a["joint_damping"][:, j] * rates[j],
-               a["joint_damping_work"][:, j])
-    rate = -loads.lengthening(loads.rub_pushes, len(model.joints.name), way)
-    for j in model.joints.rubbed.tolist():
-        yield (f"friction of {model.joints.name[j]}", np.nan_to_num(a["joint_friction"][:, j])
-               * rate[j], np.nan_to_num(a["joint_friction_work"][:, j]))
-    for i in model.drives.giving("torque", "push").tolist():
-        j = model.drives.target[i]
-        yield model.drives.name[i], loads.given[i] * rates[j], a["drive_work"][:, i]
+    """Name, power [W] and recorded work [J] of every element that works, [n] each.
+
+    Forces on single bodies are left out.
+    """
+    model, a = evidence.model, evidence.run.arrays
+    velocity = evidence.velocity + evidence.displacement / evidence.h
+    works: dict[str, Any] = {
+        "tendon": model.tendons, "line": model.lines, "spring": model.springs,
+        "joint_damping": model.joints, "joint_friction": model.joints, "drive": model.drives}
+    for batch in evidence.loads.batches:
+        kind = f"joint_{batch.kind}" if batch.kind in ("damping", "friction") else batch.kind
+        if kind not in works:
+            continue
+        prefix = {"damping": "damper of ", "friction": "friction of "}.get(batch.kind, "")
+        names: tuple[str, ...] = works[kind].name
+        power = batch.rates(len(names), velocity)
+        for i in np.unique(batch.element).tolist():
+            yield prefix + names[i], power[i], np.nan_to_num(a[f"{kind}_work"][:, i])
     for i in model.drives.giving("surface").tolist() if evidence.one_normal.all() else []:
         on = np.isin([a["contact_body"], a["contact_other"]], model.drives.target[i]).any(axis=0)
         friction = np.bincount(a["contact_sample"][on], evidence.run.contacts.tangential[on],
@@ -276,9 +306,14 @@ def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
                a["drive_work"][:, i])
 
 
-def _places(evidence: Evidence) -> Figure:
-    """Drives with a stiffness give what its law says; rigid ones come nearer to their targets."""
-    drives, worst, shared = evidence.model.drives, Worst(), _limited_drives(evidence)
+@check("drive.place", source="τ = k (u − q) − c q′ or q → u",
+       asks="does each servo effort follow its law?",
+       compared="efforts of {count:servo} against k (u - q) - c q', relative to the limit; rigid "
+                "servos below their limit: movement away from the target, relative to the travel; "
+                "worst: {where}",
+       none="there is no servo, or not every step was recorded")
+def _places(evidence: Evidence, worst: Worst) -> None:
+    drives, shared = evidence.model.drives, _limited_drives(evidence)
     for i, kind in enumerate(drives.kind):
         if not kind.places:
             continue
@@ -286,19 +321,13 @@ def _places(evidence: Evidence) -> Figure:
             worst.add(drives.name[i], *_sprung(evidence, i))
         elif evidence.every_step and shared[drives.target[i]] == 1:
             worst.add(drives.name[i], *_approach(evidence, i))
-    return worst.figure(
-        "drive.place", "", source="τ = k (u − q) − c q′ or q → u",
-        none="there is no servo, or not every step was recorded",
-        why="efforts of {count:servo} against k (u - q) - c q', relative to the limit; rigid "
-            "servos below their limit: movement away from the target, relative to the travel; "
-            "worst: {where}")
 
 
 def _sprung(evidence: Evidence, drive: int) -> tuple[Array, Array]:
-    """By how much the law is missed and may be, shares of the limit, [n] each.
+    """Error and tolerance of the law of a servo, relative to its limit, [n] each.
 
-    The law is taken evenly about the pose, or at the step's end where it is too stiff for the
-    step: as one of the two all samples have to be.
+    The law is at mid-step, or at the step's end if it is too stiff for the step, in all samples
+    alike.
     """
     drives, a, h = evidence.model.drives, evidence.run.arrays, evidence.h
     j, most = int(drives.target[drive]), float(drives.most[drive])
@@ -308,7 +337,7 @@ def _sprung(evidence: Evidence, drive: int) -> tuple[Array, Array]:
     evenly = missing - c * rate - k * h / 2 * (after - rate)
     at_end = missing - (c + h * k) * after
     given = a["drive_torque"][:, drive]
-    holds = still_held(evidence, j)
+    holds = evidence.holds("joint")[j]
     off = min((holds * np.abs(np.clip(law, -most, most) - given) for law in (evenly, at_end)),
               key=peak)
     held = held_off(evidence, drive, np.full(len(given), h * most))
@@ -318,9 +347,9 @@ def _sprung(evidence: Evidence, drive: int) -> tuple[Array, Array]:
 
 
 def _approach(evidence: Evidence, drive: int) -> tuple[Array, Array]:
-    """By how much a rigid drive moves away from its target, and may, shares of the way, [n - 1].
+    """Motion of a rigid servo away from its target, and tolerance, relative to its travel, [n - 1].
 
-    Where its speed is limited it may fall behind a target that moves.
+    A servo of limited speed may fall behind a moving target.
     """
     drives, a, h = evidence.model.drives, evidence.run.arrays, evidence.h
     j, most, place = int(drives.target[drive]), float(drives.most[drive]), evidence.angles[
@@ -329,7 +358,7 @@ def _approach(evidence: Evidence, drive: int) -> tuple[Array, Array]:
     short = np.abs(value[:-1] - place[1:])
     before, moved = np.concatenate([[np.inf], short[:-1]]), np.abs(np.diff(value, prepend=value[0]))
     spare = np.abs(a["drive_torque"][:-1, drive]) < most * (1 - EXACT)
-    holds = still_held(evidence, j)
+    holds = evidence.holds("joint")[j]
     spare &= holds[:-1] & holds[1:]
     spare &= (moved[:-1] == 0) | np.isinf(drives.fastest[drive])
     span = float(np.ptp(place)) + peak(short) + ROUNDING

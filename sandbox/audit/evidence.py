@@ -1,8 +1,10 @@
-"""What all figures of an audit are drawn from, each part worked out once."""
+"""A recording as the checks of an audit read it, each part computed once."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -14,36 +16,36 @@ from sandbox.samples.loads import Loads
 from sandbox.samples.samples import Samples
 from sandbox.scene.geometry import count_solids
 
+T = TypeVar("T")
 GAP, CLOSES = 1e-10, 1e-6
-"""So far apart a step may leave a joint each way: what rounding makes of one between unlike masses
-[m]; where the engine ends closing it, in steps squared [m/s^2]."""
+"""Gap of a joint that a step may leave each way [m]: rounding between unlike masses; and, per
+squared step [m/s^2], where the engine stops closing it."""
 LEFT = 1e-9
-"""How unevenly a flat contact may rest on its points [m]: gaps are closed to 1e-13 / h of speed."""
+"""Unevenness of a flat contact [m]: gaps close to 1e-13 / h of speed."""
 FALLS = 10.0
-"""What touches may be left open by this times the step squared [m/s^2].
+"""Gap of a contact that a step may leave, per squared step [m/s^2].
 
-A step closes a gap along the normal that it has at its beginning. What shapes turn and slide
-meanwhile is of second order: v^2 / R + omega v, which is this at 0.3 m/s on a radius of 10 mm, and
-nothing closes it again where nothing has to press. So far, too, a body falls in its first step: a
-contact that is needed there carries within one step.
+A step closes a gap along the normal at its beginning. Rotation and sliding meanwhile are of second
+order, v^2 / R + omega v: this value at 0.3 m/s on a radius of 10 mm. Bodies also fall so far in
+their first step: a contact that is needed there carries within one step.
 """
 REBOUND = 0.01
-"""A change of velocity [m/s, rad/s] in a step that may be an impact."""
+"""Change of velocity [m/s, rad/s] in a step that may be an impact."""
 CLOSES_IN = 40.0
-"""So many times its time after it was taken up a joint is closed (docs/engine.md)."""
+"""A joint that was engaged is closed after so many of its time constants (docs/engine.md)."""
 NUMBERS = 500_000
-"""Bodies times samples, and contact rows, that are compared; longer runs are thinned to as many,
-which then take some 400 MB."""
+"""Largest number of bodies times samples, and contact rows; longer runs are thinned (400 MB)."""
 
 
 class Evidence:
-    """A recording, its loads, what follows from its poses and velocities, how exact it can be.
+    """A recording, its loads, quantities from its poses and velocities, and their accuracy.
 
-    Of one sample of a run it is ``alone``: there is no step before. ``near`` is how far apart [m]
-    outlines may be that count as touching, by default what a step may leave open.
+    A single sample of a run is ``alone``: there is no step before it. ``near`` is the distance [m]
+    within which outlines count as touching, by default the gap that a step may leave.
     """
 
     def __init__(self, run: Samples, *, alone: bool = False, near: float | None = None) -> None:
+        self._made: dict[Any, Any] = {}
         self.whole, self.model = run, run.model
         numbers = len(run) * max(1, len(self.model.bodies.name)) + len(run.arrays["contact_gap"])
         stride = max(1, -(-numbers // NUMBERS))
@@ -51,14 +53,14 @@ class Evidence:
         self.run = run.pick(np.arange(stride - 1, len(run), stride)) if stride > 1 else run
         self.h = run.info.step
         self.open = LEFT + ROUNDING + FALLS * self.h**2
-        """How far apart [m] a step may leave outlines that touch."""
+        """Gap [m] that a step may leave between touching outlines."""
         self.near = self.open if near is None else near
         self.every_step = (not alone and stride == 1 and len(run) > 1
                            and abs(float(run.time[1] - run.time[0]) / self.h - 1) < 1e-6)
 
     @property
     def closed(self) -> float:
-        """So far apart [m] a step may leave a joint in both directions together."""
+        """Gap [m] of a joint that a step may leave, both directions together."""
         return 1.5 * max(GAP, CLOSES * self.h**2)
 
     @cached_property
@@ -79,7 +81,7 @@ class Evidence:
 
     @cached_property
     def struck(self) -> Flags:
-        """In which samples contacts may have given back speed, which displaces the pose, [n]."""
+        """Samples in which contacts may have rebounded, which displaces the pose, [n] of bool."""
         a, mechanism, count = self.run.arrays, self.model.mechanism, len(self.model.bodies.name)
         pair = a["contact_body"] * count + a["contact_other"]
         bounces = [kind for kind in np.unique(pair).tolist()
@@ -91,9 +93,9 @@ class Evidence:
 
     @cached_property
     def displacement(self) -> Array:
-        """How far impacts in each sample's step displace the next pose, [3, nb, n].
+        """Displacement of the next pose by impacts in each sample's step, [3, nb, n].
 
-        Only known, and not 0, if every step was recorded.
+        It is known, and not 0, only if every step was recorded.
         """
         frames = self.loads.frames
         poses = np.stack([frames.centre_x, frames.centre_y, frames.angle])
@@ -109,41 +111,28 @@ class Evidence:
 
     @cached_property
     def angles(self) -> Array:
-        """Of the hinges, from the poses of their bodies [rad], [nj, n].
+        """Of hinges, from the poses of their bodies [rad], [nj, n].
 
         Of actuators their lengths [m]; nan of other joints.
         """
         joints, angle = self.model.joints, self.loads.frames.angle
         a, b = joints.bodies.T
         angles = joints.sense[:, None] * (angle[b] - angle[a]) - joints.zero[:, None]
-        return np.where(self._lines[:, None], self.loads.frames.gaps, angles)
-
-    @cached_property
-    def _lines(self) -> Flags:
-        """Which joints are actuators, [nj]."""
-        return np.array([kind.line for kind in self.model.joints.kind], dtype=bool)
+        return np.where(self.loads.actuators[:, None], self.loads.frames.gaps, angles)
 
     def rates_of(self, velocity: Array) -> Array:
-        """Of hinges and actuators as bodies move with ``velocity`` [3, nb, n], [nj, n]."""
-        joints, omega, frames = self.model.joints, velocity[2], self.loads.frames
-        a, b = joints.bodies.T
-        rates = joints.sense[:, None] * (omega[b] - omega[a])
-        for j in np.flatnonzero(self._lines):
-            (one, two), (m, n) = frames.anchors, (a[j], b[j])
-            x, y = two.x[j] - one.x[j], two.y[j] - one.y[j]
-            vx = (velocity[0, n] - omega[n] * two.arm_y[j]
-                  - velocity[0, m] + omega[m] * one.arm_y[j])
-            vy = (velocity[1, n] + omega[n] * two.arm_x[j]
-                  - velocity[1, m] - omega[m] * one.arm_x[j])
-            rates[j] = (x * vx + y * vy) / np.maximum(np.hypot(x, y), ROUNDING)
-        return np.asarray(rates)
+        """Of hinges and actuators as bodies move with ``velocity`` [3, nb, n]; [nj, n].
+
+        nan of other joints.
+        """
+        efforts, count = self.loads.joint_efforts, len(self.model.joints.name)
+        rates = efforts.rates(count, velocity)
+        rates[np.setdiff1d(np.arange(count), efforts.element)] = np.nan
+        return rates
 
     @cached_property
     def rates(self) -> Array:
-        """Of the hinges, from the velocities of their bodies [rad/s], [nj, n].
-
-        Of actuators those of their lengths [m/s]; nan of other joints.
-        """
+        """Rates of hinges [rad/s] and actuators [m/s] from the velocities of their bodies."""
         return self.rates_of(self.velocity)
 
     @cached_property
@@ -151,24 +140,27 @@ class Evidence:
         """The same at the end of each sample's step, along lines as they lie at the sample."""
         return self.rates_of(self.velocity_after)
 
-    @cached_property
-    def spring_lengths(self) -> Array:
-        """Of the straight springs, from the poses [m], [ns, n]; 0 of rotary ones."""
-        springs, frames = self.model.springs, self.loads.frames
-        which = np.flatnonzero(springs.straight)
-        one, two = (frames.places(springs.bodies[which, k], springs.anchor[which, k])
-                    for k in (0, 1))
-        result = np.zeros((len(springs.name), frames.samples))
-        result[which] = np.hypot(two.x - one.x, two.y - one.y)
-        return result
+    def holds(self, kind: str) -> Flags:
+        """Which joints, springs or tendons hold in which samples, [elements, n]."""
+        if kind not in self._made:
+            self._made[kind] = held_of(self.model.ties.of(kind), self.run.arrays["held"])
+        found: Flags = self._made[kind]
+        return found
+
+    def once(self, make: Callable[[Evidence], T]) -> T:
+        """The result of ``make`` for this recording, computed once."""
+        if make not in self._made:
+            self._made[make] = make(self)
+        found: T = self._made[make]
+        return found
 
     @cached_property
     def joints_hold(self) -> Flags:
-        """Which joints hold, whole and closed, in which samples, [nj, n].
+        """Which joints hold and are closed in which samples, [nj, n].
 
-        One that was taken up again is given the time that it takes to close.
+        A joint that was engaged again has time to close.
         """
-        holds = held_of(self.model.ties.joint, self.run.arrays["held"])
+        holds = self.holds("joint").copy()
         for j in np.flatnonzero(~holds.all(axis=1)).tolist():
             over = CLOSES_IN * float(self.model.ties.over[self.model.ties.joint[j]])
             for last in np.flatnonzero(~holds[j]).tolist():
@@ -178,24 +170,21 @@ class Evidence:
 
     @cached_property
     def one_normal(self) -> Flags:
-        """Contact rows that have one normal: of one point, or of two convex bodies, [m].
+        """Contact rows with one normal: of one point, or of two convex bodies, [m] of bool.
 
-        Convex shapes touch in one point or along one face. What a row of several points between
-        bodies of several shapes has as place and normal is none of the points' own; where
-        the number was not kept yet, so may all between such bodies.
+        Convex shapes touch in one point or along one face. A row of several points between bodies
+        of several shapes has a place and a normal that are none of the points' own. Old recordings
+        without the number of points may have such rows.
         """
         a, bodies = self.run.arrays, self.model.mechanism.bodies
         simple = np.array([count_solids(body) <= 1 for body in bodies], dtype=bool)
         return np.asarray(simple[a["contact_body"]] & simple[a["contact_other"]]
                           | (a["contact_merged"] == 1))
 
-    @cached_property
+    @property
     def contact_arms(self) -> tuple[Array, Array]:
-        """From the centres of mass of both bodies to the places of contact rows [m], [m, 2]."""
-        a, frames = self.run.arrays, self.loads.frames
-        one, two = (a["contact_point"] - np.stack(
-            [centre[a[key], a["contact_sample"]] for centre in (frames.centre_x, frames.centre_y)],
-            axis=1) for key in ("contact_body", "contact_other"))
+        """From the centres of mass of both bodies to the contact points [m], [m, 2] each."""
+        one, two = np.split(self.loads.contact_sides.arm, 2)
         return one, two
 
     def contact_rate(
@@ -230,9 +219,9 @@ class Evidence:
 
     @cached_property
     def left_allowed(self) -> Array:
-        """What m a - sum F [N] and I alpha - sum M [N m] may leave of a body, [2, nb].
+        """Tolerance of m a - sum F [N] and I alpha - sum M [N m] of a body, [2, nb].
 
-        Rounding of the largest load on it, and the motion that the engine lets stand.
+        Rounding of its largest load, and motion that the engine stops (:data:`STILL`).
         """
         loads, arrays = self.loads, self.run.arrays
         v = np.abs(loads.frames.velocity).max(axis=2, initial=0.0)
@@ -245,11 +234,11 @@ class Evidence:
 
     @cached_property
     def joint_slack(self) -> Array:
-        """How far apart the two sides of a joint may be [m], [nj, n].
+        """Allowed gap of a joint [m], [nj, n].
 
-        A step closes joints along the pose's directions to second order, which leaves of an arm r
-        that turns r h^3 (w^3 / 6 + w alpha / 2) and r h^4 alpha^2 / 8; that is closed again and
-        again to :attr:`closed`, but a few times only.
+        A step closes joints along the pose's directions to second order. An arm r that turns leaves
+        r h^3 (w^3 / 6 + w alpha / 2) and r h^4 alpha^2 / 8, which later steps close to
+        :attr:`closed`.
         """
         frames, h = self.loads.frames, self.h
         result = np.full(frames.gaps.shape, self.closed)

@@ -1,51 +1,54 @@
-"""What an audit says: figures, each with a threshold and a verdict."""
+"""Checks of an audit and their figures: a value, a threshold and a verdict each."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
 from sandbox.numeric import Array, Flags
 from sandbox.wording import Count
 
+if TYPE_CHECKING:
+    from sandbox.audit.evidence import Evidence
+
 ROUNDING = 1e-12
-"""What is left of sixteen digits [m, rad] after a few dozen operations on lengths below 1 m."""
+"""Rounding error [m, rad] after a few dozen operations on lengths below 1 m."""
 DIGITS = 1e-15
-"""Share of a number that is lost where it is rounded a few times."""
+"""Relative error of a number that is rounded a few times."""
 NOT_EVERY_STEP = "not every step was recorded; run.sample_rate = 1 / run.step records them all"
-"""Why figures that add up steps are not computed."""
+"""Why checks that sum over steps are not computed."""
 SMALLEST_SCALE = 1e-12
-"""Shares of what is nowhere more than this [N, N m, J, rad/s] are taken of this."""
+"""Least value [N, N m, J, rad/s] that relative errors refer to."""
 EXACT = 1e-9
-"""Fraction of the largest force: sums of some ten forces to sixteen digits, and some to spare."""
+"""Relative to the largest force: rounding error of sums of some ten forces, with a margin."""
 STILL = 1e-11, 1e-10
-"""Where nothing moves faster [m/s, rad/s] the engine lets all stand: so much may go in a step."""
+"""The engine stops bodies that are slower [m/s, rad/s]."""
 STOPPED = 1e-8
-"""So far [rad] a hinge may be beyond its stop: what 1e-10 m of a gap makes at an arm of 10 mm."""
+"""Allowed overrun of a hinge [rad]: a gap of 1e-10 m at an arm of 10 mm."""
 
 
 def peak(values: Array) -> float:
-    """The largest size among values of any shape; 0 of none."""
+    """The largest magnitude among values of any shape; 0 if there are none."""
     return float(np.abs(values).max(initial=0.0))
 
 
 def whole(values: Array) -> float:
-    """What errors of values are shares of: their largest size, or :data:`SMALLEST_SCALE`."""
+    """The scale of relative errors: the largest magnitude, or :data:`SMALLEST_SCALE`."""
     return max(peak(values), SMALLEST_SCALE)
 
 
 def lost_rate(rates: Array, *, turning: bool) -> float:
-    """By how much rates may be off: what :data:`STILL` lets go, and rounding [m/s or rad/s]."""
+    """Error of rates by :data:`STILL` and rounding [m/s or rad/s]."""
     return STILL[turning] + DIGITS * peak(rates)
 
 
 @dataclass(frozen=True, repr=False)
 class Figure:
-    """One figure of an audit."""
+    """The result of one check."""
 
     name: str
     value: float
@@ -55,7 +58,7 @@ class Figure:
     """Largest value that passes; nan where nothing was computed."""
     verdict: Literal["pass", "look", "not computed"]
     why: str
-    """What was compared, or why nothing could be."""
+    """The comparison, or the reason why it was not computed."""
     source: str
     """The equation."""
 
@@ -67,24 +70,14 @@ class Figure:
                 f"{self.verdict}>")
 
 
-def judged(
-    name: str, value: float, unit: str, threshold: float, *, why: str, source: str,
-) -> Figure:
-    """A figure that passes if its value is a number up to the threshold."""
-    passes = math.isfinite(value) and math.isfinite(threshold) and value <= threshold
-    return Figure(name, float(value), unit, float(threshold), "pass" if passes else "look", why,
-                  source)
-
-
-def missing(name: str, *, why: str, source: str) -> Figure:
-    """A figure that was not computed."""
-    return Figure(name, math.nan, "", math.nan, "not computed", why, source)
-
-
 def figure_data(figure: Figure) -> dict[str, Any]:
-    """A figure as JSON data; what has no value is null."""
+    """A figure as JSON data; nan becomes null."""
     return {key: None if isinstance(value, float) and not math.isfinite(value) else value
             for key, value in vars(figure).items()}
+
+
+class NotComputed(Exception):
+    """A check without a value, with the reason."""
 
 
 @dataclass
@@ -101,9 +94,9 @@ class Worst:
         self, where: str, error: Array, tolerance: Array | float,
         among: Flags | None = None,
     ) -> None:
-        """Errors of one element over samples [n] against their tolerances, ``among`` some of them.
+        """Add errors of one element over samples [n] with their tolerances.
 
-        An error that is no number is the worst of all.
+        ``among`` selects samples. An error that is nan is the worst of all.
         """
         if among is not None:
             error = error[among]
@@ -125,9 +118,9 @@ class Worst:
         self, where: str, laws: Sequence[tuple[Array, Array | float]],
         among: Flags | None = None, *, throughout: bool = True,
     ) -> None:
-        """Compare with the nearest of several laws, each an error [n] and its tolerance.
+        """Add the comparison with the nearest of several laws, each an error [n] and its tolerance.
 
-        An element keeps one of them throughout, or in each sample any.
+        An element follows one of them throughout, or any of them in each sample.
         """
         error, tolerance = np.array([np.broadcast_arrays(*law) for law in laws]).swapaxes(0, 1)
         ratio = np.nan_to_num(error / tolerance, nan=np.inf)
@@ -139,9 +132,55 @@ class Worst:
             k, n = ratio.argmin(axis=0), np.arange(error.shape[1])
             self.add(where, error[k, n], tolerance[k, n], among)
 
-    def figure(self, name: str, unit: str, *, why: str, source: str, none: str) -> Figure:
-        """The figure; not computed, for the reason ``none``, where nothing was compared."""
-        if not self.count:
-            return missing(name, why=none, source=source)
-        return judged(name, self.value, unit, self.tolerance,
-                      why=why.format(where=self.where, count=Count(self.count)), source=source)
+    def judge(self, value: float, tolerance: float) -> None:
+        """Set the one value of a check."""
+        self.value, self.tolerance, self.count = float(value), float(tolerance), 1
+
+
+Compare = Callable[["Evidence", Worst], str | None]
+"""Adds the comparisons of a check; returns a note, or raises :class:`NotComputed`."""
+
+
+class Check(NamedTuple):
+    """One check of an audit."""
+
+    name: str
+    unit: str
+    source: str
+    """The equation."""
+    asks: str
+    """The question that it answers; yes means pass."""
+    compared: str
+    """The comparison in words, with ``{where}``, ``{count:noun}`` and ``{note}``."""
+    none: str
+    """Why it is not computed where nothing is compared."""
+    compare: Compare
+
+    def figure(self, evidence: Evidence) -> Figure:
+        """The figure of a recording; numbers that cannot be used make it "not computed"."""
+        worst = Worst()
+        try:
+            note = self.compare(evidence, worst) or ""
+        except NotComputed as reason:
+            return self.missing(str(reason))
+        except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+            return self.missing(f"the numbers cannot be used: {error}")
+        if not worst.count:
+            return self.missing(self.none)
+        passes = math.isfinite(worst.value) and math.isfinite(worst.tolerance) and (
+            worst.value <= worst.tolerance)
+        why = self.compared.format(where=worst.where, count=Count(worst.count), note=note)
+        return Figure(self.name, worst.value, self.unit, worst.tolerance,
+                      "pass" if passes else "look", why, self.source)
+
+    def missing(self, why: str) -> Figure:
+        """The figure where it is not computed."""
+        return Figure(self.name, math.nan, "", math.nan, "not computed", why, self.source)
+
+
+def check(
+    name: str, unit: str = "", source: str = "", *, asks: str, compared: str = "{note}",
+    none: str = "",
+) -> Callable[[Compare], Check]:
+    """Make a check of a function; arguments as of :class:`Check`."""
+    return lambda compare: Check(name, unit, source, asks, compared, none, compare)

@@ -1,14 +1,11 @@
-"""Figures of fluid: volumes, what flows in and stays, pressures, and where the work goes.
+"""Fluid lines: volumes, flows, pressures and energy.
 
-What is in a line is what came in; it fills the volume at the line's pressure. A step relates the
-pressure to volume and content at the instant that is recorded with it (docs/engine.md), and a line
-has to keep one of two weights of velocities throughout. Where it is not full, at its least
-pressure, there may be less in it.
+The content of a line is the inflow; it fills the volume at the line's pressure. A step relates the
+pressure to volume and content at the recorded instant (docs/engine.md), with one of two weights of
+velocities throughout the run. At its least pressure a line may not be full.
 """
 
 from __future__ import annotations
-
-from collections.abc import Iterator
 
 import numpy as np
 
@@ -18,10 +15,9 @@ from sandbox.audit.figures import (
     NOT_EVERY_STEP,
     ROUNDING,
     STILL,
-    Figure,
+    NotComputed,
     Worst,
-    judged,
-    missing,
+    check,
     whole,
 )
 from sandbox.elements.element import ATMOSPHERE
@@ -29,35 +25,24 @@ from sandbox.model.model import NONE
 from sandbox.numeric import Array
 
 OLDER = "the recording is of an older version, without the times of fluid contents"
+OLDER = "the recording is of an older version, without the times of fluid contents"
 NEWTON = 1e-8
-"""Share of a flow by which an orifice's law may be off where attempts to find it end."""
-
-
-def fluid_figures(evidence: Evidence) -> Iterator[Figure]:
-    """Volumes, flows, contents, pressures and work of the lines."""
-    yield _volumes(evidence)
-    yield _flows(evidence)
-    yield _pressures(evidence)
-    yield _valves(evidence)
-    yield _energy(evidence)
+"""Relative error of the flow of an orifice at which iterations stop."""
 
 
 def _growth(evidence: Evidence, velocity: Array) -> Array:
-    """Rates at which lines grow as bodies move with ``velocity`` [3, nb, n]; [nl, n]."""
-    loads = evidence.loads
-    return -loads.lengthening(loads.line_pushes, len(evidence.model.lines.name), velocity)
+    """Growth rates of lines as bodies move with ``velocity`` [3, nb, n]; [nl, n]."""
+    return evidence.loads.line_efforts.rates(len(evidence.model.lines.name), velocity)
 
 
-def grown(evidence: Evidence) -> Array:
-    """By what lines have grown since t = 0, from the poses [m^3], [nl, n]."""
-    lines, frames = evidence.model.lines, evidence.loads.frames
-    found = np.zeros((len(lines.name), frames.samples))
-    for n, line in enumerate(lines.of.tolist()):
-        if lines.joint[n] != NONE:
-            found[line] += lines.gain[n] * (evidence.angles[lines.joint[n]] - lines.start[n])
-            continue
-        one, two = (frames.places(lines.bodies[n, k:k + 1], lines.anchor[n, k]) for k in (0, 1))
-        found[line] += lines.gain[n] * (np.hypot(two.x - one.x, two.y - one.y)[0] - lines.start[n])
+def _grown(evidence: Evidence) -> Array:
+    """Growth of lines since t = 0, from the poses [m^3], [nl, n]."""
+    lines, turns = evidence.model.lines, (evidence.model.lines.joint != NONE)[:, None]
+    place = evidence.loads.distances(lines.bodies, np.nan_to_num(lines.anchor))
+    if turns.any():
+        place = np.where(turns, evidence.angles[lines.joint], place)
+    found = np.zeros((len(lines.name), place.shape[1]))
+    np.add.at(found, lines.of, lines.gain[:, None] * (place - lines.start[:, None]))
     return found
 
 
@@ -67,21 +52,25 @@ def _gains(evidence: Evidence) -> Array:
     return np.bincount(lines.of, np.abs(lines.gain), len(lines.name)).astype(float)
 
 
-def _volumes(evidence: Evidence) -> Figure:
-    lines, worst = evidence.model.lines, Worst()
-    found, recorded = grown(evidence), evidence.run.arrays["line_volume"].T
+@check("line.volume", "m^3", "V = V0 + Σ A (L - L0)",
+       asks="is the volume of each fluid line the sum of its chambers?",
+       compared="volumes of {count:line} from the recorded poses, worst: {where}",
+       none="there is no line")
+def _volumes(evidence: Evidence, worst: Worst) -> None:
+    lines = evidence.model.lines
+    found, recorded = _grown(evidence), evidence.run.arrays["line_volume"].T
     gains = _gains(evidence)
     for i, name in enumerate(lines.name):
         error = np.abs(lines.volume[i] + found[i] - recorded[i])
         worst.add(name, error, ROUNDING * (gains[i] + lines.volume[i]))
-    return worst.figure(
-        "line.volume", "m^3", source="V = V0 + Σ A (L - L0)", none="there is no line",
-        why="volumes of {count:line} from the recorded poses, worst: {where}")
 
 
-def _flows(evidence: Evidence) -> Figure:
-    """What flows into a line is what valves and drives let in, and what came in is there."""
-    model, a, worst, h = evidence.model, evidence.run.arrays, Worst(), evidence.h
+@check("line.flow", source="dM/dt = Σ Q", asks="does the fluid in each line equal the net inflow?",
+       compared="flow into each line against valves and drives, and content against total inflow, "
+                "relative to it, {count:comparison}, worst: {where}",
+       none="there is no line")
+def _flows(evidence: Evidence, worst: Worst) -> None:
+    model, a, h = evidence.model, evidence.run.arrays, evidence.h
     for i, name in enumerate(model.lines.name):
         into = np.zeros(len(evidence.run))
         size = np.zeros(len(evidence.run))
@@ -101,21 +90,20 @@ def _flows(evidence: Evidence) -> Figure:
             turned = max(h * float(np.abs(flow).sum()), model.lines.compliance[i])
             least = ROUNDING * float(np.abs(held).max(initial=0.0)) / turned
             worst.add(name, np.abs(held - held[0] - came) / turned, EXACT + least)
-    return worst.figure(
-        "line.flow", "", source="dM/dt = Σ Q", none="there is no line",
-        why="flow into each line against valves and drives, and content against total inflow, "
-            "relative to it, {count:comparison}, worst: {where}")
 
 
-def _pressures(evidence: Evidence) -> Figure:
-    lines, a, h, worst = evidence.model.lines, evidence.run.arrays, evidence.h, Worst()
-    source = "M = V + C p"
+@check("line.law", "m^3", "M = V + C p", asks="does each line's pressure match its content?",
+       compared="content of {count:line} against volume and pressure, worst: {where}; for gas, "
+                "the linearisation error of a step is allowed",
+       none="there is no line")
+def _pressures(evidence: Evidence, worst: Worst) -> None:
+    lines, a, h = evidence.model.lines, evidence.run.arrays, evidence.h
     if np.isnan(a["line_ahead"]).any():
-        return missing("line.law", why=OLDER, source=source)
+        raise NotComputed(OLDER)
     ahead = a["line_ahead"].T / h
     inflow = ahead + 0.5
     if lines.name:
-        volume, gains = grown(evidence), _gains(evidence)
+        volume, gains = _grown(evidence), _gains(evidence)
         rate = h * _growth(evidence, evidence.velocity_after)
         change = h * h * _growth(evidence, evidence.loads.frames.acceleration)
     for i, name in enumerate(lines.name):
@@ -132,16 +120,12 @@ def _pressures(evidence: Evidence) -> Figure:
             off = np.where(void & (content < holds), 0.0, off)
             laws.append((off, slack + straight))
         worst.add_nearest(name, laws)
-    return worst.figure(
-        "line.law", "m^3", source=source, none="there is no line",
-        why="content of {count:line} against volume and pressure, worst: {where}; for gas, the "
-            "linearisation error of a step is allowed")
 
 
 def _holds(
     evidence: Evidence, line: int, volume: Array, p: Array, came: Array,
 ) -> tuple[Array, Array]:
-    """What fills a line that has grown by ``volume`` at ``p`` [m^3], [n]; what of it bends.
+    """Content of a line that has grown by ``volume`` at ``p`` [m^3], [n]; error of linearisation.
 
     ``came`` flowed in meanwhile [m^3], [n].
     """
@@ -156,9 +140,13 @@ def _holds(
     return content - lines.volume[line], content * n * change**2
 
 
-def _valves(evidence: Evidence) -> Figure:
-    """Pressure across valves from their flows; of those that a drive opens by its values."""
-    model, a, worst = evidence.model, evidence.run.arrays, Worst()
+@check("valve.law", source="Δp = R Q + ρ/2 (Q / Cd A)²",
+       asks="does the pressure drop of each valve match its flow?",
+       compared="pressure drops of {count:valve} against their flows, relative to the largest of "
+                "each, worst: {where}; below 0.001 Pa an orifice counts as a long passage",
+       none="there is no valve")
+def _valves(evidence: Evidence, worst: Worst) -> None:
+    model, a = evidence.model, evidence.run.arrays
     valves = model.valves
     for v, name in enumerate(valves.name):
         flow = a["valve_flow"][:, v]
@@ -175,23 +163,21 @@ def _valves(evidence: Evidence) -> Figure:
             off = np.where(shut, np.abs(flow), off)
         most = max(whole(np.asarray(across)), 1.0)
         worst.add(name, off / most, EXACT + 2 * NEWTON + 3e-3 / most)
-    return worst.figure(
-        "valve.law", "", source="Δp = R Q + ρ/2 (Q / Cd A)²", none="there is no valve",
-        why="pressure drops of {count:valve} against their flows, relative to the largest of each, "
-            "worst: {where}; below 0.001 Pa an orifice counts as a long passage")
 
 
-def _energy(evidence: Evidence) -> Figure:
-    """What pumps put in is in the bodies, pressed into fluid, throttled or let out."""
-    name, source, model = "line.energy", "W = Σ (p V work + C p²/2 + throttled)", evidence.model
-    a, lines, h = evidence.run.arrays, model.lines, evidence.h
+@check("line.energy", source="W = Σ (p V work + C p²/2 + throttled)",
+       asks="does the work of pumps go to bodies, fluid and valves?",
+       compared="work of pumps minus the work on bodies, the energy stored in fluid and the losses "
+                "of valves and reliefs, relative to the total; pressure change in a step times "
+                "flow is allowed")
+def _energy(evidence: Evidence, worst: Worst) -> None:
+    model, a, lines, h = evidence.model, evidence.run.arrays, evidence.model.lines, evidence.h
     if not lines.name:
-        return missing(name, why="there is no line", source=source)
+        raise NotComputed("there is no line")
     if np.isfinite(lines.gas).any():
-        return missing(name, why="a gas exchanges heat with its surroundings",
-                       source=source)
+        raise NotComputed("a gas exchanges heat with its surroundings")
     if not evidence.every_step:
-        return missing(name, source=source, why=NOT_EVERY_STEP)
+        raise NotComputed(NOT_EVERY_STEP)
     pumps = a["drive_work"][:, model.drives.giving("flow", "pressure")].sum(axis=1)
     p = a["line_pressure"]
     spilled = np.diff(a["line_spilled"], axis=0, prepend=a["line_spilled"][:1]) * p
@@ -204,15 +190,11 @@ def _energy(evidence: Evidence) -> Figure:
     step = np.cumsum((lines.compliance * change**2 + bend * (np.abs(p) + np.abs(change))
                       + np.abs(change) * h * np.abs(_growth(evidence, evidence.velocity)).T
                       + np.abs(change) * h * np.abs(a["line_flow"])).sum(axis=1))
-    # works are those up to the middle of a step, pressures may be those at its end
+    # works are up to the middle of a step, pressures may be at its end
     half = (lines.compliance * np.abs(p * change)).sum(axis=1)
     step = step + half + half[:2].max(initial=0.0)
     scale = max(float((np.abs(pumps) + np.abs(work) + stored + np.abs(lost)).max(initial=0.0)),
                 1e-15)
     error = np.abs(left - left[0])
-    worst = int(np.argmax(error - step))
-    return judged(
-        name, float(error[worst]) / scale, "", EXACT + float(step[worst]) / scale, source=source,
-        why="work of pumps minus the work on bodies, the energy stored in fluid and the losses of "
-            "valves and reliefs, relative to the total; pressure change in a step times flow is "
-            "allowed")
+    k = int(np.argmax(error - step))
+    worst.judge(error[k] / scale, EXACT + step[k] / scale)

@@ -1,8 +1,6 @@
-"""Figures of friction: of cords at guides, with the law of each span; of pins and slots."""
+"""Friction: of tendons at guides, with the law of each span; of pins and slots."""
 
 from __future__ import annotations
-
-from collections.abc import Iterator
 
 import numpy as np
 
@@ -13,73 +11,61 @@ from sandbox.audit.figures import (
     EXACT,
     ROUNDING,
     STILL,
-    Figure,
     Worst,
+    check,
     lost_rate,
     peak,
     whole,
 )
 from sandbox.model.model import NONE
 from sandbox.model.tendons import CordSpan, spans_of
-from sandbox.model.ties import held_of, held_one
 from sandbox.numeric import Array, Flags
 from sandbox.samples.cords import bends, lengths_at_start, piece_tensions, rest_lengths, span_length
 
 SOLVED = 1e-9
-"""Share of the largest tension by which friction may miss its bound.
+"""Relative to the largest tension: tolerance of friction against its bound.
 
 The solve leaves 1e-10 of the tensions on both sides, 2e-10 at most (docs/engine.md). The rest is
-for the angle: :data:`ROUNDING` of a place turns a piece of 1 mm by 1e-9, and the bound with it by
-mu / 2 of that share of both tensions.
+for the angle: :data:`ROUNDING` of a position turns a piece of 1 mm by 1e-9, and changes the bound
+by mu / 2 of that fraction of both tensions.
 """
 DRAG = 1e-7
-"""Of a loop, as a share of what its stiffness does in a step (docs/engine.md)."""
-
-
+"""Damping of a loop, relative to the effect of its stiffness in a step (docs/engine.md)."""
 MEASURED = 1e-13
-"""A change of rates [m/s, rad/s] for which what a joint carries is not measured again."""
+"""Change of rates [m/s, rad/s] below which the load of a joint is not measured again."""
 
 
-def friction_figures(evidence: Evidence) -> Iterator[Figure]:
-    """Friction of guides and joints within its bound and against the slip; tensions of spans."""
-    yield _bounds(evidence)
-    yield _spans(evidence)
-    yield _joints(evidence)
-
-
-def _bounds(evidence: Evidence) -> Figure:
-    """No tension grows by more than e^(mu phi) over a guide, and what slides is held back."""
-    tendons, a, worst = evidence.model.tendons, evidence.run.arrays, Worst()
+@check("tendon.grip", source="T e^(-μφ) <= T' <= T e^(μφ)",
+       asks="is the larger tension at a guide at most e^(mu phi) times the smaller?",
+       compared="friction of guides against Euler's bound from the recorded poses, and its "
+                "direction against the sliding, relative to the largest tension, "
+                "{count:comparison}, worst: {where}",
+       none="no guide has friction")
+def _bounds(evidence: Evidence, worst: Worst) -> None:
+    tendons, a, held = evidence.model.tendons, evidence.run.arrays, evidence.holds("tendon")
     spans = [span for k in range(len(tendons.name)) for span in spans_of(tendons, k)]
     behind = {span.into: span for span in spans}
-    held = held_of(evidence.model.ties.tendon, a["held"])
-    for k in range(len(tendons.grips)):
+    for k, guide in enumerate(tendons.grips.tolist()):
         span, friction = behind[k], a["guide_friction"][:, k]
         after = _tension(evidence, span)
         before, most = after - friction, whole(after)
         phi = np.maximum(bends(evidence.loads.frames, evidence.loads.cords, k), 0.0)
-        share = np.tanh(0.5 * float(tendons.friction[k]) * phi)
-        bound = share * np.abs(after + before)  # a cord that breaks may take back what it gave
+        # the absolute value, since a tendon that breaks may reverse the sign
+        bound = np.tanh(0.5 * float(tendons.friction[k]) * phi) * np.abs(after + before)
         allowed = SOLVED + _drag(evidence, span, k) / most
-        holds, name = held[span.tendon], f"{tendons.name[span.tendon]} at {_place(evidence, k)}"
+        place = evidence.model.bodies.name[tendons.guide_body[guide]]
+        name = f"{tendons.name[span.tendon]} at {place}"
         worst.add(name, np.maximum(np.abs(friction) - bound, 0.0) / most, allowed)
-        # what slid since the sample before did so against the friction of its last step at most
-        slid = np.diff(a["guide_slip"][:, k], prepend=a["guide_slip"][0, k])
         if evidence.every_step:
-            back = np.where(np.abs(slid) > ROUNDING, -np.sign(slid) * friction, 0.0)
-            worst.add(f"sense of {name}", np.maximum(back, 0.0) / most, allowed, holds)
-            short = np.where(np.abs(slid) > ROUNDING, bound - np.abs(friction), 0.0)
-            worst.add(f"sliding of {name}", np.maximum(short, 0.0) / most, allowed, holds)
-    return worst.figure(
-        "tendon.grip", "", source="T e^(-μφ) <= T' <= T e^(μφ)",
-        none="no guide has friction",
-        why="friction of guides against Euler's bound from the recorded poses, and its direction "
-            "against the sliding, relative to the largest tension, {count:comparison}, worst: "
-            "{where}")
+            slid = np.diff(a["guide_slip"][:, k], prepend=a["guide_slip"][0, k])
+            for what, error in (("sense", -np.sign(slid) * friction),
+                                ("sliding", bound - np.abs(friction))):
+                error = np.where(np.abs(slid) > ROUNDING, np.maximum(error, 0.0), 0.0)
+                worst.add(f"{what} of {name}", error / most, allowed, held[span.tendon])
 
 
 def _drag(evidence: Evidence, span: CordSpan, grip: int) -> float:
-    """What keeps the speed of a loop a number [N], at most; 0 of cords that are tied."""
+    """Largest force of the damping of a loop [N]; 0 of other tendons."""
     tendons, h = evidence.model.tendons, evidence.h
     if not tendons.closed[span.tendon]:
         return 0.0
@@ -91,42 +77,38 @@ def _drag(evidence: Evidence, span: CordSpan, grip: int) -> float:
     return 5 * DRAG * h * stiffness / max(shortest, ROUNDING) * float(np.abs(slid).max()) / apart
 
 
-def _place(evidence: Evidence, grip: int) -> str:
-    tendons = evidence.model.tendons
-    return str(evidence.model.bodies.name[tendons.guide_body[tendons.grips[grip]]])
-
-
 def _tension(evidence: Evidence, span: CordSpan) -> Array:
-    """Of a span [N], [n]: that of its first straight piece."""
+    """Tension of a span, that of its first straight piece [N], [n]."""
     tendons = evidence.model.tendons
     piece = int(np.flatnonzero(tendons.stretch_first == span.guides[0])[0])
     return np.asarray(piece_tensions(
         evidence.model, evidence.run.arrays, np.array([piece]))[0])
 
 
-def _spans(evidence: Evidence) -> Figure:
-    """T = EA (L - M) / M, what is in each span counted from what slid."""
-    tendons, worst = evidence.model.tendons, Worst()
+@check("tendon.spans", source="T = EA (L - M) / M",
+       asks="does the tension of each span of a tendon with friction match its stretch?",
+       compared="tensions of {count:span} from the recorded poses and the sliding, relative to "
+                "the largest of each, worst: {where}",
+       none="no guide has friction")
+def _spans(evidence: Evidence, worst: Worst) -> None:
+    """T = EA (L - M) / M, with the content M of each span from the recorded sliding."""
+    tendons = evidence.model.tendons
     for tendon in range(len(tendons.name)):
         if spans := spans_of(tendons, tendon):
             _add_laws(evidence, spans, worst)
-    return worst.figure(
-        "tendon.spans", "", source="T = EA (L - M) / M", none="no guide has friction",
-        why="tensions of {count:span} from the recorded poses and the sliding, relative to the "
-            "largest of each, worst: {where}")
 
 
 def _add_laws(evidence: Evidence, spans: list[CordSpan], worst: Worst) -> None:
-    """Of every span of a tendon the law, at the step's end or evenly about its pose.
+    """Compare the spans of a tendon with the law at the step's end or at mid-step.
 
-    What slides in a step counts as it has slid, k (L - M) with M at its end; where not every step
-    was recorded its rate is the mean of those since the last sample.
+    The content M is that at the step's end. Where not every step was recorded, the rate of sliding
+    is its mean since the last sample.
     """
     loads, tendons, h = evidence.loads, evidence.model.tendons, evidence.h
     tendon = spans[0].tendon
     if evidence.model.ties.tendon[tendon] >= 0 and (evidence.run.arrays["held"][
             :, evidence.model.ties.tendon[tendon]] == 0).any():
-        return  # spread anew while it is let go
+        return  # it spreads again while it is released
     damping = float(tendons.damping[tendon] / tendons.stiffness[tendon])
     all_spans = spans
     if spans[-1].out_of < 0 and tendons.drive[tendon] != NONE:
@@ -134,7 +116,7 @@ def _add_laws(evidence: Evidence, spans: list[CordSpan], worst: Worst) -> None:
     tension = np.array([_tension(evidence, span) for span in spans])
     hangs = (tension == 0.0).all(axis=0)
     if hangs.any() and not evidence.every_step:
-        return  # nobody knows what was where when it was taken up again
+        return  # the contents where it became taut again are unknown
     measured = [span_length(loads.frames, loads.cords, span) for span in all_spans]
     length, free = (np.array(each) for each in zip(*measured, strict=True))
     wound = length - free
@@ -159,7 +141,7 @@ def _add_laws(evidence: Evidence, spans: list[CordSpan], worst: Worst) -> None:
                 static + c * rates[0][n] + h * k / 4 * (rates[1][n] - before))
         allowed = (EXACT * most + k * ROUNDING
                    + (c + h * k) * lost_rate(rates[1][n], turning=False))
-        if not evidence.every_step:  # as much more or less may have slid in the last step
+        if not evidence.every_step:  # the sliding of the last step differs from the mean
             changes = np.abs(np.diff(step, prepend=step[0], append=step[-1]))
             allowed = allowed + (most / held + c / h) * (changes[:-1] + changes[1:])
         worst.add_nearest(f"span {n} of {tendons.name[tendon]}", [
@@ -168,7 +150,7 @@ def _add_laws(evidence: Evidence, spans: list[CordSpan], worst: Worst) -> None:
 
 
 def _came(evidence: Evidence, span: CordSpan) -> Array:
-    """What has slid into a span since t = 0, less what has slid out [m], [n]."""
+    """Net length that has slid into a span since t = 0 [m], [n]."""
     slip = evidence.run.arrays["guide_slip"]
     nothing = np.zeros(len(slip))
     into = slip[:, span.into] if span.into >= 0 else nothing
@@ -176,10 +158,10 @@ def _came(evidence: Evidence, span: CordSpan) -> Array:
 
 
 def _inside(start: Array, came: Array, free: Array, wound: Array, hangs: Flags) -> Array:
-    """What is in each span [m], [spans, n]: what was there at the start [spans], and what came.
+    """Length of tendon in each span [m], [spans, n], with the length that wheels have wound up.
 
-    What wheels wound up counts. A cord that hangs spreads as its spans are ``free``; from then on
-    it is counted from there.
+    ``start`` is that at t = 0 and ``came`` what slid in. A slack tendon distributes itself in
+    proportion to the ``free`` lengths.
     """
     inside = start[:, None] + came
     if hangs.any():
@@ -193,23 +175,24 @@ def _inside(start: Array, came: Array, free: Array, wound: Array, hangs: Flags) 
 def _rates(evidence: Evidence, spans: list[CordSpan], velocity: Array) -> Array:
     """Rates at which spans lengthen as bodies move with ``velocity`` [m/s], [spans, n]."""
     loads, first = evidence.loads, evidence.model.tendons.stretch_first
-    pieces = loads.cord_pulls._replace(element=np.tile(np.arange(len(first)), 2))
-    each = loads.lengthening(pieces, len(first), velocity)
+    each = loads.piece_efforts.rates(len(first), velocity)
     return np.array([each[np.isin(first, span.guides[:-1])].sum(axis=0) for span in spans])
 
 
-def _joints(evidence: Evidence) -> Figure:
-    """Friction of every joint that rubs against Coulomb's law."""
-    model, a, worst = evidence.model, evidence.run.arrays, Worst()
-    joints, count = model.joints, len(model.joints.name)
-    pushes = evidence.loads.rub_pushes
-    rates = -evidence.loads.lengthening(pushes, count, evidence.velocity_after)
+@check("joint.friction", source="|F| <= μ N, against the motion",
+       asks="is joint friction at most mu N and opposed to the motion?",
+       compared="dry friction of joints against its bound and against the motion at the end of "
+                "the step, {count:comparison}, worst: {where}",
+       none="no joint has dry friction")
+def _joints(evidence: Evidence, worst: Worst) -> None:
+    model, a = evidence.model, evidence.run.arrays
+    joints, whole_joints = model.joints, evidence.holds("joint")
+    rates = evidence.loads.friction_efforts.rates(len(joints.name), evidence.velocity_after)
     for j in joints.rubbed.tolist():
         if not model.bodies.free[joints.bodies[j]].any():
             continue
         friction, holds = a["joint_friction"][:, j], a["joint_sticks"][:, j] == 1.0
         sliding = joints.friction[j] + joints.rubbing[j] * carried(evidence, j)
-        gone = ~held_one(model.ties.joint[j], a["held"])
         most, largest = joints.static[j] * sliding, whole(joints.static[j] * sliding)
         alone = _alone(evidence, j)
         unsure = EXACT + MEASURED / (evidence.h * alone.min() * largest)
@@ -219,26 +202,22 @@ def _joints(evidence: Evidence) -> Figure:
         low, high = _breaking_away(holds, rate, sliding, most)
         short = np.maximum(low - np.abs(friction), np.abs(friction) - high)
         worst.add(f"slip of {name}", np.where(holds, 0.0, np.maximum(short, 0.0)) / largest,
-                  unsure, ~gone)
+                  unsure, whole_joints[j])
         wrong = np.where(holds, np.abs(rate), np.maximum(rate * np.sign(friction), 0.0))
         held = HELD * alone * evidence.h * 2 * peak(friction)
         worst.add(name, wrong / fast, SOLVED + (
             STILL[joints.kind[j].rubs == "N m"] + DIGITS / evidence.h + held
-            + evidence.h * _bend(evidence, j)) / fast, ~gone)
-    return worst.figure(
-        "joint.friction", "", source="|F| <= μ N, against the motion",
-        none="no joint has dry friction",
-        why="dry friction of joints against its bound and against the motion at the end of the "
-            "step, {count:comparison}, worst: {where}")
+            + evidence.h * _bend(evidence, j)) / fast, whole_joints[j])
 
 
 def _breaking_away(
     holds: Flags, rate: Array, sliding: Array, most: Array,
 ) -> tuple[Array, Array]:
-    """Least and largest friction where it slips, [n]: that of sliding, or a share of both bounds.
+    """Least and largest friction where a joint slips, [n].
 
-    The latter where it may have begun to slip in this step (:mod:`sandbox.engine.friction`): it
-    held in the sample before, or slipped the other way.
+    It is that of sliding, or between both bounds where sliding may begin in this step
+    (:mod:`sandbox.engine.friction`): the joint stuck in the sample before, or slipped the other
+    way.
     """
     begins = np.append(True, holds[:-1] | (rate[1:] * rate[:-1] < 0))
     some = begins * (most - sliding) / 2
@@ -250,13 +229,13 @@ def carried(evidence: Evidence, joint: int) -> Array:
     force = evidence.run.arrays["joint_force"][:, joint]
     if evidence.model.joints.kind[joint].keeps != "groove":
         return np.asarray(np.hypot(force[:, 0], force[:, 1]))
-    x, y = evidence.loads.groove_direction(joint)
+    x, y = evidence.loads.frames.groove_direction(joint)
     return np.asarray(np.abs(x * force[:, 1] - y * force[:, 0]))
 
 
 def _alone(evidence: Evidence, joint: int) -> Array:
-    """What friction of 1 N s or 1 N m s makes of the rate of two bodies that nothing joins, [n]."""
-    pushes, weights = evidence.loads.rub_pushes, evidence.loads.weights
+    """Change of the rate of two separate bodies by friction of 1 N s or 1 N m s, [n]."""
+    pushes, weights = evidence.loads.friction_efforts, evidence.loads.weights
     found = np.zeros(evidence.loads.frames.samples)
     for k in np.flatnonzero(pushes.element == joint).tolist():
         mass, _, inertia = weights[pushes.body[k]].tolist()
@@ -266,7 +245,7 @@ def _alone(evidence: Evidence, joint: int) -> Array:
 
 
 def _bend(evidence: Evidence, joint: int) -> Array | float:
-    """How fast the way along a groove bends away from its tangent as bodies turn [m/s^2], [n]."""
+    """Acceleration off the tangent of a groove as bodies turn [m/s^2], [n]."""
     joints, frames = evidence.model.joints, evidence.loads.frames
     if joints.kind[joint].keeps != "groove":
         return 0.0

@@ -1,14 +1,13 @@
-"""Figures of geometry: lengths, poses and gaps against closed forms, in recorded poses."""
+"""Geometry: recorded poses, lengths and gaps against closed forms."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import ROUNDING, STOPPED, Figure, Worst, missing
+from sandbox.audit.figures import ROUNDING, STOPPED, NotComputed, Worst, check
 from sandbox.elements.element import GRAZE
 from sandbox.mechanics.springs import spring_length
 from sandbox.mechanics.tendon import segment_length
@@ -19,26 +18,16 @@ from sandbox.scene.geometry import pose_of, to_world
 from sandbox.scene.settings import Group
 
 
-def geometry_figures(evidence: Evidence) -> Iterator[Figure]:
-    """Poses, lengths of tendons and springs, drift of joints, stops."""
-    yield _poses(evidence)
-    yield _tendon_paths(evidence)
-    yield _tendon_wheels(evidence)
-    yield _tendon_triangles(evidence)
-    yield _spring_triangles(evidence)
-    yield _drift(evidence)
-    yield _stops(evidence)
-    yield _differential(evidence)
-
-
-def _poses(evidence: Evidence) -> Figure:
-    """Equation (31): every body that hangs on hinges from a fixed one, from the recorded angles."""
-    name, source = "poses", "(31)"
+@check("poses", "m", "(31)", asks="are the links where their hinge angles put them?",
+       compared="poses from the hinge angles against the recorded poses, {count:comparison}, "
+                "worst: {where}; the hinge gaps on the way are allowed",
+       none="no chain of hinges starts at a fixed body")
+def _poses(evidence: Evidence, worst: Worst) -> None:
     model, frames, a = evidence.model, evidence.loads.frames, evidence.run.arrays
     placed: dict[int, tuple[Array, Array, Array, Array]] = {
         i: (frames.x[i], frames.y[i], frames.angle[i], np.zeros(frames.samples))
         for i in np.flatnonzero(~model.bodies.free).tolist()}
-    worst, waiting = Worst(), _kept_pivots(evidence)
+    waiting = _kept_pivots(evidence)
     while ready := [j for j in waiting
                     if sum(int(body) in placed for body in model.joints.bodies[j]) == 1]:
         j = ready[0]
@@ -59,14 +48,10 @@ def _poses(evidence: Evidence) -> Figure:
         error = np.abs(own - frames.angle[outward])
         worst.add(f"angle of {model.bodies.name[outward]}", error, ROUNDING * (1 + np.abs(own)))
         placed[outward] = (*found, own, allowed)
-    return worst.figure(
-        name, "m", source=source, none="no chain of hinges starts at a fixed body",
-        why="poses from the hinge angles against the recorded poses, {count:comparison}, worst: "
-            "{where}; the hinge gaps on the way are allowed")
 
 
 def _kept_pivots(evidence: Evidence) -> list[int]:
-    """Hinges that were never let go."""
+    """Hinges that were never released."""
     return [j for j in evidence.model.joints.pivots.tolist() if evidence.joints_hold[j].all()]
 
 
@@ -75,25 +60,26 @@ def _moved(x: Array, y: Array, angle: Array, point: Array) -> tuple[Array, Array
     return x + c * point[0] - s * point[1], y + s * point[0] + c * point[1]
 
 
-def _tendon_paths(evidence: Evidence) -> Figure:
-    """The path through all guides in the recorded poses against the recorded length."""
-    worst = Worst()
+@check("tendon.path", "m", "(17), (19)",
+       asks="is each tendon as long as its path along the guides?",
+       compared="length along all guides in the recorded poses against the recorded length, "
+                "{count:tendon}, worst: {where}",
+       none="there is no tendon")
+def _tendon_paths(evidence: Evidence, worst: Worst) -> None:
+    loads, names = evidence.loads, evidence.model.tendons.name
+    if names:
+        off = lengths(loads.frames, loads.cords) - evidence.run.arrays["tendon_length"].T
+        for name, error in zip(names, np.abs(off), strict=True):
+            worst.add(name, error, ROUNDING)
+
+
+@check("tendon.lift", "m", "φ ≥ 0",
+       asks="does a tendon leave a wheel exactly where it would have to stick to it?",
+       compared="length of wheel on which a tendon would have to stick, or overlap of its path "
+                "with a wheel that it has left, {count:comparison}, worst: {where}",
+       none="no tendon can lift off a wheel")
+def _tendon_wheels(evidence: Evidence, worst: Worst) -> None:
     tendons, loads = evidence.model.tendons, evidence.loads
-    if tendons.name:
-        found = lengths(loads.frames, loads.cords)
-        recorded = evidence.run.arrays["tendon_length"].T
-        for i, name in enumerate(tendons.name):
-            allowed = ROUNDING
-            worst.add(name, np.abs(found[i] - recorded[i]), allowed)
-    return worst.figure(
-        "tendon.path", "m", source="(17), (19)", none="there is no tendon",
-        why="length along all guides in the recorded poses against the recorded length, "
-            "{count:tendon}, worst: {where}")
-
-
-def _tendon_wheels(evidence: Evidence) -> Figure:
-    """A cord pushes no wheel away from it, and goes through none that it is off."""
-    worst, tendons, loads = Worst(), evidence.model.tendons, evidence.loads
     for k, guide in enumerate(tendons.wheels.tolist()):
         tendon = int(np.searchsorted(tendons.first, guide, side="right")) - 1
         name = f"{tendons.name[tendon]} at guide {guide - int(tendons.first[tendon])}"
@@ -101,14 +87,14 @@ def _tendon_wheels(evidence: Evidence) -> Figure:
         worst.add(name, radius * np.maximum(-found.angle, 0.0), ROUNDING + GRAZE * radius)
         worst.add(f"{name}, which it is off", np.nan_to_num(np.maximum(-found.clear, 0.0)),
                   ROUNDING)
-    return worst.figure(
-        "tendon.lift", "m", source="φ ≥ 0", none="no tendon can lift off a wheel",
-        why="length of wheel on which a tendon would have to stick, or overlap of its path with a "
-            "wheel that it has left, {count:comparison}, worst: {where}")
 
 
-def _tendon_triangles(evidence: Evidence) -> Figure:
-    """Equations (16)-(19): shortening from the hinge angles alone."""
+@check("tendon.shortening", "m", "(16)-(19)",
+       asks="does the tendon shortening match the hinge angles?",
+       compared="shortening from the hinge angles against the recorded one, {count:tendon}, "
+                "worst: {where}; the gap of each hinge is allowed",
+       none="no tendon crosses a hinge between point guides")
+def _tendon_triangles(evidence: Evidence, worst: Worst) -> None:
     loads, slack = evidence.loads, evidence.joint_slack
     errors: dict[int, Array] = {}
     allowed: dict[int, Array] = {}
@@ -126,39 +112,31 @@ def _tendon_triangles(evidence: Evidence) -> Figure:
         key = int(tendon)
         errors[key] = errors.get(key, 0.0) + error
         allowed[key] = allowed.get(key, ROUNDING) + slack[hinge]
-    worst = Worst()
     if errors:
         path = lengths(loads.frames, loads.cords)
         recorded = evidence.run.arrays["tendon_length"].T
         for key, error in errors.items():
             total = np.abs(error + path[key] - recorded[key])
             worst.add(tendons.name[key], total, allowed[key])
-    return worst.figure(
-        "tendon.shortening", "m", source="(16)-(19)",
-        none="no tendon crosses a hinge between point guides",
-        why="shortening from the hinge angles against the recorded one, {count:tendon}, worst: "
-            "{where}; the gap of each hinge is allowed")
 
 
-def _spring_triangles(evidence: Evidence) -> Figure:
-    """Equations (28)-(30): length from the hinge angle; others from the poses."""
-    worst, frames = Worst(), evidence.loads.frames
+@check("spring.length", "m", "(28)-(30)",
+       asks="is each spring as long as the distance between its ends?",
+       compared="lengths from the hinge angles, or from the poses if no hinge is crossed, "
+                "{count:spring}, worst: {where}",
+       none="there is no straight spring")
+def _spring_triangles(evidence: Evidence, worst: Worst) -> None:
     springs, recorded = evidence.model.springs, evidence.run.arrays["spring_length"].T
     for i in np.flatnonzero(springs.straight):
         ends = list(zip(springs.bodies[i].tolist(), springs.anchor[i], strict=True))
         hinge = _hinge_between(evidence, ends[0][0], ends[1][0])
         allowed = ROUNDING
         if hinge is None:
-            at = [frames.places([body], point) for body, point in ends]
-            length = np.hypot(at[1].x[0] - at[0].x[0], at[1].y[0] - at[0].y[0])
+            length = evidence.loads.distances(springs.bodies[i:i + 1], springs.anchor[i:i + 1])[0]
         else:
             length = _across(evidence, hinge, ends, tendon=False)
             allowed = allowed + evidence.joint_slack[hinge]
         worst.add(springs.name[i], np.abs(length - recorded[i]), allowed)
-    return worst.figure(
-        "spring.length", "m", source="(28)-(30)", none="there is no straight spring",
-        why="lengths from the hinge angles, or from the poses if no hinge is crossed, "
-            "{count:spring}, worst: {where}")
 
 
 def _hinge_between(evidence: Evidence, one: int, two: int) -> int | None:
@@ -192,26 +170,25 @@ def _across(
         return np.asarray(np.sqrt(square - 2 * lengths_of[0] * lengths_of[1] * np.cos(between)))
 
 
-def _drift(evidence: Evidence) -> Figure:
-    """How far apart the two sides of a joint are, but for ropes, which are free."""
-    worst, joints, free = Worst(), evidence.model.joints, evidence.model.bodies.free
+@check("joint.drift", "m", "gap = 0", asks="do joints hold their two sides together?",
+       compared="largest gap between the two sides of {count:joint}, against the allowed gap of a "
+                "step: {where}",
+       none="no joint can drift")
+def _drift(evidence: Evidence, worst: Worst) -> None:
+    joints, free = evidence.model.joints, evidence.model.bodies.free
     for j in joints.keeping("point", "groove", "distance", "gear", "rack", "roll"):
         if free[joints.bodies[j]].any():
             worst.add(joints.name[j], _gap(evidence, j),
                       evidence.joint_slack[j] + ROUNDING + _yielded(evidence, j),
                       evidence.joints_hold[j])
-    return worst.figure(
-        "joint.drift", "m", source="gap = 0", none="no joint can drift",
-        why="largest gap between the two sides of {count:joint}, against the allowed gap of a "
-            "step: {where}")
 
 
 def _gap(evidence: Evidence, j: int) -> Array:
-    """How far the points of a joint are from where it keeps them [m], [n]."""
+    """Distance of the points of a joint from where it keeps them [m], [n]."""
     joints = evidence.model.joints
     match joints.kind[j].keeps:
         case "groove":
-            return _across_groove(evidence, j)
+            return np.abs(evidence.loads.frames.in_groove(j)[1])
         case "distance":
             return np.asarray(np.abs(evidence.loads.frames.gaps[j] - joints.reach[j, 0]))
         case "roll":
@@ -225,7 +202,7 @@ def _gap(evidence: Evidence, j: int) -> Array:
 
 
 def _yielded(evidence: Evidence, j: int) -> float:
-    """By how much teeth without play give way under what they carry [m]; 0 of other joints."""
+    """Deformation of teeth without backlash under their load [m]; 0 of other joints."""
     joints = evidence.model.joints
     if joints.play[j] > 0 or not joints.stiffness[j] > 0:
         return 0.0
@@ -241,7 +218,7 @@ def _touching(evidence: Evidence, j: int) -> float:
 
 
 def _teeth(evidence: Evidence, j: int) -> Array:
-    """How far teeth without play are apart where they push, those with play in one another [m]."""
+    """Gap of teeth without backlash where they push; overlap of those with backlash [m]."""
     joints = evidence.model.joints
     play = float(joints.play[j] * np.cos(joints.pressure[j]) / 2)
     gaps = flank_gaps(evidence.model, j, evidence.run.arrays["body_pose"])
@@ -250,20 +227,10 @@ def _teeth(evidence: Evidence, j: int) -> Array:
     return np.asarray(np.abs(gaps).min(axis=0))
 
 
-def _across_groove(evidence: Evidence, j: int) -> Array:
-    frames, joints = evidence.loads.frames, evidence.model.joints
-    at, a, (start, end) = frames.anchors[1], joints.bodies[j, 0], joints.groove[j]
-    gx, gy = (end - start) / np.hypot(*(end - start))
-    dx, dy = at.x[j] - frames.x[a], at.y[j] - frames.y[a]
-    c, s = frames.cos[a], frames.sin[a]
-    along, across = c * dx + s * dy - start[0], c * dy - s * dx - start[1]
-    return np.asarray(np.abs(across * gx - along * gy))
-
-
-def _stops(evidence: Evidence) -> Figure:
-    """How far hinges went beyond their stops, and which stops were touched."""
-    a, joints = evidence.run.arrays, evidence.model.joints
-    worst, touched = Worst(), []
+@check("stop.overrun", "rad", "q <= qmax", asks="does every hinge stay within its stops?",
+       compared="{note}", none="no hinge has stops")
+def _stops(evidence: Evidence, worst: Worst) -> str:
+    a, joints, touched = evidence.run.arrays, evidence.model.joints, []
     for j in joints.stopped:
         angle, torque = evidence.angles[j], a["joint_stop"][:, j]
         lowest, highest = joints.stops[j]
@@ -274,37 +241,34 @@ def _stops(evidence: Evidence) -> Figure:
             began = evidence.run.time[first]
             touched.append(f"{joints.name[j]} from {began:.3g} s, up to {most:.3g} N m")
     text = "; ".join(touched[:4]) + (f" and {len(touched) - 4} more" if len(touched) > 4 else "")
-    return worst.figure(
-        "stop.overrun", "rad", source="q <= qmax", none="no hinge has stops",
-        why="touched: " + text if text else "no stop was touched")
+    return "touched: " + text if text else "no stop was touched"
 
 
-def _differential(evidence: Evidence) -> Figure:
-    """Every rocker and wheel of every tree: its pivot's displacement against its two strings'."""
+@check("differential", "m", "(4)-(7)",
+       asks="does each rocker or pulley move by the weighted mean of its strings?",
+       compared="travel of each pivot against the mean travel of its two strings, weighted by "
+                "their arms, {count:rocker or wheel|rockers or wheels}, worst: {where}; the "
+                "inclination of the strings is allowed{note}")
+def _differential(evidence: Evidence, worst: Worst) -> str:
     groups = [group for group in evidence.model.mechanism.groups if group.tree]
     if not groups:
-        return missing("differential", source="(4)-(7)",
-                       why="there is no tree of rockers or pulleys")
-    worst, left_out = Worst(), []
-    for group in groups:
-        for name in group.bodies:
-            reason = _compare(evidence, group, name, worst)
-            if reason:
-                left_out.append(f"{name}: {reason}")
-    return worst.figure(
-        "differential", "m", source="(4)-(7)", none="; ".join(left_out[:2]),
-        why="travel of each pivot against the mean travel of its two strings, weighted by their "
-            "arms, {count:rocker or wheel|rockers or wheels}, worst: {where}; the inclination of "
-            "the strings is allowed"
-            + (f"; left out: {'; '.join(left_out[:2])}" if left_out else ""))
+        raise NotComputed("there is no tree of rockers or pulleys")
+    reasons = ((name, _compare(evidence, group, name, worst))
+               for group in groups for name in group.bodies)
+    left_out = "; ".join([f"{name}: {reason}" for name, reason in reasons if reason][:2])
+    if not worst.count:
+        raise NotComputed(left_out)
+    return f"; left out: {left_out}" if left_out else ""
 
 
 @dataclass
 class _String:
-    """A string at a rocker or wheel: its arm, and its displacement on the far side [m]."""
+    """A string at a rocker or wheel."""
 
     arm: float
+    """[m]"""
     displacement: Array
+    """Of its far side [m], [n]."""
     allowed: Array
 
 
@@ -338,11 +302,10 @@ def _compare(evidence: Evidence, group: Group, name: str, worst: Worst) -> str:
 
 
 def _string(evidence: Evidence, tendon: int, body: int, pull: Array) -> _String | None:
-    """The string of a tendon that ends on ``body``, pulled by it; None if it does not.
+    """The string of a tendon that ends on ``body``; None if it does not.
 
-    Its displacement is what the cord gives on the far side of its last stretch: the
-    guide there moves along the pull, and what the path before shortens. What
-    its slant takes off its length along the pull is allowed.
+    Its displacement is that of the guide before its last straight piece along the pull, plus the
+    shortening of the path before. The inclination of the piece is allowed.
     """
     loads, tendons = evidence.loads, evidence.model.tendons
     last = int(tendons.first[tendon + 1]) - 1
@@ -359,11 +322,10 @@ def _string(evidence: Evidence, tendon: int, body: int, pull: Array) -> _String 
     point0, end0 = _at_start(evidence, far), place + at0
     offset = float(tendons.guide_radius[far] - tendons.guide_radius[last])
     straight0 = float(np.sqrt(np.sum((end0 - point0)**2) - offset**2))
-    # what a wheel at the end has wound up is not part of the path before
     before = path - straight - wound_up(loads.frames, loads.cords, tendon, last=True)
     moved = (pull[0] * (loads.cords.start.x[row] - point0[0])
              + pull[1] * (loads.cords.start.y[row] - point0[1]))
-    # the cord's own length now: its stretch T / k is no fault of the rocker
+    # with the present length: the stretch T / k is not an error of the rocker
     displacement = moved + evidence.run.arrays["tendon_length"][:, tendon] - before - straight0
     along = np.abs(pull[0] * loads.cords.x[row] + pull[1] * loads.cords.y[row])
     slant = straight * (1 - along)
@@ -371,7 +333,7 @@ def _string(evidence: Evidence, tendon: int, body: int, pull: Array) -> _String 
 
 
 def _at_start(evidence: Evidence, guide: int) -> Array:
-    """Where a guide's centre is at t = 0, in the world [m]."""
+    """Centre of a guide at t = 0, in the world [m]."""
     x, y = evidence.model.tendons.guide_at[guide]
     body = evidence.model.mechanism.bodies[evidence.model.tendons.guide_body[guide]]
     return np.array(to_world(pose_of(body), (float(x), float(y))))

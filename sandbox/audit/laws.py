@@ -1,212 +1,202 @@
-"""Figures of laws: forces of springs, cords, dampers and loads from the scene's numbers.
+"""Force laws: springs, tendons, dampers and loads, from the scene's numbers.
 
-Lengths and rates follow from the recorded poses and velocities; s = L - L0. The force is
+Lengths and rates follow from the recorded poses and velocities; s = q - q0. The force is
 
     at the pose            F = k s
-    at mid-step            F = k s + c dL/dt                with the recorded velocities
-    at the step's end      F = k s + (c + h k) dL/dt        with those half a step on, v + h a / 2
+    at mid-step            F = k s + c dq/dt                with the recorded velocities
+    at the step's end      F = k s + (c + h k) dq/dt        with those half a step on, v + h a / 2
 
-An element keeps one of these throughout, by its stiffness against the step (docs/engine.md). A cord
+An element follows one of these throughout, by its stiffness and the step (docs/engine.md). A tendon
 never pushes, and a slack one stays slack while s < 0. A spring with a law f of its own has, in each
 step, f(s, ds/dt) at mid-step or f(s + h ds/dt, ds/dt) at the step's end.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
 
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import EXACT, ROUNDING, Figure, Worst, lost_rate, whole
+from sandbox.audit.figures import EXACT, ROUNDING, Worst, check, lost_rate, whole
 from sandbox.model.loads import load_at
 from sandbox.model.model import NONE
-from sandbox.model.ties import held_of, held_one
-from sandbox.numeric import Array, Flags, Integers
+from sandbox.numeric import Array, Flags
 from sandbox.samples.cords import lengths, rest_lengths
 
 
-def law_figures(evidence: Evidence) -> Iterator[Figure]:
-    """Springs, cords, rotary springs and dampers; the work that all of them do."""
-    yield _springs(evidence)
-    yield _cords(evidence)
-    yield _rotary(evidence)
-    yield _dampers(evidence)
-    yield _loads(evidence)
+@check("spring.law", source="F = k (L - L0) + c dL/dt",
+       asks="is each spring force stiffness times stretch, plus damping?",
+       compared="forces of {count:straight spring} from the recorded poses and velocities, "
+                "relative to the largest of each, worst: {where}",
+       none="there is no straight spring")
+def _springs(evidence: Evidence, worst: Worst) -> None:
+    _compare_springs(evidence, worst, straight=True)
 
 
-def _springs(evidence: Evidence) -> Figure:
-    loads, springs, a = evidence.loads, evidence.model.springs, evidence.run.arrays
-    laws, hold = _Laws(evidence), _held(evidence, evidence.model.ties.spring)
-    if springs.straight.any():
-        middle, end = (loads.lengthening(loads.spring_pulls, len(springs.name), v)
-                       for v in (evidence.velocity, evidence.velocity_after))
-        for i in np.flatnonzero(springs.straight).tolist():
-            if springs.law[i] is not None:
-                _own(evidence, laws.worst, i, evidence.spring_lengths[i] - springs.rest[i],
-                     middle[i], end[i], hold[i], turning=False)
-                continue
-            laws.add(springs.name[i], a["spring_force"][:, i], _stiffness(evidence, i),
-                     float(springs.damping[i]), evidence.spring_lengths[i] - springs.rest[i],
-                     middle[i], end[i], hold[i])
-    return laws.worst.figure(
-        "spring.law", "", source="F = k (L - L0) + c dL/dt", none="there is no straight spring",
-        why="forces of {count:straight spring} from the recorded poses and velocities, relative to "
-            "the largest of each, worst: {where}")
-
-
-def _cords(evidence: Evidence) -> Figure:
-    """Tensions; 0 where the law would push."""
+@check("tendon.law", source="T = k (L - L0) + c dL/dt",
+       asks="does each tendon tension follow from its drive or its stretch, never below 0?",
+       compared="tensions of {count:tendon} from the recorded poses, velocities and drives, "
+                "relative to the largest of each, worst: {where}",
+       none="no tendon slides freely")
+def _tendons(evidence: Evidence, worst: Worst) -> None:
     loads, tendons, a = evidence.loads, evidence.model.tendons, evidence.run.arrays
-    laws, hold = _Laws(evidence, pulls_only=True), _held(evidence, evidence.model.ties.tendon)
-    if tendons.name:
-        middle, end = (loads.lengthening(loads.cord_pulls, len(tendons.name), v)
-                       for v in (evidence.velocity, evidence.velocity_after))
-        rest, found = rest_lengths(loads.model), lengths(loads.frames, loads.cords)
-        for i, name in enumerate(tendons.name):
-            if len(tendons.gripped(i)):
-                continue
-            tension = a["tendon_tension"][:, i]
-            if tendons.drive[i] != NONE:
-                pull = a["drive_value"][:, tendons.drive[i]]
-                most = whole(pull)
-                laws.worst.add(name, np.abs(tension - pull) / most, ROUNDING, hold[i])
-                continue
-            k = (float(tendons.stiffness[i]) if tendons.stiffener[i] == NONE
-                 else a["drive_value"][:, tendons.stiffener[i]])
-            laws.add(name, tension, k, float(tendons.damping[i]),
-                     found[i] - rest[i], middle[i], end[i], hold[i])
-    return laws.worst.figure(
-        "tendon.law", "", source="T = k (L - L0) + c dL/dt", none="no tendon slides freely",
-        why="tensions of {count:tendon} from the recorded poses, velocities and drives, relative "
-            "to the largest of each, worst: {where}")
+    if not tendons.name:
+        return
+    holds = _as_built(evidence, "tendon")
+    middle, end = (loads.cord_efforts.rates(len(tendons.name), v)
+                   for v in (evidence.velocity, evidence.velocity_after))
+    stretch = lengths(loads.frames, loads.cords) - rest_lengths(loads.model)[:, None]
+    for i, name in enumerate(tendons.name):
+        tension = a["tendon_tension"][:, i]
+        if len(tendons.gripped(i)):
+            continue
+        if tendons.drive[i] != NONE:
+            pull = a["drive_value"][:, tendons.drive[i]]
+            worst.add(name, np.abs(tension - pull) / whole(pull), ROUNDING, holds[i])
+            continue
+        k = (float(tendons.stiffness[i]) if tendons.stiffener[i] == NONE
+             else a["drive_value"][:, tendons.stiffener[i]])
+        _compare(evidence, worst, name, tension, k, float(tendons.damping[i]), stretch[i],
+                 middle[i], end[i], holds[i], pulls_only=True)
 
 
-def _held(evidence: Evidence, ties: Integers) -> Flags:
-    """In which samples elements have the lengths at rest of the scene and hold, [elements, n].
+@check("spring.torque", source="τ = k (q - q0) + c dq/dt",
+       asks="does each rotary spring's torque follow from its angle?",
+       compared="torques of {count:rotary spring} from the recorded poses and velocities, "
+                "relative to the largest of each, worst: {where}",
+       none="there is no rotary spring")
+def _rotary_springs(evidence: Evidence, worst: Worst) -> None:
+    _compare_springs(evidence, worst, straight=False)
 
-    One that is taken up as it is has another length at rest from then on.
+
+@check("damper.law", source="τ = -c dq/dt",
+       asks="is each hinge damper's torque its damping times the hinge's rate?",
+       compared="torques of the dampers of {count:hinge} from the recorded velocities, relative "
+                "to the largest of each, worst: {where}",
+       none="there is no hinge")
+def _dampers(evidence: Evidence, worst: Worst) -> None:
+    model, holds = evidence.model, evidence.holds("joint")
+    for j in model.joints.hinges.tolist():
+        if model.bodies.free[model.joints.bodies[j]].any():
+            c, rate = float(model.hinge_damping[j]), evidence.rates[j]
+            torque = evidence.run.arrays["joint_damping"][:, j]
+            allowed = EXACT * whole(torque) + c * lost_rate(rate, turning=True)
+            worst.add(model.joints.name[j], np.abs(torque + c * rate) / whole(torque),
+                      allowed / whole(torque), holds[j])
+
+
+@check("load.law", source="F = F(x, v, a, t)", asks="does each load, such as drag, follow its law?",
+       compared="forces and torques of {count:load on a body|loads on bodies} from the recorded "
+                "poses, velocities and accelerations, relative to the largest of each, worst: "
+                "{where}",
+       none="there is no load")
+def _loads(evidence: Evidence, worst: Worst) -> None:
+    """F(x, v, a, t) at the sample or, for stiff laws, F(x + h v, v, a, t) at the step's end."""
+    for i, name in enumerate(evidence.model.loads.name):
+        _compare_load(evidence, worst, i, name)
+
+
+# -- springs and tendons --------------------------------------------------------------------
+
+
+def _compare_springs(evidence: Evidence, worst: Worst, *, straight: bool) -> None:
+    """Compare straight or rotary springs; the damper of a rotary one is always at mid-step."""
+    springs, loads, a = evidence.model.springs, evidence.loads, evidence.run.arrays
+    which = np.flatnonzero(springs.straight == straight)
+    if not len(which):
+        return
+    middle, end = (loads.spring_efforts.rates(len(springs.name), v)
+                   for v in (evidence.velocity, evidence.velocity_after))
+    holds = _as_built(evidence, "spring")
+    for i in which.tolist():
+        force, damping, among = a["spring_force"][:, i], float(springs.damping[i]), holds[i]
+        if straight:
+            place = loads.distances(springs.bodies[i:i + 1], springs.anchor[i:i + 1])[0]
+        else:
+            place, among = evidence.angles[springs.joint[i]], (
+                among & evidence.joints_hold[springs.joint[i]])
+        stretch = place - springs.rest[i]
+        k = (a["drive_value"][:, springs.drive[i]] if springs.drive[i] != NONE
+             else float(springs.stiffness[i]))
+        if springs.law[i] is not None:
+            _compare_own(evidence, worst, i, stretch, middle[i], end[i], k, among)
+            continue
+        if not straight:
+            force, damping = force - damping * middle[i], 0.0
+        _compare(evidence, worst, springs.name[i], force, k, damping, stretch, middle[i], end[i],
+                 among, largest=whole(a["spring_force"][:, i]), turning=not straight)
+
+
+def _as_built(evidence: Evidence, kind: str) -> Flags:
+    """Where elements hold with the scene's rest length, [elements, n].
+
+    An element that is engaged "as is" has another rest length from then on.
     """
-    own, holds = evidence.model.ties, held_of(ties, evidence.run.arrays["held"])
-    for i in np.flatnonzero(ties >= 0):
-        if own.as_is[ties[i]]:
+    ties, holds = evidence.model.ties, evidence.holds(kind).copy()
+    for i, tie in enumerate(ties.of(kind).tolist()):
+        if tie >= 0 and ties.as_is[tie]:
             holds[i] = np.logical_and.accumulate(holds[i])
     return holds
 
 
-def _stiffness(evidence: Evidence, spring: int) -> Array | float:
-    """Of a spring [N/m, N m/rad], [n] where a drive sets it."""
-    springs = evidence.model.springs
-    if springs.drive[spring] != NONE:
-        return np.asarray(evidence.run.arrays["drive_value"][:, springs.drive[spring]])
-    return float(springs.stiffness[spring])
-
-
-class _Laws:
-    """Holds forces against the three laws, each element against the one that it keeps best."""
-
-    def __init__(self, evidence: Evidence, *, pulls_only: bool = False) -> None:
-        self.h, self.worst, self.pulls_only = evidence.h, Worst(), pulls_only
-
-    def add(self, name: str, force: Array, k: Array | float, c: float, stretch: Array,
-            middle: Array, end: Array, among: Flags) -> None:
-        """Force [n] of an element; its stretch [n] and rates [n] at the middle and the end.
-
-        ``among`` are the samples in which it holds.
-        """
-        most, laws = whole(force), []
-        stiffest = float(np.max(k, initial=0.0))
-        for lead, rate, ahead in ((0.0, middle, 0.0), (c, middle, 0.0),
-                                  (c + self.h * k, end, self.h)):
-            law = k * stretch + lead * rate
-            if self.pulls_only:  # what hangs slack is not pulled by its damper alone
-                slack = (force == 0.0) & (stretch + ahead * rate <= ROUNDING)
-                law = np.where(slack, 0.0, np.maximum(law, 0.0))
-            allowed = (EXACT * most + stiffest * ROUNDING
-                       + np.max(lead) * lost_rate(rate, turning=False))
-            laws.append((np.abs(force - law) / most, allowed / most))
-        self.worst.add_nearest(name, laws, among)
-
-
-def _rotary(evidence: Evidence) -> Figure:
-    """At the pose, or where the step leads what is too stiff for it; dampers at the middle."""
-    springs, a, worst, h = evidence.model.springs, evidence.run.arrays, Worst(), evidence.h
-    hold = _held(evidence, evidence.model.ties.spring)
-    for i in np.flatnonzero(~springs.straight).tolist():
-        j = springs.joint[i]
-        k = _stiffness(evidence, i)
-        turn, torque = evidence.angles[j] - springs.rest[i], a["spring_force"][:, i]
-        holds = hold[i] & evidence.joints_hold[j]
-        if springs.law[i] is not None:
-            _own(evidence, worst, i, turn, evidence.rates[j], evidence.rates_after[j], holds,
-                 turning=True)
-            continue
-        damping = springs.damping[i] * evidence.rates[j]
-        most = whole(torque)
-        allowed: float = EXACT * most + float(np.max(k, initial=0.0)) * (
-            ROUNDING + h * lost_rate(evidence.rates_after[j], turning=True))
-        worst.add_nearest(springs.name[i], [
-            (np.abs(torque - k * (turn + ahead) - damping) / most, allowed / most)
-            for ahead in (0.0, h * evidence.rates_after[j])], holds)
-    return worst.figure(
-        "spring.torque", "", source="τ = k (q - q0) + c dq/dt", none="there is no rotary spring",
-        why="torques of {count:rotary spring} from the recorded poses and velocities, relative to "
-            "the largest of each, worst: {where}")
-
-
-def _own(
-    evidence: Evidence, worst: Worst, spring: int, stretch: Array, middle: Array, end: Array,
-    among: Flags, *, turning: bool,
+def _compare(
+    evidence: Evidence, worst: Worst, name: str, force: Array, k: Array | float, c: float,
+    stretch: Array, middle: Array, end: Array, among: Flags, *, largest: float | None = None,
+    pulls_only: bool = False, turning: bool = False,
 ) -> None:
-    """The force of a spring with a law, as that has it at one of both places in each sample.
+    """Compare a force [n] with the nearest of the three laws.
 
-    What rounding of stretch and rate may make of it is found by trying.
+    Args:
+        evidence: the recording.
+        worst: takes the comparison.
+        name: of the element.
+        force: recorded, [n].
+        k: stiffness, [n] where a drive sets it.
+        c: damping.
+        stretch: at the pose, [n].
+        middle: rate at mid-step, [n].
+        end: rate at the step's end, [n].
+        among: samples in which it holds, [n].
+        largest: force that errors refer to; by default the largest.
+        pulls_only: whether it never pushes.
+        turning: whether it turns.
     """
-    law, h = evidence.model.springs.law[spring], evidence.h
-    assert law is not None  # others are not asked
-    force, k = evidence.run.arrays["spring_force"][:, spring], _stiffness(evidence, spring)
-    most, laws = whole(force), []
+    h, most, laws = evidence.h, largest or whole(force), []
+    for lead, rate, ahead in ((0.0, middle, 0.0), (c, middle, 0.0), (c + h * k, end, h)):
+        law = k * stretch + lead * rate
+        if pulls_only:  # the damper alone does not pull a slack tendon
+            slack = (force == 0.0) & (stretch + ahead * rate <= ROUNDING)
+            law = np.where(slack, 0.0, np.maximum(law, 0.0))
+        allowed = (EXACT * most + float(np.max(k, initial=0.0)) * ROUNDING
+                   + np.max(lead) * lost_rate(rate, turning=turning))
+        laws.append((np.abs(force - law) / most, allowed / most))
+    worst.add_nearest(name, laws, among)
+
+
+def _compare_own(
+    evidence: Evidence, worst: Worst, spring: int, stretch: Array, middle: Array, end: Array,
+    k: Array | float, among: Flags,
+) -> None:
+    """Compare a spring with its own law, at mid-step or the step's end of each sample.
+
+    The effect of rounding of stretch and rate is found by evaluating the law beside them.
+    """
+    springs, h, laws = evidence.model.springs, evidence.h, []
+    law, force = springs.law[spring], evidence.run.arrays["spring_force"][:, spring]
+    assert law is not None  # others are compared elsewhere
     for rate, ahead in ((middle, 0.0), (end, h)):
-        there, off = stretch + ahead * rate, lost_rate(rate, turning=turning)
-        own = law.force(there, rate, k)
-        may = np.zeros(len(force))
-        for s in (-1.0, 1.0):
-            for r in (-1.0, 1.0):
-                other = law.force(there + s * (ROUNDING + ahead * off), rate + r * off, k)
-                may = np.fmax(may, np.abs(other - own))
-        laws.append((np.abs(force - own) / most, EXACT + may / most))
-    worst.add_nearest(evidence.model.springs.name[spring], laws, among, throughout=False)
+        there = stretch + ahead * rate
+        off = lost_rate(rate, turning=not springs.straight[spring])
+        own, may = law.force(there, rate, k), np.zeros(len(force))
+        for s, r in itertools.product((-1.0, 1.0), repeat=2):
+            other = law.force(there + s * (ROUNDING + ahead * off), rate + r * off, k)
+            may = np.fmax(may, np.abs(other - own))
+        laws.append((np.abs(force - own) / whole(force), EXACT + may / whole(force)))
+    worst.add_nearest(springs.name[spring], laws, among, throughout=False)
 
 
-def _dampers(evidence: Evidence) -> Figure:
-    """Of hinges, those of rotary springs included; where nothing is free they carry nothing."""
-    model, a, worst = evidence.model, evidence.run.arrays, Worst()
-    for j in model.joints.hinges.tolist():
-        if not model.bodies.free[model.joints.bodies[j]].any():
-            continue
-        c, torque, rate = float(model.hinge_damping[j]), a["joint_damping"][:, j], evidence.rates[j]
-        most = whole(torque)
-        allowed = EXACT * most + c * lost_rate(rate, turning=True)
-        worst.add(model.joints.name[j], np.abs(torque + c * rate) / most, allowed / most,
-                  held_one(model.ties.joint[j], a["held"]))
-    return worst.figure(
-        "damper.law", "", source="τ = -c dq/dt", none="there is no hinge",
-        why="torques of the dampers of {count:hinge} from the recorded velocities, relative to the "
-            "largest of each, worst: {where}")
-
-
-def _loads(evidence: Evidence) -> Figure:
-    """Forces and torques of all loads against their laws.
-
-    F(x, v, a, t) at the sample or, of what is stiff, F(x + h v, v, a, t) at the step's end.
-    """
-    model, worst = evidence.model, Worst()
-    for i, name in enumerate(model.loads.name):
-        _compare_load(evidence, worst, i, name)
-    return worst.figure(
-        "load.law", "", source="F = F(x, v, a, t)", none="there is no load",
-        why="forces and torques of {count:load on a body|loads on bodies} from the recorded poses, "
-            "velocities and accelerations, relative to the largest of each, worst: {where}")
+# -- loads ------------------------------------------------------------------------------------
 
 
 def _compare_load(evidence: Evidence, worst: Worst, i: int, name: str) -> None:
@@ -233,7 +223,7 @@ def _compare_load(evidence: Evidence, worst: Worst, i: int, name: str) -> None:
 def _load_rounding(
     evidence: Evidence, i: int, given: tuple[Array, Array, Array], law: Array, ahead: float,
 ) -> Array:
-    """What rounding of all that is recorded may make of a load, found by trying, [3, n]."""
+    """Effect of rounding of pose, velocity and acceleration on a load, by evaluating it; [3, n]."""
     pose, velocity, acceleration = given
     may = np.zeros_like(law)
     for k in range(3):

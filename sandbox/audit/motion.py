@@ -1,33 +1,22 @@
-"""Figures of motion: the clock, velocities against poses, what the scene itself gives."""
+"""Motion: times, numbers of the scene, scheduled poses, velocities and hinges."""
 
 from __future__ import annotations
-
-from collections.abc import Iterator
 
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, judged, missing, peak
+from sandbox.audit.figures import DIGITS, ROUNDING, NotComputed, Worst, check, peak
 from sandbox.samples.cords import lengths_at_start, rest_lengths
 from sandbox.values.signals import values
 
 FEW = 8
-"""Fewer samples than this tell nothing of what lies between them."""
+"""Least number of samples for differences of poses."""
 FAST = 0.1
-"""From this share of its largest velocity on a body counts as moving."""
+"""Fraction of its largest velocity above which a body counts as moving."""
 
 
-def motion_figures(evidence: Evidence) -> Iterator[Figure]:
-    """Time, the scene's numbers, schedules, velocities, angles and rates of hinges."""
-    yield _clock(evidence)
-    yield _numbers(evidence)
-    yield _schedules(evidence)
-    yield _velocities(evidence)
-    yield _hinges(evidence)
-
-
-def _clock(evidence: Evidence) -> Figure:
-    """Samples lie at (k - 1/2) h, one in so many steps as the scene's rate asks for."""
+@check("clock", "step", "t = (k - 1/2) h", asks="do the sample times match the sample rate?")
+def _clock(evidence: Evidence, worst: Worst) -> str:
     run, settings = evidence.whole, evidence.model.mechanism.run
     h, time = settings.step, run.time
     every = max(1, round(1 / (run.info.sample_rate * h)))
@@ -36,16 +25,18 @@ def _clock(evidence: Evidence) -> Figure:
     if len(time) > 1:
         off = np.maximum(off, np.abs(np.diff(k, prepend=k[0] - every) - every))
     step = abs(run.info.step / h - 1)
-    return judged(
-        "clock", max(float(off.max(initial=0.0)), step), "step",
-        8 * DIGITS * float(np.abs(k).max(initial=1.0)) + ROUNDING, source="t = (k - 1/2) h",
-        why=f"distance of samples from the middle of a step of {h:g} s, and from a spacing of "
+    worst.judge(max(peak(off), step),
+                8 * DIGITS * float(np.abs(k).max(initial=1.0)) + ROUNDING)
+    return (f"distance of samples from the middle of a step of {h:g} s, and from a spacing of "
             f"{every} steps")
 
 
-def _numbers(evidence: Evidence) -> Figure:
-    """What the recording holds of the scene: masses, centres, lengths at rest and at the start."""
-    model, a, worst = evidence.model, evidence.run.arrays, Worst()
+@check("scene.numbers", asks="are masses and lengths those of the scene?",
+       compared="recorded masses, centres of mass, rest lengths and initial lengths against the "
+                "scene, {count:number}, worst: {where}",
+       none="there is no body")
+def _numbers(evidence: Evidence, worst: Worst) -> None:
+    model, a = evidence.model, evidence.run.arrays
     bodies, tendons = model.bodies, model.tendons
     for name, of in (("mass", bodies.mass), ("inertia", bodies.inertia)):
         both = np.stack([a[f"body_{name}"], of])
@@ -59,15 +50,14 @@ def _numbers(evidence: Evidence) -> Figure:
     for t, one in enumerate(tendons.name):
         off = np.array([abs(a["tendon_initial"][t] - start[t]), abs(a["tendon_rest"][t] - rest[t])])
         worst.add(f"length of {one}", off, ROUNDING)
-    return worst.figure(
-        "scene.numbers", "", source="", none="there is no body",
-        why="recorded masses, centres of mass, rest lengths and initial lengths against the scene, "
-            "{count:number}, worst: {where}")
 
 
-def _schedules(evidence: Evidence) -> Figure:
-    """Bodies that do not move freely are where the scene has them."""
-    bodies, frames, worst = evidence.model.bodies, evidence.loads.frames, Worst()
+@check("schedule", "m", "x(t)", asks="do fixed and scheduled bodies follow the scene?",
+       compared="poses of {count:fixed or scheduled body|fixed or scheduled bodies}, worst: "
+                "{where}",
+       none="all bodies move freely")
+def _schedules(evidence: Evidence, worst: Worst) -> None:
+    bodies, frames = evidence.model.bodies, evidence.loads.frames
     time = evidence.run.time
     for b in np.flatnonzero(~bodies.free).tolist():
         body = evidence.model.mechanism.bodies[b]
@@ -80,33 +70,28 @@ def _schedules(evidence: Evidence) -> Figure:
         # what moves comes there by h v, step by step
         steps = time / evidence.h if body.path is not None else 1.0
         worst.add(bodies.name[b], off, ROUNDING + DIGITS * steps * (1 + np.abs(pose).max(axis=0)))
-    return worst.figure(
-        "schedule", "m", source="x(t)", none="all bodies move freely",
-        why="poses of {count:fixed or scheduled body|fixed or scheduled bodies}, worst: {where}")
 
 
-def _velocities(evidence: Evidence) -> Figure:
-    """Recorded velocities and accelerations against the differences of the recorded poses."""
-    name, source = "velocity", "v = dx/dt"
-    bodies, worst = evidence.model.bodies, Worst()
+@check("velocity", "m/s", "v = dx/dt", asks="are velocities the time derivatives of poses?",
+       compared="velocities and accelerations against the differences of the poses{note}, "
+                "{count:comparison}, worst: {where}",
+       none="there is no body")
+def _velocities(evidence: Evidence, worst: Worst) -> str:
+    bodies = evidence.model.bodies
     if len(evidence.run) < FEW:
-        return missing(name, why="there are too few samples", source=source)
+        raise NotComputed("there are too few samples")
     for b in np.flatnonzero(~bodies.fixed).tolist():
         (_in_every_step if evidence.every_step else _between)(evidence, b, worst)
     for b in np.flatnonzero(bodies.fixed).tolist():
         v, a = evidence.velocity[:, b], evidence.loads.frames.acceleration[:, b]
         worst.add(bodies.name[b], np.abs(np.concatenate([v, a])).max(axis=0), ROUNDING)
-    how = ("" if evidence.every_step else ", where samples are far apart by the trapezoid rule")
-    return worst.figure(
-        name, "m/s", source=source, none="there is no body",
-        why=f"velocities and accelerations against the differences of the poses{how}, "
-            "{count:comparison}, worst: {where}")
+    return "" if evidence.every_step else ", where samples are far apart by the trapezoid rule"
 
 
 def _in_every_step(evidence: Evidence, b: int, worst: Worst) -> None:
     """A step moves by h v and then changes v by h a: both hold to rounding.
 
-    Not where an impact in the step before displaced the pose by what its instant makes of it.
+    Except where an impact in the step before displaced the pose.
     """
     frames, h = evidence.loads.frames, evidence.h
     v, a = evidence.velocity[:, b], frames.acceleration[:, b]
@@ -121,11 +106,11 @@ def _in_every_step(evidence: Evidence, b: int, worst: Worst) -> None:
 
 
 def _between(evidence: Evidence, b: int, worst: Worst) -> None:
-    """Between samples: the mean of velocities against the way, where the body moves fast.
+    """Between samples: the mean velocity against the displacement, where the body moves fast.
 
-    The trapezoid rule errs by a sixth of the second difference of v where samples resolve the
-    motion. Where they do not, velocities change otherwise than accelerations have it, by so much
-    more. An impact is in few samples: half of them have to keep the mean of all.
+    The error of the trapezoid rule is a sixth of the second difference of v where samples resolve
+    the motion, else the difference between the changes of velocity and the accelerations. Impacts
+    are in few samples, so the median is compared with the mean tolerance.
     """
     frames, time = evidence.loads.frames, evidence.run.time
     dt = float(np.median(np.diff(time)))
@@ -142,15 +127,14 @@ def _between(evidence: Evidence, b: int, worst: Worst) -> None:
         worst.add(evidence.model.bodies.name[b], np.median(error[moving], keepdims=True), allowed)
 
 
-def _hinges(evidence: Evidence) -> Figure:
-    """Angles and rates of hinges against those of their two bodies."""
-    joints, a, worst = evidence.model.joints, evidence.run.arrays, Worst()
+@check("hinge", "rad", "q = θb - θa", asks="is each hinge angle the angle between its two bodies?",
+       compared="angles and rates of hinges against those of their bodies, {count:hinge}, worst: "
+                "{where}",
+       none="there is no hinge")
+def _hinges(evidence: Evidence, worst: Worst) -> None:
+    joints, a = evidence.model.joints, evidence.run.arrays
     for j in joints.hinges.tolist():
         for what, found in (("angle", evidence.angles[j]), ("rate", evidence.rates[j])):
             size = 1 + peak(found)
             off = np.abs(found - a[f"joint_{what}"][:, j]) / size
             worst.add(f"{what} of {joints.name[j]}", off, ROUNDING)
-    return worst.figure(
-        "hinge", "rad", source="q = θb - θa", none="there is no hinge",
-        why="angles and rates of hinges against those of their bodies, {count:hinge}, worst: "
-            "{where}")

@@ -16,10 +16,11 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.audit.evidence import LEFT, Evidence
-from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, missing
+from sandbox.audit.figures import DIGITS, ROUNDING, Worst
 from sandbox.model.pairs import restitution_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
+from sandbox.scene import geometry
 from sandbox.scene.bodies import Circle, Polygon, Polyline, Solid
 from sandbox.scene.geometry import core, solids, true_curves
 from sandbox.scene.outlines.curves import on_spans, spans_of
@@ -182,14 +183,10 @@ class _Nearest(NamedTuple):
     """Whether the shape is a circle: two such touch in one point."""
 
 
-def contact_geometry(evidence: Evidence) -> Figure:
-    """Every contact against the outlines, or, of several points in one row, the hulls."""
-    name, source = "contact.place", "outlines"
+def compare_outlines(evidence: Evidence, worst: Worst) -> None:
+    """Compare contacts with the outlines; rows of several points with the hulls."""
     a = evidence.run.arrays
     rows = np.flatnonzero(np.hypot(*a["contact_force"].T) > TOUCH)
-    if not len(rows):
-        return missing(name, why="nothing touches", source=source)
-    worst = Worst()
     count = len(evidence.model.bodies.name)
     pair = a["contact_body"][rows] * count + a["contact_other"][rows]
     for kind in np.unique(pair).tolist():
@@ -197,11 +194,6 @@ def contact_geometry(evidence: Evidence) -> Figure:
         own = rows[pair == kind]
         _to_outlines(evidence, own[evidence.one_normal[own]], two, worst)
         _to_hulls(evidence, own[~evidence.one_normal[own]], two, worst)
-    return worst.figure(
-        name, "m", source=source, none="nothing touches",
-        why="points, gaps and normals of contacts against the outlines of the shapes; for merged "
-            "contacts of several shapes, points along the force against the hulls; "
-            "{count:comparison}, worst: {where}")
 
 
 def _to_outlines(evidence: Evidence, rows: Integers, pair: tuple[int, int], worst: Worst) -> None:
@@ -299,5 +291,4 @@ def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> tuple
 
 def reach_of(evidence: Evidence, body: int) -> float:
     """From the frame's origin to the furthest of a body's shapes [m]."""
-    cores = [_core(shape) for _, shape in _solids(evidence, body)]
-    return max((float(np.hypot(*corner.T).max() + grown) for corner, grown in cores), default=0.0)
+    return geometry.reach_of(evidence.model.mechanism.bodies[body], (0.0, 0.0))

@@ -1,14 +1,13 @@
-"""Figures of rest: moments about every hinge, contact forces against f = J^-T tau."""
+"""Equilibrium at rest: moments about every hinge, contact forces against f = J^-T tau."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import Figure, Worst, judged, missing
+from sandbox.audit.figures import NotComputed, Worst, check
 from sandbox.audit.touching import touched
 from sandbox.mechanics.statics import contact_forces, determined_forces, point_jacobian
 from sandbox.model.model import Model
@@ -19,50 +18,41 @@ from sandbox.scene.settings import Group
 from sandbox.wording import counted
 
 LAST = 0.05
-"""Fraction of the run, at its end, that has to be at rest."""
+"""Fraction of the run at its end that has to be at rest."""
 SPEED, RATE = 1e-3, 2e-2
-"""Slower than this everywhere [m/s, rad/s] counts as rest: at arms of 50 mm they are alike."""
+"""Largest speeds at rest [m/s, rad/s]; equal at arms of 50 mm."""
 MOMENT = 1e-4
-"""Fraction of the largest moment about a hinge that may be left over at rest."""
+"""Residual moment at rest, relative to the largest moment about a hinge."""
 
 
-def rest_figures(evidence: Evidence) -> Iterator[Figure]:
-    """Static equilibrium of every hinge, contact forces of every finger."""
-    source = "Σ M = 0"
-    final = Rest(evidence.last)
-    if moving := _moving(evidence):
-        yield missing("rest.moments", why=moving, source=source)
-        yield missing("rest.contacts", why=moving, source="f = J⁻ᵀ τ")
-    else:
-        yield _moments(final, LAST * float(evidence.run.time[-1]))
-        yield _contacts(final)
-    yield _determined(Rest(touched(evidence.last, least=TOUCH)))
+def _at_rest(evidence: Evidence) -> Rest:
+    """The last sample, if the run is at rest over its last part.
 
-
-def _moving(evidence: Evidence) -> str:
-    """Why a run is not at rest over its last part; empty if it is."""
+    Raises:
+        NotComputed: it is not.
+    """
     run, model = evidence.run, evidence.model
     if not run.complete:
-        return "the run stopped early"
+        raise NotComputed("the run stopped early")
     if not model.bodies.free.any():
-        return "nothing moves freely"
+        raise NotComputed("nothing moves freely")
     if (gone := np.flatnonzero(run.arrays["held"][-1] == 0)).size:
-        return f"{model.ties.name[gone[0]]!r} is released"
+        raise NotComputed(f"{model.ties.name[gone[0]]!r} is released")
     first = min(len(run) - 1, int(len(run) * (1 - LAST)))
     moving = np.flatnonzero(~model.bodies.fixed)
     v = run.arrays["body_velocity"][first:, moving]
     speed, omega = np.hypot(v[..., 0], v[..., 1]).max(axis=0), np.abs(v[..., 2]).max(axis=0)
     at = int(np.argmax(speed / SPEED + omega / RATE))
     if speed.max() <= SPEED and omega.max() <= RATE:
-        return ""
+        return Rest(evidence.last)
     name = model.bodies.name[moving[at]]
-    return (f"not at rest: in the last {100 * LAST:.0f} % of the run {name} moves at up to "
-            f"{speed[at]:.2g} m/s and {omega[at]:.2g} rad/s")
+    raise NotComputed(f"not at rest: in the last {100 * LAST:.0f} % of the run {name} moves at up "
+                      f"to {speed[at]:.2g} m/s and {omega[at]:.2g} rad/s")
 
 
 @dataclass(frozen=True)
 class _About:
-    """Moments about one hinge of everything beyond it, counter-clockwise [N m]."""
+    """Moments about one hinge of all loads beyond it, counter-clockwise [N m]."""
 
     contacts: float
     others: float
@@ -71,7 +61,7 @@ class _About:
 
 
 class Rest:
-    """The last sample of a run, as statics sees it."""
+    """Statics of the last sample of a run."""
 
     def __init__(self, final: Evidence) -> None:
         self.final = final
@@ -108,10 +98,10 @@ class Rest:
         return _About(contacts, others, largest)
 
     def idle(self, joint: int, beyond: set[int], window: float) -> float:
-        """Moment [N m] that bodies still coming to rest may have about a joint.
+        """Moment [N m] about a joint of bodies that still come to rest.
 
-        Within :data:`RATE` for ``window`` [s] the rate changes by 2 RATE at most, so on average by
-        2 RATE / window. A hinge whose loads are all below I times that carries none.
+        Within :data:`RATE` for ``window`` [s] the mean acceleration is 2 RATE / window at most. A
+        hinge whose loads are all below I times that carries no load.
         """
         arrays, frames = self.loads.run.arrays, self.loads.frames
         anchor = frames.anchors[1]
@@ -122,7 +112,7 @@ class Rest:
         return float(2 * RATE / window * inertia.sum())
 
     def _outside(self, beyond: set[int]) -> Integers:
-        """Sides of contacts on ``beyond`` by bodies that are not."""
+        """Sides of contacts on bodies ``beyond`` by other bodies."""
         sides, half = self.loads.contact_sides, len(self.loads.contact_sides.body) // 2
         other = np.concatenate([sides.body[half:], sides.body[:half]])
         inside = np.zeros(len(self.model.bodies.name), dtype=bool)
@@ -131,7 +121,7 @@ class Rest:
 
 
 def beyond_joint(model: Model, joint: int) -> set[int]:
-    """Free bodies that only this joint holds to the other bodies; empty if it stands in a ring."""
+    """Free bodies that only this joint connects to the other bodies; empty in a loop."""
     pair = set(model.joints.bodies[joint].tolist())
     for start in model.joints.bodies[joint].tolist()[::-1]:
         if not model.bodies.free[start]:
@@ -150,25 +140,25 @@ def beyond_joint(model: Model, joint: int) -> set[int]:
     return set()
 
 
-def _moments(rest: Rest, window: float) -> Figure:
-    worst, left_out = Worst(), []
-    model = rest.model
+@check("rest.moments", source="Σ M = 0", asks="at rest, do the moments about every hinge balance?",
+       compared="sum of moments at the end, relative to the largest, about {count:hinge}: tendons, "
+                "springs, contacts, weight, stops, dampers; worst: {where}{note}",
+       none="there is no hinge that carries a load")
+def _moments(evidence: Evidence, worst: Worst) -> str:
+    rest, left_out, model = _at_rest(evidence), [], evidence.model
     for j in model.joints.pivots.tolist():
         name, beyond = model.joints.name[j], beyond_joint(model, j)
         if not beyond:
             left_out.append(f"{name} is one of several supports")
             continue
         moment = rest.about(j, beyond)
-        if moment.largest > rest.idle(j, beyond, window):
+        if moment.largest > rest.idle(j, beyond, LAST * float(evidence.run.time[-1])):
             worst.add(name, np.array([abs(moment.contacts + moment.others) / moment.largest]),
                       MOMENT)
     text = "; ".join(left_out[:3]) + (f" and {len(left_out) - 3} more" if len(left_out) > 3 else "")
-    return worst.figure(
-        "rest.moments", "", source="Σ M = 0",
-        none=f"left out: {text}" if text else "there is no hinge that carries a load",
-        why="sum of moments at the end, relative to the largest, about {count:hinge}: tendons, "
-            "springs, contacts, weight, stops, dampers; worst: {where}"
-            + (f"; left out: {text}" if text else ""))
+    if text and not worst.count:
+        raise NotComputed(f"left out: {text}")
+    return f"; left out: {text}" if text else ""
 
 
 # -- fingers ----------------------------------------------------------------------------------
@@ -176,7 +166,7 @@ def _moments(rest: Rest, window: float) -> Figure:
 
 @dataclass(frozen=True)
 class Grip:
-    """A finger's hinges, the contacts on it from outside in one sample, and their Jacobian."""
+    """A finger's hinges, the external contacts on it in one sample, and their Jacobian."""
 
     name: str
     hinges: list[int]
@@ -192,7 +182,7 @@ class Grip:
 
 
 def _chain(model: Model, group: Group) -> list[int]:
-    """The hinges of a finger from the palm out; empty where it is no chain of hinges."""
+    """The hinges of a finger from the palm out; empty if it is no chain of hinges."""
     numbers = model.names.body
     members = [numbers[name] for name in group.bodies if name in numbers]
     hinges = []
@@ -208,9 +198,9 @@ def _chain(model: Model, group: Group) -> list[int]:
 
 
 def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
-    """How a finger touches in the sample of ``rest``; None where it is no chain of hinges.
+    """The contacts of a finger in the sample of ``rest``; None if it is no chain of hinges.
 
-    Of contacts those that press with more than ``least`` [N].
+    Contacts count that press with more than ``least`` [N].
     """
     model, loads = rest.model, rest.loads
     hinges = _chain(model, group)
@@ -241,32 +231,35 @@ def _fingers(model: Model) -> list[Group]:
     return [group for group in model.mechanism.groups if group.kind == "finger"]
 
 
-def _contacts(rest: Rest) -> Figure:
-    """Forces f = J^-T tau, where there are as many frictionless contacts as joints."""
-    name, source = "rest.contacts", "f = J⁻ᵀ τ"
-    worst, left_out = Worst(), []
+@check("rest.contacts", source="f = J⁻ᵀ τ",
+       asks="at rest, do contact forces balance the tendon tension?",
+       compared="contact forces from tensions, springs and geometry against the recorded ones, "
+                "{count:finger}, worst: {where}{note}",
+       none="there is no finger")
+def _contacts(evidence: Evidence, worst: Worst) -> str:
+    """Forces f = J^-T tau of fingers with as many frictionless contacts as joints."""
+    rest, left_out = _at_rest(evidence), []
     for group in _fingers(rest.model):
         grip = grip_of(rest, group)
         reason = _no_closed_form(rest, grip)
         if grip is None or reason:
             left_out.append(f"{group.name}: {reason}")
             continue
-        tau = np.array([-rest.about(j, beyond_joint(rest.model, j)).others for j in grip.hinges])
-        force = contact_forces(grip.jacobian, tau)
+        about = [rest.about(j, beyond_joint(rest.model, j)) for j in grip.hinges]
+        force = contact_forces(grip.jacobian, [-each.others for each in about])
         inverse = np.linalg.norm(np.linalg.inv(grip.jacobian.T), ord=np.inf)
         scale = float(grip.normal.max())
-        largest = max(rest.about(j, beyond_joint(rest.model, j)).largest for j in grip.hinges)
         error = float(np.abs(force - grip.normal).max())
-        worst.add(group.name, np.array([error / scale]), MOMENT * float(inverse) * largest / scale)
+        worst.add(group.name, np.array([error / scale]),
+                  MOMENT * float(inverse) * max(each.largest for each in about) / scale)
     text = "; ".join(left_out[:4])
-    return worst.figure(
-        name, "", source=source, none=text or "there is no finger",
-        why="contact forces from tensions, springs and geometry against the recorded ones, "
-            "{count:finger}, worst: {where}" + (f"; left out: {text}" if text else ""))
+    if text and not worst.count:
+        raise NotComputed(text)
+    return f"; left out: {text}" if text else ""
 
 
 def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
-    """Why a finger's contact forces do not follow from f = J^-T tau; empty if they do."""
+    """Why f = J^-T tau does not give a finger's contact forces; empty if it does."""
     if grip is None:
         return "not a chain of hinges"
     count = len(grip.sides)
@@ -282,15 +275,14 @@ def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
     return ""
 
 
-def _determined(rest: Rest) -> Figure:
-    """Of every finger at the end: does balance alone fix its contact forces, or are they shared?
-
-    What touches and carries nothing counts: in another set of forces it may carry.
-    """
-    source = "rank of J"
+@check("contact.shared", source="rank of J", asks="does statics determine every contact force?",
+       compared="contact forces at the end that statics does not determine: {note}")
+def _determined(evidence: Evidence, worst: Worst) -> str:
+    """Contacts without a force count: they may carry one in another set of forces."""
+    rest = Rest(touched(evidence.last, least=TOUCH))
     fingers = _fingers(rest.model)
     if not fingers:
-        return missing("contact.shared", why="there is no finger", source=source)
+        raise NotComputed("there is no finger")
     shared, states = 0, []
     for group in fingers:
         grip = grip_of(rest, group, least=-np.inf)
@@ -303,6 +295,5 @@ def _determined(rest: Rest) -> Figure:
         shared += int(np.count_nonzero(~known))
         states.append(f"{group.name} touches nothing" if not len(known) else
                       f"{np.count_nonzero(~known) or 'none'} of {len(known)} on {group.name}")
-    return judged(
-        "contact.shared", float(shared), "", 0.0, source=source,
-        why="contact forces at the end that statics does not determine: " + "; ".join(states[:6]))
+    worst.judge(shared, 0.0)
+    return "; ".join(states[:6])

@@ -1,10 +1,10 @@
-"""Motors that start at speed: an impact in one step, its cost and the work of joints.
+"""Motors that start at speed: an impact in one step, its energy loss and the work of joints.
 
-A motor whose speed u differs from its hinge's rate q gives an impulse P and does P (q + u) / 2 of
-work on the bodies. What turned at u before gave P u: P (u - q) / 2 is lost, as in a clutch.
+A motor whose speed u differs from its hinge's rate q gives an impulse P and the work P (q + u) / 2
+to the bodies. The motor itself loses P u: P (u - q) / 2 is lost, as in a clutch.
 
-Joints do work of first order in that step. Their two sides part at h/2 c, with c the acceleration
-that they need, B a = c, and on average at h/4 of its change. With B^T R + C^T P = M dv, R the
+Joints do work of first order in that step. Their two sides separate at h/2 c, with c the required
+acceleration, B a = c, and on average at h/4 of its change. With B^T R + C^T P = M dv, R the
 impulses of joints, and d the difference of after and before:
 
     W = R . h/4 dc = h/4 (dv . M da - P . d(du/dt))
@@ -26,28 +26,28 @@ from sandbox.values.signals import values
 
 
 class StartsAtSpeed(NamedTuple):
-    """What motors that start at speed do."""
+    """Effects of motors that start at speed."""
 
     jumps: tuple[str, ...]
-    """What happens to the hinge of each."""
+    """A description of each."""
     cost: float
-    """Energy lost between motors that turn and hinges that do not yet [J]."""
+    """Energy lost between motors and slower hinges [J]."""
     made: Array
-    """Energy that joints have made by it [J], [n]."""
+    """Energy from joints [J], [n]."""
     unsure: float
-    """By how much that may be off [J]."""
+    """Its error [J]."""
     within: Flags
-    """Whether a sample is of the step of a blow, [n]."""
+    """Samples in the step of an impact, [n]."""
 
 
 class _Jump(NamedTuple):
-    """A motor takes its hinge along, between two samples."""
+    """A motor that changes its hinge's rate between two samples."""
 
     drive: int
     rate: float
     """Of the hinge before [rad/s]."""
     speed: float
-    """What the motor keeps from then on [rad/s]."""
+    """Of the motor afterwards [rad/s]."""
 
 
 def starts(evidence: Evidence) -> StartsAtSpeed:
@@ -77,7 +77,7 @@ def starts(evidence: Evidence) -> StartsAtSpeed:
 
 
 def _jumps(evidence: Evidence) -> dict[int, list[_Jump]]:
-    """Motors that take their hinges along at once, by the first sample that shows it."""
+    """Motors that change the rates of their hinges at once, by the first sample after it."""
     a, drives = evidence.run.arrays, evidence.model.drives
     found: dict[int, list[_Jump]] = defaultdict(list)
     for i in np.flatnonzero(paced(evidence.model)).tolist():
@@ -99,14 +99,14 @@ def _jumps(evidence: Evidence) -> dict[int, list[_Jump]]:
 
 
 def paced(model: Model) -> Flags:
-    """Which drives are motors, of hinges or actuators: what keeps a speed, [nd]."""
+    """Drives that keep a speed of a hinge or actuator, [nd]."""
     limited = np.array([kind.limited and kind.timely == "end" for kind in model.drives.kind],
                        dtype=bool)
-    return np.asarray(limited & np.isnan(model.drives.slope))  # one with a line keeps none
+    return np.asarray(limited & np.isnan(model.drives.slope))
 
 
 def _first_speed(evidence: Evidence, drive: int) -> tuple[float, float]:
-    """What a motor is asked for at t = 0 and the change in a step [rad/s], from the first two."""
+    """A motor's speed at t = 0 and its change in a step [rad/s], from the first two steps."""
     mechanism, h = evidence.model.mechanism, evidence.h
     spec = mechanism.drives[drive]
     if spec.name in set_while_running(mechanism):
@@ -117,7 +117,7 @@ def _first_speed(evidence: Evidence, drive: int) -> tuple[float, float]:
 
 
 def _impulse(evidence: Evidence, sample: int, jump: _Jump, within: bool) -> float:
-    """Of a motor in the blow [N m s]; from its work where that step is not the sample's."""
+    """Impulse of a motor [N m s]; from its work if that step is not the sample's."""
     a = evidence.run.arrays
     if within:
         return float(evidence.h * a["drive_torque"][sample, jump.drive])
@@ -130,11 +130,11 @@ def _impulse(evidence: Evidence, sample: int, jump: _Jump, within: bool) -> floa
 def _of_joints(
     evidence: Evidence, sample: int, jumps: list[_Jump], impulses: list[float], after: int,
 ) -> tuple[float, float]:
-    """What joints made in a blow, and by how much that may be off [J].
+    """Energy from joints in an impact, and its error [J].
 
-    From the first two samples ``after`` it, led back to where it may have been, and the one before
-    it; by as much as that leads back it may be off. Of what moved before t = 0 no acceleration is
-    known: what joints needed of it is no more than what they need later.
+    From the sample before it and the first two samples ``after`` it, extrapolated back; the error
+    is the extrapolation. The acceleration before t = 0 is unknown; its effect on joints is at most
+    that of the acceleration later.
     """
     a, time, h, weight = evidence.run.arrays, evidence.run.time, evidence.h, evidence.loads.weights
     if after + 1 >= len(time):
@@ -157,13 +157,13 @@ def _of_joints(
 
 
 def initial_velocity(evidence: Evidence) -> Array:
-    """Of all bodies at t = 0, from the scene [m/s, m/s, rad/s], [nb, 3]."""
+    """Velocities of all bodies at t = 0, from the scene [m/s, m/s, rad/s], [nb, 3]."""
     bodies = evidence.model.mechanism.bodies
     rows = [(*body.velocity, body.angular_velocity) for body in bodies]
     return np.array(rows, dtype=float).reshape(-1, 3)
 
 
 def _change(evidence: Evidence, drive: int, sample: int) -> float:
-    """At what rate a motor's hinge goes on to turn faster [rad/s^2]."""
+    """Angular acceleration of a motor's hinge [rad/s^2]."""
     j = evidence.model.drives.target[drive]
     return float((evidence.rates_after[j, sample] - evidence.rates[j, sample]) / (evidence.h / 2))

@@ -1,9 +1,8 @@
-"""Contacts that touch and carry nothing, of one sample: a recording has no row of them.
+"""Contacts without a force in one sample, which have no row in a recording.
 
-Such a contact may carry something in another set of forces that holds the same pose, so whoever
-asks what a force could be has to know of it. It is found from the poses and the shapes: of bodies
-that may touch, outlines that are nearer than what a step may leave open between such as do, and
-that neither come together nor part.
+Such a contact may carry a force in another set of forces that balances the same pose. It follows
+from poses and shapes: outlines of bodies that may touch, within the gap that a step may leave, that
+neither approach nor separate.
 """
 
 from __future__ import annotations
@@ -23,8 +22,7 @@ from sandbox.samples import nearby
 from sandbox.samples.nearby import PlacedPiece, apart, pieces_of
 
 ASKEW, ALIKE = 1e-6, 1e-3
-"""By how much a normal may miss those of a surface, an angle; and differ from one of the same
-contact, where sides that lie on each other are askew by the little that a step leaves open."""
+"""Angle between a normal and those of a surface; and between normals of the same contact."""
 
 
 class Touch(NamedTuple):
@@ -39,9 +37,9 @@ class Touch(NamedTuple):
 
 
 def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
-    """A sample that stands alone, with a row of no force for all that touches and has none.
+    """A single sample with a row of zero force for each contact without a row.
 
-    Rows of a normal force of no more than ``least`` [N] are first left out.
+    Rows with a normal force of no more than ``least`` [N] are removed first.
     """
     a = evidence.run.arrays
     kept = np.flatnonzero(evidence.run.contacts.normal > least)
@@ -64,7 +62,7 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
 
 
 def touches(evidence: Evidence) -> Iterator[Touch]:
-    """All outlines that touch in a sample that stands alone; the nearest of a pair comes first."""
+    """All outlines that touch in a single sample; the nearest of a pair comes first."""
     found: dict[tuple[int, int], list[Touch]] = {}
     for touch, parts in _near(evidence):
         if abs(parts) * evidence.h <= evidence.open:
@@ -74,9 +72,9 @@ def touches(evidence: Evidence) -> Iterator[Touch]:
 
 
 def overlaps(evidence: Evidence) -> Iterator[tuple[tuple[int, int], float]]:
-    """Pairs near each other that have no contact row, in a sample that stands alone.
+    """Near pairs without a contact row in a single sample.
 
-    With each how deep outlines overlap that still approach [m], 0 if none do.
+    With the largest overlap of outlines that still approach [m], or 0.
     """
     a, deepest = evidence.run.arrays, dict[tuple[int, int], float]()
     rows = {tuple(sorted(pair)) for pair in zip(
@@ -90,7 +88,7 @@ def overlaps(evidence: Evidence) -> Iterator[tuple[tuple[int, int], float]]:
 
 
 def _near(evidence: Evidence) -> Iterator[tuple[Touch, float]]:
-    """Where outlines are near or overlap, and how fast they part there [m/s]."""
+    """Where outlines are near or overlap, and their rate of separation there [m/s]."""
     for one, two, pieces in _close(evidence, evidence.near):
         here = apart(*pieces)
         if here is None or here.gap > evidence.near or not (
@@ -104,9 +102,9 @@ def _near(evidence: Evidence) -> Iterator[tuple[Touch, float]]:
 def _new(
     candidates: Iterator[Touch], rows: Arrays, blurred: list[bool], near: float,
 ) -> list[Touch]:
-    """Those that no row stands for: of each plane between two bodies one.
+    """Candidates without a row, one for each plane between two bodies.
 
-    A row that is ``blurred`` stands for several normals: all between its two bodies.
+    A ``blurred`` row has several normals: it covers all candidates between its two bodies.
     """
     known: dict[tuple[int, int], list[tuple[Array, Array]]] = {}
     whole = set()
@@ -134,7 +132,7 @@ def _new(
 def _close(
     evidence: Evidence, near: float,
 ) -> Iterator[tuple[int, int, tuple[PlacedPiece, PlacedPiece]]]:
-    """Pieces of bodies that may touch whose boxes do, the lower body first."""
+    """Pieces of bodies that may touch and whose bounding boxes overlap, the lower body first."""
     allowed, pieces, owner = allowed_pairs(evidence.model), list[PlacedPiece](), list[int]()
     for body in np.flatnonzero(allowed.any(axis=1)).tolist():
         own = list(pieces_of(evidence.run, 0, body))
@@ -151,7 +149,7 @@ def _close(
 
 
 def _surface(evidence: Evidence, body: int, piece: PlacedPiece, out: Array) -> bool:
-    """Whether a piece is the surface of its outline where ``out`` leads out of it."""
+    """Whether ``out`` is a normal of the outline's surface on this piece."""
     if piece.faces is None:
         return True
     angle = evidence.run.arrays["body_pose"][0, body, 2]
@@ -161,9 +159,9 @@ def _surface(evidence: Evidence, body: int, piece: PlacedPiece, out: Array) -> b
 
 
 def pressed(evidence: Evidence, row: int) -> Array | None:
-    """The places between which a contact row of the one sample may press.
+    """The points between which a contact row of the single sample may press.
 
-    As :func:`sandbox.samples.nearby.pressed` has them, with what the engine may leave open.
+    As :func:`sandbox.samples.nearby.pressed`, with the gap that the engine may leave.
     """
     a, h = evidence.run.arrays, evidence.h
     pair = int(a["contact_body"][row]), int(a["contact_other"][row])
@@ -174,7 +172,7 @@ def pressed(evidence: Evidence, row: int) -> Array | None:
 
 
 def _parts(evidence: Evidence, one: int, two: int, at: Array, normal: Array) -> float:
-    """How fast two bodies part at a place at the end of the step [m/s]."""
+    """Rate of separation of two bodies at a point at the end of the step [m/s]."""
     frames, velocity = evidence.loads.frames, evidence.velocity_after[:, :, 0]
 
     def along(body: int) -> float:

@@ -1,10 +1,9 @@
-"""The forces of one sample that only balance tells, each as what it does to its bodies.
+"""The forces of one sample that only balance determines, as wrenches on their bodies.
 
-A joint carries what it must, either way; what touches pushes and rubs within its cone; stops,
-ends of grooves and ropes push back where they are reached; cords as good as rigid pull if they are
-taut, with one tension along all their path; motors and brakes give what they may. All else (weight,
-springs, softer cords, pulled ones, dampers, forces and torques that drives set) is known, and held
-to its own law by other figures.
+Joints carry any load; contacts push within their friction cones; stops, ends of grooves and ropes
+push back where they are reached; rigid tendons pull if they are taut, with one tension along their
+path; motors and brakes act up to their limits. All others (weight, springs, soft tendons, pulled
+ones, dampers, forces and torques of drives) are known; other checks compare them with their laws.
 """
 
 from __future__ import annotations
@@ -32,25 +31,25 @@ from sandbox.samples.loads import Batch
 
 @dataclass
 class Unknown:
-    """One force or couple of unknown size: what its unit does to bodies."""
+    """One force or couple of unknown magnitude."""
 
     does: dict[int, Array]
-    """Force x, y and moment about the centre of mass, by body, [3]."""
+    """Wrench of a unit: force x, y and moment about the centre of mass, by body, [3]."""
     free: bool = False
     """Whether it may have either sign."""
     most: float = np.inf
-    """The most that it may be, either way [N, N m]."""
+    """Largest magnitude [N, N m]."""
     contact: int = NONE
-    """The contact row that it is part of."""
+    """The contact row that it belongs to."""
     normal: float = 0.0
-    """What its unit is of that row's normal force, and of its tangential one."""
+    """Contribution of a unit to that row's normal force, and to its tangential one."""
     tangential: float = 0.0
     below: float = 0.0
-    """So far below 0 [N] rounding may have left what is recorded."""
+    """Rounding error below 0 [N] of the recorded force."""
 
 
 class Unknowns:
-    """What is unknown, and what is known, of a sample that stands alone."""
+    """Unknown and known forces of a single sample."""
 
     def __init__(self, evidence: Evidence) -> None:
         self.evidence, self.model, self.loads = evidence, evidence.model, evidence.loads
@@ -70,7 +69,7 @@ class Unknowns:
 
     @cached_property
     def target(self) -> Array:
-        """What the unknown forces have to come to: m a, I alpha less all known loads, [nb, 3]."""
+        """Sum of the unknown forces: m a and I alpha minus all known loads, [nb, 3]."""
         a, free = self.arrays, self.model.bodies.free
         mass = np.stack([a["body_mass"], a["body_mass"], a["body_inertia"]], axis=1)
         total = np.where(free[:, None], mass, 0.0) * a["body_acceleration"][0]
@@ -88,15 +87,15 @@ class Unknowns:
             known &= np.array([not self.model.drives.kind[i].limited
                                or not np.isnan(self.model.drives.slope[i])
                                for i in batch.element])
-        if batch.kind == "friction":  # what slips is at its bound
+        if batch.kind == "friction":  # slipping friction is at its bound
             known &= self.arrays["joint_sticks"][0, batch.element] == 0.0
         return known
 
     @cached_property
     def rigid(self) -> Flags:
-        """Cords, not pulled by a drive, too stiff for their stretch to tell their tension, [nt].
+        """Tendons without a pull that are too stiff for a tension by their stretch, [nt].
 
-        Of one that guides hold by friction tensions hang on what was before: they are known.
+        With friction at guides the tensions depend on the past: they are known.
         """
         tendons = self.model.tendons
         held = [len(tendons.gripped(cord)) > 0 for cord in range(len(tendons.name))]
@@ -111,7 +110,7 @@ class Unknowns:
                                for body, wrench in row}, free=True)
 
     def _pushing(self, joint: int) -> int:
-        """The flank of its teeth that pushed; 0 if it has none, or they did not."""
+        """The flank of its teeth that pushed; 0 without one."""
         force, pose = self.arrays["joint_force"][0, joint], self.arrays["body_pose"][0]
         if not self.model.joints.kind[joint].teeth or not force.any():
             return 0
@@ -121,7 +120,7 @@ class Unknowns:
 
     def _pair(self, one: int, two: int, at: Array, force: Array, couple: float = 0.0) -> dict[
             int, Array]:
-        """A force at a place of the world, and a couple, on ``one`` by ``two``."""
+        """A force at a position in the world, and a couple, on ``one`` by ``two``."""
         does = {}
         for sign, body in ((1.0, one), (-1.0, two)):
             arm = at - self.centre[body]
@@ -129,7 +128,7 @@ class Unknowns:
         return does
 
     def _ends(self) -> Iterator[Unknown]:
-        """Ropes that are taut, telescopes pushed together, points at the end of their groove."""
+        """Taut ropes, telescopes at their shortest, points at an end of their groove."""
         joints, frames, h = self.model.joints, self.loads.frames, self.evidence.h
         speed = np.abs(self.evidence.velocity[:2, :, 0]).sum(axis=0)
         spin = np.abs(self.evidence.velocity[2, :, 0])
@@ -137,12 +136,9 @@ class Unknowns:
             a, b = joints.bodies[j].tolist()
             on_a, on_b = (np.array([end.x[j, 0], end.y[j, 0]]) for end in frames.anchors)
             if joints.kind[j].keeps == "groove":
-                c, s = frames.cos[a, 0], frames.sin[a, 0]
-                start, end = joints.groove[j] @ np.array([[c, s], [-s, c]]) + (
-                    frames.x[a, 0], frames.y[a, 0])
-                on_a, low, high = start, 0.0, float(np.hypot(*(end - start)))
-                way = (end - start) / high
-                length = float((on_b - start) @ way)
+                way = np.array(frames.groove_direction(j))[:, 0]
+                found, _, high = frames.in_groove(j)
+                low, length = 0.0, float(found[0])
             else:
                 low, high = joints.reach[j].tolist()
                 length = float(np.hypot(*(on_b - on_a)))
@@ -162,60 +158,36 @@ class Unknowns:
             low, high = joints.stops[j].tolist()
             for reached, sign in ((angle <= low + near, 1.0), (angle >= high - near, -1.0)):
                 if reached:
-                    yield Unknown(self._couple(j, sign))
-
-    def _couple(self, joint: int, size: float) -> dict[int, Array]:
-        """A torque in a hinge's positive sense."""
-        a, b = self.model.joints.bodies[joint].tolist()
-        turn = np.array([0.0, 0.0, size * float(self.model.joints.sense[joint])])
-        return {b: turn, a: -turn}
+                    torque = self.loads.joint_efforts.on_bodies(j)
+                    yield Unknown({body: sign * wrench for body, wrench in torque.items()})
 
     def _cords(self) -> Iterator[Unknown]:
         if not self.rigid.any():
             return
-        pulls, a = self.loads.cord_pulls, self.arrays
-        rates = self.loads.lengthening(pulls, len(self.rigid), self.evidence.velocity)
+        efforts, a = self.loads.cord_efforts, self.arrays
+        rates = efforts.rates(len(self.rigid), self.evidence.velocity)
         for cord in np.flatnonzero(self.rigid).tolist():
             stretch = float(a["tendon_length"][0, cord] - a["tendon_rest"][cord])
-            if stretch + 2 * self.evidence.h * abs(float(rates[cord, 0])) < -ROUNDING:
-                continue
-            does: dict[int, Array] = {}
-            for k in np.flatnonzero(pulls.element == cord).tolist():
-                body = int(pulls.body[k])
-                wrench = np.array([pulls.x[k, 0], pulls.y[k, 0], pulls.moment[k, 0]])
-                does[body] = does.get(body, np.zeros(3)) + wrench
-            yield Unknown(does)
+            if stretch + 2 * self.evidence.h * abs(float(rates[cord, 0])) >= -ROUNDING:
+                yield Unknown({body: -wrench
+                               for body, wrench in efforts.on_bodies(cord).items()})
 
     def _motors(self) -> Iterator[Unknown]:
         drives = self.model.drives
         for i, kind in enumerate(drives.kind):
             if kind.limited and np.isnan(drives.slope[i]):
                 most = float(drives.most[i])
-                if np.isnan(most):  # a brake may give what it is set to
+                if np.isnan(most):  # the limit of a brake is its value
                     most = float(self.arrays["drive_value"][0, i])
-                yield Unknown(self._driven(i), free=True, most=most)
-
-    def _driven(self, drive: int) -> dict[int, Array]:
-        """What a unit of a drive does: a torque in a hinge, a push of an actuator."""
-        drives, j = self.model.drives, int(self.model.drives.target[drive])
-        if drives.kind[drive].gives != "push":
-            return self._couple(j, 1.0)
-        a, b = self.model.joints.bodies[j].tolist()
-        on_a, on_b = (np.array([end.x[j, 0], end.y[j, 0]]) for end in self.loads.frames.anchors)
-        way = on_b - on_a
-        return self._pair(b, a, on_b, way / max(float(np.hypot(*way)), ROUNDING))
+                yield Unknown(self.loads.drive_efforts.on_bodies(i), free=True, most=most)
 
     def _rubs(self) -> Iterator[Unknown]:
-        """Friction of joints that hold, up to what it could hold with under what they carry."""
-        joints, pushes = self.model.joints, self.loads.rub_pushes
+        """Friction of sticking joints, up to its limit under their load."""
+        joints, efforts = self.model.joints, self.loads.friction_efforts
         for j in joints.rubbed.tolist():
-            if self.arrays["joint_sticks"][0, j] != 1.0:
-                continue
-            does = {int(pushes.body[k]): np.array([pushes.x[k, 0], pushes.y[k, 0],
-                                                   pushes.moment[k, 0]])
-                    for k in np.flatnonzero(pushes.element == j).tolist()}
-            most = joints.friction[j] + joints.rubbing[j] * float(carried(self.evidence, j)[0])
-            yield Unknown(does, free=True, most=float(joints.static[j] * most))
+            if self.arrays["joint_sticks"][0, j] == 1.0:
+                most = joints.friction[j] + joints.rubbing[j] * float(carried(self.evidence, j)[0])
+                yield Unknown(efforts.on_bodies(j), free=True, most=float(joints.static[j] * most))
 
     def _contacts(self) -> Iterator[Unknown]:
         a = self.arrays
@@ -224,7 +196,7 @@ class Unknowns:
             u = a["contact_normal"][row]
             left = np.array([-u[1], u[0]])
             places = pressed(self.evidence, row)
-            if places is None:  # several normals: what they come to may be anything
+            if places is None:  # several normals: any resultant is possible
                 at = a["contact_point"][row]
                 for n, t in ((1.0, 0.0), (0.0, 1.0)):
                     yield Unknown(self._pair(*pair, at, n * u + t * left), free=True, contact=row,

@@ -294,7 +294,7 @@ def expectation_lines(judged: list[Verdict]) -> list[str]:
 
 def check_lines(checks: list[Figure], *, whole: bool) -> list[str]:
     """The count of consistency checks that passed, and the warnings; all as a table if wanted."""
-    from sandbox.audit.words import ASKS, advice_on
+    from sandbox.audit.audit import ASKS, advice_on
 
     computed = [f for f in checks if f.verdict != "not computed"]
     warnings = [f for f in computed if f.verdict != "pass"]

@@ -20,6 +20,7 @@ from sandbox.equilibria.balance import EXACT, PoseBalance, solve
 from sandbox.equilibria.rest import AtRest, check_options, settle
 from sandbox.equilibria.settle import Settler, Unsettled
 from sandbox.errors import Problem, SceneError, SimulationDiverged
+from sandbox.model.joints import placed
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
 
@@ -369,10 +370,9 @@ class _Follower:
             if (value - self._end) * self._sense > 0:
                 continue
             settler = self.family.at(value)
-            x, y, angle = stop.rest.recording.arrays["body_pose"][0].T
-            c, s = np.cos(angle), np.sin(angle)
-            cx, cy = settler.model.bodies.centre.T
-            settler.start(np.stack([x + c * cx - s * cy, y + s * cx + c * cy, angle], axis=1))
+            pose = stop.rest.recording.arrays["body_pose"][0]
+            centres = placed(pose, settler.model.bodies.centre)
+            settler.start(np.column_stack([centres, pose[:, 2]]))
             try:
                 rest = settle(settler, "", settler.steps)
             except (Unsettled, SimulationDiverged):

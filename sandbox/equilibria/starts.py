@@ -9,6 +9,7 @@ import numpy as np
 from sandbox.audit.rest import beyond_joint
 from sandbox.equilibria.settle import Settler
 from sandbox.errors import Problem, SceneError
+from sandbox.model.joints import placed
 from sandbox.numeric import Array
 from sandbox.wording import listed, near, quoted
 
@@ -68,7 +69,7 @@ def _turn(settler: Settler, joint: int, value: float) -> None:
     c, s = np.cos(part), np.sin(part)
     for _ in range(count):
         pose = still.pose
-        pivot = _place(pose[b], joints.anchor[joint, 1] - settler.model.bodies.centre[b])
+        pivot = placed(pose[b], joints.anchor[joint, 1] - settler.model.bodies.centre[b])
         pose[beyond, :2] = pivot + (pose[beyond, :2] - pivot) @ np.array([[c, s], [-s, c]])
         pose[beyond, 2] += part
         still.put(pose)
@@ -91,14 +92,7 @@ def _bring(settler: Settler, body: int, part: int, value: float) -> None:
     """Move a body's frame; joints that this opens close as the mechanism comes to rest."""
     pose, centre = settler.still.pose, settler.model.bodies.centre[body]
     frame = pose[body].copy()
-    frame[:2] = _place(pose[body], -centre)
+    frame[:2] = placed(pose[body], -centre)
     frame[part] = value
-    pose[body, :2], pose[body, 2] = _place(frame, centre), frame[2]
+    pose[body, :2], pose[body, 2] = placed(frame, centre), frame[2]
     settler.still.put(pose)
-
-
-def _place(frame: Array, local: Array) -> Array:
-    """A point given in a frame (x, y, angle), in the world [m]."""
-    x, y, angle = frame
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([x + c * local[0] - s * local[1], y + s * local[0] + c * local[1]])

@@ -13,7 +13,7 @@ from sandbox.errors import Problem, SceneError
 from sandbox.export.elements import wrap_round
 from sandbox.export.tree import Tree, pose, vec
 from sandbox.model.model import Joints, Model, Springs
-from sandbox.model.pairs import Words, allowed_pairs
+from sandbox.model.pairs import allowed_pairs, friction_of
 from sandbox.model.tendons import lifted_at_start
 from sandbox.scene.bodies import Material, Polyline
 from sandbox.scene.geometry import to_world
@@ -83,18 +83,10 @@ def materials_of(mechanism: Mechanism) -> list[Material]:
 
 
 def contact_pairs(model: Model) -> list[tuple[int, int, float]]:
-    """The pairs of bodies with shapes that may touch, and their coefficients of friction.
-
-    Friction is that of the last rule that sets it, else the geometric mean of the two materials.
-    """
+    """The pairs of bodies with shapes that may touch, and their coefficients of friction."""
     solid = np.array([bool(body.shapes) for body in model.mechanism.bodies], dtype=bool)
-    own = np.array([material.friction for material in materials_of(model.mechanism)])
-    friction, words = np.sqrt(own[:, None] * own), Words(model.bodies.name)
-    for rule in model.mechanism.contacts:
-        if rule.friction is not None:
-            words.fill(friction, rule, rule.friction)
     allowed = np.triu(allowed_pairs(model) & solid & solid[:, None])
-    return [(int(a), int(b), float(friction[a, b])) for a, b in np.argwhere(allowed)]
+    return [(a, b, friction_of(model.mechanism, a, b)) for a, b in np.argwhere(allowed).tolist()]
 
 
 STATIC = "static friction above that of sliding"

@@ -1,4 +1,8 @@
-"""Guards of the closed forms: impossible geometry is refused by name, value and unit."""
+"""Checks of the arguments of closed forms.
+
+Each returns the value as a float array, or raises a ``ValueError`` that names the argument, what is
+allowed, the value and its unit.
+"""
 
 from __future__ import annotations
 
@@ -12,51 +16,24 @@ from sandbox.numeric import Array
 
 
 def finite(name: str, value: ArrayLike, unit: str) -> Array:
-    """``value`` as a float array.
-
-    Raises:
-        ValueError: NaN or infinity among the values.
-    """
+    """Values that are neither nan nor infinite."""
     return _require(name, value, unit, np.isfinite, "finite")
 
 
 def positive(name: str, value: ArrayLike, unit: str) -> Array:
-    """``value`` as a float array.
-
-    Raises:
-        ValueError: a value that is not finite, or not above 0.
-    """
+    """Finite values above 0."""
     return _require(name, finite(name, value, unit), unit, lambda v: v > 0, "greater than 0")
 
 
 def not_negative(name: str, value: ArrayLike, unit: str) -> Array:
-    """``value`` as a float array.
-
-    Raises:
-        ValueError: a value that is not finite, or below 0.
-    """
+    """Finite values of 0 or more."""
     return _require(name, finite(name, value, unit), unit, lambda v: v >= 0, "0 or more")
 
 
-def vectors(name: str, value: ArrayLike, unit: str, count: int | None = None) -> Array:
-    """Vectors (x, y), shape [..., 2], or [..., count, 2] when ``count`` is given.
-
-    Raises:
-        ValueError: another shape, or a component that is not finite.
-    """
-    return _pairs(name, value, unit, count, "vectors")
-
-
-def points(name: str, value: ArrayLike, count: int | None = None) -> Array:
-    """Points [m], shape [..., 2], or [..., count, 2] when ``count`` is given.
-
-    Raises:
-        ValueError: another shape, or a coordinate that is not finite.
-    """
-    return _pairs(name, value, "m", count, "points")
-
-
-def _pairs(name: str, value: ArrayLike, unit: str, count: int | None, kind: str) -> Array:
+def vectors(
+    name: str, value: ArrayLike, unit: str, count: int | None = None, kind: str = "vectors",
+) -> Array:
+    """Finite vectors (x, y), shape [..., 2], or [..., count, 2] with a ``count``."""
     array = finite(name, value, unit)
     if array.ndim < 1 or array.shape[-1] != 2:
         raise ValueError(f"{name} must be {kind} (x, y) in {unit}, got shape {array.shape}")
@@ -66,12 +43,13 @@ def _pairs(name: str, value: ArrayLike, unit: str, count: int | None, kind: str)
     return array
 
 
-def per_phalanx(name: str, value: ArrayLike, count: int, unit: str) -> Array:
-    """``value`` with one entry a phalanx (or tendon) on its last axis, shape [..., count].
+def points(name: str, value: ArrayLike, count: int | None = None) -> Array:
+    """Finite points [m], shape [..., 2], or [..., count, 2] with a ``count``."""
+    return vectors(name, value, "m", count, "points")
 
-    Raises:
-        ValueError: another number of entries, or one that is not finite.
-    """
+
+def per_phalanx(name: str, value: ArrayLike, count: int, unit: str) -> Array:
+    """Finite values with one entry per phalanx (or tendon) on the last axis, shape [..., count]."""
     array = finite(name, value, unit)
     if array.ndim < 1 or array.shape[-1] != count:
         raise ValueError(
@@ -80,11 +58,7 @@ def per_phalanx(name: str, value: ArrayLike, count: int, unit: str) -> Array:
 
 
 def homogeneous(name: str, value: ArrayLike) -> Array:
-    """Matrices of the plane, shape [..., 3, 3].
-
-    Raises:
-        ValueError: another shape, or an entry that is not finite.
-    """
+    """Finite matrices of the plane, shape [..., 3, 3]."""
     array = finite(name, value, "")
     if array.shape[-2:] != (3, 3):
         raise ValueError(f"{name} must be 3x3 matrices, got shape {array.shape}")
@@ -92,11 +66,7 @@ def homogeneous(name: str, value: ArrayLike) -> Array:
 
 
 def together(**arrays: Array) -> tuple[int, ...]:
-    """The shape that arrays broadcast to.
-
-    Raises:
-        ValueError: arrays of unequal length; every one is named with its shape.
-    """
+    """The shape that arrays broadcast to; the error names each with its shape."""
     try:
         return np.broadcast_shapes(*(array.shape for array in arrays.values()))
     except ValueError:

@@ -26,7 +26,6 @@ from numpy.typing import ArrayLike
 
 from sandbox.mechanics.checks import (
     finite,
-    homogeneous,
     not_negative,
     per_phalanx,
     points,
@@ -60,35 +59,6 @@ def joint_torques(
     pulled = not_negative("tension", tension, "N")[..., None]
     together(tension=pulled, tendon_arms=h, stiffness=k, elongations=stretch, spring_arms=hm)
     return np.asarray(pulled * h - k * stretch * hm)
-
-
-def gravity_torques(
-    frames: ArrayLike, masses: ArrayLike, centres: ArrayLike, gravity: ArrayLike,
-) -> Array:
-    """Torque of the phalanges' weight on every joint [N m], closing positive, shape [..., n].
-
-    tau_j = -sum_(i >= j) m_i z . ((c_i - C_j) x g); the minus because joints
-    count clockwise.
-
-    Args:
-        frames: of the phalanges (:func:`sandbox.mechanics.chain.transforms`), [..., n, 3, 3].
-        masses: m_i [kg], shape [n].
-        centres: of mass, in the phalanges' frames [m], shape [n, 2].
-        gravity: g [m/s^2], in the world, shape [2].
-
-    Raises:
-        ValueError: a mass below 0, arrays of unequal length.
-    """
-    matrix = homogeneous("frames", frames)
-    if matrix.ndim < 3:
-        raise ValueError(f"frames must have shape [..., n, 3, 3], got {matrix.shape}")
-    n = matrix.shape[-3]
-    mass = not_negative("masses", per_phalanx("masses", masses, n, "kg"), "kg")
-    g, local = points("gravity", gravity), points("centres", centres, n)
-    at = np.einsum("...nij,...nj->...ni", matrix[..., :2, :2], local) + matrix[..., :2, 2]
-    lever = at[..., :, None, :] - matrix[..., None, :, :2, 2]
-    moment = mass[:, None] * (lever[..., 0] * g[..., 1] - lever[..., 1] * g[..., 0])
-    return np.asarray(-(moment * np.tril(np.ones((n, n)))).sum(axis=-2))
 
 
 def contact_jacobian(theta: ArrayLike, lengths: ArrayLike, distances: ArrayLike) -> Array:
@@ -256,27 +226,9 @@ def _stop_rows(joints: int, lower: ArrayLike | None, upper: ArrayLike | None) ->
 
 
 def _least_squares_not_negative(A: Array, b: Array) -> Array:
-    """Min |A x - b|, x >= 0, by Lawson and Hanson's active set; shapes [n, m], [n] -> [m]."""
-    m = A.shape[1]
+    """Min |A x - b|, x >= 0; shapes [n, m], [n] -> [m]."""
+    from scipy.optimize import nnls
+
     scale = np.linalg.norm(A, axis=0)
     scale[scale == 0] = 1.0
-    A = A / scale
-    x, free = np.zeros(m), np.zeros(m, dtype=bool)
-    small = 1e-12 * float(np.linalg.norm(b))
-    for _ in range(3 * m + 1):
-        gradient = np.where(free, -np.inf, A.T @ (b - A @ x))
-        if m == 0 or gradient.max() <= small:
-            break
-        free[int(np.argmax(gradient))] = True
-        while True:
-            trial = np.zeros(m)
-            trial[free] = np.linalg.lstsq(A[:, free], b, rcond=None)[0]
-            below = free & (trial < 0)
-            if not below.any():
-                x = trial
-                break
-            share = np.where(below, x / np.where(below, x - trial, 1.0), np.inf)
-            x = x + share.min() * (trial - x)
-            free &= share > share.min()  # one at least leaves, so this ends
-            x[~free] = 0.0
-    return np.asarray(x / scale)
+    return np.asarray(nnls(A / scale, b)[0] / scale) if A.shape[1] else np.zeros(0)

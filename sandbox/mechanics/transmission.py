@@ -127,31 +127,6 @@ def equilibrium_distance(theta_2: ArrayLike, length_1: float, ratio: ArrayLike) 
     return np.asarray(X * positive("length_1", length_1, "m") * np.cos(turned) / (1 - X))
 
 
-def stable_share(length_1: float, length_2: float, ratio: ArrayLike) -> Array:
-    """Share of the grasp-state plane in which both phalanges press [1], shape [...].
-
-    The plane is 0 <= theta_2 <= 90 deg, 0 < k_2 <= l_2. With q = X / (1 - X) l_1 / l_2
-    the curve k_2 / l_2 = q cos(theta_2) leaves 1 - 2 q / pi of it where q <= 1, else, as
-    it runs beyond the phalanx up to theta = acos(1 / q),
-    1 - (2 / pi) (theta + q (1 - sin(theta))).
-
-    Args:
-        length_1: l_1 of the proximal phalanx [m].
-        length_2: l_2 of the distal phalanx [m].
-        ratio: X = tau_2 / tau_1 [1], the same in every pose, shape [...].
-
-    Raises:
-        ValueError: a length that is not above 0, a ratio not between 0 and 1.
-    """
-    near, far = positive("length_1", length_1, "m"), positive("length_2", length_2, "m")
-    X = positive("ratio", ratio, "")
-    if (high := np.asarray(X >= 1)).any():
-        raise ValueError(f"ratio must be below 1, got {X[high].flat[0]:.6g}")
-    q = X / (1 - X) * near / far
-    beyond = np.arccos(np.minimum(1 / q, 1.0))
-    return np.asarray(1 - (beyond + q * (1 - np.sin(beyond))) * 2 / np.pi)
-
-
 def force_isotropy(forces: ArrayLike) -> Array:
     """min(f_i) / max(f_i) [1], shape [...]: 1 where all phalanges press alike, 0 if one does not.
 

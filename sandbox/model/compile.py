@@ -24,6 +24,7 @@ from sandbox.model.model import (
     Springs,
     Tendons,
     Valves,
+    columns_of,
 )
 from sandbox.model.ties import compile_ties
 from sandbox.scene.geometry import anchors, mass_properties, pose_of, to_body, to_world
@@ -38,6 +39,9 @@ JOINT_COLUMNS: Mapping[str, Any] = {
 """Columns of joints that their kind fills in; the values stand for kinds without them."""
 SPRING_COLUMNS: Mapping[str, Any] = {
     "bodies": (NONE, NONE), "anchor": (NO_POINT, NO_POINT), "joint": NONE, "rest": NAN,
+    "start": NAN}
+CHAMBER_COLUMNS: Mapping[str, Any] = {
+    "bodies": (NONE, NONE), "anchor": (NO_POINT, NO_POINT), "joint": NONE, "gain": NAN,
     "start": NAN}
 DRIVE_COLUMNS: Mapping[str, Any] = {
     "shape": NONE, "at": NO_POINT, "direction": NO_POINT, "turning": False, "most": NAN,
@@ -90,13 +94,6 @@ class Scope:
     def world(self, body: str, point: Vec) -> Vec:
         """A point of a body's frame [m] in the world at t = 0."""
         return to_world(pose_of(self.mechanism.bodies[self.names.body[body]]), point)
-
-
-def columns_of(rows: Sequence[Mapping[str, Any]], defaults: Mapping[str, Any]) -> dict[str, Any]:
-    """Arrays from the columns of elements; a default also gives a column's type and shape."""
-    return {key: np.array([row.get(key, default) for row in rows],
-                          dtype=np.array(default).dtype).reshape(-1, *np.shape(default))
-            for key, default in defaults.items()}
 
 
 def _numbers(elements: Sequence[_HasName]) -> dict[str, int]:
@@ -229,28 +226,20 @@ def compile_lines(scope: Scope, drives: Drives) -> Lines:
     """The lines of a mechanism whose references are right."""
     lines = scope.mechanism.lines
     chambers = [chamber.columns(scope) for line in lines for chamber in line.chambers]
-    volume = np.array([line.volume_at(scope.world) for line in lines], dtype=float)
+    volume = _floats(line.volume_at(scope.world) for line in lines)
     given = {int(drives.target[i]): i for i in drives.giving("pressure").tolist()
              if drives.resistance[i] == 0.0}
 
-    def column(key: str, default: Any) -> Any:
-        return np.array([chamber.get(key, default) for chamber in chambers],
-                        dtype=np.array(default).dtype).reshape(-1, *np.shape(default))
-
     return Lines(
-        name=tuple(line.name for line in lines),
+        name=_names(lines),
         first=np.cumsum([0, *(len(line.chambers) for line in lines)], dtype=np.int64),
-        bodies=column("bodies", (NONE, NONE)), anchor=column("anchor", (NO_POINT, NO_POINT)),
-        joint=column("joint", NONE), gain=column("gain", NAN), start=column("start", NAN),
-        volume=volume,
-        compliance=np.array([line.compliance(v)
-                             for line, v in zip(lines, volume, strict=True)], dtype=float),
-        gas=np.array([NAN if line.gas is None else line.gas for line in lines], dtype=float),
-        pressure=np.array([line.pressure for line in lines], dtype=float),
-        least=np.array([line.least for line in lines], dtype=float),
-        most=np.array([math.inf if line.relief is None else line.relief for line in lines],
-                      dtype=float),
-        drive=np.array([given.get(i, NONE) for i in range(len(lines))], dtype=np.int64))
+        **columns_of(chambers, CHAMBER_COLUMNS), volume=volume,
+        compliance=_floats(line.compliance(v) for line, v in zip(lines, volume, strict=True)),
+        gas=_floats(NAN if line.gas is None else line.gas for line in lines),
+        pressure=_floats(line.pressure for line in lines),
+        least=_floats(line.least for line in lines),
+        most=_floats(math.inf if line.relief is None else line.relief for line in lines),
+        drive=_ints(given.get(i, NONE) for i in range(len(lines))))
 
 
 def compile_valves(scope: Scope, drives: Drives) -> Valves:
@@ -258,10 +247,10 @@ def compile_valves(scope: Scope, drives: Drives) -> Valves:
     valves, names = scope.mechanism.valves, scope.names
     setters = {int(drives.target[i]): i for i in drives.giving("opening").tolist()}
     return Valves(
-        name=tuple(valve.name for valve in valves),
-        lines=np.array([[NONE if line is None else names.line[line] for line in (valve.a, valve.b)]
-                        for valve in valves], dtype=np.int64).reshape(-1, 2),
-        resistance=np.array([valve.resistance for valve in valves], dtype=float),
-        orifice=np.array([valve.orifice for valve in valves], dtype=float),
-        one_way=np.array([valve.one_way for valve in valves], dtype=np.bool_),
-        drive=np.array([setters.get(i, NONE) for i in range(len(valves))], dtype=np.int64))
+        name=_names(valves),
+        lines=_ints(([NONE if line is None else names.line[line] for line in (valve.a, valve.b)]
+                     for valve in valves), 2),
+        resistance=_floats(valve.resistance for valve in valves),
+        orifice=_floats(valve.orifice for valve in valves),
+        one_way=_flags(valve.one_way for valve in valves),
+        drive=_ints(setters.get(i, NONE) for i in range(len(valves))))

@@ -13,16 +13,27 @@ from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 
 
+def rotated(vectors: Array, angle: Array | float) -> Array:
+    """Vectors [..., 2] rotated by angles [...] [rad]."""
+    c, s, x, y = np.cos(angle), np.sin(angle), vectors[..., 0], vectors[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
+
+
+def placed(pose: Array, points: Array) -> Array:
+    """Points [..., 2] of frames with poses [..., 3] (x, y, angle) in the world [m]."""
+    c, s, x, y = np.cos(pose[..., 2]), np.sin(pose[..., 2]), points[..., 0], points[..., 1]
+    return np.stack([pose[..., 0] + c * x - s * y, pose[..., 1] + s * x + c * y], axis=-1)
+
+
 def anchor_at(model: Model, joint: int | Integers, pose: Array, end: int) -> tuple[Array, Array]:
     """An anchor of a joint, or those of several [k], in the world [m].
 
     ``end`` is 0 on ``a`` and 1 on ``b``; ``pose`` [..., nb, 3] are the bodies' frames. The two
     coordinates have the shape [...] or [..., k].
     """
-    body, (x, y) = model.joints.bodies[joint, end], model.joints.anchor[joint, end].T
-    at = pose[..., body, :]
-    c, s = np.cos(at[..., 2]), np.sin(at[..., 2])
-    return at[..., 0] + c * x - s * y, at[..., 1] + s * x + c * y
+    body, point = model.joints.bodies[joint, end], model.joints.anchor[joint, end]
+    at = placed(pose[..., body, :], point)
+    return at[..., 0], at[..., 1]
 
 
 def apart(model: Model, joint: int | Integers, pose: Array) -> tuple[Array, Array]:
@@ -39,10 +50,8 @@ def _apart(model: Model, joint: int, pose: Array) -> dict[str, Any]:
 
 def _along(model: Model, joint: int, pose: Array) -> tuple[Array, Array]:
     """A rack's pitch line in the world, a unit vector."""
-    x, y = model.joints.along[joint]
-    angle = pose[..., model.joints.bodies[joint, 1], 2]
-    c, s = np.cos(angle), np.sin(angle)
-    return c * x - s * y, s * x + c * y
+    way = rotated(model.joints.along[joint], pose[..., model.joints.bodies[joint, 1], 2])
+    return way[..., 0], way[..., 1]
 
 
 def flank_of(model: Model, joint: int, pose: Array, side: int) -> Flank:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
 from sandbox.model.laws import law_of_load
-from sandbox.model.model import Bodies, BodyLoads, Model
+from sandbox.model.model import Bodies, BodyLoads, Model, columns_of
 from sandbox.numeric import Array
 from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Shape
 from sandbox.scene.geometry import corners
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.rings import wound
 
+LOAD_COLUMNS: Mapping[str, Any] = {"turning": False, "per_mass": False, "level": math.nan}
 Arc = tuple[float, float, float, float, float]
 """x, y of its centre, its first and last angle, its radius; of a straight side, with a radius of 0,
 its two ends."""
@@ -35,10 +37,8 @@ def compile_loads(mechanism: Mechanism, bodies: Bodies) -> BodyLoads:
         name=tuple(f"{mechanism.loads[i].name}.{mechanism.bodies[body].name}"
                    for i, body in pairs),
         load=load.copy(), body=on.copy(), at=np.array(at, dtype=float).reshape(-1, 2),
-        turning=np.array([row.get("turning", False) for _, row, _ in found], dtype=bool),
-        per_mass=np.array([row.get("per_mass", False) for _, row, _ in found], dtype=bool),
+        **columns_of([row for _, row, _ in found], LOAD_COLUMNS),
         law=tuple(law for law, _, _ in found),
-        level=np.array([row.get("level", math.nan) for _, row, _ in found], dtype=float),
         lift=np.array([row.get("weight", math.nan) * body.thickness for _, row, body in found],
                       dtype=float),
         sides=np.array([side for each in sides for side in each], dtype=float).reshape(-1, 5),

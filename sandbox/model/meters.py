@@ -28,17 +28,14 @@ def names_read(meter: Meter) -> frozenset[str]:
 
 
 def quotients(text: str) -> list[str]:
-    """What an expression divides, name by name, spelled as the quantity of a pair is: ``a/b``."""
+    """Quotients of names in an expression, spelled as the quantity of a pair: ``a/b``."""
     return sorted({f"{one}/{other}" for one, other in _QUOTIENT.findall(text)})
 
 
 def no_pair(
     pair: str, path: str, itself: str = "an expectation may use the pair itself",
 ) -> Problem:
-    """The refusal of the quantity of a pair in an expression, where a body alone has no value.
-
-    ``itself`` says where the pair can be had.
-    """
+    """The problem of a quantity of a pair in an expression; ``itself`` says where it is allowed."""
     first, _, rest = pair.partition("/")
     second, _, quantity = rest.rpartition(".")
     sums = " or ".join(quoted(f"{body}.contact.{quantity}") for body in (first, second))
@@ -48,10 +45,10 @@ def no_pair(
 
 
 def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:
-    """The order to evaluate meters in, and the circles among them, as places in the mechanism.
+    """The order in which to evaluate meters, and the cycles among them, as indices.
 
-    A meter comes after those it reads. What stands in a circle, or reads one
-    that does, is not in the order.
+    A meter comes after those that it reads. Meters of a cycle, and those that read them, are not in
+    the order.
     """
     place: dict[str, int] = {}
     for index, meter in enumerate(mechanism.meters):
@@ -65,7 +62,7 @@ def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:
     missing = [len(others) for others in reads]
     done: list[int] = []
     step = [index for index, count in enumerate(missing) if not count]
-    while step:  # those that read only what was done before
+    while step:  # meters that read only earlier ones
         done += step
         following = []
         for index in step:
@@ -78,7 +75,7 @@ def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:
 
 
 def _circles(reads: list[list[int]], waiting: list[int]) -> list[list[int]]:
-    """One circle for every set of meters that wait for each other, each told once."""
+    """One cycle for every set of meters that depend on each other."""
     stuck, seen, found = set(waiting), set[int](), []
     for start in waiting:
         path: list[int] = []
@@ -121,7 +118,7 @@ def evaluate(
 
 
 def _blank(column: Array, time: Array, name: str, notes: dict[int, str], index: int) -> None:
-    """Turn what is not finite into nan, and note how much and when first."""
+    """Replace infinite values by nan, with a note of their number and first time."""
     bad = ~np.isfinite(column)
     column[bad] = np.nan
     if index not in notes and bad.any():
@@ -130,11 +127,11 @@ def _blank(column: Array, time: Array, name: str, notes: dict[int, str], index: 
 
 
 MOST = 6
-"""Curves of a meter: more can be told apart by nobody."""
+"""Largest number of curves of a meter."""
 
 
 def is_expression(word: str) -> bool:
-    """Whether a curve is to be worked out, not read."""
+    """Whether a curve is an expression, not a quantity."""
     return word.lstrip().startswith("=")
 
 
@@ -146,7 +143,7 @@ def curves(meter: ShownMeter, known: Catalogue) -> list[str]:
 
 
 def worked_out(word: str, mechanism: Mechanism, read: Callable[[str], Array]) -> Array:
-    """The values of an expression, which may be none; ``read`` gives quantities and ``t``."""
+    """Values of an expression, nan without one; ``read`` gives quantities and ``t``."""
     expression = parse_expression(word)
     known = {name: read(name) for name in sorted(expression.names)}
     value = expression.evaluate({**mechanism.functions, **known}, finite=False)
@@ -154,7 +151,7 @@ def worked_out(word: str, mechanism: Mechanism, read: Callable[[str], Array]) ->
 
 
 def check_shown(mechanism: Mechanism) -> list[Problem]:
-    """What meters of the scene's picture ask for that a run does not have, or no plot can hold."""
+    """Problems of the meters in the scene's picture: unknown quantities, too many curves."""
     return problems_of(Catalogue(mechanism), mechanism.view) if mechanism.view.meters else []
 
 
@@ -177,10 +174,17 @@ def _missing(known: Catalogue, word: str, path: str, rank: int) -> Iterator[Prob
             what = "no quantity fits" if is_pattern(word) else "unknown quantity"
             yield unknown(known, what, word, path, rank)
         return
-    pairs = [pair for pair in quotients(word) if pair in known]
+    yield from _unreadable(known, word, names_in(word), path, rank)
+
+
+def _unreadable(
+    known: Catalogue, text: str, names: frozenset[str], path: str, rank: int,
+) -> Iterator[Problem]:
+    """Names in an expression that are no quantities, and pairs, which it cannot read."""
+    pairs = [pair for pair in quotients(text) if pair in known]
     yield from (no_pair(pair, path) for pair in pairs)
     halves = {half for pair in pairs for half in pair.split("/")}
-    for name in sorted(names_in(word) - {"t"} - halves):
+    for name in sorted(names - {"t"} - halves):
         if name not in known:
             yield unknown(known, "unknown quantity", name, path, rank)
 
@@ -197,11 +201,10 @@ def _together(known: Catalogue, meter: ShownMeter, path: str) -> Iterator[Proble
 
 
 def check_quantities(mechanism: Mechanism) -> list[Problem]:
-    """What meters and expectations ask for that a run does not have.
+    """Problems of the quantities in meters and expectations.
 
-    Unknown names (with near misses), patterns that fit nothing, meters whose
-    names mean something else already, meters that depend on themselves, and
-    numbers that an expectation holds a quantity of another dimension to.
+    Unknown names (with suggestions), patterns that fit nothing, names of meters that are taken,
+    meters that depend on themselves, and numbers of another dimension than their quantity.
     """
     known = Catalogue(mechanism)
     problems = [*_check_meter_names(mechanism), *_check_meter_values(known)]
@@ -224,9 +227,9 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
 def _check_units(
     known: Catalogue, expect: Expect, path: str, units: dict[str, list[str]],
 ) -> Iterator[Problem]:
-    """Numbers of an expectation with a unit of another dimension than its quantities have.
+    """Numbers of an expectation in a unit of another dimension than its quantities.
 
-    ``units`` are those of the patterns that were looked up, which what is new is added to.
+    ``units`` caches the units of patterns.
     """
     for place, number, quantity in _numbers(expect):
         if not isinstance(number, Measured):
@@ -262,7 +265,7 @@ def _numbers(expect: Expect) -> Iterator[tuple[str, object, str]]:
 
 
 def unknown(known: Catalogue, what: str, name: str, path: str, rank: int) -> Problem:
-    """The refusal of a quantity; what it may be only of those of small ``rank``."""
+    """The problem of an unknown quantity, with suggestions for those of small ``rank``."""
     if lacking := known.lacking(name):
         return Problem("unknown-quantity", f"{what} {quoted(name)}: {lacking}", path)
     near = known.near(name) if rank < MOST_HINTED else ""
@@ -275,13 +278,8 @@ def _check_meter_values(known: Catalogue) -> list[Problem]:
     problems: list[Problem] = []
     all_meters = known.mechanism.meters
     for i, meter in enumerate(all_meters):
-        path = f"$.meters[{i}].value"
-        pairs = [pair for pair in quotients(meter.value) if pair in known]
-        problems.extend(no_pair(pair, path) for pair in pairs)
-        halves = {half for pair in pairs for half in pair.split("/")}
-        for name in sorted(names_read(meter) - {"t"} - halves):
-            if name not in known:
-                problems.append(unknown(known, "unknown quantity", name, path, len(problems)))
+        problems.extend(_unreadable(
+            known, meter.value, names_read(meter), f"$.meters[{i}].value", len(problems)))
     for circle in order(known.mechanism)[1]:
         ring = " → ".join(quoted(all_meters[i].name) for i in [*circle, circle[0]])
         problems.append(Problem("circular-definition", "meters depend on each other in a circle: "

@@ -8,9 +8,10 @@ reads it: none looks a name up again.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -445,3 +446,10 @@ class Model:
             case _:
                 found = self.springs.bodies[target]
         return found
+
+
+def columns_of(rows: Sequence[Mapping[str, Any]], defaults: Mapping[str, Any]) -> dict[str, Any]:
+    """Arrays from the columns of elements; a default also gives a column's type and shape."""
+    return {key: np.array([row.get(key, default) for row in rows],
+                          dtype=np.array(default).dtype).reshape(-1, *np.shape(default))
+            for key, default in defaults.items()}

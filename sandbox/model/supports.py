@@ -1,42 +1,45 @@
-"""Joints that share a load in a way that mechanics does not decide: more rows than freedoms.
+"""Redundant joints, whose loads statics does not determine: more rows than degrees of freedom.
 
-A joint asks rows J of the velocities of its bodies to be 0, and its forces are the multipliers of
-these rows. Where rows depend on one another, J^T p = 0 has solutions besides 0, and every joint
-that has a part in one of them could carry more while others carry less. Of all sets of forces
-that will do the engine finds the least sum of squares, weighted by what the masses give.
+A joint requires rows J of the velocities of its bodies to be 0, and its forces are the multipliers
+of these rows. Where rows depend on one another, J^T p = 0 has nonzero solutions, and each joint
+with a part in one of them could carry more while others carry less. Of all possible sets of forces
+the engine finds the least sum of squares, weighted by the masses.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
-from sandbox.model.joints import flank_of, meeting, outward
+from sandbox.model.joints import flank_of, meeting, outward, rotated
 from sandbox.model.model import Model
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Integers
 
 LARGEST_GROUP = 300
-"""Rows that hang together and are still asked."""
+"""Largest number of connected rows that are examined."""
 RANK = 1e-9
 """Singular values below this share of the largest count as none."""
 PART = 1e-6
-"""A joint with less of a unit vector of the null space has no part in it."""
+"""Least component of a joint in a unit vector of the null space."""
 
 
 class Shared(NamedTuple):
-    """What was found of a pose."""
+    """Redundant joints in a pose."""
 
     joints: set[int]
     """Those whose reactions are not unique."""
     asked: bool
-    """Whether anything was: what hangs together has at most :data:`LARGEST_GROUP` rows."""
+    """Whether any group of joints was examined: one of at most :data:`LARGEST_GROUP` rows."""
 
 
 def shared_joints(model: Model, pose: Array) -> Shared:
-    """The joints whose reactions statics leaves open in a pose of the bodies' frames [nb, 3].
+    """Joints whose reactions statics does not determine in a pose of the frames [nb, 3].
 
-    Ropes and the ends of grooves, which push one way, are left out.
+    Unilateral ones, ropes and the ends of grooves, are left out.
     """
     found: set[int] = set()
     asked = False
@@ -53,9 +56,9 @@ def shared_joints(model: Model, pose: Array) -> Shared:
 
 
 def parting_wheels(model: Model, pose: Array) -> set[int]:
-    """The gears and racks whose distance no joint keeps, in a pose of the bodies' frames [nb, 3].
+    """Gears and racks whose distance no joint keeps, in a pose of the bodies' frames [nb, 3].
 
-    The distance is kept where joints, teeth among them, let it change by no motion of their bodies.
+    The distance is kept if joints, with teeth, allow no motion of the bodies that changes it.
     """
     found: set[int] = set()
     for joints in together(model):
@@ -98,34 +101,33 @@ def _matrix(
     return J
 
 
+def components(count: int, pairs: Sequence[Sequence[int]] | Array | Integers) -> list[int]:
+    """The number of the connected component of each of ``count`` bodies that ``pairs`` link."""
+    one, two = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+    links = coo_array((np.ones(len(one)), (one, two)), (count, count))
+    found: list[int] = connected_components(links, directed=False)[1].tolist()
+    return found
+
+
 def together(model: Model) -> list[list[int]]:
-    """Joints gathered where free bodies join them."""
-    place = list(range(len(model.bodies.name)))
-
-    def root(body: int) -> int:
-        while place[body] != body:
-            body = place[body]
-        return body
-
-    pairs = model.joints.bodies.tolist()
-    for a, b in pairs:
-        if model.bodies.free[a] and model.bodies.free[b]:
-            place[root(a)] = root(b)
-    groups: dict[int, list[int]] = {}
-    for joint, pair in enumerate(pairs):
-        if free := [body for body in pair if model.bodies.free[body]]:
-            groups.setdefault(root(free[0]), []).append(joint)
-    return list(groups.values())
+    """Joints in groups that free bodies connect."""
+    free, pairs = model.bodies.free, model.joints.bodies
+    group = components(len(free), pairs[free[pairs].all(axis=1)])
+    found: dict[int, list[int]] = {}
+    for joint, pair in enumerate(pairs.tolist()):
+        if moving := [body for body in pair if free[body]]:
+            found.setdefault(group[moving[0]], []).append(joint)
+    return list(found.values())
 
 
 def joint_rows(
     model: Model, pose: Array, joint: int, *, flank: int = 0,
 ) -> list[list[tuple[int, Array]]]:
-    """Of each row of a joint: its two bodies and the coefficients of x, y and angle of each.
+    """Rows of a joint: its two bodies with the coefficients of x, y and angle of each.
 
-    Those of angles are about the frames' origins; read as loads they are a unit force on the
-    bodies and its moments about these [m]. Teeth yield, and so share a load as their stiffness has
-    it: they have a row only where a ``flank``, +1 or -1, is asked for.
+    Coefficients of angles refer to the frames' origins. As loads they are a unit force on the
+    bodies and its moments [m]. Teeth are elastic: they have a row only for a given ``flank``, +1
+    or -1.
     """
     joints = model.joints
     a, b = joints.bodies[joint].tolist()
@@ -168,5 +170,5 @@ def about_centre(model: Model, pose: Array, body: int, wrench: Array) -> Array:
 
 
 def _arm(pose: Array, point: Array) -> tuple[float, float]:
-    c, s = float(np.cos(pose[2])), float(np.sin(pose[2]))
-    return c * float(point[0]) - s * float(point[1]), s * float(point[0]) + c * float(point[1])
+    x, y = rotated(point, pose[2]).tolist()
+    return x, y

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.elements.arrays import Arrays
+from sandbox.model.joints import placed
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers
 
@@ -111,10 +112,8 @@ def ways(arrays: Arrays) -> Array:
     A turn counts at the radius of gyration, by which it has the kinetic energy of a way as long. A
     body that does not move freely has no such radius; only its centre counts.
     """
-    pose, centre = arrays["body_pose"], arrays["body_centre"]
-    c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
-    x = pose[..., 0] + c * centre[:, 0] - s * centre[:, 1]
-    y = pose[..., 1] + s * centre[:, 0] + c * centre[:, 1]
+    pose = arrays["body_pose"]
+    x, y = np.moveaxis(placed(pose, arrays["body_centre"]), -1, 0)
     mass, inertia = arrays["body_mass"], arrays["body_inertia"]
     free = np.isfinite(mass) & np.isfinite(inertia) & (mass > 0)
     square = np.where(free, inertia, 0.0) / np.where(free, mass, 1.0)

@@ -16,6 +16,7 @@ import numpy as np
 
 from sandbox.elements.quantities import MOST_PRESSING, STRAY, WINDOW
 from sandbox.mechanics.closure import force_spread, grasp_epsilon, grasp_isotropy
+from sandbox.model.joints import placed, rotated
 from sandbox.model.pairs import static_friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
@@ -79,7 +80,7 @@ class Grasp:
         local = centre_of(bodies[body])
         self.size = reach_of(bodies[body], local)
         """rho: greatest distance of the outline from the centre of mass [m]."""
-        self.centre = _places(a["body_pose"][:, body], np.asarray(local))
+        self.centre = placed(a["body_pose"][:, body], np.asarray(local))
         """Of mass, [n, 2]."""
         self._stiffnesses: dict[int, Array] = {}
 
@@ -323,7 +324,7 @@ class Grasp:
         """Speeds at which the object slides along what presses on it [m/s], [k]."""
         a, sample, other = self.run.arrays, self.sample[rows], self.other[rows]
         points, normal = self.point[rows], self.normal[rows]
-        theirs = _places_of(a["body_pose"][sample, other], a["body_centre"][other])
+        theirs = placed(a["body_pose"][sample, other], a["body_centre"][other])
         apart = (_at(a["body_velocity"][sample, self.body], points - self.centre[sample])
                  - _at(a["body_velocity"][sample, other], points - theirs))
         return np.abs(apart[:, 1] * normal[:, 0] - apart[:, 0] * normal[:, 1])
@@ -336,9 +337,8 @@ class Grasp:
                  if body.role == "palm" and body.motion != "fixed"]
         if not palms:
             return self.centre, angle
-        x, y, turn = pose[:, palms[0]].T
-        dx, dy, c, s = self.centre[:, 0] - x, self.centre[:, 1] - y, np.cos(turn), np.sin(turn)
-        return np.stack([c * dx + s * dy, c * dy - s * dx], axis=1), angle - turn
+        palm = pose[:, palms[0]]
+        return rotated(self.centre - palm[:, :2], -palm[:, 2]), angle - palm[:, 2]
 
     def drift(self) -> Array:
         """From where it was in the first of the samples in which it is held [m], [n]."""
@@ -379,18 +379,6 @@ MEASURES: Mapping[str, Callable[[Grasp], Array]] = {
 def of_hand(body: Body) -> bool:
     """Whether a body is part of a hand."""
     return body.role in OF_HANDS or (body.role == "link" and body.motion != "fixed")
-
-
-def _places(pose: Array, point: Array) -> Array:
-    """A point of a body's frame in the world in poses [n, 3], [n, 2]."""
-    return _places_of(pose, np.broadcast_to(point, (len(pose), 2)))
-
-
-def _places_of(pose: Array, points: Array) -> Array:
-    """Points [n, 2] of frames in the world, for poses [n, 3]."""
-    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-    return np.stack([pose[:, 0] + c * points[:, 0] - s * points[:, 1],
-                     pose[:, 1] + s * points[:, 0] + c * points[:, 1]], axis=1)
 
 
 def _at(velocity: Array, arm: Array) -> Array:

@@ -1,7 +1,9 @@
 """Every recorded load as a force at a body's centre of mass and a moment about it.
 
-Tendons, lines of fluid, springs, dampers, stops, drives, contacts, weight, and apart from
-these what joints carry. Rows are loads or bodies, columns samples.
+Most elements act along a coordinate q between two bodies: the distance of two points, the angle of
+a hinge or the displacement along a groove. A unit effort along it gives the wrenches w_a and w_b on
+its bodies, and q' = w_a . v_a + w_b . v_b. This is the NumPy counterpart of
+:mod:`sandbox.engine.coordinates`. Rows are loads or bodies, columns samples.
 """
 
 from __future__ import annotations
@@ -13,26 +15,54 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.model.joints import meeting
+from sandbox.model.model import NONE
 from sandbox.model.ties import held_of
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cords import Stretches, piece_tensions, stretches
 from sandbox.samples.frames import Frames
 from sandbox.samples.outcome import Stored
 
+Pair = tuple[Array, Array]
+"""Components x and y, [k, n] each."""
+
 
 class Batch(NamedTuple):
-    """Loads of one kind."""
+    """Loads of one kind, or the wrenches of unit efforts."""
 
     kind: str
     element: Integers
-    """Which element of its kind each is of, [k]."""
+    """The element of each row, [k]."""
     body: Integers
-    """On which body each acts, [k]."""
+    """The body on which each acts, [k]."""
     x: Array
     """Force in the world [N], [k, n]."""
     y: Array
     moment: Array
     """About the body's centre of mass, counter-clockwise [N m], [k, n]."""
+
+    def times(self, effort: Array) -> Batch:
+        """The loads of ``effort`` [elements, n] along coordinates."""
+        own = effort[self.element]
+        return self._replace(x=self.x * own, y=self.y * own, moment=self.moment * own)
+
+    def power(self, velocity: Array) -> Array:
+        """Power of each row as bodies move with ``velocity`` [3, nb, n]; [k, n] W."""
+        v = velocity[:, self.body]
+        return np.asarray(self.x * v[0] + self.y * v[1] + self.moment * v[2])
+
+    def rates(self, count: int, velocity: Array) -> Array:
+        """Power of each of ``count`` elements; of unit efforts the rate of q, [count, n]."""
+        found = np.zeros((count, velocity.shape[2]))
+        np.add.at(found, self.element, self.power(velocity))
+        return found
+
+    def on_bodies(self, element: int, sample: int = 0) -> dict[int, Array]:
+        """Wrenches x, y, moment [3] of one element in one sample, by body."""
+        found: dict[int, Array] = {}
+        for k in np.flatnonzero(self.element == element).tolist():
+            own = np.array([part[k, sample] for part in (self.x, self.y, self.moment)])
+            found[int(self.body[k])] = found.get(int(self.body[k]), 0.0) + own
+        return found
 
 
 class ContactSides(NamedTuple):
@@ -46,10 +76,12 @@ class ContactSides(NamedTuple):
     """About its centre of mass [N m]."""
     at: Array
     """Where the force acts, in the world [m], [2 m, 2]."""
+    arm: Array
+    """From the centre of mass to there [m], [2 m, 2]."""
 
 
 class Loads:
-    """The loads of a recording, one batch a kind; sums over bodies when asked for."""
+    """The loads of a recording, in batches by kind, and their sums over bodies."""
 
     def __init__(self, run: Stored) -> None:
         self.run, self.model = run, run.model
@@ -60,121 +92,231 @@ class Loads:
         """The straight pieces of all tendons."""
         return stretches(self.frames)
 
-    @cached_property
-    def batches(self) -> list[Batch]:
-        """All loads but those of contacts and joints."""
-        return list(self._batches())
+    # -- sums ---------------------------------------------------------------------------
 
     @cached_property
     def totals(self) -> Array:
         """Sum of all loads but those of joints: force x, y [N] and moment [N m], [3, nb, n]."""
         total = self._contact_totals()
         for batch in self.batches:
-            for k, body in enumerate(batch.body):
-                if self.model.bodies.free[body]:
-                    total[0, body] += batch.x[k]
-                    total[1, body] += batch.y[k]
-                    total[2, body] += batch.moment[k]
+            self._add(batch, total)
         return total
+
+    def _add(self, batch: Batch, total: Array) -> None:
+        for k, body in enumerate(batch.body):
+            if self.model.bodies.free[body]:
+                total[0, body] += batch.x[k]
+                total[1, body] += batch.y[k]
+                total[2, body] += batch.moment[k]
 
     @cached_property
     def largest(self) -> Array:
         """Largest single force [N] and moment [N m] on every body in the whole run, [2, nb].
 
-        What joints carry and the inertial forces m a and I alpha count, too.
+        The loads of joints and the inertial forces m a and I alpha count, too.
         """
-        most = self._contact_most
-        mass = self.run.arrays["body_mass"], self.run.arrays["body_inertia"]
-        a = self.frames.acceleration
-        for body in np.flatnonzero(self.model.bodies.free):
-            most[0, body] = max(most[0, body], mass[0][body] * _peak(np.hypot(a[0, body],
-                                                                              a[1, body])))
-            most[1, body] = max(most[1, body], mass[1][body] * _peak(a[2, body]))
+        sides, most = self.contact_sides, np.zeros((2, len(self.model.bodies.name)))
+        np.maximum.at(most[0], sides.body, np.hypot(*sides.force.T))
+        np.maximum.at(most[1], sides.body, np.abs(sides.moment))
+        inertial = self.weights.T[:, :, None] * self.frames.acceleration
+        np.maximum(most[0], np.hypot(*inertial[:2]).max(axis=1, initial=0.0), out=most[0])
+        np.maximum(most[1], np.abs(inertial[2]).max(axis=1, initial=0.0), out=most[1])
         for batch in (*self.batches, self.joints):
             force = np.sqrt((batch.x**2 + batch.y**2).max(axis=1, initial=0.0))
-            moment = np.abs(batch.moment).max(axis=1, initial=0.0)
             np.fmax.at(most[0], batch.body, force)
-            np.fmax.at(most[1], batch.body, moment)
+            np.fmax.at(most[1], batch.body, np.abs(batch.moment).max(axis=1, initial=0.0))
         return most
 
     @cached_property
-    def joints(self) -> Batch:
-        """What joints do to their bodies ``b``, and then to ``a``; nan where it was not kept."""
-        a, b = self.model.joints.bodies.T
-        fx, fy = (np.ascontiguousarray(part) for part in self.run.arrays["joint_force"].T)
-        couple = self.run.arrays["joint_couple"].T
-        on_a, on_b = self.frames.anchors
-        (ax, ay), (bx, by) = ((end.arm_x.copy(), end.arm_y.copy()) for end in (on_a, on_b))
-        for j in self.model.joints.keeping("groove"):  # a groove is held where the pin is
-            ax[j] = on_b.x[j] - self.frames.centre_x[a[j]]
-            ay[j] = on_b.y[j] - self.frames.centre_y[a[j]]
-        for j in np.flatnonzero([kind.wheels for kind in self.model.joints.kind]):
-            x, y = meeting(self.model, int(j), self.run.arrays["body_pose"])
-            ax[j], ay[j] = x - self.frames.centre_x[a[j]], y - self.frames.centre_y[a[j]]
-            bx[j], by[j] = x - self.frames.centre_x[b[j]], y - self.frames.centre_y[b[j]]
-        return Batch("joint", np.tile(np.arange(len(a)), 2), np.concatenate([b, a]),
-                     np.concatenate([fx, -fx]), np.concatenate([fy, -fy]),
-                     np.concatenate([bx * fy - by * fx + couple,
-                                     ay * fx - ax * fy - couple]))
-
-    @cached_property
     def weights(self) -> Array:
-        """What accelerations along x, y and about the centre take: m, m, I, [nb, 3].
-
-        0 of what does not move freely.
-        """
+        """Inertia along x, y and about the centre: m, m, I, [nb, 3]; 0 of bodies not free."""
         mass, inertia = self.run.arrays["body_mass"], self.run.arrays["body_inertia"]
         return np.where(self.model.bodies.free[:, None],
                         np.stack([mass, mass, inertia], axis=1), 0.0)
 
     @cached_property
     def left(self) -> Array:
-        """All loads, those of joints included, less m a; and moments, less I alpha, [3, nb, n].
-
-        0 of what does not move freely.
-        """
-        left, free = self.totals.copy(), self.model.bodies.free
-        joints = self.joints
-        for k, body in enumerate(joints.body):
-            left[0, body] += joints.x[k]
-            left[1, body] += joints.y[k]
-            left[2, body] += joints.moment[k]
+        """All loads less m a, and moments less I alpha, [3, nb, n]; 0 of bodies not free."""
+        left = self.totals.copy()
+        self._add(self.joints, left)
         left -= self.weights.T[:, :, None] * self.frames.acceleration
-        left[:, ~free] = 0.0
+        left[:, ~self.model.bodies.free] = 0.0
         return left
 
+    @cached_property
+    def batches(self) -> list[Batch]:
+        """All loads but those of contacts and joints."""
+        return list(self._batches())
+
     def _batches(self) -> Iterator[Batch]:
-        model = self.model
+        model, a = self.model, self.run.arrays
+        joints, springs = model.joints, model.springs
         if model.tendons.name:
             yield self.cord_loads
         if model.lines.name:
-            yield self._times(self.line_pushes, self.run.arrays["line_pressure"].T)
+            yield self.line_efforts.times(a["line_pressure"].T)
         if any(model.mechanism.gravity):
-            yield self._weight()
-        if model.springs.straight.any():
-            yield self._times(self.spring_pulls, self.run.arrays["spring_force"].T)
-        if not model.springs.straight.all():
-            yield self._rotary_springs()
+            free = np.flatnonzero(model.bodies.free)
+            weight = a["body_mass"][free, None] * np.ones(self.frames.samples)
+            gx, gy = model.mechanism.gravity
+            yield Batch("gravity", np.zeros(len(free), dtype=np.int64), free, weight * gx,
+                        weight * gy, np.zeros_like(weight))
+        if springs.name:
+            yield self.spring_efforts.times(-self.spring_forces)
         for kind in ("damping", "stop"):
-            if len(model.joints.hinges):
-                yield self._at_hinges(kind)
-        if len(model.joints.rubbed):
-            yield self._times(self.rub_pushes, np.nan_to_num(self.run.arrays["joint_friction"].T))
+            torque = np.nan_to_num(a[f"joint_{kind}"].T)
+            acts = joints.hinges[torque[joints.hinges].any(axis=1)]
+            if len(acts):
+                yield self._turning(kind, acts, acts).times(torque)
+        if len(joints.rubbed):
+            yield self.friction_efforts.times(np.nan_to_num(a["joint_friction"].T))
         if model.loads.name:
-            a = self.run.arrays
             yield Batch("load", np.arange(len(model.loads.name)), model.loads.body,
                         a["load_force"][:, :, 0].T, a["load_force"][:, :, 1].T,
                         a["load_torque"].T)
-        if len(turning := model.drives.giving("torque")):
-            yield self._torques(turning)
+        if len(model.drives.giving("torque", "push")):
+            yield self.drive_efforts.times(np.nan_to_num(self.given))
         if len(pushing := model.drives.giving("force")):
             yield self._forces(pushing)
-        if len(model.drives.giving("push")):
-            yield self._times(self.actuator_pushes, self.given)
+
+    # -- coordinates: wrenches of unit efforts --------------------------------------------
+
+    def _pair(
+        self, kind: str, element: Integers, bodies: Integers, force: Pair, arms: tuple[Pair, Pair],
+        couple: Array | float = 0.0,
+    ) -> Batch:
+        """A force and a couple on bodies ``b``, and the opposite ones on bodies ``a``.
+
+        Args:
+            kind: of the batch.
+            element: number of the element of each, [k].
+            bodies: ``a`` and ``b``, [k, 2].
+            force: on ``b``, [k, n] each.
+            arms: from the centres of mass of ``a`` and ``b`` to the force.
+            couple: on ``b``, counter-clockwise.
+        """
+        (x, y), ((ax, ay), (bx, by)) = force, arms
+        return Batch(kind, np.tile(element, 2), np.concatenate([bodies[:, 1], bodies[:, 0]]),
+                     np.concatenate([x, -x]), np.concatenate([y, -y]),
+                     np.concatenate([bx * y - by * x + couple, ay * x - ax * y - couple]))
+
+    def _along(
+        self, kind: str, element: Integers, bodies: Integers, anchor: Array, joint: Integers,
+        gain: Array | float = 1.0,
+    ) -> Batch:
+        """Unit efforts along distances [k], or about hinges where ``joint`` [k] has one."""
+        one, two = (self.frames.places(bodies[:, k], np.nan_to_num(anchor[:, k])) for k in (0, 1))
+        dx, dy = two.x - one.x, two.y - one.y
+        turns, length = joint[:, None] >= 0, np.hypot(dx, dy)
+        length = np.where(turns | (length == 0), np.inf, length)
+        couple = np.zeros_like(turns, dtype=float)
+        if turns.any():
+            couple = np.where(turns, gain * self.model.joints.sense[joint][:, None], 0.0)
+        return self._pair(kind, element, bodies, (gain * dx / length, gain * dy / length),
+                          ((one.arm_x, one.arm_y), (two.arm_x, two.arm_y)), couple)
+
+    def _turning(self, kind: str, element: Integers, joint: Integers) -> Batch:
+        """Unit torques about hinges [k], in the hinges' positive sense."""
+        joints = self.model.joints
+        return self._along(kind, element, joints.bodies[joint], joints.anchor[joint], joint)
+
+    def distances(self, bodies: Integers, anchor: Array) -> Array:
+        """Distances of two points of bodies [k, 2], in their frames [k, 2, 2]; [k, n] m."""
+        one, two = (self.frames.places(bodies[:, k], anchor[:, k]) for k in (0, 1))
+        return np.hypot(two.x - one.x, two.y - one.y)
 
     @cached_property
-    def cord_pulls(self) -> Batch:
-        """What 1 N in every tendon would do, stretch by stretch and at either end."""
+    def spring_efforts(self) -> Batch:
+        """Efforts of 1 N along straight springs and 1 N m about the hinges of rotary ones."""
+        springs = self.model.springs
+        return self._along("spring", np.arange(len(springs.name)), springs.bodies, springs.anchor,
+                           springs.joint)
+
+    @cached_property
+    def spring_forces(self) -> Array:
+        """Of straight springs, and of rotary ones without the hinge's damper, [ns, n]."""
+        a, springs = self.run.arrays, self.model.springs
+        force, rotary = a["spring_force"].T.copy(), np.flatnonzero(~springs.straight)
+        joints = springs.joint[rotary]
+        holds = held_of(self.model.ties.joint[joints], a["held"])
+        rates = np.nan_to_num(a["joint_rate"].T[joints])
+        force[rotary] -= holds * springs.damping[rotary, None] * rates
+        return np.asarray(force)
+
+    @cached_property
+    def line_efforts(self) -> Batch:
+        """The effect of 1 Pa in every line, chamber by chamber."""
+        lines = self.model.lines
+        return self._along("line", lines.of, lines.bodies, lines.anchor, lines.joint,
+                           lines.gain[:, None])
+
+    @cached_property
+    def joint_efforts(self) -> Batch:
+        """Efforts of 1 N m about every hinge, and 1 N along every actuator."""
+        joints = self.model.joints
+        which = np.flatnonzero(joints.angle | self.actuators)
+        return self._along("joint", which, joints.bodies[which], joints.anchor[which],
+                           np.where(self.actuators, NONE, np.arange(len(joints.name)))[which])
+
+    @cached_property
+    def actuators(self) -> Flags:
+        """Which joints are actuators, [nj]."""
+        return np.array([kind.line for kind in self.model.joints.kind], dtype=bool)
+
+    @cached_property
+    def drive_efforts(self) -> Batch:
+        """Unit efforts of drives of hinges and actuators."""
+        drives, joints = self.model.drives, self.model.joints
+        which = drives.giving("torque", "push")
+        on = drives.target[which]
+        return self._along("drive", which, joints.bodies[on], joints.anchor[on],
+                           np.where([drives.kind[i].gives == "push" for i in which], NONE, on))
+
+    @cached_property
+    def friction_efforts(self) -> Batch:
+        """Efforts of 1 N m about every pin with dry friction, and 1 N along every such slot."""
+        joints, which = self.model.joints, self.model.joints.rubbed
+        slots = np.array([joints.kind[j].keeps == "groove" for j in which], dtype=bool)
+        x, y, couple = np.zeros((3, len(which), self.frames.samples))
+        couple[~slots] = joints.sense[which[~slots], None]
+        for k in np.flatnonzero(slots):
+            x[k], y[k] = self.frames.groove_direction(int(which[k]))
+        (ax, ay), (bx, by) = self._joint_arms
+        return self._pair("friction", which, joints.bodies[which], (x, y),
+                          ((ax[which], ay[which]), (bx[which], by[which])), couple)
+
+    # -- loads of elements ------------------------------------------------------------------
+
+    @cached_property
+    def _joint_arms(self) -> tuple[Pair, Pair]:
+        """From the centres of mass of ``a`` and ``b`` to the forces of joints [m], [nj, n]."""
+        frames, bodies = self.frames, self.model.joints.bodies
+        (ax, ay), (bx, by) = ((end.arm_x.copy(), end.arm_y.copy()) for end in frames.anchors)
+
+        def meet(j: int, side: int, x: Array, y: Array) -> None:
+            arm_x, arm_y = ((ax, ay), (bx, by))[side]
+            arm_x[j] = x - frames.centre_x[bodies[j, side]]
+            arm_y[j] = y - frames.centre_y[bodies[j, side]]
+
+        for j in self.model.joints.keeping("groove").tolist():  # a groove is held where the pin is
+            meet(j, 0, frames.anchors[1].x[j], frames.anchors[1].y[j])
+        for j in np.flatnonzero([kind.wheels for kind in self.model.joints.kind]).tolist():
+            at = meeting(self.model, j, self.run.arrays["body_pose"])
+            meet(j, 0, *at)
+            meet(j, 1, *at)
+        return (ax, ay), (bx, by)
+
+    @cached_property
+    def joints(self) -> Batch:
+        """Loads of joints on their bodies ``b``, then on ``a``; nan in old recordings."""
+        fx, fy = (np.ascontiguousarray(part) for part in self.run.arrays["joint_force"].T)
+        joints = self.model.joints
+        return self._pair("joint", np.arange(len(joints.name)), joints.bodies, (fx, fy),
+                          self._joint_arms, self.run.arrays["joint_couple"].T)
+
+    @cached_property
+    def cord_efforts(self) -> Batch:
+        """The effect of -1 N in every straight piece of a tendon: efforts along its length."""
         tendons, cords = self.model.tendons, self.cords
         one, two = tendons.stretch_first, tendons.stretch_first + 1
         moments = []
@@ -184,55 +326,26 @@ class Loads:
             moments.append(moment)
         return Batch("tendon", np.tile(tendons.stretch_tendon, 2),
                      np.concatenate([tendons.guide_body[one], tendons.guide_body[two]]),
-                     np.concatenate([cords.x, -cords.x]), np.concatenate([cords.y, -cords.y]),
-                     np.concatenate([moments[0], -moments[1]]))
+                     np.concatenate([-cords.x, cords.x]), np.concatenate([-cords.y, cords.y]),
+                     np.concatenate([-moments[0], moments[1]]))
+
+    @property
+    def piece_efforts(self) -> Batch:
+        """The same with the number of the straight piece as element."""
+        count = len(self.model.tendons.stretch_first)
+        return self.cord_efforts._replace(element=np.tile(np.arange(count), 2))
 
     @cached_property
     def cord_loads(self) -> Batch:
-        """What every tendon does, piece by piece, at either end."""
-        pulls, own = self.cord_pulls, np.tile(
-            piece_tensions(self.model, self.run.arrays), (2, 1))
-        return pulls._replace(x=pulls.x * own, y=pulls.y * own, moment=pulls.moment * own)
-
-    @cached_property
-    def line_pushes(self) -> Batch:
-        """What 1 Pa in every line would do, chamber by chamber, to their two bodies."""
-        lines, joints = self.model.lines, self.model.joints
-        a, b = lines.bodies.T
-        one, two = (self.frames.places(lines.bodies[:, k], np.nan_to_num(lines.anchor[:, k]))
-                    for k in (0, 1))
-        turns = lines.joint[:, None] >= 0
-        dx, dy = two.x - one.x, two.y - one.y
-        length = np.where(turns, np.inf, np.hypot(dx, dy))
-        gain = lines.gain[:, None] / np.where(length > 0, length, np.inf)
-        x, y = gain * dx, gain * dy
-        couple = np.where(turns, lines.gain[:, None] * joints.sense[lines.joint][:, None]
-                          if len(joints.name) else 0.0, 0.0)
-        return Batch("line", np.tile(lines.of, 2), np.concatenate([a, b]),
-                     np.concatenate([-x, x]), np.concatenate([-y, y]),
-                     np.concatenate([one.arm_y * x - one.arm_x * y - couple,
-                                     two.arm_x * y - two.arm_y * x + couple]))
-
-    @cached_property
-    def spring_pulls(self) -> Batch:
-        """What 1 N in every straight spring would do to its two bodies."""
-        springs = self.model.springs
-        which = np.flatnonzero(springs.straight)
-        return self._along("spring", which, springs.bodies[which], springs.anchor[which])
-
-    @cached_property
-    def actuator_pushes(self) -> Batch:
-        """What 1 N of every drive of an actuator would do to its two bodies; it pushes."""
-        which, joints = self.model.drives.giving("push"), self.model.joints
-        on = self.model.drives.target[which]
-        pulls = self._along("drive", which, joints.bodies[on], joints.anchor[on])
-        return pulls._replace(x=-pulls.x, y=-pulls.y, moment=-pulls.moment)
+        """The loads of tendons, piece by piece, at either end."""
+        loads = self.piece_efforts.times(-piece_tensions(self.model, self.run.arrays))
+        return loads._replace(element=self.cord_efforts.element)
 
     @cached_property
     def given(self) -> Array:
-        """What drives give [N m, N]: what they are set to, or what the solver found, [nd, n].
+        """Values of drives, of those with a limit the torque or force of the solver, [nd, n].
 
-        Of joints that are let go those that are set to it give nothing.
+        Drives that set the effort of a joint give nothing while it is released.
         """
         drives, a = self.model.drives, self.run.arrays
         limited = np.array([kind.limited for kind in drives.kind], dtype=bool)
@@ -241,95 +354,6 @@ class Loads:
         joined = joined[~limited[joined]]
         given[joined] *= held_of(self.model.ties.joint[drives.target[joined]], a["held"])
         return np.asarray(given)
-
-    def _along(self, kind: str, element: Integers, bodies: Integers, anchor: Array) -> Batch:
-        """Pulls of 1 N between two points each, of bodies [k, 2] and in their frames [k, 2, 2]."""
-        a, b = bodies.T
-        one, two = self.frames.places(a, anchor[:, 0]), self.frames.places(b, anchor[:, 1])
-        dx, dy = two.x - one.x, two.y - one.y
-        length = np.hypot(dx, dy)
-        x, y = (part / np.where(length > 0, length, np.inf) for part in (dx, dy))
-        return Batch(kind, np.tile(element, 2), np.concatenate([a, b]),
-                     np.concatenate([x, -x]), np.concatenate([y, -y]),
-                     np.concatenate([one.arm_x * y - one.arm_y * x,
-                                     two.arm_y * x - two.arm_x * y]))
-
-    @cached_property
-    def rub_pushes(self) -> Batch:
-        """What dry friction of 1 N m of every pin that has it does, and 1 N of every slot."""
-        joints, frames = self.model.joints, self.frames
-        a, b = joints.bodies[joints.rubbed].T
-        x, y, on_a, on_b = np.zeros((4, len(a), frames.samples))
-        for k, j in enumerate(joints.rubbed.tolist()):
-            if joints.kind[j].keeps != "groove":
-                on_a[k], on_b[k] = -joints.sense[j], joints.sense[j]
-                continue
-            x[k], y[k] = self.groove_direction(j)
-            at = frames.anchors[1]
-            on_b[k] = at.arm_x[j] * y[k] - at.arm_y[j] * x[k]
-            on_a[k] = ((at.y[j] - frames.centre_y[a[k]]) * x[k]
-                       - (at.x[j] - frames.centre_x[a[k]]) * y[k])
-        return Batch("friction", np.tile(joints.rubbed, 2), np.concatenate([b, a]),
-                     np.concatenate([x, -x]), np.concatenate([y, -y]),
-                     np.concatenate([on_b, on_a]))
-
-    def groove_direction(self, joint: int) -> tuple[Array, Array]:
-        """Of a slot's groove from its start to its end, in the world, x and y, [n] each."""
-        groove, a = self.model.joints.groove[joint], int(self.model.joints.bodies[joint, 0])
-        gx, gy = ((groove[1] - groove[0]) / np.hypot(*(groove[1] - groove[0]))).tolist()
-        c, s = self.frames.cos[a], self.frames.sin[a]
-        return c * gx - s * gy, s * gx + c * gy
-
-    def lengthening(self, pulls: Batch, count: int, velocity: Array) -> Array:
-        """Rates [m/s] at which what pulls grows longer as bodies move with ``velocity`` [3, nb, n].
-
-        ``pulls`` are those of 1 N; the rates are those of its ``count`` elements, [count, n].
-        """
-        rate = np.zeros((count, self.frames.samples))
-        v = velocity[:, pulls.body]
-        np.subtract.at(rate, pulls.element, pulls.x * v[0] + pulls.y * v[1] + pulls.moment * v[2])
-        return rate
-
-    @staticmethod
-    def _times(pulls: Batch, force: Array) -> Batch:
-        """Pulls of 1 N, each as strong as its element's ``force`` [elements, n] is."""
-        own = force[pulls.element]
-        return pulls._replace(x=pulls.x * own, y=pulls.y * own, moment=pulls.moment * own)
-
-    def _weight(self) -> Batch:
-        free = np.flatnonzero(self.model.bodies.free)
-        weight = self.run.arrays["body_mass"][free, None] * np.ones(self.frames.samples)
-        gx, gy = self.model.mechanism.gravity
-        return Batch("gravity", np.zeros(len(free), dtype=np.int64), free, weight * gx,
-                     weight * gy, np.zeros_like(weight))
-
-    def _rotary_springs(self) -> Batch:
-        """Without their dampers, which are among those of the hinges."""
-        a, springs = self.run.arrays, self.model.springs
-        which = np.flatnonzero(~springs.straight)
-        joints = springs.joint[which]
-        damping = springs.damping[which, None] * a["joint_rate"].T[joints]
-        torque = damping - a["spring_force"].T[which]
-        return self._couples("spring", which, joints, torque)
-
-    def _at_hinges(self, kind: str) -> Batch:
-        joints = self.model.joints.hinges
-        torque = self.run.arrays[f"joint_{kind}"].T[joints]
-        acts = np.nan_to_num(torque).any(axis=1)
-        return self._couples(kind, joints[acts], joints[acts], torque[acts])
-
-    def _torques(self, which: Integers) -> Batch:
-        """What drives are set to; of those that the solver limits, what they gave."""
-        joints = self.model.drives.target[which]
-        return self._couples("drive", which, joints, self.given[which])
-
-    def _couples(self, kind: str, element: Integers, joints: Integers, torque: Array) -> Batch:
-        """Torques [k, n] between the two bodies of hinges, in the hinges' positive sense."""
-        torque = np.nan_to_num(torque) * self.model.joints.sense[joints][:, None]
-        bodies = self.model.joints.bodies[joints]
-        nothing = np.zeros((2 * len(joints), self.frames.samples))
-        return Batch(kind, np.tile(element, 2), np.concatenate([bodies[:, 1], bodies[:, 0]]),
-                     nothing, nothing, np.concatenate([torque, -torque]))
 
     def _forces(self, which: Integers) -> Batch:
         drives = self.model.drives
@@ -341,7 +365,7 @@ class Loads:
         s = np.where(turns, self.frames.sin[body], 0.0)
         fx = value * (c * along[:, :1] - s * along[:, 1:])
         fy = value * (s * along[:, :1] + c * along[:, 1:])
-        return Batch("drive", which, body, fx, fy, at.arm_x * fy - at.arm_y * fx)
+        return Batch("force", which, body, fx, fy, at.arm_x * fy - at.arm_y * fx)
 
     # -- contacts -----------------------------------------------------------------------
 
@@ -349,34 +373,20 @@ class Loads:
     def contact_sides(self) -> ContactSides:
         """Both sides of every contact row."""
         a = self.run.arrays
-        sample, body, other = a["contact_sample"], a["contact_body"], a["contact_other"]
-        at, sides = a["contact_point"], []
-        for sign, on, twist in ((1.0, body, 0.0), (-1.0, other, np.nan_to_num(a["contact_twist"]))):
-            arm_x = at[:, 0] - self.frames.centre_x[on, sample]
-            arm_y = at[:, 1] - self.frames.centre_y[on, sample]
+        sample, at, sides = a["contact_sample"], a["contact_point"], []
+        for sign, on, twist in ((1.0, a["contact_body"], 0.0),
+                                (-1.0, a["contact_other"], np.nan_to_num(a["contact_twist"]))):
+            arm = at - np.stack([self.frames.centre_x[on, sample],
+                                 self.frames.centre_y[on, sample]], axis=1)
             force = sign * a["contact_force"]
-            sides.append((on, force, arm_x * force[:, 1] - arm_y * force[:, 0] + twist))
-        return ContactSides(
-            np.tile(sample, 2), np.concatenate([s[0] for s in sides]),
-            np.concatenate([s[1] for s in sides]), np.concatenate([s[2] for s in sides]),
-            np.tile(at, (2, 1)))
+            moment = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0] + twist
+            sides.append((on, force, moment, arm))
+        body, force, moment, arm = (np.concatenate(part) for part in zip(*sides, strict=True))
+        return ContactSides(np.tile(sample, 2), body, force, moment, np.tile(at, (2, 1)), arm)
 
     def _contact_totals(self) -> Array:
-        count, n = len(self.model.bodies.name), self.frames.samples
-        sides = self.contact_sides
+        count, n, sides = len(self.model.bodies.name), self.frames.samples, self.contact_sides
         slot = sides.body * n + sides.sample
-        columns = (sides.force[:, 0], sides.force[:, 1], sides.moment)
         return np.array([np.bincount(slot, weights=column, minlength=count * n)
-                         for column in columns]).astype(float).reshape(3, count, n)
-
-    @cached_property
-    def _contact_most(self) -> Array:
-        sides = self.contact_sides
-        most = np.zeros((2, len(self.model.bodies.name)))
-        np.maximum.at(most[0], sides.body, np.hypot(sides.force[:, 0], sides.force[:, 1]))
-        np.maximum.at(most[1], sides.body, np.abs(sides.moment))
-        return most
-
-
-def _peak(values: Array) -> float:
-    return float(np.abs(values).max(initial=0.0))
+                         for column in (*sides.force.T, sides.moment)]
+                        ).astype(float).reshape(3, count, n)

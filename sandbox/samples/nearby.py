@@ -10,8 +10,8 @@ import numpy as np
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.samples.outcome import Stored
-from sandbox.scene.bodies import Body, Capsule, Circle
-from sandbox.scene.geometry import corners, count_solids, solids
+from sandbox.scene.bodies import Body, Circle
+from sandbox.scene.geometry import core, count_solids, solids
 
 SAME = 1e-12
 """Distances [m] that differ by less are one: rounding of lengths below a metre."""
@@ -46,12 +46,9 @@ def pieces_of(run: Stored, sample: int, body: int) -> Iterator[PlacedPiece]:
     turn = np.array([[c, -s], [s, c]])
     for number, shape in enumerate(run.mechanism.bodies[body].shapes):
         for solid, faces in solids(shape):
+            points, grown = core(solid)
             if isinstance(solid, Circle):
-                points, grown = [solid.at], _radius(run, sample, body, number, solid.radius)
-            elif isinstance(solid, Capsule):
-                points, grown = [solid.start, solid.end], solid.radius
-            else:
-                points, grown = corners(solid), 0.0
+                grown = _radius(run, sample, body, number, grown)
             yield PlacedPiece(np.array(points) @ turn.T + (x, y), grown, faces)
 
 
@@ -190,12 +187,10 @@ def flat_sides(body: Body) -> Array:
     found: list[float] = []
     for shape in body.shapes:
         for solid, _ in solids(shape):
-            if isinstance(solid, Circle):
-                continue
-            ring = (np.array([solid.start, solid.end]) if isinstance(solid, Capsule)
-                    else np.array(corners(solid)))
+            ring = np.array(core(solid)[0])
             along = np.roll(ring, -1, axis=0) - ring
-            found += np.arctan2(-along[:, 0], along[:, 1]).tolist()
+            if len(ring) > 1:
+                found += np.arctan2(-along[:, 0], along[:, 1]).tolist()
     return np.array(found)
 
 

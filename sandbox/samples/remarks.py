@@ -1,4 +1,4 @@
-"""Remarks on a run, in sentences: what broke, came to an end of its groove, or stalled."""
+"""Notes on a run: broken elements, points at the end of their groove, stalled drives."""
 
 from __future__ import annotations
 
@@ -6,18 +6,20 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from sandbox.model.joints import rotated
 from sandbox.model.model import Model
 from sandbox.model.supports import LARGEST_GROUP, RANK, joint_rows, together
-from sandbox.numeric import Array, Flags
+from sandbox.numeric import Array
+from sandbox.samples.frames import Frames
 from sandbox.samples.loads import Loads
 from sandbox.samples.outcome import Stored
 
 MOST = 8
-"""How many are told one by one."""
+"""Largest number of notes of one kind."""
 
 
 def broken(run: Stored) -> Iterator[str]:
-    """A sentence for each joint, spring and tendon that let go at its load, in order of time."""
+    """A note on each joint, spring and tendon that broke, in order of time."""
     ties, springs = run.model.ties, run.model.springs
     turning = {ties.name[tie] for tie in ties.spring[~springs.straight].tolist() if tie >= 0}
     known = {name: float(most) for name, most in zip(ties.name, ties.breaks_at, strict=True)}
@@ -30,24 +32,24 @@ def broken(run: Stored) -> Iterator[str]:
 
 
 AT_END = 1e-5
-"""A point nearer to an end than this [m], which presses against it, is there."""
+"""Distance [m] from an end of the groove at which a point that presses on it has reached it."""
 PRESSES = 1e-9
-"""Of a joint's largest force the share along the groove that is no rounding."""
+"""Least force along the groove, relative to the joint's largest force."""
 
 
 def ended(run: Stored) -> Iterator[str]:
-    """A sentence for each point that came to an end of its groove, in order of time.
-
-    What is at an end from the start on does not come to it.
-    """
+    """A note on each point that reached an end of its groove after the start, in order of time."""
     joints = run.model.joints
     slots = joints.keeping("groove").tolist()
     if not slots or not len(run):
         return
     divide = {name for group in run.mechanism.groups if group.tree for name in group.bodies}
-    told = []
+    told, frames = [], Frames(run)
     for joint in slots:
-        way, pressed, length = _along(run, joint)
+        way, _, length = frames.in_groove(joint)
+        x, y = frames.groove_direction(joint)
+        force = np.nan_to_num(run.arrays["joint_force"][:, joint])
+        pressed = np.abs(x * force[:, 0] + y * force[:, 1]) > PRESSES * np.abs(force).max()
         for left in (way, length - way):
             there = np.flatnonzero((left < AT_END) & pressed)
             if len(there) and left[0] >= AT_END:
@@ -61,38 +63,18 @@ def ended(run: Stored) -> Iterator[str]:
         yield f"{len(told) - MOST} more reached the ends of their slots later"
 
 
-def _along(run: Stored, joint: int) -> tuple[Array, Flags, float]:
-    """How far a point is on its groove [m], [n], whether it presses along it, [n], its length."""
-    joints, pose = run.model.joints, run.arrays["body_pose"]
-    groove, (a, b) = joints.groove[joint], joints.bodies[joint].tolist()
-    length = float(np.hypot(*(groove[1] - groove[0])))
-    way = _turned(pose[:, a], (groove[1] - groove[0]) / length)
-    start = pose[:, a, :2] + _turned(pose[:, a], groove[0])
-    point = pose[:, b, :2] + _turned(pose[:, b], joints.anchor[joint, 1])
-    force = np.nan_to_num(run.arrays["joint_force"][:, joint])
-    pressed = np.abs(np.einsum("ij,ij->i", force, way))
-    return (np.einsum("ij,ij->i", point - start, way),
-            pressed > PRESSES * np.abs(force).max(initial=0.0), length)
-
-
-def _turned(pose: Array, arm: Array) -> Array:
-    """An arm of a body's frame along the world's axes, in poses [n, 3], [n, 2]."""
-    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-    return np.stack([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]], axis=1)
-
-
 AT_REST = 1e-6
-"""Bodies that are slower [m/s, rad/s] do not move."""
+"""Largest speed at rest [m/s, rad/s]."""
 AT_MOST = 1e-6
-"""Within this share of its limit a drive gives all that it can."""
+"""Distance from its limit, relative to it, at which a drive is at its limit."""
 NUDGE = 1e-4
-"""A motion [rad, m] that leads out of a dead centre; forces change by some such share of them."""
+"""Motion [rad, m] out of a dead centre; forces change by about this fraction."""
 NOTHING, LEADS = 1e-9, 1e-2
-"""Share of a force that is none along a motion; the least by which it grows with a motion [1/m]."""
+"""Relative force along a motion that counts as 0; least relative growth with the motion [1/m]."""
 
 
 def stalled(run: Stored) -> Iterator[str]:
-    """A sentence for each drive whose mechanism is at rest at the end though it acts."""
+    """A note on each drive that acts at the end on a mechanism at rest."""
     drives = run.model.drives
     if not len(run) or not len(drives.name):
         return
@@ -125,7 +107,7 @@ def stalled(run: Stored) -> Iterator[str]:
 
 
 def _dead_centre(model: Model, pose: Array, bodies: list[int], joints: list[int], i: int) -> bool:
-    """Whether a drive pushes along no motion in a pose, and along some in the poses beside it."""
+    """Whether a drive does no work in a pose, but in neighbouring poses."""
     load = _load(model, pose, bodies, i)
     size = float(np.abs(load).max(initial=0.0))
     motions = _motions(model, pose, bodies, joints)
@@ -141,7 +123,7 @@ def _dead_centre(model: Model, pose: Array, bodies: list[int], joints: list[int]
 
 
 def _motions(model: Model, pose: Array, bodies: list[int], joints: list[int]) -> Array:
-    """The motions of bodies that joints leave, orthonormal, [3 n, k]."""
+    """The motions that joints allow, orthonormal, [3 n, k]."""
     rows = [row for joint in joints for row in joint_rows(model, pose, joint)]
     J = np.zeros((len(rows), 3 * len(bodies)))
     for i, row in enumerate(rows):
@@ -157,10 +139,9 @@ def _load(model: Model, pose: Array, bodies: list[int], i: int) -> Array:
     drives, joints, load = model.drives, model.joints, np.zeros((len(bodies), 3))
     target = int(drives.target[i])
     if drives.kind[i].gives == "force":
-        c, s = np.cos(pose[target, 2]), np.sin(pose[target, 2])
-        turned = np.array([[c, -s], [s, c]])
-        force = turned @ drives.direction[i] if drives.turning[i] else drives.direction[i]
-        arm = turned @ drives.at[i]
+        angle = pose[target, 2]
+        arm, force = rotated(drives.at[i], angle), drives.direction[i]
+        force = rotated(force, angle) if drives.turning[i] else force
         if target in bodies:
             load[bodies.index(target)] = *force, arm[0] * force[1] - arm[1] * force[0]
     else:

@@ -1,9 +1,9 @@
-"""How a quantity answers to a target, and what that costs: overshoot, settling, error, effort.
+"""Step responses and control effort: overshoot, settling time, steady error, IAE.
 
-Pure functions of arrays. The definitions are those of control textbooks (Franklin,
-Powell and Emami-Naeini, *Feedback Control of Dynamic Systems*, section 3.4):
+Pure functions of arrays [n] over rising instants [s]. The definitions are those of control
+textbooks (Franklin, Powell and Emami-Naeini, *Feedback Control of Dynamic Systems*, section 3.4):
 
-* overshoot: how far the peak lies beyond the last target, as a fraction of the step
+* overshoot: the distance of the peak beyond the last target, as a fraction of the step
   from the first value to the last target;
 * settling time: the last time outside a band of +-2 % of the target about it,
   counted from t = 0;
@@ -28,7 +28,7 @@ LAST = 0.05
 
 @dataclass(frozen=True)
 class Response:
-    """What came of a quantity with a target; SI."""
+    """The response of a quantity to its target; SI."""
 
     start: float
     """The first value: where the step to the target begins."""
@@ -44,25 +44,21 @@ class Response:
     iae: float
     """In the quantity's unit times seconds."""
 
+
 @dataclass(frozen=True)
 class Effort:
-    """What a drive had to do, in its unit."""
+    """The control effort of a drive, in its unit."""
 
     variation: float
     """The sum of all changes, up and down."""
     peak: float
-    """Largest size."""
+    """Largest magnitude."""
     rate: float
     """Largest change from one sample to the next, per second: a jump counts by the sampling."""
 
 
 def respond(time: Array, value: Array, target: Array) -> Response:
-    """All figures of one response.
-
-    Args:
-        time: instants [s], shape [n], rising.
-        value: shape [n].
-        target: shape [n]; it may move.
+    """All figures of one response to a target, which may move.
 
     Raises:
         ValueError: fewer than two samples, or shapes that differ.
@@ -72,16 +68,12 @@ def respond(time: Array, value: Array, target: Array) -> Response:
     return Response(
         start=float(value[0]), final=float(np.mean(value[end])), target=float(target[-1]),
         overshoot=overshoot(value, target), settling=settling_time(time, value, target),
-        steady_error=float(np.mean(value[end] - target[end])), iae=iae(time, value, target))
+        steady_error=float(np.mean(value[end] - target[end])),
+        iae=float(np.trapezoid(np.abs(value - target), time)))
 
 
 def overshoot(value: Array, target: Array) -> float:
-    """Of the step from the first value to the last target [%]; nan if these are equal.
-
-    Args:
-        value: shape [n].
-        target: shape [n].
-    """
+    """Overshoot of the step from the first value to the last target [%]; nan if they are equal."""
     goal = float(target[-1])
     step = goal - float(value[0])
     if step == 0:
@@ -89,37 +81,19 @@ def overshoot(value: Array, target: Array) -> float:
     return float(100 * max(0.0, np.max((value - goal) / step)))
 
 
-def band_of(value: Array, target: Array, *, fraction: float = BAND) -> float:
-    """Half the width of the band: ``fraction`` of the last target, of the step if that target is 0.
-
-    Args:
-        value: shape [n].
-        target: shape [n].
-        fraction: 0.02 for the 2 % band.
-    """
-    goal = float(target[-1])
-    return fraction * abs(goal if goal else float(value[0]))
-
-
-def settling_time(time: Array, value: Array, target: Array, *, fraction: float = BAND) -> float:
+def settling_time(time: Array, value: Array, target: Array) -> float:
     """The last time outside the band about the target [s]; 0 if it never was outside.
 
-    Between the last sample outside and the next one the crossing is interpolated,
-    so that the error is of second order in the spacing. What has not stayed in the
-    band for the last 5 % of the run has not settled: inf. A sample without a value
-    counts as outside.
-
-    Args:
-        time: instants [s], shape [n], rising.
-        value: shape [n].
-        target: shape [n]; it may move.
-        fraction: 0.02 for the 2 % band.
+    Between the last sample outside and the next one the crossing is interpolated, so that the error
+    is of second order in the spacing. Without the last 5 % of the run in the band it is inf. A
+    sample without a value counts as outside. The band refers to the last target, or to the step if
+    that target is 0.
 
     Raises:
         ValueError: fewer than two samples, or shapes that differ.
     """
     _check(time, value, target)
-    error, band = value - target, band_of(value, target, fraction=fraction)
+    error, band = value - target, BAND * abs(float(target[-1]) or float(value[0]))
     outside = np.flatnonzero(~(np.abs(error) <= band))
     if not len(outside):
         return 0.0
@@ -133,25 +107,11 @@ def settling_time(time: Array, value: Array, target: Array, *, fraction: float =
     return float(time[last] + part * (time[last + 1] - time[last]))
 
 
-def iae(time: Array, value: Array, target: Array) -> float:
-    """Integral of |value - target| from the first to the last sample (trapezoids).
-
-    Args:
-        time: instants [s], shape [n], rising.
-        value: shape [n].
-        target: shape [n].
-    """
-    return float(np.trapezoid(np.abs(value - target), time))
-
-
 def effort(time: Array, value: Array, before: float) -> Effort:
-    """What a drive had to do over a run.
+    """The control effort of a drive over a run.
 
-    Args:
-        time: instants [s], shape [n], n > 1, rising.
-        value: of the drive, shape [n].
-        before: its value before the first sample; a jump from there counts as one
-            made within the time between two samples.
+    ``before`` is its value before the first sample; a jump from there counts as one within the time
+    between two samples.
 
     Raises:
         ValueError: fewer than two samples, or shapes that differ.
@@ -164,11 +124,7 @@ def effort(time: Array, value: Array, before: float) -> Effort:
 
 
 def ending(time: Array) -> slice:
-    """The samples of the last 5 % of a run, at least one.
-
-    Args:
-        time: instants [s], shape [n], n > 0, rising.
-    """
+    """The samples of the last 5 % of a run, at least one."""
     since = time[-1] - LAST * (time[-1] - time[0])
     return slice(int(np.searchsorted(time, since)), len(time))
 

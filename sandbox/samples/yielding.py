@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.elements.arrays import CONTACT, LAYOUT, PER_SAMPLE
+from sandbox.model.joints import rotated
 from sandbox.model.model import NONE, Model
 from sandbox.model.pairs import friction_of
 from sandbox.model.ties import held_of
@@ -182,16 +183,15 @@ class Yielding:
         """What gives way under a load: springs, taut cords, drives that hold a place as they do."""
         a, model, s = self.run.arrays, self.model, self.sample
         springs, tendons = model.springs, model.tendons
-        pulls = self._rows(self.loads.spring_pulls, len(springs.name))
+        efforts = self._rows(self.loads.spring_efforts, len(springs.name))
         for i in range(len(springs.name)):
-            u = pulls[i] if springs.straight[i] else self._couple(int(springs.joint[i]))
-            yield Elastic("spring", i, self._slope(i), u)
+            yield Elastic("spring", i, self._slope(i), efforts[i])
         taut = np.flatnonzero((tendons.drive == NONE) & (a["tendon_tension"][s] > 0)).tolist()
-        pulls = self._rows(self.loads.cord_pulls, len(tendons.name)) if taut else pulls
+        efforts = self._rows(self.loads.cord_efforts, len(tendons.name)) if taut else efforts
         for i in taut:
             by = int(tendons.stiffener[i])
             k = float(tendons.stiffness[i] if by == NONE else a["drive_value"][s, by])
-            yield Elastic("tendon", i, k, pulls[i])
+            yield Elastic("tendon", i, k, efforts[i])
         for i, u in self._placing():
             if np.isfinite(model.drives.stiffness[i]):
                 yield Elastic("drive", i, float(model.drives.stiffness[i]), u)
@@ -207,17 +207,10 @@ class Yielding:
         step = 1e-5 * max(abs(stretch), 1e-3)
         return float(law.slopes(stretch + np.array([-step, step]), k)[0])
 
-    def _couple(self, joint: int) -> Array:
-        """A unit torque in a hinge's positive sense."""
-        a, b = self.model.joints.bodies[joint].tolist()
-        turn = float(self.model.joints.sense[joint])
-        return self._row((b, a), np.array([0.0, 0.0, turn, 0.0, 0.0, -turn]))
-
     def _placing(self) -> Iterator[tuple[int, Array]]:
         """Motors and the like that the solver has hold a place or a speed, below their most."""
         drives, a, s = self.model.drives, self.run.arrays, self.sample
-        pushes = self._rows(self.loads.actuator_pushes, len(drives.name)) if len(
-            drives.giving("push")) else None
+        efforts = self._rows(self.loads.drive_efforts, len(drives.name))
         for i, kind in enumerate(drives.kind):
             if not kind.limited or np.isfinite(drives.slope[i]):
                 continue
@@ -225,8 +218,7 @@ class Yielding:
             if kind.unit in ("N m", "N"):  # a brake's value is its most
                 most = a["drive_value"][s, i]
             if abs(a["drive_torque"][s, i]) < most * (1 - AT_CONE):
-                yield i, (pushes[i] if kind.gives == "push" and pushes is not None
-                          else self._couple(int(drives.target[i])))
+                yield i, efforts[i]
 
     # --- what keeps
 
@@ -235,13 +227,11 @@ class Yielding:
         for i, u in self._placing():
             if not np.isfinite(self.model.drives.stiffness[i]):
                 self._hold(u)
-        for j in joints.stopped.tolist():
-            if a["joint_stop"][s, j]:
-                self._hold(self._couple(j))
-        if len(joints.rubbed):
-            rubs = self._rows(self.loads.rub_pushes, len(joints.name))
-            for j in joints.rubbed[a["joint_sticks"][s, joints.rubbed] == 1.0].tolist():
-                self._hold(rubs[j])
+        stopped = joints.stopped[a["joint_stop"][s, joints.stopped] != 0.0]
+        stuck = joints.rubbed[a["joint_sticks"][s, joints.rubbed] == 1.0]
+        for efforts, held in ((self.loads.joint_efforts, stopped),
+                              (self.loads.friction_efforts, stuck)):
+            self._held += map(_KeptRow, self._rows(efforts, len(joints.name))[held])
         for j in np.flatnonzero(held_of(self.model.ties.joint, a["held"])[:, s]).tolist():
             if not joints.turns[j]:
                 one, two = joints.bodies[j].tolist()
@@ -289,7 +279,7 @@ class Yielding:
             for way in np.eye(2):
                 yield Rigid((b, a), centres, arms, (0.0, 0.0), way, 3, float(f @ way))
         elif keeps == "groove":
-            x, y = (float(v[0]) for v in self.loads.groove_direction(j))
+            x, y = (float(v[0]) for v in self.loads.frames.groove_direction(j))
             for way in (np.array([-y, x]), *([np.array([x, y])] if self._at_end(j, f) else [])):
                 yield Rigid((b, a), centres, arms, (0.0, 0.0), way, 1, float(f @ way))
         elif keeps in ("distance", "roll") or (keeps == "range" and np.hypot(*f) > TOUCH):
@@ -303,7 +293,7 @@ class Yielding:
 
     def _at_end(self, j: int, force: Array) -> bool:
         """Whether a slot's point is pushed back by an end of its groove."""
-        x, y = (float(v[0]) for v in self.loads.groove_direction(j))
+        x, y = (float(v[0]) for v in self.loads.frames.groove_direction(j))
         rub = self.run.arrays["joint_friction"][self.sample, j]
         own = abs(float(force[0]) * x + float(force[1]) * y)
         return own > TOUCH + (0.0 if np.isnan(rub) else abs(float(rub)))
@@ -435,11 +425,8 @@ def _repeated(run: Stored, sample: int, moved: Array) -> Stored:
     arrays = {key: run.arrays[key][:0] if key in CONTACT else
               run.arrays[key][which] if key in PER_SAMPLE else run.arrays[key] for key in LAYOUT}
     pose, centre = np.array(arrays["body_pose"]), run.arrays["body_centre"]
-    before = pose[..., 2].copy()
+    before = rotated(centre, pose[..., 2])
     pose += moved
-    for sign, angle in ((1.0, before), (-1.0, pose[..., 2])):
-        c, s = np.cos(angle), np.sin(angle)
-        pose[..., 0] += sign * (c * centre[:, 0] - s * centre[:, 1])
-        pose[..., 1] += sign * (s * centre[:, 0] + c * centre[:, 1])
+    pose[..., :2] += before - rotated(centre, pose[..., 2])
     arrays["body_pose"] = pose
     return Stored(run.mechanism, arrays, run.info, model=run.model)

@@ -140,23 +140,3 @@ def test_two_contacts_on_one_phalanx_share() -> None:
     beside = np.array([[0.02, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.02, 0.0]])
     np.testing.assert_array_equal(statics.determined_forces(beside), [True, False, False])
     assert statics.determined_forces(np.zeros((0, 3))).shape == (0,)
-
-
-# --- chains
-
-
-def test_weight_by_potential_energy() -> None:
-    """Gravity torques are minus the slope of the height energy; step as above: e^2/6 and 1e-16/e
-    of an energy of 0.01 J stay under 1e-11 N m.
-    """
-    masses, g = np.array([12e-3, 6e-3, 4e-3]), np.array([1.0, -9.81])
-    centres = np.array([[0.0225, 0.001], [0.013, 0.0], [0.0105, -0.002]])
-    theta, e = np.array([0.3, 0.6, 0.2]), 1e-5
-
-    def energy(angles: np.ndarray) -> float:
-        at = chain.to_world(chain.transforms(angles, SET_G.lengths), centres)
-        return float(-(masses * (at @ g)).sum())
-
-    slope = [(energy(theta + e * u) - energy(theta - e * u)) / (2 * e) for u in np.eye(3)]
-    found = statics.gravity_torques(chain.transforms(theta, SET_G.lengths), masses, centres, g)
-    np.testing.assert_allclose(found, -np.array(slope), rtol=0, atol=1e-11)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from sandbox.mechanics import springs, tendon
 from tests.support.reference import SET_A, SET_G, FingerSet
 
-from .coordinates import frames, straight_lines
+from .coordinates import straight_lines
 
 SETS = pytest.mark.parametrize("finger", [SET_A, SET_G], ids=["A", "G"])
 joint = st.floats(0.0, 1.2)
@@ -26,23 +26,6 @@ def test_arms_are_the_derivative(finger: FingerSet) -> None:
     theta, e = np.linspace(0, np.array(finger.limits) - 0.01, 25), 1e-5
     slope = (route.lengths(theta - e) - route.lengths(theta + e)) / (2 * e)
     np.testing.assert_allclose(route.arms(theta), slope, rtol=0, atol=2e-11)
-
-
-@SETS
-def test_guide_forces_do_the_work_of_the_arms(finger: FingerSet) -> None:
-    """Virtual work: forces T (u + u') on guides that move with the finger do T h_i per radian, and
-    they sum to 0. The guides' velocities by complex numbers: a turn of joint j, clockwise, moves
-    what lies beyond it by -i (p - C_j).
-    """
-    theta, pull = np.array([0.3, 0.5, 0.2]), 4.0
-    origin, direction = frames(finger.lengths, theta)
-    at = origin + direction * (np.array(finger.guides) @ [1, 1j])
-    forces = tendon.guide_forces(np.stack([at.real, at.imag], -1), pull)
-    np.testing.assert_allclose(forces.sum(axis=0), 0, atol=1e-14)
-    work = [sum(float(forces[i] @ [v.real, v.imag]) for i in range(j, 4)
-                for v in [-1j * (at[i] - origin[j])]) for j in (1, 2, 3)]
-    arms = tendon.route(finger.guides, finger.lengths).arms(theta)
-    np.testing.assert_allclose(work, pull * arms, rtol=1e-12)
 
 
 @pytest.mark.parametrize("side", [-1, 1], ids=["palm", "back"])
@@ -102,11 +85,3 @@ def test_spring_arms_are_the_derivative(finger: FingerSet) -> None:
     np.testing.assert_allclose(found.arms(theta), slope, rtol=0, atol=2e-11)
     assert (found.arms(theta)[0] > 0).all()
     assert (found.arms(theta)[-1] < 0).all()
-
-
-def test_end_forces_pull_together() -> None:
-    """Along the spring, equal and opposite, shape [time, 2]; a pushed one drives its ends apart."""
-    near, far = springs.end_forces(
-        [[[0.01, 0.02]] * 2], [0.04, 0.06], [[5.0, -10.0]])
-    np.testing.assert_allclose(near, [[[3, 4], [-6, -8]]], rtol=1e-14)
-    np.testing.assert_array_equal(far, -near)

@@ -47,29 +47,6 @@ def test_equilibrium_curve_is_where_f_1_vanishes(theta_2: float, ratio: float) -
     assert abs(f_1[1]) < 1e-12 * 0.03 / 0.02 / (1 - ratio)
 
 
-SHARES = {0.1: 0.8938967, 0.2: 0.7612676, 0.3: 0.5907444, 0.4: 0.3633802, 0.5: 0.2213919,
-          0.6: 0.1439515, 0.7: 0.0915801}
-"""Stable share of the grasp-state plane for l_2 = 2 l_1 / 3, integrated apart from this program."""
-
-
-def test_stable_share_of_the_plane() -> None:
-    """To the 7 digits of the table, and by counting poses in which f_1 > 0.
-
-    On a grid of n by n cells the curve passes through at most 2 n of them: 2 / n is the error.
-    """
-    ratios = np.array(list(SHARES))
-    found = transmission.stable_share(0.06, 0.04, ratios)
-    np.testing.assert_allclose(found, list(SHARES.values()), rtol=0, atol=5.1e-8)
-    n = 400
-    middle = (np.arange(n) + 0.5) / n
-    for X, share in zip(ratios, found, strict=True):
-        forces = transmission.two_phalanx_forces(
-            middle[:, None] * np.pi / 2, 0.03, 0.04 * middle, 0.06, 1.0, X)
-        assert (forces.proximal > 0).mean() == pytest.approx(share, abs=2 / n)
-    with pytest.raises(ValueError, match="ratio must be below 1, got 1"):
-        transmission.stable_share(0.06, 0.04, 1.0)
-
-
 @given(st.lists(st.floats(0.0, 1.3), min_size=4, max_size=4))
 def test_isotropic_arms_press_equally(theta: list[float]) -> None:
     """T h over J^-T for those arms: the same force on four phalanges, and isotropy 1."""
