@@ -29,7 +29,7 @@ def motion_figures(evidence: Evidence) -> Iterator[Figure]:
 def _clock(evidence: Evidence) -> Figure:
     """Samples lie at (k - 1/2) h, one in so many steps as the scene's rate asks for."""
     run, settings = evidence.whole, evidence.model.mechanism.run
-    h, time = settings.step, run.time
+    h, time = settings.solver_step, run.time
     every = max(1, round(1 / (run.info.sample_rate * h)))
     k = time / h + 0.5
     off = np.abs(k - np.round(k))
