@@ -175,11 +175,17 @@ class Scene:
             one.apply_force_at_world_point(now * (p - q).normalized(), p)
         self.drive(name, value, act)
 
-    def extend(self, name: str, value: Value, rod: str) -> None:
+    def extend(self, name: str, value: Value, rod: str, **more: Any) -> None:
         """Add a drive that sets the speed of extension of a PinJoint."""
         made: Any = self.constraints[rod]
-        self.drive(name, value, lambda now: setattr(made, "distance", self.h * now + (
-            made.b.local_to_world(made.anchor_b) - made.a.local_to_world(made.anchor_a)).length))
+        a, b, at_a, at_b = made.a, made.b, made.anchor_a, made.anchor_b
+
+        def act(now: float) -> None:
+            way = b.local_to_world(at_b) - a.local_to_world(at_a)
+            rate = way.normalized().dot(
+                b.velocity_at_local_point(at_b) - a.velocity_at_local_point(at_a))
+            made.distance = way.length + self.h * (rate + now)
+        self.drive(name, value, act, **more)
 
     def servo(
         self, name: str, value: Value, motor: str, sense: float, zero: float, fastest: float,
