@@ -55,7 +55,8 @@ RUN_ELSEWHERE = {
     ".venv/bin/ruff check . && .venv/bin/mypy": "developers",
     "python -m tests.golden check": "tests/golden/test_golden.py, scene by scene",
     "python -m benchmarks": "tests/test_benchmarks.py, quickly",
-    "python -m benchmarks --only work_precision --draw docs": "tests/test_benchmarks.py, quickly",
+    **{f"python -m benchmarks --only {name} --draw docs": "tests/test_benchmarks.py, quickly"
+       for name in ("work_precision", "plain_pymunk")},
     "python -m tests.scenes.holding": "tests/scenes/test_hands.py, some of the starts",
     "python -m tests.fuzz --count 200": "tests/fuzz/test_fuzz.py, a share of the inputs",
     "python -m tests.fuzz --recordings --count 200": "tests/fuzz/test_fuzz.py, a share of them",
@@ -77,7 +78,7 @@ RUN_ELSEWHERE = {
 
 GENERATED = ROOT / "docs" / "validation.md"
 """Page that the site build writes."""
-MEASURED = {ROOT / "docs" / f"work_precision_{name}.png" for name in ("pose", "forces")}
+MEASURED = {*(ROOT / "docs").glob("work_precision_*.png"), *(ROOT / "docs").glob("pymunk_*.png")}
 """Pictures that ``python -m benchmarks --draw docs`` makes."""
 
 
