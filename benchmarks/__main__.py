@@ -12,7 +12,7 @@ from pathlib import Path
 from benchmarks.measure import Figure, as_json, table
 
 NAMES = ("step_loop", "control", "command", "drawing", "scaling", "audit", "page", "rest",
-         "accuracy", "work_precision", "view", "gym", "sweeps")
+         "accuracy", "work_precision", "plain_pymunk", "view", "gym", "sweeps")
 
 BUSY = 0.7
 """Load average of the last minute above which a warning is due."""

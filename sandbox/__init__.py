@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from sandbox import build, gym, search
     from sandbox.elements.controllers.custom import Custom, StopRun
     from sandbox.engine.live import Live
+    from sandbox.engine.pymunk_draft import to_pymunk
     from sandbox.engine.simulate import simulate
     from sandbox.engine.simulation import Simulation
     from sandbox.equilibria.branches import rest_along
@@ -60,6 +61,7 @@ __all__ = [
     "search",
     "simulate",
     "sweep",
+    "to_pymunk",
 ]
 
 _HOMES = {
@@ -84,6 +86,7 @@ _HOMES = {
     "rest_along": "sandbox.equilibria.branches",
     "simulate": "sandbox.engine.simulate",
     "sweep": "sandbox.sweeps.sweep",
+    "to_pymunk": "sandbox.engine.pymunk_draft",
 }
 """Where each public name lives."""
 

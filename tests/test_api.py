@@ -15,7 +15,7 @@ NAMES = {
     "load_scene", "simulate", "Recording", "render", "expand", "SceneError", "Simulation",
     "SimulationDiverged", "RecordingFull", "OutputError", "SandboxError", "Interrupted", "Custom",
     "ControllerFailed", "Live", "StopRun", "__version__", "build", "gym", "rest", "rest_along",
-    "search", "sweep", "Composite", "register",
+    "search", "sweep", "Composite", "register", "to_pymunk",
 }
 
 

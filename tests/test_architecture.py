@@ -26,8 +26,8 @@ FLOORS = {
     "samples": 5,
     "audit": 6,
     "recording": 7,
-    "figure": 8, "engine": 8, "export": 8,
-    "picture": 9, "convergence": 9, "equilibria": 9, "sweeps": 9,
+    "figure": 8, "engine": 8,
+    "export": 9, "picture": 9, "convergence": 9, "equilibria": 9, "sweeps": 9,
     "web": 10, "notebook": 10, "gym": 10, "search": 10,
     "cli": 12,
 }

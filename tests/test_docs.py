@@ -42,7 +42,7 @@ KINDS = {"console", *WHOLE, "json own", "json piece", "json broken", "json study
 
 GENERATED = ROOT / "docs" / "validation.md"
 """Page that the site build writes."""
-MEASURED = {ROOT / "docs" / f"work_precision_{name}.png" for name in ("pose", "forces")}
+MEASURED = {*(ROOT / "docs").glob("work_precision_*.png"), *(ROOT / "docs").glob("pymunk_*.png")}
 """Pictures that ``python -m benchmarks --draw docs`` makes."""
 
 

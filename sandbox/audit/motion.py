@@ -18,7 +18,7 @@ FAST = 0.1
 @check("clock", "step", "t = (k - 1/2) h", asks="do the sample times match the sample rate?")
 def _clock(evidence: Evidence, worst: Worst) -> str:
     run, settings = evidence.whole, evidence.model.mechanism.run
-    h, time = settings.step, run.time
+    h, time = settings.solver_step, run.time
     every = max(1, round(1 / (run.info.sample_rate * h)))
     k = time / h + 0.5
     off = np.abs(k - np.round(k))

@@ -35,8 +35,9 @@ def read_format(ctx: click.Context, param: click.Parameter, word: str) -> str:
 
 @click.command()
 @scene_argument
-@click.option("--format", "form", metavar="FORMAT", default="mjcf", show_default=True,
-              callback=read_format, help="Format: mjcf, a model for MuJoCo.")
+@click.option("--format", "--to", "form", metavar="FORMAT", default="mjcf", show_default=True,
+              callback=read_format,
+              help="Format: mjcf, a model for MuJoCo, or pymunk, a script in Python.")
 @click.option("--out", type=OUT, metavar="FILE", help="File to write; stdout by default.")
 @click.option("--without", multiple=True, metavar="NAME",
               help="Leave out an element and all that depends on it; patterns such as 'tree.*' "
@@ -47,7 +48,7 @@ def export(
     scene: str, form: str, out: Path | None, without: tuple[str, ...],
     overrides: dict[str, Any], limits: Limits,
 ) -> None:
-    """Export SCENE as a MuJoCo model (MJCF).
+    """Export SCENE as a MuJoCo model (MJCF), or as a Python script for pymunk.
 
     Elements without a counterpart are named, and nothing is written unless
     --without leaves them out. Other differences are printed to stderr.

@@ -58,6 +58,8 @@ class _Job:
 @click.option("--out", type=OUT, metavar="DIR",
               help="Directory for the files; renders/<scene name> by default.")
 @scene_options
+@click.option("--solver", type=click.Choice(["direct", "pymunk"]),
+              help="Solver; that of the scene's run by default.")
 @click.option("--no-render", is_flag=True, help="Numbers only, no pictures.")
 @click.option("--format", "animation", type=click.Choice(["gif", "mp4"]), default="gif",
               show_default=True, help="Of the animation.")
@@ -68,8 +70,9 @@ class _Job:
 @quiet_option
 @limit_option
 def run(
-    scene: str, out: Path | None, overrides: dict[str, Any], no_render: bool, animation: str,
-    writes_page: bool, lists_checks: bool, as_json: bool, quiet: bool, limits: Limits,
+    scene: str, out: Path | None, overrides: dict[str, Any], solver: str | None, no_render: bool,
+    animation: str, writes_page: bool, lists_checks: bool, as_json: bool, quiet: bool,
+    limits: Limits,
 ) -> int:
     """Simulate SCENE, write results, check expectations.
 
@@ -80,6 +83,8 @@ def run(
     """
     from sandbox.recording.new_run import writing
 
+    if solver is not None:
+        overrides = {**overrides, "run.solver": solver}
     loaded = load(scene_path(scene), overrides=overrides, limits=limits)
     job = _Job(
         loaded=loaded, directory=out or default_directory(loaded.mechanism.name),

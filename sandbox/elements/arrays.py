@@ -64,7 +64,8 @@ ARRAYS: tuple[Recorded, ...] = (
              late=True),
     Recorded("joint_speed", ("n", "nj"), "m/s", "rate of that length; nan of others", also="nan",
              late=True),
-    Recorded("joint_reaction", ("n", "nj"), "N", "magnitude of the joint's reaction force"),
+    Recorded("joint_reaction", ("n", "nj"), "N", "magnitude of the joint's reaction force",
+             also="nan"),
     Recorded("joint_force", ("n", "nj", 2), "N",
              "on its body `b` by its body `a`, in the world; ends of grooves and ropes included",
              late=True),
@@ -88,11 +89,11 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("spring_force", ("n", "ns"), "N",
              "positive pulls, damper included; of a rotary spring the torque [N m], which is "
              "positive against a positive angle"),
-    Recorded("spring_work", ("n", "ns"), "J", "done on the bodies since t = 0"),
+    Recorded("spring_work", ("n", "ns"), "J", "done on the bodies since t = 0", also="nan"),
     Recorded("tendon_length", ("n", "nt"), "m", "along the path"),
     Recorded("tendon_tension", ("n", "nt"), "N",
              "never below 0; where guides hold it by friction, before its last guide"),
-    Recorded("tendon_work", ("n", "nt"), "J", "done on the bodies since t = 0"),
+    Recorded("tendon_work", ("n", "nt"), "J", "done on the bodies since t = 0", also="nan"),
     Recorded("guide_friction", ("n", "nf"), "N",
              "tension after a guide with friction minus tension before it", late=True),
     Recorded("guide_slip", ("n", "nf"), "m",
@@ -124,7 +125,7 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("drive_value", ("n", "nd"), "the drive's",
              "current value; of a motor or `extend` that of the end of the step, half a step after "
              "the sample; of a rigid servo or `length` the target one step after it"),
-    Recorded("drive_work", ("n", "nd"), "J", "done on the bodies since t = 0"),
+    Recorded("drive_work", ("n", "nd"), "J", "done on the bodies since t = 0", also="nan"),
     Recorded("drive_torque", ("n", "nd"), "N m",
              "torque of a motor, brake or servo on its hinge, in the hinge's positive sense; force "
              "of `extend` and `length` on their actuator [N]; nan for other drives", also="nan",

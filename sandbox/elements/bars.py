@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
@@ -11,6 +11,9 @@ from sandbox.elements.joint import REACTION, Anchors, ClosingJoint, JointKind, J
 from sandbox.values.numbers import Distance, Length, Point
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
+
+if TYPE_CHECKING:
+    from sandbox.engine.pymunk_draft import PymunkDraft
 
 
 class Rod(ClosingJoint):
@@ -30,6 +33,11 @@ class Rod(ClosingJoint):
         """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
         length = at.distance if self.length is None else self.length
         return {"reach": (length, length)}
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A PinJoint."""
+        draft.joint(index, "PinJoint", *draft.anchors(index),
+                    distance=draft.model.joints.reach[index, 0])
 
 
 class Rope(JointSpec):
@@ -62,6 +70,10 @@ class Rope(JointSpec):
         """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
         return {"reach": (self.shortest, self.longest)}
 
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A SlideJoint."""
+        draft.joint(index, "SlideJoint", *draft.anchors(index), *draft.model.joints.reach[index])
+
 
 class Actuator(JointSpec):
     """A cylinder, screw or solenoid between two points.
@@ -91,3 +103,7 @@ class Actuator(JointSpec):
     def columns(self, at: Anchors) -> dict[str, Any]:
         """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
         return {"reach": (self.shortest, self.longest or math.inf)}
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A SlideJoint."""
+        draft.joint(index, "SlideJoint", *draft.anchors(index), *draft.model.joints.reach[index])

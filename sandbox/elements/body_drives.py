@@ -18,6 +18,7 @@ from sandbox.values.spec import TYPE
 from sandbox.wording import MOST_NAMED, quoted
 
 if TYPE_CHECKING:
+    from sandbox.engine.pymunk_draft import PymunkDraft
     from sandbox.export.document import Draft
     from sandbox.scene.mechanism import Mechanism
     from sandbox.scene.parts.placement import Mover
@@ -68,6 +69,12 @@ class ForceDrive(DriveSpec):
         site = draft.site(draft.target(index), f"{self.name}.site", self.at)
         draft.motor(index, gear=(*columns["direction"], 0, 0, 0, 0), site=site, refsite=frame)
 
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A force before each step."""
+        turns = {"turns": True} if self.frame == "body" else {}
+        draft.add("push_point", self.name, draft.value(index), self.body, self.at,
+                  self.columns()["direction"], **turns)
+
 
 class RadiusDrive(DriveSpec):
     """Sets the radius of a body's circle over time: an object that swells or shrinks."""
@@ -94,6 +101,11 @@ class RadiusDrive(DriveSpec):
     def positive_value(self) -> bool:
         """Whether its value must stay greater than 0."""
         return True
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A radius that is set before each step."""
+        draft.add("resize", self.name, draft.value(index), self.body,
+                  draft.first_solid(self.body, self.shape), floor=SMALLEST_RADIUS)
 
     @property
     def owned(self) -> tuple[object, ...]:
@@ -124,6 +136,7 @@ class SurfaceDrive(DriveSpec):
     Friction carries along the bodies that touch it.
     """
 
+    PYMUNK = "a conveyor surface: its shapes have one surface velocity, not one along an outline"
     facts: ClassVar[DriveKind] = DriveKind(
         BODY, "surface", "m/s", "speed", ("value", "work", "power"), sole="surface", timely="end",
         mujoco="a conveyor surface")

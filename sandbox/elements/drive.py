@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from sandbox.elements.element import Element, Quantity, Reference, recorded, references
-from sandbox.values.signals import AnySignal
+from sandbox.values.expressions import parse_expression
+from sandbox.values.signals import AnySignal, Formula
 
 if TYPE_CHECKING:
     from sandbox.export.document import Draft
@@ -117,6 +118,12 @@ class DriveSpec(Element):
     def without_mujoco(self, mechanism: Mechanism) -> str:
         """Why MuJoCo has no counterpart, besides what the facts of its kind say."""
         return ""
+
+    def without_pymunk(self, mechanism: Mechanism) -> str:
+        """Why pymunk has no counterpart; empty where it has one."""
+        signal = self.signal(mechanism)
+        return self.PYMUNK or ("a formula that calls a table" if isinstance(signal, Formula)
+                               and parse_expression(signal.expression).tables else "")
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
         """Add the drive to a MuJoCo model."""

@@ -22,6 +22,7 @@ from sandbox.values.units import size_fault
 from sandbox.wording import WrongValueError, quoted
 
 if TYPE_CHECKING:
+    from sandbox.engine.pymunk_draft import PymunkDraft
     from sandbox.scene.mechanism import Mechanism
     from sandbox.scene.parts.placement import Mover
 
@@ -139,6 +140,7 @@ class Element(Spec):
     """The base of all kinds of element."""
 
     RECORDED: ClassVar[Mapping[str, Quantity]] = {}
+    PYMUNK: ClassVar[str] = ""  # why pymunk has no counterpart of the kind, if it has none
 
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
         """The quantities that it records, with their units."""
@@ -159,6 +161,14 @@ class Element(Spec):
     def placed(self, mover: Mover) -> Mapping[str, Any]:
         """Fields that are ``kept`` and that a placement changes all the same, with new values."""
         return {}
+
+    def without_pymunk(self, mechanism: Mechanism) -> str:
+        """Why pymunk has no counterpart of the element; empty where it has one."""
+        return self.PYMUNK
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """Add the calls that the element is in plain pymunk."""
+        raise NotImplementedError
 
 
 def references(

@@ -18,6 +18,7 @@ from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError, quoted
 
 if TYPE_CHECKING:
+    from sandbox.engine.pymunk_draft import PymunkDraft
     from sandbox.export.document import Draft
     from sandbox.scene.mechanism import Mechanism
 
@@ -41,6 +42,10 @@ class PullDrive(DriveSpec):
         tendon = draft.model.tendons.name[draft.target(index)]
         draft.sense("actuatorfrc", f"{tendon}.tension", actuator=self.name)
         draft.motor(index, tendon=tendon, gear=-1.0, ctrlrange=(0.0, draft.MAX_FORCE))
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """The tension of its tendon, set before each step."""
+        draft.add("set", self.name, draft.value(index), self.tendon, "pulled", floor=0.0)
 
 
 class StiffnessDrive(DriveSpec):
@@ -98,6 +103,11 @@ class StiffnessDrive(DriveSpec):
         return (Constant(constant=self._spring(mechanism).stiffness) if self.value is None
                 else self.value)
 
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """The stiffness of its spring or tendon, set before each step."""
+        draft.add("set", self.name, draft.value(index), self.spring or self.tendon, "stiffness",
+                  floor=0.0)
+
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
         """Springs and tendons that have no stiffness to set."""
         found = self._spring(mechanism)
@@ -137,6 +147,7 @@ class HoldDrive(DriveSpec):
     until the value has been 0.5 or less and rises again.
     """
 
+    PYMUNK = RELEASED
     facts: ClassVar[DriveKind] = DriveKind(
         HELD, "hold", "1", "ratio", ("value",), sole="hold", mujoco=RELEASED)
 

@@ -131,6 +131,7 @@ class Line(Element):
     chamber pushes with its area times the pressure.
     """
 
+    PYMUNK = FLUID
     RECORDED = LINE_QUANTITIES
 
     name: Name
@@ -207,6 +208,7 @@ class Valve(Element):
     drive has it partly open.
     """
 
+    PYMUNK = FLUID
     RECORDED = VALVE_QUANTITIES
 
     name: Name
@@ -246,6 +248,7 @@ class Valve(Element):
 class FlowDrive(DriveSpec):
     """Pumps fluid into a line, however high the pressure: the line's ``relief`` bounds it."""
 
+    PYMUNK = FLUID
     facts: ClassVar[DriveKind] = DriveKind(
         LINE, "flow", "m^3/s", "flow", ("value", "work", "flow"), mujoco=FLUID)
 
@@ -263,6 +266,7 @@ class FlowDrive(DriveSpec):
 class PressureDrive(DriveSpec):
     """A pressure source that feeds a line and takes fluid back."""
 
+    PYMUNK = FLUID
     facts: ClassVar[DriveKind] = DriveKind(
         LINE, "pressure", "Pa", "pressure", ("value", "work", "flow"), sole="pressure",
         mujoco=FLUID)
@@ -286,6 +290,7 @@ class PressureDrive(DriveSpec):
 class OpeningDrive(DriveSpec):
     """Opens and shuts a valve."""
 
+    PYMUNK = FLUID
     facts: ClassVar[DriveKind] = DriveKind(
         VALVE, "opening", "1", "ratio", ("value",), floor=0.0, sole="opening", mujoco=FLUID)
 

@@ -209,6 +209,12 @@ class FrictionJoint(ClosingJoint):
         """Dry friction that does not depend on the load [N m, N]."""
         return float(getattr(self, "friction", 0.0))
 
+    def without_pymunk(self, mechanism: Mechanism) -> str:
+        """Why pymunk has no counterpart; empty where it has one."""
+        if self.friction_coefficient:
+            return "joint friction that depends on the reaction"
+        return "static friction above that of sliding" if self.static > 1 else ""
+
     @model_validator(mode="after")
     def _rubbing(self) -> Self:
         constant = self.constant_friction

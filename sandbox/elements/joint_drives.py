@@ -34,6 +34,7 @@ from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
 if TYPE_CHECKING:
+    from sandbox.engine.pymunk_draft import PymunkDraft
     from sandbox.export.document import Draft
     from sandbox.scene.mechanism import Mechanism
 
@@ -58,6 +59,11 @@ class TorqueDrive(DriveSpec):
     def write_mujoco(self, draft: Draft, index: int) -> None:
         """Add the drive to a MuJoCo model."""
         draft.motor(index, **draft.drive_hinge(index))
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A torque on both bodies."""
+        _, joint = draft.target(index)
+        draft.add("twist", self.name, draft.value(index), joint.a, joint.b, joint.sense)
 
 
 class MotorDrive(DriveSpec):
@@ -115,6 +121,24 @@ class MotorDrive(DriveSpec):
         """Its value over time: by default the speed without load."""
         return Constant(constant=self.no_load) if self.value is None else self.value
 
+    def without_pymunk(self, mechanism: Mechanism) -> str:
+        """Why pymunk has no counterpart; empty where it has one."""
+        return "a motor with a torque-speed line and a largest torque" \
+            if self.stall and self.torque else super().without_pymunk(mechanism)
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A SimpleMotor; with a line a torque and a damper."""
+        _, joint = draft.target(index)
+        if self.stall is not None and self.no_load is not None:
+            slope = self.stall / self.no_load
+            draft.add("damper", f"{self.name}.torque", joint.a, joint.b, slope)
+            draft.add("twist", self.name, draft.value(index), joint.a, joint.b,
+                      slope * joint.sense)
+            return
+        draft.add("constraint", self.name, "SimpleMotor", joint.a, joint.b, 0.0,
+                  max_force=self.torque)
+        draft.add("set", self.name, draft.value(index), self.name, "rate", -joint.sense, later=0.5)
+
 
 class BrakeDrive(DriveSpec):
     """Holds a hinge up to a maximum torque and slips above it: a lock, a brake.
@@ -137,6 +161,12 @@ class BrakeDrive(DriveSpec):
     def write_mujoco(self, draft: Draft, index: int) -> None:
         """Add the drive to a MuJoCo model."""
         draft.hinges[draft.target(index)].brake = draft.final_value(index)
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A SimpleMotor that holds still."""
+        _, joint = draft.target(index)
+        draft.add("constraint", self.name, "SimpleMotor", joint.a, joint.b, 0.0)
+        draft.add("set", self.name, draft.value(index), self.name, "max_force", floor=0.0)
 
 
 class PlaceDrive(DriveSpec):
@@ -169,6 +199,11 @@ class PlaceDrive(DriveSpec):
         """Why MuJoCo has no counterpart; empty where it has one."""
         return ("a rigid servo or length"
                 if getattr(self, "stiffness", None) is None else "")
+
+    def without_pymunk(self, mechanism: Mechanism) -> str:
+        """Why pymunk has no counterpart; empty where it has one."""
+        return "a spring towards a position with a largest force" \
+            if getattr(self, "stiffness", None) else super().without_pymunk(mechanism)
 
     def write_spring(self, draft: Draft, index: int, where: str, offset: float) -> None:
         """Add an actuator of force k (value - q) - c q', for a q that lacks ``offset`` there."""
@@ -219,6 +254,14 @@ class ServoDrive(PlaceDrive):
         self.write_spring(draft, index, where,
                           draft.angle_offset(index) if where == "tendon" else 0.0)
 
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A SimpleMotor whose rate leads to the angle in some 10 steps."""
+        _, joint = draft.target(index)
+        draft.add("constraint", self.name, "SimpleMotor", joint.a, joint.b, 0.0,
+                  max_force=self.torque)
+        draft.add("servo", self.name, draft.value(index), self.name, joint.sense, joint.zero,
+                  self.speed or math.inf)
+
 
 class PushDrive(DriveSpec):
     """A force between the two points of an actuator, along the line through them."""
@@ -237,6 +280,12 @@ class PushDrive(DriveSpec):
     def write_mujoco(self, draft: Draft, index: int) -> None:
         """Add the drive to a MuJoCo model."""
         draft.motor(index, tendon=draft.model.joints.name[draft.target(index)])
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """Forces on both bodies."""
+        number, joint = draft.target(index)
+        on_a, on_b = draft.anchors(number)
+        draft.add("push_apart", self.name, draft.value(index), joint.a, on_a, joint.b, on_b)
 
 
 class ExtendDrive(DriveSpec):
@@ -259,6 +308,13 @@ class ExtendDrive(DriveSpec):
     def columns(self) -> dict[str, Any]:
         """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
         return {"most": self.force}
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A PinJoint whose distance changes in each step."""
+        number, joint = draft.target(index)
+        draft.add("constraint", self.name, "PinJoint", joint.a, joint.b, *draft.anchors(number),
+                  error_bias=0.0, max_force=self.force)
+        draft.add("extend", self.name, draft.value(index), self.name, later=0.5)
 
 
 class LengthDrive(PlaceDrive):
@@ -297,3 +353,11 @@ class LengthDrive(PlaceDrive):
     def write_mujoco(self, draft: Draft, index: int) -> None:
         """Add the drive to a MuJoCo model."""
         self.write_spring(draft, index, "tendon", 0.0)
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A PinJoint whose distance is the value."""
+        number, joint = draft.target(index)
+        speed = {} if self.speed is None else {"max_bias": self.speed}
+        draft.add("constraint", self.name, "PinJoint", joint.a, joint.b, *draft.anchors(number),
+                  max_force=self.force, **speed)
+        draft.add("set", self.name, draft.value(index), self.name, "distance")

@@ -78,6 +78,7 @@ class LoadSpec(Element):
     """The base of all loads."""
 
     RECORDED = QUANTITIES
+    PYMUNK = "a load by a law of a body's own motion"
 
     if TYPE_CHECKING:
         name: str

@@ -21,6 +21,8 @@ from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
 if TYPE_CHECKING:
+    from sandbox.engine.pymunk_draft import PymunkDraft
+    from sandbox.scene.mechanism import Mechanism
     from sandbox.scene.parts.placement import Mover
 
 
@@ -88,6 +90,18 @@ class Pin(FrictionJoint):
         moved = s * self.sense * (turn - body.angle) + self.sense * body.angle
         return {"zero": self.zero + (moved if inner[1] else -moved)}
 
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A PivotJoint; a RotaryLimitJoint as stops, SimpleMotors as damper and as friction."""
+        draft.joint(index, "PivotJoint", *draft.anchors(index))
+        if self.limits:
+            stops = sorted(self.sense * (limit + self.zero) for limit in self.limits)
+            draft.add("constraint", f"{self.name}.stop", "RotaryLimitJoint", self.a, self.b, *stops)
+        if self.damping:
+            draft.add("damper", f"{self.name}.damping", self.a, self.b, self.damping)
+        if self.friction:
+            draft.add("constraint", f"{self.name}.friction", "SimpleMotor", self.a, self.b, 0.0,
+                      max_force=self.friction)
+
 
 class Slot(FrictionJoint):
     """A point of ``b`` slides along a groove of ``a`` that runs from ``start`` to ``end``."""
@@ -116,6 +130,17 @@ class Slot(FrictionJoint):
         return {"turns": self.turns, "groove": (self.start, self.end), "friction": self.friction,
                 "static": self.static, "rubbing": self.friction_coefficient}
 
+    def without_pymunk(self, mechanism: Mechanism) -> str:
+        """Why pymunk has no counterpart; empty where it has one."""
+        return "friction in a groove" if self.friction else super().without_pymunk(mechanism)
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A GrooveJoint; a GearJoint keeps the angle."""
+        draft.joint(index, "GrooveJoint", self.start, self.end, draft.anchors(index)[1])
+        if not self.turns:
+            draft.add("constraint", f"{self.name}.angle", "GearJoint", self.a, self.b,
+                      draft.turn(index), 1.0)
+
 
 class Weld(ClosingJoint):
     """Two bodies held rigidly together."""
@@ -127,3 +152,9 @@ class Weld(ClosingJoint):
     def columns(self, at: Anchors) -> dict[str, Any]:
         """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
         return {"turns": False}
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A PivotJoint; a GearJoint keeps the angle."""
+        draft.joint(index, "PivotJoint", *draft.anchors(index))
+        draft.add("constraint", f"{self.name}.angle", "GearJoint", self.a, self.b,
+                  draft.turn(index), 1.0)

@@ -29,6 +29,7 @@ from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
 if TYPE_CHECKING:
+    from sandbox.engine.pymunk_draft import PymunkDraft
     from sandbox.model.compile import Scope
     from sandbox.scene.mechanism import Mechanism
 
@@ -70,6 +71,11 @@ class SpringSpec(Element):
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
         """The quantities that it records, with their units."""
         return {name: QUANTITIES[name].unit for name in self.facts.records}
+
+    def without_pymunk(self, mechanism: Mechanism) -> str:
+        """Why pymunk has no counterpart; empty where it has one."""
+        return "a spring with a law, or one that acts on one side only" \
+            if self.law is not None or getattr(self, "only", None) else ""
 
     @model_validator(mode="after")
     def _one_law(self) -> Self:
@@ -142,6 +148,11 @@ class LinearSpring(SpringSpec):
                 "anchor": (self.on_a, self.on_b), "start": start,
                 "rest": start if self.rest_length is None else self.rest_length}
 
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A DampedSpring."""
+        draft.add("constraint", self.name, "DampedSpring", self.a, self.b, self.on_a, self.on_b,
+                  draft.model.springs.rest[index], self.stiffness, self.damping)
+
 
 class RotarySpring(SpringSpec):
     """A torsion spring and damper on a hinge, in the hinge's positive sense."""
@@ -189,6 +200,16 @@ class RotarySpring(SpringSpec):
         joint = scope.number("joints", self.joint)
         return {"bodies": scope.joints.bodies[joint], "start": float(scope.joints.start[joint]),
                 "rest": self.rest_angle, "joint": joint}
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A DampedRotarySpring, whose angle is that of ``a`` against ``b``, and a damper."""
+        joint = int(draft.model.springs.joint[index])
+        spec, joints = draft.mechanism.joints[joint], draft.model.joints
+        draft.add("constraint", self.name, "DampedRotarySpring", spec.a, spec.b,
+                  -joints.sense[joint] * (self.rest_angle + joints.zero[joint]),
+                  self.stiffness, 0.0)
+        if self.damping:
+            draft.add("damper", f"{self.name}.work", spec.a, spec.b, self.damping)
 
 
 Spring = Annotated[LinearSpring | RotarySpring, Field(discriminator="type")]

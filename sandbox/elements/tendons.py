@@ -27,6 +27,7 @@ from sandbox.values.spec import Spec
 from sandbox.wording import WrongValueError
 
 if TYPE_CHECKING:
+    from sandbox.engine.pymunk_draft import PymunkDraft
     from sandbox.scene.mechanism import Mechanism
 
 RIGID = 1e5
@@ -169,6 +170,29 @@ class Tendon(Element):
             found |= {f"tension_{k}": NUMBERED["tension"].unit for k in range(len(self.path) - 1)}
             found |= {f"slip_{k}": NUMBERED["slip"].unit for k in self.gripping}
         return found | {f"lifted_{k}": NUMBERED["lifted"].unit for k in self.lifting}
+
+    def without_pymunk(self, mechanism: Mechanism) -> str:
+        """Why pymunk has no counterpart; empty where it has one."""
+        if self.closed:
+            return "a closed tendon (belt)"
+        if self.gripping:
+            return "a tendon with guide friction"
+        return "a tendon that is off a wheel at t = 0" \
+            if any(self.guides[k].begins == "off" for k in self.lifting) else ""
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """Forces on its guides, set before each step.
+
+        Between two points a SlideJoint would do. But it has no force as long as it is a little too
+        short, so that in a tree of rockers it lets go and catches from step to step.
+        """
+        path = draft.model.tendons.guides(index)
+        law = {"stiffness": self.stiffness, "damping": self.damping, "rest": self.rest_length,
+               "slack": self.slack - (self.pretension or 0.0) / self.stiffness}
+        draft.add("tendon", self.name, *(
+            (guide.body, guide.at, radius) for guide, radius in zip(
+                self.guides, draft.model.tendons.guide_radius[path], strict=True)),
+            **{key: value for key, value in law.items() if value})
 
     def needed(self, quantity: str) -> str:
         """The field that it needs to record a quantity; empty where no field adds it."""

@@ -16,6 +16,7 @@ from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
 if TYPE_CHECKING:
+    from sandbox.engine.pymunk_draft import PymunkDraft
     from sandbox.scene.mechanism import Mechanism
     from sandbox.scene.parts.placement import Mover
 
@@ -76,6 +77,21 @@ class Gear(WheelJoint):
                 "pressure": self.pressure_angle, "play": self.backlash,
                 "stiffness": self.stiffness}
 
+    def without_pymunk(self, mechanism: Mechanism) -> str:
+        """Why pymunk has no counterpart; empty where it has one."""
+        fixed = {body.name for body in mechanism.bodies if body.motion == "fixed"}
+        held = {body for joint in mechanism.joints if joint.facts.angle
+                for body, other in ((joint.a, joint.b), (joint.b, joint.a)) if other in fixed}
+        if {self.a, self.b} - held - fixed:
+            return "gears whose centres move: a GearJoint counts angles against the world"
+        return "teeth with backlash" if self.backlash else ""
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A GearJoint, which has no forces on the bearings."""
+        ratio = (1 if self.inside else -1) * self.radius_b / self.radius_a
+        a, b = (draft.model.bodies.pose[body, 2] for body in draft.model.joints.bodies[index])
+        draft.joint(index, "GearJoint", b * ratio - a, ratio)
+
 
 class Rack(WheelJoint):
     """A gear ``a`` and a straight rack ``b`` that mesh, as gears do.
@@ -83,6 +99,7 @@ class Rack(WheelJoint):
     The pitch line has no ends: a rack that is drawn shorter goes on meshing beyond what is drawn.
     """
 
+    PYMUNK = "a rack: its joints couple no rotation with a displacement"
     facts: ClassVar[JointKind] = JointKind("rack", MESH, loose=("gap",), mujoco=TEETH)
 
     type: Literal["rack"] = TYPE
@@ -129,6 +146,7 @@ class Roll(WheelJoint):
     Crossed bands hold such a joint together; here it can be pulled as well as pressed.
     """
 
+    PYMUNK = "rolling circles as a joint"
     facts: ClassVar[JointKind] = JointKind(
         "roll", MESH, mujoco="rolling circles as a joint")
 

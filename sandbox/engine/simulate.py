@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from sandbox.elements.controllers.custom import Custom
-from sandbox.engine.inspect_control import Runnable
+from sandbox.elements.controllers.custom import Custom, customs
+from sandbox.engine.inspect_control import Checked, Runnable, checked
+from sandbox.engine.pymunk_run import run_pymunk
 from sandbox.engine.simulation import Simulation
-from sandbox.errors import Interrupted
+from sandbox.errors import Interrupted, Problem, SceneError
 from sandbox.recording.builder import RECORDED_BYTES
 from sandbox.recording.recording import Recording
 
@@ -36,7 +37,15 @@ def simulate(
         Interrupted: Ctrl-C; the error carries the recording, if there was time for one.
     """
     try:
-        simulation = Simulation(scene, controllers=controllers, recorded_bytes=recorded_bytes)
+        mechanism = checked(scene, customs(controllers))
+        if mechanism.run.solver == "pymunk":
+            if controllers:
+                raise SceneError([Problem("no-counterpart", "pymunk has no counterpart of a "
+                                          "controller", "controllers",
+                                          allowed="the solver 'direct'")])
+            return run_pymunk(mechanism, progress=progress, recorded_bytes=recorded_bytes)
+        simulation = Simulation(Checked(mechanism), controllers=controllers,
+                                recorded_bytes=recorded_bytes)
     except KeyboardInterrupt:
         raise Interrupted(0.0) from None
     simulation.run(progress=progress)

@@ -92,6 +92,11 @@ class Simulation:
         self._customs = customs(controllers)
         self.mechanism = checked(scene, self._customs)
         run = self.mechanism.run
+        if run.solver != "direct":
+            raise SceneError([Problem("bad-argument", f"the solver {quoted(run.solver)} runs a "
+                                      "scene in one go", "run.solver",
+                                      allowed="'direct' in steps; sandbox.simulate, 'sandbox run' "
+                                              "and 'sandbox sweep'")])
         self._clock: Clock = make_clock(run.duration, run.step, run.sample_rate)
         self._model = compile_mechanism(self.mechanism)
         found = [*joint_problems(self._model), *tendon_problems(self._model),

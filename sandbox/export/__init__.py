@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sandbox.export.mjcf import write_mjcf
+from sandbox.export.pymunk import write_script
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, or_near, quoted
 
 __all__ = ["FORMATS", "Export", "export_mechanism"]
 
-FORMATS = {"mjcf": write_mjcf}
+FORMATS = {"mjcf": write_mjcf, "pymunk": write_script}
 """Each format's name and its writer: text, notes and names of elements left out."""
 
 

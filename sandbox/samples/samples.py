@@ -36,8 +36,8 @@ from sandbox.samples.remarks import broken, ended, stalled
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import is_pattern
 
-OLDER = ("this recording is of an older version without force vectors: reaction_x and reaction_y "
-         "have no value")
+OLDER = ("this recording is without force vectors, as those of pymunk and of older versions: "
+         "reaction_x and reaction_y have no value")
 TIME = "time"
 """What :attr:`Samples.time` is called, unless something of the mechanism has this name."""
 ROWS = 1_000_000

@@ -48,6 +48,15 @@ RETIRED = ("iterations", "slop")
 """Settings of :class:`Run` that older scenes and recordings hold; nothing reads them."""
 
 
+class PymunkRun(Spec):
+    """Settings of the solver pymunk."""
+
+    substeps: int = Field(default=1, ge=1, le=1000)
+    """Steps of pymunk in each time step of the run."""
+    iterations: int = Field(default=30, ge=1, le=10_000)
+    """Iterations of pymunk's solver in each step."""
+
+
 class Run(Spec):
     """Duration, time step and sample rate of a run.
 
@@ -60,7 +69,17 @@ class Run(Spec):
     """Time step h [s]: shorter is more accurate and takes longer in proportion."""
     sample_rate: Frequency = 1000.0
     """Samples recorded per second [Hz], rounded to a whole number of steps."""
+    solver: Literal["direct", "pymunk"] = "direct"
+    """``direct`` solves all forces of a step together; ``pymunk`` takes pymunk's joints, springs
+    and contacts, whose errors docs/pymunk.md shows."""
+    pymunk: PymunkRun = PymunkRun()
+    """Steps and iterations of the solver ``pymunk``."""
     _ignored: tuple[str, ...] = PrivateAttr(())
+
+    @property
+    def solver_step(self) -> float:
+        """Time step of the solver [s]."""
+        return self.step / (self.pymunk.substeps if self.solver == "pymunk" else 1)
 
     @property
     def ignored(self) -> tuple[str, ...]:

@@ -35,7 +35,7 @@ def test_it_writes_a_file_and_leaves_out_what_it_is_told(capfd: Any) -> None:
 @pytest.mark.parametrize(("words", "told"), [
     (["shape_change"], "swelling: MuJoCo has no counterpart of a changing radius; "
                        "--without swelling leaves it out"),
-    (["single_finger", "--format", "mjfc"], "Did you mean 'mjcf'? Allowed: 'mjcf'."),
+    (["single_finger", "--format", "mjfc"], "Did you mean 'mjcf'? Allowed: 'mjcf', 'pymunk'."),
     (["single_finger", "--without", "finger.tendn"], "Did you mean 'finger.tendon'?"),
     (["single_finger", "--out", "/dev/null/place.xml"],
      "cannot write /dev/null/place.xml: Not a directory"),

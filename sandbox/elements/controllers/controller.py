@@ -119,6 +119,8 @@ class Memoryless:
 class ControllerSpec(Element):
     """The base of all controllers."""
 
+    PYMUNK = "a controller"
+
     # fields with numbers in the unit of its drives, of its readings, of a force
     of_drive: ClassVar[tuple[str, ...]] = ()
     of_reading: ClassVar[tuple[str, ...]] = ()

@@ -1,0 +1,232 @@
+"""A run by pymunk's own solver, recorded as any other run.
+
+Forces are pymunk's impulses of a step divided by the step. pymunk gives impulses of joints without
+their directions; it has no work, and no means over several steps. These are absent (nan).
+"""
+
+from __future__ import annotations
+
+import math
+import platform
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pymunk
+
+from sandbox import __version__
+from sandbox.elements.arrays import Arrays
+from sandbox.engine.clock import Clock, make_clock
+from sandbox.engine.pymunk_draft import PymunkDraft, build, time_step
+from sandbox.errors import Interrupted, RecordingFull, SimulationDiverged
+from sandbox.numeric import Array
+from sandbox.recording.builder import RecordingBuilder
+from sandbox.recording.recording import Recording
+from sandbox.samples.merging import merge_contacts
+from sandbox.samples.outcome import INTERRUPTED, LIMITED, Outcome, status_of
+from sandbox.scene.mechanism import Mechanism
+
+FARTHEST = 1e6
+"""Beyond this position or speed of a body [m, m/s] a run has diverged."""
+CHUNK = 64
+"""Samples that are recorded together."""
+
+
+def run_pymunk(
+    mechanism: Mechanism, *, progress: Callable[[float], None] | None, recorded_bytes: float,
+) -> Recording:
+    """Run a mechanism in plain pymunk; arguments and errors as of :func:`sandbox.simulate`."""
+    began = time.perf_counter()
+    run = _PymunkRun(mechanism)
+    built, reason = time.perf_counter(), ""
+    error: Interrupted | RecordingFull | SimulationDiverged | None = None
+    try:
+        while not reason and run.samples < run.clock.samples:
+            run.sample()
+            culprit = run.diverged()
+            if culprit:
+                error = SimulationDiverged(run.now, culprit, "its motion has run away; a smaller "
+                                           "time step or more iterations may help")
+                reason = str(error)
+            elif run.builder.recorded_bytes > recorded_bytes:
+                error, reason = RecordingFull(run.now, recorded_bytes), LIMITED
+            if progress is not None:
+                progress(run.samples / run.clock.samples)
+    except KeyboardInterrupt:
+        error, reason = Interrupted(run.now), INTERRUPTED
+    wall = {"build": built - began, "simulate": time.perf_counter() - built}
+    recording = run.finish(reason, wall)
+    if error is not None:
+        error.recording = recording
+        raise error
+    return recording
+
+
+class _PymunkRun:
+    """A scene of pymunk and the recording of it so far."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        draft = PymunkDraft(mechanism)
+        self.model, self.scene = draft.model, build(mechanism, draft)
+        run = mechanism.run
+        self.clock: Clock = make_clock(run.duration, time_step(mechanism), run.sample_rate)
+        bodies, tendons = self.model.bodies, self.scene.tendons.values()
+        self.builder = RecordingBuilder(mechanism, self.clock.samples, {
+            "body_centre": bodies.centre, "body_mass": bodies.mass, "body_inertia": bodies.inertia,
+            "tendon_initial": np.array([tendon.length for tendon in tendons]),
+            "tendon_rest": np.array([tendon.rest for tendon in tendons])}, model=self.model)
+        self.bodies = list(self.scene.bodies.values())
+        self.numbers = {body: i for i, body in enumerate(self.bodies)}
+        self.samples, self._chunk = 0, self.builder.blank(CHUNK)
+
+    @property
+    def now(self) -> float:
+        """Time of the poses of the last step [s]."""
+        return float(self.clock.force_time(self.scene.steps))
+
+    def diverged(self) -> str:
+        """The first body that has run away, or an empty name."""
+        return next((name for name, body in self.scene.bodies.items() if not all(
+            abs(x) < FARTHEST for x in (*body.position, *body.velocity, body.angular_velocity))),
+            "")
+
+    def sample(self) -> None:
+        """Make the steps up to the next sample and record it."""
+        for _ in range(self.clock.every - 1):
+            self.scene.step()
+        before = self._velocities()
+        self.scene.step()
+        row = self.samples % CHUNK
+        arrays = {key: array[row] for key, array in self._chunk.items()}
+        self._record_bodies(arrays, before)
+        self._record_joints(arrays)
+        self._record_springs(arrays)
+        arrays["tendon_length"][:] = [
+            tendon.measure()[0] for tendon in self.scene.tendons.values()]
+        arrays["tendon_tension"][:] = [
+            tendon.tension for tendon in self.scene.tendons.values()]
+        arrays["guide_lifted"][:] = 0.0
+        arrays["drive_value"][:] = [
+            self.scene.drives[name] for name in self.model.drives.name]
+        self._record_contacts()
+        self.samples += 1
+        if row == CHUNK - 1:
+            self._put(CHUNK)
+
+    def _put(self, count: int) -> None:
+        """Hand the last samples to the recording."""
+        self.builder.put(self.samples - count, {
+            key: array[:count] for key, array in self._chunk.items()})
+
+    def _velocities(self) -> Array:
+        return np.array([(*body.velocity, body.angular_velocity) for body in self.bodies])
+
+    def _record_bodies(self, arrays: Arrays, before: Array) -> None:
+        after = self._velocities()
+        arrays["body_pose"][:] = [(*body.position, body.angle) for body in self.bodies]
+        arrays["body_velocity"][:] = (before + after) / 2
+        arrays["body_acceleration"][:] = (after - before) / self.scene.h
+
+    def _force(self, constraint: str) -> float:
+        """Force or torque of a constraint in the last step; 0 if there is none."""
+        made = self.scene.constraints.get(constraint)
+        return 0.0 if made is None else made.impulse / self.scene.h
+
+    def _record_joints(self, arrays: Arrays) -> None:
+        joints = self.model.joints
+        for j, name in enumerate(joints.name):
+            if not isinstance(self.scene.constraints[name], pymunk.GearJoint):  # has no force
+                arrays["joint_reaction"][j] = self._force(name)
+            a, b = joints.bodies[j]
+            if joints.kind[j].line:
+                arrays["joint_length"][j], arrays["joint_speed"][j] = self._between(
+                    arrays, (a, b), joints.anchor[j])
+        a, b = joints.bodies[joints.hinges].T
+        sense, angles = joints.sense[joints.hinges], arrays["body_pose"][:, 2]
+        arrays["joint_angle"][joints.hinges] = (
+            sense * (angles[b] - angles[a]) - joints.zero[joints.hinges])
+        rates = arrays["body_velocity"][:, 2]
+        arrays["joint_rate"][joints.hinges] = sense * (rates[b] - rates[a])
+        for j in joints.hinges.tolist():
+            against = -math.copysign(1.0, arrays["joint_rate"][j])
+            arrays["joint_damping"][j] = against * (
+                self._force(f"{joints.name[j]}.damping") + sum(
+                    self._force(f"{self.model.springs.name[i]}.work")
+                    for i in np.flatnonzero(self.model.springs.joint == j)))
+        for j in joints.stopped.tolist():
+            to_low, to_high = np.abs(arrays["joint_angle"][j] - joints.stops[j])
+            arrays["joint_stop"][j] = self._force(f"{joints.name[j]}.stop") * (
+                1.0 if to_low < to_high else -1.0)
+
+    def _record_springs(self, arrays: Arrays) -> None:
+        springs = self.model.springs
+        for i, name in enumerate(springs.name):
+            if springs.straight[i]:
+                arrays["spring_length"][i], _ = self._between(
+                    arrays, springs.bodies[i], springs.anchor[i])
+                arrays["spring_force"][i] = -self._force(name)
+            else:
+                j = int(springs.joint[i])
+                damping = math.copysign(self._force(f"{name}.work"), arrays["joint_rate"][j])
+                arrays["spring_length"][i] = arrays["joint_angle"][j]
+                arrays["spring_force"][i] = damping - self.model.joints.sense[j] * self._force(name)
+
+    def _between(self, arrays: Arrays, bodies: Array, points: Array) -> tuple[float, float]:
+        """Distance of points of two bodies [m] and its rate [m/s], at a sample."""
+        (p, q), (v, w) = zip(*(self._moved(arrays, body, at) for body, at in zip(
+            bodies, points, strict=True)), strict=True)
+        way = q - p
+        distance = float(np.hypot(*way))
+        return distance, float(way @ (w - v)) / distance if distance else 0.0
+
+    def _moved(self, arrays: Arrays, body: int, at: Array) -> tuple[Array, Array]:
+        """A point of a body in the world [m] and its velocity [m/s]."""
+        place = np.array(self.bodies[body].local_to_world(tuple(at)))
+        arm = place - self.bodies[body].local_to_world(self.bodies[body].center_of_gravity)
+        vx, vy, omega = arrays["body_velocity"][body]
+        return place, np.array([vx - omega * arm[1], vy + omega * arm[0]])
+
+    def _record_contacts(self) -> None:
+        rows: list[tuple[float, ...]] = []
+
+        def note(arbiter: pymunk.Arbiter) -> None:
+            one, other = (self.numbers[body] for body in arbiter.bodies)
+            free = self.model.bodies.free
+            if free[one] and free[other] and one > other:
+                return  # noted from the other body
+            raw = arbiter._arbiter  # the public interface has no forces of single points
+            to_one = 1.0 if raw.swapped else -1.0  # the normal goes from shape a to shape b
+            a, b = (self.bodies[i] for i in ((other, one) if raw.swapped else (one, other)))
+            n, from_a, from_b = raw.n, *(
+                body.local_to_world(body.center_of_gravity) for body in (a, b))
+            for point in (raw.contacts[i] for i in range(raw.count)):
+                x, y = from_a.x + point.r1.x, from_a.y + point.r1.y
+                gap = (from_b.x + point.r2.x - x) * n.x + (from_b.y + point.r2.y - y) * n.y
+                normal, along = point.jnAcc * to_one, point.jtAcc * to_one
+                if point.jnAcc > 0.0:
+                    rows.append((one, other, x, y, normal * n.x - along * n.y,
+                                 normal * n.y + along * n.x, to_one * n.x, to_one * n.y,
+                                 point.jnAcc, gap))
+        for body in self.bodies:
+            if body.body_type == pymunk.Body.DYNAMIC:
+                body.each_arbiter(note)
+        found = np.array(sorted(rows), dtype=float).reshape(-1, 10)
+        pair = found[:, :2].astype(np.int64)
+        self.builder.contacts.append(*merge_contacts(
+            np.full(len(found), self.samples), pair[:, 0], pair[:, 1], found[:, 2:4],
+            found[:, 4:6] / self.scene.h, found[:, 6:8], found[:, 8], found[:, 9],
+            np.zeros(len(found))).values())
+
+    def finish(self, reason: str, wall: dict[str, float]) -> Recording:
+        """The recording of the samples so far, and why it ended early, if it did."""
+        clock, settings = self.clock, self.model.mechanism.run.pymunk
+        self._put(self.samples % CHUNK)
+        return self.builder.finish(
+            clock.force_time(clock.sample_step(np.arange(self.samples))), Outcome(
+                status=status_of(complete=not reason, reason=reason, stopped=None), reason=reason,
+                step=clock.step, steps=clock.steps, sample_rate=1 / (clock.every * clock.step),
+                versions={"sandbox": __version__, "pymunk": pymunk.version,
+                          "numpy": np.__version__, "python": platform.python_version()},
+                wall=wall, notes=(
+                    f"computed by pymunk {pymunk.version} with {settings.iterations} iterations "
+                    f"in steps of {clock.step:g} s, not by the direct solver",)))
