@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import platform
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 import pymunk
@@ -171,7 +171,9 @@ class _PymunkRun:
                 arrays["spring_length"][i] = arrays["joint_angle"][j]
                 arrays["spring_force"][i] = damping - self.model.joints.sense[j] * self._force(name)
 
-    def _between(self, arrays: Arrays, bodies: Array, points: Array) -> tuple[float, float]:
+    def _between(
+        self, arrays: Arrays, bodies: Iterable[int], points: Array,
+    ) -> tuple[float, float]:
         """Distance of points of two bodies [m] and its rate [m/s], at a sample."""
         (p, q), (v, w) = zip(*(self._moved(arrays, body, at) for body, at in zip(
             bodies, points, strict=True)), strict=True)

@@ -32,7 +32,7 @@ def touched(boxes: Array, stage: pygame.Rect) -> list[pygame.Rect]:
         grid[y0:y1, x0:x1] = 1
     edges = np.diff(grid, axis=1, prepend=0, append=0)
     found: list[pygame.Rect] = []
-    last = np.zeros(0)
+    last = np.zeros(0, dtype=np.int64)
     for row, edge in enumerate(edges):
         ends = np.flatnonzero(edge)
         runs = ends.reshape(-1, 2).tolist()
