@@ -31,7 +31,7 @@ from numba.extending import intrinsic
 
 from sandbox.engine import source_hash
 from sandbox.engine.compiling import report_compiled, report_progress
-from sandbox.engine.kernel import fast_compilation, kernel
+from sandbox.engine.kernel import entry_point_compiler, fast_compilation, kernel
 from sandbox.engine.memory import TABLE_WORDS
 from sandbox.engine.records import GEAR, RACK, ROLL
 from sandbox.engine.source_hash import cacheable
@@ -134,7 +134,8 @@ class EntryPoint:
     def compiled(self) -> Any:
         """Numba's C callback, compiled now or loaded from the cache."""
         def compiled(function: Callable[..., Any], cache: bool) -> Any:
-            return cfunc(self.signature, error_model="numpy", cache=cache)(function)
+            return cfunc(self.signature, error_model="numpy", cache=cache,
+                         pipeline_class=entry_point_compiler)(function)
 
         made = _cached(self.py_func, compiled)
         if not made.cache_hits:
@@ -213,7 +214,7 @@ class CalledFromPython:
     @cached_property
     def _dispatcher(self) -> Any:
         return _cached(self.py_func, lambda function, cache: njit(
-            error_model="numpy", cache=cache)(function))
+            error_model="numpy", cache=cache, pipeline_class=entry_point_compiler)(function))
 
 
 def entry_point(

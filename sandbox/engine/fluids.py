@@ -139,11 +139,11 @@ def _straighten(table: int, drive: Array) -> None:
         out["lets"], out["gets"] = 1.0 / slope, k * abs(out["about"]) * out["about"] / slope
         both = _swells(results, v)
         for end in range(2):
-            line, sign = (v["a"], -1.0) if end == 0 else (v["b"], 1.0)
-            if line >= 0:
-                rest = results[line]["swells"] - both
-                results[line]["lets"] += both * out["lets"]
-                results[line]["gets"] += sign * (both * out["gets"] + rest * out["about"])
+            joined, sign = (v["a"], -1.0) if end == 0 else (v["b"], 1.0)
+            if joined >= 0:
+                rest = results[joined]["swells"] - both
+                results[joined]["lets"] += both * out["lets"]
+                results[joined]["gets"] += sign * (both * out["gets"] + rest * out["about"])
     pumps = at.pumps(table)
     for i in range(len(pumps)):
         pump, line = pumps[i], results[pumps[i]["line"]]

@@ -9,7 +9,6 @@ a slope is no number (that of a root at 0) it counts as none.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -20,8 +19,10 @@ from sandbox.numeric import Array
 
 
 @kernel
-def formula(table: int, first: int, last: int, read: Array) -> Any:
-    """The value of the program from step ``first`` to ``last`` and its slopes, [1 + slopes].
+def formula(table: int, first: int, last: int, read: Array) -> None:
+    """Run the program from step ``first`` to ``last``.
+
+    Its value and slopes are then the first row of the table's ``stack``, [1 + slopes].
 
     Args:
         table: of the run.
@@ -78,7 +79,6 @@ def formula(table: int, first: int, last: int, read: Array) -> Any:
             _two(stack, top, op)
         else:
             _one(stack, top, op)
-    return stack[0]
 
 
 @kernel

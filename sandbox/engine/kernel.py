@@ -4,11 +4,14 @@ Everything that a kernel calls is compiled into one of the entry points
 (:mod:`sandbox.engine.entry_points`); a kernel has no machine code of its own.
 Called from Python, a kernel runs as plain Python.
 
-Three measures make the first run about twice as fast. The first two use private parts of Numba;
-none of them changes the compiled code:
+Four measures make the first run about three times as fast. The first three use private parts of
+Numba; none of them changes what is computed:
 
 - Kernels are only linked into their callers. By default Numba also optimises each function
   separately, generates machine code for it and compiles two wrappers around it.
+- Kernels and entry points allocate nothing: references are not counted. They are plain loops
+  over numbers: compiler passes for closures, array expressions, branches that depend on types
+  and variables that change their type are left out.
 - The types of operators are remembered while entry points are compiled. By default Numba tries
   all overloads of an operator again at each use.
 - Python's garbage collector is off meanwhile.
@@ -32,6 +35,13 @@ from numba.extending import models, register_model, typeof_impl
 from sandbox.engine.compiling import report_began
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+_UNUSED_PASSES = {
+    "WithLifting", "InlineClosureLikes", "RewriteSemanticConstants", "DeadBranchPrune",
+    "RewriteDynamicRaises", "MakeFunctionToJitFunction", "InlineInlinables", "FindLiterallyCalls",
+    "LiteralUnroll", "ReconstructSSA", "LiteralPropagationSubPipelinePass", "PreLowerStripPhis",
+    "InlineOverloads", "NopythonRewrites", "NoPythonSupportedFeatureValidation", "IRLegalization",
+    "DumpParforDiagnostics"}
+"""Passes of Numba's compiler that are left out."""
 
 
 class Kernel:
@@ -103,38 +113,55 @@ def fast_compilation() -> Iterator[None]:
 
 def kernel_options() -> dict[str, Any]:
     """Options of ``njit`` for kernels; empty if Numba's private interfaces have changed."""
-    options = _tested_options()
-    if options and _contexts:
+    compilers = _compilers()
+    return _options(compilers[0]) if compilers else {}
+
+
+def entry_point_compiler(*args: Any) -> Any:
+    """Numba's compiler with some passes less; the usual one if private interfaces have changed."""
+    compilers = _compilers()
+    return (compilers[1] if compilers else import_module("numba.core.compiler").Compiler)(*args)
+
+
+def _compilers() -> tuple[Any, Any] | None:
+    compilers = _tested_compilers()
+    if compilers and _contexts:
         _contexts[-1].enter_context(_operator_types_remembered())
-    return options
+    return compilers
 
 
 @cache
-def _tested_options() -> dict[str, Any]:
+def _tested_compilers() -> tuple[Any, Any] | None:
     try:
-        options = _linking_options()
+        compilers = _make_compilers()
         with _operator_types_remembered():
-            if _probe(options) == 42.0:
-                return options
+            if _probe(*compilers) == 42.0:
+                return compilers
     except Exception:  # whatever a changed interface raises
         pass
-    return {}
+    return None
 
 
-def _probe(options: dict[str, Any]) -> float:
-    """Compile a function with the options into another one, and call that."""
+def _options(compiler: Any) -> dict[str, Any]:
+    return {"pipeline_class": compiler, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+
+def _probe(of_kernels: Any, of_entry_points: Any) -> float:
+    """Compile a function into another one, and call that."""
     def inner(x: float, n: int) -> float:
         return x * n + n
 
-    inner = njit(error_model="numpy", **options)(inner)
+    inner = njit(error_model="numpy", **_options(of_kernels))(inner)
 
     def outer(x: float) -> float:
         return inner(x, 3) + inner(2.0 * x, 3)
 
-    return float(cfunc("float64(float64)", error_model="numpy")(outer).ctypes(4.0))
+    return float(cfunc("float64(float64)", error_model="numpy",
+                       pipeline_class=of_entry_points)(outer).ctypes(4.0))
 
 
-def _linking_options() -> dict[str, Any]:
+def _make_compilers() -> tuple[Any, Any]:
+    """Compilers of kernels and of entry points."""
     function_maker = import_module("numba._dynfunc")
     codegen = import_module("numba.core.codegen")
     compiler = import_module("numba.core.compiler")
@@ -174,18 +201,33 @@ def _linking_options() -> dict[str, Any]:
                 described, lowered.call_helper, cfunc=entry, env=lowered.env)
             return True
 
-    class LinkedCompiler(compiler.CompilerBase):  # type: ignore[misc, name-defined]
-        """Numba's usual compiler with that lowering."""
+    class ShortCompiler(compiler.CompilerBase):  # type: ignore[misc, name-defined]
+        """Numba's usual compiler without the counting of references and without some passes."""
+
+        lowering_pass = lowering
+
+        def __init__(
+            self, typing: Any, target: Any, library: Any, args: Any, result: Any, flags: Any,
+            types_of_locals: Any,
+        ) -> None:
+            flags.nrt = False
+            super().__init__(typing, target, library, args, result, flags, types_of_locals)
 
         def define_pipelines(self) -> list[Any]:
-            passes = compiler.DefaultPassBuilder.define_nopython_pipeline(self.state)
-            passes._finalized = False
-            passes.passes = [(LinkedLowering, text) if step is lowering else (step, text)
-                             for step, text in passes.passes]
+            passes = import_module("numba.core.compiler_machinery").PassManager("short")
+            for step, text in compiler.DefaultPassBuilder.define_nopython_pipeline(
+                    self.state).passes:
+                if step.__name__ not in _UNUSED_PASSES:
+                    passes.add_pass(self.lowering_pass if step is lowering else step, text)
             passes.finalize()
             return [passes]
 
-    return {"pipeline_class": LinkedCompiler, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    class LinkedCompiler(ShortCompiler):
+        """The same for functions that are only linked into their callers."""
+
+        lowering_pass = LinkedLowering
+
+    return LinkedCompiler, ShortCompiler
 
 
 @contextmanager

@@ -127,9 +127,9 @@ def _part(table: int, into: Array, k: int, code: int, code_end: int, scale: floa
     for j in range(4):
         into[k, j] = 0.0
     if code >= 0:
-        found = formula(table, code, code_end, at.read_names(table))
+        formula(table, code, code_end, at.read_names(table))
         for j in range(4):
-            into[k, j] = scale * found[j]
+            into[k, j] = scale * at.stack(table)[0, j]
 
 
 @kernel

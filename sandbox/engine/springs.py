@@ -85,8 +85,8 @@ def spring_rows(table: int, h: float, drive: Array) -> None:
 
 
 @kernel
-def _law(table: int, s: Any, extent: float, speed: float, drive: Array) -> Any:
-    """Force of a spring's law with its slopes by stretch and rate, [1 + slopes]."""
+def _law(table: int, s: Any, extent: float, speed: float, drive: Array) -> None:
+    """Compute the force of a spring's law and its slopes by stretch and rate, as a formula."""
     read = at.read_names(table)
     for i in range(3):
         for j in range(read.shape[1]):
@@ -94,13 +94,14 @@ def _law(table: int, s: Any, extent: float, speed: float, drive: Array) -> Any:
     read[0, 0], read[0, 1] = extent, 1.0
     read[1, 0], read[1, 2] = speed, 1.0
     read[2, 0] = s["k"] if s["drive"] < 0 else drive[s["drive"]]
-    return formula(table, s["code"], s["code_end"], read)
+    formula(table, s["code"], s["code_end"], read)
 
 
 @entry_point("laws")
 def spring_law(table: int, i: int, extent: float, drive: Array) -> float:
     """Force of a spring's law at rest."""
-    return float(_law(table, at.springs(table)[i], extent, 0.0, drive)[0])
+    _law(table, at.springs(table)[i], extent, 0.0, drive)
+    return float(at.stack(table)[0, 0])
 
 
 @kernel
@@ -117,10 +118,11 @@ def _at_pose(
     table: int, s: Any, out: Any, extent: float, speed: float, h: float, drive: Array,
 ) -> tuple[float, float]:
     """The law's force for the rate before the step, and its slope l; decides how it is taken."""
-    law = _law(table, s, extent, speed, drive)
+    law = at.stack(table)[0]
+    _law(table, s, extent, speed, drive)
     force, lead = law[0], 0.5 * max(law[2], 0.0)
     out["stiff"] = 1 if h * h * s["response"] * law[1] > SOFT else 0
-    law = _law(table, s, extent + h * speed, speed, drive)
+    _law(table, s, extent + h * speed, speed, drive)
     if h * h * s["response"] * law[1] > SOFT:
         out["stiff"] = 1
     if out["stiff"] == 1:
@@ -134,14 +136,15 @@ def _tangent(
     given: float, drive: Array,
 ) -> tuple[bool, float, float]:
     """Whether ``given`` differs from the law's force for the rate at the step's end; force, l."""
-    law = _law(table, s, extent + h * speed, speed, drive)
+    law = at.stack(table)[0]
+    _law(table, s, extent + h * speed, speed, drive)
     slope = max(law[1], 0.0)
     if h * h * s["response"] * slope > SOFT:
         out["stiff"] = 1
     if out["stiff"] == 0:
         if not s["of_rate"]:
             return False, 0.0, 0.0
-        law = _law(table, s, extent, 0.5 * (before + speed), drive)
+        _law(table, s, extent, 0.5 * (before + speed), drive)
         force, lead = law[0], 0.5 * max(law[2], 0.0)
     else:
         force, lead = law[0], h * slope + max(law[2], 0.0)

@@ -152,13 +152,13 @@ def test_documented_interfaces_of_numba_suffice(monkeypatch: pytest.MonkeyPatch)
     def changed() -> None:
         raise ImportError
 
-    kernels._tested_options.cache_clear()
-    monkeypatch.setattr(kernels, "_linking_options", changed)
+    kernels._tested_compilers.cache_clear()
+    monkeypatch.setattr(kernels, "_make_compilers", changed)
     monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
     with kernels.fast_compilation():
         assert kernels.kernel_options() == {}
         assert CalledFromPython(outer)(1) == 5
-    kernels._tested_options.cache_clear()
+    kernels._tested_compilers.cache_clear()
 
 
 def test_old_code_of_other_versions_is_removed(tmp_path: Path):
