@@ -25,20 +25,7 @@ from sandbox.elements.element import (
     recorded,
 )
 from sandbox.errors import Problem
-from sandbox.values.numbers import (
-    Area,
-    Density,
-    Displacement,
-    Flag,
-    FlowResistance,
-    Items,
-    Modulus,
-    Name,
-    Number,
-    Point,
-    Pressure,
-    Volume,
-)
+from sandbox.values import numbers as of
 from sandbox.values.signals import FlowSignal, PressureSignal, ShareSignal
 from sandbox.values.spec import TYPE, Spec
 from sandbox.values.units import size_fault
@@ -52,7 +39,7 @@ FLUID = "fluid under pressure in lines"
 """Why MuJoCo has none of these."""
 OIL = 1.4e9
 """Modulus of oil with a little air in it [Pa]."""
-LineName = Annotated[Name, LINE]
+LineName = Annotated[of.Name, LINE]
 LINE_QUANTITIES: Mapping[str, Quantity] = {
     "pressure": recorded("line_pressure", "Pa", "gauge pressure", live=True),
     "volume": recorded("line_volume", "m^3", "of its chambers and hoses", live=True),
@@ -75,14 +62,14 @@ class Cylinder(Spec):
     """The body that its tube is tied to."""
     b: BodyName
     """The body that its rod is tied to."""
-    on_a: Point = (0.0, 0.0)
+    on_a: of.Point = (0.0, 0.0)
     """Where it is tied, in the frame of ``a`` [m]."""
-    on_b: Point = (0.0, 0.0)
+    on_b: of.Point = (0.0, 0.0)
     """Where it is tied, in the frame of ``b`` [m]."""
-    area: Area
+    area: of.Area
     """Of the piston that the fluid presses [m^2]; the force along the line through the two points
     is this times the pressure."""
-    pulls: Flag = False
+    pulls: of.Flag = False
     """Whether the fluid is on the rod side: its volume then grows as the points approach, and
     pressure pulls them together, as in an artificial muscle."""
 
@@ -103,7 +90,7 @@ class Vane(Spec):
     type: Literal["vane"] = TYPE
     joint: HingeName
     """Name of the pin that it acts on."""
-    displacement: Displacement
+    displacement: of.Displacement
     """Volume per angle of the hinge [m^3/rad], in the hinge's positive sense; the torque is this
     times the pressure. A negative value reverses it."""
 
@@ -134,24 +121,24 @@ class Line(Element):
     PYMUNK = FLUID
     RECORDED = LINE_QUANTITIES
 
-    name: Name
+    name: of.Name
     """Its name; quantities are ``<name>.pressure``, ``<name>.volume`` and so on."""
-    chambers: Items[Chamber] = Field(default=(), max_length=64)
+    chambers: of.Items[Chamber] = Field(default=(), max_length=64)
     """What the fluid moves; none where the line only stores some, as an accumulator does."""
-    volume: Volume | None = None
+    volume: of.Volume | None = None
     """Of all the fluid at t = 0, in chambers and hoses [m^3]; by default that of its cylinders that
     push, area times distance."""
-    modulus: Modulus | None = None
+    modulus: of.Modulus | None = None
     """Pressure per share by which the fluid is pressed together, walls of hoses included [Pa]; by
     default 1.4 GPa, that of oil. Not of a gas."""
-    gas: Number | None = Field(default=None, ge=1, le=2)
+    gas: of.Number | None = Field(default=None, ge=1, le=2)
     """The line contains gas: (pressure + 101325 Pa) * volume^gas is constant without flow. 1 is
     isothermal (slow), 1.4 is adiabatic air (fast). By default the line contains liquid."""
-    pressure: Pressure = 0.0
+    pressure: of.Pressure = 0.0
     """At t = 0, above the surroundings [Pa]."""
-    least: Pressure = -ATMOSPHERE
+    least: of.Pressure = -ATMOSPHERE
     """Minimum pressure [Pa]; below it the line cavitates. By default -101325 Pa, a vacuum."""
-    relief: Pressure | None = None
+    relief: of.Pressure | None = None
     """Maximum pressure [Pa]; above it a relief valve opens to the tank. By default there is
     none."""
 
@@ -211,21 +198,21 @@ class Valve(Element):
     PYMUNK = FLUID
     RECORDED = VALVE_QUANTITIES
 
-    name: Name
+    name: of.Name
     """Its name; quantities are ``<name>.flow`` and ``<name>.loss``."""
-    a: Annotated[Name | None, LINE] = None
+    a: Annotated[of.Name | None, LINE] = None
     """The line at its one end; left out it is the tank, whose pressure is 0."""
-    b: Annotated[Name | None, LINE] = None
+    b: Annotated[of.Name | None, LINE] = None
     """The line at its other end; left out it is the tank."""
-    resistance: FlowResistance = 0.0
+    resistance: of.FlowResistance = 0.0
     """Pressure per flow of a long narrow passage [Pa s/m^3]."""
-    area: Area | None = None
+    area: of.Area | None = None
     """Of the opening of an orifice [m^2]; by default it is no orifice."""
-    discharge: Annotated[Number, Field(gt=0.01, le=1)] = 0.61
+    discharge: Annotated[of.Number, Field(gt=0.01, le=1)] = 0.61
     """How much of the orifice's area the jet takes."""
-    density: Density = 870.0
+    density: of.Density = 870.0
     """Of the fluid, which counts in an orifice [kg/m^3]; by default that of oil."""
-    one_way: Flag = False
+    one_way: of.Flag = False
     """A check valve: it lets fluid from ``a`` to ``b`` and not back."""
 
     @model_validator(mode="after")
@@ -253,7 +240,7 @@ class FlowDrive(DriveSpec):
         LINE, "flow", "m^3/s", "flow", ("value", "work", "flow"), mujoco=FLUID)
 
     type: Literal["flow"] = TYPE
-    name: Name
+    name: of.Name
     """Its name; its value is recorded as ``<name>.value``, the work on the fluid as
     ``<name>.work``."""
     line: LineName
@@ -272,13 +259,13 @@ class PressureDrive(DriveSpec):
         mujoco=FLUID)
 
     type: Literal["pressure"] = TYPE
-    name: Name
+    name: of.Name
     """Its name; its value is recorded as ``<name>.value``, its flow as ``<name>.flow``."""
     line: LineName
     """Name of the line that it feeds."""
     value: PressureSignal
     """Gauge pressure over time [Pa], limited by the line's ``least`` and ``relief``."""
-    resistance: FlowResistance = 0.0
+    resistance: of.FlowResistance = 0.0
     """Pressure that is lost per flow between the source and the line [Pa s/m^3]; with 0, the
     default, the line has the pressure of the source."""
 
@@ -295,9 +282,9 @@ class OpeningDrive(DriveSpec):
         VALVE, "opening", "1", "ratio", ("value",), floor=0.0, sole="opening", mujoco=FLUID)
 
     type: Literal["opening"] = TYPE
-    name: Name
+    name: of.Name
     """Its name; its value is recorded as ``<name>.value``."""
-    valve: Annotated[Name, VALVE]
+    valve: Annotated[of.Name, VALVE]
     """Name of the valve; one that no drive opens is fully open."""
     value: ShareSignal
     """How far it is open over time: 0 is shut, 1 fully open. Below 0 counts as 0."""

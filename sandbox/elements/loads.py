@@ -11,23 +11,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, mod
 
 from sandbox.elements.element import KEPT, NAMED, Element, Quantity, recorded
 from sandbox.errors import Problem
-from sandbox.values.numbers import (
-    Area,
-    Coordinate,
-    Damping,
-    Density,
-    Items,
-    Name,
-    Pair,
-    Point,
-    Ratio,
-    RotaryDamping,
-    Speed,
-    Written,
-    law_of,
-    number_from,
-    parameters_of,
-)
+from sandbox.values import numbers as of
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError, quoted
 
@@ -45,8 +29,8 @@ def _law(dimension: str) -> Any:
     """What reads a law: an expression of a body's motion, or a number of a dimension."""
     def read(value: Any, info: ValidationInfo) -> str:
         if isinstance(value, str) and value.lstrip().startswith("="):
-            return law_of(value, MOTION, "body", info)
-        return f"={number_from(value, dimension, parameters_of(info))!r}"
+            return of.law_of(value, MOTION, "body", info)
+        return f"={of.number_from(value, dimension, of.parameters_of(info))!r}"
 
     return BeforeValidator(read)
 
@@ -55,12 +39,12 @@ _SCHEMA = WithJsonSchema({
     "anyOf": [{"type": "number"}, {"type": "string"}],
     "description": 'A number, a string with a unit, or an expression of the body\'s motion such as '
                    '"=-2 * vx".'})
-ForceLaw = Annotated[Written[str], _law("force"), _SCHEMA]
-TorqueLaw = Annotated[Written[str], _law("torque"), _SCHEMA]
-AccelerationLaw = Annotated[Written[str], _law("acceleration"), _SCHEMA]
+ForceLaw = Annotated[of.Written[str], _law("force"), _SCHEMA]
+TorqueLaw = Annotated[of.Written[str], _law("torque"), _SCHEMA]
+AccelerationLaw = Annotated[of.Written[str], _law("acceleration"), _SCHEMA]
 _PATTERN = {"type": "string", "minLength": 1, "maxLength": 100}
 Patterns = Annotated[
-    Items[Annotated[str, Field(min_length=1, max_length=100)]],
+    of.Items[Annotated[str, Field(min_length=1, max_length=100)]],
     Field(min_length=1, max_length=MOST_PATTERNS),
     BeforeValidator(lambda value: (value,) if isinstance(value, str) else value),
     WithJsonSchema({"anyOf": [_PATTERN, {"type": "array", "items": _PATTERN, "minItems": 1,
@@ -121,19 +105,19 @@ class LawLoad(LoadSpec):
     LOCAL = ("force", "acceleration", "torque")
 
     type: Literal["law"] = TYPE
-    name: Name
+    name: of.Name
     """Its name; quantities are ``<name>.<body>.fx`` and so on."""
     bodies: Patterns = EVERY
     """Bodies that it acts on: a name, a pattern such as ``"ball*"``, or a list of them. By default
     every body that moves freely; fixed and scheduled bodies are skipped."""
-    force: Pair[ForceLaw] | None = None
+    force: of.Pair[ForceLaw] | None = None
     """The force [x, y] at the point ``at`` [N]: ``["=-0.2 * vx", "=-0.2 * vy"]``."""
-    acceleration: Pair[AccelerationLaw] | None = None
+    acceleration: of.Pair[AccelerationLaw] | None = None
     """In place of ``force``, a force [x, y] per mass of the body [m/s^2]: ``[0, "-1.62
     m/s^2"]``."""
     torque: TorqueLaw | None = None
     """An additional torque on the body [N m], positive counter-clockwise: ``"=-0.01 * omega"``."""
-    at: Point | None = None
+    at: of.Point | None = None
     """Point of application, in the frame of each body [m]; by default its centre of mass. The
     expressions read its position and motion."""
     frame: Literal["world", "body"] = "world"
@@ -167,22 +151,22 @@ class DragLoad(LoadSpec):
     """
 
     type: Literal["drag"] = TYPE
-    name: Name
+    name: of.Name
     """Its name; quantities are ``<name>.<body>.fx`` and so on."""
     bodies: Patterns = EVERY
     """The bodies that it acts on: a name, a pattern such as ``"ball*"``, or a list of them. By
     default every body that moves freely."""
-    linear: Damping = 0.0
+    linear: of.Damping = 0.0
     """Force per speed [N s/m], for slow motion in a viscous medium."""
-    area: Area | None = None
+    area: of.Area | None = None
     """Frontal area of the body, across the motion [m^2]; by default there is no quadratic drag."""
-    coefficient: Ratio = 1.0
+    coefficient: of.Ratio = 1.0
     """The drag coefficient of that area: 0.47 of a ball, 1.1 of a disc across the flow."""
-    density: Density = 1.2
+    density: of.Density = 1.2
     """Of the medium [kg/m^3]; by default that of air."""
-    turning: RotaryDamping = 0.0
+    turning: of.RotaryDamping = 0.0
     """Torque per angular speed [N m s/rad], against it."""
-    flow: Annotated[Pair[Speed], KEPT] = (0.0, 0.0)
+    flow: Annotated[of.Pair[of.Speed], KEPT] = (0.0, 0.0)
     """The velocity [x, y] of the medium in the world, such as wind [m/s]; none by default."""
 
     @model_validator(mode="after")
@@ -214,14 +198,14 @@ class BuoyancyLoad(LoadSpec):
     """
 
     type: Literal["buoyancy"] = TYPE
-    name: Name
+    name: of.Name
     """Its name; quantities are ``<name>.<body>.fy`` and so on."""
     bodies: Patterns = EVERY
     """The bodies that it lifts: a name, a pattern such as ``"boat*"``, or a list of them. By
     default every body that moves freely and has an area."""
-    level: Annotated[Coordinate, KEPT] = 0.0
+    level: Annotated[of.Coordinate, KEPT] = 0.0
     """Height of the surface: its ``y`` in the world [m]."""
-    density: Density = 1000.0
+    density: of.Density = 1000.0
     """Of the liquid [kg/m^3]; by default that of water."""
 
     def columns(self, mechanism: Mechanism) -> dict[str, Any]:

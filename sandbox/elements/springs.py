@@ -10,21 +10,7 @@ import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from sandbox.elements.element import KEPT, BodyName, Element, HingeName, Quantity, recorded
-from sandbox.values.numbers import (
-    POSITIVE,
-    Angle,
-    Damping,
-    Distance,
-    Flag,
-    Force,
-    Name,
-    Point,
-    RotaryDamping,
-    RotaryStiffness,
-    Stiffness,
-    Torque,
-    law_of,
-)
+from sandbox.values import numbers as of
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
@@ -87,7 +73,7 @@ class SpringSpec(Element):
 
 
 def _read_law(cls: type[SpringSpec], text: str | None, info: ValidationInfo) -> str | None:
-    return None if text is None else law_of(text, cls.OWN, "spring", info)
+    return None if text is None else of.law_of(text, cls.OWN, "spring", info)
 
 
 class LinearSpring(SpringSpec):
@@ -100,17 +86,17 @@ class LinearSpring(SpringSpec):
     OWN = ("stretch", "rate")
 
     type: Literal["linear"] = TYPE
-    name: Name
+    name: of.Name
     """Its name; quantities are ``<name>.force`` and so on."""
     a: BodyName
     """The body at its one end."""
     b: BodyName
     """The body at its other end."""
-    on_a: Point = (0.0, 0.0)
+    on_a: of.Point = (0.0, 0.0)
     """Attachment, in the frame of ``a`` [m]."""
-    on_b: Point = (0.0, 0.0)
+    on_b: of.Point = (0.0, 0.0)
     """Attachment, in the frame of ``b`` [m]."""
-    stiffness: Stiffness | None = None
+    stiffness: of.Stiffness | None = None
     """Force per change of length [N/m], 0 or more; positive in tension."""
     force: str | None = None
     """In place of ``stiffness``, the force [N] as an expression of its ``stretch`` [m], length
@@ -119,15 +105,15 @@ class LinearSpring(SpringSpec):
     only: Literal["pull", "push"] | None = None
     """One-sided: ``pull`` acts above the rest length only, as a bungee cord; ``push`` below it
     only, as a bump stop."""
-    damping: Damping = 0.0
+    damping: of.Damping = 0.0
     """Force per rate of length [N s/m], against it; of a one-sided spring only while it acts."""
-    rest_length: Distance | None = None
+    rest_length: of.Distance | None = None
     """Length without force [m]; by default the length at t = 0. The ``stretch`` of its ``force``
     counts from it."""
-    breaks_at: Annotated[Force, POSITIVE] | None = None
+    breaks_at: Annotated[of.Force, of.POSITIVE] | None = None
     """Magnitude of its force above which it breaks [N]; it stays released unless an event engages
     it again. By default it never breaks."""
-    released: Flag = False
+    released: of.Flag = False
     """Whether it starts released, until an event engages it."""
     taken_up: TakenUp = "natural"
     """Rest length after it is engaged again: ``natural`` keeps it; ``as_is`` takes the current
@@ -164,11 +150,11 @@ class RotarySpring(SpringSpec):
     OWN = ("twist", "rate")
 
     type: Literal["rotary"] = TYPE
-    name: Name
+    name: of.Name
     """Its name; quantities are ``<name>.torque`` and so on."""
     joint: HingeName
     """Name of the pin that it acts on; the spring has this hinge's angle and positive sense."""
-    stiffness: RotaryStiffness | None = None
+    stiffness: of.RotaryStiffness | None = None
     """Torque per angle [N m/rad], 0 or more, towards ``rest_angle``."""
     torque: str | None = None
     """In place of ``stiffness``, the torque [N m] as an expression of its ``twist`` [rad], the
@@ -176,15 +162,15 @@ class RotarySpring(SpringSpec):
     ``"=pad(twist)"``. Positive reduces a positive twist."""
     only: Literal["above", "below"] | None = None
     """One-sided: it acts only ``above`` or only ``below`` its rest angle, and only towards it."""
-    damping: RotaryDamping = 0.0
+    damping: of.RotaryDamping = 0.0
     """Torque per rate [N m s/rad], against it; of a one-sided spring only while it acts."""
-    rest_angle: Annotated[Angle, KEPT] = 0.0
+    rest_angle: Annotated[of.Angle, KEPT] = 0.0
     """Hinge angle without torque [rad], in the hinge's positive sense; 0 by default, also if the
     hinge starts elsewhere."""
-    breaks_at: Annotated[Torque, POSITIVE] | None = None
+    breaks_at: Annotated[of.Torque, of.POSITIVE] | None = None
     """Magnitude of its torque without damping above which it breaks [N m]; it stays released unless
     an event engages it again. By default it never breaks."""
-    released: Flag = False
+    released: of.Flag = False
     """Whether it starts released, until an event engages it. Its damping belongs to the hinge and
     is not released."""
 

@@ -9,20 +9,7 @@ from pydantic import Field, model_validator
 
 from sandbox.elements.element import OTHER_SIDE, BodyName, Element, Quantity, recorded
 from sandbox.elements.springs import TakenUp
-from sandbox.values.numbers import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    Damping,
-    Distance,
-    Flag,
-    Force,
-    Items,
-    Length,
-    Name,
-    Point,
-    Ratio,
-    Stiffness,
-)
+from sandbox.values import numbers as of
 from sandbox.values.spec import Spec
 from sandbox.wording import WrongValueError
 
@@ -69,9 +56,9 @@ class Guide(Spec):
 
     body: BodyName
     """Name of the body that carries it."""
-    at: Point = (0.0, 0.0)
+    at: of.Point = (0.0, 0.0)
     """The point, or the wheel's centre, in the body's frame [m]."""
-    radius: Distance = 0.0
+    radius: of.Distance = 0.0
     """Radius of the wheel [m]; 0, the default, is a point."""
     side: Annotated[Literal["left", "right"], OTHER_SIDE] = "left"
     """Side of the wheel's centre, seen along the tendon from its first guide to its last: around a
@@ -86,7 +73,7 @@ class Guide(Spec):
     meet it later. By default it is off if the straight path clears the wheel with its centre on
     ``side``; a loop is on. Without effect where a tendon cannot lift off: on a point, a wheel with
     ``friction`` or ``turns``, the first guide of a loop, and at the ends."""
-    friction: Ratio = 0.0
+    friction: of.Ratio = 0.0
     """Coefficient of friction between tendon and guide: over a wrap angle φ the tension may grow by
     up to e^(friction φ) before the tendon slides (Euler, Eytelwein). On a rotating wheel this is
     its grip. Without effect at the ends."""
@@ -104,31 +91,31 @@ class Tendon(Element):
 
     RECORDED = QUANTITIES
 
-    name: Name
+    name: of.Name
     """Its name; quantities are ``<name>.tension``, ``<name>.length`` and so on."""
-    guides: Items[Guide] = Field(min_length=2, max_length=64)
+    guides: of.Items[Guide] = Field(min_length=2, max_length=64)
     """Path of the tendon from end to end; a pull drive acts at the last guide."""
-    closed: Flag = False
+    closed: of.Flag = False
     """True: a loop, such as a belt. From the last guide it continues to the first; it has no tied
     end."""
-    stiffness: Stiffness = Field(default=RIGID, gt=0)
+    stiffness: of.Stiffness = Field(default=RIGID, gt=0)
     """Tension per stretch of the whole tendon [N/m]; from 100 kN/m on, the default, it is solved
     implicitly and counts as inextensible."""
-    damping: Damping = 0.0
+    damping: of.Damping = 0.0
     """Tension per rate of stretch [N s/m]; from 100 kN/m on the step adds damping of step *
     stiffness."""
-    rest_length: Length | None = None
+    rest_length: of.Length | None = None
     """Rest length [m]; by default that of its path at t = 0. ``slack`` is added."""
-    slack: Distance = 0.0
+    slack: of.Distance = 0.0
     """Added to the rest length [m], 0 or more: the path has to grow by this before the tendon
     pulls. For tension from the start use a ``pretension``, or a ``rest_length`` shorter than the
     path."""
-    pretension: Annotated[Force, NOT_NEGATIVE] | None = None
+    pretension: Annotated[of.Force, of.NOT_NEGATIVE] | None = None
     """Tension along the whole tendon at t = 0 [N], in place of ``rest_length`` and ``slack``."""
-    breaks_at: Annotated[Force, POSITIVE] | None = None
+    breaks_at: Annotated[of.Force, of.POSITIVE] | None = None
     """Tension above which it breaks [N], anywhere along it; it stays released unless an event
     engages it again. By default it never breaks."""
-    released: Flag = False
+    released: of.Flag = False
     """Whether it starts released, until an event engages it."""
     taken_up: TakenUp = "natural"
     """Rest length after it is engaged again: ``natural`` keeps it; ``as_is`` takes the current path

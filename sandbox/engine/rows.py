@@ -187,16 +187,12 @@ def rolling_row(table: int, h: float, k: int, on_a: float, on_b: float) -> None:
 
 
 @entry_point("teeth")
-def flank_gap(table: int, h: float, k: int) -> float:
-    """The gap [m] between the teeth of joint ``k`` one step on."""
-    side = at.joint_states(table)[k]["flank"]
-    return float(flank(at.joints(table)[k], side, h, at.body(table), at.velocity(table))[0])
-
-
-@entry_point("teeth")
-def rolled_gap(table: int, h: float, k: int) -> float:
-    """How far [m] the circles of joint ``k`` have slipped one step on."""
-    return float(rolled(at.joints(table)[k], h, at.body(table), at.velocity(table)))
+def wheel_gap(table: int, h: float, k: int) -> float:
+    """Gap of the teeth, or slip of the circles, of joint ``k`` one step on [m]."""
+    joint, side = at.joints(table)[k], at.joint_states(table)[k]["flank"]
+    if joint["keeps"] == ROLL:
+        return float(rolled(joint, h, at.body(table), at.velocity(table)))
+    return float(flank(joint, side, h, at.body(table), at.velocity(table))[0])
 
 
 @kernel
@@ -238,7 +234,7 @@ def joint_gaps(table: int, h: float) -> float:
         a, b = joint["a"], joint["b"]
         left_x, left_y, _ = remaining_gap(table, joint["tie"], h)
         if toothed(joint):
-            gap = flank_gap(table, h, k)
+            gap = wheel_gap(table, h, k)
             gap += at.unknowns(table)[3][joint["row"]] / (h * joint["k"])
             asked[joint["row"]] = -gap / h
             worst = max(worst, abs(gap))
@@ -252,7 +248,7 @@ def joint_gaps(table: int, h: float) -> float:
             asked[joint["row_y"]] = -(y - left_y) / h
             worst = max(worst, abs(y - left_y))
         if joint["keeps"] == ROLL:
-            gap = rolled_gap(table, h, k)
+            gap = wheel_gap(table, h, k)
             asked[joint["row_y"]] = -gap / h
             worst = max(worst, abs(gap))
     return worst

@@ -16,7 +16,7 @@ from pydantic import Field
 from sandbox.elements.element import tag_of
 from sandbox.elements.registry import members
 from sandbox.errors import Problem, SandboxError, SceneError
-from sandbox.scene.document import Assembly, Part, Scene
+from sandbox.scene.document import ASSEMBLED, Assembly, Part, Scene
 from sandbox.scene.parts.assembly import expand_parts
 from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec
 from sandbox.values.numbers import Items
@@ -51,14 +51,16 @@ class Composite(PartSpec):
                                for each in error.problems]) from None
         except Exception as error:  # whatever the class raises
             raise self._wrong([f"{type(error).__name__}: {error}"]) from None
+        if other := sorted(whole.model_fields_set.difference(("type", "name", *ASSEMBLED))):
+            raise self._wrong([f"{quoted(other[0])} is no list of elements"])
         inner, problems = expand_parts(whole, known.pulled, known.outside, known.near)
         if problems:
             raise self._wrong([str(each) for each in problems])
         names = (each.name for kind in dataclasses.fields(inner)
                  if kind.name not in ("contacts", "materials")
                  for each in getattr(inner, kind.name))
-        if other := [name for name in names if not name.startswith(f"{self.name}.")]:
-            raise self._wrong([f"the name {quoted(other[0])} must begin with "
+        if foreign := [name for name in names if not name.startswith(f"{self.name}.")]:
+            raise self._wrong([f"the name {quoted(foreign[0])} must begin with "
                                f"{quoted(f'{self.name}.')}"])
         return known.elements + inner
 

@@ -110,6 +110,7 @@ def test_worker_processes_get_the_file(capsys: Any) -> None:
     ("stiffness=self.stiffness", "stiffness=self.k", "elements(): AttributeError: 'Strut' object"),
     ("stiffness=self.stiffness", "stifness=3", "LinearSpring.stifness: unknown key 'stifness'"),
     ('"springs":', '"sprins":', "unknown key 'sprins'. Did you mean 'springs'?"),
+    ('"springs":', '"at": [1, 0], "springs":', "'at' is no list of elements"),
     ("name=spring", 'name="spring"', "the name 'spring' must begin with 'leg.'"),
 ])
 def test_a_wrong_file_gets_one_clear_message(
