@@ -65,3 +65,15 @@ def test_only_the_row_that_is_cut_is_held():
     # and an error of the other sign leads back at once: the mean of 1 and -3 takes ki h off
     wanted = u.act(0.1, [3.0 + 1.0], [1.0], applied)
     assert wanted == pytest.approx([0.02, 0.99], abs=1e-12)
+
+
+@pytest.mark.parametrize("active", [True, False])
+def test_a_law_switched_on_late_continues_from_the_drive_values(active):
+    """Rows that integrate do; the other one keeps to its bias."""
+    u = law([[2.0, 1.0], [3.0, 0.0]], [[5.0, 0.0], [0.0, 0.0]], bias=[100.0, 200.0],
+            active=active)
+    if active:
+        u.begin([0.0, 0.0], [1.0, 1.0], [0.0, 0.0])
+        assert u.act(0.0, [0.0, 0.0], [1.0, 1.0], [0.0, 0.0]) == [103.0, 203.0]
+    u.begin([0.0, 0.0], [1.0, 1.0], [-7.0, -8.0])
+    assert u.act(0.0, [0.0, 0.0], [1.0, 1.0], [-7.0, -8.0]) == [-7.0, 203.0]

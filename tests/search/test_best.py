@@ -53,13 +53,13 @@ def test_a_search_resumes_from_its_results(tmp_path, monkeypatch):
 
     add = Log.add
     monkeypatch.setattr(Log, "add", lambda self, row: (heard.append(row), add(self, row)))
-    first = best(least="bowl", runs=30, out=tmp_path)
+    first = best(least="bowl", runs=12, out=tmp_path)
     done = len(heard)
-    further = best(least="bowl", runs=50, out=tmp_path)
-    assert np.array_equal(further.history[:30], first.history)
-    assert len(heard) - done <= 20 + 5
+    further = best(least="bowl", runs=20, out=tmp_path)
+    assert np.array_equal(further.history[:12], first.history)
+    assert len(heard) - done <= 8 + 5
     heard.clear()
-    assert best(least="bowl", runs=50, out=tmp_path).best == further.best
+    assert best(least="bowl", runs=20, out=tmp_path).best == further.best
     assert heard == []
 
 
