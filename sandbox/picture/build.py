@@ -90,7 +90,7 @@ def add_legend(s: Subject, carried: Tensions) -> None:
                 rows.append({"k": "ramp", "ramp": "load", "low": -1 if pushes else 0, "l": layer,
                              "before": "push" if pushes else "tension 0",
                              "after": f"pull {words}" if pushes else words,
-                             **({"instead": 1} if layer == "bars" else {})})
+                             "instead": "tensions" if layer == "bars" else ""})
     if "pressure" in s.signs:
         largest = max(map(largest_pressure, (s.run, *s.beside)))
         rows.append({"k": "ramp", "ramp": "load", "low": 0, "l": "tendons",
@@ -113,7 +113,9 @@ def add_legend(s: Subject, carried: Tensions) -> None:
 def _arrow_scales(s: Subject) -> None:
     """A row for each kind of arrow that has a scale."""
     found: list[tuple[str, str, str, list[float], str, ForceScale]] = []
-    if "contacts" in s.layers and _largest(s, "contacts") * s.force.metres >= SEEN * s.point:
+    if "contacts" in s.layers and (
+            s.out.fixed_columns  # of a run that goes on it is not known
+            or _largest(s, "contacts") * s.force.metres >= SEEN * s.point):
         on = f" {s.contacts_on}" if s.contacts_on.startswith(SHOWN_ON) and (
             "else" not in s.contacts_on) else ""
         found.append(("force", "N", f"contact force{on}", [2.4, 10], "contacts", s.force))

@@ -76,7 +76,7 @@ def entries(legend: Sequence[Item], scale: float, unit: float, *, scales: bool) 
     """The rows for a camera of ``scale`` [pixels per metre]; ``scales`` leaves glyphs out."""
     found = []
     for row, following in zip(legend, [*legend[1:], {}], strict=False):
-        if "instead" in following:
+        if following.get("instead") == row["l"]:
             continue
         if row["k"] == "scale":
             bar = "size" not in row

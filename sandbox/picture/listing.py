@@ -86,8 +86,8 @@ Sides of labels are numbers of :data:`SIDES`. ``legend`` is a list of rows, most
 
 ``scale``   ``metres`` that 1 ``unit`` takes, ``unit``, ``words``, ``s`` style and ``size`` of the
             arrow; without ``size`` it is a bar for lengths (``metres`` is 1).
-``ramp``    ``ramp`` name, ``low`` -1 or 0, ``before`` and ``after`` words. With ``instead`` it
-            replaces the row before it, where both are shown.
+``ramp``    ``ramp`` name, ``low`` -1 or 0, ``before`` and ``after`` words. It replaces the
+            row before it where that belongs to the layer ``instead``.
 ``glyph``   ``g`` glyph, ``width`` in points, ``words``; ``centred`` where its middle is its origin.
 
 All rows have ``l``, the layer that they belong to.

@@ -80,7 +80,7 @@ class Subject:
     """Words of the legend: on whom contact forces are shown."""
     trace_inks: list[str] = field(default_factory=list)
     signs: set[str] = field(default_factory=set)
-    """Rows of the legend that are needed, see :data:`sandbox.picture.legend.ROWS`."""
+    """Rows of the legend that are needed, see :data:`sandbox.picture.build.ROWS`."""
     _keys: list[tuple[float, float, float]] = field(default_factory=list)
 
     def __post_init__(self) -> None:

@@ -83,10 +83,6 @@ def test_every_layer_changes_the_picture(layer, usual):
     assert (np.abs(switched - usual).max(axis=2) > 40).sum() > 20
 
 
-def test_nothing_is_left_without_layers():
-    assert (picture("-all") == 255).all()
-
-
 @pytest.mark.parametrize(("layer", "colour"), [
     ("velocity", VELOCITY), ("acceleration", ACCELERATION), ("reactions", REACTION),
     ("axes", AXES)])

@@ -239,15 +239,6 @@ def test_no_letter_of_a_still_on_paper_is_smaller_than_seven_points(
         assert height == pytest.approx(70, abs=0.1)
 
 
-def test_a_still_on_paper_has_pixels_enough_for_print_and_says_how_large_it_is(
-    finger_run, tmp_path,
-):
-    file, = render(finger_run, tmp_path / "a.png", size="85mmx70mm")
-    with Image.open(file) as picture:
-        assert picture.size == (1004, 827)
-        assert picture.info["dpi"] == pytest.approx((300, 300), abs=0.1)
-
-
 def test_a_film_has_no_size_on_paper(finger_run, tmp_path):
     with pytest.raises(OutputError, match=r"a film has pixels.*\.svg"):
         render(finger_run, tmp_path / "a.gif", size="85mm")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sandbox.figure import style
+from sandbox.figure.style import NEAR, SHORT, strands
+from sandbox.figure.sweeps import SweepColumn, SweepDrawing, draw_sweep
 
 
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=12), st.floats(0.01, 0.2))
@@ -60,3 +63,76 @@ def test_texts_print_and_have_an_end() -> None:
 def test_no_other_files(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"\.png, \.svg, \.pdf"):
         style.save_figure(style.new_figure(60), tmp_path / "x.bmp")
+
+
+X = np.linspace(0.0, 1.0, 201)
+
+
+def test_where_two_part_each_runs_alone():
+    """One bends at 0.6 with slope 1: it is alone from NEAR beyond that."""
+    found = strands([(X, X), (X, np.minimum(X, 0.6))])
+    for rank, parts in enumerate(found):
+        together, alone = parts
+        assert (together.turns, together.rank, together.first) == (2, rank, 0)
+        assert (alone.turns, alone.rank) == (1, 0)
+        assert X[together.last] == pytest.approx(0.6 + NEAR, abs=0.006)
+        assert alone.first == together.last  # no gap between the two
+        assert alone.last == len(X) - 1
+
+
+def test_lines_that_cross_run_alone():
+    """Two of slopes 1 and -1 are near to each other for a width of NEAR, less than SHORT."""
+    assert NEAR < SHORT
+    assert all(len(parts) == 1 and parts[0].turns == 1 for parts in strands([(X, X), (X, 1 - X)]))
+
+
+def test_of_many_each_has_its_turn_whatever_its_samples():
+    lines = [(X[::step], 0.5 + 0 * X[::step]) for step in (1, 2, 5, 10)]
+    found = strands([*lines, (X, X * 0)])
+    assert [parts[0].rank for parts in found[:4]] == [0, 1, 2, 3]
+    assert {part.turns for parts in found[:4] for part in parts} == {4}
+    assert [part.turns for part in found[4]] == [1]
+
+
+PULL, STIFFNESS = np.repeat([2.0, 4.0, 7.0, 8.0], 2), np.tile([200.0, 400.0], 4)
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Draws, and gives the figure before it is written."""
+    def draw(varied, *kept, grid=True, failed=None, **more):
+        figures = []
+        monkeypatch.setattr(style, "save_figure", lambda figure, path: figures.append(figure))
+        none = np.zeros(len(varied[0].values), dtype=bool)
+        draw_sweep(Path("sweep.png"), SweepDrawing(
+            varied, kept, none if failed is None else failed, none, grid=grid, **more))
+        figures[0].canvas.draw()
+        return figures[0].axes
+    return draw
+
+
+def test_what_differs_by_rounding_only_is_one_value(drawn):
+    pull, k = np.repeat([2.0, 4.0, 7.0, 8.0], 4), np.tile([1.0, 2.0, 3.0, 4.0], 4)
+    varied = [SweepColumn("pull", "N", pull), SweepColumn("k", "N/m", k)]
+    same, close = (SweepColumn(name, "N", 35.0 + share * pull)
+                   for name, share in (("same", 1e-12), ("close", 1e-6)))
+    panel, _ = drawn(varied, same, close)  # and the bar of its colours
+    assert panel.get_title(loc="left") == "close [N]"
+    assert np.ptp(panel.collections[0].get_array()) > 0
+    assert panel.figure.get_supxlabel() == "same = 35 N in all runs."
+    panel, bar = drawn(varied, same, replace(same, name="too"))
+    assert np.ptp(panel.collections[0].get_array()) == 0
+    assert [text.get_text() for text in bar.get_yticklabels()] == ["35"]
+    assert panel.figure.get_supxlabel() == "too = 35 N in all runs."
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_path_of_few_values_makes_a_curve_of_each(drawn, turned):
+    """Two stiffnesses of four pulls are two curves over the pull, whichever was written first."""
+    varied = [SweepColumn("pull", "N", PULL), SweepColumn("k", "N/m", STIFFNESS)]
+    panel, = drawn(varied[::-1] if turned else varied, SweepColumn("ratio", "", PULL / STIFFNESS))
+    curves = [line for line in panel.lines if len(line.get_xdata())]
+    assert [list(line.get_xdata()) for line in curves] == [[2, 4, 7, 8]] * 2
+    assert list(curves[1].get_ydata()) == [2 / 400, 4 / 400, 7 / 400, 8 / 400]
+    assert [text.get_text() for text in panel.get_legend().get_texts()] == [
+        "k = 200 N/m", "k = 400 N/m"]

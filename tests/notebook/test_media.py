@@ -40,19 +40,6 @@ def test_a_film_is_that_of_render(run: sandbox.Recording, tmp_path: Path) -> Non
     assert "data:image/gif;base64," in film._repr_html_()
 
 
-@pytest.mark.parametrize(("at", "told"), [
-    (-1, "the run lasts from 0 s to 0.2 s"),
-    (3, "the run lasts from 0 s to 0.2 s"),
-    (float("nan"), "at=nan: "),
-    ("ende", "did you mean 'end'?"),
-    ("3 N", "at='3 N': "),
-    ([0.1, 0.2], "a picture shows one moment"),
-])
-def test_an_instant_that_is_none(run: sandbox.Recording, at: Any, told: str) -> None:
-    with pytest.raises(sandbox.OutputError, match=re.escape(told)):
-        run.picture(at)
-
-
 def test_a_picture_of_nothing() -> None:
     with pytest.raises(sandbox.OutputError, match="nothing was recorded"):
         sandbox.Simulation(sandbox.load_scene("single_finger")).recording().picture()

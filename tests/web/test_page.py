@@ -1,16 +1,37 @@
 """The page as text: one script, allowed by its hash; data that cannot leave their place."""
 
+from __future__ import annotations
+
 import base64
 import hashlib
+import html
 import json
+import math
 import re
+from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from sandbox.errors import OutputError
+from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.picture.subject import INKS
 from sandbox.recording.recording import Recording
-from sandbox.web.page import HASHES, MOST_RUNS, UPLOT, report, safe_json, styles, text_of
+from sandbox.samples.expectations import verdicts
+from sandbox.web.drawing import drawing, listed
+from sandbox.web.page import (
+    HASHES,
+    MOST_RUNS,
+    UPLOT,
+    FoundOut,
+    report,
+    safe_json,
+    styles,
+    text_of,
+    told_apart,
+    words,
+)
 from tests.draw.conftest import hand, zoo
 
 EVIL = '</script><script>window.pwned=1</script><img src=x onerror="pwned=2">\u2028"\'&{}'
@@ -102,3 +123,83 @@ def test_controls_and_texts_have_contrast_by_day_and_by_night(night):
             assert contrast(tokens[name], tokens[ground]) >= 4.5, (name, ground)
     for token in ("ink", "faint_ink", "force", "drive", "spring", "pin_ring", "stop"):
         assert contrast(*(INKS[name][night] for name in (token, "paper"))) >= 3, token
+
+
+def test_it_is_the_page_in_a_frame_that_reaches_nothing(tmp_path: Path) -> None:
+    run = hand()
+    made = run.page("finger1.*.angle", height=500)
+    assert made.text == report([run], [FoundOut(verdicts=run.verdicts, figures=run.audit)],
+                               run.names("finger1.*.angle"))
+    shown = made._repr_html_()
+    assert re.findall(r'sandbox="([^"]*)"', shown) == ["allow-scripts allow-downloads"]
+    assert "height:500px" in shown
+    assert html.unescape(re.findall(r'srcdoc="([^"]*)"', shown)[0]) == made.text
+    assert repr(made).startswith(f"<RunPage of {run.mechanism.name} in motion, ")
+    made.save(tmp_path / "run.html")
+    assert (tmp_path / "run.html").read_text(encoding="utf-8") == made.text
+
+
+def test_what_is_wrong_is_said(tmp_path: Path) -> None:
+    run = hand()
+    with pytest.raises(UnknownQuantityError, match="finger1"):
+        run.page("finger1.mcp.angel")
+    wrong: Any
+    for wrong in (0, math.nan, "tall", True):
+        with pytest.raises(OutputError, match=r"pass 200 to 4000 pixels"):
+            run.page(height=wrong)
+    with pytest.raises(OutputError, match=r"\.html"):
+        run.page().save(tmp_path / "run.pdf")
+
+
+def test_every_verdict_has_the_window_of_its_own_expectation():
+    run = hand()
+    data = run.mechanism.model_dump(mode="json", by_alias=True)
+    data["expect"] = [
+        {"mean": "tree.tendon.tension", "over": [0.2, 0.4], "above": -1},
+        {"max": "no.such.quantity", "above": -1},
+        {"final": "finger?.tendon.tension", "above": -1},
+        {"mean": "tree.tendon.tension", "over": [1.0, 1.5], "above": -1}]
+    mechanism = type(run.mechanism).model_validate(data)
+    run = type(run)(mechanism, run.arrays, run.info)
+    told = words(run, FoundOut(verdicts(run)))["expect"]
+    assert [one["quantity"] for one in told] == [
+        "tree.tendon.tension", "no.such.quantity", *(f"finger{k}.tendon.tension" for k in
+                                                       (1, 2, 3, 4)), "tree.tendon.tension"]
+    step = float(run.time[1] - run.time[0])
+    for one, (start, end) in ((told[0], (0.2, 0.4)), (told[-1], (1.0, 1.5))):
+        assert 0 <= one["over"][0] - start <= step
+        assert 0 <= end - one["over"][1] <= step
+    for one in told[2:6]:  # a last value is taken at the end
+        assert one["over"] == [float(run.time[-1])] * 2
+
+
+def test_a_page_begins_where_the_run_does_and_follows_whom_the_scene_does():
+    """From the first sample on a camera counts how far it has gone along."""
+    run = hand()
+    view = run.mechanism.view.model_copy(update={"follow": "finger2.distal"})
+    run = type(run)(run.mechanism.model_copy(update={"view": view}), run.arrays, run.info)
+    head = drawing(run, *listed(run))
+    assert head["view"]["follow"] == "finger2.distal"
+    rest = np.array(head["rest"]).reshape(-1, 3)[:len(run.mechanism.bodies)]
+    assert rest == pytest.approx(run.arrays["body_pose"][0], abs=1e-5)
+    assert np.abs(rest - run.arrays["body_pose"][-1]).max() > 0.1
+
+NONE: dict[str, float] = {}
+
+
+@pytest.mark.parametrize(("titles", "parameters", "sources", "told"), [
+    (["a", "b"], [{"k": 1.0}, {"k": 2.0}], ["x", "y"], ["a", "b"]),
+    (["a", "a"], [{"k": 1.0, "m": 3.0}, {"k": 2.0, "m": 3.0}], ["x", "y"], ["k = 1", "k = 2"]),
+    (["a", "a"], [{"k": 1.0}, {"k": 1.0}], ["x", "y"], ["x", "y"]),
+    (["a", "a"], [{"k": 1.0}, NONE], ["x", "y"], ["x", "y"]),
+    (["a", "a"], [NONE, NONE], ["x", "x"], ["x", "x"]),
+    (["a", "a"], [NONE, NONE], ["", ""], ["a", "a"]),
+    (["a", "a", "b"], [{"k": 1.0}, {"k": 2.0}, NONE], ["x", "y", "z"], ["a: x", "a: y", "b: z"]),
+    (["a", "a"], [dict.fromkeys("pqrs", 1 / 3), dict.fromkeys("pqrs", 2e-7)], ["", ""],
+     ["p = 0.3333, q = 0.3333, r = 0.3333, \u2026", "p = 2e-07, q = 2e-07, r = 2e-07, \u2026"]),
+    (["a"], [NONE], [""], ["a"]),
+])
+def test_titles_then_parameters_that_differ_then_places(
+    titles: list[str], parameters: list[dict[str, float]], sources: list[str], told: list[str],
+) -> None:
+    assert told_apart(titles, parameters, sources) == told

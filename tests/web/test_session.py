@@ -116,25 +116,6 @@ def test_it_pauses_once_at_the_end_of_the_scene_and_says_so(tmp_path: Path) -> N
     assert not made.playing
 
 
-def test_what_does_not_fit_the_budget_is_left_out_and_the_rate_says_so(tmp_path: Path) -> None:
-    made = session(tmp_path)
-    for _ in range(60):
-        made.advance(FRAME, budget=0.0)
-    assert made.live.time < 0.5
-    assert told(made)["rate"] < 0.7
-
-
-def test_arrows_are_worked_out_where_somebody_looks_at_them(tmp_path: Path) -> None:
-    made = session(tmp_path)
-    ask(made, layers=["bodies"])
-    assert "velocity" not in told(made)
-    ask(made, layers=["bodies", "velocity"])
-    rows = play(made, 0.1)["velocity"]
-    assert rows[np.abs(rows[:, 5]) > 0.5, 5] == pytest.approx([made.live["weight.vy"]], rel=1e-3)
-    ask(made, do="reset")
-    assert made.frames.layers == {"bodies", "velocity"}
-
-
 def test_a_drive_is_set_while_it_runs_a_parameter_of_it_too(tmp_path: Path) -> None:
     made = session(tmp_path)
     play(made, 0.1)

@@ -294,7 +294,7 @@ class Stage {
     let used = Infinity;
     const shown = this.list.legend.filter((row) => this.layers.has(row.l));
     for (const [k, row] of shown.entries()) {
-      if (shown[k + 1]?.instead) continue;
+      if (shown[k + 1]?.instead === row.l) continue;
       let symbol = row.k === "ramp" ? 64 * u : (row.width || 0) * u, after = row.after ?? row.words;
       if (row.k === "scale") {
         const size = roundLength((row.size ? 52 : 80) * u / (row.metres * this.scale || 1));
