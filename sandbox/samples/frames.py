@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.model.joints import rotated
 from sandbox.numeric import Array, Integers
 from sandbox.samples.outcome import Stored
 
@@ -140,26 +141,19 @@ def _moved(rigids: Sequence[Rigid], moved: Array) -> Array:
     centres, arms, radii, along, turns, across = (
         np.array(each) for each in zip(*one_by_one, strict=True))
     at = [centres[:, None, k] + moved[:, 3 * k:3 * k + 2] for k in (0, 1)]
-    ends = [at[k] + _turned(arms[:, k], moved[:, 3 * k + 2]) for k in (0, 1)]
+    ends = [at[k] + rotated(arms[:, None, k], moved[:, 3 * k + 2]) for k in (0, 1)]
     way = ends[0] - ends[1]
     n = np.broadcast_to(along[:, None], way.shape).copy()
     between = turns == 2
     n[between] = way[between] / np.hypot(way[between, :, :1], way[between, :, 1:])
     for k in (0, 1):
-        n[turns == k] = _turned(along[turns == k], moved[:, 3 * k + 2])
+        n[turns == k] = rotated(along[turns == k, None], moved[:, 3 * k + 2])
     point = np.where(turns[:, None, None] == 0, ends[1] + radii[:, None, 1:] * n,
                      ends[0] - radii[:, None, :1] * n)
     f = np.where(across[:, None, None], np.stack([-n[..., 1], n[..., 0]], axis=-1), n)
     moments = [(point - at[k])[..., 0] * f[..., 1] - (point - at[k])[..., 1] * f[..., 0]
                for k in (0, 1)]
     return np.concatenate([f, moments[0][..., None], -f, -moments[1][..., None]], axis=-1)
-
-
-def _turned(vectors: Array, angle: Array) -> Array:
-    """Vectors [k, 2] turned by angles [m], [k, m, 2]."""
-    c, s = np.cos(angle), np.sin(angle)
-    x, y = vectors[:, :1], vectors[:, 1:]
-    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
 def null_space(rows: Array) -> Array:
