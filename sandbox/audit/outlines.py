@@ -266,7 +266,7 @@ def _in_frame(
 
 
 def _radius(evidence: Evidence, rows: Integers, body: int, shape: int) -> Array | None:
-    """Of a circle that a drive sets, at the instants of the rows [m]."""
+    """Radius of a circle that a drive sets, at the instants of the rows [m]."""
     a, drives = evidence.run.arrays, evidence.model.drives
     for i in drives.giving("radius").tolist():
         if drives.target[i] == body and drives.shape[i] == shape:

@@ -32,7 +32,7 @@ class Frames:
         self.run, self.model = run, run.model
         self.x, self.y, self.angle = (
             np.ascontiguousarray(part) for part in run.arrays["body_pose"].transpose(2, 1, 0))
-        """Of the bodies' frames in the world, [nb, n] m, m, rad."""
+        """Poses of the bodies' frames in the world, [nb, n] m, m, rad."""
         self.samples = self.x.shape[1]
         still = self.model.bodies.fixed
         self.cos, self.sin = np.empty_like(self.angle), np.empty_like(self.angle)
@@ -79,12 +79,12 @@ class Frames:
 
     @cached_property
     def velocity(self) -> Array:
-        """Of the centres of mass, and turning, [3, nb, n]."""
+        """Velocities of the centres of mass, and angular velocities, [3, nb, n]."""
         return np.ascontiguousarray(self.run.arrays["body_velocity"].transpose(2, 1, 0))
 
     @cached_property
     def acceleration(self) -> Array:
-        """Of the centres of mass, and of turning, [3, nb, n]."""
+        """Accelerations of the centres of mass, and angular ones, [3, nb, n]."""
         return np.ascontiguousarray(self.run.arrays["body_acceleration"].transpose(2, 1, 0))
 
     @cached_property
@@ -113,9 +113,9 @@ class Rigid:
     """From these to the centre of rounding of either side, or a point, [2, 2]."""
     radii: tuple[float, float]
     along: Array
-    """Of the force on the first body, [2]."""
+    """Direction of the force on the first body, [2]."""
     turns: int
-    """What turns its line: body 0 or 1; 2 the line between both points; 3 nothing."""
+    """The line turns with body 0 or 1, with the line between both points (2), or not (3)."""
     force: float
     """The size of the force [N]."""
     across: bool = False
