@@ -132,7 +132,7 @@ class Balance:
             [allowed[0], allowed[0], allowed[1]], axis=1)[group.bodies].ravel()
         W *= scale[:, None]
         self.unit = np.maximum(np.linalg.norm(W, axis=0), 1e-300)
-        """Of every force: that which is of the order of 1."""
+        """Unit of every force, by which it is of the order of 1."""
         W /= self.unit
         self.size = max(float(np.abs(target).max(initial=0.0)), self._largest(), SMALLEST_SCALE)
         free = np.array([one.free and np.isinf(one.most) for one in group.forces])

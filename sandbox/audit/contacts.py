@@ -179,7 +179,7 @@ class _Rows:
         return np.asarray(self.inverse.T[:, :, None] * total)
 
     def rate(self, velocity: Array, along: Array) -> Array:
-        """Of the first body's place against the other's, ``along`` [m, 2]."""
+        """Relative velocity of the first body at the contact ``along`` [m, 2]."""
         return self.evidence.contact_rate(velocity, along, self.arms)
 
     def count(self, among: Flags) -> Array:

@@ -70,12 +70,12 @@ class Evidence:
 
     @property
     def velocity(self) -> Array:
-        """Of the bodies at the instant of each sample, [3, nb, n]."""
+        """Velocities of the bodies at the instant of each sample, [3, nb, n]."""
         return self.loads.frames.velocity
 
     @cached_property
     def velocity_after(self) -> Array:
-        """Of the bodies at the end of each sample's step, [3, nb, n]."""
+        """Velocities of the bodies at the end of each sample's step, [3, nb, n]."""
         result: Array = self.velocity + self.h / 2 * self.loads.frames.acceleration
         return result
 

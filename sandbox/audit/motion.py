@@ -67,7 +67,7 @@ def _schedules(evidence: Evidence, worst: Worst) -> None:
             if signal is not None:
                 pose[axis] = values(signal, time, evidence.model.mechanism.functions)
         off = np.abs(np.stack([frames.x[b], frames.y[b], frames.angle[b]]) - pose).max(axis=0)
-        # what moves comes there by h v, step by step
+        # a scheduled body moves by h v in every step
         steps = time / evidence.h if body.path is not None else 1.0
         worst.add(bodies.name[b], off, ROUNDING + DIGITS * steps * (1 + np.abs(pose).max(axis=0)))
 

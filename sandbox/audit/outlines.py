@@ -1,10 +1,10 @@
-"""Contacts against the shapes: where they are, which way they push, how far surfaces are apart.
+"""Contacts against the shapes: positions, normals and gaps.
 
-A row of one point lies in the middle between two outlines, half a gap from each, across both. So
-does one of several points where each body is one convex shape: they share a face. Between bodies
-of several shapes (a disc in a V) the place of several points is none of theirs. It is their mean,
-moved across the force onto its line of action; the mean lies within the convex hulls of both
-bodies, so along the force the place does.
+A row of one point lies in the middle between two outlines, half a gap from each, along the normal.
+So does a row of several points between two convex shapes, which share a face. Between bodies of
+several shapes (a disc in a V) the position of several points is none of them. It is their mean,
+moved perpendicular to the force onto its line of action. The mean lies within the convex hulls of
+both bodies, and so does the position along the force.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 
 from sandbox.audit.evidence import LEFT, Evidence
 from sandbox.audit.figures import DIGITS, ROUNDING, Worst
+from sandbox.model.joints import rotated
 from sandbox.model.pairs import restitution_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
@@ -26,23 +27,23 @@ from sandbox.scene.geometry import core, solids, true_curves
 from sandbox.scene.outlines.curves import on_spans, spans_of
 
 ROWS = 20_000
-"""Contacts that are compared with a curve at once."""
+"""Number of contacts that are compared with a curve at once."""
 NEWTON = 25
 
 
 class Seen(NamedTuple):
-    """What contacts see of one of their bodies, a single convex shape, [m] each."""
+    """Position of contacts relative to one convex shape, [m] each."""
 
     distance: Array
-    """Along the normal, from the furthest that the shape reaches that way to the place [m]."""
+    """Along the normal, from the support point of the shape to the contact point [m]."""
     aside: Array
-    """How far the place is from the shape otherwise [m]."""
+    """Remaining distance of the point from the shape [m]."""
     turned: Array
-    """Between the normal and the nearest one that the outline has there, a sine."""
+    """Sine of the angle between the normal and the nearest one of the outline there."""
 
 
 def seen(shape: Solid, points: Array, out: Array, radius: Array | float | None = None) -> Seen:
-    """A shape from ``points`` [m, 2] near its outline, with ``out`` [m, 2] the normals out of it.
+    """A shape relative to ``points`` [m, 2] near its outline, with outward normals ``out`` [m, 2].
 
     Both in the body's frame; ``radius`` [m] is that of a circle, where a drive sets it.
     """
@@ -64,13 +65,13 @@ def seen(shape: Solid, points: Array, out: Array, radius: Array | float | None =
 
 
 def _core(shape: Solid, radius: Array | float | None = None) -> tuple[Array, Array | float]:
-    """Corners [k, 2] and by how much all between them is grown [m]."""
+    """Corners [k, 2] and the radius about their convex hull [m]."""
     points, grown = core(shape)
     return np.array(points), grown if radius is None else radius
 
 
 class TrueCurves(NamedTuple):
-    """The curves that contacts of one shape follow."""
+    """The smooth curves of one shape."""
 
     spans: Array
     """As :class:`sandbox.scene.outlines.curves.Spans` has them, all together, [n, 12]."""
@@ -123,7 +124,7 @@ def _true_curves(shape: Polygon | Polyline) -> TrueCurves:
 
 
 def _support(shape: Solid, way: Array, radius: Array | float | None = None) -> Array:
-    """How far a shape reaches along ``way`` [m, 2] from the frame's origin [m], [m]."""
+    """Support of a shape along ``way`` [m, 2] from the frame's origin [m], [m]."""
     corner, grown = _core(shape, radius)
     reach: Array = (way @ corner.T).max(axis=1) + grown
     return reach
@@ -143,7 +144,7 @@ def _from_line(points: Array, line: Array) -> Array:
 def _surfaces(
     evidence: Evidence, body: int,
 ) -> Iterator[tuple[int, Solid | TrueCurves, Array | None]]:
-    """What contacts of a body follow: of which of its shapes, and the arcs that are its surface."""
+    """Surfaces of a body: number of the shape, solid or curves, and arcs of surface normals."""
     for number, shape in enumerate(evidence.model.mechanism.bodies[body].shapes):
         if isinstance(shape, Polygon | Polyline) and shape.nodes:
             yield number, _true_curves(shape), None
@@ -152,13 +153,13 @@ def _surfaces(
 
 
 def _solids(evidence: Evidence, body: int) -> Iterator[tuple[int, Solid]]:
-    """The convex shapes of a body, each with the number of the shape that it is a piece of."""
+    """The convex pieces of a body, each with the number of its shape."""
     for number, shape in enumerate(evidence.model.mechanism.bodies[body].shapes):
         yield from ((number, solid) for solid, _ in solids(shape))
 
 
 def from_faces(out: Array, faces: Array) -> Array:
-    """How far normals [m, 2] are from the nearest of arcs [k, 4], a quarter turn at most, sines."""
+    """Sines of the angles between normals [m, 2] and the nearest of arcs [k, 4], within 90 deg."""
     start, end = faces[:, :2], faces[:, 2:]
 
     def side(one: Array, other: Array) -> Array:
@@ -173,10 +174,10 @@ def from_faces(out: Array, faces: Array) -> Array:
 
 
 class _Nearest(NamedTuple):
-    """Of the shapes of a body the one that each contact fits best."""
+    """The shape of a body that each contact fits best."""
 
     off: Array
-    """How far the place is from where the outline and the gap have it [m]."""
+    """Distance of the point from that of the outline and the gap [m]."""
     turned: Array
     """As in :class:`Seen`, the least of all shapes that fit."""
     round: Flags
@@ -202,7 +203,7 @@ def _to_outlines(evidence: Evidence, rows: Integers, pair: tuple[int, int], wors
     names = "/".join(evidence.model.bodies.name[b] for b in pair)
     one, two = (_nearest(evidence, rows, b, sign, moving)
                 for b, sign in zip(pair, (-1.0, 1.0), strict=True))
-    # an impact is where both will be when it happens, within the step
+    # the point of an impact is that at its instant within the step
     bounces = restitution_of(evidence.model.mechanism, *pair) > 0
     moving = moving + bounces * np.abs(evidence.run.arrays["contact_gap"][rows])
     allowed = np.where((one.round | two.round) & (not bounces), rounding, moving)
@@ -223,7 +224,7 @@ def _nearest(
     for number, shape, faces in _surfaces(evidence, body):
         one = (shape.seen(points, out) if isinstance(shape, TrueCurves) else
                seen(shape, points, out, _radius(evidence, rows, body, number)))
-        if faces is not None:  # what is no surface of the outline is nothing to touch
+        if faces is not None:  # only the surface of the outline counts
             one = one._replace(turned=np.maximum(one.turned, from_faces(out, faces)))
         off = np.maximum(np.abs(one.distance - half), one.aside)
         closer, fit = off < least, np.maximum(off, least) <= allowed
@@ -235,7 +236,7 @@ def _nearest(
 
 
 def _to_hulls(evidence: Evidence, rows: Integers, pair: tuple[int, int], worst: Worst) -> None:
-    """How far rows of several points lie beyond the hull of either body, along their force."""
+    """Compare rows of several points with the hulls of both bodies along their force."""
     a, bodies, beyond = evidence.run.arrays, evidence.model.mechanism.bodies, np.zeros(len(rows))
     force = a["contact_force"][rows]
     along = force / np.hypot(*force.T)[:, None]
@@ -246,7 +247,7 @@ def _to_hulls(evidence: Evidence, rows: Integers, pair: tuple[int, int], worst: 
                             for number, shape in _solids(evidence, b)],
                            axis=0, initial=-np.inf)
             beyond = np.maximum(beyond, np.einsum("mi,mi->m", points, out) - reach)
-    # forces that all but cancel have a line of action far away
+    # forces that almost cancel have a distant line of action
     far = 8 * DIGITS * np.hypot(*a["contact_point"][rows].T)
     worst.add("/".join(bodies[b].name for b in pair), beyond,
               _allowed(evidence, rows, pair)[1] + far)
@@ -258,16 +259,14 @@ def _in_frame(
     """Places [m, 2] and ``sign`` times the normals, or ``way``, [m, 2], in the body's frame."""
     a, frames = evidence.run.arrays, evidence.loads.frames
     sample = a["contact_sample"][rows]
-    c, s = frames.cos[body, sample], frames.sin[body, sample]
-    x, y = (a["contact_point"][rows] - np.stack([frames.x[body, sample], frames.y[body, sample]],
-                                                axis=1)).T
-    nx, ny = sign * (a["contact_normal"][rows] if way is None else way).T
-    return (np.stack([c * x + s * y, c * y - s * x], axis=1),
-            np.stack([c * nx + s * ny, c * ny - s * nx], axis=1))
+    x, y, angle = frames.x[body, sample], frames.y[body, sample], frames.angle[body, sample]
+    out = sign * (a["contact_normal"][rows] if way is None else way)
+    return (rotated(a["contact_point"][rows] - np.stack([x, y], axis=1), -angle),
+            rotated(out, -angle))
 
 
 def _radius(evidence: Evidence, rows: Integers, body: int, shape: int) -> Array | None:
-    """Of a circle that a drive sets, at the instants of the rows [m]."""
+    """Radius of a circle that a drive sets, at the instants of the rows [m]."""
     a, drives = evidence.run.arrays, evidence.model.drives
     for i in drives.giving("radius").tolist():
         if drives.target[i] == body and drives.shape[i] == shape:
@@ -276,7 +275,7 @@ def _radius(evidence: Evidence, rows: Integers, body: int, shape: int) -> Array 
 
 
 def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> tuple[Array, Array]:
-    """Rounding; and where two points may carry in turn, besides a step's way between them [m]."""
+    """Tolerance by rounding, and by the motion in a step between two points in turn [m]."""
     a, frames, h = evidence.run.arrays, evidence.loads.frames, evidence.h
     sample = a["contact_sample"][rows]
     size = sum(np.hypot(frames.x[b, sample], frames.y[b, sample]) + reach_of(evidence, b)

@@ -73,7 +73,7 @@ class Rest:
              batch.moment[:, 0] + frames.centre_x[batch.body, 0] * batch.y[:, 0]
              - frames.centre_y[batch.body, 0] * batch.x[:, 0])
             for batch in self.loads.batches]
-        """Of every batch of loads: element, body, force x, y [N], moment about the origin [N m]."""
+        """Element, body, force x, y [N], moment about the origin [N m] of each batch of loads."""
 
     def about(self, joint: int, beyond: set[int]) -> _About:
         """Moments about a joint of the loads on the bodies ``beyond``."""

@@ -16,6 +16,7 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import DIGITS
 from sandbox.audit.outlines import from_faces
 from sandbox.elements.arrays import CONTACT, Arrays
+from sandbox.model.joints import rotated
 from sandbox.model.pairs import allowed_pairs
 from sandbox.numeric import Array, Integers
 from sandbox.samples import nearby
@@ -152,10 +153,8 @@ def _surface(evidence: Evidence, body: int, piece: PlacedPiece, out: Array) -> b
     """Whether ``out`` is a normal of the outline's surface on this piece."""
     if piece.faces is None:
         return True
-    angle = evidence.run.arrays["body_pose"][0, body, 2]
-    c, s = np.cos(angle), np.sin(angle)
-    own = np.array([[c * out[0] + s * out[1], c * out[1] - s * out[0]]])
-    return bool(from_faces(own, piece.faces)[0] <= ASKEW)
+    own = rotated(out, -evidence.run.arrays["body_pose"][0, body, 2])
+    return bool(from_faces(own[None], piece.faces)[0] <= ASKEW)
 
 
 def pressed(evidence: Evidence, row: int) -> Array | None:

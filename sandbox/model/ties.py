@@ -1,4 +1,4 @@
-"""What a run may let go: joints, springs and tendons, by number; and what holds when."""
+"""Elements that can be released: joints, springs and tendons, by number; when they hold."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from sandbox.values.signals import values
 
 @dataclass(frozen=True)
 class Ties:
-    """nr joints, springs and tendons that may be let go, in this order."""
+    """nr joints, springs and tendons that can be released, in this order."""
 
     name: tuple[str, ...]
     joint: Integers
@@ -24,32 +24,32 @@ class Ties:
     tendon: Integers
     """Of every tendon, [nt]."""
     breaks_at: Array
-    """The load above which each is let go [N, of a rotary spring N m], [nr]; infinite without."""
+    """Breaking load of each [N, of a rotary spring N m], [nr]; infinite without."""
     held: Flags
     """Which hold at t = 0, [nr]."""
     as_is: Flags
-    """Which are taken up with the length that they have then, [nr]."""
+    """Which are engaged with the length that they have then, [nr]."""
     drive: Integers
     """The drive that holds each, or -1, [nr]."""
     over: Array
-    """In which time a joint's gap closes [s], [nr]; 0 of others."""
+    """Time constant of closing a joint's gap [s], [nr]; 0 of others."""
 
     def of(self, kind: str) -> Integers:
         """Of every ``joint``, ``spring`` or ``tendon`` its number among these, or -1."""
         return {"joint": self.joint, "spring": self.spring, "tendon": self.tendon}[kind]
 
     def element(self, number: int) -> tuple[str, int]:
-        """Which list of :data:`RELEASABLE` has what has this number, and its place there."""
+        """The list of :data:`RELEASABLE` of an element with this number, and its place there."""
         kind = next(kind for kind in RELEASABLE if number in self.of(NAMED[kind].one))
         return kind, self.of(NAMED[kind].one).tolist().index(number)
 
     def begins(self, number: int) -> bool:
-        """Whether what has this number, or -1, holds at t = 0."""
+        """Whether the element with this number, or -1, holds at t = 0."""
         return bool(number < 0 or self.held[number])
 
 
 def compile_ties(mechanism: Mechanism) -> Ties:
-    """What may be let go of a mechanism."""
+    """The releasable elements of a mechanism."""
     place = {name: number for number, name in enumerate(mechanism.releasable)}
     specs = [each for each in mechanism.holding if each.name in place]
 
@@ -57,7 +57,7 @@ def compile_ties(mechanism: Mechanism) -> Ties:
               if drive.kind.gives == "hold"}
 
     def driven(name: str) -> bool:
-        """Whether a drive lets it hold at t = 0, or has no say."""
+        """Whether it holds at t = 0 by its drive, or has no drive."""
         if name not in drives:
             return True
         return bool(values(drives[name][1].value, np.zeros(1), mechanism.functions)[0] > HELD_ABOVE)
@@ -82,7 +82,7 @@ def held_of(ties: Integers, held: Array | Integers) -> Flags:
 
     Args:
         ties: their numbers in :class:`Ties`, or -1.
-        held: as recorded, [n, nr]; what was not recorded holds.
+        held: as recorded, [n, nr]; an element that was not recorded holds.
     """
     return np.array([held_one(tie, held) for tie in ties.tolist()], dtype=bool).reshape(
         len(ties), len(held))

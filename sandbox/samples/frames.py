@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.model.joints import rotated
 from sandbox.numeric import Array, Integers
 from sandbox.samples.outcome import Stored
 
@@ -31,7 +32,7 @@ class Frames:
         self.run, self.model = run, run.model
         self.x, self.y, self.angle = (
             np.ascontiguousarray(part) for part in run.arrays["body_pose"].transpose(2, 1, 0))
-        """Of the bodies' frames in the world, [nb, n] m, m, rad."""
+        """Poses of the bodies' frames in the world, [nb, n] m, m, rad."""
         self.samples = self.x.shape[1]
         still = self.model.bodies.fixed
         self.cos, self.sin = np.empty_like(self.angle), np.empty_like(self.angle)
@@ -78,12 +79,12 @@ class Frames:
 
     @cached_property
     def velocity(self) -> Array:
-        """Of the centres of mass, and turning, [3, nb, n]."""
+        """Velocities of the centres of mass, and angular velocities, [3, nb, n]."""
         return np.ascontiguousarray(self.run.arrays["body_velocity"].transpose(2, 1, 0))
 
     @cached_property
     def acceleration(self) -> Array:
-        """Of the centres of mass, and of turning, [3, nb, n]."""
+        """Accelerations of the centres of mass, and angular ones, [3, nb, n]."""
         return np.ascontiguousarray(self.run.arrays["body_acceleration"].transpose(2, 1, 0))
 
     @cached_property
@@ -112,9 +113,9 @@ class Rigid:
     """From these to the centre of rounding of either side, or a point, [2, 2]."""
     radii: tuple[float, float]
     along: Array
-    """Of the force on the first body, [2]."""
+    """Direction of the force on the first body, [2]."""
     turns: int
-    """What turns its line: body 0 or 1; 2 the line between both points; 3 nothing."""
+    """The line turns with body 0 or 1, with the line between both points (2), or not (3)."""
     force: float
     """The size of the force [N]."""
     across: bool = False
@@ -140,26 +141,19 @@ def _moved(rigids: Sequence[Rigid], moved: Array) -> Array:
     centres, arms, radii, along, turns, across = (
         np.array(each) for each in zip(*one_by_one, strict=True))
     at = [centres[:, None, k] + moved[:, 3 * k:3 * k + 2] for k in (0, 1)]
-    ends = [at[k] + _turned(arms[:, k], moved[:, 3 * k + 2]) for k in (0, 1)]
+    ends = [at[k] + rotated(arms[:, None, k], moved[:, 3 * k + 2]) for k in (0, 1)]
     way = ends[0] - ends[1]
     n = np.broadcast_to(along[:, None], way.shape).copy()
     between = turns == 2
     n[between] = way[between] / np.hypot(way[between, :, :1], way[between, :, 1:])
     for k in (0, 1):
-        n[turns == k] = _turned(along[turns == k], moved[:, 3 * k + 2])
+        n[turns == k] = rotated(along[turns == k, None], moved[:, 3 * k + 2])
     point = np.where(turns[:, None, None] == 0, ends[1] + radii[:, None, 1:] * n,
                      ends[0] - radii[:, None, :1] * n)
     f = np.where(across[:, None, None], np.stack([-n[..., 1], n[..., 0]], axis=-1), n)
     moments = [(point - at[k])[..., 0] * f[..., 1] - (point - at[k])[..., 1] * f[..., 0]
                for k in (0, 1)]
     return np.concatenate([f, moments[0][..., None], -f, -moments[1][..., None]], axis=-1)
-
-
-def _turned(vectors: Array, angle: Array) -> Array:
-    """Vectors [k, 2] turned by angles [m], [k, m, 2]."""
-    c, s = np.cos(angle), np.sin(angle)
-    x, y = vectors[:, :1], vectors[:, 1:]
-    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
 def null_space(rows: Array) -> Array:

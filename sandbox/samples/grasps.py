@@ -1,8 +1,8 @@
-"""How well an object is held in every sample: closed forms of its recorded contacts, and rest.
+"""Grasp quality of an object in every sample: closed forms of its recorded contacts, and rest.
 
-A hand is what moves, whatever its role but ``ground`` and ``object``, and what never moves if its
-role is one of :data:`OF_HANDS`: so a table is none. Each pair that touches is one contact, where
-the recording has it; two flat sides press on each other from end to end, and count as both ends.
+A hand consists of moving bodies with any role but ``ground`` and ``object``, and of fixed bodies
+with a role of :data:`OF_HANDS`, so a table is none. Each touching pair is one contact; two flat
+sides press on each other from end to end, and count as both ends.
 """
 
 from __future__ import annotations
@@ -27,34 +27,34 @@ from sandbox.scene.bodies import Body
 from sandbox.scene.geometry import centre_of, reach_of
 
 OF_HANDS = ("phalanx", "palm", "rocker", "pulley")
-"""Roles of what is part of a hand even if it never moves."""
+"""Roles of parts of a hand that may be fixed."""
 FLAT, IN_LINE = 1e-7, 1e-4
-"""Sides that are off a plane by less [m], and by a smaller angle [rad], press all along."""
+"""Distance [m] and angle [rad] from a plane within which a side presses on its whole length."""
 STIFFNESS = ("stiffness_x", "stiffness_y", "stiffness_turn", "stiffness")
 """As :meth:`sandbox.samples.yielding.Yield.stiffness` gives them."""
 MAX_STIFFNESS_SAMPLES = 25
-"""Samples in which the stiffness is calculated, of those that one reading asks for."""
+"""Largest number of samples of one reading in which the stiffness is calculated."""
 
 
 class _Holding(NamedTuple):
-    """What ``held`` asks of every sample."""
+    """The conditions of ``held`` in every sample."""
 
     hand: Flags
-    """Whether something of a hand presses on the object, [n]."""
+    """Whether a hand presses on the object, [n]."""
     carried: Flags
-    """Whether something else does that is no object."""
+    """Whether another body that is no object does."""
     ready: Flags
-    """Whether the run is as old as the window."""
+    """Whether the window lies within the run."""
     let_go: Flags
-    """Whether within the window no hand pressed on it for a sample or more."""
+    """Whether no hand pressed on it in some sample of the window."""
     way: Array
-    """How far it has moved, and slid, within the window [m], [2, n]."""
+    """Its travel, and its sliding, within the window [m], [2, n]."""
     since: Integers
     """The window's first sample, [n]."""
 
 
 class Grasp:
-    """An object of a recording, and what presses on it."""
+    """An object of a recording and its contacts."""
 
     def __init__(self, run: Stored, body: int) -> None:
         self.run, self.body, a = run, body, run.arrays
@@ -96,7 +96,7 @@ class Grasp:
         return self._of_contacts(grasp_epsilon)
 
     def closure(self) -> Array:
-        """1 with force closure, else 0, [n]; nan where more press than are worked out."""
+        """1 with force closure, else 0, [n]; nan with too many contacts."""
         closed = np.where(np.nan_to_num(self.epsilon) > 0, 1.0, 0.0)
         return np.where(self._count > MOST_PRESSING, np.nan, closed)
 
@@ -126,10 +126,7 @@ class Grasp:
         return np.bincount(self.sample[self.of_hand], minlength=len(self.run))
 
     def _alike(self) -> Iterator[tuple[Integers, Integers, Array]]:
-        """Samples [k] in which the hand presses in m places, these rows [k, m], and where.
-
-        For every m; places are [k, m, 2] m.
-        """
+        """Samples [k] in which the hand presses at m points, rows [k, m], points [k, m, 2] m."""
         rows, points = self._pressed
         few = self._count <= MOST_PRESSING
         count = np.bincount(self.sample[rows], minlength=len(self.run))
@@ -141,7 +138,7 @@ class Grasp:
 
     @cached_property
     def _pressed(self) -> tuple[Integers, Array]:
-        """Rows of the hand [p] and where each may press [p, 2]: flat sides from end to end."""
+        """Rows of the hand [p] and the points at which each may press [p, 2]."""
         rows, count = np.flatnonzero(self.of_hand), np.ones(len(self.of_hand), dtype=np.int64)
         second = {}
         point = self.point.copy()
@@ -157,7 +154,7 @@ class Grasp:
         return twice, points
 
     def _in_line(self, rows: Integers) -> Flags:
-        """Where both bodies have a flat side along the plane of a contact, [k]."""
+        """Contacts at which both bodies have a flat side along the plane, [k]."""
         bodies, pose = self.run.mechanism.bodies, self.run.arrays["body_pose"]
         found = np.ones(len(rows), dtype=bool)
         for sign, on in ((-1.0, np.full(len(rows), self.body)), (1.0, self.other[rows])):
@@ -206,19 +203,19 @@ class Grasp:
         return ("stiffness is not defined with "
                 + (without_stiffness(self.run.model) or rubs or "contacts in a notch"))
 
-    # --- shares of the force
+    # --- distribution of the force
 
     def spread(self) -> Array:
-        """Of the normal forces of fingers, [n]; nan where none presses."""
+        """Relative deviation of the normal forces of fingers, [n]; nan without any."""
         return self._spread(self._fingers)
 
     def spread_bodies(self) -> Array:
-        """Of those of bodies, [n]."""
+        """The same of bodies, [n]."""
         return self._spread(np.arange(len(self.run.mechanism.bodies)))
 
     @cached_property
     def _fingers(self) -> Integers:
-        """The finger of every body, by a number: the smallest group it is in, else the body."""
+        """The number of every body's finger: its smallest group, else the body."""
         names = {body.name: i for i, body in enumerate(self.run.mechanism.bodies)}
         finger = np.arange(len(names))
         for i, group in sorted(enumerate(self.run.mechanism.groups),
@@ -227,7 +224,7 @@ class Grasp:
         return finger
 
     def _spread(self, part: Integers) -> Array:
-        """Of the normal forces of parts of fingers, each body's by number, [n]."""
+        """The same of parts of fingers, with the number of each body's part, [n]."""
         rows = np.flatnonzero(self.on_finger)
         pairs, which = np.unique(
             np.stack([self.sample[rows], part[self.other[rows]]]), axis=1, return_inverse=True)
@@ -244,7 +241,7 @@ class Grasp:
 
     @cached_property
     def held(self) -> Flags:
-        """Whether a hand alone carries it, which has done so at rest for :data:`WINDOW`, [n]."""
+        """Whether a hand alone has carried it at rest for :data:`WINDOW`, [n]."""
         rest = self._rest
         still = (rest.way < STRAY * self.size).all(axis=0)
         return np.asarray(rest.hand & ~rest.carried & rest.ready & ~rest.let_go & still)
@@ -262,12 +259,12 @@ class Grasp:
 
     @cached_property
     def _others(self) -> Flags:
-        """Contacts with what carries an object and is no hand, [m]."""
+        """Contacts with bodies that are neither hand nor object, [m]."""
         objects = np.array([each.role == "object" for each in self.run.mechanism.bodies])
         return np.asarray(~self.of_hand & ~objects[self.other])
 
     def why_not(self, sample: int) -> str:
-        """Which conditions of ``held`` are not met in a sample, with numbers; empty if it is."""
+        """The conditions of ``held`` that a sample does not meet, with numbers; empty if held."""
         rest, most = self._rest, f"{_mm(STRAY * self.size)} is the most"
         window = f"in the {WINDOW:g} s before"
         told = []
@@ -297,20 +294,20 @@ class Grasp:
         return f"no body of a hand touched it after {self.run.time[before[-1]]:.6g} s"
 
     def _slid_most(self, since: int, sample: int) -> str:
-        """Along which body it has slid farthest between two samples."""
+        """The body along which it has slid farthest between two samples."""
         rows = np.flatnonzero(self.of_hand & (self.sample > since) & (self.sample <= sample))
         took = np.diff(self.run.time)[self.sample[rows] - 1]
         name, way = self._most(rows, self._slips(rows) * took)
         return f", along {name!r} by {_mm(way)}"
 
     def _most(self, rows: Integers, amounts: Array) -> tuple[str, float]:
-        """Of what touches it in some contacts the body with the largest sum of amounts, the sum."""
+        """The touching body with the largest sum of amounts over contacts, and the sum."""
         bodies = self.run.mechanism.bodies
         total = np.bincount(self.other[rows], weights=amounts, minlength=len(bodies))
         return bodies[int(np.argmax(total))].name, float(total.max())
 
     def _ways(self) -> Array:
-        """How far its outline has moved, seen from the hand, and slid, all told [m], [2, n]."""
+        """Total travel of its outline relative to the hand, and total sliding [m], [2, n]."""
         at, angle = self._seen()
         steps = np.hypot(*np.diff(at, axis=0).T) + self.size * np.abs(np.diff(angle))
         slides = np.zeros(len(self.run))
@@ -321,7 +318,7 @@ class Grasp:
         return np.concatenate([np.zeros((2, min(1, len(at)))), ways], axis=1)
 
     def _slips(self, rows: Integers) -> Array:
-        """Speeds at which the object slides along what presses on it [m/s], [k]."""
+        """Sliding speeds of the object at contacts [m/s], [k]."""
         a, sample, other = self.run.arrays, self.sample[rows], self.other[rows]
         points, normal = self.point[rows], self.normal[rows]
         theirs = placed(a["body_pose"][sample, other], a["body_centre"][other])
@@ -330,7 +327,7 @@ class Grasp:
         return np.abs(apart[:, 1] * normal[:, 0] - apart[:, 0] * normal[:, 1])
 
     def _seen(self) -> tuple[Array, Array]:
-        """Its centre [n, 2] and angle [n] in the frame of a palm that moves, else in the world."""
+        """Its centre [n, 2] and angle [n] in the frame of a moving palm, else in the world."""
         pose = self.run.arrays["body_pose"]
         angle = pose[:, self.body, 2]
         palms = [i for i, body in enumerate(self.run.mechanism.bodies)
@@ -341,22 +338,19 @@ class Grasp:
         return rotated(self.centre - palm[:, :2], -palm[:, 2]), angle - palm[:, 2]
 
     def drift(self) -> Array:
-        """From where it was in the first of the samples in which it is held [m], [n]."""
+        """Displacement since the first sample in which it is held [m], [n]."""
         begins = self.held & ~np.concatenate([np.zeros(1, dtype=bool), self.held[:-1]])
         since = np.maximum.accumulate(np.where(begins, np.arange(len(begins)), 0))
         return np.where(self.held, self.moved(since), np.nan)
 
     def moved(self, since: Integers) -> Array:
-        """How far any point of it has come since some samples [n], at most [m], [n]."""
+        """Largest displacement of its points since some samples [n], [m]; [n]."""
         at, angle = self._seen()
         turned = 2 * self.size * np.abs(np.sin((angle - angle[since]) / 2))
         return np.asarray(np.hypot(*(at - at[since]).T) + turned)
 
     def apart(self, other: Grasp) -> Array:
-        """How far any point of it is from where another run has it [m], at most, [n].
-
-        Sample by sample, as many as the shorter run has.
-        """
+        """Largest distance of its points from those of another run [m], [n] of the shorter run."""
         n = min(len(self.run), len(other.run))
         (at, angle), (there, turned) = self._seen(), other._seen()
         turn = 2 * self.size * np.abs(np.sin((angle[:n] - turned[:n]) / 2))
@@ -373,7 +367,7 @@ MEASURES: Mapping[str, Callable[[Grasp], Array]] = {
     "spread": Grasp.spread,
     "spread_bodies": Grasp.spread_bodies,
 }
-"""How each of :data:`sandbox.elements.quantities.GRASP` is worked out."""
+"""The function of each of :data:`sandbox.elements.quantities.GRASP`."""
 
 
 def of_hand(body: Body) -> bool:

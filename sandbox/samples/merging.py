@@ -12,7 +12,7 @@ from sandbox.elements.arrays import FORCES, Arrays
 from sandbox.numeric import Array, Integers
 
 CANCELLED = 1e-6
-"""A resultant that small against the sizes of its forces has no line of action."""
+"""Least magnitude of a resultant with a line of action, relative to the sum of its forces."""
 
 
 def mean_contact_rows(arrays: Arrays) -> Arrays:
@@ -38,7 +38,7 @@ def mean_contact_rows(arrays: Arrays) -> Arrays:
 
 
 def mean_arrays(arrays: Arrays, keys: Iterable[str]) -> Arrays:
-    """Those of the arrays that have means over sample intervals, with these in their place."""
+    """The arrays that have means over sample intervals, with these means."""
     if "mean_sample" not in arrays:
         return {}
     rows, (joints, tendons, guides) = arrays["mean_sample"], (
@@ -64,10 +64,9 @@ def merge_contacts(
 ) -> dict[str, NDArray[Any]]:
     """One row per touching pair of bodies and sample.
 
-    Points of one pair, of whatever shapes, are added up; the place is the centre of pressure, the
-    mean weighted by the normal forces, moved onto the line of action of the pair's force where
-    it is not on it, as between surfaces that are not in line: what the pair's force does at its
-    place is then all that its points do, moments included.
+    Points of one pair of bodies are summed. The position is the centre of pressure, the mean
+    weighted by the normal forces, moved onto the line of action of the resultant, so that the
+    resultant has the moment of all points.
 
     Args:
         sample: of each point, in order, [r].
@@ -95,7 +94,7 @@ def merge_contacts(
         point = _on_line(np.add.reduceat(point * weight, start) / total, point, force, start)
         normals = np.add.reduceat(normal * weight, start)
         size = np.hypot(*normals.T)[:, None]
-        acts = size > CANCELLED * total  # held from both sides, there is none: the first point's
+        acts = size > CANCELLED * total  # squeezed from both sides: the first point's
         normal = np.where(acts, normals / np.where(acts, size, 1.0), normal[start])
         force, gap = np.add.reduceat(force, start), np.minimum.reduceat(gap, start)
         twist = np.add.reduceat(twist, start)
@@ -109,8 +108,8 @@ def merge_contacts(
 def _on_line(mean: Array, point: Array, force: Array, start: Integers) -> Array:
     """Points ``mean`` [p, 2] moved onto the lines of action of the forces at ``point`` [m, 2].
 
-    Rows of each pair begin at ``start``. Left where they are if the forces all but cancel: what
-    they do is then a couple, which no place gives.
+    Rows of each pair begin at ``start``. Points of forces that almost cancel stay: such forces are
+    a couple, which has no line of action.
     """
     pair = np.repeat(np.arange(len(start)), np.diff(start, append=len(point)))
     arm = point - mean[pair]

@@ -1,4 +1,4 @@
-"""How far the convex shapes of bodies are from one another in a sample, and which way."""
+"""Distances and normals between convex shapes of bodies in a sample."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from sandbox.scene.bodies import Body, Circle
 from sandbox.scene.geometry import core, count_solids, solids
 
 SAME = 1e-12
-"""Distances [m] that differ by less are one: rounding of lengths below a metre."""
+"""Rounding error of lengths below a metre [m]."""
 
 
 class PlacedPiece(NamedTuple):
@@ -23,9 +23,9 @@ class PlacedPiece(NamedTuple):
     corners: Array
     """[k, 2]; of a circle its centre, of a capsule the two of its ends [m]."""
     grown: float
-    """By how much all between them is grown [m]."""
+    """Radius about their convex hull [m]."""
     faces: Array | None
-    """The arcs of normals that are surface, in the body's frame; None where all of it is."""
+    """Arcs of surface normals in the body's frame; None if all of it is surface."""
 
 
 class Apart(NamedTuple):
@@ -40,7 +40,7 @@ class Apart(NamedTuple):
 
 
 def pieces_of(run: Stored, sample: int, body: int) -> Iterator[PlacedPiece]:
-    """The convex shapes of a body as they lie in a sample."""
+    """The convex shapes of a body in a sample."""
     x, y, angle = run.arrays["body_pose"][sample, body]
     c, s = np.cos(angle), np.sin(angle)
     turn = np.array([[c, -s], [s, c]])
@@ -53,7 +53,7 @@ def pieces_of(run: Stored, sample: int, body: int) -> Iterator[PlacedPiece]:
 
 
 def _radius(run: Stored, sample: int, body: int, shape: int, radius: float) -> float:
-    """Of a circle [m], as a drive may have set it."""
+    """Radius of a circle [m], which a drive may set."""
     model: Model = run.model
     for drive in model.drives.giving("radius").tolist():
         if (int(model.drives.target[drive]), int(model.drives.shape[drive])) == (body, shape):
@@ -62,11 +62,11 @@ def _radius(run: Stored, sample: int, body: int, shape: int, radius: float) -> f
 
 
 def apart(one: PlacedPiece, two: PlacedPiece) -> Apart | None:
-    """Where two pieces are nearest; None where round ones overlap so far that no side is nearest.
+    """Where two pieces are nearest; None for round ones with a deep overlap.
 
-    Polygons are as far apart as along that of all normals of their sides along which they are
-    furthest, unless corner is nearest to corner. That normal is exact however near they are; the
-    way between two nearest points is exact where radii keep these apart.
+    The distance of polygons is the largest along the normals of their sides, unless corner is
+    nearest to corner. This normal is exact at any distance; the direction between two nearest
+    points is exact where radii separate them.
     """
     along, normal = _along_sides(one.corners, two.corners)
     sharp = not (one.grown or two.grown)
@@ -86,14 +86,14 @@ def apart(one: PlacedPiece, two: PlacedPiece) -> Apart | None:
 
 
 def _sides(ring: Array) -> Array:
-    """From each corner to the next [e, 2]; of two corners the one side, of one none."""
+    """From each corner to the next [e, 2]; one side of two corners, none of one."""
     return ring[1:] - ring[:-1] if len(ring) <= 2 else np.roll(ring, -1, axis=0) - ring
 
 
 def _along_sides(one: Array, two: Array) -> tuple[float, Array]:
-    """How far rings are apart along the normals of their sides, at most, and that normal.
+    """The largest distance of rings along the normals of their sides, and that normal.
 
-    -inf of two points, and below 0 of rings that overlap.
+    -inf for two points, negative for rings that overlap.
     """
     sides = np.concatenate([_sides(one), _sides(two)])
     sides = sides[np.hypot(*sides.T) > 0]
@@ -126,21 +126,20 @@ def _from_corners(points: Array, ring: Array) -> tuple[float, Array, Array]:
 
 
 class Face(NamedTuple):
-    """What of one convex shape lies on a plane."""
+    """The part of one convex shape that lies on a plane."""
 
     low: float
-    """From where to where along the plane [m]; equal if round, or a corner."""
+    """Interval along the plane [m]; of a round shape or a corner without length."""
     high: float
     radius: float
-    """Of its rounding [m]; 0 of a corner."""
+    """Of the shape there [m]; 0 of a corner."""
 
 
 def pressed(run: Stored, row: int, near: float) -> Array | None:
-    """The one or two places [m], [k, 2], between which a contact row may press.
+    """The one or two points [m], [k, 2], between which a contact row may press.
 
-    ``near`` [m] is how far from the plane of the contact, half its gap away, a corner may be that
-    presses. None where bodies of several shapes touch with several normals, of which the row has
-    the mean.
+    ``near`` [m] is the distance from the plane of the contact, besides half its gap, within which a
+    corner presses. None for bodies of several shapes that touch with several normals.
     """
     a = run.arrays
     point, u = a["contact_point"][row], a["contact_normal"][row]
@@ -162,7 +161,7 @@ def pressed(run: Stored, row: int, near: float) -> Array | None:
 
 
 def faces(run: Stored, row: int, near: float) -> tuple[list[Face], list[Face]]:
-    """What of each shape of both bodies lies on the plane of a contact row, to ``near`` [m]."""
+    """The faces of both bodies on the plane of a contact row, within ``near`` [m]."""
     a = run.arrays
     point, u, sample = a["contact_point"][row], a["contact_normal"][row], a["contact_sample"][row]
     one, two = (
@@ -174,16 +173,16 @@ def faces(run: Stored, row: int, near: float) -> tuple[list[Face], list[Face]]:
 def _faces(
     run: Stored, sample: int, body: int, u: Array, sign: float, level: float, near: float,
 ) -> list[Face]:
-    """Those of one body; the plane is ``level`` [m] out along the normal u.
+    """The faces of one body on the plane at ``level`` [m] along the normal u.
 
-    The body lies before it by a ``sign`` of -1, beyond it by one of +1; no shape crosses it.
+    The body lies before the plane for a ``sign`` of -1, beyond it for +1; no shape crosses it.
     """
     return [face for piece in pieces_of(run, sample, body)
             for face in _on_plane(piece.corners, piece.grown, u, sign, level, near)]
 
 
 def flat_sides(body: Body) -> Array:
-    """The directions that its flat sides face, in its frame [rad], [k]."""
+    """Directions of the normals of a body's flat sides, in its frame [rad], [k]."""
     found: list[float] = []
     for shape in body.shapes:
         for solid, _ in solids(shape):
@@ -197,7 +196,7 @@ def flat_sides(body: Body) -> Array:
 def _on_plane(
     world: Array, grown: float, u: Array, sign: float, level: float, near: float,
 ) -> list[Face]:
-    """The face of a shape whose corners in the world [k, 2] are rounded by ``grown``, if any."""
+    """The face of a shape with corners [k, 2] in the world and radius ``grown``, if any."""
     off = sign * (world @ u - level) + grown
     if abs(off.max()) > near:
         return []

@@ -1,15 +1,14 @@
-"""How what is held gives way to a small push, from one recorded sample: stiffness of a grasp.
+"""Stiffness of a grasp: the response of bodies to a small push, from one recorded sample.
 
-All free bodies move by a small q, so that what is rigid (joints, contacts that press, stops, motors
-that hold a place) stays as it is: A q = 0, with rows A that are forces of unit size, as well. What
-is not rigid pushes back with K q: springs and cords by their stiffness, k u u^T for the wrench u of
-a unit pull; everything that carries a force, rigid or not, by the turning of that force, lambda
-du/dq. What presses may roll: the point of touch goes as the radii of both sides have it. Balance in
-all motions Z that are left, Z^T K Z z = Z^T w, gives the motion Z z that answers a push w.
+All free bodies move by a small q that keeps the constraints (joints, pressing contacts, stops,
+motors that hold a position): A q = 0, with rows A that are the wrenches of unit forces. All else
+has a stiffness K: springs and tendons k u u^T for the wrench u of a unit effort; every force, of a
+constraint or not, its geometric stiffness lambda du/dq. Contacts may roll: the contact point moves
+according to the radii of both sides. Balance in the allowed motions Z, Z^T K Z z = Z^T w, gives the
+response Z z to a push w.
 
-At a contact that slides the normal alone is kept, and friction follows with mu times the normal
-force: then the forces B are others than the rows A, and the motions of which they know nothing
-others than Z.
+A sliding contact constrains the normal alone, and its friction is mu times the normal force: then
+the forces B differ from the rows A, and their null space from Z.
 """
 
 from __future__ import annotations
@@ -32,20 +31,20 @@ from sandbox.samples.nearby import Face, faces, pressed
 from sandbox.samples.outcome import Stored
 
 NOTHING = 1e-6
-"""A stiffness below this share of the largest force over the object's size counts as none: the
-turning of forces alone gives as much as the whole of it."""
+"""Least stiffness relative to the largest force over the object's size, which is the order of the
+geometric stiffness."""
 NEAR = 1e-8
-"""So far from the plane of a contact, and as far as it moves in a step, a corner presses [m]."""
+"""Distance [m] from the plane of a contact, besides motion in a step, at which corners press."""
 AT_CONE = 1e-6
-"""Within so much of mu times the normal force friction is all that it can be."""
+"""Distance of friction from its limit, relative to it, that counts as 0."""
 SLIDES = 1e-6
-"""Slower [m/s] than this nothing slides."""
+"""Least speed of sliding [m/s]."""
 SOFTLY = 1e-6
-"""An object that has a smaller share in what gives way has none."""
+"""Least component of an object in a motion without stiffness."""
 
 
 class Elastic(NamedTuple):
-    """An element that answers a stretch with a force."""
+    """An element with a stiffness."""
 
     kind: str
     """``spring``, ``tendon`` or ``drive``."""
@@ -54,26 +53,26 @@ class Elastic(NamedTuple):
     stiffness: float
     """[N/m, N m/rad]"""
     pull: Array
-    """What a unit of its force does to all free bodies, [3 n]."""
+    """Wrench of its unit force on all free bodies, [3 n]."""
 
 
 class Yield(NamedTuple):
-    """The answer of a body to a small push at its centre of mass."""
+    """The response of a body to a small push at its centre of mass."""
 
     compliance: Array
     """Its motion (x, y, turn) by force (x, y) and couple [m/N, rad/N, rad/(N m)], [3, 3]; 0 where
     it is held rigidly."""
     loose: Array
-    """Which of (x, y, turn) it gives way in to any push, however small, [3] of bool."""
+    """Which of (x, y, turn) have no stiffness, [3] of bool."""
     free: Array
-    """The directions (x, y) in which it does so, [k, 2]."""
+    """The directions (x, y) without stiffness, [k, 2]."""
     signed: bool = False
-    """Whether what drives it on counts as a stiffness below 0, and not as giving way."""
+    """Whether instability is a negative stiffness, not 0."""
 
     def stiffness(self) -> Array:
         """Force along x over motion along x, the same of y and turn, the least of (x, y), [4].
 
-        0 where it gives way, inf where nothing does; below 0, if ``signed``, where it is driven on.
+        0 without stiffness, inf for a rigid body; negative, if ``signed``, where unstable.
         """
         along = [0.0 if loose or (c < 0 and not self.signed) else np.inf if c == 0 else 1 / c
                  for loose, c in zip(self.loose, np.diag(self.compliance), strict=True)]
@@ -85,21 +84,21 @@ class Yield(NamedTuple):
 
 
 def without_stiffness(model: Model) -> str:
-    """What a stiffness can't be told of from one sample, in words; empty if there is none of it.
+    """Elements whose stiffness does not follow from one sample, in words; empty without them.
 
-    The pressure of fluids hangs on time; laws of loads, and teeth, are not turned into slopes.
+    The pressure of fluids depends on time; slopes of load laws and of teeth are not computed.
     """
     return ("fluids" if model.lines.name else "loads by laws" if model.loads.name else "teeth"
             if any(kind.teeth for kind in model.joints.kind) else "")
 
 
 class _KeptRow(NamedTuple):
-    """A row that is kept: given, or that of a rigid force by number."""
+    """A row of a constraint: given, or that of a rigid force by number."""
 
     row: Array = np.empty(0)
     number: int | None = None
     across: int | None = None
-    """The number of the friction that goes with it by a ``share`` where it slides."""
+    """The number of its friction, ``share`` times it, where it slides."""
     share: float = 0.0
 
 
@@ -107,7 +106,7 @@ class Yielding:
     """The free bodies of a recording in one of its samples."""
 
     def __init__(self, run: Stored, sample: int, size: float) -> None:
-        """``size`` is that of the object, by which turns are measured [m]."""
+        """``size`` is the length [m] equivalent to a rotation of 1 rad."""
         self.run, self.model, self.sample, self.size = run, run.model, sample, size
         free = np.flatnonzero(self.model.bodies.free)
         self.place = {int(body): 3 * k for k, body in enumerate(free)}
@@ -128,29 +127,29 @@ class Yielding:
         rows = self._turn()
         self.kept = [each.row if each.number is None else rows[each.number]
                      for each in self._held]
-        """Rows of what is kept, each [3 n]."""
+        """Rows of the constraints, each [3 n]."""
         self.pushes = [row if each.across is None else row + each.share * rows[each.across]
                        for row, each in zip(self.kept, self._held, strict=True)]
-        """The forces that keep them; other than the rows where something slides."""
+        """Forces of the constraints; they differ from the rows at sliding contacts."""
 
-    # --- what pushes back
+    # --- stiffness
 
     def _row(self, bodies: tuple[int, int], wrench: Array) -> Array:
-        """Wrenches on two bodies, [6], as one of all free ones."""
+        """Wrenches on two bodies, [6], as one on all free bodies, [3 n]."""
         row = np.zeros(self.count)
         for k, body in enumerate(bodies):
             if body in self.place:
                 row[self.place[body]:self.place[body] + 3] += wrench[3 * k:3 * k + 3]
         return row
 
-    def _rows(self, pulls: Batch, count: int) -> Array:
-        """What a unit of each of ``count`` elements does to all free bodies, [count, 3 n]."""
+    def _rows(self, efforts: Batch, count: int) -> Array:
+        """Wrenches of unit efforts of ``count`` elements on all free bodies, [count, 3 n]."""
         rows = np.zeros((count, self.count))
-        for k, body in enumerate(pulls.body.tolist()):
+        for k, body in enumerate(efforts.body.tolist()):
             if body in self.place:
                 at = self.place[body]
-                rows[pulls.element[k], at:at + 3] += (pulls.x[k, 0], pulls.y[k, 0],
-                                                      pulls.moment[k, 0])
+                rows[efforts.element[k], at:at + 3] += (efforts.x[k, 0], efforts.y[k, 0],
+                                                        efforts.moment[k, 0])
         return rows
 
     def _motions(self) -> Array:
@@ -163,7 +162,7 @@ class Yielding:
         return moved
 
     def _turning_loads(self) -> Array:
-        """Of loads that are no more than they are as bodies move: their turning, [3 n, 3 n]."""
+        """Geometric stiffness of loads of constant magnitude, [3 n, 3 n]."""
         total = np.zeros((self.count, 2 * self.count))
         for batch in self.loads.batches:
             for k, body in enumerate(batch.body.tolist()):
@@ -173,14 +172,14 @@ class Yielding:
         return np.asarray((total[:, self.count:] - total[:, :self.count]) / (2 * self.steps))
 
     def _elastic(self) -> Array:
-        """Of springs, cords, drives that go to a place as springs do: k u u^T, [3 n, 3 n]."""
+        """Stiffness of springs, tendons and elastic servos, sum of k u u^T, [3 n, 3 n]."""
         found = np.zeros((self.count, self.count))
         for each in self.elastic():
             found += each.stiffness * np.outer(each.pull, each.pull)
         return found
 
     def elastic(self) -> Iterator[Elastic]:
-        """What gives way under a load: springs, taut cords, drives that hold a place as they do."""
+        """Elastic elements: springs, taut tendons, servos with a stiffness."""
         a, model, s = self.run.arrays, self.model, self.sample
         springs, tendons = model.springs, model.tendons
         efforts = self._rows(self.loads.spring_efforts, len(springs.name))
@@ -197,7 +196,7 @@ class Yielding:
                 yield Elastic("drive", i, float(model.drives.stiffness[i]), u)
 
     def _slope(self, spring: int) -> float:
-        """Of a spring's force by its stretch at rest [N/m, N m/rad]."""
+        """Derivative of a spring's force by its stretch at rest [N/m, N m/rad]."""
         a, springs, s = self.run.arrays, self.model.springs, self.sample
         by = int(springs.drive[spring])
         k = float(springs.stiffness[spring] if by == NONE else a["drive_value"][s, by])
@@ -208,19 +207,19 @@ class Yielding:
         return float(law.slopes(stretch + np.array([-step, step]), k)[0])
 
     def _placing(self) -> Iterator[tuple[int, Array]]:
-        """Motors and the like that the solver has hold a place or a speed, below their most."""
+        """Drives that hold a position or a speed below their limit."""
         drives, a, s = self.model.drives, self.run.arrays, self.sample
         efforts = self._rows(self.loads.drive_efforts, len(drives.name))
         for i, kind in enumerate(drives.kind):
             if not kind.limited or np.isfinite(drives.slope[i]):
                 continue
             most = drives.most[i] if np.isfinite(drives.most[i]) else np.inf
-            if kind.unit in ("N m", "N"):  # a brake's value is its most
+            if kind.unit in ("N m", "N"):  # the limit of a brake is its value
                 most = a["drive_value"][s, i]
             if abs(a["drive_torque"][s, i]) < most * (1 - AT_CONE):
                 yield i, efforts[i]
 
-    # --- what keeps
+    # --- constraints
 
     def _keep(self) -> None:
         a, joints, s = self.run.arrays, self.model.joints, self.sample
@@ -244,12 +243,12 @@ class Yielding:
         self._held.append(_KeptRow(row))
 
     def _add(self, rigid: Rigid) -> int:
-        """The number of a force whose turning is added to what pushes back."""
+        """The number of a force whose geometric stiffness counts."""
         self._rigids.append(rigid)
         return len(self._rigids) - 1
 
     def _turn(self) -> Array:
-        """The rows of all such forces, [k, 3 n]; adds their turning to what pushes back."""
+        """The rows of all such forces, [k, 3 n]; adds their geometric stiffness."""
         found = np.zeros((len(self._rigids), self.count))
         if not self._rigids:
             return found
@@ -267,7 +266,7 @@ class Yielding:
         return found
 
     def _joint(self, j: int) -> Iterator[Rigid]:
-        """The forces on ``b`` that a joint may carry."""
+        """The possible forces of a joint on ``b``."""
         joints, frames = self.model.joints, self.loads.frames
         a, b = joints.bodies[j].tolist()
         f = self.run.arrays["joint_force"][self.sample, j]
@@ -292,7 +291,7 @@ class Yielding:
                 yield Rigid((b, a), centres, arms, (radius, 0.0), n, 2, float(f @ along), across)
 
     def _at_end(self, j: int, force: Array) -> bool:
-        """Whether a slot's point is pushed back by an end of its groove."""
+        """Whether an end of its groove pushes a slot's point."""
         x, y = (float(v[0]) for v in self.loads.frames.groove_direction(j))
         rub = self.run.arrays["joint_friction"][self.sample, j]
         own = abs(float(force[0]) * x + float(force[1]) * y)
@@ -321,7 +320,7 @@ class Yielding:
                 self._held.append(_KeptRow(number=across))
 
     def _slip(self, row: int) -> float:
-        """How fast the bodies of a contact row slide along each other [m/s]."""
+        """Speed of sliding at a contact row [m/s]."""
         a, s = self.run.arrays, self.sample
         u, at = a["contact_normal"][row], a["contact_point"][row]
         speeds = []
@@ -332,10 +331,10 @@ class Yielding:
         return abs(float(speeds[0] - speeds[1]))
 
     def _places(self, row: int) -> list[tuple[float, Form]]:
-        """Where a contact presses: its share of the force; arms, radii, normal and what turns it.
+        """Points of a contact: share of the force; arms, radii, normal and the body that turns it.
 
         Raises:
-            ArithmeticError: bodies that touch with several normals, or corner on corner.
+            ArithmeticError: several normals, or a corner on a corner.
         """
         a, s = self.run.arrays, self.sample
         pair = [int(a["contact_body"][row]), int(a["contact_other"][row])]
@@ -363,10 +362,10 @@ class Yielding:
         arms = np.array([point + radii[0] * u, point - radii[1] * u]) - self.centre[pair]
         return [(1.0, (arms, radii, u, turns))]
 
-    # --- the answer
+    # --- response
 
     def of(self, body: int, *, signed: bool = False) -> Yield:
-        """How a free body gives way, or if ``signed`` by how much it is driven on."""
+        """The response of a free body; ``signed`` as of :class:`Yield`."""
         kept, pushes = (np.array(rows).reshape(len(rows), self.count)
                         for rows in (self.kept, self.pushes))
         own, part = self._together(body, np.concatenate([kept, pushes]))
@@ -398,7 +397,7 @@ class Yielding:
                      free[np.abs(free).max(axis=1, initial=0.0) > SOFTLY], signed)
 
     def _together(self, body: int, rows: Array) -> tuple[slice, Integers]:
-        """The freedoms that hang together with those of a body, and its own among them."""
+        """The degrees of freedom coupled to those of a body, and its own among them."""
         bodies = [np.abs(each).reshape(len(each), self.count // 3, 3).max(axis=2) > 0
                   for each in (rows, self.stiffness)]
         joins = bodies[0].T @ bodies[0] | bodies[1][0::3] | bodies[1][1::3] | bodies[1][2::3]
@@ -412,14 +411,14 @@ class Yielding:
 
 
 def _at(found: list[Face], place: float, near: float) -> Face | None:
-    """The one that a place along the plane lies on."""
+    """The face at a position along the plane."""
     return next((each for each in found if each.low - near <= place <= each.high + near), None)
 
 
 def _repeated(run: Stored, sample: int, moved: Array) -> Stored:
-    """One sample as often as there are motions of all bodies [k, nb, 3], moved by these.
+    """Copies of one sample, without contacts, moved by ``moved`` [k, nb, 3].
 
-    Turns are about the centres of mass. Without contacts.
+    Rotations are about the centres of mass.
     """
     which = np.full(len(moved), sample)
     arrays = {key: run.arrays[key][:0] if key in CONTACT else
