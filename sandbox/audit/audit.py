@@ -8,6 +8,7 @@ computed`` with the reason.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 
 import numpy as np
@@ -59,4 +60,8 @@ def audit(run: Samples) -> list[Figure]:
             except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
                 # numbers that are none, of a run that diverged: say so, and lose no other figure
                 figures.append(missing(name, why=f"the numbers cannot be used: {error}", source=""))
+    if run.mechanism.run.solver == "pymunk":
+        figures = [missing(figure.name, why="pymunk does not give its numbers",
+                           source=figure.source) if math.isnan(figure.value) else figure
+                   for figure in figures]
     return figures
