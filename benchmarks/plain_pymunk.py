@@ -110,7 +110,7 @@ class Point:
 
 def _scene(case: Case, step: float, iterations: int = 0) -> Mechanism:
     return mechanism(case.scene, {
-        "run.duration": case.duration, "run.step": step, "run.sample_rate": 1 / step, **({
+        "run.duration": case.duration, "run.step": step, "run.sample_rate": 1000, **({
             "run.solver": "pymunk", "run.pymunk.substeps": 1,
             "run.pymunk.iterations": iterations} if iterations else {})})
 
