@@ -110,7 +110,7 @@ class Point:
 
 def _scene(case: Case, step: float, iterations: int = 0) -> Mechanism:
     return mechanism(case.scene, {
-        "run.duration": case.duration, "run.step": step, "run.sample_rate": 1 / step, **({
+        "run.duration": case.duration, "run.step": step, "run.sample_rate": 1000, **({
             "run.solver": "pymunk", "run.pymunk.substeps": 1,
             "run.pymunk.iterations": iterations} if iterations else {})})
 
@@ -177,7 +177,8 @@ def figures(*, quick: bool = False) -> list[Figure]:
 
 def draw(directory: Path, *, quick: bool = False) -> None:
     """A picture for each mechanism, and the table of the page if it is there."""
-    for key, points in results(quick=quick).items():
+    found = results(quick=quick)
+    for key, points in found.items():
         panels = []
         for field, label in (("pose", "place [mm]"), ("force", "force [%]"),
                              ("cost", "step [µs]")):
@@ -185,7 +186,7 @@ def draw(directory: Path, *, quick: bool = False) -> None:
             for count in dict.fromkeys(point.iterations for point in points):
                 own = [point for point in points if point.iterations == count]
                 values = np.maximum([getattr(point, field) for point in own], 1e-7)
-                curves.append(Curve(f"pymunk, {count} iterations" if count else "direct solver",
+                curves.append(Curve(f"{count} iterations" if count else "direct solver",
                                     1e3 * np.array([point.step for point in own]), values,
                                     "joined"))
             panels.append(Panel("", Axis("time step [ms]", log=True), Axis(label, log=True), curves,
@@ -194,14 +195,14 @@ def draw(directory: Path, *, quick: bool = False) -> None:
     page = directory / PAGE
     if page.exists() and not quick:
         head, rest = page.read_text(encoding="utf-8").split(BEGIN)
-        page.write_text(head + BEGIN + _table() + END + rest.split(END)[1], encoding="utf-8")
+        page.write_text(head + BEGIN + _table(found) + END + rest.split(END)[1], encoding="utf-8")
 
 
-def _table() -> str:
+def _table(found: Mapping[str, Sequence[Point]]) -> str:
     """Both solvers at 0.5 ms side by side."""
     rows = ["| mechanism | error of places, direct | pymunk | of forces, direct | pymunk "
             "| time of a step, direct | pymunk |", "|---|---|---|---|---|---|---|"]
-    for key, points in results().items():
+    for key, points in found.items():
         direct, other = (next(point for point in points if point.step == 5e-4
                               and point.iterations == count) for count in (0, 30))
         rows.append(f"| {CASES[key].title} | " + " | ".join(

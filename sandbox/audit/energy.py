@@ -102,9 +102,6 @@ def _refuse_unrecorded(evidence: Evidence) -> None:
     if len(grown := drives.giving("radius")):
         raise NotComputed(
             f"the work of {drives.name[grown[0]]!r}, which changes a radius, is not recorded")
-    for kind in ("drive", "tendon", "spring"):
-        if np.isnan(evidence.run.arrays[f"{kind}_work"]).any():
-            raise NotComputed(f"{kind}_work is not recorded")
 
 
 @check("energy.start", source="W = P Δω / 2",

@@ -48,6 +48,7 @@ def run_pymunk(
                 error = SimulationDiverged(run.now, culprit, "its motion has run away; a smaller "
                                            "time step or more iterations may help")
                 reason = str(error)
+                run.samples -= 1  # may be no numbers
             elif run.builder.recorded_bytes > recorded_bytes:
                 error, reason = RecordingFull(run.now, recorded_bytes), LIMITED
             if progress is not None:

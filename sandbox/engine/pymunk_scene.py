@@ -36,16 +36,6 @@ def table(times: Sequence[float], values: Sequence[float], *, linear: bool = Tru
     return value
 
 
-def sign(x: float) -> float:
-    """1, 0 or -1, for formulas."""
-    return math.copysign(1.0, x) if x else 0.0
-
-
-def clip(x: float, low: float, high: float) -> float:
-    """A number within bounds, for formulas."""
-    return min(max(x, low), high)
-
-
 class Scene:
     """A pymunk space with named bodies, shapes, constraints and tendons.
 

@@ -22,6 +22,11 @@ from sandbox.scene.mechanism import Mechanism
 
 ALWAYS = ("Scene", "__init__", "step", "contacts")
 """Definitions of :mod:`sandbox.engine.pymunk_scene` that every script contains."""
+FORMULAS = """from math import *
+sign = lambda x: (x > 0) - (x < 0)
+clip = lambda x, low, high: min(max(x, low), high)
+"""
+"""What formulas of a scene call besides Python's own functions."""
 MAIN = '''
 
 def draw(scene):
@@ -69,7 +74,7 @@ def write_script(
     title = _plain(kept.title or kept.name or "A mechanism")
     head = f'"""{title}; written by sandbox {sandbox.__version__}. SI units."""'
     steps = f"STEPS = {max(1, math.ceil(kept.run.duration / time_step(kept) - 1e-9))}"
-    maths = "from math import *\n" if any("lambda t:" in call for call in calls) else ""
+    maths = FORMULAS if any("lambda t:" in call for call in calls) else ""
     return "\n".join([
         f"{head}\n{maths}{_definitions(ast.parse(first + chr(10) + chr(10).join(calls)))}\n",
         first, *calls, f"{steps}\n{MAIN}"]), (), left_out

@@ -31,7 +31,7 @@ from sandbox.values.units import units_of
 VALUES = "Values over time"
 """Topic of the models of numbers and values over time."""
 ELEMENTS: Mapping[str, Sequence[type[Spec]]] = {
-    "The scene": [Scene, settings.Run, settings.View, settings.Trace,
+    "The scene": [Scene, settings.Run, settings.PymunkRun, settings.View, settings.Trace,
                   settings.ShownMeter],
     "Bodies": [bodies.Body, *members(bodies.WrittenShape), signals.Path, bodies.Material,
                settings.ContactRule],

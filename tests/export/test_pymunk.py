@@ -15,7 +15,7 @@ import sandbox
 from sandbox.audit.audit import audit
 from sandbox.elements.element import Element
 from sandbox.elements.registry import KINDS
-from sandbox.errors import SceneError
+from sandbox.errors import SceneError, SimulationDiverged
 from sandbox.export import export_mechanism
 
 GROUND = {"name": "ground", "motion": "fixed"}
@@ -146,6 +146,15 @@ def test_what_has_no_counterpart_is_named(capfd: pytest.CaptureFixture[str]) -> 
     with pytest.raises(SceneError, match="pymunk has no counterpart of a controller") as caught:
         sandbox.to_pymunk("finger_force_control")
     assert len(caught.value.problems) == 1
+
+
+def test_a_run_that_diverges_keeps_its_samples() -> None:
+    with pytest.raises(SimulationDiverged, match="block: its motion has run away") as caught:
+        sandbox.simulate({**scene(), "run": {"solver": "pymunk"}, "springs": [{
+            "type": "linear", "name": "k", "a": "ground", "b": "block", "on_a": (-0.1, 0),
+            "stiffness": 1e8, "rest_length": 0.05}]})
+    assert caught.value.recording is not None
+    assert np.isfinite(caught.value.recording.arrays["body_pose"]).all()
 
 
 def test_a_run_is_read_like_any_other(tmp_path: Path) -> None:
