@@ -221,7 +221,8 @@ def _of_curvature(evidence: Evidence) -> Array:
 def _of_lines(evidence: Evidence, force: Array) -> Array:
     """The same of what slides along or turns with a line: its turn w, and v along it, [nj, n].
 
-    A groove adds w^2 v, a rod of length L as much as an arm that turns at v / L.
+    A groove adds w^2 v, a rod of length L, or a path with this radius of curvature, as much as an
+    arm that turns at v / L.
     """
     frames, v = evidence.loads.frames, evidence.velocity
     one, two = evidence.model.joints.bodies.T
@@ -233,7 +234,7 @@ def _of_lines(evidence: Evidence, force: Array) -> Array:
     result = np.zeros_like(force)
     joints = evidence.model.joints
     for j in joints.keeping("groove"):
-        result[j] = force[j] * v[2][one[j]] ** 2 * speed[j]
+        result[j] = force[j] * (v[2][one[j]] ** 2 * speed[j] + evidence.path_jerk[j])
     for j in joints.keeping("rack"):
         result[j] = force[j] * v[2][two[j]] ** 2 * speed[j]
     for j in joints.keeping("distance", "range", "gear", "roll"):
@@ -314,13 +315,9 @@ def _stretched(evidence: Evidence) -> bool:
     loose = np.union1d(joints.keeping("range"), np.flatnonzero(joints.play > 0))
     if np.nan_to_num(force[:, loose]).any():
         return True
-    frames = evidence.loads.frames
     for j in joints.keeping("groove").tolist():
-        along = joints.groove[j, 1] - joints.groove[j, 0]
-        a = joints.bodies[j, 0]
-        x, y = along / np.hypot(*along)
-        c, s = frames.cos[a], frames.sin[a]
-        pressed = force[:, j, 0] * (c * x - s * y) + force[:, j, 1] * (s * x + c * y)
+        x, y = evidence.loads.groove_direction(j)
+        pressed = force[:, j, 0] * x + force[:, j, 1] * y
         if (np.abs(pressed) > EXACT * np.abs(force[:, j]).max(initial=0.0)).any():
             return True
     return False

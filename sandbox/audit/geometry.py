@@ -211,7 +211,7 @@ def _gap(evidence: Evidence, j: int) -> Array:
     joints = evidence.model.joints
     match joints.kind[j].keeps:
         case "groove":
-            return _across_groove(evidence, j)
+            return evidence.loads.place_in_slot(j).off
         case "distance":
             return np.asarray(np.abs(evidence.loads.frames.gaps[j] - joints.reach[j, 0]))
         case "roll":
@@ -248,16 +248,6 @@ def _teeth(evidence: Evidence, j: int) -> Array:
     if play > 0:
         return np.asarray(np.maximum(-gaps.min(axis=0) - play, 0.0))
     return np.asarray(np.abs(gaps).min(axis=0))
-
-
-def _across_groove(evidence: Evidence, j: int) -> Array:
-    frames, joints = evidence.loads.frames, evidence.model.joints
-    at, a, (start, end) = frames.anchors[1], joints.bodies[j, 0], joints.groove[j]
-    gx, gy = (end - start) / np.hypot(*(end - start))
-    dx, dy = at.x[j] - frames.x[a], at.y[j] - frames.y[a]
-    c, s = frames.cos[a], frames.sin[a]
-    along, across = c * dx + s * dy - start[0], c * dy - s * dx - start[1]
-    return np.asarray(np.abs(across * gx - along * gy))
 
 
 def _stops(evidence: Evidence) -> Figure:

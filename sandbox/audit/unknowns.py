@@ -9,6 +9,7 @@ to its own law by other figures.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,7 +22,7 @@ from sandbox.audit.figures import ROUNDING, STOPPED
 from sandbox.audit.friction import carried
 from sandbox.audit.touching import pressed
 from sandbox.elements.tendons import RIGID
-from sandbox.model.joints import flank_of
+from sandbox.model.joints import flank_of, slot_length
 from sandbox.model.model import NONE
 from sandbox.model.pairs import static_friction_of
 from sandbox.model.supports import about_centre, joint_rows
@@ -137,12 +138,10 @@ class Unknowns:
             a, b = joints.bodies[j].tolist()
             on_a, on_b = (np.array([end.x[j, 0], end.y[j, 0]]) for end in frames.anchors)
             if joints.kind[j].keeps == "groove":
-                c, s = frames.cos[a, 0], frames.sin[a, 0]
-                start, end = joints.groove[j] @ np.array([[c, s], [-s, c]]) + (
-                    frames.x[a, 0], frames.y[a, 0])
-                on_a, low, high = start, 0.0, float(np.hypot(*(end - start)))
-                way = (end - start) / high
-                length = float((on_b - start) @ way)
+                place = self.loads.place_in_slot(j)
+                high, length = slot_length(self.model, j), float(place.along[0])
+                low, way = -math.inf if math.isinf(high) else 0.0, np.array(
+                    [place.x[0], place.y[0]])
             else:
                 low, high = joints.reach[j].tolist()
                 length = float(np.hypot(*(on_b - on_a)))

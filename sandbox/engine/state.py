@@ -134,6 +134,7 @@ SPAN = np.dtype([
     *((f"{axis}{n}", float) for axis in "xy" for n in range(6)),
     ("before", np.int64), ("after", np.int64),      # its neighbours; -1 at an end
     ("corner", np.int64),   # whether there is a corner between it and the span before
+    ("start", float),       # of the path of a slot: arc length up to the span [m]
 ])
 """A quintic piece of a curve, x = sum x_n w^n for w in [0, 1], from the centre of mass [m]."""
 TOUCH = np.dtype([

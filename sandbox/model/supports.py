@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.model.joints import flank_of, meeting, outward
+from sandbox.model.joints import flank_of, meeting, outward, place_in_slot
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 
@@ -137,10 +137,8 @@ def joint_rows(
     if kind.keeps == "point":
         along = [(1.0, 0.0), (0.0, 1.0)]
     elif kind.keeps == "groove":
-        start, end = (_arm(pose[a], point) for point in joints.groove[joint])
-        length = float(np.hypot(end[0] - start[0], end[1] - start[1]))
-        along = ([((start[1] - end[1]) / length, (end[0] - start[0]) / length)] if length > 0
-                 else [(1.0, 0.0)])
+        place = place_in_slot(model, joint, pose)
+        along = [(-float(place.y), float(place.x))] if place.x or place.y else [(1.0, 0.0)]
         ax, ay = pose[b, 0] + bx - pose[a, 0], pose[b, 1] + by - pose[a, 1]
     elif kind.keeps in ("distance", "roll"):
         length = float(np.hypot(px, py))

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.model.joints import meeting
+from sandbox.model.joints import Place, meeting, place_in_slot
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Integers
 from sandbox.samples.cords import Stretches, piece_tensions, stretches
@@ -274,11 +274,15 @@ class Loads:
                      np.concatenate([on_b, on_a]))
 
     def groove_direction(self, joint: int) -> tuple[Array, Array]:
-        """Of a slot's groove from its start to its end, in the world, x and y, [n] each."""
-        groove, a = self.model.joints.groove[joint], int(self.model.joints.bodies[joint, 0])
-        gx, gy = ((groove[1] - groove[0]) / np.hypot(*(groove[1] - groove[0]))).tolist()
-        c, s = self.frames.cos[a], self.frames.sin[a]
-        return c * gx - s * gy, s * gx + c * gy
+        """Direction of a slot from its start to its end, in the world, x and y, [n] each."""
+        place = self.place_in_slot(joint)
+        return place.x, place.y
+
+    def place_in_slot(self, joint: int) -> Place:
+        """Where the point of a slot is along and across it, [n] each."""
+        arrays = self.run.arrays
+        return place_in_slot(self.model, joint, arrays["body_pose"],
+                             arrays["joint_length"][:, joint])
 
     def lengthening(self, pulls: Batch, count: int, velocity: Array) -> Array:
         """Rates [m/s] at which what pulls grows longer as bodies move with ``velocity`` [3, nb, n].

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from sandbox.model.joints import place_in_slot, slot_length
 from sandbox.model.model import Model
 from sandbox.model.supports import LARGEST_GROUP, RANK, joint_rows, together
 from sandbox.numeric import Array, Flags
@@ -65,22 +66,12 @@ def ended(run: Stored) -> Iterator[str]:
 
 def _along(run: Stored, joint: int) -> tuple[Array, Flags, float]:
     """How far a point is on its groove [m], [n], whether it presses along it, [n], its length."""
-    joints, pose = run.model.joints, run.arrays["body_pose"]
-    groove, (a, b) = joints.groove[joint], joints.bodies[joint].tolist()
-    length = float(np.hypot(*(groove[1] - groove[0])))
-    way = _turned(pose[:, a], (groove[1] - groove[0]) / length)
-    start = pose[:, a, :2] + _turned(pose[:, a], groove[0])
-    point = pose[:, b, :2] + _turned(pose[:, b], joints.anchor[joint, 1])
-    force = np.nan_to_num(run.arrays["joint_force"][:, joint])
-    pressed = np.abs(np.einsum("ij,ij->i", force, way))
-    return (np.einsum("ij,ij->i", point - start, way),
-            pressed > PRESSES * np.abs(force).max(initial=0.0), length)
-
-
-def _turned(pose: Array, arm: Array) -> Array:
-    """An arm of a body's frame along the world's axes, in poses [n, 3], [n, 2]."""
-    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-    return np.stack([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]], axis=1)
+    arrays = run.arrays
+    place = place_in_slot(run.model, joint, arrays["body_pose"], arrays["joint_length"][:, joint])
+    force = np.nan_to_num(arrays["joint_force"][:, joint])
+    pressed = np.abs(force[:, 0] * place.x + force[:, 1] * place.y)
+    return (place.along, pressed > PRESSES * np.abs(force).max(initial=0.0),
+            slot_length(run.model, joint))
 
 
 AT_REST = 1e-6
