@@ -115,6 +115,8 @@ JOINT_RESULT = np.dtype([
     ("rate", float),        # of what is recorded of this, in samples only [m/s, rad/s]
     ("fx", float), ("fy", float),   # its force on b [N]
     ("couple", float),      # on b [N m]
+    ("kick_x", float), ("kick_y", float),   # impulse on b besides that of its rows: impacts act in
+    ("twist_a", float), ("twist_b", float),     # another pose; and moments on a and b [N s, N m s]
 ])
 
 LIMIT = np.dtype([

@@ -262,10 +262,11 @@ def _bends(joints: Records, h: float, velocity: Array) -> bool:
 def joint_gaps(table: int, h: float) -> float:
     """What joints still have to ask for, so as to be closed where ``velocity`` leads; largest gap.
 
-    Gaps [m] are those at the poses one step on. The joints' rows of the scratch are set.
+    Gaps [m] are those at the poses one step on, less those in the last row of ``unknowns``. The
+    joints' rows of the scratch are set.
     """
     joints, body, velocity = at.joints(table), at.body(table), at.velocity(table)
-    asked = at.unknowns(table)[4]
+    asked, kept = at.unknowns(table)[4], at.unknowns(table)[5]
     turn = at.force(table)  # which is not needed any more
     # the rows foresaw the bend of the velocities before
     if not (_bends(joints, h, velocity) or _bends(joints, h, at.before(table))):
@@ -282,7 +283,7 @@ def joint_gaps(table: int, h: float) -> float:
         left_x, left_y, _ = remaining_gap(table, joint["tie"], h)
         if toothed(joint):
             gap = flank_gap(table, h, k)
-            gap += at.unknowns(table)[3][joint["row"]] / (h * joint["k"])
+            gap += at.unknowns(table)[3][joint["row"]] / (h * joint["k"]) - kept[joint["row"]]
             asked[joint["row"]] = -gap / h
             worst = max(worst, abs(gap))
             continue
@@ -291,13 +292,15 @@ def joint_gaps(table: int, h: float) -> float:
         x, y = gaps(joint, px, py, ca, sa)
         if joint["span"] >= 0:
             x = path_gap(table, h, k)
-        asked[joint["row"]] = -(x - left_x) / h
-        worst = max(worst, abs(x - left_x))
+        x -= left_x + kept[joint["row"]]
+        asked[joint["row"]] = -x / h
+        worst = max(worst, abs(x))
         if joint["keeps"] == POINT:
-            asked[joint["row_y"]] = -(y - left_y) / h
-            worst = max(worst, abs(y - left_y))
+            y -= left_y + kept[joint["row_y"]]
+            asked[joint["row_y"]] = -y / h
+            worst = max(worst, abs(y))
         if joint["keeps"] == ROLL:
-            gap = rolled_gap(table, h, k)
+            gap = rolled_gap(table, h, k) - kept[joint["row_y"]]
             asked[joint["row_y"]] = -gap / h
             worst = max(worst, abs(gap))
     return worst

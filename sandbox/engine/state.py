@@ -346,7 +346,8 @@ class Result(NamedTuple):
     """The matrix and its factor, [slots + m]."""
     unknowns: Annotated[Array, 2]
     """What rows ask for; compliances, of hubs - mass and - inertia; the forward-substituted right
-    side; the solution; scratch, [5, m]."""
+    side; the solution; scratch; gaps that joints may keep in this step, 0 but for impacts,
+    [6, m]."""
     found: Annotated[Records, TOUCH]
     """As pymunk found them in this step, [contacts]."""
     order: Integers

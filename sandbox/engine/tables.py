@@ -187,7 +187,7 @@ def _result(
         pressing=np.zeros((len(constants.loaded), NUMBERS, 3)), felt=np.zeros((3, 4)),
         belts=np.zeros(count), stack=laws.stack, read_names=laws.read,
         entries=np.zeros((2, len(pattern.entry_row), 3)),
-        values=np.zeros(len(pattern.below) + unknowns), unknowns=np.zeros((5, unknowns)),
+        values=np.zeros(len(pattern.below) + unknowns), unknowns=np.zeros((6, unknowns)),
         **_workspace(room, unknowns))
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]

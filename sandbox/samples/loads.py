@@ -103,6 +103,7 @@ class Loads:
         a, b = self.model.joints.bodies.T
         fx, fy = (np.ascontiguousarray(part) for part in self.run.arrays["joint_force"].T)
         couple = self.run.arrays["joint_couple"].T
+        twist_a, twist_b = np.nan_to_num(self.run.arrays["joint_twist"]).T
         on_a, on_b = self.frames.anchors
         (ax, ay), (bx, by) = ((end.arm_x.copy(), end.arm_y.copy()) for end in (on_a, on_b))
         for j in self.model.joints.keeping("groove"):  # a groove is held where the pin is
@@ -114,8 +115,8 @@ class Loads:
             bx[j], by[j] = x - self.frames.centre_x[b[j]], y - self.frames.centre_y[b[j]]
         return Batch("joint", np.tile(np.arange(len(a)), 2), np.concatenate([b, a]),
                      np.concatenate([fx, -fx]), np.concatenate([fy, -fy]),
-                     np.concatenate([bx * fy - by * fx + couple,
-                                     ay * fx - ax * fy - couple]))
+                     np.concatenate([bx * fy - by * fx + couple + twist_b,
+                                     ay * fx - ax * fy - couple + twist_a]))
 
     @cached_property
     def weights(self) -> Array:

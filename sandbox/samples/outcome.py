@@ -258,8 +258,9 @@ class Stored:
       ``body_inertia`` [nb]: about the centre, infinite for what is fixed or scheduled.
     * ``joint_angle``, ``joint_rate`` [n, nj]: nan unless a pin; ``joint_reaction`` [n, nj]:
       size of the force, ``joint_force`` [n, nj, 2] on the body ``b`` in the world;
-      ``joint_couple`` [n, nj]: of welds and sliders, on ``b``; ``joint_stop``,
-      ``joint_damping`` [n, nj]: torques of the hard stop and of the dampers, in the joint's sense.
+      ``joint_couple`` [n, nj]: of welds and sliders, on ``b``; ``joint_twist`` [n, nj, 2]: moments
+      on ``a`` and ``b`` of impacts besides; ``joint_stop``, ``joint_damping`` [n, nj]: torques of
+      the hard stop and of the dampers, in the joint's sense.
     * ``spring_length``, ``spring_force`` [n, ns]: positive pulls; of a rotary spring the
       hinge's angle and the torque, which is positive against a positive angle.
     * ``tendon_length``, ``tendon_tension`` [n, nt]; ``tendon_initial`` (at t = 0),
