@@ -275,7 +275,8 @@ def _of_curvature(evidence: Evidence) -> Array:
 def _of_lines(evidence: Evidence, force: Array) -> Array:
     """The same of joints along a line that turns at w, with a speed v along it, [nj, n].
 
-    A groove adds w^2 v, a rod of length L as much as an arm that turns at v / L.
+    A groove adds w^2 v, a rod of length L, or a path with this radius of curvature, as much as an
+    arm that turns at v / L.
     """
     frames, v = evidence.loads.frames, evidence.velocity
     one, two = evidence.model.joints.bodies.T
@@ -285,7 +286,7 @@ def _of_lines(evidence: Evidence, force: Array) -> Array:
     result = np.zeros_like(force)
     joints = evidence.model.joints
     for j in joints.keeping("groove"):
-        result[j] = force[j] * w[one[j]] ** 2 * speed[j]
+        result[j] = force[j] * (w[one[j]] ** 2 * speed[j] + evidence.path_jerk[j])
     for j in joints.keeping("rack"):
         result[j] = force[j] * w[two[j]] ** 2 * speed[j]
     for j in joints.keeping("distance", "range", "gear", "roll"):

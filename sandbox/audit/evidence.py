@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL
+from sandbox.model.joints import place_in_slot
 from sandbox.model.pairs import restitution_of
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags
@@ -247,4 +248,25 @@ class Evidence:
         bend = h**3 * (omega**3 / 6 + omega * alpha / 2) + h**4 * alpha**2 / 8
         for body, end in zip(self.model.joints.bodies.T, frames.anchors, strict=True):
             result += (np.hypot(end.arm_x, end.arm_y) + frames.gaps) * bend[body]
+        for j, path in enumerate(self.model.joints.path):
+            if path is not None:  # no scene starts exactly on a curve
+                start = place_in_slot(self.model, j, self.model.bodies.pose)
+                result[j, :1] += abs(float(start.across))
+        return result + h**3 * self.path_jerk
+
+    @cached_property
+    def path_jerk(self) -> Array:
+        """How fast paths of slots bend their points away from them [m/s^3], [nj, n]; 0 of others.
+
+        As of an arm with the radius of curvature that turns at the point's speed.
+        """
+        joints, acceleration = self.model.joints, self.loads.frames.acceleration
+        result = np.zeros((len(joints.name), self.loads.frames.samples))
+        for j, path in enumerate(joints.path):
+            if path is not None:
+                a, b = joints.bodies[j].tolist()
+                bend = np.abs(self.loads.frames.place_in_slot(j).bend)
+                speed = np.abs(self.run.arrays["joint_speed"][:, j])
+                change = np.hypot(*(acceleration[:2, b] - acceleration[:2, a]))
+                result[j] = speed**3 * bend**2 / 6 + speed * change * bend / 2
         return result

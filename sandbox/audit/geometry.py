@@ -188,7 +188,7 @@ def _gap(evidence: Evidence, j: int) -> Array:
     joints = evidence.model.joints
     match joints.kind[j].keeps:
         case "groove":
-            return np.abs(evidence.loads.frames.in_groove(j)[1])
+            return evidence.loads.frames.place_in_slot(j).off
         case "distance":
             return np.asarray(np.abs(evidence.loads.frames.gaps[j] - joints.reach[j, 0]))
         case "roll":

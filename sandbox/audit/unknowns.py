@@ -8,6 +8,7 @@ ones, dampers, forces and torques of drives) are known; other checks compare the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,7 +21,7 @@ from sandbox.audit.figures import ROUNDING, STOPPED
 from sandbox.audit.friction import carried
 from sandbox.audit.touching import pressed
 from sandbox.elements.tendons import RIGID
-from sandbox.model.joints import flank_of
+from sandbox.model.joints import flank_of, slot_length
 from sandbox.model.model import NONE
 from sandbox.model.pairs import static_friction_of
 from sandbox.model.supports import about_centre, joint_rows
@@ -136,9 +137,10 @@ class Unknowns:
             a, b = joints.bodies[j].tolist()
             on_a, on_b = (np.array([end.x[j, 0], end.y[j, 0]]) for end in frames.anchors)
             if joints.kind[j].keeps == "groove":
-                way = np.array(frames.groove_direction(j))[:, 0]
-                found, _, high = frames.in_groove(j)
-                low, length = 0.0, float(found[0])
+                place = frames.place_in_slot(j)
+                high, length = slot_length(self.model, j), float(place.along[0])
+                low, way = -math.inf if math.isinf(high) else 0.0, np.array(
+                    [place.x[0], place.y[0]])
             else:
                 low, high = joints.reach[j].tolist()
                 length = float(np.hypot(*(on_b - on_a)))

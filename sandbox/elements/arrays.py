@@ -72,6 +72,9 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("joint_couple", ("n", "nj"), "N m",
              "on its body `b` by its body `a`, of welds and of what slides without turning; 0 of "
              "others", late=True),
+    Recorded("joint_twist", ("n", "nj", 2), "N m",
+             "moment on `a` and `b` besides that of these in the pose of the sample: joints answer "
+             "an impact where it happens", late=True),
     Recorded("joint_stop", ("n", "nj"), "N m",
              "torque of the hard stop, in the joint's sense; nan without limits", also="nan"),
     Recorded("joint_damping", ("n", "nj"), "N m",

@@ -41,6 +41,8 @@ class JointKind:
     """Unit of its dry friction; empty where it has none."""
     rubbed: tuple[str, ...] = ()
     """Additional quantities of a joint with dry friction."""
+    curved: tuple[str, ...] = ()
+    """Additional quantities of a joint with a path."""
     mujoco: str = ""
     """Why MuJoCo has no counterpart; empty where it has one."""
     mujoco_loop: str = ""
@@ -74,7 +76,13 @@ QUANTITIES: Mapping[str, Quantity] = {
                       live=True),
     "rate": recorded("joint_rate", "rad/s", "rate of the angle", live=True),
     "length": recorded("joint_length", "m", "of an actuator, between its two points", live=True),
-    "speed": recorded("joint_speed", "m/s", "rate of the length of an actuator", live=True),
+    "position": recorded("joint_length", "m", "of a slot with a path: arc length from the path's "
+                                              "first point; it counts on over rounds of a closed "
+                                              "path", live=True),
+    "speed": recorded("joint_speed", "m/s", "rate of the length of an actuator, or of the position "
+                                            "on a path", live=True),
+    "normal": Quantity("N", "of a slot with a path: force on `b` across the path, positive to its "
+                            "left"),
     "reaction": recorded("joint_reaction", "N",
                          "magnitude of the reaction force", live=True),
     "reaction_x": recorded("joint_force", "N",
@@ -95,7 +103,8 @@ QUANTITIES: Mapping[str, Quantity] = {
     "stop": recorded("joint_stop", "N m", "torque of its hard stop, in the hinge's sense"),
     "friction": recorded("joint_friction", "", "dry friction: of a pin the torque on `b`, in the "
                                                "hinge's sense; of a slot the force on `b`, "
-                                               "positive towards the groove's `end`", live=True),
+                                               "positive towards the `end` of the groove or path",
+                         live=True),
     "friction_work": recorded("joint_friction_work", "J", "work of dry friction since t = 0, at "
                                                           "most 0"),
     "sticks": recorded("joint_sticks", "1", "1 while dry friction holds it, 0 while it "
@@ -159,7 +168,8 @@ class JointSpec(Element):
         kind = self.facts
         names = (*kind.records, *(kind.stopped if getattr(self, "limits", None) else ()),
                  *(kind.loose if getattr(self, "backlash", 0.0) > 0 else ()),
-                 *(kind.rubbed if self.rubs else ()))
+                 *(kind.rubbed if self.rubs else ()),
+                 *(kind.curved if getattr(self, "path", None) else ()))
         return {name: QUANTITIES[name].unit or kind.rubs for name in names}
 
     def needed(self, quantity: str) -> str:
@@ -167,7 +177,8 @@ class JointSpec(Element):
         kind = self.facts
         return next((field for names, field in (
             (kind.stopped, "'limits'"), (kind.loose, "'backlash'"),
-            (kind.rubbed, "'friction' or 'friction_coefficient'")) if quantity in names), "")
+            (kind.rubbed, "'friction' or 'friction_coefficient'"),
+            (kind.curved, "'path'")) if quantity in names), "")
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
         """A joint between two bodies that cannot move freely."""
@@ -181,6 +192,10 @@ class JointSpec(Element):
     def columns(self, at: Anchors) -> dict[str, Any]:
         """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
         return {}
+
+    def path_points(self) -> tuple[tuple[Vec, ...] | None, bool]:
+        """Points of its path in the frame of ``a`` [m], if it has one; whether the path closes."""
+        return None, False
 
 
 class ClosingJoint(JointSpec):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sandbox.elements.element import KEPT, NO_POINT, OTHER_SIDE, Turn
+from sandbox.elements.element import KEPT, NO_POINT, OTHER_SIDE, Turn, Vec
 from sandbox.elements.joint import (
     FRICTION,
     REACTION,
@@ -16,9 +16,20 @@ from sandbox.elements.joint import (
     FrictionJoint,
     JointKind,
 )
-from sandbox.values.numbers import Angle, Flag, Force, Length, Pair, Point, RotaryDamping, Torque
+from sandbox.values.numbers import (
+    Angle,
+    Flag,
+    Force,
+    Items,
+    Length,
+    Pair,
+    Point,
+    RotaryDamping,
+    Torque,
+)
 from sandbox.values.spec import TYPE
-from sandbox.wording import WrongValueError
+from sandbox.values.spline import check_distinct
+from sandbox.wording import WrongValueError, listed
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
@@ -104,31 +115,60 @@ class Pin(FrictionJoint):
 
 
 class Slot(FrictionJoint):
-    """A point of ``b`` slides along a groove of ``a`` that runs from ``start`` to ``end``."""
+    """A point of ``b`` slides along a groove of ``a``, straight or along a smooth path."""
 
     facts: ClassVar[JointKind] = JointKind(
-        "groove", REACTION, rubs="N", rubbed=FRICTION, mujoco_loop="a groove that closes a loop")
+        "groove", REACTION, rubs="N", rubbed=FRICTION, curved=("position", "speed", "normal"),
+        mujoco_loop="a groove that closes a loop")
 
     type: Literal["slot"] = TYPE
-    start: Point
-    """One end of the groove, in the frame of ``a`` [m]."""
-    end: Point
+    start: Point | None = None
+    """One end of a straight groove, in the frame of ``a`` [m]."""
+    end: Point | None = None
     """Other end of the groove, in the frame of ``a`` [m]; both ends are hard stops."""
+    path: Annotated[Items[Point], Field(min_length=3, max_length=1000)] | None = None
+    """In place of ``start`` and ``end``: points of a curved groove in the frame of ``a`` [m].
+
+    The groove is the smooth curve through them in this order, a quintic spline; its ends are hard
+    stops."""
+    closed: Flag = False
+    """Whether the path continues from its last point to the first; then it has no ends."""
     turns: Flag = True
     """Whether ``b`` may rotate on the groove: false keeps the angle of the two bodies at t = 0, as
     in a slider."""
     on_a: Point | None = None
-    """Not used: ``start`` and ``end`` define the groove."""
+    """Not used: ``start`` and ``end``, or ``path``, define the groove."""
     on_b: Point | None = (0.0, 0.0)
     """The point of ``b`` that stays on the groove, in its frame [m]."""
     friction: Force = Field(default=0.0, ge=0)
     """Dry friction along the groove [N]: it resists forces up to this, and slides at this force;
     none by default."""
 
+    @model_validator(mode="after")
+    def _along(self) -> Self:
+        missing = [name for name in ("start", "end") if getattr(self, name) is None]
+        if self.path is None:
+            if missing:
+                raise WrongValueError("missing-key", f"{listed(missing)} "
+                                      f"{'are' if len(missing) > 1 else 'is'} missing",
+                                      allowed="'start' and 'end', or a 'path'")
+            if self.closed:
+                raise WrongValueError("conflicting-keys", "'closed' belongs to a 'path'")
+            return self
+        if len(missing) < 2:
+            raise WrongValueError("conflicting-keys", "give 'start' and 'end', or a 'path'")
+        check_distinct(self.path, closed=self.closed)
+        return self
+
     def columns(self, at: Anchors) -> dict[str, Any]:
         """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
-        return {"turns": self.turns, "groove": (self.start, self.end), "friction": self.friction,
-                "static": self.static, "rubbing": self.friction_coefficient}
+        groove = {} if self.path else {"groove": (self.start, self.end)}
+        return {"turns": self.turns, "friction": self.friction, "static": self.static,
+                "rubbing": self.friction_coefficient, **groove}
+
+    def path_points(self) -> tuple[tuple[Vec, ...] | None, bool]:
+        """Points of its path in the frame of ``a`` [m], if it has one; whether the path closes."""
+        return self.path, self.closed
 
     def without_pymunk(self, mechanism: Mechanism) -> str:
         """Why pymunk has no counterpart; empty where it has one."""

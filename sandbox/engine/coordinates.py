@@ -126,7 +126,7 @@ def add_effort(element: Any, out: Any, effort: float, force: Array) -> None:
 
 
 @kernel
-def _ahead(h: float, body: Array, velocity: Array, b: int) -> Any:
+def ahead(h: float, body: Array, velocity: Array, b: int) -> Any:
     """Pose x, y, angle of a body where ``velocity`` leads in ``h``; cosine, sine of the angle."""
     angle = body[b, 2] + h * velocity[b, 2]
     return (body[b, 0] + h * velocity[b, 0], body[b, 1] + h * velocity[b, 1], angle,
@@ -147,8 +147,8 @@ def flank(joint: Any, side: float, h: float, body: Array, velocity: Array) -> An
         gap [m] of the teeth on this ``side`` (+1 or -1), were there no play; of the row that keeps
         it: direction x, y of the push on b, moments of the push on a and on b for 1 N [m].
     """
-    xa, ya, angle_a, ca, sa = _ahead(h, body, velocity, joint["a"])
-    xb, yb, angle_b, cb, sb = _ahead(h, body, velocity, joint["b"])
+    xa, ya, angle_a, ca, sa = ahead(h, body, velocity, joint["a"])
+    xb, yb, angle_b, cb, sb = ahead(h, body, velocity, joint["b"])
     ax, ay = ca * joint["ax"] - sa * joint["ay"], sa * joint["ax"] + ca * joint["ay"]
     bx, by = cb * joint["bx"] - sb * joint["by"], sb * joint["bx"] + cb * joint["by"]
     dx, dy = xb + bx - xa - ax, yb + by - ya - ay
@@ -179,8 +179,8 @@ def flank(joint: Any, side: float, h: float, body: Array, velocity: Array) -> An
 @kernel
 def rolled(joint: Any, h: float, body: Array, velocity: Array) -> float:
     """How far two circles are from where they roll to, along them [m]; as :func:`flank`."""
-    xa, ya, angle_a, ca, sa = _ahead(h, body, velocity, joint["a"])
-    xb, yb, angle_b, cb, sb = _ahead(h, body, velocity, joint["b"])
+    xa, ya, angle_a, ca, sa = ahead(h, body, velocity, joint["a"])
+    xb, yb, angle_b, cb, sb = ahead(h, body, velocity, joint["b"])
     dx = xb + cb * joint["bx"] - sb * joint["by"] - xa - ca * joint["ax"] + sa * joint["ay"]
     dy = yb + sb * joint["bx"] + cb * joint["by"] - ya - sa * joint["ax"] - ca * joint["ay"]
     ra, rb = joint["ra"], joint["rb"]

@@ -47,6 +47,7 @@ _TYPES: dict[str, Any] = {
 _CTYPES: dict[Any, Any] = {types.int64: ctypes.c_int64, types.float64: ctypes.c_double,
            types.boolean: ctypes.c_bool, types.void: None}
 _numba_config: Any = config
+_compiler: Any = entry_point_compiler
 _WORD = ir.IntType(64)
 _OBSOLETE = 7 * 86400
 """Cached code of other versions of an entry point is deleted after this time [s]."""
@@ -135,7 +136,7 @@ class EntryPoint:
         """Numba's C callback, compiled now or loaded from the cache."""
         def compiled(function: Callable[..., Any], cache: bool) -> Any:
             return cfunc(self.signature, error_model="numpy", cache=cache,
-                         pipeline_class=entry_point_compiler)(function)
+                         pipeline_class=_compiler)(function)
 
         made = _cached(self.py_func, compiled)
         if not made.cache_hits:
@@ -214,7 +215,7 @@ class CalledFromPython:
     @cached_property
     def _dispatcher(self) -> Any:
         return _cached(self.py_func, lambda function, cache: njit(
-            error_model="numpy", cache=cache, pipeline_class=entry_point_compiler)(function))
+            error_model="numpy", cache=cache, pipeline_class=_compiler)(function))
 
 
 def entry_point(
@@ -303,12 +304,13 @@ FEATURES: dict[str, Callable[[Constants], bool]] = {
     "bounces": lambda c: bool((c.restitution > 0.0).any()),
     "bounded": _bounded,
     "cords": lambda c: len(c.cords) > 0,
-    "curves": lambda c: len(c.spans) > 0,
+    "curves": lambda c: bool((c.shapes["span"] >= 0).any()),
     "fluids": lambda c: bool(len(c.fluids) or len(c.valves) or len(c.pumps)),
     "laws": lambda c: len(c.steps) > 0,
     "loads": lambda c: bool(len(c.loads) or len(c.loaded)),
     "motors": lambda c: len(c.motors) > 0,
     "joint_friction": lambda c: len(c.dry_friction) > 0,
+    "paths": lambda c: bool((c.joints["span"] >= 0).any()),
     "shapes": lambda c: len(c.shapes) > 0,
     "slips": lambda c: bool(len(c.slips) or (c.cords["spans"] < c.cords["spans_end"]).any()),
     "springs": lambda c: len(c.springs) > 0,

@@ -13,12 +13,8 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import (
-    choose,
     columns,
     couple,
-    eliminate,
-    free_rate,
-    make_system,
     push,
     rate,
     relax,
@@ -27,12 +23,13 @@ from sandbox.engine.bounded import (
 )
 from sandbox.engine.candidates import normal_row, tangent_row
 from sandbox.engine.entry_points import entry_point
+from sandbox.engine.impact_poses import add, add_joints, answer_of_joints, note_joints, place_joints
 from sandbox.engine.instants import meet, place_as_found, tangent_motion, time_to_close
 from sandbox.engine.kernel import kernel
 from sandbox.engine.plan import backward, forward
-from sandbox.engine.rows import apply_impulses, closed, joint_gaps, right_side
+from sandbox.engine.rows import apply_impulses, right_side
 from sandbox.engine.state import NORMAL, TANGENT
-from sandbox.numeric import Array, Records
+from sandbox.numeric import Records
 
 REBOUND = 0.01
 """A slower approach [m/s] gives nothing back."""
@@ -42,8 +39,6 @@ FAINT = 1e-6
 """Approaches that small against the first end a chain of impacts."""
 CLOSED = 1e-9
 """Contacts with gaps up to this [m] are hit together."""
-CLOSINGS = 3
-"""Most times that joints are closed where an impact leads."""
 ORDERED = 100
 """Most instants of impacts in one step; what is hit after these is reflected together."""
 
@@ -184,24 +179,46 @@ def _struck(
 
 
 @entry_point("bounces")
-def impacts(table: int, h: float, kept: int) -> bool:
-    """Reflect approaches; the contacts' impulses go to the free velocities. Whether there are any.
+def foresee_impacts(table: int, h: float, kept: int) -> bool:
+    """Forget impacts of a trial without late hits; whether a contact is hit in this step.
 
-    What joints, cords and dampers make of them is found with all else that they carry. ``kept``
-    rows carry about what they did in the last step.
+    If so, ``velocity`` is that after the step without impacts: ``kept`` rows carry about what they
+    did in the last step. If there are joints they are put to the pose of the first impact.
     """
-    free, kick, delayed, touches = (
-        at.free(table), at.kick(table), at.delayed(table), at.touches(table))
-    _add(free, kick, -1.0)  # of a try without late hits
+    free, kick, delayed, shift, unknowns = (
+        at.free(table), at.kick(table), at.delayed(table), at.shift(table), at.unknowns(table))
+    add(free, kick, -1.0)
     for b in range(len(kick)):
         for j in range(3):
-            kick[b, j] = delayed[b, j] = 0.0
+            kick[b, j] = delayed[b, j] = shift[b, j] = 0.0
+    for r in range(unknowns.shape[1]):
+        unknowns[5, r] = 0.0
+    for k in range(len(at.joints(table))):
+        out = at.joint_results(table)[k]
+        out["kick_x"] = out["kick_y"] = out["twist_a"] = out["twist_b"] = 0.0
     if not _hit(table, h):
         return False
+    _foresee(table, kept)
+    if len(at.joints(table)) > 0:
+        rows = at.rows(table)[len(at.rows(table)) // 2:]
+        n, now = _list(table, h, rows)
+        now = _next(table, h, rows, n, now, REBOUND)
+        if now <= h:
+            place_joints(table, h, now)
+    return True
+
+
+@entry_point("bounces")
+def impacts(table: int, h: float, kept: int) -> bool:
+    """Reflect approaches; the contacts' impulses are put into ``kick``. Whether there are any.
+
+    What cords and dampers make of them is found with all else that they carry. The impulses of the
+    joints in the pose of the impact are in the last row of ``unknowns``.
+    """
+    kick, delayed, touches = at.kick(table), at.delayed(table), at.touches(table)
     begin = len(at.rows(table)) // 2
     rows, Y, reached = (
         at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
-    _foresee(table, kept)
     n, now = _list(table, h, rows)
     columns(table, begin, 0, n)
     couple(table, begin, 0, n)
@@ -217,8 +234,13 @@ def impacts(table: int, h: float, kept: int) -> bool:
             _place_on_free(table, t)
     for k in range(kept):
         _renew(table, h, k)
-    _add(free, kick, 1.0)
     wipe(rows, n, Y, reached)
+    if struck and len(at.joints(table)) > 0:
+        answer_of_joints(table, delayed)
+        add_joints(table, delayed, 1.0)
+        answer_of_joints(table, kick)
+        add_joints(table, kick, 1.0)
+        note_joints(table, 1.0)
     return struck
 
 
@@ -244,13 +266,6 @@ def _place_on_free(table: int, t: Any) -> None:
 
 
 @kernel
-def _add(velocity: Array, change: Array, times: float) -> None:
-    for b in range(len(velocity)):
-        for j in range(3):
-            velocity[b, j] += times * change[b, j]
-
-
-@kernel
 def _foresee(table: int, kept: int) -> None:
     """The velocities after a step without impacts, bounded rows as in the last step."""
     velocity, free, rows, unknowns = (
@@ -266,87 +281,3 @@ def _foresee(table: int, kept: int) -> None:
         unknowns[4, r] = unknowns[2, r]
     backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
     apply_impulses(table, unknowns[4], velocity)
-
-
-@entry_point("bounces")
-def lead_back(table: int, h: float, n: int) -> None:
-    """Displace the pose by what impacts after it change, times their instants.
-
-    Joints, and bounded rows that hold, answer to that as they did to the impacts.
-    """
-    rows, unknowns, shift, delayed = (
-        at.rows(table), at.unknowns(table), at.shift(table), at.delayed(table))
-    Y, reached, A, chosen = (
-        at.columns(table), at.reached(table), at.system(table), at.chosen(table))
-    for b in range(len(shift)):
-        for j in range(3):
-            shift[b, j] = -delayed[b, j]
-    for r in range(unknowns.shape[1]):
-        unknowns[4, r] = 0.0
-    right_side(table, shift, unknowns[4])
-    forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
-    m = 0
-    for q in range(choose(rows, n, chosen)):
-        if _holds(table, rows[chosen[q]]):
-            chosen[m] = chosen[q]
-            m += 1
-    make_system(rows, n, at.delassus(table), A, chosen, m)
-    for q in range(m):
-        k = chosen[q]
-        A[q, m] = 0.0 if rows[k]["out"] else -free_rate(
-            table, rows[k], Y[k], reached[k], shift, 0.0)
-    eliminate(A, m)
-    for r in range(unknowns.shape[1]):
-        unknowns[4, r] = unknowns[2, r]
-    for q in range(m):
-        k = chosen[q]
-        _answer(table, k, A[q, m])
-        if k + 1 < n and rows[k + 1]["normal"] == k and rows[k + 1]["mode"] != 0:
-            _answer(table, k + 1, rows[k + 1]["mode"] * rows[k + 1]["friction"] * A[q, m])
-    backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
-    apply_impulses(table, unknowns[4], shift)
-    _close(table, h)
-
-
-@kernel
-def _close(table: int, h: float) -> None:
-    """Displace the pose further, so that joints are closed where the velocities lead from there."""
-    shift, velocity, kept, unknowns = (
-        at.shift(table), at.velocity(table), at.placed(table), at.unknowns(table))
-    for b in range(len(shift)):
-        for j in range(3):
-            kept[b, j] = velocity[b, j]
-    for _ in range(CLOSINGS):
-        for b in range(len(shift)):
-            for j in range(3):
-                velocity[b, j] = kept[b, j] + shift[b, j] / h
-        for r in range(unknowns.shape[1]):
-            unknowns[4, r] = 0.0
-        if joint_gaps(table, h) < closed(h):
-            break
-        forward(at.starts(table), at.below(table), at.values(table), unknowns[4])
-        backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
-        for r in range(unknowns.shape[1]):
-            unknowns[4, r] *= h
-        apply_impulses(table, unknowns[4], shift)
-    for b in range(len(shift)):
-        for j in range(3):
-            velocity[b, j] = kept[b, j]
-
-
-@kernel
-def _holds(table: int, row: Any) -> bool:
-    """Whether a row held already before the impacts; a contact that closes in the step did not."""
-    if row["source"] == NORMAL or row["source"] == TANGENT:
-        return bool(at.found(table)[row["index"]]["listed"] == 1)
-    return not row["measure"]
-
-
-@kernel
-def _answer(table: int, k: int, p: float) -> None:
-    """Add what bounded row ``k`` answers to the displacement, and to what bilateral rows do."""
-    row, answer, y, reached = (
-        at.rows(table)[k], at.unknowns(table)[4], at.columns(table)[k], at.reached(table)[k])
-    for q in range(row["branch"]):
-        answer[reached[q]] -= y[reached[q]] * p
-    push(at.inverse_mass(table), row, p, at.shift(table))

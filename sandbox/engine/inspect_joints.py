@@ -14,6 +14,7 @@ import numpy as np
 
 from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, deg, error, fitting, look, mm
 from sandbox.errors import Problem
+from sandbox.model.joints import place_in_slot, slot_length
 from sandbox.model.model import Model
 from sandbox.model.supports import parting_wheels, shared_joints
 from sandbox.scene.geometry import Vec, pose_of, to_body, to_world
@@ -58,44 +59,48 @@ def _begins(model: Model, joint: int) -> bool:
     return model.ties.begins(int(model.ties.joint[joint]))
 
 
-def _distance(model: Model, joint: int) -> tuple[float, Vec]:
-    """Between a joint's anchors at t = 0 [m], and the one of ``b`` in the frame of ``a``."""
+def _distance(model: Model, joint: int) -> float:
+    """Between a joint's anchors at t = 0 [m]."""
     joints, mechanism = model.joints, model.mechanism
     a, b = (pose_of(mechanism.bodies[body]) for body in joints.bodies[joint])
     on_a, on_b = ((float(x), float(y)) for x, y in joints.anchor[joint])
-    at_b = to_world(b, on_b)
-    return math.dist(to_world(a, on_a), at_b), to_body(a, at_b)
-
-
-def _groove(model: Model, joint: int) -> tuple[Vec, Vec]:
-    start, end = ((float(x), float(y)) for x, y in model.joints.groove[joint])
-    return start, end
+    return math.dist(to_world(a, on_a), to_world(b, on_b))
 
 
 def _directionless(model: Model, joint: int) -> bool:
     """Whether a joint has no line of action; then no step can be made."""
     match model.joints.kind[joint].keeps:
         case "groove":
-            return math.dist(*_groove(model, joint)) < STRAIGHT
+            path = model.joints.path[joint]
+            if path is not None and not np.isfinite(path.nodes).all():
+                return True
+            return slot_length(model, joint) < STRAIGHT
         case "distance":
-            return _distance(model, joint)[0] < STRAIGHT
+            return _distance(model, joint) < STRAIGHT
         case _:
             return False
 
 
 def _apart(model: Model, joint: int) -> str:
     """The error of a joint's anchors at t = 0 in words; empty if there is none."""
-    distance, point = _distance(model, joint)
+    distance = _distance(model, joint)
     least, most = model.joints.reach[joint].tolist()
     match model.joints.kind[joint].keeps:
         case "point":
             return f"its anchors are {mm(distance)} apart" if distance > NEGLIGIBLE else ""
         case "groove":
-            start, end = _groove(model, joint)
-            if math.dist(start, end) < STRAIGHT:
+            path, word = model.joints.path[joint], "groove"
+            if path is not None:
+                word = "path"
+                if not np.isfinite(path.nodes).all():
+                    return "its path turns back on itself at a point"
+            length = slot_length(model, joint)
+            if length < STRAIGHT:
                 return "the ends of its groove coincide, so it has no direction"
-            off = _from_segment(point, start, end)
-            return f"its point is {mm(off)} off the groove" if off > NEGLIGIBLE else ""
+            place = place_in_slot(model, joint, model.bodies.pose)
+            beyond = max(-float(place.along), float(place.along) - length, 0.0)
+            off = math.hypot(float(place.across), beyond)
+            return f"its point is {mm(off)} off the {word}" if off > NEGLIGIBLE else ""
         case "gear" | "rack" | "roll":  # sandbox.engine.inspect_joints
             return ""
         case "distance":
@@ -111,22 +116,13 @@ def _apart(model: Model, joint: int) -> str:
 def _advice(model: Model, joint: int) -> str:
     """Advice: the right length of the joint, or to leave an anchor out."""
     keeps, most = model.joints.kind[joint].keeps, float(model.joints.reach[joint, 1])
-    distance = _distance(model, joint)[0]
+    distance = _distance(model, joint)
     if keeps == "groove":
-        return "move the groove to the point"
+        return f"move the {'path' if model.joints.path[joint] else 'groove'} to the point"
     if keeps not in ("distance", "range") or distance < STRAIGHT:
         return "leave one anchor out"
     field = "length" if keeps == "distance" else "longest" if distance > most else "shortest"
     return f"make {field!r} {fitting(distance)}"
-
-
-def _from_segment(point: Vec, start: Vec, end: Vec) -> float:
-    """Distance [m] of a point from a segment that has a length."""
-    along = (end[0] - start[0], end[1] - start[1])
-    square = along[0] ** 2 + along[1] ** 2
-    fraction = ((point[0] - start[0]) * along[0] + (point[1] - start[1]) * along[1]) / square
-    fraction = min(max(fraction, 0.0), 1.0)
-    return math.dist(point, (start[0] + fraction * along[0], start[1] + fraction * along[1]))
 
 
 ASKEW = 1e-4
@@ -256,7 +252,7 @@ def _slide(model: Model, joint: int) -> tuple[int, Vec] | None:
                        if gear in (pair := joints.bodies[i].tolist()) for end in pair)} - {rack}
     for i, kind in enumerate(joints.kind):
         pair = joints.bodies[i].tolist()
-        if kind.keeps != "groove" or joints.turns[i] or rack not in pair:
+        if kind.keeps != "groove" or joints.path[i] or joints.turns[i] or rack not in pair:
             continue
         other = pair[1 - pair.index(rack)]
         if other not in holders and (free[other] or free[sorted(holders)].all()):

@@ -98,7 +98,7 @@ def tangent_motion(table: int, h: float, row: Any, belt: float) -> None:
 
 
 @kernel
-def _mean(table: int, h: float, s: float, b: int, j: int) -> float:
+def mean(table: int, h: float, s: float, b: int, j: int) -> float:
     """Component ``j`` of the velocity of a body from the pose to the instant ``s``."""
     before = at.before(table)[b, j]
     return float(before + (0.5 + 0.5 * s / h) * (at.velocity(table)[b, j] - before))
@@ -110,12 +110,12 @@ def _carry(table: int, h: float, i: int, s: float) -> None:
     t, now = at.found(table)[i], at.touches(table)[i]
     ka, da, kb, db = t["ka"], t["da"], t["kb"], t["db"]
     a, b, nx, ny, gap = t["a"], t["b"], t["nx"], t["ny"], t["gap"]
-    wa, wb = _mean(table, h, s, a, 2), _mean(table, h, s, b, 2)
+    wa, wb = mean(table, h, s, a, 2), mean(table, h, s, b, 2)
     # arms of the surfaces' points, half a gap from the middle
     ax, ay = t["ax"] - gap / 2 * nx, t["ay"] - gap / 2 * ny
     bx, by = t["bx"] + gap / 2 * nx, t["by"] + gap / 2 * ny
-    slide = (nx * (_mean(table, h, s, b, 1) + wb * bx - _mean(table, h, s, a, 1) - wa * ax)
-             - ny * (_mean(table, h, s, b, 0) - wb * by - _mean(table, h, s, a, 0) + wa * ay))
+    slide = (nx * (mean(table, h, s, b, 1) + wb * bx - mean(table, h, s, a, 1) - wa * ax)
+             - ny * (mean(table, h, s, b, 0) - wb * by - mean(table, h, s, a, 0) + wa * ay))
     below = ka * db + kb * da + ka * kb * gap
     turn, along_a, along_b = wa, 0.0, 0.0
     if below > 0.0:
@@ -127,8 +127,8 @@ def _carry(table: int, h: float, i: int, s: float) -> None:
         ra, rb = da / ka, db / kb
         ox, oy = rotated(ax - ra * nx, ay - ra * ny, wa * s)
         px, py = rotated(bx + rb * nx, by + rb * ny, wb * s)
-        ux = _mean(table, h, s, b, 0) - _mean(table, h, s, a, 0)
-        uy = _mean(table, h, s, b, 1) - _mean(table, h, s, a, 1)
+        ux = mean(table, h, s, b, 0) - mean(table, h, s, a, 0)
+        uy = mean(table, h, s, b, 1) - mean(table, h, s, a, 1)
         mx, my = gap * nx + s * ux + px - ox + ax - bx, gap * ny + s * uy + py - oy + ay - by
         size = math.copysign(math.hypot(mx, my), ra + rb + gap)
         mx, my = mx / size, my / size

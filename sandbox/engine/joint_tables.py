@@ -12,7 +12,7 @@ from sandbox.engine import records
 from sandbox.engine.law_tables import LawTables
 from sandbox.engine.plan import PlacedBodies, Rows
 from sandbox.engine.stiffness import stiff_servos
-from sandbox.model.joints import flank_of, slip_of
+from sandbox.model.joints import flank_of, slip_of, slot_length
 from sandbox.model.model import Model
 from sandbox.model.starts import sliding, turning
 from sandbox.numeric import Flags, Records
@@ -88,7 +88,9 @@ def joint_table(places: PlacedBodies, rows: Rows) -> Records:
     for i, kind in enumerate(joints.kind):
         bodies = joints.bodies[i].tolist()
         a, b = number[bodies].tolist()
-        start = joints.groove[i, 0] if kind.keeps == "groove" else joints.anchor[i, 0]
+        path, start = joints.path[i], joints.anchor[i, 0]
+        if kind.keeps == "groove":
+            start = joints.groove[i, 0] if path is None else path.nodes[0, :2]
         (ax, ay), (bx, by) = (places.local(bodies[0], start),
                               places.local(bodies[1], joints.anchor[i, 1]))
         row: dict[str, Any] = {
@@ -96,8 +98,11 @@ def joint_table(places: PlacedBodies, rows: Rows) -> Records:
             "row": -1, "row_y": -1, "row_turn": -1,
             "turn": poses[bodies[1], 2] - poses[bodies[0], 2], "hinge": joints.angle[i],
             "stopped": np.isfinite(joints.stops[i]).all(), "sense": joints.sense[i],
-            "zero": joints.zero[i], "tie": model.ties.joint[i], "line": kind.line}
-        if kind.keeps == "groove":
+            "zero": joints.zero[i], "tie": model.ties.joint[i], "span": -1,
+            "line": kind.line or path is not None}
+        if path is not None:
+            row["reach"] = 1.0 / max(float(np.abs(path.nodes[:, 3]).max()), 1.0 / path.length)
+        elif kind.keeps == "groove":
             along = joints.groove[i, 1] - joints.groove[i, 0]
             row["gx"], row["gy"] = along / math.hypot(*along)
             row["reach"] = math.hypot(*along)
@@ -129,8 +134,7 @@ def limit_table(places: PlacedBodies) -> Records:
         if kind.keeps == "range":
             rows += _both(i, records.LINE, *joints.reach[i])
         if kind.keeps == "groove":
-            length = math.hypot(*(joints.groove[i, 1] - joints.groove[i, 0]))
-            rows += _both(i, records.LINE, 0.0, length)
+            rows += _both(i, records.LINE, 0.0, slot_length(places.model, i))
         if joints.play[i] > 0:
             play = joints.play[i] * math.cos(joints.pressure[i]) / 2
             rows += [{"joint": i, "what": records.FLANK, "side": side, "bound": -play}

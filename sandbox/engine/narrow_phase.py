@@ -60,7 +60,7 @@ def on_span(span: Any, w: float) -> Any:
 
 
 @kernel
-def _nearest_start(spans: Records, first: int, last: int, x: float, y: float) -> int:
+def nearest_start(spans: Records, first: int, last: int, x: float, y: float) -> int:
     """The span that begins nearest to a point."""
     best, found = math.inf, first
     for k in range(first, last):
@@ -84,7 +84,7 @@ def _slope(span: Any, w: float, to_point: bool, x: float, y: float) -> Any:
 
 
 @kernel
-def _descend(spans: Records, k: int, to_point: bool, x: float, y: float) -> Any:
+def descend(spans: Records, k: int, to_point: bool, x: float, y: float) -> Any:
     """Local minimum along a curve, from the start of span ``k``: span, parameter, if a corner.
 
     Newton's method, at most one span per iteration.
@@ -247,7 +247,7 @@ def _curve_and_straight(table: int, found: Any) -> int:
     first, last = other["vertex"], other["vertex_end"]
     apart_x, apart_y = body[b, 0] - body[a, 0], body[b, 1] - body[a, 1]
     x, y = _rotate_back(body, a, found["ax"], found["ay"])
-    start = _nearest_start(spans, curve["span"], curve["span_end"], x, y)
+    start = nearest_start(spans, curve["span"], curve["span_end"], x, y)
     x, y = _rotate_back(body, b, found["bx"], found["by"])
     vertex, radius = _nearest_vertex(vertices, first, last, x, y), other["radius"]
     if last - first == 1:
@@ -257,7 +257,7 @@ def _curve_and_straight(table: int, found: Any) -> int:
         after = side + 1 if side + 1 < last else first
         wx, wy = _rotate(body, b, mx, my)
         hx, hy = _rotate_back(body, a, wx, wy)
-        k, w, corner = _descend(spans, start, False, hx, hy)
+        k, w, corner = descend(spans, start, False, hx, hy)
         px, py, _, _, ddx, ddy = on_span(spans[k], w)
         px, py = _rotate(body, a, px, py)
         qx, qy = _rotate_back(body, b, px - apart_x, py - apart_y)
@@ -272,7 +272,7 @@ def _curve_and_straight(table: int, found: Any) -> int:
         vertex = side if along < 0.0 else after if along > 1.0 else vertex
     bx, by = _rotate(body, b, vertices[vertex, 0], vertices[vertex, 1])
     x, y = _rotate_back(body, a, bx + apart_x, by + apart_y)
-    k, w, corner = _descend(spans, start, True, x, y)
+    k, w, corner = descend(spans, start, True, x, y)
     px, py, dx, dy, _, _ = on_span(spans[k], w)
     wx, wy = (x - px, y - py) if corner else (dy, -dx)
     length = math.hypot(wx, wy)
@@ -351,9 +351,9 @@ def _two_curves(table: int, found: Any) -> int:
     one, two = at.shapes(table)[found["shape_a"]], at.shapes(table)[found["shape_b"]]
     a, b, nx, ny = one["body"], two["body"], found["nx"], found["ny"]
     apart_x, apart_y = body[b, 0] - body[a, 0], body[b, 1] - body[a, 1]
-    ka = _nearest_start(spans, one["span"], one["span_end"],
+    ka = nearest_start(spans, one["span"], one["span_end"],
                         *_rotate_back(body, a, found["ax"], found["ay"]))
-    kb = _nearest_start(spans, two["span"], two["span_end"],
+    kb = nearest_start(spans, two["span"], two["span_end"],
                         *_rotate_back(body, b, found["bx"], found["by"]))
     wa = wb = 0.0
     side_a = _side_of(body, spans[ka], one, nx, ny)

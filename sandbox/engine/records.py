@@ -83,7 +83,8 @@ JOINT = np.dtype([
     ("a", np.int64), ("ax", float), ("ay", float),  # body and point [m]; of a groove its start
     ("b", np.int64), ("bx", float), ("by", float),
     ("gx", float), ("gy", float),   # direction of a groove in a, or of a rack in b, a unit vector
-    ("reach", float),       # distance kept; length of a groove; what teeth bend about [m]
+    ("reach", float),       # distance kept; length of a groove, or least radius of curvature of a
+                            # path; what teeth bend about [m]
     ("turn", float),        # angle of b against a kept by what does not turn [rad]
     ("ra", float), ("rb", float),   # of teeth the base circles, of what rolls the circles; rb with
                                     # the sign by which it turns with a [m]
@@ -99,10 +100,13 @@ JOINT = np.dtype([
     ("sense", float),       # of a hinge, from a counter-clockwise turn to its positive one
     ("zero", float),        # what its angle is less by [rad]
     ("tie", np.int64),      # its TIE, or -1
-    ("line", np.int64),     # whether it is an actuator, whose length is told
+    ("line", np.int64),     # whether its length is recorded: of an actuator, a slot with a path
+    ("span", np.int64), ("span_end", np.int64),     # SPANs of the path of a slot; -1 without
+    ("around", float),      # length of a closed path, else 0 [m]
 ])
 JOINT_STATE = np.dtype([
     ("flank", float),       # which side of the teeth pushes, +1 or -1
+    ("span", np.int64), ("place", float),   # of a path: the span where the point is, arc length [m]
 ])
 JOINT_RESULT = np.dtype([
     ("way", float),         # its free coordinate: along a groove, distance, angle of a pin [m, rad]
@@ -111,6 +115,8 @@ JOINT_RESULT = np.dtype([
     ("rate", float),        # of what is recorded of this, in samples only [m/s, rad/s]
     ("fx", float), ("fy", float),   # its force on b [N]
     ("couple", float),      # on b [N m]
+    ("kick_x", float), ("kick_y", float),   # impulse on b besides that of its rows: impacts act in
+    ("twist_a", float), ("twist_b", float),     # another pose; and moments on a and b [N s, N m s]
 ])
 
 LIMIT = np.dtype([

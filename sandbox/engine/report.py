@@ -131,15 +131,18 @@ def _change_flank(joint: Any, state: Any, unknown: Array) -> None:
 @kernel
 def joint_force(h: float, joint: Any, out: Any, unknown: Array) -> None:
     """What the rows of a joint carry, without its limits."""
-    out["fx"] = out["fy"] = out["couple"] = 0.0
+    out["fx"], out["fy"], out["couple"] = out["kick_x"] / h, out["kick_y"] / h, 0.0
     if joint["row"] >= 0:
         p = unknown[joint["row"]] / h
         if joint["keeps"] == POINT:
-            out["fx"], out["fy"] = p, unknown[joint["row_y"]] / h
+            out["fx"] += p
+            out["fy"] += unknown[joint["row_y"]] / h
         elif joint["keeps"] == GROOVE:
-            out["fx"], out["fy"] = -out["dy"] * p, out["dx"] * p
+            out["fx"] -= out["dy"] * p
+            out["fy"] += out["dx"] * p
         else:
-            out["fx"], out["fy"] = out["dx"] * p, out["dy"] * p
+            out["fx"] += out["dx"] * p
+            out["fy"] += out["dy"] * p
         if joint["keeps"] == ROLL:
             p = unknown[joint["row_y"]] / h
             if joint["ra"] + joint["rb"] < 0.0:

@@ -32,6 +32,8 @@ from sandbox.engine.coordinates import (
 )
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
+from sandbox.engine.narrow_phase import CONFORMING, nearest_start
+from sandbox.engine.paths import on_path, path_gap
 from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
 from sandbox.engine.ties import joint_holds, remaining_gap
 from sandbox.numeric import Array, Records
@@ -47,6 +49,39 @@ NOTHING = 1e-13
 Where more rows meet than there are freedoms their gaps cannot all be closed, and the forces that
 try to would follow the rounding for ever.
 """
+
+
+@entry_point("paths")
+def path_row(table: int, h: float, k: int) -> None:
+    """The row of a slot with a path, normal to it at its point; the place and direction there.
+
+    For velocities u of the point against ``a``, the gap g to the left of the path bends by
+    n . a - κ (t . u)^2 / (1 - κ g), with a the acceleration of the point against ``a``.
+    """
+    joint, state, out = at.joints(table)[k], at.joint_states(table)[k], at.joint_results(table)[k]
+    body, before, turn, spans = at.body(table), at.before(table), at.turn(table), at.spans(table)
+    a, b, e, r = joint["a"], joint["b"], joint["entry"], joint["row"]
+    ax, ay, bx, by, px, py = ends(joint, body, turn)
+    qx, qy, c, s = ax + px, ay + py, turn[a, 0], turn[a, 1]
+    x, y = c * qx + s * qy, c * qy - s * qx
+    if not joint_holds(table, k):
+        state["span"] = nearest_start(spans, joint["span"], joint["span_end"], x, y)
+    state["span"], place, tx, ty, across, curve = on_path(spans, state["span"], x, y)
+    if joint["around"] > 0.0:
+        place += joint["around"] * math.floor((state["place"] - place) / joint["around"] + 0.5)
+    state["place"] = place
+    dx, dy = c * tx - s * ty, s * tx + c * ty
+    out["way"], out["dx"], out["dy"] = place, dx, dy
+    out["ta"], out["tb"] = qy * dx - qx * dy, bx * dy - by * dx
+    if r < 0:
+        return
+    J = at.entries(table)[0]
+    J[e, 0], J[e, 1], J[e, 2] = dy, -dx, -(qx * dx + qy * dy)
+    J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = -dy, dx, bx * dx + by * dy
+    wa, wb, along = before[a, 2], before[b, 2], rate(joint, out, before)
+    bend = (wa * wa * (dx * qy - dy * qx) - wb * wb * (dx * by - dy * bx) - 2.0 * wa * along
+            - curve * along * along / max(1.0 - curve * across, CONFORMING))
+    at.unknowns(table)[0][r] = -beyond(across) / h - h / 2 * bend
 
 
 @kernel
@@ -93,6 +128,9 @@ def joint_rows(table: int, h: float) -> None:
                 rhs[joint["row_y"]] = -beyond(py) / h - h / 2 * ky
             measure_angle(joint, out, body)
             e += 4
+        elif joint["keeps"] == GROOVE and joint["span"] >= 0:
+            path_row(table, h, k)
+            e += 2
         elif joint["keeps"] == GROOVE:
             c, s = turn[a, 0], turn[a, 1]
             dx, dy = c * joint["gx"] - s * joint["gy"], s * joint["gx"] + c * joint["gy"]
@@ -215,10 +253,11 @@ def _bends(joints: Records, h: float, velocity: Array) -> bool:
 def joint_gaps(table: int, h: float) -> float:
     """What joints still have to ask for, so as to be closed where ``velocity`` leads; largest gap.
 
-    Gaps [m] are those at the poses one step on. The joints' rows of the scratch are set.
+    Gaps [m] are those at the poses one step on, less those in the last row of ``unknowns``. The
+    joints' rows of the scratch are set.
     """
     joints, body, velocity = at.joints(table), at.body(table), at.velocity(table)
-    asked = at.unknowns(table)[4]
+    asked, kept = at.unknowns(table)[4], at.unknowns(table)[5]
     turn = at.force(table)  # which is not needed any more
     # the rows foresaw the bend of the velocities before
     if not (_bends(joints, h, velocity) or _bends(joints, h, at.before(table))):
@@ -235,20 +274,24 @@ def joint_gaps(table: int, h: float) -> float:
         left_x, left_y, _ = remaining_gap(table, joint["tie"], h)
         if toothed(joint):
             gap = wheel_gap(table, h, k)
-            gap += at.unknowns(table)[3][joint["row"]] / (h * joint["k"])
+            gap += at.unknowns(table)[3][joint["row"]] / (h * joint["k"]) - kept[joint["row"]]
             asked[joint["row"]] = -gap / h
             worst = max(worst, abs(gap))
             continue
         ca, sa = turn[a, 0], turn[a, 1]
         px, py = vector_ahead(joint, h, body, velocity, ca, sa, turn[b, 0], turn[b, 1])
         x, y = gaps(joint, px, py, ca, sa)
-        asked[joint["row"]] = -(x - left_x) / h
-        worst = max(worst, abs(x - left_x))
+        if joint["span"] >= 0:
+            x = path_gap(table, h, k)
+        x -= left_x + kept[joint["row"]]
+        asked[joint["row"]] = -x / h
+        worst = max(worst, abs(x))
         if joint["keeps"] == POINT:
-            asked[joint["row_y"]] = -(y - left_y) / h
-            worst = max(worst, abs(y - left_y))
+            y -= left_y + kept[joint["row_y"]]
+            asked[joint["row_y"]] = -y / h
+            worst = max(worst, abs(y))
         if joint["keeps"] == ROLL:
-            gap = wheel_gap(table, h, k)
+            gap = wheel_gap(table, h, k) - kept[joint["row_y"]]
             asked[joint["row_y"]] = -gap / h
             worst = max(worst, abs(gap))
     return worst

@@ -173,6 +173,8 @@ class Sampler:
         arrays["joint_reaction"][:] = np.hypot(results["fx"], results["fy"])
         arrays["joint_force"][:] = np.stack([results["fx"], results["fy"]], axis=-1)
         arrays["joint_couple"][:] = results["couple"]
+        arrays["joint_twist"][:] = np.stack(
+            [results["twist_a"], results["twist_b"]], axis=-1) / self.world.h
         hinge, line = constants.joints["hinge"] == 1, constants.joints["line"] == 1
         sense, zero = constants.joints["sense"][hinge], constants.joints["zero"][hinge]
         arrays["joint_angle"][:, hinge] = sense * results["way"][:, hinge] - zero

@@ -32,13 +32,22 @@ from sandbox.engine.groups import (
     set_rows,
     update_rows,
 )
-from sandbox.engine.impacts import impacts, late_hits, lead_back
+from sandbox.engine.impact_poses import add_shift, lead_back, remove_shift, take_impacts
+from sandbox.engine.impacts import foresee_impacts, impacts, late_hits
 from sandbox.engine.kernel import kernel
 from sandbox.engine.lemke import MOST, lemke_modes
 from sandbox.engine.plan import assemble, backward, factor, forward
 from sandbox.engine.report import report
-from sandbox.engine.rows import apply_impulses, closed, joint_gaps, right_side, scale_entries
+from sandbox.engine.rows import (
+    apply_impulses,
+    closed,
+    joint_gaps,
+    joint_rows,
+    right_side,
+    scale_entries,
+)
 from sandbox.engine.state import STILL, STILL_TURNING
+from sandbox.engine.ties import release_rows
 from sandbox.numeric import Array, Records
 
 HARD = 1e-12
@@ -87,7 +96,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
     for attempt in range(PRESSED):
         factor_matrix(table, h, drive)
         if hit:
-            struck = impacts(table, h, n)
+            struck = strike(table, h, drive, n)
         right_side(table, at.free(table), at.unknowns(table)[0])
         forward(starts, below, values, solved)
         done, closings, taken = 0, 0, math.inf
@@ -124,6 +133,22 @@ def solve(table: int, h: float, drive: Array) -> bool:
     return struck
 
 
+@entry_point("bounces")
+def strike(table: int, h: float, drive: Array, n: int) -> bool:
+    """Find the impacts of the step, joints in the pose of the first one; whether there are any."""
+    struck = foresee_impacts(table, h, n)
+    if struck:
+        if len(at.joints(table)) > 0:
+            factor_matrix(table, h, drive)
+        struck = impacts(table, h, n)
+        if len(at.joints(table)) > 0:
+            joint_rows(table, h)
+            release_rows(table, h)
+            factor_matrix(table, h, drive)
+        take_impacts(table, h, struck)
+    return struck
+
+
 @entry_point()
 def factor_matrix(table: int, h: float, drive: Array) -> None:
     """Put together the matrix of the bilateral rows, and factor it."""
@@ -156,7 +181,10 @@ def close_joints(table: int, h: float, n: int, most: float) -> float:
     diagonal = len(values) - count
     for i in range(count):
         unknowns[4, i] = 0.0
-    if joint_gaps(table, h) < closed(h):
+    add_shift(table, h)
+    gap = joint_gaps(table, h)
+    remove_shift(table)
+    if gap < closed(h):
         return 0.0
     forward(at.starts(table), at.below(table), values, unknowns[4])
     taken = 0.0

@@ -88,6 +88,7 @@ SPAN = np.dtype([
     *((f"{axis}{n}", float) for axis in "xy" for n in range(6)),
     ("before", np.int64), ("after", np.int64),      # its neighbours; -1 at an end
     ("corner", np.int64),   # whether there is a corner between it and the span before
+    ("start", float),       # of the path of a slot: arc length up to the span [m]
 ])
 """A quintic piece of a curve, x = sum x_n w^n for w in [0, 1], from the centre of mass [m]."""
 TOUCH = np.dtype([
@@ -299,7 +300,8 @@ class Result(NamedTuple):
     """The matrix and its factor, [slots + m]."""
     unknowns: Annotated[Array, 2]
     """What rows ask for; compliances, of hubs - mass and - inertia; the forward-substituted right
-    side; the solution; scratch, [5, m]."""
+    side; the solution; scratch; gaps that joints may keep in this step, 0 but for impacts,
+    [6, m]."""
     found: Annotated[Records, TOUCH]
     """As pymunk found them in this step, [contacts]."""
     order: Integers

@@ -20,6 +20,7 @@ from sandbox.engine.joint_tables import (
 )
 from sandbox.engine.law_tables import ROWS, LawTables, law_tables, load_tables
 from sandbox.engine.lemke import MOST
+from sandbox.engine.paths import add_paths
 from sandbox.engine.plan import Pattern, Rows, make_pattern, place_bodies
 from sandbox.engine.records import NUMBERS
 from sandbox.engine.state import BODY, BOUND, IMPACT, TOUCH, Constants, Result, State
@@ -62,6 +63,7 @@ def make_tables(
     rows = Rows()
     motors, motor_of = motor_table(places, h)
     joints = joint_table(places, rows)
+    spans, joint_states = add_paths(joints, model, shapes.spans)
     rigid, stiff = len(rows.bodies), too_stiff(model, h)
     laws = law_tables(model)
     actions = action_table(places, motor_of)
@@ -82,6 +84,7 @@ def make_tables(
     for part in (shapes, pattern, circuits, loads):
         tables |= {name: value for name, value in part._asdict().items()
                    if name in Constants._fields}
+    tables["spans"] = spans
     pairs = np.ix_(order, order)
     constants = Constants(
         h=h, gravity=np.array(model.mechanism.gravity, dtype=float),
@@ -94,7 +97,7 @@ def make_tables(
         friction=np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
         static=filters.static[pairs].copy(), restitution=filters.restitution[pairs].copy(),
         **tables)
-    state = _first_state(constants, model, body, cords, room)
+    state = _first_state(constants, model, body, cords, joint_states, room)
     state.springs["rest"] = rests
     state.fluids["content"] = circuits.content()
     result = _result(constants, pattern, cords, laws, velocity, room)
@@ -105,11 +108,12 @@ def make_tables(
 
 
 def _first_state(
-    constants: Constants, model: Model, body: Array, cords: CordTables, room: Room,
+    constants: Constants, model: Model, body: Array, cords: CordTables, joints: Records,
+    room: Room,
 ) -> State:
     """The state at t = 0, without rest lengths of springs and contents of lines."""
     state: State = _filled(
-        State, constants, body=body, cords=cords.state, guides=cords.guide_state,
+        State, constants, body=body, joints=joints, cords=cords.state, guides=cords.guide_state,
         made=np.zeros(4, dtype=np.int64), ties=tie_state(model), broken=room_for_breaks(model),
         impacts=np.zeros(_impacts(room), IMPACT), touches=np.zeros(room.contacts, TOUCH),
         touching=np.zeros(2, dtype=np.int64),
@@ -183,7 +187,7 @@ def _result(
         pressing=np.zeros((len(constants.loaded), NUMBERS, 3)), felt=np.zeros((3, 4)),
         belts=np.zeros(count), stack=laws.stack, read_names=laws.read,
         entries=np.zeros((2, len(pattern.entry_row), 3)),
-        values=np.zeros(len(pattern.below) + unknowns), unknowns=np.zeros((5, unknowns)),
+        values=np.zeros(len(pattern.below) + unknowns), unknowns=np.zeros((6, unknowns)),
         **_workspace(room, unknowns))
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]

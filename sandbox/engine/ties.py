@@ -26,6 +26,7 @@ from sandbox.engine import records
 from sandbox.engine.coordinates import ends, gaps, toothed
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
+from sandbox.engine.paths import path_gap
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Records
 from sandbox.samples.outcome import Happened
@@ -186,9 +187,11 @@ def _look(table: int, k: int) -> None:
     vy = before[b, 1] + wb * bx - before[a, 1] - wa * ax
     (x, y), (rx, ry) = gaps(joint, px, py, turn[a, 0], turn[a, 1]), (vx, vy)
     if joint["keeps"] == records.GROOVE:
-        c, s = turn[a, 0], turn[a, 1]
-        dx, dy = c * joint["gx"] - s * joint["gy"], s * joint["gx"] + c * joint["gy"]
+        out = at.joint_results(table)[k]
+        dx, dy = out["dx"], out["dy"]
         rx, ry = dx * vy - dy * vx - wa * (dx * px + dy * py), 0.0
+        if joint["span"] >= 0:
+            x = path_gap(table, 0.0, k)
     elif joint["keeps"] != records.POINT:
         way = math.hypot(px, py)
         rx, ry = (px * vx + py * vy) / way if way > 0.0 else 0.0, 0.0

@@ -306,6 +306,8 @@ def _point(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.C
 
 def _groove(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
     joints = model.joints
+    if joints.path[joint] is not None:
+        return _wheels(model, joint, a, b)
     centre = model.bodies.centre[joints.bodies[joint, 0]]
     start, end = (tuple((point - centre).tolist()) for point in joints.groove[joint])
     return pymunk.GrooveJoint(a, b, start, end, _ends(model, joint)[1])

@@ -109,7 +109,8 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
         if any(isinstance(shape, Polyline) and not shape.radius for shape in spec.shapes):
             yield spec.name, "a polyline without a radius"
     for joint, (name, joints) in enumerate(zip(model.joints.name, model.joints.kind, strict=True)):
-        yield name, (joints.mujoco or (joints.mujoco_loop if joint in tree.loops else "")
+        curved = "a slot with a path" if model.joints.path[joint] else ""
+        yield name, (joints.mujoco or curved or (joints.mujoco_loop if joint in tree.loops else "")
                      or _friction(model.joints, joint))
     for spring, name in enumerate(model.springs.name):
         yield name, _law(model.springs, spring)

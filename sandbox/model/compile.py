@@ -29,6 +29,7 @@ from sandbox.model.model import (
 from sandbox.model.ties import compile_ties
 from sandbox.scene.geometry import anchors, mass_properties, pose_of, to_body, to_world
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.outlines.paths import path_through
 
 NAN = math.nan
 JOINT_COLUMNS: Mapping[str, Any] = {
@@ -145,6 +146,8 @@ def _joints(mechanism: Mechanism, names: Names) -> Joints:
         name=_names(joints), kind=kinds, bodies=_ints(numbers, 2), anchor=_floats(held, 2, 2),
         angle=_flags(kind.angle for kind in kinds),
         start=columns["sense"] * _floats(b.angle - a.angle for a, b in ends) - columns["zero"],
+        path=tuple(None if points is None else path_through(points, closed=closed)
+                   for points, closed in (joint.path_points() for joint in joints)),
         collide=_flags(joint.collide for joint in joints), **columns)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,6 +11,10 @@ from sandbox.elements.arrays import Arrays
 from sandbox.mechanics.teeth import Flank, gear_flank, nearest, rack_flank, rolled
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
+from sandbox.scene.outlines.curves import flattened
+
+CHORDS = 1e-3
+"""Distance of a path from its chords in pictures, relative to its extent."""
 
 
 def rotated(vectors: Array, angle: Array | float) -> Array:
@@ -142,3 +146,84 @@ def link_tensions(model: Model, arrays: Arrays, joints: Integers) -> Array:
     (x, y), force = apart(model, joints, arrays["body_pose"]), arrays["joint_force"][:, joints]
     size = arrays["joint_reaction"][:, joints]
     return np.where(x * force[..., 0] + y * force[..., 1] > 0, -size, size)
+
+
+class Place(NamedTuple):
+    """The point of a slot in poses [..., nb, 3] of its bodies; each value has the shape [...]."""
+
+    along: Array
+    """From the start of the axis or path [m]."""
+    across: Array
+    """Distance to the left of the axis or path [m]."""
+    off: Array
+    """Distance from the recorded place on a path; of an axis the size of ``across`` [m]."""
+    x: Array
+    """Direction of the axis or path in the world, a unit vector."""
+    y: Array
+    bend: Array
+    """Curvature of the path [1/m], positive where it turns to the left; 0 of an axis."""
+
+
+def place_in_slot(model: Model, joint: int, pose: Array, along: Array | None = None) -> Place:
+    """The place of a slot's point along its axis or path.
+
+    Args:
+        model: the mechanism.
+        joint: a slot.
+        pose: of the bodies' frames, [..., nb, 3].
+        along: recorded places along a path [...]; the nearest ones by default.
+    """
+    joints = model.joints
+    a, b = joints.bodies[joint].tolist()
+    at_a, at_b, (x, y) = pose[..., a, :], pose[..., b, :], joints.anchor[joint, 1]
+    c, s = np.cos(at_b[..., 2]), np.sin(at_b[..., 2])
+    dx = at_b[..., 0] + c * x - s * y - at_a[..., 0]
+    dy = at_b[..., 1] + s * x + c * y - at_a[..., 1]
+    c, s = np.cos(at_a[..., 2]), np.sin(at_a[..., 2])
+    point = np.stack([c * dx + s * dy, c * dy - s * dx], axis=-1)
+    path = joints.path[joint]
+    if path is None:
+        start, end = joints.groove[joint]
+        tangent = (end - start) / max(float(np.hypot(*(end - start))), 1e-300)
+        foot, bend = start, np.zeros_like(c)
+        begin = np.zeros_like(c)
+    else:
+        if along is None:
+            along = np.reshape([path.nearest(one) for one in point.reshape(-1, 2)], c.shape)
+        begin = along
+        foot, tangent, bend = (np.reshape(one, (*c.shape, *one.shape[1:]))
+                               for one in path.at(np.ravel(along)))
+    tx, ty = tangent[..., 0], tangent[..., 1]
+    ox, oy = np.moveaxis(point - foot, -1, 0)
+    ahead, across = tx * ox + ty * oy, tx * oy - ty * ox
+    return Place(begin + ahead, across, np.abs(across) if path is None else np.hypot(ahead, across),
+                 c * tx - s * ty, s * tx + c * ty, bend)
+
+
+def normal_in_slot(model: Model, arrays: Arrays, joint: int) -> Array:
+    """Force on ``b`` across the path of a slot over time [N], positive to its left, [n]."""
+    place = place_in_slot(model, joint, arrays["body_pose"], arrays["joint_length"][:, joint])
+    fx, fy = arrays["joint_force"][:, joint].T
+    return np.asarray(place.x * fy - place.y * fx)
+
+
+def slot_points(model: Model, joint: int) -> Array:
+    """Points along a slot in the frame of ``a`` [m], [n, 2]: its ends, or chords of its path.
+
+    Chords are within 0.1 % of the path's extent.
+    """
+    path = model.joints.path[joint]
+    if path is None:
+        return np.asarray(model.joints.groove[joint])
+    extent = float(np.ptp(path.nodes[:, :2], axis=0).max())
+    points = np.array(flattened(path.nodes, CHORDS * extent, closed=path.closed))
+    return np.concatenate([points, points[:1]]) if path.closed else points
+
+
+def slot_length(model: Model, joint: int) -> float:
+    """Distance between the ends of a slot along it [m]; inf of a closed path."""
+    path = model.joints.path[joint]
+    if path is not None:
+        return float("inf") if path.closed else path.length
+    start, end = model.joints.groove[joint]
+    return float(np.hypot(*(end - start)))

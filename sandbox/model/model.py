@@ -23,6 +23,7 @@ from sandbox.model.laws import LoadLaw, SpringLaw
 from sandbox.model.ties import Ties
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.outlines.paths import Path
 
 NONE = -1
 """Stands for no element where the number of one is expected."""
@@ -90,7 +91,9 @@ class Joints:
     start: Array
     """Angle at t = 0 [rad], [nj]; nan unless a hinge."""
     groove: Array
-    """Start and end of a groove, in the frame of ``a`` [m], [nj, 2, 2]; nan unless a slot."""
+    """Start and end of a straight groove, in the frame of ``a`` [m], [nj, 2, 2]; nan of others."""
+    path: tuple[Path | None, ...]
+    """Path of a curved slot in the frame of ``a``, [nj]; None of others."""
     reach: Array
     """Least and largest distance that it allows [m], [nj, 2]; equal of a rod; nan of others."""
     radii: Array
@@ -127,8 +130,8 @@ class Joints:
 
     @cached_property
     def grooved(self) -> Integers:
-        """Numbers of the joints with a groove."""
-        return np.flatnonzero(np.isfinite(self.groove).all(axis=(1, 2)))
+        """Numbers of the slots."""
+        return self.keeping("groove")
 
     @cached_property
     def stopped(self) -> Integers:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from sandbox.model.joints import place_in_slot
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.scene.geometry import Vec, pose_of, to_world
@@ -31,11 +32,12 @@ def turning(model: Model, joint: int) -> float:
 
 
 def sliding(model: Model, joint: int) -> float:
-    """At which the point of a slot runs along its groove [m/s]; 0 where that has no length."""
+    """At which the point of a slot runs along it [m/s]; 0 where that has no length."""
     a, b = model.joints.bodies[joint].tolist()
-    start, end = (_world(model, a, point) for point in model.joints.groove[joint])
-    place = _world(model, b, model.joints.anchor[joint, 1])
-    return _along(start, end, velocity_at(model, a, place), velocity_at(model, b, place))
+    there, place = place_in_slot(model, joint, model.bodies.pose), _world(
+        model, b, model.joints.anchor[joint, 1])
+    (ax, ay), (bx, by) = velocity_at(model, a, place), velocity_at(model, b, place)
+    return float((bx - ax) * there.x + (by - ay) * there.y)
 
 
 def lengthening(model: Model, joint: int) -> float:

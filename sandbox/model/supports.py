@@ -12,12 +12,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
-from sandbox.model.joints import flank_of, meeting, outward, rotated
+from sandbox.model.joints import flank_of, meeting, outward, place_in_slot, rotated
 from sandbox.model.model import Model
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array, Integers, connected_components
 
 LARGEST_GROUP = 300
 """Largest number of connected rows that are examined."""
@@ -104,9 +102,12 @@ def _matrix(
 def components(count: int, pairs: Sequence[Sequence[int]] | Array | Integers) -> list[int]:
     """The number of the connected component of each of ``count`` bodies that ``pairs`` link."""
     one, two = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
-    links = coo_array((np.ones(len(one)), (one, two)), (count, count))
-    found: list[int] = connected_components(links, directed=False)[1].tolist()
-    return found
+    links = np.zeros((count, count), dtype=bool)
+    links[one, two] = links[two, one] = True
+    found = np.zeros(count, dtype=np.int64)
+    for number, group in enumerate(connected_components(links)):
+        found[group] = number
+    return found.tolist()
 
 
 def together(model: Model) -> list[list[int]]:
@@ -139,10 +140,8 @@ def joint_rows(
     if kind.keeps == "point":
         along = [(1.0, 0.0), (0.0, 1.0)]
     elif kind.keeps == "groove":
-        start, end = (_arm(pose[a], point) for point in joints.groove[joint])
-        length = float(np.hypot(end[0] - start[0], end[1] - start[1]))
-        along = ([((start[1] - end[1]) / length, (end[0] - start[0]) / length)] if length > 0
-                 else [(1.0, 0.0)])
+        place = place_in_slot(model, joint, pose)
+        along = [(-float(place.y), float(place.x))] if place.x or place.y else [(1.0, 0.0)]
         ax, ay = pose[b, 0] + bx - pose[a, 0], pose[b, 1] + by - pose[a, 1]
     elif kind.keeps in ("distance", "roll"):
         length = float(np.hypot(px, py))

@@ -15,7 +15,7 @@ import numpy as np
 from sandbox.audit.audit import Figure
 from sandbox.errors import SandboxError
 from sandbox.model.compile import compile_mechanism
-from sandbox.model.joints import apart
+from sandbox.model.joints import apart, place_in_slot
 from sandbox.notebook.media import Picture, picture
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
@@ -165,6 +165,9 @@ def at_start(mechanism: Mechanism) -> Recording:
     arrays["tendon_length"][0] = lengths
     joints = np.arange(len(model.joints.name))
     arrays["joint_length"][0] = np.hypot(*apart(model, joints, model.bodies.pose))
+    for j, path in enumerate(model.joints.path):
+        if path is not None:
+            arrays["joint_length"][0, j] = place_in_slot(model, j, model.bodies.pose).along
     arrays["held"][0] = [not each.released for each in mechanism.holding
                          if each.name in mechanism.releasable]
     builder.put(0, arrays)

@@ -7,10 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from sandbox.model.model import NONE
+from sandbox.model.supports import components
 from sandbox.numeric import Array, Flags
 from sandbox.picture.camera import Rectangle
 from sandbox.picture.elements.bodies import joined_points
@@ -262,10 +261,7 @@ def groups_of(run: RunData) -> list[int]:
     still, count = _held(run), len(run.mechanism.bodies)
     pairs = [pair for bodies in _tied(run)
              for pair in pairwise(body for body in bodies if not still[body])]
-    one, other = np.array(pairs, dtype=np.intp).reshape(-1, 2).T
-    ties = coo_array((np.ones(len(pairs)), (one, other)), shape=(count, count))
-    found: list[int] = connected_components(ties, directed=False)[1].tolist()
-    return found
+    return components(count, pairs)
 
 
 def _held(run: RunData) -> Flags:

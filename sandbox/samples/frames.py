@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.model.joints import rotated
+from sandbox.model.joints import Place, place_in_slot, rotated
 from sandbox.numeric import Array, Integers
 from sandbox.samples.outcome import Stored
 
@@ -62,20 +62,15 @@ class Frames:
                 self.places(joints.bodies[:, 1], joints.anchor[:, 1]))
 
     def groove_direction(self, joint: int) -> tuple[Array, Array]:
-        """Direction of a slot's groove from its start to its end, in the world, [n] each."""
-        groove, a = self.model.joints.groove[joint], int(self.model.joints.bodies[joint, 0])
-        gx, gy = ((groove[1] - groove[0]) / np.hypot(*(groove[1] - groove[0]))).tolist()
-        c, s = self.cos[a], self.sin[a]
-        return c * gx - s * gy, s * gx + c * gy
+        """Direction of a slot from its start to its end, in the world, [n] each."""
+        place = self.place_in_slot(joint)
+        return place.x, place.y
 
-    def in_groove(self, joint: int) -> tuple[Array, Array, float]:
-        """Displacement of a slot's point along its groove and off it [m], [n]; its length [m]."""
-        (start, end), a = self.model.joints.groove[joint], self.model.joints.bodies[joint, 0]
-        x, y = self.groove_direction(joint)
-        c, s, point = self.cos[a], self.sin[a], self.anchors[1]
-        dx = point.x[joint] - self.x[a] - c * start[0] + s * start[1]
-        dy = point.y[joint] - self.y[a] - s * start[0] - c * start[1]
-        return x * dx + y * dy, x * dy - y * dx, float(np.hypot(*(end - start)))
+    def place_in_slot(self, joint: int) -> Place:
+        """The place of a slot's point along its groove or path, [n] each."""
+        arrays = self.run.arrays
+        return place_in_slot(self.model, joint, arrays["body_pose"],
+                             arrays["joint_length"][:, joint])
 
     @cached_property
     def velocity(self) -> Array:

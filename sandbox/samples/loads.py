@@ -311,8 +311,10 @@ class Loads:
         """Loads of joints on their bodies ``b``, then on ``a``; nan in old recordings."""
         fx, fy = (np.ascontiguousarray(part) for part in self.run.arrays["joint_force"].T)
         joints = self.model.joints
-        return self._pair("joint", np.arange(len(joints.name)), joints.bodies, (fx, fy),
-                          self._joint_arms, self.run.arrays["joint_couple"].T)
+        found = self._pair("joint", np.arange(len(joints.name)), joints.bodies, (fx, fy),
+                           self._joint_arms, self.run.arrays["joint_couple"].T)
+        twist_a, twist_b = np.nan_to_num(self.run.arrays["joint_twist"]).T
+        return found._replace(moment=found.moment + np.concatenate([twist_b, twist_a]))
 
     @cached_property
     def cord_efforts(self) -> Batch:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sandbox.model.joints import rotated
+from sandbox.model.joints import rotated, slot_length
 from sandbox.model.model import Model
 from sandbox.model.supports import LARGEST_GROUP, RANK, joint_rows, together
 from sandbox.numeric import Array
@@ -46,11 +46,11 @@ def ended(run: Stored) -> Iterator[str]:
     divide = {name for group in run.mechanism.groups if group.tree for name in group.bodies}
     told, frames = [], Frames(run)
     for joint in slots:
-        way, _, length = frames.in_groove(joint)
-        x, y = frames.groove_direction(joint)
+        place, length = frames.place_in_slot(joint), slot_length(run.model, joint)
         force = np.nan_to_num(run.arrays["joint_force"][:, joint])
-        pressed = np.abs(x * force[:, 0] + y * force[:, 1]) > PRESSES * np.abs(force).max()
-        for left in (way, length - way):
+        along = np.abs(place.x * force[:, 0] + place.y * force[:, 1])
+        pressed = along > PRESSES * np.abs(force).max()
+        for left in (place.along, length - place.along):
             there = np.flatnonzero((left < AT_END) & pressed)
             if len(there) and left[0] >= AT_END:
                 told.append((int(there[0]), joint, float(left[0])))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -22,7 +22,7 @@ from sandbox.elements.element import NAMED
 from sandbox.elements.quantities import GRASP, QUANTITIES, TIED, numbered
 from sandbox.model import meters
 from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError, near_pattern, unit_of
-from sandbox.model.joints import link_tensions, of_wheels
+from sandbox.model.joints import link_tensions, normal_in_slot, of_wheels
 from sandbox.model.model import Model
 from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Integers
@@ -308,7 +308,8 @@ class Samples(Stored):
             result = link_tensions(
                 self.model, self.means("joint_force", "joint_reaction"), np.array([index]))[:, 0]
         elif kind == "joint" and not QUANTITIES[kind][quantity].array:
-            result = of_wheels(self.model, self.means("joint_force"), index, quantity)
+            of = normal_in_slot if quantity == "normal" else partial(of_wheels, quantity=quantity)
+            result = of(self.model, self.means("joint_force"), index)
         elif at := numbered(kind, quantity):
             result = self._at_guide(index, *at)
         else:

@@ -278,9 +278,19 @@ class Yielding:
             for way in np.eye(2):
                 yield Rigid((b, a), centres, arms, (0.0, 0.0), way, 3, float(f @ way))
         elif keeps == "groove":
-            x, y = (float(v[0]) for v in self.loads.frames.groove_direction(j))
-            for way in (np.array([-y, x]), *([np.array([x, y])] if self._at_end(j, f) else [])):
+            place = self.loads.frames.place_in_slot(j)
+            x, y, bend = (float(v[0]) for v in (place.x, place.y, place.bend))
+            if self._at_end(j, f):
+                yield Rigid((b, a), centres, arms, (0.0, 0.0), np.array([x, y]), 1,
+                            float(f @ (x, y)))
+            if bend == 0.0:
+                way = np.array([-y, x])
                 yield Rigid((b, a), centres, arms, (0.0, 0.0), way, 1, float(f @ way))
+                return
+            way = np.array([y, -x]) / bend  # from the centre of curvature, as a rod
+            arms[1] -= way
+            n = way * abs(bend)
+            yield Rigid((b, a), centres, arms, (0.0, 0.0), n, 2, float(f @ n))
         elif keeps in ("distance", "roll") or (keeps == "range" and np.hypot(*f) > TOUCH):
             way = ends[0] - ends[1]
             n = way / max(float(np.hypot(*way)), 1e-300)

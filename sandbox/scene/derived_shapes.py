@@ -14,7 +14,7 @@ from sandbox.scene.outlines.cams import CamCurve, tried_turns
 from sandbox.scene.outlines.curves import through
 from sandbox.values.numbers import Angle, Coordinate, Distance, Flag, Items, Length, Point
 from sandbox.values.spec import TYPE, Spec
-from sandbox.values.spline import PeriodicSpline
+from sandbox.values.spline import PeriodicSpline, check_distinct
 from sandbox.wording import WrongValueError
 
 
@@ -50,12 +50,7 @@ class SmoothCurve(Spec):
         if self.corners and max(self.corners) >= len(self.points):
             raise WrongValueError("out-of-range", f"there is no point {max(self.corners)}",
                                   allowed=f"0 to {len(self.points) - 1}")
-        for i, one in enumerate(self.points):
-            j = (i + 1) % len(self.points)
-            if one == self.points[j] and (self.closed or j):
-                raise WrongValueError("bad-outline", f"points {i} and {j} are the same point",
-                                      allowed="each point once; a closed curve closes "
-                                              "automatically")
+        check_distinct(self.points, closed=self.closed)
         return self
 
     def curve(self) -> Array:

@@ -9,10 +9,25 @@ has no ends, a natural one has M = 0 there, so a straight line continues it smoo
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from sandbox.numeric import Array
+from sandbox.wording import WrongValueError
+
+
+def check_distinct(points: Sequence[tuple[float, float]], *, closed: bool) -> None:
+    """Check that neighbouring points of a curve differ.
+
+    Raises:
+        WrongValueError: two that do not.
+    """
+    for i, one in enumerate(points):
+        j = (i + 1) % len(points)
+        if one == points[j] and (closed or j):
+            raise WrongValueError("bad-outline", f"points {i} and {j} are the same point",
+                                  allowed="each point once; a closed curve closes automatically")
 
 
 def natural(at: Array, values: Array, *, bent: bool = False) -> Array:

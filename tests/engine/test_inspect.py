@@ -59,6 +59,7 @@ def jointed(**joint: Any) -> dict[str, Any]:
     ({"type": "rod", "on_a": [0.05, 0], "on_b": [0, 0]}, "ends coincide, so it has no"),
     ({"type": "slot", "start": [0.05, 0], "end": [0.05, 0]},
      "the ends of its groove coincide, so it has no direction"),
+    ({"type": "slot", "path": [[0, 0.01], [0.05, 0.004], [0.1, 0.01]]}, "is 4 mm off the path"),
     ({"type": "rope", "longest": 0.02}, "ends are 50 mm apart, it allows 0 mm to 20 mm"),
     ({"type": "rope", "longest": 0.09, "shortest": 0.06}, "it allows 60 mm to 90 mm"),
 ])

@@ -58,6 +58,25 @@ def test_stops(positive: str, torque: float) -> None:
     assert run["a.angle"][-1] == pytest.approx(sign * (limit + 0.1), abs=ROUNDING)
 
 
+def test_path_ends_and_release() -> None:
+    """A bead in a valley is let go, caught again and then stopped by an end of its path."""
+    points = [(x, 4 * x**2) for x in np.linspace(-0.2, 0.14, 35)]
+    run = simulate(mechanism(
+        duration=0.8, gravity=(0.0, -G), run={"sample_rate": 1 / H},
+        bodies=[fixed("wall"), mass("a", 0.1, (-0.2, 0.16))],
+        joints=[{"type": "slot", "name": "j", "a": "wall", "b": "a", "path": points}],
+        events=[{"name": "go", "at": 0.1, "release": ["j"]},
+                {"name": "back", "at": 0.12, "take_up": ["j"]}]))
+    across = np.abs(run["a.y"] - 4 * run["a.x"]**2)
+    assert across[run.time < 0.1].max() < 1e-6
+    assert 1e-3 < across[run["j.held"] == 0].max() < 2e-2
+    assert across[run.time > 0.5].max() < 1e-6
+    arrived = int(np.argmax(run["a.x"]))
+    assert run["a.x"][arrived] == pytest.approx(0.14, abs=1e-6)
+    assert run["j.speed"][arrived - 2] > 0.4
+    assert run["j.speed"][arrived + 2] == pytest.approx(0.0, abs=0.05)
+
+
 @pytest.mark.parametrize("turns", [True, False])
 def test_slot(turns: bool) -> None:
     """A body's point runs along a slanted groove of a wall; a slider keeps its angle, too.

@@ -11,11 +11,12 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from tests.support.mechanisms import G, Json, fixed, simulated, spring
+from tests.support.mechanisms import G, Json, fixed, pin, simulated, spring
 
 from .case import STEPS, Check, case
 
@@ -205,3 +206,43 @@ def test_impact_on_spring() -> Iterator[Check]:
                     (omega * step)**2 * (1 + e + omega * run.time[-1] / 24),
                     "each impact has the spring's force of the path before it for the rest of its "
                     "step, (1 + e) (ωh)²/2; the leapfrog is ahead by ωt (ωh)²/24")
+
+
+@case("Pendulum that meets a slanted wall", "θ′⁺ = −e θ′⁻ at the instant of the impact",
+      "a bob of 200 g and 40 mm on a rod of 300 mm, e = 0.7, eight starts, three steps")
+def test_impact_pendulum() -> Iterator[Check]:
+    length, radius, wall, slant, e, m, inertia = 0.3, 0.02, 0.1, 0.5, 0.7, 0.2, 0.002
+    normal = np.array([math.cos(slant), math.sin(slant)])
+    centre = 0.8 * length
+    rate = m * G * centre / (inertia + m * centre**2)
+
+    def gap(angle: float) -> float:
+        return float(wall - radius - length * normal @ [math.sin(angle), -math.cos(angle)])
+
+    def truth(angle: float, end: float) -> Array:
+        state, now = np.array([angle, 0.0]), 0.0
+        hit: Any = lambda t, y: gap(y[0])  # noqa: E731
+        hit.terminal, hit.direction = True, -1
+        while True:
+            found = solve_ivp(lambda t, y: [y[1], -rate * math.sin(y[0])], [now, end], state,
+                              rtol=1e-12, atol=1e-13, events=hit)
+            now, state = float(found.t[-1]), found.y[:, -1]
+            if found.status != 1:
+                return state
+            state = np.array([state[0], -e * state[1]])
+
+    for step in STEPS:
+        expected, found = [], []
+        for start in -1.2 + 0.0113 * np.arange(8):
+            run = struck(step, 0.55, [
+                fixed("wall", angle=slant, at=tuple((wall + 0.5) * normal), shapes=[
+                    {"type": "box", "size": (1.0, 4.0)}]),
+                {"name": "bob", "mass": m, "inertia": inertia, "centre": (0.0, -centre),
+                 "angle": float(start), "shapes": [
+                     {"type": "circle", "radius": radius, "at": (0.0, -length)}]}], e, 0.0,
+                joints=[pin("pin", "wall", "bob", on_b=(0.0, 0.0), collide=True)])
+            expected.append(truth(start, float(run.time[-1])))
+            found.append([run["bob.angle"][-1], run["bob.omega"][-1]])
+        fastest = float(np.abs(expected).max())
+        yield Check(f"angle and rate, h = {1e3 * step:g} ms", "rad, rad/s", expected, found,
+                    fastest * rate * step**2, "(ω h)² of the largest rate, as of smooth forces")

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.model.joints import slot_points
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
 from sandbox.picture.geometry import shape_outline
@@ -244,7 +245,7 @@ def joined_points(model: Model, *, held: bool = False) -> dict[int, list[XY]]:
         if k not in grooved:
             attach(a, joints.anchor[k, :1])
         elif not held:
-            attach(a, joints.groove[k])
+            attach(a, slot_points(model, k))
         attach(b, joints.anchor[k, 1:])
     for table, some in ((springs, springs.straight), (lines, lines.joint == NONE)):
         for bodies, points in zip(table.bodies[some].tolist(), table.anchor[some], strict=True):

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
 from sandbox.elements.arrays import largest_size
 from sandbox.elements.joint import JointKind
+from sandbox.model.joints import slot_points
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
 from sandbox.picture.elements.bodies import beside, far_feet, joined_points
@@ -35,9 +37,10 @@ def mark_of(kind: JointKind) -> str:
 
 def is_rail(model: Model, joint: int) -> bool:
     """Whether a joint's groove begins, ends and has its middle beside its body's shapes."""
-    body, groove = int(model.joints.bodies[joint, 0]), model.joints.groove[joint]
+    body, points = int(model.joints.bodies[joint, 0]), slot_points(model, joint)
+    middle = points.mean(axis=0) if len(points) == 2 else points[len(points) // 2]
     return not model.mechanism.bodies[body].shapes or all(
-        beside(model, body, (float(x), float(y))) for x, y in (*groove, groove.mean(axis=0)))
+        beside(model, body, (float(x), float(y))) for x, y in (points[0], points[-1], middle))
 
 
 def add_joints(s: Subject) -> None:
@@ -64,12 +67,13 @@ def add_joints(s: Subject) -> None:
 def _groove(s: Subject, k: int, plane: float, shown: list[int] | None) -> None:
     """A groove: a slot in its body, or two lines on the ground with a roller or block."""
     model = s.run.model
-    (a, b), groove = model.joints.bodies[k].tolist(), model.joints.groove[k]
-    name, rail = model.joints.name[k], is_rail(model, k)
-    if not (rail and model.bodies.fixed[a]):
-        ends = [short(v) for v in groove.ravel()]
+    (a, b), groove = model.joints.bodies[k].tolist(), slot_points(model, k)
+    name, rail, curved = model.joints.name[k], is_rail(model, k), len(groove) > 2
+    if curved or not (rail and model.bodies.fixed[a]):
+        chords = [[short(v) for v in (*one, *two)] for one, two in pairwise(groove.tolist())]
         s.add("rails" if rail else "grooves", "path", name, plane=plane, f=a, shown=shown,
-              s=s.style("paper", "pin_ring", 1.1), d=[{"c": [*ends, short(2.0 * s.point)]}])
+              m=1 if curved else None, s=s.style("paper", "pin_ring", 1.1),
+              d=[{"c": [*chord, short(2.0 * s.point)]} for chord in chords])
         return
     ends_on = [s.point_on(a, at) for at in groove]
     place = [s.out.place(end)[0].tolist() for end in ends_on]

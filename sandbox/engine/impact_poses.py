@@ -1,0 +1,243 @@
+"""Joints at the instant of an impact, and the pose that an impact displaces.
+
+Joints answer an impact with their directions where it happens, s after the pose x of the step. The
+step itself is solved with those of x. Its joints are closed where it leads, which is
+
+    x - s Δv + h v
+
+for a change Δv of the velocities. At x - s Δv they are open by some s²; a step asks for no change
+of that, so that its velocities are right, and the pose is then displaced further to close them.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sandbox.engine import memory as at
+from sandbox.engine.bounded import choose, eliminate, free_rate, make_system, push
+from sandbox.engine.coordinates import ends
+from sandbox.engine.entry_points import entry_point
+from sandbox.engine.instants import mean
+from sandbox.engine.kernel import kernel
+from sandbox.engine.plan import backward, forward
+from sandbox.engine.records import GEAR, GROOVE, ROLL
+from sandbox.engine.rows import apply_impulses, closed, joint_gaps, joint_rows, right_side
+from sandbox.engine.state import NORMAL, TANGENT
+from sandbox.engine.ties import release_rows
+from sandbox.numeric import Array
+
+CLOSINGS = 3
+"""Most times that joints are closed where an impact leads."""
+
+
+@entry_point("bounces")
+def add_shift(table: int, h: float) -> None:
+    """Let ``velocity`` lead from the displaced pose, until :func:`remove_shift`."""
+    shift, velocity, kept = at.shift(table), at.velocity(table), at.placed(table)
+    for b in range(len(shift)):
+        for j in range(3):
+            kept[b, j] = velocity[b, j]
+            velocity[b, j] += shift[b, j] / h
+
+
+@entry_point("bounces")
+def remove_shift(table: int) -> None:
+    """Undo :func:`add_shift`."""
+    velocity, kept = at.velocity(table), at.placed(table)
+    for b in range(len(velocity)):
+        for j in range(3):
+            velocity[b, j] = kept[b, j]
+
+
+@kernel
+def place_joints(table: int, h: float, now: float) -> None:
+    """Coefficients of the joints where the step leads at an instant."""
+    body, turn, kept = at.body(table), at.turn(table), at.placed(table)
+    for b in range(len(body)):
+        for j in range(3):
+            kept[b, j] = body[b, j]
+            body[b, j] += now * mean(table, h, now, b, j)
+        turn[b, 0], turn[b, 1] = math.cos(body[b, 2]), math.sin(body[b, 2])
+    joint_rows(table, h)
+    release_rows(table, h)
+    for b in range(len(body)):
+        for j in range(3):
+            body[b, j] = kept[b, j]
+        turn[b, 0], turn[b, 1] = math.cos(body[b, 2]), math.sin(body[b, 2])
+
+
+@kernel
+def answer_of_joints(table: int, velocity: Array) -> None:
+    """Impulses with which bilateral rows answer a change of velocities, into ``unknowns``."""
+    unknowns = at.unknowns(table)
+    for r in range(unknowns.shape[1]):
+        unknowns[4, r] = 0.0
+    right_side(table, velocity, unknowns[4])
+    forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
+    for r in range(unknowns.shape[1]):
+        unknowns[5, r] = unknowns[2, r]
+    backward(at.starts(table), at.below(table), at.values(table), unknowns[5])
+
+
+@kernel
+def add_joints(table: int, velocity: Array, times: float) -> None:
+    """Add what these impulses of joints alone do to velocities."""
+    joints, impulses = at.joints(table), at.unknowns(table)[5]
+    entry_body, WJ = at.entry_body(table), at.entries(table)[1]
+    for k in range(len(joints)):
+        e = joints[k]["entry"]
+        for row in (joints[k]["row"], joints[k]["row_y"], joints[k]["row_turn"]):
+            if row >= 0:
+                for side in range(e, e + 2):
+                    for j in range(3):
+                        velocity[entry_body[side], j] += times * WJ[side, j] * impulses[row]
+                e += 2
+
+
+@kernel
+def note_joints(table: int, times: float) -> None:
+    """Add these impulses to what joints carry besides the impulses of their rows."""
+    joints, results, impulses = (
+        at.joints(table), at.joint_results(table), at.unknowns(table)[5])
+    J = at.entries(table)[0]
+    for k in range(len(joints)):
+        out, e = results[k], joints[k]["entry"]
+        for row in (joints[k]["row"], joints[k]["row_y"], joints[k]["row_turn"]):
+            if row >= 0:
+                p = times * impulses[row]
+                out["kick_x"] += p * J[e + 1, 0]
+                out["kick_y"] += p * J[e + 1, 1]
+                out["twist_a"] += p * J[e, 2]
+                out["twist_b"] += p * J[e + 1, 2]
+                e += 2
+
+
+@entry_point("bounces")
+def take_impacts(table: int, h: float, struck: bool) -> None:
+    """Add impacts to the free velocities, with joints at the pose of the step again.
+
+    The rows of joints still answer there, so only what their answer in the pose of the impact
+    differs by is added. Rows then ask for gaps no smaller than where impacts displace the pose.
+    """
+    shift, delayed, velocity, unknowns = (
+        at.shift(table), at.delayed(table), at.velocity(table), at.unknowns(table))
+    if struck and len(at.joints(table)) > 0:
+        add_joints(table, at.kick(table), -1.0)
+        note_joints(table, -1.0)
+        for k in range(len(at.joints(table))):
+            _take_arms(table, k)
+        for r in range(unknowns.shape[1]):
+            unknowns[4, r] = unknowns[5, r] = 0.0
+        for b in range(len(shift)):
+            for j in range(3):
+                shift[b, j] = -delayed[b, j]
+                velocity[b, j] = shift[b, j] / h
+        joint_gaps(table, h)
+        for r in range(unknowns.shape[1]):
+            unknowns[5, r] = -h * unknowns[4, r]
+    add(at.free(table), at.kick(table), 1.0)
+
+
+@kernel
+def _take_arms(table: int, k: int) -> None:
+    """Leave in the twists of joint ``k`` what its force does not do at its points."""
+    joint, out = at.joints(table)[k], at.joint_results(table)[k]
+    ax, ay, bx, by, px, py = ends(joint, at.body(table), at.turn(table))
+    share = 0.0  # of the way to the point of b, to where a slot or wheels act on a
+    if joint["keeps"] == GROOVE:
+        share = 1.0
+    elif joint["keeps"] == GEAR or joint["keeps"] == ROLL:
+        share = joint["ra"] / (joint["ra"] + joint["rb"])
+        bx, by = bx - (1.0 - share) * px, by - (1.0 - share) * py
+    ax, ay = ax + share * px, ay + share * py
+    out["twist_a"] -= ay * out["kick_x"] - ax * out["kick_y"]
+    out["twist_b"] -= bx * out["kick_y"] - by * out["kick_x"]
+
+
+@entry_point("bounces")
+def lead_back(table: int, h: float, n: int) -> None:
+    """Displace the pose by what impacts after it change, times their instants.
+
+    Joints, and bounded rows that hold, answer to that as they did to the impacts.
+    """
+    rows, unknowns, shift, delayed = (
+        at.rows(table), at.unknowns(table), at.shift(table), at.delayed(table))
+    Y, reached, A, chosen = (
+        at.columns(table), at.reached(table), at.system(table), at.chosen(table))
+    for b in range(len(shift)):
+        for j in range(3):
+            shift[b, j] = -delayed[b, j]
+    for r in range(unknowns.shape[1]):
+        unknowns[4, r] = 0.0
+    right_side(table, shift, unknowns[4])
+    forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
+    m = 0
+    for q in range(choose(rows, n, chosen)):
+        if _holds(table, rows[chosen[q]]):
+            chosen[m] = chosen[q]
+            m += 1
+    make_system(rows, n, at.delassus(table), A, chosen, m)
+    for q in range(m):
+        k = chosen[q]
+        A[q, m] = 0.0 if rows[k]["out"] else -free_rate(
+            table, rows[k], Y[k], reached[k], shift, 0.0)
+    eliminate(A, m)
+    for r in range(unknowns.shape[1]):
+        unknowns[4, r] = unknowns[2, r]
+    for q in range(m):
+        k = chosen[q]
+        _answer(table, k, A[q, m])
+        if k + 1 < n and rows[k + 1]["normal"] == k and rows[k + 1]["mode"] != 0:
+            _answer(table, k + 1, rows[k + 1]["mode"] * rows[k + 1]["friction"] * A[q, m])
+    backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
+    apply_impulses(table, unknowns[4], shift)
+    _close(table, h)
+
+
+@kernel
+def _close(table: int, h: float) -> None:
+    """Displace the pose further, so that joints are closed where the velocities lead from there."""
+    unknowns = at.unknowns(table)
+    for r in range(unknowns.shape[1]):
+        unknowns[5, r] = 0.0
+    for _ in range(CLOSINGS):
+        for r in range(unknowns.shape[1]):
+            unknowns[4, r] = 0.0
+        add_shift(table, h)
+        gap = joint_gaps(table, h)
+        remove_shift(table)
+        if gap < closed(h):
+            break
+        forward(at.starts(table), at.below(table), at.values(table), unknowns[4])
+        backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
+        for r in range(unknowns.shape[1]):
+            unknowns[4, r] *= h
+        apply_impulses(table, unknowns[4], at.shift(table))
+
+
+@kernel
+def _holds(table: int, row: Any) -> bool:
+    """Whether a row held already before the impacts; a contact that closes in the step did not."""
+    if row["source"] == NORMAL or row["source"] == TANGENT:
+        return bool(at.found(table)[row["index"]]["listed"] == 1)
+    return not row["measure"]
+
+
+@kernel
+def _answer(table: int, k: int, p: float) -> None:
+    """Add what bounded row ``k`` answers to the displacement, and to what bilateral rows do."""
+    row, answer, y, reached = (
+        at.rows(table)[k], at.unknowns(table)[4], at.columns(table)[k], at.reached(table)[k])
+    for q in range(row["branch"]):
+        answer[reached[q]] -= y[reached[q]] * p
+    push(at.inverse_mass(table), row, p, at.shift(table))
+
+
+
+@kernel
+def add(velocity: Array, change: Array, times: float) -> None:
+    """Add a change to velocities [nb, 3], so many times."""
+    for b in range(len(velocity)):
+        for j in range(3):
+            velocity[b, j] += times * change[b, j]
