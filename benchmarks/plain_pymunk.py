@@ -206,7 +206,7 @@ def _table(found: Mapping[str, Sequence[Point]]) -> str:
         direct, other = (next(point for point in points if point.step == 5e-4
                               and point.iterations == count) for count in (0, 30))
         rows.append(f"| {CASES[key].title} | " + " | ".join(
-            f"{getattr(point, field):.1g} {unit}" for field, unit in (
-                ("pose", "mm"), ("force", "%")) for point in (direct, other))
+            f"{value if value > 1e-5 else 0:.2g} {unit}" for value, unit in (
+                (direct.pose, "mm"), (other.pose, "mm"), (direct.force, "%"), (other.force, "%")))
             + f" | {direct.cost:.0f} µs | {other.cost:.0f} µs |")
     return "\n".join(rows) + "\n"
