@@ -197,6 +197,7 @@ PICTURES: dict[str, Draw] = {
     **{name: sketched(draw) for name, draw in SKETCHES.items()},
     "adaptive_grasp.gif": film("adaptive_grasp", fps=25),
     "shape_change.gif": film("shape_change", size=(580, 660), fps=20),
+    "trebuchet.png": film("trebuchet", **HOW["trebuchet"]),
     "single_finger.png": film("single_finger"),
     "rocker_differential.png": film("rocker_differential"),
     "pulley_differential.png": film("pulley_differential"),
