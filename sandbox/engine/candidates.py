@@ -120,7 +120,7 @@ def kept_rows(table: int, h: float, drive: Array) -> int:
             _limit_row(table, h, i, rows[n])
             n += 1
     for i in range(at.touching(table)[0]):
-        if touches[i]["listed"]:
+        if touches[i]["listed"] == 1:
             n = _with_touch(h, at.body(table), touches, rows, i, n)
     for k in range(n):
         if rows[k]["a"] < len(at.before(table)):

@@ -304,6 +304,7 @@ FEATURES: dict[str, Callable[[Constants], bool]] = {
     "cords": lambda c: len(c.cords) > 0,
     "curves": lambda c: len(c.spans) > 0,
     "fluids": lambda c: bool(len(c.fluids) or len(c.valves) or len(c.pumps)),
+    "piles": lambda c: bool((c.loose >= 0).any()),
     "laws": lambda c: len(c.steps) > 0,
     "loads": lambda c: bool(len(c.loads) or len(c.loaded)),
     "motors": lambda c: len(c.motors) > 0,

@@ -37,10 +37,12 @@ from sandbox.engine.fluid_report import flowing, report_lines
 from sandbox.engine.fluids import change_lines, fluid_rows, join_lines
 from sandbox.engine.friction import break_away, change_friction
 from sandbox.engine.impacts import impacts, late_hits, lead_back
+from sandbox.engine.islands import list_piles
 from sandbox.engine.kernel import kernel
 from sandbox.engine.lemke import MOST, lemke_modes
 from sandbox.engine.loads import change_loads, load_rows, timed
 from sandbox.engine.motors import brake_in_time
+from sandbox.engine.piles import solve_piles
 from sandbox.engine.plan import assemble, backward, factor, forward
 from sandbox.engine.report import report
 from sandbox.engine.rows import (
@@ -108,6 +110,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
     load_rows(table, h)
     release_rows(table, h)
     slacken(table)
+    list_piles(table)
     n = kept_rows(table, h, drive)
     hit = struck = True
     for attempt in range(PRESSED):
@@ -149,6 +152,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
     at.standing(table)[3], at.standing(table)[4] = jammed(table, n, slack), n
     report(table, h, n)
     report_lines(table, h, drive)
+    solve_piles(table, h)
     _rest(table)
     return struck
 
