@@ -29,7 +29,7 @@ from sandbox.engine.candidates import normal_row, tangent_row
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 
-MANY, FEW = 40, 20
+MANY, FEW = 60, 30
 """With more rows islands are piles; they stay piles down to so many."""
 STIFFNESS, DAMPING, TANGENTIAL = 40.0, 0.3, 0.7
 """Of contacts in piles: h^2 k G, the damping ratio, tangential over normal stiffness."""

@@ -11,7 +11,7 @@ from sandbox.engine.plan import Pattern
 from sandbox.engine.state import PILE_BODY
 from sandbox.numeric import Array, Integers, Records
 
-FEWEST = 10
+FEWEST = 12
 """Fewer bodies are no pile: too few rows for :mod:`sandbox.engine.piles` to pay."""
 
 
