@@ -52,6 +52,8 @@ ROUND = 0.01
 DEEP = 0.01
 """Share of the smaller body up to which outlines may overlap that do not touch: chords of curves.
 """
+UNSOLVED = 1e-6
+"""Rate [m/s, rad/s] by which a step may violate the laws of contacts and friction."""
 POSES = 20
 """Samples in which outlines are searched for overlaps without a contact force."""
 NO_IMPACT = ("no impact with restitution is alone in a recorded step; run.sample_rate = "
@@ -65,6 +67,7 @@ def contact_figures(evidence: Evidence) -> Iterator[Figure]:
     rows = _Rows(evidence)
     for figure in (_slides, _closes, _bounces, _swallowed):
         yield figure(rows)
+    yield _residual(evidence)
     yield _slack(evidence)
 
 
@@ -115,6 +118,22 @@ def _friction(evidence: Evidence) -> Figure:
     end = "at the end: " + "; ".join(states) if states else "nothing touches at the end"
     return judged(name, float(used[sure].max(initial=0.0)), "", 1 + CONE, source=source,
                   why=f"largest ratio of friction to its limit in the whole run; {end}")
+
+
+def _residual(evidence: Evidence) -> Figure:
+    """The largest violation of the laws of contacts, limits and friction, from the solver."""
+    name, source, found = "contact.residual", "0 <= p, 0 <= y, p y = 0", (
+        evidence.run.info.contact_solver)
+    if "residual" not in found:
+        return missing(name, why="there is no contact, limit or motor, or its solver said nothing",
+                       source=source)
+    how = "sparse Newton method, compliant contacts" if "compliant_steps" in found else "active set"
+    relaxed = f"{found['relaxed_steps']:.0f} steps approximate, "
+    return judged(
+        name, found["residual"], "m/s", UNSOLVED, source=source,
+        why=f"largest rate by which a step violates the laws of contacts and friction ({how}), "
+            f"{relaxed}{found['steps_above_1e-8']:.0f} above 1e-8 m/s, worst: at "
+            f"{found['time_s']:.5g} s")
 
 
 def _slack(evidence: Evidence) -> Figure:
@@ -242,10 +261,7 @@ class _Rows:
     @cached_property
     def joined(self) -> Flags:
         """Rows of free bodies that joints, cords or springs act on."""
-        model, on = self.evidence.model, np.zeros(len(self.names), dtype=bool)
-        for bodies in (model.joints.bodies, model.tendons.guide_body, model.springs.bodies):
-            on[bodies.ravel()] = True
-        return np.asarray((on & model.bodies.free)[np.stack(self.sides)].any(axis=0))
+        return np.asarray(self.evidence.held_by_others[np.stack(self.sides)].any(axis=0))
 
     @property
     def spins(self) -> tuple[Array, Array]:
@@ -312,7 +328,9 @@ def _slides(rows: _Rows) -> Figure:
     # in the step in which it begins to slide friction is up to half way to the static one
     starts = (first * last <= 0) | (np.abs(first) <= STARTS * np.abs(last))
     slides = slides - starts * (rows.static - rows.friction) / 2
-    error = np.maximum(np.where(np.abs(last) <= rows.unsure, sticks, slides), 0.0)
+    # what sticks gives way where it is soft
+    gives = (np.abs(last) <= rows.unsure) | (rows.evidence.contact_depth > 0)
+    error = np.maximum(np.where(gives, sticks, slides), 0.0)
     rows.add(worst, error, CONE + EXACT * peak(rows.normal) / size,
              rows.evidence.one_normal & (rows.friction > 0)
              & np.where(rows.hit, rows.alone, ~rows.struck))
@@ -337,7 +355,7 @@ def _closes(rows: _Rows) -> Figure:
         for spin, arm in zip(rows.spins, rows.arms, strict=True))
     rows.add(worst, np.where(rows.normal < 0, np.inf, error),
              evidence.open + np.where(rows.one, LANDS, 1.0) * rows.landing
-             + h * rows.unsure + h**2 * bend,
+             + h * rows.unsure + h**2 * bend + 2 * evidence.contact_depth,
              evidence.one_normal & ~rows.struck & (np.abs(rows.normal) > TOUCH))
     for sample in np.unique(np.linspace(0, len(evidence.run) - 1, POSES).astype(int)).tolist():
         for pair, depth in overlaps(evidence.alone(sample)):

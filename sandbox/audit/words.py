@@ -58,6 +58,7 @@ ASKS: Mapping[str, str] = {
     "contact.closes": "do contacts push exactly where bodies touch?",
     "contact.bounces": "do impacts rebound with the coefficient of restitution?",
     "impact.swallowed": "do impacts lose no more energy than restitution allows?",
+    "contact.residual": "were contacts, limits and friction solved in every step?",
     "tendon.slack": "do tendons stay taut once they have pulled?",
     "contact.bounds": "is each contact force within the range that balance and friction allow?",
 }
@@ -99,8 +100,9 @@ ADVICE: tuple[Advice, ...] = (
            "the step is too long for this speed or for these mass ratios",
            "halve `run.step` and run again: if the value falls, the step was too long; "
            "`sandbox converge` finds a suitable step"),
-    Advice(("contact.friction", "contact.slides", "contact.closes", "contact.bounces",
-            "impact.swallowed", "contact.bounds", "contact.place", "joint.friction", "drive.motor",
+    Advice(("contact.friction", "contact.residual", "contact.slides", "contact.closes",
+            "contact.bounces", "impact.swallowed", "contact.bounds", "contact.place",
+            "joint.friction", "drive.motor",
             "drive.place", "tendon.grip"),
            "in some step no forces satisfied all conditions, for example in a jam; the forces of "
            "that step are approximate",

@@ -8,7 +8,7 @@ with the same pattern: slot p of column j belongs to row ``below[p]``, which is 
 from __future__ import annotations
 
 from sandbox.engine.kernel import kernel
-from sandbox.numeric import Array, Integers, Matrix, Stack
+from sandbox.numeric import Integers, Matrix, Stack
 
 BITS = 62
 """Bits used of a word of an adjacency set; more would need an unsigned type."""
@@ -134,13 +134,13 @@ def factor_blocks(starts: Integers, below: Integers, D: Stack, L: Stack, U: Stac
     """
     for j in range(len(starts) - 1):
         _invert(D[j])
-        I = D[j]
+        inverse = D[j]
         first, last = starts[j], starts[j + 1]
         for p in range(first, last):
             for r in range(3):
                 x, y, z = L[p, r, 0], L[p, r, 1], L[p, r, 2]
                 for c in range(3):
-                    L[p, r, c] = x * I[0, c] + y * I[1, c] + z * I[2, c]
+                    L[p, r, c] = x * inverse[0, c] + y * inverse[1, c] + z * inverse[2, c]
         for q in range(first, last):
             slot = starts[below[q]]
             for p in range(q + 1, last):

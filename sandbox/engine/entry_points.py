@@ -310,6 +310,7 @@ FEATURES: dict[str, Callable[[Constants], bool]] = {
     "motors": lambda c: len(c.motors) > 0,
     "joint_friction": lambda c: len(c.dry_friction) > 0,
     "shapes": lambda c: len(c.shapes) > 0,
+    "skin": lambda c: bool((c.skin > 0.0).any()),
     "slips": lambda c: bool(len(c.slips) or (c.cords["spans"] < c.cords["spans_end"]).any()),
     "springs": lambda c: len(c.springs) > 0,
     "static": lambda c: bool((c.static > 1.0).any() or (c.dry_friction["static"] > 1.0).any()),

@@ -9,7 +9,7 @@ M the masses, v_f the velocities without contacts, C the contact rows and s thei
 
 The law is regularised by a share e of each row's own response G, R = 1 / (e G + s):
 
-    p_n = max(0, e G R p_n0 - R (C_n v + want)),   p_t = clip(e G R p_t0 - R (C_t v + want), +-mu p_n)
+    p_n = max(0, R (e G p_n0 - C_n v - want)),  p_t = clip(R (e G p_t0 - C_t v - want), +-mu p_n)
 
 and solved again with p0 = p until the residual of the law without e is below the tolerance. The
 derivative of F is M plus 3 x 3 blocks of bodies that touch; it is factored sparsely
@@ -44,17 +44,19 @@ OPEN, STICKS, SLIDES_UP, SLIDES_DOWN = 0, 1, 2, 3
 
 
 @entry_point("piles")
-def solve_piles(table: int, h: float) -> None:
-    """Find impulses of contacts and velocities of bodies of all piles that are awake."""
+def solve_piles(table: int, h: float) -> float:
+    """Find impulses and velocities of all piles that are awake; the largest residual [m/s]."""
     n = gather_piles(table, h)
     residual = solve_contacts(table, n) if n else 0.0
-    finish_piles(table, h, n, residual)
+    finish_piles(table, h, n)
+    if n:
+        at.accuracy(table)[3] += 1.0
+    return residual
 
 
 @kernel
 def solve_contacts(table: int, n: int) -> float:
-    """Solve ``n`` contacts; the largest residual [m/s]. Velocities are left in the first vectors.
-    """
+    """Solve ``n`` contacts, with the velocities in the first vectors; largest residual [m/s]."""
     c, J, vectors = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)
     v, trial = vectors[0], vectors[1]
     _begin(c, n)
@@ -179,8 +181,10 @@ def _residual(c: Records, n: int) -> float:
 
 @kernel
 def _residual_at(c: Records, J: Stack, n: int, v: Matrix) -> tuple[float, float]:
-    """The residual at velocities that follow from the impulses, and how far those of Newton's
-    method are off, both in units of the tolerance."""
+    """The residual at ``v``, which follows from the impulses, and how far Newton's method is off.
+
+    Both are in units of the tolerance.
+    """
     for k in range(n):
         c[k]["dyn"], c[k]["dyt"] = c[k]["yn"], c[k]["yt"]
     _rates(c, J, n, v, True)

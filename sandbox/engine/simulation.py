@@ -25,6 +25,7 @@ from sandbox.engine.inputs import Inputs
 from sandbox.engine.inspect_control import Checked, Runnable, checked
 from sandbox.engine.inspect_elements import line_problems, load_problems, tendon_problems
 from sandbox.engine.inspect_joints import joint_problems
+from sandbox.engine.islands import DAMPING, STIFFNESS, TANGENTIAL
 from sandbox.engine.readings import Readings
 from sandbox.engine.sampler import Sampler
 from sandbox.engine.start import Beginning, start
@@ -419,10 +420,23 @@ class Simulation:
                 "numba": numba.__version__, "python": platform.python_version(),
             },
             wall=dict(self._wall), events=events, broke=tuple(self._broke), stopped=stopped,
-            controllers=controllers,
+            controllers=controllers, contact_solver=self._contact_solver(),
             notes=(relaxed(int(self._tables.state.standing[0]), self._done)
                    + unordered(int(self._tables.state.standing[5]), self._done)),
         ), copied=copied)
+
+    def _contact_solver(self) -> dict[str, float]:
+        """How contacts, limits and friction were solved: see :class:`Outcome`."""
+        constants, accuracy = self._tables.constants, self._tables.state.accuracy.tolist()
+        if not (len(constants.shapes) or len(constants.limits) or len(constants.motors)):
+            return {}
+        found = {"residual": accuracy[1], "time_s": accuracy[2] * self._clock.step,
+                 "steps_above_1e-8": accuracy[4],
+                 "relaxed_steps": float(self._tables.state.standing[0])}
+        if accuracy[3]:
+            found |= {"compliant_steps": accuracy[3], "stiffness": STIFFNESS, "damping": DAMPING,
+                      "tangential": TANGENTIAL}
+        return found
 
     def _room(self) -> RecordingBuilder:
         """What its samples are collected in."""

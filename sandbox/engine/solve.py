@@ -26,6 +26,7 @@ from sandbox.engine.bounded import (
     push,
     rate,
     relax,
+    residual,
     solve_modes,
     wipe,
     y_of,
@@ -53,8 +54,9 @@ from sandbox.engine.rows import (
     right_side,
     scale_entries,
 )
+from sandbox.engine.skin import stretch_skin
 from sandbox.engine.springs import change_laws, law_rows, spring_rows
-from sandbox.engine.state import STILL, STILL_TURNING
+from sandbox.engine.state import COARSE, STILL, STILL_TURNING
 from sandbox.engine.tendons import (
     ask_slips,
     change_cords,
@@ -151,8 +153,9 @@ def solve(table: int, h: float, drive: Array) -> bool:
             n = kept_rows(table, h, drive)
     at.standing(table)[3], at.standing(table)[4] = jammed(table, n, slack), n
     report(table, h, n)
+    stretch_skin(table, h, n)
     report_lines(table, h, drive)
-    solve_piles(table, h)
+    _note_accuracy(table, n, slack, solve_piles(table, h))
     _rest(table)
     return struck
 
@@ -292,6 +295,22 @@ def lemke(table: int, n: int) -> bool:
     """Look for the modes of the bounded rows with Lemke's method; whether it found any."""
     return bool(lemke_modes(
         at.rows(table), n, at.delassus(table), at.tableau(table), at.basis(table)))
+
+
+@kernel
+def _note_accuracy(table: int, n: int, slack: float, piles: float) -> None:
+    """Note the residual of a step: at most ``slack`` if modes were found, ``piles`` of piles."""
+    rows, G, accuracy, worst = at.rows(table), at.delassus(table), at.accuracy(table), piles
+    if at.standing(table)[2] == 0:
+        worst = max(worst, slack if n > 0 else 0.0)
+    else:
+        for k in range(n):
+            worst = max(worst, residual(rows, n, G, k))
+    accuracy[0] = worst
+    if worst > accuracy[1]:
+        accuracy[1], accuracy[2] = worst, at.made(table)[0]
+    if worst > COARSE:
+        accuracy[4] += 1.0
 
 
 @kernel

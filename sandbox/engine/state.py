@@ -69,6 +69,9 @@ from sandbox.numeric import Array, Integers, Records
 STILL, STILL_TURNING = 1e-11, 1e-10
 """Where nothing moves faster [m/s, rad/s] all is at rest, and contacts carry what they carried."""
 
+COARSE = 1e-8
+"""Steps with a larger residual [m/s, rad/s] are counted."""
+
 NORMAL, TANGENT, LIMITED, DRIVEN = 0, 1, 2, 3
 CABLE_FRICTION, CABLE_LOAD, JOINT_FRICTION, JOINT_LOAD = 4, 5, 6, 7
 """Where a bounded row comes from: a contact's two, a limit, a motor or brake; friction between a
@@ -156,6 +159,8 @@ TOUCH = np.dtype([
     ("phase", np.int64),    # AWAY, CLOSING or RESTING
     ("sums", np.int64),     # its CONTACT_SUMS in this sample interval, or -1
     ("stretch", float),     # of the spring along a compliant contact [m]
+    ("want", float), ("soft", float),   # of its normal row, where its skin is soft, else 0
+    ("want_along", float), ("soft_along", float),   # of its tangential row, the same
 ])
 PILE_BODY = np.dtype([
     ("number", np.int64),   # of the body
@@ -180,7 +185,7 @@ PILED = np.dtype([
         "bend",                 # what of that bodies that turn give along the contact
         "soft_n", "soft_t",     # compliance: rate for an impulse of 1
         "base_n", "base_t",     # response of the bodies to an impulse of 1
-        "stiffness", "slope",   # tangential [N/m]; rate asked for, for a stretch of 1 m
+        "stiffness", "along",   # tangential [N/m]; what of want_t its spring gives
         "Rn", "Rt", "n_shift", "t_shift", "yn", "yt", "dyn", "dyt")),
 ])
 """A contact of a pile while its step is solved (:mod:`sandbox.engine.piles`)."""
@@ -278,6 +283,9 @@ class Constants(NamedTuple):
     branch_starts: Integers
     branches: Integers
     hubs: Annotated[Integers, 2]
+    skin: Annotated[Array, 3]
+    """Stiffness [N/m] and damping [N s/m] of the contacts of every pair of bodies, 0 where they are
+    rigid, [2, nb, nb], or [2, 0, 0] if all are."""
     loose: Integers
     """The PILE_BODY of each body, or -1, [nb]."""
 
@@ -320,8 +328,9 @@ class State(NamedTuple):
     steps impacts were too many to be put in order, [6]."""
     pile_bodies: Annotated[Records, PILE_BODY]
     accuracy: Array
-    """The residual of the contacts of piles in the last step [m/s]; the largest so far; in how
-    many steps there were any; in how many of these it was too large, [4]."""
+    """Residual of the bounded rows in the last step [m/s, rad/s]; the largest so far; the step that
+    it was in, counted as ``made``; steps with piles that were awake; steps with a residual above
+    :data:`COARSE`, [5]."""
 
 
 class Result(NamedTuple):

@@ -20,9 +20,9 @@ from sandbox.engine.joint_tables import (
 )
 from sandbox.engine.law_tables import ROWS, LawTables, law_tables, load_tables
 from sandbox.engine.lemke import MOST
+from sandbox.engine.pile_tables import loose_bodies, pile_bodies, pile_tables
 from sandbox.engine.plan import Pattern, Rows, make_pattern, place_bodies
 from sandbox.engine.records import NUMBERS
-from sandbox.engine.pile_tables import loose_bodies, pile_bodies, pile_tables
 from sandbox.engine.state import BODY, BOUND, IMPACT, PILED, TOUCH, Constants, Result, State
 from sandbox.engine.stiffness import too_stiff
 from sandbox.engine.ties import room_for_breaks, tie_state, tie_table
@@ -95,7 +95,9 @@ def make_tables(
         steps=laws.steps, curves=laws.curves, knots=laws.knots,
         friction=np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
         static=filters.static[pairs].copy(), restitution=filters.restitution[pairs].copy(),
-        loose=loose_bodies(pattern, places.inverse_mass, joints, shapes.shapes), **tables)
+        loose=loose_bodies(pattern, places.inverse_mass, joints, shapes.shapes),
+        skin=filters.skin[:, order][:, :, order].copy() if filters.skin.size else filters.skin,
+        **tables)
     state = _first_state(constants, model, body, cords, room)
     state.springs["rest"] = rests
     state.fluids["content"] = circuits.content()
@@ -116,7 +118,7 @@ def _first_state(
         impacts=np.zeros(_impacts(room), IMPACT), touches=np.zeros(room.contacts, TOUCH),
         touching=np.zeros(2, dtype=np.int64),
         last_drive=np.full(len(model.drives.name), np.nan), standing=np.zeros(6, dtype=np.int64),
-        pile_bodies=pile_bodies(constants.loose), accuracy=np.zeros(4))
+        pile_bodies=pile_bodies(constants.loose), accuracy=np.zeros(5))
     state.joints["flank"], state.motors["target"] = 1.0, math.nan
     begin_friction(state.dry_friction, constants.dry_friction, model)
     return state
@@ -188,7 +190,7 @@ def _result(
         belts=np.zeros(count), stack=laws.stack, read_names=laws.read,
         entries=np.zeros((2, len(pattern.entry_row), 3)),
         values=np.zeros(len(pattern.below) + unknowns), unknowns=np.zeros((5, unknowns)),
-        **_workspace(room, unknowns), **pile_tables(np.count_nonzero(constants.loose >= 0)))
+        **_workspace(room, unknowns), **pile_tables(len(np.flatnonzero(constants.loose >= 0))))
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia

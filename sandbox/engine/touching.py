@@ -220,4 +220,4 @@ def _contact(
     out["normal"] = out["tangent"] = out["bounce"] = out["rub"] = out["led"] = 0.0
     out["mode"] = out["listed"] = out["late"] = out["phase"] = 0
     out["sums"] = -1
-    out["stretch"] = 0.0
+    out["stretch"] = out["want"] = out["soft"] = out["want_along"] = out["soft_along"] = 0.0

@@ -24,7 +24,7 @@ from sandbox.engine.state import (
     SPAN,
 )
 from sandbox.model.model import Model
-from sandbox.model.pairs import Words, allowed_pairs, joined
+from sandbox.model.pairs import Words, allowed_pairs, joined, pair_skins
 from sandbox.numeric import Array, Flags, Integers, Records, Stack
 from sandbox.scene.bodies import (
     Body,
@@ -344,7 +344,8 @@ class Filters:
     """Per body, in mechanism order: group, category bits, mask; and what filters can't say.
 
     ``allowed`` is the matrix of pairs that may touch, ``friction``, ``static`` and
-    ``restitution`` hold the coefficients of all pairs, each of shape [nb, nb].
+    ``restitution`` hold the coefficients of all pairs, each of shape [nb, nb], ``skin`` stiffness
+    and damping of soft contacts, [2, nb, nb], or [2, 0, 0] if there are none.
     """
 
     group: Integers
@@ -354,6 +355,7 @@ class Filters:
     friction: Array
     static: Array
     restitution: Array
+    skin: Array
 
 
 def make_filters(model: Model) -> Filters:
@@ -382,7 +384,9 @@ def make_filters(model: Model) -> Filters:
     if kinds <= CATEGORIES:
         mask = np.array(
             [np.bitwise_or.reduce(bits[row], initial=0) for row in rows], dtype=np.int64)
-    return Filters(group, bits, mask, allowed, *_pair_materials(mechanism, words))
+    friction, static, restitution = _pair_materials(mechanism, words)
+    return Filters(group, bits, mask, allowed, friction, static, restitution,
+                   pair_skins(mechanism))
 
 
 def _kinds(rows: Flags) -> tuple[int, Integers]:
