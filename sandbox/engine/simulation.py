@@ -259,7 +259,10 @@ class Simulation:
             speeds = inputs.speeds(done + 1, count)
             while done == 0 and not start(
                     self._world, self._tables, sampler.memory, self._first_rows(), speeds[:1]):
-                self._enlarge()
+                found = int(self._world.finder.table[0])
+                self._world.renew()  # results must not depend on what pymunk remembers of the try
+                self._inputs.place()
+                self._enlarge(found)
             made = 0
             while True:
                 address, h, _ = sampler.memory
@@ -301,21 +304,24 @@ class Simulation:
             raise diverged(float(self._clock.force_time(k)), self._world, self._tables,
                            self._steering)
 
-    def _enlarge(self) -> None:
+    def _enlarge(self, found: int | None = None) -> None:
         """Make room for what touches in the step that is half made, to go on with it.
+
+        Args:
+            found: how many contacts, by default those of the step.
 
         Raises:
             SandboxError: more contacts than can be solved together.
         """
         world, constants = self._world, self._tables.constants
-        found = int(world.finder.table[0])
+        found = int(world.finder.table[0]) if found is None else found
         if found > MOST_CONTACTS:
             raise SandboxError(f"{found} contacts at once at t = {self.time:.6g} s, more than the "
                                f"{MOST_CONTACTS} that can be solved together: fewer or simpler "
                                "bodies may help", code="too-complex")
         rows = rows_for(len(constants.limits), len(constants.motors), len(constants.slips),
                         len(constants.dry_friction), found)
-        world.enlarge(4 * (rows + 1))
+        world.enlarge(found, 4 * (rows + 1))
         self._tables = enlarged(self._tables, world.room)
         self._sampler.enlarge(self._tables)
         self._readings.tables = self._tables

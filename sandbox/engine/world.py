@@ -133,27 +133,11 @@ class World:
         """Move all bodies by one step, and find the contacts there."""
         self.space.step(self.h)
 
-    def find(self) -> None:
-        """Find the contacts where the bodies are, which stay there, in place of those known."""
-        self.read()
-        moving, kept = self.body[:, 3:].copy(), self.velocity.copy()
-        self.velocity[:] = 0.0
-        self.write()
-        self.finder.table[0] = 0
-        self.step()
-        self.velocity[:] = moving
-        self.write()
-        self.read()
-        self.velocity[:] = kept
-
-    def enlarge(self, rows: int) -> None:
-        """Make room for twice what was found in the last step, and for ``rows`` bounded rows."""
-        found = int(self.finder.table[0])
+    def enlarge(self, found: int, rows: int) -> None:
+        """Make room for twice ``found`` contacts, and for ``rows`` bounded rows."""
         self.room = Room(contacts=2 * max(self.room.contacts, found),
                          rows=max(self.room.rows, rows))
-        self.finder.resize(self.room.contacts)
         self.native = self.native._replace(raw=self.finder.raw)
-        self.find()
 
     # -- building -------------------------------------------------------------------
 
