@@ -41,7 +41,7 @@ def soften(table: int, h: float) -> None:
     touches, skin, before = at.touches(table), at.skin(table), at.before(table)
     rows = at.rows(table)
     normal, tangent = rows[len(rows) - 1], rows[len(rows) - 2]
-    for i in range(at.touching(table)[0]):
+    for i in range(at.touching(table)[0] if skin.shape[1] else 0):
         t = touches[i]
         k, c = skin[0, t["a"], t["b"]], skin[1, t["a"], t["b"]]
         if k == 0.0:
@@ -63,6 +63,8 @@ def soften(table: int, h: float) -> None:
 def stretch_skin(table: int, h: float, n: int) -> None:
     """Note how far the springs along soft contacts are stretched after the step."""
     rows, touches, skin = at.rows(table), at.touches(table), at.skin(table)
+    if skin.shape[1] == 0:
+        return
     for i in range(at.touching(table)[0]):
         if touches[i]["listed"] != PILED and touches[i]["normal"] == 0.0:
             touches[i]["stretch"] = 0.0
