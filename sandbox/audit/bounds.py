@@ -28,6 +28,8 @@ from sandbox.mechanics.linear_program import LinearProgram
 from sandbox.model.supports import RANK
 from sandbox.numeric import Array
 
+MANY = 60
+"""Contacts at the end above which the audit leaves their bounds out."""
 MOST = 300
 """Rows of balance (three a body) that hang together and are still asked."""
 
@@ -242,6 +244,9 @@ def bound_figure(evidence: Evidence) -> Figure:
     name, source = "contact.bounds", "minimum and maximum f with m a = Σ F, |t| <= μ n"
     if not len(evidence.last.run.contacts.normal):
         return missing(name, why="nothing touches at the end", source=source)
+    if len(evidence.last.run.contacts.normal) > MANY:
+        return missing(name, source=source, why=f"more than {MANY} contacts at the end, which take "
+                       "minutes; `sandbox bounds RUN` computes their ranges")
     found = contact_bounds(evidence)
     worst, widest, names = Worst(), (0.0, ""), evidence.model.bodies.name
     for bounds in found:

@@ -25,7 +25,7 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.blocks import connect, find_slot, minimum_degree
 from sandbox.engine.bounded import rate
-from sandbox.engine.candidates import normal_row, tangent_row
+from sandbox.engine.candidates import RETURN, normal_row, tangent_row
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 
@@ -185,8 +185,10 @@ def _soften(table: int, h: float, t: Any, one: Any) -> None:
     k = STIFFNESS / (h * h * one["base_n"])
     c = 2.0 * DAMPING * math.sqrt(k / one["base_n"])
     gap = t["gap"] + 0.5 * h * h * t["acceleration"]
-    one["want_n"], one["soft_n"] = (gap / h if gap > 0.0 else k * gap / (h * k + c)), 1.0 / (
-        h * (h * k + c))
+    one["soft_n"] = 1.0 / (h * (h * k + c))
+    one["want_n"] = gap / h
+    if gap <= 0.0:  # an overlap that no load holds is undone slowly
+        one["want_n"] = max(k * gap / (h * k + c), -RETURN - one["soft_n"] * t["normal"])
     one["stiffness"], one["soft_t"] = TANGENTIAL * k, one["soft_n"] / TANGENTIAL
     if t["stretch"] != t["stretch"]:
         t["stretch"] = -t["tangent"] / (h * one["stiffness"])

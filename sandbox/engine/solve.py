@@ -301,7 +301,7 @@ def lemke(table: int, n: int) -> bool:
 def _note_accuracy(table: int, n: int, slack: float, piles: float) -> None:
     """Note the residual of a step: at most ``slack`` if modes were found, ``piles`` of piles."""
     rows, G, accuracy, worst = at.rows(table), at.delassus(table), at.accuracy(table), piles
-    if at.standing(table)[2] == 0:
+    if at.standing(table)[2] == 0 and slack <= COARSE:
         worst = max(worst, slack if n > 0 else 0.0)
     else:
         for k in range(n):
