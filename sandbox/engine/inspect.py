@@ -278,7 +278,7 @@ def _coupled(model: Model, contacts: int) -> float:
         held[bodies.ravel()] = True
     loose = int(np.count_nonzero(model.bodies.free & ~held))
     if 2 * min(contacts, loose) > MANY:
-        return PILED * loose**POWER
+        return float(PILED * loose**POWER)
     return CONTACTS * contacts**2
 
 
