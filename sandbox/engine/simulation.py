@@ -261,7 +261,9 @@ class Simulation:
                     self._world, self._tables, sampler.memory, self._first_rows(), speeds[:1]):
                 found = int(self._world.finder.table[0])
                 self._world.renew()  # results must not depend on what pymunk remembers of the try
-                self._inputs.place()
+                self._inputs = inputs = Inputs(self._world, self._clock)
+                inputs.place()
+                inputs.apply(drive[0])
                 self._enlarge(found)
             made = 0
             while True:
