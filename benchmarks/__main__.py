@@ -11,7 +11,7 @@ from pathlib import Path
 
 from benchmarks.measure import Figure, as_json, table
 
-NAMES = ("step_loop", "control", "command", "drawing", "scaling", "audit", "page", "rest",
+NAMES = ("step_loop", "control", "command", "drawing", "scaling", "piles", "audit", "page", "rest",
          "accuracy", "work_precision", "plain_pymunk", "view", "gym", "sweeps")
 
 BUSY = 0.7

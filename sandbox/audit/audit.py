@@ -91,9 +91,9 @@ ADVICE: tuple[Advice, ...] = (
            "the step is too long for this speed or for these mass ratios",
            "halve `run.step` and run again: if the value falls, the step was too long; "
            "`sandbox converge` finds a suitable step"),
-    Advice(("contact.friction", "contact.slides", "contact.closes", "contact.bounces",
-            "impact.swallowed", "contact.bounds", "contact.place", "joint.friction", "drive.motor",
-            "drive.place", "tendon.grip"),
+    Advice(("contact.friction", "contact.residual", "contact.slides", "contact.closes",
+            "contact.bounces", "impact.swallowed", "contact.bounds", "contact.place",
+            "joint.friction", "drive.motor", "drive.place", "tendon.grip"),
            "in some step no forces satisfied all conditions, for example in a jam; the forces of "
            "that step are approximate",
            "find the element; halve `run.step`; remove the jam"),

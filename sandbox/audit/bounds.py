@@ -27,6 +27,8 @@ from sandbox.mechanics.linear_program import LinearProgram
 from sandbox.model.supports import RANK, components
 from sandbox.numeric import Array
 
+MANY = 60
+"""Contacts at the end above which the audit leaves their bounds out."""
 MOST = 300
 """Largest number of connected rows of balance, three a body."""
 
@@ -236,6 +238,9 @@ class Balance:
 def _contact_bounds(evidence: Evidence, worst: Worst) -> str:
     if not len(evidence.last.run.contacts.normal):
         raise NotComputed("nothing touches at the end")
+    if len(evidence.last.run.contacts.normal) > MANY:
+        raise NotComputed(f"more than {MANY} contacts at the end, which take minutes; "
+                          "`sandbox bounds RUN` computes their ranges")
     widest, note, names = 0.0, "", evidence.model.bodies.name
     for bounds in contact_bounds(evidence):
         for kind, part in (("normal", bounds.normal), ("tangential", bounds.tangential)):

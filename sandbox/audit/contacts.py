@@ -48,6 +48,8 @@ ROUND = 0.01
 """Least radius of curvature [m] of sliding surfaces."""
 DEEP = 0.01
 """Allowed overlap without a contact, relative to the smaller body: chords of curves."""
+UNSOLVED = 1e-6
+"""Rate [m/s, rad/s] by which a step may violate the laws of contacts and friction."""
 POSES = 20
 """Number of samples in which overlaps without a contact force are searched."""
 NO_IMPACT = ("no impact with restitution is alone in a recorded step; run.sample_rate = "
@@ -205,10 +207,7 @@ class _Rows:
     @cached_property
     def joined(self) -> Flags:
         """Rows of free bodies that joints, cords or springs act on."""
-        model, on = self.evidence.model, np.zeros(len(self.names), dtype=bool)
-        for bodies in (model.joints.bodies, model.tendons.guide_body, model.springs.bodies):
-            on[bodies.ravel()] = True
-        return np.asarray((on & model.bodies.free)[np.stack(self.sides)].any(axis=0))
+        return np.asarray(self.evidence.held_by_others[np.stack(self.sides)].any(axis=0))
 
     @property
     def spins(self) -> tuple[Array, Array]:
@@ -280,7 +279,9 @@ def _slides(evidence: Evidence, worst: Worst) -> None:
     # in the step in which it begins to slide friction is up to half way to the static one
     starts = (first * last <= 0) | (np.abs(first) <= STARTS * np.abs(last))
     slides = slides - starts * (rows.static - rows.friction) / 2
-    error = np.maximum(np.where(np.abs(last) <= rows.unsure, sticks, slides), 0.0)
+    # what sticks gives way where it is soft
+    gives = (np.abs(last) <= rows.unsure) | (rows.evidence.contact_depth > 0)
+    error = np.maximum(np.where(gives, sticks, slides), 0.0)
     rows.add(worst, error, CONE + EXACT * peak(rows.normal) / size,
              rows.evidence.one_normal & (rows.friction > 0)
              & np.where(rows.hit, rows.alone, ~rows.struck))
@@ -305,7 +306,7 @@ def _closes(evidence: Evidence, worst: Worst) -> None:
         for spin, arm in zip(rows.spins, rows.arms, strict=True))
     rows.add(worst, np.where(rows.normal < 0, np.inf, error),
              evidence.open + np.where(rows.one, LANDS, 1.0) * rows.landing
-             + h * rows.unsure + h**2 * bend,
+             + h * rows.unsure + h**2 * bend + 2 * evidence.contact_depth,
              evidence.one_normal & ~rows.struck & (np.abs(rows.normal) > TOUCH))
     for sample in np.unique(np.linspace(0, len(evidence.run) - 1, POSES).astype(int)).tolist():
         for pair, depth in overlaps(evidence.alone(sample)):
@@ -359,6 +360,20 @@ def _swallowed(evidence: Evidence, worst: Worst) -> None:
     if len(at):
         time = evidence.run.time[at[(error / allowed).argmax()]]
         worst.add(f"at {time:.5g} s", error, allowed)
+
+
+@check("contact.residual", "m/s", "0 <= p, 0 <= y, p y = 0",
+       asks="were contacts, limits and friction solved in every step?")
+def _residual(evidence: Evidence, worst: Worst) -> str:
+    """The largest violation of the laws of contacts, limits and friction, from the solver."""
+    found = evidence.run.info.contact_solver
+    if "residual" not in found:
+        raise NotComputed("there is no contact, limit or motor, or its solver recorded nothing")
+    worst.judge(found["residual"], UNSOLVED)
+    how = "sparse Newton method, compliant contacts" if "compliant_steps" in found else "active set"
+    return (f"largest rate by which a step violates the laws of contacts and friction ({how}), "
+            f"{found['relaxed_steps']:.0f} steps approximate, {found['steps_above_1e-8']:.0f} "
+            f"above 1e-8 m/s, worst: at {found['time_s']:.5g} s")
 
 
 @check("tendon.slack", "s", "T > 0", asks="do tendons stay taut once they have pulled?")

@@ -223,7 +223,7 @@ def _of_gaps(evidence: Evidence) -> float:
     force = np.hypot(*np.nan_to_num(a["joint_force"]).transpose(2, 0, 1)).max(axis=0, initial=0.0)
     pair = a["contact_body"] * len(free) + a["contact_other"]
     size, touch = np.hypot(*a["contact_force"].T), 0.0
-    overlap = np.clip(-a["contact_gap"], 0.0, LEFT)
+    overlap = np.clip(-a["contact_gap"], 0.0, LEFT + evidence.contact_depth)
     for kind in np.unique(pair):
         own = pair == kind
         touch += float(size[own].max() * (evidence.closed + overlap[own].max()))

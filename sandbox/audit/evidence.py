@@ -10,7 +10,7 @@ import numpy as np
 
 from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL
 from sandbox.model.joints import place_in_slot
-from sandbox.model.pairs import restitution_of
+from sandbox.model.pairs import pair_skins, restitution_of
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Loads
@@ -187,6 +187,39 @@ class Evidence:
         """From the centres of mass of both bodies to the contact points [m], [m, 2] each."""
         one, two = np.split(self.loads.contact_sides.arm, 2)
         return one, two
+
+    @cached_property
+    def contact_depth(self) -> Array:
+        """How deep soft contacts may be for their forces [m], [m]; 0 of rigid ones.
+
+        N / k of a skin. Contacts of piles are soft, too: their stiffness k follows from the
+        response G of the bodies, h^2 k G being known. A row of several points may have a smaller k.
+        """
+        a, h, normal = self.run.arrays, self.h, self.run.contacts.normal
+        one, two = a["contact_body"], a["contact_other"]
+        skins = pair_skins(self.model.mechanism)[0]
+        stiffness = skins[one, two] if skins.size else np.zeros(len(one))
+        if scale := self.run.info.contact_solver.get("stiffness", 0.0):
+            response = np.zeros(len(one))
+            x, y = a["contact_normal"].T
+            for body, arm in zip((one, two), self.contact_arms, strict=True):
+                mass, _, inertia = self.loads.weights[body].T
+                with np.errstate(divide="ignore"):
+                    response += np.where(self.model.bodies.free[body], 1 / mass + (
+                        arm[:, 0] * y - arm[:, 1] * x)**2 / inertia, 0.0)
+            piled = (stiffness == 0) & ~self.held_by_others[one] & ~self.held_by_others[two]
+            stiffness = np.where(piled, scale / (h**2 * response), stiffness)
+        stiffness = np.where(a["contact_merged"] == 1, stiffness, stiffness / 8)
+        return np.divide(np.abs(normal), stiffness, out=np.zeros_like(normal),
+                         where=stiffness > 0)
+
+    @cached_property
+    def held_by_others(self) -> Flags:
+        """Free bodies that joints, tendons or springs act on, [nb]."""
+        model, on = self.model, np.zeros(len(self.model.bodies.name), dtype=bool)
+        for bodies in (model.joints.bodies, model.tendons.guide_body, model.springs.bodies):
+            on[bodies.ravel()] = True
+        return np.asarray(on & model.bodies.free)
 
     def contact_rate(
         self, velocity: Array, along: Array, arms: tuple[Array, Array] | None = None,

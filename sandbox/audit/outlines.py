@@ -285,7 +285,7 @@ def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> tuple
     speed = np.max([sum(np.hypot(v[0, b, sample], v[1, b, sample])
                         + np.abs(v[2, b, sample]) * reach_of(evidence, b) for b in pair)
                     for v in (evidence.velocity - step, evidence.velocity + step)], axis=0)
-    return rounding, np.asarray(rounding + LEFT + h * speed)
+    return rounding, np.asarray(rounding + LEFT + h * speed + evidence.contact_depth[rows])
 
 
 def reach_of(evidence: Evidence, body: int) -> float:

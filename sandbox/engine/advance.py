@@ -10,6 +10,7 @@ from sandbox.engine.groups import apply_forces, is_valid
 from sandbox.engine.kernel import kernel
 from sandbox.engine.native import call_each, call_step
 from sandbox.engine.report import add_work
+from sandbox.engine.skin import soften
 from sandbox.engine.snapshot import (
     add_waiting,
     count_step,
@@ -90,6 +91,7 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
     let_go(table, h, speeds)
     run_surfaces(table, drive)
     list_contacts_of_step(table)
+    soften(table, h)
     struck = solve(table, h, drive)
     for b in range(len(body)):
         for j in range(3):

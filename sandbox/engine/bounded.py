@@ -392,6 +392,16 @@ def relax(rows: Records, n: int, G: Array) -> None:
 
 
 @kernel
+def residual(rows: Records, n: int, G: Array, k: int) -> float:
+    """By what rate row ``k`` violates its law; a row that joints hold has none."""
+    row, (low, high) = rows[k], _bounds(rows, k)
+    if row["out"]:
+        return 0.0
+    p = min(max(row["p"] - y_of(rows, n, G, k) / G[k, k], low), high)
+    return float(abs(row["p"] - p) * G[k, k])
+
+
+@kernel
 def _bounds(rows: Records, k: int) -> tuple[float, float]:
     t = rows[k]["normal"]
     if t < 0:

@@ -47,6 +47,8 @@ def normal_row(h: float, touches: Records, i: int, out: Any) -> None:
     out["ax"], out["ay"], out["bx"], out["by"] = -nx, -ny, nx, ny
     out["at"], out["bt"] = t["ay"] * nx - t["ax"] * ny, t["bx"] * ny - t["by"] * nx
     out["want"] = closing_rate(h, t["gap"] + t["led"], RETURN) + 0.5 * h * t["acceleration"]
+    if t["soft"] > 0.0:
+        out["want"], out["soft"], out["gentle"] = t["want"], t["soft"], 0
 
 
 @kernel
@@ -66,6 +68,7 @@ def tangent_row(h: float, body: Array, touches: Records, i: int, normal: int, ou
     out["ax"], out["ay"], out["bx"], out["by"] = -x, -y, x, y
     out["at"], out["bt"] = t["ay"] * x - t["ax"] * y, t["bx"] * y - t["by"] * x
     out["want"] = 0.5 * h * (wa * wa * arm_a - wb * wb * arm_b) + t["belt"]
+    out["want"], out["soft"] = out["want"] + t["want_along"], t["soft_along"]
     out["static"], out["phase"], out["slip"] = t["static"], SLIDES, t["mode"]
     a, b, carried = t["a"], t["b"], t["normal"] > 0.0
     sliding = (x * (body[b, 3] - body[a, 3]) + y * (body[b, 4] - body[a, 4])
@@ -120,7 +123,7 @@ def kept_rows(table: int, h: float, drive: Array) -> int:
             _limit_row(table, h, i, rows[n])
             n += 1
     for i in range(at.touching(table)[0]):
-        if touches[i]["listed"]:
+        if touches[i]["listed"] == 1:
             n = _with_touch(h, at.body(table), touches, rows, i, n)
     for k in range(n):
         if rows[k]["a"] < len(at.before(table)):

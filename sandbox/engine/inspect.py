@@ -37,6 +37,7 @@ from sandbox.engine.inspect_joints import joint_problems, shared_problems, wheel
 from sandbox.engine.inspect_overlaps import overlaps
 from sandbox.engine.inspect_springs import against_step, ringing_problems, without_arm
 from sandbox.engine.inspect_words import NEGLIGIBLE, deg, look, mm
+from sandbox.engine.islands import MANY
 from sandbox.errors import Problem
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.meters import check_quantities, check_shown
@@ -187,6 +188,8 @@ BODY, ROW, GUIDE, SPRING, DRIVE = 0.12e-6, 0.25e-6, 0.12e-6, 0.6e-6, 0.35e-6
 drive [s]."""
 CONTACT, CONTACTS = 0.25e-6, 2e-9
 """Time for each contact, and for each pair of contacts, which may be coupled [s]."""
+PILED, POWER = 0.25e-6, 1.5
+"""Time for the bodies of a pile, times their number to this power [s]."""
 ACT = 12e-6
 """One evaluation of a controller or a condition [s]."""
 NUMBER = 0.25e-6
@@ -259,7 +262,18 @@ def _step(model: Model, contacts: int) -> float:
             + GUIDE * (len(model.tendons.guide_body) + len(model.lines.gain))
             + SPRING * (len(model.springs.name) + len(model.lines.name) + len(model.valves.name)
                         + len(model.loads.name))
-            + DRIVE * len(model.drives.name) + CONTACT * contacts + CONTACTS * contacts**2)
+            + DRIVE * len(model.drives.name) + CONTACT * contacts + _coupled(model, contacts))
+
+
+def _coupled(model: Model, contacts: int) -> float:
+    """Seconds for what contacts do to one another; of piles as the sparse solver takes them."""
+    held = np.zeros(len(model.bodies.name), dtype=bool)
+    for bodies in (model.joints.bodies, model.tendons.guide_body, model.springs.bodies):
+        held[bodies.ravel()] = True
+    loose = int(np.count_nonzero(model.bodies.free & ~held))
+    if 2 * min(contacts, loose) > MANY:
+        return float(PILED * loose**POWER)
+    return CONTACTS * contacts**2
 
 
 def _acts(model: Model, clock: Clock) -> float:

@@ -10,8 +10,10 @@ against each other.
 
 from __future__ import annotations
 
+import ctypes
 from functools import cache
 from typing import Annotated, Any, NamedTuple
+from weakref import finalize
 
 import numpy as np
 import pymunk
@@ -44,6 +46,12 @@ def _each(context: Any, address: Any, space: Any, function: Any, data: Any) -> A
 def _for_word(context: Any, address: Any, subject: Any) -> Any:
     """Call ``uintptr_t f(subject)`` at ``address``."""
     return types.intp(types.intp, types.intp), _caller([_WORD], _WORD)
+
+
+def _for_words(context: Any, address: Any, one: Any, two: Any) -> Any:
+    """Call ``uintptr_t f(one, two)`` at ``address``."""
+    return (types.intp(types.intp, types.intp, types.intp),
+            _caller([_WORD, _WORD], _WORD))
 
 
 def _at(context: Any, address: Any) -> Any:
@@ -111,6 +119,7 @@ def _caller(arguments: list[ir.Type], result: ir.Type | None = None) -> Any:
 call_step: Any = intrinsic(_step)
 call_each: Any = intrinsic(_each)
 call_for_word: Any = intrinsic(_for_word)
+call_for_words: Any = intrinsic(_for_words)
 real_at: Any = intrinsic(_at)
 word_at: Any = intrinsic(_word)
 int_at: Any = intrinsic(_int)
@@ -150,7 +159,7 @@ class Native(NamedTuple):
     placed: Annotated[Array, 2]
     """Poses for pymunk, [nb, 3]: those of the step, displaced by impacts after them."""
     near: Integers
-    """The table of :class:`Finder`, whose first number is set to 0 before each call, [4]."""
+    """The table of :class:`Finder`, whose first number is set to 0 before each call, [5]."""
     raw: Annotated[Records, FOUND]
     """[room]"""
 
@@ -205,21 +214,32 @@ class Finder:
     """
 
     def __init__(self, space: pymunk.Space, room: int) -> None:
+        grow = ctypes.pythonapi.PyMem_RawRealloc
+        grow.restype, grow.argtypes = ctypes.c_void_p, (ctypes.c_void_p, ctypes.c_size_t)
         self.table: Integers = np.array([
-            0, 0, 0, address(ffi.addressof(lib, "cpShapeGetCollisionType"))], dtype=np.int64)
-        """How many were found (maybe more than there is room for), the room, where, whom to ask."""
-        self.resize(room)
+            0, room, grow(None, room * FOUND.itemsize),
+            address(ffi.addressof(lib, "cpShapeGetCollisionType")),
+            ctypes.cast(grow, ctypes.c_void_p).value], dtype=np.int64)
+        """Points found, points that there is room for, where they are; functions: of the number of
+        a shape, and to make room, which finding does by itself."""
+        finalize(self, _free, self.table)
         handler = lib.cpSpaceAddGlobalCollisionHandler(space._space)
         handler.userData = ffi.cast("void *", self.table.ctypes.data)
         handler.preSolveFunc = ffi.cast(
             "void (*)(cpArbiter *, cpSpace *, void *)", _note().address)
 
+    @property
+    def raw(self) -> Records:
+        """What was found in the last step, FOUND, [room]; valid until more is found."""
+        room, place = self.table[1:3].tolist()
+        memory = (ctypes.c_byte * (room * FOUND.itemsize)).from_address(place)
+        return np.frombuffer(memory, dtype=FOUND)
 
-    def resize(self, room: int) -> None:
-        """Make room for so many points; none is found there yet."""
-        self.raw: Records = np.zeros(room, dtype=FOUND)
-        """What was found in the last step, FOUND, [room]."""
-        self.table[:3] = 0, room, self.raw.ctypes.data
+
+def _free(table: Integers) -> None:
+    free = ctypes.pythonapi.PyMem_RawFree
+    free.restype, free.argtypes = None, (ctypes.c_void_p,)
+    free(int(table[2]))
 
 
 @cache
@@ -230,7 +250,7 @@ def _note() -> Any:
         for name in ("a", "b", "count", "contacts", "n", "processCollision"))
     r1_at, r2_at, hash_at = (
         ffi.offsetof("struct cpContact", name) for name in ("r1", "r2", "hash"))
-    size = ffi.sizeof("struct cpContact")
+    size, itemsize = ffi.sizeof("struct cpContact"), FOUND.itemsize
 
     def note(arbiter: int, space: int, table: Any) -> None:
         byte_to(arbiter + processed_at, 0)
@@ -238,12 +258,14 @@ def _note() -> Any:
         point = word_at(arbiter + points_at)
         a = call_for_word(table[3], word_at(arbiter + a_at)) - 1
         b = call_for_word(table[3], word_at(arbiter + b_at)) - 1
+        if table[0] + count > table[1]:
+            room = 2 * (table[0] + count)
+            table[2] = call_for_words(table[4], table[2], room * itemsize)
+            table[1] = room
         raw = carray(as_pointer(table[2]), (table[1],), FOUND)
         for _ in range(count):
             n = table[0]
             table[0] = n + 1
-            if n >= table[1]:
-                return
             found = raw[n]
             found["shape_a"], found["shape_b"] = a, b
             found["feature"] = word_at(point + hash_at)

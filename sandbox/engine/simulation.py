@@ -25,6 +25,7 @@ from sandbox.engine.inputs import Inputs
 from sandbox.engine.inspect_control import Checked, Runnable, checked
 from sandbox.engine.inspect_elements import line_problems, load_problems, tendon_problems
 from sandbox.engine.inspect_joints import joint_problems
+from sandbox.engine.islands import DAMPING, STIFFNESS, TANGENTIAL
 from sandbox.engine.readings import Readings
 from sandbox.engine.sampler import Sampler
 from sandbox.engine.start import Beginning, start
@@ -263,7 +264,12 @@ class Simulation:
             speeds = inputs.speeds(done + 1, count)
             while done == 0 and not start(
                     self._world, self._tables, sampler.memory, self._first_rows(), speeds[:1]):
-                self._enlarge()
+                found = int(self._world.finder.table[0])
+                self._world.renew()  # results must not depend on what pymunk remembers of the try
+                self._inputs = inputs = Inputs(self._world, self._clock)
+                inputs.place()
+                inputs.apply(drive[0])
+                self._enlarge(found)
             made = 0
             while True:
                 address, h, _ = sampler.memory
@@ -305,21 +311,24 @@ class Simulation:
             raise diverged(float(self._clock.force_time(k)), self._world, self._tables,
                            self._steering)
 
-    def _enlarge(self) -> None:
+    def _enlarge(self, found: int | None = None) -> None:
         """Make room for what touches in the step that is half made, to go on with it.
+
+        Args:
+            found: how many contacts, by default those of the step.
 
         Raises:
             SandboxError: more contacts than can be solved together.
         """
         world, constants = self._world, self._tables.constants
-        found = int(world.finder.table[0])
+        found = int(world.finder.table[0]) if found is None else found
         if found > MOST_CONTACTS:
             raise SandboxError(f"{found} contacts at once at t = {self.time:.6g} s, more than the "
                                f"{MOST_CONTACTS} that can be solved together: fewer or simpler "
                                "bodies may help", code="too-complex")
         rows = rows_for(len(constants.limits), len(constants.motors), len(constants.slips),
                         len(constants.dry_friction), found)
-        world.enlarge(4 * (rows + 1))
+        world.enlarge(found, 4 * (rows + 1))
         self._tables = enlarged(self._tables, world.room)
         self._sampler.enlarge(self._tables)
         self._readings.tables = self._tables
@@ -424,10 +433,23 @@ class Simulation:
                 "numba": numba.__version__, "python": platform.python_version(),
             },
             wall=dict(self._wall), events=events, broke=tuple(self._broke), stopped=stopped,
-            controllers=controllers,
+            controllers=controllers, contact_solver=self._contact_solver(),
             notes=(relaxed(int(self._tables.state.standing[0]), self._done)
                    + unordered(int(self._tables.state.standing[5]), self._done)),
         ), copied=copied)
+
+    def _contact_solver(self) -> dict[str, float]:
+        """How contacts, limits and friction were solved: see :class:`Outcome`."""
+        constants, accuracy = self._tables.constants, self._tables.state.accuracy.tolist()
+        if not (len(constants.shapes) or len(constants.limits) or len(constants.motors)):
+            return {}
+        found = {"residual": accuracy[1], "time_s": accuracy[2] * self._clock.step,
+                 "steps_above_1e-8": accuracy[4],
+                 "relaxed_steps": float(self._tables.state.standing[0])}
+        if accuracy[3]:
+            found |= {"compliant_steps": accuracy[3], "stiffness": STIFFNESS, "damping": DAMPING,
+                      "tangential": TANGENTIAL}
+        return found
 
     def _room(self) -> RecordingBuilder:
         """What its samples are collected in."""

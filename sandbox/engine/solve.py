@@ -19,7 +19,17 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.bounded import columns, couple, push, rate, relax, solve_modes, wipe, y_of
+from sandbox.engine.bounded import (
+    columns,
+    couple,
+    push,
+    rate,
+    relax,
+    residual,
+    solve_modes,
+    wipe,
+    y_of,
+)
 from sandbox.engine.breaks import breaks
 from sandbox.engine.candidates import RETURN, broken_rows, kept_rows
 from sandbox.engine.entry_points import entry_point
@@ -34,8 +44,10 @@ from sandbox.engine.groups import (
 )
 from sandbox.engine.impact_poses import add_shift, lead_back, remove_shift, take_impacts
 from sandbox.engine.impacts import foresee_impacts, impacts, late_hits
+from sandbox.engine.islands import list_piles
 from sandbox.engine.kernel import kernel
 from sandbox.engine.lemke import MOST, lemke_modes
+from sandbox.engine.piles import solve_piles
 from sandbox.engine.plan import assemble, backward, factor, forward
 from sandbox.engine.report import report
 from sandbox.engine.rows import (
@@ -46,7 +58,8 @@ from sandbox.engine.rows import (
     right_side,
     scale_entries,
 )
-from sandbox.engine.state import STILL, STILL_TURNING
+from sandbox.engine.skin import stretch_skin
+from sandbox.engine.state import COARSE, STILL, STILL_TURNING
 from sandbox.engine.ties import release_rows
 from sandbox.numeric import Array, Records
 
@@ -91,6 +104,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
     Y, reached = at.columns(table), at.reached(table)
     at.standing(table)[2] = 0
     set_rows(table, h, drive)
+    list_piles(table)
     n = kept_rows(table, h, drive)
     hit = struck = True
     for attempt in range(PRESSED):
@@ -129,6 +143,8 @@ def solve(table: int, h: float, drive: Array) -> bool:
             n = kept_rows(table, h, drive)
     at.standing(table)[3], at.standing(table)[4] = jammed(table, n, slack), n
     report(table, h, drive, n)
+    stretch_skin(table, h, n)
+    _note_accuracy(table, n, slack, solve_piles(table, h))
     _rest(table)
     return struck
 
@@ -285,6 +301,22 @@ def lemke(table: int, n: int) -> bool:
     """Look for the modes of the bounded rows with Lemke's method; whether it found any."""
     return bool(lemke_modes(
         at.rows(table), n, at.delassus(table), at.tableau(table), at.basis(table)))
+
+
+@kernel
+def _note_accuracy(table: int, n: int, slack: float, piles: float) -> None:
+    """Note the residual of a step: at most ``slack`` if modes were found, ``piles`` of piles."""
+    rows, G, accuracy, worst = at.rows(table), at.delassus(table), at.accuracy(table), piles
+    if at.standing(table)[2] == 0 and slack <= COARSE:
+        worst = max(worst, slack if n > 0 else 0.0)
+    else:
+        for k in range(n):
+            worst = max(worst, residual(rows, n, G, k))
+    accuracy[0] = worst
+    if worst > accuracy[1]:
+        accuracy[1], accuracy[2] = worst, at.made(table)[0]
+    if worst > COARSE:
+        accuracy[4] += 1.0
 
 
 @kernel

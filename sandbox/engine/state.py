@@ -23,6 +23,9 @@ from sandbox.numeric import Array, Integers, Records
 STILL, STILL_TURNING = 1e-11, 1e-10
 """Where nothing moves faster [m/s, rad/s] all is at rest, and contacts carry what they carried."""
 
+COARSE = 1e-8
+"""Steps with a larger residual [m/s, rad/s] are counted."""
+
 NORMAL, TANGENT, LIMITED, DRIVEN = 0, 1, 2, 3
 CABLE_FRICTION, CABLE_LOAD, JOINT_FRICTION, JOINT_LOAD = 4, 5, 6, 7
 """Where a bounded row comes from: a contact's two, a limit, a motor or brake; friction between a
@@ -110,7 +113,37 @@ TOUCH = np.dtype([
     ("instant", float),     # of its last impact in the step, after the pose [s]
     ("phase", np.int64),    # AWAY, CLOSING or RESTING
     ("sums", np.int64),     # its CONTACT_SUMS in this sample interval, or -1
+    ("stretch", float),     # of the spring along a compliant contact [m]
+    ("want", float), ("soft", float),   # of its normal row, where its skin is soft, else 0
+    ("want_along", float), ("soft_along", float),   # of its tangential row, the same
 ])
+PILE_BODY = np.dtype([
+    ("number", np.int64),   # of the body
+    ("island", np.int64),   # another body of its island, the lowest one's is itself
+    ("rows", np.int64),     # of the lowest: rows of the island's contacts, negative: never a pile
+    ("piled", np.int64), ("awake", np.int64),
+    ("still", np.int64),    # for how many steps it has been still
+    ("place", np.int64),    # in the order of elimination, -1 without one
+    ("x", float), ("y", float), ("t", float),   # change of its velocity without contacts
+    ("fastest", float),     # of the lowest: the largest free rate of the island's contacts [m/s]
+])
+"""A free body that nothing but contacts connects (:mod:`sandbox.engine.islands`)."""
+PILED = np.dtype([
+    ("touch", np.int64), ("a", np.int64), ("b", np.int64),  # PILE_BODY or -1
+    ("slot", np.int64),     # block of the two
+    ("mode", np.int64),
+    *((name, float) for name in (
+        "friction", "tolerance",
+        "n_last", "t_last",     # impulses of the last step [N s]
+        "n0", "t0", "n_best", "t_best", "pn", "pt",
+        "want_n", "want_t",     # added to the rates [m/s]
+        "bend",                 # what of that bodies that turn give along the contact
+        "soft_n", "soft_t",     # compliance: rate for an impulse of 1
+        "base_n", "base_t",     # response of the bodies to an impulse of 1
+        "stiffness", "along",   # tangential [N/m]; what of want_t its spring gives
+        "Rn", "Rt", "n_shift", "t_shift", "yn", "yt", "dyn", "dyt")),
+])
+"""A contact of a pile while its step is solved (:mod:`sandbox.engine.piles`)."""
 AWAY, CLOSING, RESTING = 0, 1, 2
 """Phases of a contact: it carries nothing; it was hit, and the next step closes its gap; it
 carries."""
@@ -205,6 +238,11 @@ class Constants(NamedTuple):
     branch_starts: Integers
     branches: Integers
     hubs: Annotated[Integers, 2]
+    skin: Annotated[Array, 3]
+    """Stiffness [N/m] and damping [N s/m] of the contacts of every pair of bodies, 0 where they are
+    rigid, [2, nb, nb], or [2, 0, 0] if all are."""
+    loose: Integers
+    """The PILE_BODY of each body, or -1, [nb]."""
 
 
 class State(NamedTuple):
@@ -243,13 +281,19 @@ class State(NamedTuple):
     """In how many steps modes were not found; for how many steps all has been at rest; how often
     modes were not found in this step; which row is jammed, from 1, or 0; how many rows; in how many
     steps impacts were too many to be put in order, [6]."""
+    pile_bodies: Annotated[Records, PILE_BODY]
+    accuracy: Array
+    """Residual of the bounded rows in the last step [m/s, rad/s]; the largest so far; the step that
+    it was in, counted as ``made``; steps with piles that were awake; steps with a residual above
+    :data:`COARSE`, [5]."""
 
 
 class Result(NamedTuple):
     """What the last step gave, and room to work in.
 
-    No step reads what the one before left there, but for two things: ``columns`` are 0 from step to
-    step, and of ``unknowns`` the compliances of rigid rows and hubs are those of the start.
+    No step reads what the one before left there, but for three things: ``columns`` are 0 from step
+    to step, of ``unknowns`` the compliances of rigid rows and hubs are those of the start, and
+    ``pile_starts`` and ``pile_below`` are kept.
     """
 
     velocity: Annotated[Array, 2]
@@ -322,6 +366,26 @@ class Result(NamedTuple):
     """Scratch of Lemke's method, [2 r, 2 r + 2], but r not above what that is tried for."""
     basis: Annotated[Integers, 2]
     """Scratch of the same, [3, 2 r + 2]."""
+    pile_starts: Integers
+    """This and the next: the pattern of the matrix of piles (:mod:`sandbox.engine.blocks`), for
+    np bodies; a step keeps it if it has all that meets in it, [np + 1]."""
+    pile_below: Integers
+    pile_adjacent: Annotated[Integers, 2]
+    """Scratch of its order, [np, words]."""
+    pile_work: Annotated[Integers, 2]
+    """The same, [3, np]."""
+    pile_vectors: Annotated[Array, 3]
+    """Velocities of the bodies of piles: the result, a trial, those without contacts; inverse
+    masses; forces, a right side, a change, [7, np, 3]."""
+    pile_diagonal: Annotated[Array, 3]
+    """Blocks of the matrix, [np, 3, 3]; below and above the diagonal, [slots, 3, 3]."""
+    pile_lower: Annotated[Array, 3]
+    pile_upper: Annotated[Array, 3]
+    piled: Annotated[Records, PILED]
+    """[contacts]"""
+    pile_jacobian: Annotated[Array, 3]
+    """Of the normal and the tangential rate of each with respect to both bodies: normal a, b,
+    tangential a, b, [contacts, 4, 3]."""
 
 
 SAMPLED: dict[type, tuple[str, ...]] = {

@@ -21,9 +21,10 @@ from sandbox.engine.joint_tables import (
 from sandbox.engine.law_tables import ROWS, LawTables, law_tables, load_tables
 from sandbox.engine.lemke import MOST
 from sandbox.engine.paths import add_paths
+from sandbox.engine.pile_tables import loose_bodies, pile_bodies, pile_tables
 from sandbox.engine.plan import Pattern, Rows, make_pattern, place_bodies
 from sandbox.engine.records import NUMBERS
-from sandbox.engine.state import BODY, BOUND, IMPACT, TOUCH, Constants, Result, State
+from sandbox.engine.state import BODY, BOUND, IMPACT, PILED, TOUCH, Constants, Result, State
 from sandbox.engine.stiffness import too_stiff
 from sandbox.engine.ties import room_for_breaks, tie_state, tie_table
 from sandbox.engine.world import Filters, Room, ShapeTables
@@ -31,7 +32,8 @@ from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers, Records
 
 WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system", "chosen",
-             "tableau", "basis")
+             "tableau", "basis", "pile_adjacent", "pile_work", "pile_vectors", "pile_diagonal",
+             "pile_lower", "pile_upper", "piled", "pile_jacobian")
 """Fields of a :class:`Result` that have the room's size, and that nothing is left in by a step."""
 
 
@@ -96,6 +98,8 @@ def make_tables(
         steps=laws.steps, curves=laws.curves, knots=laws.knots,
         friction=np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
         static=filters.static[pairs].copy(), restitution=filters.restitution[pairs].copy(),
+        loose=loose_bodies(pattern, places.inverse_mass, joints, shapes.shapes),
+        skin=filters.skin[:, order][:, :, order].copy() if filters.skin.size else filters.skin,
         **tables)
     state = _first_state(constants, model, body, cords, joint_states, room)
     state.springs["rest"] = rests
@@ -117,7 +121,8 @@ def _first_state(
         made=np.zeros(4, dtype=np.int64), ties=tie_state(model), broken=room_for_breaks(model),
         impacts=np.zeros(_impacts(room), IMPACT), touches=np.zeros(room.contacts, TOUCH),
         touching=np.zeros(2, dtype=np.int64),
-        last_drive=np.full(len(model.drives.name), np.nan), standing=np.zeros(6, dtype=np.int64))
+        last_drive=np.full(len(model.drives.name), np.nan), standing=np.zeros(6, dtype=np.int64),
+        pile_bodies=pile_bodies(constants.loose), accuracy=np.zeros(5))
     state.joints["flank"], state.motors["target"] = 1.0, math.nan
     begin_friction(state.dry_friction, constants.dry_friction, model)
     return state
@@ -165,7 +170,8 @@ def _workspace(room: Room, unknowns: int) -> dict[str, Any]:
         "system": np.zeros((room.rows, room.rows + 1)),
         "chosen": np.zeros(room.rows, dtype=np.int64),
         "tableau": np.zeros((2 * pivoted, 2 * pivoted + 2)),
-        "basis": np.zeros((3, 2 * pivoted + 2), dtype=np.int64)}
+        "basis": np.zeros((3, 2 * pivoted + 2), dtype=np.int64),
+        "piled": np.zeros(room.contacts, PILED), "pile_jacobian": np.zeros((room.contacts, 4, 3))}
 
 
 def _body_table(model: Model, order: Integers) -> Records:
@@ -188,7 +194,7 @@ def _result(
         belts=np.zeros(count), stack=laws.stack, read_names=laws.read,
         entries=np.zeros((2, len(pattern.entry_row), 3)),
         values=np.zeros(len(pattern.below) + unknowns), unknowns=np.zeros((6, unknowns)),
-        **_workspace(room, unknowns))
+        **_workspace(room, unknowns), **pile_tables(len(np.flatnonzero(constants.loose >= 0))))
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia

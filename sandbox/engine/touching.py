@@ -134,6 +134,7 @@ def for_next(last: Any, now: Any) -> None:
     now["normal"], now["tangent"] = last["normal"], last["tangent"]
     now["mode"], now["listed"] = last["mode"], last["listed"]
     now["phase"], now["sums"] = last["phase"], last["sums"]
+    now["stretch"] = last["stretch"]
 
 
 @kernel
@@ -219,3 +220,4 @@ def _contact(
     out["normal"] = out["tangent"] = out["bounce"] = out["rub"] = out["led"] = 0.0
     out["mode"] = out["listed"] = out["late"] = out["phase"] = 0
     out["sums"] = -1
+    out["stretch"] = out["want"] = out["soft"] = out["want_along"] = out["soft_along"] = 0.0

@@ -20,7 +20,7 @@ from pymunk import batch
 from sandbox.engine import native
 from sandbox.engine.state import FACE, SHAPE, SPAN
 from sandbox.model.model import Model
-from sandbox.model.pairs import Words, allowed_pairs, joined
+from sandbox.model.pairs import Words, allowed_pairs, joined, pair_skins
 from sandbox.numeric import Array, Flags, Integers, Records, Stack
 from sandbox.scene.bodies import (
     Body,
@@ -129,27 +129,11 @@ class World:
         """Move all bodies by one step, and find the contacts there."""
         self.space.step(self.h)
 
-    def find(self) -> None:
-        """Find the contacts where the bodies are, which stay there, in place of those known."""
-        self.read()
-        moving, kept = self.body[:, 3:].copy(), self.velocity.copy()
-        self.velocity[:] = 0.0
-        self.write()
-        self.finder.table[0] = 0
-        self.step()
-        self.velocity[:] = moving
-        self.write()
-        self.read()
-        self.velocity[:] = kept
-
-    def enlarge(self, rows: int) -> None:
-        """Make room for twice what was found in the last step, and for ``rows`` bounded rows."""
-        found = int(self.finder.table[0])
+    def enlarge(self, found: int, rows: int) -> None:
+        """Make room for twice ``found`` contacts, and for ``rows`` bounded rows."""
         self.room = Room(contacts=2 * max(self.room.contacts, found),
                          rows=max(self.room.rows, rows))
-        self.finder.resize(self.room.contacts)
         self.native = self.native._replace(raw=self.finder.raw)
-        self.find()
 
     # -- building -------------------------------------------------------------------
 
@@ -342,7 +326,8 @@ class Filters:
     """Per body, in mechanism order: group, category bits, mask; and what filters can't say.
 
     ``allowed`` is the matrix of pairs that may touch, ``friction``, ``static`` and
-    ``restitution`` hold the coefficients of all pairs, each of shape [nb, nb].
+    ``restitution`` hold the coefficients of all pairs, each of shape [nb, nb], ``skin`` stiffness
+    and damping of soft contacts, [2, nb, nb], or [2, 0, 0] if there are none.
     """
 
     group: Integers
@@ -352,6 +337,7 @@ class Filters:
     friction: Array
     static: Array
     restitution: Array
+    skin: Array
 
 
 def make_filters(model: Model) -> Filters:
@@ -380,7 +366,9 @@ def make_filters(model: Model) -> Filters:
     if kinds <= CATEGORIES:
         mask = np.array(
             [np.bitwise_or.reduce(bits[row], initial=0) for row in rows], dtype=np.int64)
-    return Filters(group, bits, mask, allowed, *_pair_materials(mechanism, words))
+    friction, static, restitution = _pair_materials(mechanism, words)
+    return Filters(group, bits, mask, allowed, friction, static, restitution,
+                   pair_skins(mechanism))
 
 
 def _kinds(rows: Flags) -> tuple[int, Integers]:

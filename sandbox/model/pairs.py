@@ -109,6 +109,23 @@ def _of_pair(
     return math.sqrt(found[0]) * math.sqrt(found[1])
 
 
+def pair_skins(mechanism: Mechanism) -> Array:
+    """Stiffness [N/m] and damping [N s/m] of the soft contacts of all pairs, [2, nb, nb].
+
+    0 where both surfaces are rigid; [2, 0, 0] if all are. Two skins are in series: their springs
+    have one force, and each damper has the share of the rate that its spring has of the depth.
+    """
+    skins = [mechanism.materials.get(body.material or "", Material()).skin
+             for body in mechanism.bodies]
+    if not any(skins):
+        return np.zeros((2, 0, 0))
+    yielding = np.array([1 / skin.stiffness if skin else 0.0 for skin in skins])
+    loss = np.array([skin.damping / skin.stiffness**2 if skin else 0.0 for skin in skins])
+    total = yielding[:, None] + yielding
+    stiffness = np.divide(1.0, total, out=np.zeros_like(total), where=total > 0)
+    return np.stack([stiffness, stiffness**2 * (loss[:, None] + loss)])
+
+
 def restitution_of(mechanism: Mechanism, one: int, two: int) -> float:
     """Rebound speed over approach speed of two bodies."""
     found = [mechanism.materials.get(mechanism.bodies[i].material or "", Material()).restitution

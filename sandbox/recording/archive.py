@@ -31,7 +31,7 @@ ALIGN, PADDING, SIZES = 64, "<HHH", 20
 """Of arrays in the file; what zip calls the bytes that make it so; what sizes beyond 4 GB take."""
 UNSTEADY = ("wall_s",)
 """Keys of ``info`` that differ from run to run and stay out of the archive."""
-RARE = ("events", "broke", "stopped", "controllers")
+RARE = ("events", "broke", "stopped", "controllers", "contact_solver")
 """Keys that are written only where there is something to say: most runs have no control."""
 
 

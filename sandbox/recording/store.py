@@ -129,6 +129,7 @@ def summary(
         "broke": info["broke"],
         "stopped": info["stopped"],
         "controllers": info["controllers"],
+        "contact_solver": info["contact_solver"],
         "expectations": [asdict(verdict) for verdict in verdicts],
         "audit": [figure_data(figure) for figure in figures],
         "scene": mechanism.model_dump(mode="json", by_alias=True),

@@ -120,6 +120,12 @@ class Outcome:
     """The event that stopped the run, if one did; of several the one whose verdict counts."""
     controllers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """By controller, what its law found out: plain JSON data; only laws that have something."""
+    contact_solver: Mapping[str, float] = field(default_factory=dict)
+    """How contacts, limits and friction were solved; empty where unknown or there are none.
+    ``residual``: the largest violation of their laws [m/s, rad/s]; ``time_s``: when;
+    ``steps_above_1e-8``; ``relaxed_steps``. Where piles had compliant contacts also
+    ``compliant_steps``, ``stiffness`` h^2 k G, ``damping`` ratio, ``tangential`` over normal
+    stiffness."""
     notes: tuple[str, ...] = ()
     """What a reader should know, such as meters without a value."""
 
@@ -189,6 +195,7 @@ def outcome_data(outcome: Outcome) -> dict[str, Any]:
         "stopped": stopped and {"event": stopped.event, "verdict": stopped.verdict,
                                 "time_s": stopped.time, "because": stopped.because},
         "controllers": {name: dict(found) for name, found in outcome.controllers.items()},
+        "contact_solver": dict(outcome.contact_solver),
         "notes": list(outcome.notes),
     }
 
@@ -217,7 +224,10 @@ def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
         versions=given["versions"], wall=given["wall_s"],
         events=tuple(_happened(event, "event") for event in given["events"]),
         broke=tuple(_happened(one, "name") for one in given["broke"]), stopped=stopped,
-        controllers=given["controllers"], notes=tuple(str(note) for note in given["notes"]))
+        controllers=given["controllers"],
+        contact_solver={name: _taken(given["contact_solver"], name, float)
+                        for name in given["contact_solver"]},
+        notes=tuple(str(note) for note in given["notes"]))
 
 
 def _happened(data: Mapping[str, Any], key: str) -> Happened:

@@ -31,6 +31,7 @@ from sandbox.values.numbers import (
     Angle,
     AngularSpeed,
     Coordinate,
+    Damping,
     Density,
     Distance,
     Flag,
@@ -44,6 +45,7 @@ from sandbox.values.numbers import (
     Ratio,
     Share,
     Speed,
+    Stiffness,
 )
 from sandbox.values.planes import Planes
 from sandbox.values.signals import Path
@@ -372,11 +374,27 @@ class Body(Spec):
         return self
 
 
+BOUNCING_SKIN = "'restitution' is for rigid surfaces; a 'skin' rebounds by its stiffness"
 STATIC_OF_NOTHING = "'static' is a multiple of 'friction', which is 0"
 
 
+class Skin(Spec):
+    """A soft layer on a surface: a spring and a damper at each contact point.
+
+    The normal force is stiffness times depth plus damping times its rate. Along the surface a
+    contact that sticks gives way by two thirds of both. Two skins act in series.
+    """
+
+    stiffness: Stiffness = Field(gt=0)
+    """Normal force per depth of each contact point [N/m]."""
+    damping: Damping = 0.0
+    """Force per rate of the depth [N s/m]; 0 by default."""
+    thickness: Length | None = None
+    """Depth at which the layer is squeezed to nothing [m]; the audit warns beyond it."""
+
+
 class Material(Spec):
-    """A contact surface with friction and restitution.
+    """A contact surface with friction, restitution and, if it is soft, a skin.
 
     Friction, static and restitution of a pair are the geometric means of the two.
     """
@@ -388,6 +406,8 @@ class Material(Spec):
     restitution: Share = 0.0
     """Rebound speed over approach speed of two surfaces of this material: 0 does not bounce, 1
     loses nothing."""
+    skin: Skin | None = None
+    """A soft layer; by default contacts are rigid. A soft surface does not bounce."""
     colour: FillColour | None = None
     """Fill in pictures of the bodies of this material, as a body's ``colour``."""
 
@@ -395,4 +415,6 @@ class Material(Spec):
     def _rubs(self) -> Self:
         if self.static > 1 and not self.friction:
             raise WrongValueError("conflicting-keys", STATIC_OF_NOTHING)
+        if self.skin and self.restitution:
+            raise WrongValueError("conflicting-keys", BOUNCING_SKIN)
         return self

@@ -392,11 +392,13 @@ def test_refused_pairs_pass_through_each_other(count: int) -> None:
     """Discs that overlap and may not touch both come to lie on the floor, others do not.
 
     With 40 such pairs there are 81 kinds of body, more than pymunk's 32 categories: all are then
-    of one, and the table of pairs tells them apart. On the floor a disc's centre is 20 mm up.
+    of one, and the table of pairs tells them apart. On the floor a disc's centre is 20 mm up, less
+    m g / k where so many contacts are compliant, with h^2 k / m = 40.
     """
     run = simulate(crossing(count))
     heights = [run[f"{name}{i}.y"][-1] for i in range(count) for name in "ab"]
-    np.testing.assert_allclose(heights, 0.02, atol=1e-9)
+    depth = G * run.info.step**2 / 40 if count > 30 else 0.0
+    np.testing.assert_allclose(heights, 0.02 - depth, atol=1e-9)
     others = np.unique(run.arrays["contact_other"])
     np.testing.assert_array_equal(others, [0])
 
@@ -410,7 +412,7 @@ def test_permitted_pairs_touch_beyond_32_collision_groups() -> None:
     run = simulate(machine.model_copy(update={"contacts": machine.contacts[:-1]}))
     apart = [run[f"b39.{q}"][-1] - run[f"a39.{q}"][-1] for q in "xy"]
     assert np.hypot(*apart) == pytest.approx(0.02, abs=1e-6)
-    assert run["b38.y"][-1] == pytest.approx(0.02, abs=1e-9)
+    assert run["b38.y"][-1] == pytest.approx(0.02 - G * run.info.step**2 / 40, abs=1e-9)
 
 
 def test_fixed_bodies_are_apart_for_joints() -> None:

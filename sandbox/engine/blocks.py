@@ -1,0 +1,174 @@
+"""Sparse matrices of 3 x 3 blocks: elimination order and LU factors.
+
+The block columns are eliminated in minimum-degree order. L is stored by columns, U by rows, both
+with the same pattern: slot p of column j belongs to row ``below[p]``, which is later than j.
+``starts`` [n + 1] says where the slots of a column begin; rows are in ascending order.
+"""
+
+from __future__ import annotations
+
+from sandbox.engine.kernel import kernel
+from sandbox.numeric import Integers, Matrix, Stack
+
+BITS = 62
+"""Bits used of a word of an adjacency set; more would need an unsigned type."""
+
+
+@kernel
+def _count(word: int) -> int:
+    n = 0
+    while word:
+        word &= word - 1
+        n += 1
+    return n
+
+
+@kernel
+def connect(adjacent: Integers, i: int, j: int) -> None:
+    """Add the edge i, j to adjacency sets [n, words]."""
+    adjacent[i, j // BITS] |= 1 << (j % BITS)
+    adjacent[j, i // BITS] |= 1 << (i % BITS)
+
+
+@kernel
+def minimum_degree(
+    adjacent: Integers, place: Integers, starts: Integers, below: Integers, work: Integers,
+) -> None:
+    """Find the order of elimination and the pattern of the factors.
+
+    Args:
+        adjacent: adjacency sets [n, words], overwritten.
+        place: result, the position of each node in the order, [n].
+        starts: result, [n + 1].
+        below: result, with room for all slots.
+        work: scratch, [2, n].
+    """
+    n, words = adjacent.shape
+    degree, order = work[0], work[1]
+    for i in range(n):
+        degree[i] = 0
+        for q in range(words):
+            degree[i] += _count(adjacent[i, q])
+    starts[0] = end = 0
+    for i in range(n):
+        place[i] = -1
+    for s in range(n):
+        node = -1
+        for i in range(n):  # ties go to the lowest number
+            if place[i] < 0 and (node < 0 or degree[i] < degree[node]):
+                node = i
+        place[node], order[s] = s, node
+        for q in range(words):
+            word, bit = adjacent[node, q], 0
+            while word:
+                if word & 1:
+                    below[end] = q * BITS + bit
+                    end += 1
+                word >>= 1
+                bit += 1
+        starts[s + 1] = end
+        for p in range(starts[s], end):
+            j = below[p]
+            for q in range(words):
+                adjacent[j, q] |= adjacent[node, q]
+            adjacent[j, node // BITS] &= ~(1 << (node % BITS))
+            adjacent[j, j // BITS] &= ~(1 << (j % BITS))
+            degree[j] = 0
+            for q in range(words):
+                degree[j] += _count(adjacent[j, q])
+    for s in range(n):
+        for p in range(starts[s], starts[s + 1]):
+            row, q = place[below[p]], p
+            while q > starts[s] and below[q - 1] > row:
+                below[q] = below[q - 1]
+                q -= 1
+            below[q] = row
+
+
+@kernel
+def find_slot(starts: Integers, below: Integers, column: int, row: int) -> int:
+    """The slot of a block below the diagonal, -1 if it is not in the pattern."""
+    low, high = starts[column], starts[column + 1]
+    while low < high:
+        middle = (low + high) // 2
+        if below[middle] < row:
+            low = middle + 1
+        else:
+            high = middle
+    return low if low < starts[column + 1] and below[low] == row else -1
+
+
+@kernel
+def _invert(A: Matrix) -> None:
+    """Invert a 3 x 3 matrix in place."""
+    a, b, c = A[0, 0], A[0, 1], A[0, 2]
+    d, e, f = A[1, 0], A[1, 1], A[1, 2]
+    g, h, i = A[2, 0], A[2, 1], A[2, 2]
+    u, v, w = e * i - f * h, f * g - d * i, d * h - e * g
+    r = 1.0 / (a * u + b * v + c * w)
+    A[0, 0], A[0, 1], A[0, 2] = u * r, (c * h - b * i) * r, (b * f - c * e) * r
+    A[1, 0], A[1, 1], A[1, 2] = v * r, (a * i - c * g) * r, (c * d - a * f) * r
+    A[2, 0], A[2, 1], A[2, 2] = w * r, (b * g - a * h) * r, (a * e - b * d) * r
+
+
+@kernel
+def _subtract_product(X: Matrix, A: Matrix, B: Matrix) -> None:
+    """X -= A B."""
+    for r in range(3):
+        x, y, z = A[r, 0], A[r, 1], A[r, 2]
+        X[r, 0] -= x * B[0, 0] + y * B[1, 0] + z * B[2, 0]
+        X[r, 1] -= x * B[0, 1] + y * B[1, 1] + z * B[2, 1]
+        X[r, 2] -= x * B[0, 2] + y * B[1, 2] + z * B[2, 2]
+
+
+@kernel
+def factor_blocks(starts: Integers, below: Integers, D: Stack, L: Stack, U: Stack) -> None:
+    """Factor in place: D becomes the inverse pivots, L is scaled by them.
+
+    Args:
+        starts: of the pattern.
+        below: of the pattern.
+        D: diagonal blocks, [n, 3, 3].
+        L: blocks (row, column) below the diagonal, [slots, 3, 3].
+        U: blocks (column, row) above it, at the same slots.
+    """
+    for j in range(len(starts) - 1):
+        _invert(D[j])
+        inverse = D[j]
+        first, last = starts[j], starts[j + 1]
+        for p in range(first, last):
+            for r in range(3):
+                x, y, z = L[p, r, 0], L[p, r, 1], L[p, r, 2]
+                for c in range(3):
+                    L[p, r, c] = x * inverse[0, c] + y * inverse[1, c] + z * inverse[2, c]
+        for q in range(first, last):
+            slot = starts[below[q]]
+            for p in range(q + 1, last):
+                while below[slot] != below[p]:
+                    slot += 1
+                _subtract_product(L[slot], L[p], U[q])
+                _subtract_product(U[slot], L[q], U[p])
+            _subtract_product(D[below[q]], L[q], U[q])
+
+
+@kernel
+def solve_blocks(
+    starts: Integers, below: Integers, D: Stack, L: Stack, U: Stack, x: Matrix,
+) -> None:
+    """Solve with the factors in place; x [n, 3] is in the order of elimination."""
+    n = len(starts) - 1
+    for j in range(n):
+        a, b, c = x[j, 0], x[j, 1], x[j, 2]
+        for p in range(starts[j], starts[j + 1]):
+            i = below[p]
+            for r in range(3):
+                x[i, r] -= L[p, r, 0] * a + L[p, r, 1] * b + L[p, r, 2] * c
+    for j in range(n - 1, -1, -1):
+        a, b, c = x[j, 0], x[j, 1], x[j, 2]
+        for p in range(starts[j], starts[j + 1]):
+            i = below[p]
+            a -= U[p, 0, 0] * x[i, 0] + U[p, 0, 1] * x[i, 1] + U[p, 0, 2] * x[i, 2]
+            b -= U[p, 1, 0] * x[i, 0] + U[p, 1, 1] * x[i, 1] + U[p, 1, 2] * x[i, 2]
+            c -= U[p, 2, 0] * x[i, 0] + U[p, 2, 1] * x[i, 1] + U[p, 2, 2] * x[i, 2]
+        for r in range(3):
+            x[j, r] = D[j, r, 0] * a + D[j, r, 1] * b + D[j, r, 2] * c

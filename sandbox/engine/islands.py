@@ -1,0 +1,274 @@
+"""Piles: islands of many free bodies that only contacts connect, and islands that sleep.
+
+Two free bodies are in one island if they are near enough to touch. An island is a pile if no joint,
+spring row or load acts on its bodies, if its contacts have neither restitution nor static friction
+above sliding friction, and if all such islands together have more than :data:`MANY` rows.
+:mod:`sandbox.engine.piles` solves piles; their contacts are compliant, with a stiffness k and a
+damping c that follow from the masses and the step. At the end of a step
+
+    f = k d + c d',    d the depth, h^2 k G = STIFFNESS,   c = 2 DAMPING sqrt(k / G)
+
+with G the response of the contact to a unit impulse. Tangentially a sticking contact has the
+stiffness TANGENTIAL k; a sliding one obeys Coulomb's law. Depths are a few g h^2 / STIFFNESS for
+each body that lies above.
+
+An island sleeps after it has been still for :data:`STEPS` steps: its velocities are 0 and its
+impulses stay. A body that comes near, a change of the forces on it, a moving support or a running
+surface wakes all of it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sandbox.engine import memory as at
+from sandbox.engine.blocks import connect, find_slot, minimum_degree
+from sandbox.engine.bounded import rate
+from sandbox.engine.candidates import RETURN, normal_row, tangent_row
+from sandbox.engine.entry_points import entry_point
+from sandbox.engine.kernel import kernel
+
+MANY, FEW = 60, 30
+"""With more rows islands are piles; they stay piles down to so many."""
+STIFFNESS, DAMPING, TANGENTIAL = 40.0, 0.3, 2.0 / 3.0
+"""Of contacts in piles: h^2 k G, the damping ratio, tangential over normal stiffness (Mindlin, of
+an incompressible material)."""
+STEPS, SLOW, SLOW_TURNING = 22, 1e-10, 1e-8
+"""Steps after which an island sleeps whose bodies are slower than this [m/s, rad/s]."""
+ABSOLUTE, RELATIVE = 1e-11, 1e-10
+"""Tolerance of residuals [m/s], and as a share of the largest free rate of the island."""
+PILED = -1
+"""Value of a contact's ``listed`` that keeps it from the rows of the direct solver."""
+
+
+@kernel
+def _root(table: int, i: int) -> int:
+    bodies = at.pile_bodies(table)
+    while bodies[i]["island"] != i:
+        bodies[i]["island"] = bodies[bodies[i]["island"]]["island"]
+        i = bodies[i]["island"]
+    return i
+
+
+@entry_point("piles")
+def list_piles(table: int) -> None:
+    """Find the islands, and mark the contacts of piles, which no other row is made for."""
+    touches, loose, bodies = at.touches(table), at.loose(table), at.pile_bodies(table)
+    inverse_mass, free = at.inverse_mass(table), at.free(table)
+    for i in range(len(bodies)):
+        bodies[i]["island"], bodies[i]["rows"], bodies[i]["awake"] = i, 0, 0
+    for i in range(at.touching(table)[0]):
+        a, b = loose[touches[i]["a"]], loose[touches[i]["b"]]
+        if a >= 0 and b >= 0:
+            a, b = _root(table, a), _root(table, b)
+            bodies[max(a, b)]["island"] = min(a, b)
+    for i in range(at.touching(table)[0]):
+        t = touches[i]
+        a, b = loose[t["a"]], loose[t["b"]]
+        if a < 0 and b < 0:
+            continue
+        root = bodies[_root(table, max(a, b))]
+        root["rows"] += 2 if t["friction"] > 0.0 else 1
+        other = t["b"] if a >= 0 else t["a"]
+        if (t["restitution"] > 0.0 or t["static"] > 1.0
+                or (min(a, b) < 0 and inverse_mass[other, 0] > 0.0)):
+            root["rows"] = -(1 << 40)  # no pile
+        if t["belt"] != 0.0 or (min(a, b) < 0 and (
+                free[other, 0] != 0.0 or free[other, 1] != 0.0 or free[other, 2] != 0.0)):
+            root["awake"] = 1
+    rows, most = 0, MANY
+    for i in range(len(bodies)):
+        rows += max(bodies[i]["rows"], 0)
+        if bodies[i]["piled"]:
+            most = FEW
+    for i in range(len(bodies)):
+        root = bodies[_root(table, i)]
+        bodies[i]["piled"] = 1 if rows > most and root["rows"] > 0 else 0
+        _note_force(table, i)
+        if bodies[i]["still"] < STEPS:
+            root["awake"] = 1
+    for i in range(len(bodies)):
+        bodies[i]["awake"] = bodies[_root(table, i)]["awake"]
+        if bodies[i]["awake"]:
+            bodies[i]["still"] = min(bodies[i]["still"], STEPS - 1)
+    for i in range(at.touching(table)[0]):
+        t = touches[i]
+        q = max(loose[t["a"]], loose[t["b"]])
+        if q >= 0 and bodies[q]["piled"]:
+            if t["listed"] != PILED and t["normal"] > 0.0 and t["soft"] == 0.0:
+                t["stretch"] = math.nan  # it follows from the impulse
+            t["listed"] = PILED
+        elif t["listed"] == PILED:
+            t["listed"] = 1 if t["normal"] > 0.0 else 0
+
+
+@kernel
+def _note_force(table: int, i: int) -> None:
+    """Wake a body that does not feel the same force as in the step before."""
+    body = at.pile_bodies(table)[i]
+    free, before = at.free(table)[body["number"]], at.before(table)[body["number"]]
+    x, y, t = free[0] - before[0], free[1] - before[1], free[2] - before[2]
+    if body["still"] >= STEPS and (x != body["x"] or y != body["y"] or t != body["t"]):
+        body["still"] = 0
+    body["x"], body["y"], body["t"] = x, y, t
+
+
+@kernel
+def gather_piles(table: int, h: float) -> int:
+    """List the contacts of piles that are awake; how many there are."""
+    touches, loose, bodies = at.touches(table), at.loose(table), at.pile_bodies(table)
+    c, vectors, inverse_mass = at.piled(table), at.pile_vectors(table), at.inverse_mass(table)
+    for i in range(len(bodies)):
+        b = bodies[i]["number"]
+        bodies[i]["fastest"] = 0.0
+        for r in range(3):
+            vectors[2, i, r] = at.free(table)[b, r] if bodies[i]["awake"] else 0.0
+            vectors[3, i, r] = inverse_mass[b, 0] if r < 2 else inverse_mass[b, 1]
+    n = 0
+    for i in range(at.touching(table)[0]):
+        t = touches[i]
+        q = max(loose[t["a"]], loose[t["b"]])
+        if t["listed"] == PILED and bodies[q]["awake"]:
+            _gather(table, h, i, n)
+            root = bodies[_root(table, q)]
+            root["fastest"] = max(root["fastest"], c[n]["tolerance"])
+            n += 1
+    for k in range(n):
+        root = bodies[_root(table, max(c[k]["a"], c[k]["b"]))]
+        c[k]["tolerance"] = ABSOLUTE + RELATIVE * root["fastest"]
+    if n and not _find_slots(table, n):
+        _order(table, n)
+        _find_slots(table, n)
+    return n
+
+
+@kernel
+def _gather(table: int, h: float, i: int, k: int) -> None:
+    """Make contact ``i`` the ``k``-th to solve."""
+    t, one, J = at.touches(table)[i], at.piled(table)[k], at.pile_jacobian(table)[k]
+    loose, rows, free = at.loose(table), at.rows(table), at.free(table)
+    normal, tangent = rows[len(rows) - 1], rows[len(rows) - 2]
+    normal_row(h, at.touches(table), i, normal)
+    tangent_row(h, at.body(table), at.touches(table), i, 0, tangent)
+    one["touch"], one["a"], one["b"] = i, loose[t["a"]], loose[t["b"]]
+    one["friction"], one["n_last"], one["t_last"] = t["friction"], t["normal"], t["tangent"]
+    J[0, 0], J[0, 1], J[0, 2] = normal["ax"], normal["ay"], normal["at"]
+    J[1, 0], J[1, 1], J[1, 2] = normal["bx"], normal["by"], normal["bt"]
+    J[2, 0], J[2, 1], J[2, 2] = tangent["ax"], tangent["ay"], tangent["at"]
+    J[3, 0], J[3, 1], J[3, 2] = tangent["bx"], tangent["by"], tangent["bt"]
+    one["base_n"], one["base_t"] = response(table, normal), response(table, tangent)
+    _soften(table, h, t, one)
+    one["bend"] = tangent["want"] - t["want_along"]
+    if k > 0:  # points of one face slide at one rate
+        last = at.touches(table)[at.piled(table)[k - 1]["touch"]]
+        if last["shape_a"] == t["shape_a"] and last["shape_b"] == t["shape_b"]:
+            one["bend"] = at.piled(table)[k - 1]["bend"]
+    one["want_t"] = one["bend"] + one["along"]
+    for body, key in ((t["a"], one["a"]), (t["b"], one["b"])):
+        if key < 0:  # it may be scheduled
+            side = 0 if body == t["a"] else 1
+            for r in range(3):
+                one["want_n"] += J[side, r] * free[body, r]
+                one["want_t"] += J[2 + side, r] * free[body, r]
+    one["tolerance"] = max(abs(rate(normal, free)), abs(rate(tangent, free) + t["belt"]))
+
+
+@kernel
+def _soften(table: int, h: float, t: Any, one: Any) -> None:
+    """Give a contact its compliance: that of its skin, or the one of rigid surfaces in piles."""
+    if t["soft"] > 0.0:
+        one["want_n"], one["soft_n"] = t["want"], t["soft"]
+        one["along"], one["soft_t"] = t["want_along"], t["soft_along"]
+        one["stiffness"] = TANGENTIAL * at.skin(table)[0, t["a"], t["b"]]
+        return
+    k = STIFFNESS / (h * h * one["base_n"])
+    c = 2.0 * DAMPING * math.sqrt(k / one["base_n"])
+    gap = t["gap"] + 0.5 * h * h * t["acceleration"]
+    one["soft_n"] = 1.0 / (h * (h * k + c))
+    one["want_n"] = gap / h
+    if gap <= 0.0:  # an overlap that no load holds is undone slowly
+        one["want_n"] = max(k * gap / (h * k + c), -RETURN - one["soft_n"] * t["normal"])
+    one["stiffness"], one["soft_t"] = TANGENTIAL * k, one["soft_n"] / TANGENTIAL
+    if t["stretch"] != t["stretch"]:
+        t["stretch"] = -t["tangent"] / (h * one["stiffness"])
+    one["along"] = k * t["stretch"] / (h * k + c)
+
+
+@kernel
+def response(table: int, row: Any) -> float:
+    """The rate of a row for an impulse of 1."""
+    w, a, b = at.inverse_mass(table), row["a"], row["b"]
+    return float(w[a, 0] * (row["ax"] ** 2 + row["ay"] ** 2) + w[a, 1] * row["at"] ** 2
+                 + w[b, 0] * (row["bx"] ** 2 + row["by"] ** 2) + w[b, 1] * row["bt"] ** 2)
+
+
+@kernel
+def _find_slots(table: int, n: int) -> bool:
+    """Find the blocks of all contacts in the pattern; False if one is not there."""
+    c, bodies = at.piled(table), at.pile_bodies(table)
+    starts, below = at.pile_starts(table), at.pile_below(table)
+    if bodies[0]["place"] < 0:
+        return False
+    for k in range(n):
+        a, b = c[k]["a"], c[k]["b"]
+        if a >= 0 and b >= 0:
+            i, j = bodies[a]["place"], bodies[b]["place"]
+            c[k]["slot"] = find_slot(starts, below, min(i, j), max(i, j))
+            if c[k]["slot"] < 0:
+                return False
+    return True
+
+
+@kernel
+def _order(table: int, n: int) -> None:
+    """Find a new order of elimination, for the contacts of now."""
+    c, bodies, adjacent = at.piled(table), at.pile_bodies(table), at.pile_adjacent(table)
+    work = at.pile_work(table)
+    for i in range(len(bodies)):
+        for q in range(adjacent.shape[1]):
+            adjacent[i, q] = 0
+    for k in range(n):
+        a, b = c[k]["a"], c[k]["b"]
+        if a >= 0 and b >= 0:
+            connect(adjacent, a, b)
+    minimum_degree(adjacent, work[2], at.pile_starts(table), at.pile_below(table), work)
+    for i in range(len(bodies)):
+        bodies[i]["place"] = work[2, i]
+
+
+@kernel
+def finish_piles(table: int, h: float, n: int) -> None:
+    """Hand on velocities and impulses, and note which bodies are still."""
+    touches, bodies, c = at.touches(table), at.pile_bodies(table), at.piled(table)
+    velocity, v = at.velocity(table), at.pile_vectors(table)[0]
+    for i in range(len(bodies)):
+        body = bodies[i]
+        if not body["piled"]:
+            body["still"] = 0
+            continue
+        for r in range(3):
+            velocity[body["number"], r] = v[i, r] if body["awake"] else 0.0
+        x, y, t = v[i, 0], v[i, 1], v[i, 2]
+        if body["awake"]:
+            slow = abs(x) < SLOW and abs(y) < SLOW and abs(t) < SLOW_TURNING
+            body["still"] = body["still"] + 1 if slow else 0
+    for k in range(n):
+        one = c[k]
+        t = touches[one["touch"]]
+        t["normal"], t["tangent"] = one["pn"], one["pt"]
+        _stretch(h, t, one)
+
+
+@kernel
+def _stretch(h: float, t: Any, one: Any) -> None:
+    """How far the spring along a contact is stretched after the step."""
+    limit, p = one["friction"] * one["pn"], one["pt"]
+    t["mode"] = 0
+    if one["pn"] <= 0.0:
+        t["stretch"] = 0.0
+    elif abs(p) >= limit * (1.0 - 1e-12):
+        t["mode"] = 1 if p > 0.0 else -1
+        t["stretch"] = -p / (h * one["stiffness"])
+    else:
+        t["stretch"] += h * (one["yt"] - one["along"])
