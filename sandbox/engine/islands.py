@@ -77,11 +77,11 @@ def list_piles(table: int) -> None:
         if t["belt"] != 0.0 or (min(a, b) < 0 and (
                 free[other, 0] != 0.0 or free[other, 1] != 0.0 or free[other, 2] != 0.0)):
             root["awake"] = 1
-    rows, most = 0, MANY
+    rows = piled = 0
     for i in range(len(bodies)):
         rows += max(bodies[i]["rows"], 0)
-        if bodies[i]["piled"]:
-            most = FEW
+        piled += bodies[i]["piled"]
+    most = FEW if piled > 0 else MANY
     for i in range(len(bodies)):
         root = bodies[_root(table, i)]
         bodies[i]["piled"] = 1 if rows > most and root["rows"] > 0 else 0
@@ -255,9 +255,9 @@ def finish_piles(table: int, h: float, n: int) -> None:
             body["still"] = body["still"] + 1 if slow else 0
     for k in range(n):
         one = c[k]
-        t = touches[one["touch"]]
-        t["normal"], t["tangent"] = one["pn"], one["pt"]
-        _stretch(h, t, one)
+        touch = touches[one["touch"]]
+        touch["normal"], touch["tangent"] = one["pn"], one["pt"]
+        _stretch(h, touch, one)
 
 
 @kernel
