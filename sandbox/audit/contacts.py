@@ -24,7 +24,12 @@ from sandbox.audit.figures import EXACT, ROUNDING, STILL, NotComputed, Worst, ch
 from sandbox.audit.outlines import compare_outlines, reach_of
 from sandbox.audit.touching import overlaps
 from sandbox.elements.arrays import Arrays
-from sandbox.model.pairs import friction_of, restitution_of, static_friction_of
+from sandbox.model.pairs import (
+    friction_of,
+    pair_skins,
+    restitution_of,
+    static_friction_of,
+)
 from sandbox.numeric import Array, Flags
 from sandbox.samples.contacts import TOUCH
 
@@ -374,6 +379,24 @@ def _residual(evidence: Evidence, worst: Worst) -> str:
     return (f"largest rate by which a step violates the laws of contacts and friction ({how}), "
             f"{found['relaxed_steps']:.0f} steps approximate, {found['steps_above_1e-8']:.0f} "
             f"above 1e-8 m/s, worst: at {found['time_s']:.5g} s")
+
+
+@check("skin.depth", asks="is no skin squeezed by more than its thickness?",
+       compared="largest depth relative to the thickness of the skin, {count:body|bodies}, worst: "
+                "{where}", none="no skin with a thickness is touched")
+def _depth(evidence: Evidence, worst: Worst) -> None:
+    """Two skins in series share the depth as their compliances."""
+    a, mechanism = evidence.run.arrays, evidence.model.mechanism
+    one, two = a["contact_body"], a["contact_other"]
+    stiffness = pair_skins(mechanism)[0]
+    for i, body in enumerate(mechanism.bodies):
+        material = mechanism.materials.get(body.material or "")
+        skin = material.skin if material else None
+        touched = (one == i) | (two == i)
+        if skin and skin.thickness and touched.any():
+            share = stiffness[one, two][touched] / skin.stiffness
+            depth = np.maximum(-a["contact_gap"][touched], 0.0)
+            worst.add(body.name, share * depth / skin.thickness, 1.0)
 
 
 @check("tendon.slack", "s", "T > 0", asks="do tendons stay taut once they have pulled?")

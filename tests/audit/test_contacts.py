@@ -9,6 +9,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+import sandbox
+from sandbox.audit.audit import audit
 from sandbox.audit.contacts import used_friction
 from sandbox.audit.evidence import Evidence
 from sandbox.engine.simulate import simulate
@@ -220,3 +222,23 @@ def test_bodies_that_pass_through_each_other_are_noticed():
     through = {**FALLS, "contacts": [{"between": ["box", "floor"], "collide": False}]}
     found = verdicts(simulate(mechanism(**through)), FALLS)
     assert (found["closes"], found["force"]) == ("look", "pass")
+
+
+@pytest.mark.parametrize(("mass", "verdict"), [(0.2, "pass"), (0.6, "look")])
+def test_a_skin_deeper_than_it_is_thick_is_noticed(mass, verdict):
+    """A ball released on a skin sinks by m g / k (1 + exp(-zeta pi / sqrt(1 - zeta^2)))."""
+    k, c, thickness = 1000.0, 10.0, 0.004
+    run = sandbox.simulate({
+        "gravity": [0, -10], "run": {"duration": 0.5},
+        "materials": {"gel": {"skin": {"stiffness": k, "damping": c, "thickness": thickness}}},
+        "bodies": [
+            {"name": "floor", "motion": "fixed",
+             "shapes": [{"type": "box", "size": [1, 0.1], "at": [0, -0.05]}]},
+            {"name": "ball", "at": [0, 0.02], "mass": mass, "material": "gel",
+             "shapes": [{"type": "circle", "radius": 0.02}]}]})
+    zeta = c / (2 * math.sqrt(k * mass))
+    overshoot = math.exp(-zeta * math.pi / math.sqrt(1 - zeta**2))
+    depth = next(each for each in audit(run) if each.name == "skin.depth")
+    assert depth.verdict == verdict
+    if verdict == "pass":  # h^2 w^2 / 24 of the period, and a sample beside the turning point
+        assert depth.value == pytest.approx(mass * 10 / k * (1 + overshoot) / thickness, rel=1e-4)
