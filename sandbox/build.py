@@ -39,7 +39,16 @@ from sandbox.elements.points import Pin, Slot, Weld
 from sandbox.elements.springs import LinearSpring, RotarySpring
 from sandbox.elements.tendons import Guide, Tendon
 from sandbox.elements.wheels import Gear, Rack, Roll
-from sandbox.scene.bodies import Body, Box, Capsule, Circle, Material, Polygon, Polyline
+from sandbox.scene.bodies import (
+    Body,
+    Box,
+    Capsule,
+    Circle,
+    Material,
+    Polygon,
+    Polyline,
+    Skin,
+)
 from sandbox.scene.derived_shapes import DiscCam, Drawing, SmoothCurve
 from sandbox.scene.document import Assembly, Scene
 from sandbox.scene.events import Event
@@ -47,7 +56,17 @@ from sandbox.scene.parts.expansion import Leaf
 from sandbox.scene.parts.finger import Finger, FingerSprings, FingerTendon
 from sandbox.scene.parts.section import Section
 from sandbox.scene.parts.trees import PulleyTree, RockerTree
-from sandbox.scene.settings import ContactRule, Expect, Group, Meter, Run, ShownMeter, Trace, View
+from sandbox.scene.settings import (
+    ContactRule,
+    Expect,
+    Group,
+    Meter,
+    PymunkRun,
+    Run,
+    ShownMeter,
+    Trace,
+    View,
+)
 from sandbox.values.signals import Constant, Formula, Path, Ramp, Table
 from sandbox.values.tables import NamedTable
 
@@ -101,6 +120,7 @@ __all__ = [
     "PullDrive",
     "PulleyTree",
     "PushDrive",
+    "PymunkRun",
     "Rack",
     "RadiusDrive",
     "Ramp",
@@ -116,6 +136,7 @@ __all__ = [
     "Section",
     "ServoDrive",
     "ShownMeter",
+    "Skin",
     "Slot",
     "SmoothCurve",
     "StateFeedbackController",

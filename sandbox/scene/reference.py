@@ -34,7 +34,7 @@ ELEMENTS: Mapping[str, Sequence[type[Spec]]] = {
     "The scene": [Scene, settings.Run, settings.PymunkRun, settings.View, settings.Trace,
                   settings.ShownMeter],
     "Bodies": [bodies.Body, *members(bodies.WrittenShape), signals.Path, bodies.Material,
-               settings.ContactRule],
+               bodies.Skin, settings.ContactRule],
     "Joints": members(Joint),
     "Springs": members(springs.Spring),
     "Tendons": [tendons.Tendon, tendons.Guide],

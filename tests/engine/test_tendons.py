@@ -400,7 +400,7 @@ def test_wrong_starts_on_a_pulley_are_reported() -> None:
     assert words(begins="off") == words(begins="on") == []
     (path, severity, message), = words(begins="off", side="left")
     assert (path, severity) == ("$.tendons[0].guides[1].begins", "error")
-    assert "198 mm deep" in message  # its far side: 2 r beyond what it is clear by on the right
+    assert "198 mm inside" in message  # its far side: 2 r beyond what it is clear by on the right
     (path, severity, message), = words(begins="off", turns=1)
     assert (path, severity) == ("$.tendons[0].guides[1].begins", "warning")
 

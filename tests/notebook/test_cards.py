@@ -80,7 +80,7 @@ def test_a_run_tells_its_end_its_verdict_and_its_audit(run: sandbox.Recording) -
     read = harmless(run._repr_html_())
     assert read.tags.count("img") == 1
     for words in ("One finger on a disc", "the run completed", "7 of 7 expectations passed",
-                  "29 checks passed", "finger.mcp.angle", "0.610691 to 0.61104"):
+                  "30 checks passed", "finger.mcp.angle", "0.610691 to 0.61104"):
         assert words in read.text, words
     assert repr(run) == (
         "<Recording of 'single_finger': 1500 samples to t = 1.49975 s, the run completed>")
