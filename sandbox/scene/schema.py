@@ -49,19 +49,17 @@ def _describe(schema: Schema, definitions: Schema, top: type[Spec]) -> None:
     """
     for model in _models(Spec):
         target = schema if model is top else definitions.get(model.__name__)
-        if target is None:
-            continue
+        keys = {name: field.alias or name for name, field in model.model_fields.items()}
+        if target is None or {*keys.values()} != {*target["properties"]}:
+            continue  # not part of the schema; another class may have the same name
         for field, text in descriptions(model).items():
-            entry = target["properties"][model.model_fields[field].alias or field]
+            entry = target["properties"][keys[field]]
             accepted = entry.get("description", "")  # of a number: which units it may have
             entry["description"] = f"{text} {accepted}".strip()
 
 
 def descriptions(model: type[BaseModel]) -> dict[str, str]:
-    """What stands below each field of a model and of those that it is derived from, by field.
-
-    A ``type`` needs no words of its own.
-    """
+    """The docstrings of the fields of a model and its bases, by field; ``type`` has a default."""
     said = {field: text for base in reversed(model.__mro__)
             if issubclass(base, BaseModel) and base is not BaseModel
             for field, text in docstrings(base).items()}
