@@ -172,6 +172,8 @@ class Slot(FrictionJoint):
 
     def without_pymunk(self, mechanism: Mechanism) -> str:
         """Why pymunk has no counterpart; empty where it has one."""
+        if self.path:
+            return "a groove along a path"
         return "friction in a groove" if self.friction else super().without_pymunk(mechanism)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:

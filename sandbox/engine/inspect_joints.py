@@ -71,9 +71,6 @@ def _directionless(model: Model, joint: int) -> bool:
     """Whether a joint has no line of action; then no step can be made."""
     match model.joints.kind[joint].keeps:
         case "groove":
-            path = model.joints.path[joint]
-            if path is not None and not np.isfinite(path.nodes).all():
-                return True
             return slot_length(model, joint) < STRAIGHT
         case "distance":
             return _distance(model, joint) < STRAIGHT
@@ -89,11 +86,7 @@ def _apart(model: Model, joint: int) -> str:
         case "point":
             return f"its anchors are {mm(distance)} apart" if distance > NEGLIGIBLE else ""
         case "groove":
-            path, word = model.joints.path[joint], "groove"
-            if path is not None:
-                word = "path"
-                if not np.isfinite(path.nodes).all():
-                    return "its path turns back on itself at a point"
+            word = "path" if model.joints.path[joint] else "groove"
             length = slot_length(model, joint)
             if length < STRAIGHT:
                 return "the ends of its groove coincide, so it has no direction"

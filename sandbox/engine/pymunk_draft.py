@@ -230,6 +230,8 @@ def _without_counterpart(model: Model, filters: Filters) -> Iterator[tuple[str, 
     for name, material in mechanism.materials.items():
         if material.static > 1:
             yield f"materials.{name}", "static friction above that of sliding"
+        if material.skin:
+            yield f"materials.{name}", "soft skin"
     for rule in mechanism.contacts:
         if (rule.static or 1) > 1:
             yield f"contacts.{'/'.join(rule.between)}", "static friction above that of sliding"

@@ -25,7 +25,7 @@ from sandbox.wording import listed, near, quoted
 ACTING = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives")
 """Lists of elements, in an order in which each needs only those before it."""
 MATERIAL = "materials."
-"""Prefix of a material. Leaving it out removes its restitution and its static friction."""
+"""Prefix of a material. Leaving it out removes its restitution, static friction and skin."""
 
 
 def rule_name(rule: ContactRule) -> str:
@@ -67,7 +67,7 @@ def leave_out(
     kept = {kind: tuple(element for element in getattr(mechanism, kind) if element.name not in gone)
             for kind in ACTING}
     materials = {
-        name: material.model_copy(update={"restitution": 0.0, "static": 1.0})
+        name: material.model_copy(update={"restitution": 0.0, "static": 1.0, "skin": None})
         if MATERIAL + name in gone else material
         for name, material in mechanism.materials.items()
     }
@@ -189,6 +189,8 @@ def _surfaces(model: Model) -> Iterator[tuple[str, str]]:
             yield MATERIAL + name, "a coefficient of restitution"
         if name in meeting and material.static > 1:
             yield MATERIAL + name, STATIC
+        if name in meeting and material.skin:
+            yield MATERIAL + name, "soft skin"
     for rule in mechanism.contacts:
         if (rule.static or 1) > 1:
             yield rule_name(rule), STATIC

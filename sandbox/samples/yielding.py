@@ -21,7 +21,7 @@ import numpy as np
 from sandbox.elements.arrays import CONTACT, LAYOUT, PER_SAMPLE
 from sandbox.model.joints import rotated
 from sandbox.model.model import NONE, Model
-from sandbox.model.pairs import friction_of
+from sandbox.model.pairs import friction_of, pair_skins
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH
@@ -86,8 +86,11 @@ class Yield(NamedTuple):
 def without_stiffness(model: Model) -> str:
     """Elements whose stiffness does not follow from one sample, in words; empty without them.
 
-    The pressure of fluids depends on time; slopes of load laws and of teeth are not computed.
+    The pressure of fluids depends on time; slopes of load laws, of teeth and of soft contacts are
+    not computed.
     """
+    if pair_skins(model.mechanism).size:
+        return "soft skin"
     return ("fluids" if model.lines.name else "loads by laws" if model.loads.name else "teeth"
             if any(kind.teeth for kind in model.joints.kind) else "")
 

@@ -20,6 +20,7 @@ from sandbox.numeric import Array
 from sandbox.scene.bodies import SHAPES, Body, Polygon, Polyline, Shape
 from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.outlines.paths import path_through
 from sandbox.values.signals import AnySignal, Formula, Table, values
 from sandbox.values.tables import Tables
 from sandbox.values.units import RANGES, in_range, size_fault
@@ -37,7 +38,7 @@ def nothing_to_run(mechanism: Mechanism) -> Iterator[Problem]:
 
 
 def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:
-    """Weights, corners, directions and signals that are beyond what can be computed."""
+    """Weights, corners, paths, directions and signals that are beyond what can be computed."""
     for i, body in enumerate(mechanism.bodies):
         yield from _corners(body, f"$.bodies[{i}]")
         if body.motion == "dynamic":
@@ -45,6 +46,11 @@ def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:
         for axis, dimension in (("x", "length"), ("y", "length"), ("angle", "angle")):
             if body.path is not None and (signal := getattr(body.path, axis)) is not None:
                 yield from _signal(signal, dimension, mechanism, f"$.bodies[{i}].path.{axis}")
+    for i, joint in enumerate(mechanism.joints):
+        points, closed = joint.path_points()
+        if points and not path_through(points, closed=closed).is_smooth:
+            yield Problem("bad-outline", "this path turns back on itself at a point",
+                          f"$.joints[{i}].path", allowed="points that lead on in a smooth curve")
     for kind in KINDS:
         for i, element in enumerate(getattr(mechanism, kind)):
             yield from element.range_problems(f"$.{kind}[{i}]")

@@ -45,6 +45,17 @@ class Path:
         return np.append(0.0, np.cumsum(_arc(self.terms, np.ones(count))))
 
     @property
+    def is_smooth(self) -> bool:
+        """Whether it has a direction everywhere: nowhere does it turn back on itself."""
+        if not np.isfinite(self.nodes).all():
+            return False
+        terms, count = self.terms, len(self.terms)
+        first = np.array([on_spans(terms, np.full(count, w))[1]
+                          for w in np.linspace(0.0, 1.0, 16 * SAMPLES + 1)])
+        along = (first[1:] * first[:-1]).sum(axis=2)
+        return bool((along > 0.0).all())
+
+    @property
     def length(self) -> float:
         """Whole length [m]."""
         return float(self.starts[-1])
