@@ -443,3 +443,15 @@ def test_a_body_that_turns_too_easily_is_as_light_where_it_is_pushed():
         {**PIN["joints"][0], "on_a": [0, 0], "on_b": [-0.02, 0]}]}, inertia=1e-12))
     assert ("with 1e-12 kg m^2 answers a push at 20 mm from its centre as 2.5e-09 kg would, "
             "where 'heavy' has 2 kg") in found
+
+
+@pytest.mark.parametrize(("points", "closed"), [
+    ([(0, 0), (0.1, 0), (0, 0)], False),  # at a node
+    ([(0, 0), (0.1, 0), (0.03, 0)], False),  # between nodes
+    ([(0, 0), (0.05, 0), (0.1, 0)], True),
+])
+def test_a_path_that_turns_back_on_itself_is_refused(points, closed):
+    with pytest.raises(SceneError, match="turns back on itself") as caught:
+        simulate(load_scene(
+            jointed(type="slot", path=[list(point) for point in points], closed=closed)))
+    assert caught.value.problems[0].path.endswith(".path")
