@@ -255,7 +255,8 @@ def _stops(evidence: Evidence, worst: Worst) -> None:
         torque, angle = a["joint_stop"][:, j], evidence.angles[j]
         low, high = joints.stops[j].tolist()
         to_low, to_high = angle + h * rates[j] - low, high - angle - h * rates[j]
-        ahead = np.where(torque > 0, to_low, np.where(torque < 0, to_high, 0.0))
+        ahead = np.where(torque > 0, np.minimum(to_low, angle - low),
+                         np.where(torque < 0, np.minimum(to_high, high - angle), 0.0))
         fast = 1 + peak(rates[j])
         # an overrun is corrected at up to 1 rad/s, and may last
         wrong = np.where(ahead > 0, ahead, 0.0)

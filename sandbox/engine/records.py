@@ -127,6 +127,8 @@ LIMIT = np.dtype([
 ])
 LIMIT_STATE = np.dtype([
     ("impulse", float),     # of the last step [N s, N m s]
+    ("since", float),       # time since it was hit, at the end of the last step, or 0 [s]
+    ("next", float),        # scratch: the same of this step [s]
 ])
 
 MOTOR = np.dtype([

@@ -46,6 +46,7 @@ from sandbox.engine.impact_poses import add_shift, lead_back, remove_shift, take
 from sandbox.engine.impacts import foresee_impacts, impacts, late_hits
 from sandbox.engine.islands import list_piles
 from sandbox.engine.kernel import kernel
+from sandbox.engine.landing import land, leave
 from sandbox.engine.lemke import MOST, lemke_modes
 from sandbox.engine.piles import solve_piles
 from sandbox.engine.plan import assemble, backward, factor, forward
@@ -119,6 +120,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
             couple(table, 0, done, n)
             if done == 0:
                 limit_rates(table, h, n)
+                leave(table, h, n)
             done = n
             slack = solve_bounded(table, n)
             find_velocities(table, n)
@@ -142,6 +144,7 @@ def solve(table: int, h: float, drive: Array) -> bool:
                 break
             n = kept_rows(table, h, drive)
     at.standing(table)[3], at.standing(table)[4] = jammed(table, n, slack), n
+    land(table, h, n)
     report(table, h, drive, n)
     stretch_skin(table, h, n)
     _note_accuracy(table, n, slack, solve_piles(table, h))

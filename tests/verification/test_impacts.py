@@ -246,3 +246,44 @@ def test_impact_pendulum() -> Iterator[Check]:
         fastest = float(np.abs(expected).max())
         yield Check(f"angle and rate, h = {1e3 * step:g} ms", "rad, rad/s", expected, found,
                     fastest * rate * step**2, "(ω h)² of the largest rate, as of smooth forces")
+
+
+@case("Pendulum against a stop, mass on a rope that becomes taut", "v_n⁺ = 0 at the instant",
+      "eight starts of each, three steps; the pendulum falls back from its stop, the mass swings")
+def test_impact_without_restitution() -> Iterator[Check]:
+    m, inertia, arm, limit, length = 0.2, 5e-4, 0.1, 0.1, 0.3
+    rate = m * G * arm / (inertia + m * arm**2)
+
+    def until(acceleration: float, angle: float, speed: float, end: float,
+              stop: float = math.inf) -> Any:
+        hit: Any = lambda t, y: y[0] - stop  # noqa: E731
+        hit.terminal = True
+        return solve_ivp(lambda t, y: [y[1], -acceleration * math.sin(y[0])], [0.0, end],
+                         [angle, speed], rtol=1e-12, atol=1e-13, events=hit)
+
+    for step in STEPS:
+        expected, found = [], []
+        for k in range(8):
+            start, height = -1.0 - 0.0013 * k, -0.05 - 0.0013 * k
+            run = simulated(0.6, step, g=G, every_step=True, bodies=[
+                fixed("wall"),
+                {"name": "bob", "mass": m, "inertia": inertia, "centre": (0.0, -arm),
+                 "angle": start},
+                {"name": "ball", "mass": m, "inertia": 1e-5, "at": (0.0, height),
+                 "velocity": (0.8, 0.0)}], joints=[
+                pin("pin", "wall", "bob", on_b=(0.0, 0.0), limits=(-3.0, limit)),
+                {"type": "rope", "name": "rope", "a": "wall", "b": "ball", "on_a": (0.0, 0.0),
+                 "on_b": (0.0, 0.0), "longest": length}])
+            end = float(run.time[-1])
+            first = until(rate, start, 0.0, end, limit)
+            swing = until(rate, limit, 0.0, end - first.t[-1]).y[0, -1]
+            taut = brentq(lambda t, y=height: math.hypot(0.8 * t, y - G * t * t / 2) - length,
+                          0.01, 0.4, xtol=1e-15)
+            x, y = 0.8 * taut, height - G * taut**2 / 2
+            turn = (x * -G * taut - y * 0.8) / length**2
+            hangs = until(G / length, math.atan2(x, -y), turn, end - taut).y[0, -1]
+            expected.append([swing, hangs])
+            found.append([run["bob.angle"][-1],
+                          math.atan2(run["ball.x"][-1], -run["ball.y"][-1])])
+        yield Check(f"angles, h = {1e3 * step:g} ms", "rad", expected, found,
+                    rate * step**2, "(ω h)² of a radian, as of smooth forces")
