@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -242,3 +243,13 @@ def test_a_skin_deeper_than_it_is_thick_is_noticed(mass, verdict):
     assert depth.verdict == verdict
     if verdict == "pass":  # h^2 w^2 / 24 of the period, and a sample beside the turning point
         assert depth.value == pytest.approx(mass * 10 / k * (1 + overshoot) / thickness, rel=1e-4)
+
+
+def test_a_step_that_was_not_solved_is_noticed():
+    run = simulate(mechanism(bodies=[
+        fixed("floor", shapes=[{"type": "box", "size": (1, 0.02), "at": (0, -0.01)}]),
+        disc("ball", 0.02, (0, 0.02))], gravity=(0.0, -G), duration=0.05))
+    assert figures(run)["contact.residual"].verdict == "pass"
+    solver = {**run.info.contact_solver, "residual": 2e-6}
+    off = Recording(run.mechanism, run.arrays, replace(run.info, contact_solver=solver))
+    assert figures(off)["contact.residual"].verdict == "look"

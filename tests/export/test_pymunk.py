@@ -80,6 +80,8 @@ def drive(tag: str, **fields: Any) -> list[dict[str, Any]]:
     {"joints": [{**PIN, "damping": 1e-3}], "drives": drive("torque", joint="pin", value=0.01)},
     {"joints": [{**PIN, "positive": "clockwise", "zero": 0.1, "limits": [-0.3, 0.2]}],
      "drives": drive("torque", joint="pin", value=0.005)},
+    {"joints": [PIN, {**PIN, "name": "elbow", "a": "block", "b": "wheel", "on_a": (0.3, 0)}],
+     "bodies": [GROUND, BLOCK, WHEEL], "drives": drive("torque", joint="elbow", value=0.01)},
     {"joints": [{**PIN, "friction": 0.02}], "gravity": (0, -9.81)},
     {"joints": [PIN], "drives": drive("brake", joint="pin", value=0.02),
      "springs": [{"type": "rotary", "name": "k", "joint": "pin", "stiffness": 1, "damping": 0.01,
