@@ -1,4 +1,4 @@
-"""Limits that are left again at once.
+"""Limits from which a motion rebounds by an acceleration.
 
 What comes to a limit at the instant t of a step is stopped in two steps: the first one leads to the
 limit, the second one leaves no speed. Their mean instant is t, so places are right to second order.
@@ -20,7 +20,7 @@ from sandbox.engine.state import LIMITED
 
 @entry_point("bounded")
 def leave(table: int, h: float, n: int) -> None:
-    """Ask limits that are driven back, in their third step, for the speed gained since the hit."""
+    """In their third step, give limits that are driven back the speed gained since the hit."""
     rows, before, limits = at.rows(table), at.before(table), at.limit_states(table)
     for k in range(n):
         row = rows[k]

@@ -31,8 +31,8 @@ from sandbox.engine.islands import finish_piles, gather_piles
 from sandbox.engine.kernel import kernel
 from sandbox.numeric import Matrix, Records, Stack
 
-SHARE, SOFTEST, LEAST = 1e-5, 1e-2, 1e-9
-"""The share e at first, at most, and at least."""
+FIRST_SHARE, MAX_SHARE, MIN_SHARE = 1e-5, 1e-2, 1e-9
+"""Initial, largest and smallest share e."""
 ROUNDS, STEPS, HALVINGS, SWEEPS = 40, 12, 4, 50
 """Proximal rounds, Newton steps in each, halvings of a step, sweeps after a failed round."""
 FASTEST = 1e6
@@ -64,7 +64,7 @@ def solve_contacts(table: int, n: int) -> float:
     _rates(c, J, n, v, True)
     found = best = _residual(c, n)
     _keep(c, n)
-    share, before, first = SHARE, math.inf, True
+    share, before, first = FIRST_SHARE, math.inf, True
     for round in range(ROUNDS):
         if best <= 1.0:
             break
@@ -88,7 +88,7 @@ def solve_contacts(table: int, n: int) -> float:
             break
         if converged:
             if found > 0.3 * before:  # what sticks cannot: let it slip sooner
-                share = max(0.1 * share, LEAST)
+                share = max(0.1 * share, MIN_SHARE)
             before = found
             for k in range(n):
                 c[k]["n0"], c[k]["t0"] = c[k]["pn"], c[k]["pt"]
@@ -102,7 +102,7 @@ def solve_contacts(table: int, n: int) -> float:
             if found < best:
                 best = found
                 _keep(c, n)
-            share, before = min(SOFTEST, max(1e-4, 10.0 * share)), math.inf
+            share, before = min(MAX_SHARE, max(1e-4, 10.0 * share)), math.inf
         _rates(c, J, n, v, True)
     for k in range(n):
         c[k]["pn"], c[k]["pt"] = c[k]["n_best"], c[k]["t_best"]

@@ -270,7 +270,7 @@ def _held(run: RunData) -> Flags:
 
 
 def _tied(run: RunData) -> Iterable[set[int]]:
-    """Sets of bodies that hold on to one another, leaving out what is let go at the end."""
+    """Sets of connected bodies, without connections that are released at the end."""
     model, held = run.model, run.arrays["held"]
     joints, springs, tendons, lines = model.joints, model.springs, model.tendons, model.lines
 
