@@ -38,6 +38,9 @@ NUMBERS: Mapping[str, Mapping[str, tuple[float, float]]] = {
         "half a millimetre": (0.20, 5e-3)},
     "sheaths": {
         "share": (0, 2e-3), "force": (0, 1e-3), "pushed back": (0, 1e-3), "loop 0.1": (0, 2e-3)},
+    "soft_skin": {"tension": (0, 1e-4), "spread, 5 N/mm": (0.09, 0.05)},
+    "sand_heap": {"carried": (0, 1e-9), "creep": (0, 1e-9), "slope 0": (14.7, 2),
+                  "slope 0.5": (22, 2)},
     "identification": {
         "k1 theory": (0.043, 1e-3), "c3 theory": (0.117, 2e-3), "k1 half": (0.043, 0.01),
         "c3 half": (0.117, 0.03)},
