@@ -13,8 +13,8 @@ breaks a bound or leaves a rate of the wrong sign the mode changes, and so on un
 
 - a row goes from one bound to the other by way of y = 0 only;
 - a sticking contact that would pull slides first, and opens only if it pulls sliding;
-- after a few rounds only the worst rows change; if that does not end, Lemke's method does
-  (:mod:`sandbox.engine.lemke`), and else relaxation from the last impulses.
+- after a few rounds only the worst rows change; if that does not end, single rows in random order,
+  and if that does not end, relaxation from the last impulses takes its place.
 
 Where rows outnumber the freedoms left, their share in the load is not determined. A small
 multiple of the change of p is therefore added to y: the share stays as it was, so that rest is
@@ -42,6 +42,8 @@ LEVER = 0.1
 undone the more slowly: by a short lever they would throw them."""
 FIRST, ROUNDS, SWEEPS = 4, 40, 60
 """Rounds in which all rows change; rounds in all; sweeps of relaxation after these."""
+SEARCHED, TRIES = 100, 6
+"""Rows up to which modes are searched in random order; how often from the start."""
 LARGE, FEWEST = 600, 8
 """Of more rows than this each round takes so long that there are fewer, down to the second."""
 SHARE, ALONE = 0.3, 3
@@ -244,6 +246,36 @@ def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sla
                 _, to = _wrong(rows, n, G, k, slack)
                 _change(rows, n, k, to)
     return -rounds
+
+
+@kernel
+def search_modes(
+    rows: Records, n: int, G: Array, A: Array, chosen: Integers, slack: float,
+) -> bool:
+    """Look for the modes in a random order from the start; whether they were found.
+
+    Each round changes the row with the largest product of its violation and a random number.
+    """
+    random = 1
+    for _ in range(TRIES):
+        for k in range(n):
+            free = rows[k]["normal"] >= 0 or rows[k]["low"] == -UNBOUNDED
+            rows[k]["mode"] = 0 if free else -1
+        for _ in range(2 * n + ROUNDS):
+            m = choose(rows, n, chosen)
+            make_system(rows, n, G, A, chosen, m)
+            eliminate(A, m)
+            _impulses(rows, n, A, chosen, m)
+            most, which, mode = 0.0, -1, 0
+            for k in range(n):
+                bad, to = _wrong(rows, n, G, k, slack)
+                random = (1103515245 * random + 12345) % 2147483648
+                if bad > slack and bad * random > most:
+                    most, which, mode = bad * random, k, to
+            if which < 0:
+                return True
+            _change(rows, n, which, mode)
+    return False
 
 
 @kernel

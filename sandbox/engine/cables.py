@@ -19,8 +19,8 @@ import numpy as np
 
 from sandbox.elements.element import GRAZE
 from sandbox.engine import records
+from sandbox.engine.element_tables import PlacedBodies, Rows
 from sandbox.engine.kernel import kernel
-from sandbox.engine.plan import PlacedBodies, Rows
 from sandbox.engine.stiffness import cord_responses, stiff_cords
 from sandbox.model.tendons import CordSpan, lifted_at_start, spans_of
 from sandbox.numeric import Array, Integers, Records

@@ -147,7 +147,6 @@ def _options(compiler: Any) -> dict[str, Any]:
 
 
 def _probe(of_kernels: Any, of_entry_points: Any) -> float:
-    """Compile a function into another one, and call that."""
     def inner(x: float, n: int) -> float:
         return x * n + n
 
@@ -161,7 +160,6 @@ def _probe(of_kernels: Any, of_entry_points: Any) -> float:
 
 
 def _make_compilers() -> tuple[Any, Any]:
-    """Compilers of kernels and of entry points."""
     function_maker = import_module("numba._dynfunc")
     codegen = import_module("numba.core.codegen")
     compiler = import_module("numba.core.compiler")

@@ -25,16 +25,13 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from sandbox.engine.kernel import kernel
 from sandbox.errors import SandboxError
-from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.scene.geometry import to_world
 
 MOST = 5_000_000
 """Products that factoring the matrix may take in a step: some hundredths of a second."""
@@ -276,49 +273,6 @@ def _starts(lists: list[list[int]]) -> Integers:
 
 def _flat(lists: list[list[int]]) -> Integers:
     return np.array([i for each in lists for i in each], dtype=np.int64)
-
-
-@dataclass
-class Rows:
-    """The bilateral rows, as they come: of each the bodies of its entries."""
-
-    bodies: list[list[int]] = field(default_factory=list)
-    entries: int = 0
-
-    def add(self, *bodies: int) -> tuple[int, int]:
-        """A row; its number, and that of its first entry."""
-        self.bodies.append(list(bodies))
-        self.entries += len(bodies)
-        return len(self.bodies) - 1, self.entries - len(bodies)
-
-
-@dataclass(frozen=True)
-class PlacedBodies:
-    """Where bodies are: their numbers in pymunk's order, inverse masses, poses at t = 0."""
-
-    model: Model
-    number: Integers
-    """By the model's numbers, [nb]."""
-    inverse_mass: Array
-    """In pymunk's order, [nb, 2]."""
-    pose: Array
-    """Of the centres of mass, in pymunk's order, [nb, 3]."""
-
-    def local(self, body: int, point: Array) -> Array:
-        """A point of a body's frame seen from its centre of mass [m]."""
-        local: Array = point - self.model.bodies.centre[body]
-        return local
-
-
-def place_bodies(model: Model, order: Integers) -> PlacedBodies:
-    """Bodies as pymunk lists them; ``order`` are the model's numbers of these."""
-    bodies = model.bodies
-    number = np.argsort(order)
-    inverse = np.stack([1 / bodies.mass[order], 1 / bodies.inertia[order]], axis=1)
-    pose: Array = np.array([
-        (*to_world(tuple(bodies.pose[i]), tuple(bodies.centre[i])), bodies.pose[i, 2])
-        for i in order]).reshape(-1, 3)
-    return PlacedBodies(model, number, inverse, pose)
 
 
 @kernel

@@ -33,8 +33,7 @@ class Sampler:
     ) -> None:
         self.world, self.tables, self.builder, self.every = world, tables, builder, every
         self.model = world.model
-        self.kept = make_snapshot(CHUNK, tables, len(self.model.drives.name),
-                                  _contacts_kept(world.room.contacts))
+        self.kept = make_snapshot(CHUNK, tables, _contacts_kept(world.room.contacts))
         self._arrays = builder.blank(CHUNK)
         """Rows on their way to the recording; what elements do not have stays nan."""
         self._entry_points = prepare(tables.constants, advance)

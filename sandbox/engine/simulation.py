@@ -107,9 +107,7 @@ class Simulation:
         self._world = world = World(self._model)
         self._inputs = Inputs(world, self._clock)
         self._inputs.place()
-        self._tables: Tables = make_tables(
-            self._model, self._clock.step, world.order, world.body, world.velocity, world.filters,
-            world.shape_tables, world.room)
+        self._tables: Tables = make_tables(world)
         self._beginning = Beginning(self._tables)
         self._builder = self._room()
         self._most = recorded_bytes

@@ -21,12 +21,12 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.memory import view_name
 from sandbox.engine.native import copy_words
 from sandbox.engine.records import STOP
-from sandbox.engine.state import AWAY, CLOSING, CONTACT, CONTACT_SUMS, RESTING, SAMPLED, Snapshot
+from sandbox.engine.state import AWAY, CLOSING, RESTING, SAMPLED, Snapshot, allocate
 from sandbox.engine.tables import Tables
 from sandbox.numeric import Array, Records
 
 
-def make_snapshot(samples: int, tables: Tables, drives: int, contacts: int) -> Snapshot:
+def make_snapshot(samples: int, tables: Tables, contacts: int) -> Snapshot:
     """Memory for so many samples of a run, and so many contacts in all of them together."""
     constants = tables.constants
     sampled = {view_name(type(part), name): getattr(part, name)
@@ -35,16 +35,13 @@ def make_snapshot(samples: int, tables: Tables, drives: int, contacts: int) -> S
               for name, array in sampled.items()}
     copies = np.array([(array.ctypes.data, copied[name].ctypes.data, array.nbytes // 8)
                        for name, array in sampled.items() if array.size], dtype=np.int64)
-    bodies = (samples, len(constants.inverse_mass), 3)
-    tendons = np.count_nonzero(constants.cords["whole"] < 0)
-    forces = FORCES * len(constants.joints) + tendons + len(constants.slips) + drives
-    return Snapshot(
-        np.zeros(bodies), np.zeros(bodies), np.zeros(bodies), copied, copies.reshape(-1, 3),
-        np.full((samples, drives), np.nan), np.zeros(contacts, CONTACT),
-        np.zeros(samples, dtype=np.int64), np.zeros(4, dtype=np.int64), np.zeros(forces),
-        np.zeros((samples, forces)), np.zeros(samples, dtype=np.int64), np.zeros(2),
-        np.zeros(2 * contacts, CONTACT_SUMS), np.zeros(samples, dtype=np.int64),
-        np.zeros(2, dtype=np.int64))
+    drives, tendons = len(tables.state.last_drive), np.count_nonzero(constants.cords["whole"] < 0)
+    sizes = {
+        "samples": samples, "bodies": len(constants.bodies), "drives": drives,
+        "contacts": contacts, "mean_contacts": 2 * contacts,
+        "forces": FORCES * len(constants.joints) + tendons + len(constants.slips) + drives}
+    made: Snapshot = allocate(Snapshot, sizes, copied=copied, copies=copies.reshape(-1, 3))
+    return made
 
 
 @kernel

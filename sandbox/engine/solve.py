@@ -20,12 +20,14 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import (
+    SEARCHED,
     columns,
     couple,
     push,
     rate,
     relax,
     residual,
+    search_modes,
     solve_modes,
     wipe,
     y_of,
@@ -47,7 +49,6 @@ from sandbox.engine.impacts import foresee_impacts, impacts, late_hits
 from sandbox.engine.islands import list_piles
 from sandbox.engine.kernel import kernel
 from sandbox.engine.landing import land, leave
-from sandbox.engine.lemke import MOST, lemke_modes
 from sandbox.engine.piles import solve_piles
 from sandbox.engine.plan import assemble, backward, factor, forward
 from sandbox.engine.report import report
@@ -246,8 +247,7 @@ def _impulses(table: int, n: int, slack: float) -> None:
     elif solve_modes(rows, n, G, A, chosen, slack) < 0:
         relax(rows, n, G)
         if solve_modes(rows, n, G, A, chosen, slack) < 0 and not (
-                n <= MOST and lemke(table, n)
-                and solve_modes(rows, n, G, A, chosen, slack) > 0):
+                n <= SEARCHED and search_modes(rows, n, G, A, chosen, slack)):
             relax(rows, n, G)
             given_up[0] += 1 if given_up[2] == 0 else 0
             given_up[2] += 1
@@ -297,13 +297,6 @@ def _goes_on(row: Any, v: Array) -> bool:
     speeds = (abs(row["ax"] * v[a, 0]) + abs(row["ay"] * v[a, 1]) + abs(row["at"] * v[a, 2])
               + abs(row["bx"] * v[b, 0]) + abs(row["by"] * v[b, 1]) + abs(row["bt"] * v[b, 2]))
     return bool(rate(row, v) < -max(AGROUND, ALMOST * speeds))
-
-
-@entry_point("bounded", late=True)
-def lemke(table: int, n: int) -> bool:
-    """Look for the modes of the bounded rows with Lemke's method; whether it found any."""
-    return bool(lemke_modes(
-        at.rows(table), n, at.delassus(table), at.tableau(table), at.basis(table)))
 
 
 @kernel

@@ -25,8 +25,7 @@ from llvmlite import binding
 from sandbox.engine.kernel import Kernel
 
 Source = Callable[..., Any]
-_MACHINERY = ("kernel.py", "source_hash.py", "entry_points.py", "memory.py",
-              "native.py")
+_MACHINERY = ("kernel.py", "source_hash.py", "entry_points.py", "memory.py", "native.py")
 _OPTIONS = "CPU_NAME", "CPU_FEATURES", "OPT", "BOUNDSCHECK"
 
 
@@ -72,7 +71,6 @@ def cacheable(function: Callable[..., Any]) -> Any:
 
 @cache
 def _base() -> tuple[object, ...]:
-    """What all compiled code depends on: versions, processor, options, the machinery itself."""
     files = b"".join(Path(__file__).with_name(name).read_bytes() for name in _MACHINERY)
     return (platform.python_version(), numba.__version__, llvmlite.__version__, np.__version__,
             binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten(),

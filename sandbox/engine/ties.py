@@ -18,8 +18,6 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from sandbox.elements.element import HELD_ABOVE
 from sandbox.engine import memory as at
 from sandbox.engine import records
@@ -27,8 +25,7 @@ from sandbox.engine.coordinates import ends, gaps, toothed
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.paths import path_gap
-from sandbox.model.model import Model
-from sandbox.numeric import Array, Records
+from sandbox.numeric import Array
 from sandbox.samples.outcome import Happened
 
 if TYPE_CHECKING:
@@ -235,48 +232,6 @@ def run_surfaces(table: int, drive: Array) -> None:
     for i in range(len(actions)):
         if actions[i]["runs"]:
             belts[actions[i]["a"]] = actions[i]["sense"] * drive[actions[i]["drive"]]
-
-
-AGAIN = 8
-"""So often one thing may break in the steps made in one go, and be told of each time."""
-LEAST = 1024
-"""Breaks for which there is room at least."""
-
-
-def tie_table(model: Model, springs: Records, cords: Records) -> Records:
-    """TIE, [nr]; spans of cords get the number of theirs."""
-    ties = model.ties
-    table = np.zeros(len(ties.name), records.TIE)
-    table["breaks_at"], table["over"] = ties.breaks_at, ties.over
-    table["as_is"], table["drive"] = ties.as_is, ties.drive
-    for row in np.flatnonzero(springs["tie"] >= 0):
-        own = table[springs["tie"][row]]
-        own["what"], own["index"] = records.SPRINGY, row
-    for what, numbers in ((records.JOINED, ties.joint), (records.CORDED, ties.tendon)):
-        own = np.flatnonzero(numbers >= 0)
-        table["what"][numbers[own]], table["index"][numbers[own]] = what, own
-    whole = len(model.tendons.name)
-    cords["tie"][:whole] = ties.tendon
-    cords["tie"][whole:] = ties.tendon[cords["whole"][whole:]]
-    return table
-
-
-def tie_state(model: Model) -> Records:
-    """TIE_STATE at t = 0, [nr]."""
-    state = np.zeros(len(model.ties.name), records.TIE_STATE)
-    state["held"], state["load"], state["age"] = model.ties.held, np.nan, records.SETTLED
-    state["wish"], state["driven"] = records.NONE, model.ties.held
-    return state
-
-
-def room_for_breaks(model: Model) -> Records:
-    """BROKEN, with room for what breaks in the steps that are made in one go.
-
-    There nothing but a drive can take up anew what broke, and that so often is no mechanism; few
-    have room for one in every step.
-    """
-    breaking = int(np.isfinite(model.ties.breaks_at).sum())
-    return np.zeros(max(AGAIN * breaking, LEAST if breaking else 0), records.BROKEN)
 
 
 def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) -> list[Happened]:

@@ -61,12 +61,9 @@ class Bench:
 
     def __init__(self, machine: Mechanism) -> None:
         self.world = world = World(compile_mechanism(machine))
-        self.tables = tables = make_tables(
-            world.model, world.h, world.order, world.body, world.velocity, world.filters,
-            world.shape_tables, world.room)
+        self.tables = tables = make_tables(world)
         self.constants, self.state, self.result = tables
-        drives = len(self.world.model.drives.name)
-        self.kept = make_snapshot(1, tables, drives, 2 * self.world.room.contacts)
+        self.kept = make_snapshot(1, tables, 2 * self.world.room.contacts)
         self.memory = make_memory(self.world.native, *tables[:3], self.kept,
                                   prepare(self.constants, advance))
 
