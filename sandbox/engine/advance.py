@@ -43,29 +43,16 @@ def sound(h: float, body: Array) -> bool:
 
 
 @kernel
-def _changed(last: Array, now: Array) -> bool:
-    changed = False
-    for j in range(len(now)):
-        changed |= last[j] != now[j]
-    return changed
-
-
-@kernel
-def _moving(speeds: Array) -> bool:
-    for j in range(len(speeds)):
-        if speeds[j, 0] != 0.0 or speeds[j, 1] != 0.0 or speeds[j, 2] != 0.0:
-            return True
-    return False
-
-
-@kernel
 def _again(table: int, drive: Array, speeds: Array) -> bool:
     """Whether all is at rest, and this step, with these inputs, the last one over again."""
-    standing, last = at.standing(table), at.last_drive(table)
-    if standing[1] and (_changed(last, drive) or _moving(speeds)):
-        standing[1] = 0
+    standing, last, changed = at.standing(table), at.last_drive(table), False
     for j in range(len(last)):
+        changed |= last[j] != drive[j]
         last[j] = drive[j]
+    for j in range(len(speeds)):
+        changed |= speeds[j, 0] != 0.0 or speeds[j, 1] != 0.0 or speeds[j, 2] != 0.0
+    if changed:
+        standing[1] = 0
     return bool(standing[1] > SETTLED + 1)
 
 
@@ -98,22 +85,16 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
             body[b, 3 + j] = velocity[b, j]
     at.write_count(table)[0] = 0
     call_each(at.each_body(table), at.space(table), at.put(table), at.write(table))
-    if struck:
-        _displace(table)
+    if struck:  # impacts after the poses displace them
+        shift, placed = at.shift(table), at.placed(table)
+        for b in range(len(body)):
+            for j in range(3):
+                placed[b, j] = body[b, j] + shift[b, j]
+        at.place_count(table)[0] = 0
+        call_each(at.each_body(table), at.space(table), at.put(table), at.place(table))
     add_work(table, h)
     note_impacts(table)
     return bool(sound(h, body)) and bool(is_valid(table)) and at.standing(table)[3] == 0
-
-
-@kernel
-def _displace(table: int) -> None:
-    """Hand on the poses that impacts after them displace."""
-    body, shift, placed = at.body(table), at.shift(table), at.placed(table)
-    for b in range(len(body)):
-        for j in range(3):
-            placed[b, j] = body[b, j] + shift[b, j]
-    at.place_count(table)[0] = 0
-    call_each(at.each_body(table), at.space(table), at.put(table), at.place(table))
 
 
 @CalledFromPython

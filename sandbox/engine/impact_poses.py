@@ -11,7 +11,6 @@ of that, so that its velocities are right, and the pose is then displaced furthe
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from sandbox.engine import memory as at
@@ -20,9 +19,17 @@ from sandbox.engine.coordinates import ends
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.instants import mean
 from sandbox.engine.kernel import kernel
-from sandbox.engine.plan import backward, forward
+from sandbox.engine.plan import add, backward, clear, forward, put
 from sandbox.engine.records import GEAR, GROOVE, ROLL
-from sandbox.engine.rows import apply_impulses, closed, joint_gaps, joint_rows, right_side
+from sandbox.engine.rows import (
+    answer,
+    apply_impulses,
+    closed,
+    joint_gaps,
+    joint_rows,
+    note_turns,
+    right_side,
+)
 from sandbox.engine.state import NORMAL, TANGENT
 from sandbox.engine.ties import release_rows
 from sandbox.numeric import Array
@@ -34,20 +41,17 @@ CLOSINGS = 3
 @entry_point("bounces")
 def add_shift(table: int, h: float) -> None:
     """Let ``velocity`` lead from the displaced pose, until :func:`remove_shift`."""
-    shift, velocity, kept = at.shift(table), at.velocity(table), at.placed(table)
+    shift, velocity = at.shift(table), at.velocity(table)
+    put(at.placed(table), velocity)
     for b in range(len(shift)):
         for j in range(3):
-            kept[b, j] = velocity[b, j]
             velocity[b, j] += shift[b, j] / h
 
 
 @entry_point("bounces")
 def remove_shift(table: int) -> None:
     """Undo :func:`add_shift`."""
-    velocity, kept = at.velocity(table), at.placed(table)
-    for b in range(len(velocity)):
-        for j in range(3):
-            velocity[b, j] = kept[b, j]
+    put(at.velocity(table), at.placed(table))
 
 
 @kernel
@@ -58,26 +62,18 @@ def place_joints(table: int, h: float, now: float) -> None:
         for j in range(3):
             kept[b, j] = body[b, j]
             body[b, j] += now * mean(table, h, now, b, j)
-        turn[b, 0], turn[b, 1] = math.cos(body[b, 2]), math.sin(body[b, 2])
+    note_turns(body, turn)
     joint_rows(table, h)
     release_rows(table, h)
-    for b in range(len(body)):
-        for j in range(3):
-            body[b, j] = kept[b, j]
-        turn[b, 0], turn[b, 1] = math.cos(body[b, 2]), math.sin(body[b, 2])
+    put(body, kept)
+    note_turns(body, turn)
 
 
 @kernel
 def answer_of_joints(table: int, velocity: Array) -> None:
     """Impulses with which bilateral rows answer a change of velocities, into ``unknowns``."""
-    unknowns = at.unknowns(table)
-    for r in range(unknowns.shape[1]):
-        unknowns[4, r] = 0.0
-    right_side(table, velocity, unknowns[4])
-    forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
-    for r in range(unknowns.shape[1]):
-        unknowns[5, r] = unknowns[2, r]
-    backward(at.starts(table), at.below(table), at.values(table), unknowns[5])
+    clear(at.unknowns(table)[4])
+    answer(table, velocity, at.unknowns(table)[4], at.unknowns(table)[5])
 
 
 @kernel
@@ -127,8 +123,8 @@ def take_impacts(table: int, h: float, struck: bool) -> None:
         note_joints(table, -1.0)
         for k in range(len(at.joints(table))):
             _take_arms(table, k)
-        for r in range(unknowns.shape[1]):
-            unknowns[4, r] = unknowns[5, r] = 0.0
+        clear(unknowns[4])
+        clear(unknowns[5])
         for b in range(len(shift)):
             for j in range(3):
                 shift[b, j] = -delayed[b, j]
@@ -168,8 +164,7 @@ def lead_back(table: int, h: float, n: int) -> None:
     for b in range(len(shift)):
         for j in range(3):
             shift[b, j] = -delayed[b, j]
-    for r in range(unknowns.shape[1]):
-        unknowns[4, r] = 0.0
+    clear(unknowns[4])
     right_side(table, shift, unknowns[4])
     forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
     m = 0
@@ -199,11 +194,9 @@ def lead_back(table: int, h: float, n: int) -> None:
 def _close(table: int, h: float) -> None:
     """Displace the pose further, so that joints are closed where the velocities lead from there."""
     unknowns = at.unknowns(table)
-    for r in range(unknowns.shape[1]):
-        unknowns[5, r] = 0.0
+    clear(unknowns[5])
     for _ in range(CLOSINGS):
-        for r in range(unknowns.shape[1]):
-            unknowns[4, r] = 0.0
+        clear(unknowns[4])
         add_shift(table, h)
         gap = joint_gaps(table, h)
         remove_shift(table)
@@ -232,12 +225,3 @@ def _answer(table: int, k: int, p: float) -> None:
     for q in range(row["branch"]):
         answer[reached[q]] -= y[reached[q]] * p
     push(at.inverse_mass(table), row, p, at.shift(table))
-
-
-
-@kernel
-def add(velocity: Array, change: Array, times: float) -> None:
-    """Add a change to velocities [nb, 3], so many times."""
-    for b in range(len(velocity)):
-        for j in range(3):
-            velocity[b, j] += times * change[b, j]

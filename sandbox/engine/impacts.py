@@ -9,7 +9,6 @@ leaves its floor flat. Friction takes its part: what slides is slowed by at most
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import (
@@ -23,11 +22,11 @@ from sandbox.engine.bounded import (
 )
 from sandbox.engine.candidates import normal_row, tangent_row
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.impact_poses import add, add_joints, answer_of_joints, note_joints, place_joints
+from sandbox.engine.impact_poses import add_joints, answer_of_joints, note_joints, place_joints
 from sandbox.engine.instants import meet, place_as_found, tangent_motion, time_to_close
 from sandbox.engine.kernel import kernel
-from sandbox.engine.plan import backward, forward
-from sandbox.engine.rows import apply_impulses, right_side
+from sandbox.engine.plan import add, clear, put
+from sandbox.engine.rows import answer, apply_impulses
 from sandbox.engine.state import NORMAL, TANGENT
 from sandbox.numeric import Records
 
@@ -45,7 +44,6 @@ ORDERED = 100
 
 @kernel
 def _hit(table: int, h: float) -> bool:
-    """Whether any contact that gives back speed is hit in this step."""
     touches, before, free = at.touches(table), at.before(table), at.free(table)
     row = at.rows(table)[len(at.rows(table)) - 1]
     for i in range(at.touching(table)[0]):
@@ -189,16 +187,21 @@ def foresee_impacts(table: int, h: float, kept: int) -> bool:
         at.free(table), at.kick(table), at.delayed(table), at.shift(table), at.unknowns(table))
     add(free, kick, -1.0)
     for b in range(len(kick)):
-        for j in range(3):
-            kick[b, j] = delayed[b, j] = shift[b, j] = 0.0
-    for r in range(unknowns.shape[1]):
-        unknowns[5, r] = 0.0
+        clear(kick[b])
+        clear(delayed[b])
+        clear(shift[b])
+    clear(unknowns[5])
     for k in range(len(at.joints(table))):
         out = at.joint_results(table)[k]
         out["kick_x"] = out["kick_y"] = out["twist_a"] = out["twist_b"] = 0.0
     if not _hit(table, h):
         return False
-    _foresee(table, kept)
+    velocity, bounded = at.velocity(table), at.rows(table)  # bounded rows as in the last step
+    put(velocity, free)
+    for k in range(kept):
+        push(at.inverse_mass(table), bounded[k], bounded[k]["last"], velocity)
+    answer(table, velocity, unknowns[0], unknowns[4])
+    apply_impulses(table, unknowns[4], velocity)
     if len(at.joints(table)) > 0:
         rows = at.rows(table)[len(at.rows(table)) // 2:]
         n, now = _list(table, h, rows)
@@ -215,7 +218,8 @@ def impacts(table: int, h: float, kept: int) -> bool:
     What cords and dampers make of them is found with all else that they carry. The impulses of the
     joints in the pose of the impact are in the last row of ``unknowns``.
     """
-    kick, delayed, touches = at.kick(table), at.delayed(table), at.touches(table)
+    kick, delayed, touches, body = (
+        at.kick(table), at.delayed(table), at.touches(table), at.body(table))
     begin = len(at.rows(table)) // 2
     rows, Y, reached = (
         at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
@@ -231,9 +235,18 @@ def impacts(table: int, h: float, kept: int) -> bool:
         if t["bounce"] == 0.0:
             place_as_found(table, i)
         elif rows[k]["normal"] < 0:
-            _place_on_free(table, t)
-    for k in range(kept):
-        _renew(table, h, k)
+            a, b = t["a"], t["b"]
+            if at.inverse_mass(table)[b, 0] == 0.0:  # its place is that on body a
+                t["bx"] = t["ax"] + body[a, 0] - body[b, 0]
+                t["by"] = t["ay"] + body[a, 1] - body[b, 1]
+    for k in range(kept):  # places and gaps may have changed
+        row = at.rows(table)[k]
+        last, mode = row["last"], row["mode"]
+        if row["source"] == NORMAL:
+            normal_row(h, touches, row["index"], row)
+        elif row["source"] == TANGENT:
+            tangent_row(h, body, touches, row["index"], row["normal"], row)
+        row["last"], row["mode"] = last, mode
     wipe(rows, n, Y, reached)
     if struck and len(at.joints(table)) > 0:
         answer_of_joints(table, delayed)
@@ -242,42 +255,3 @@ def impacts(table: int, h: float, kept: int) -> bool:
         add_joints(table, kick, 1.0)
         note_joints(table, 1.0)
     return struck
-
-
-@kernel
-def _renew(table: int, h: float, k: int) -> None:
-    """Make row ``k`` of a contact anew: where it is and its gap may have changed."""
-    row, touches = at.rows(table)[k], at.touches(table)
-    last, mode = row["last"], row["mode"]
-    if row["source"] == NORMAL:
-        normal_row(h, touches, row["index"], row)
-    elif row["source"] == TANGENT:
-        tangent_row(h, at.body(table), touches, row["index"], row["normal"], row)
-    row["last"], row["mode"] = last, mode
-
-
-@kernel
-def _place_on_free(table: int, t: Any) -> None:
-    """Where body b is not free, the place of a contact is that on body a."""
-    body, a, b = at.body(table), t["a"], t["b"]
-    if at.inverse_mass(table)[b, 0] == 0.0:
-        t["bx"] = t["ax"] + body[a, 0] - body[b, 0]
-        t["by"] = t["ay"] + body[a, 1] - body[b, 1]
-
-
-@kernel
-def _foresee(table: int, kept: int) -> None:
-    """The velocities after a step without impacts, bounded rows as in the last step."""
-    velocity, free, rows, unknowns = (
-        at.velocity(table), at.free(table), at.rows(table), at.unknowns(table))
-    for b in range(len(free)):
-        for j in range(3):
-            velocity[b, j] = free[b, j]
-    for k in range(kept):
-        push(at.inverse_mass(table), rows[k], rows[k]["last"], velocity)
-    right_side(table, velocity, unknowns[0])
-    forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
-    for r in range(unknowns.shape[1]):
-        unknowns[4, r] = unknowns[2, r]
-    backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
-    apply_impulses(table, unknowns[4], velocity)

@@ -310,6 +310,29 @@ def factor(
 
 
 @kernel
+def clear(x: Array) -> None:
+    """Set all of a vector to 0."""
+    for i in range(len(x)):
+        x[i] = 0.0
+
+
+@kernel
+def put(x: Array, y: Array) -> None:
+    """Copy ``y`` [n, 3] into ``x``."""
+    for i in range(len(x)):
+        for j in range(3):
+            x[i, j] = y[i, j]
+
+
+@kernel
+def add(x: Array, y: Array, times: float) -> None:
+    """Add ``y`` [n, 3] to ``x``, so many times."""
+    for i in range(len(x)):
+        for j in range(3):
+            x[i, j] += times * y[i, j]
+
+
+@kernel
 def forward(starts: Integers, below: Integers, values: Array, y: Array) -> None:
     """L^-1 y in place."""
     for j in range(len(starts) - 1):

@@ -34,6 +34,7 @@ from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.narrow_phase import CONFORMING, nearest_start
 from sandbox.engine.paths import on_path, path_gap
+from sandbox.engine.plan import backward, forward
 from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
 from sandbox.engine.ties import joint_holds, remaining_gap
 from sandbox.numeric import Array, Records
@@ -168,15 +169,9 @@ def joint_rate(table: int, joint: int, velocity: Array) -> float:
 
 @kernel
 def _ahead(gap: float, then: float, J: Array, joint: Any, before: Array, h: float) -> float:
-    """What a row asks for: that its gap goes, and how it bends where velocities before lead.
+    """What a row of a joint, with entries J [2, 3], asks for: that its gap goes.
 
-    Args:
-        gap: now [m].
-        then: where ``before`` leads in a step [m].
-        J: the row's two entries, [2, 3].
-        joint: whose bodies they are.
-        before: velocities, [nb, 3].
-        h: the step [s].
+    It is ``then`` where the velocities before lead in a step, and bends on the way there.
     """
     seen = 0.0
     for n in range(3):
@@ -204,12 +199,7 @@ def teeth_row(table: int, h: float, k: int) -> None:
 def rolling_row(table: int, h: float, k: int, on_a: float, on_b: float) -> None:
     """The row that keeps circles from slipping, after that of their distance.
 
-    Args:
-        table: the memory.
-        h: the step [s].
-        k: the joint's number.
-        on_a: from the body of ``a`` to its circle's centre, along the line of centres [m].
-        on_b: the same of ``b`` [m].
+    ``on_a`` and ``on_b`` are from the bodies to the circles' centres, along the line of these [m].
     """
     joint, out = at.joints(table)[k], at.joint_results(table)[k]
     body, before = at.body(table), at.before(table)
@@ -298,6 +288,13 @@ def joint_gaps(table: int, h: float) -> float:
 
 
 @kernel
+def note_turns(body: Array, turn: Array) -> None:
+    """Note cosine and sine of the angles of all bodies."""
+    for b in range(len(body)):
+        turn[b, 0], turn[b, 1] = math.cos(body[b, 2]), math.sin(body[b, 2])
+
+
+@kernel
 def scale_entries(table: int) -> None:
     """W J of all entries."""
     entry_body, inverse_mass = at.entry_body(table), at.inverse_mass(table)
@@ -325,6 +322,18 @@ def right_side(table: int, free: Array, asked: Array) -> None:
             rhs[hubs[b, 0]] = -free[b, 0] / inverse_mass[b, 0]
             rhs[hubs[b, 1]] = -free[b, 1] / inverse_mass[b, 0]
             rhs[hubs[b, 2]] = -free[b, 2] / inverse_mass[b, 1]
+
+
+@kernel
+def answer(table: int, free: Array, asked: Array, impulses: Array) -> None:
+    """Impulses [m] of bilateral rows that ask for ``asked`` at free velocities [nb, 3]."""
+    solved, starts, below, values = (
+        at.unknowns(table)[2], at.starts(table), at.below(table), at.values(table))
+    right_side(table, free, asked)
+    forward(starts, below, values, solved)
+    for r in range(len(solved)):
+        impulses[r] = solved[r]
+    backward(starts, below, values, impulses)
 
 
 @kernel

@@ -16,7 +16,6 @@ Contacts that give back speed do so before all forces (:mod:`sandbox.engine.impa
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import (
@@ -50,7 +49,7 @@ from sandbox.engine.islands import list_piles
 from sandbox.engine.kernel import kernel
 from sandbox.engine.landing import land, leave
 from sandbox.engine.piles import solve_piles
-from sandbox.engine.plan import assemble, backward, factor, forward
+from sandbox.engine.plan import assemble, backward, clear, factor, forward, put
 from sandbox.engine.report import report
 from sandbox.engine.rows import (
     apply_impulses,
@@ -199,8 +198,7 @@ def close_joints(table: int, h: float, n: int, most: float) -> float:
     Y, reached = at.columns(table), at.reached(table)
     count = unknowns.shape[1]
     diagonal = len(values) - count
-    for i in range(count):
-        unknowns[4, i] = 0.0
+    clear(unknowns[4])
     add_shift(table, h)
     gap = joint_gaps(table, h)
     remove_shift(table)
@@ -270,10 +268,14 @@ def jammed(table: int, n: int, slack: float) -> int:
     for k in range(n if moving else 0):
         row = rows[k]
         overlaps = row["gentle"] == 1 and row["want"] <= -RETURN
-        if row["out"]:
-            if overlaps and _goes_on(row, velocity):
+        if row["out"] and overlaps:
+            a, b, v = row["a"], row["b"], velocity
+            speeds = (
+                abs(row["ax"] * v[a, 0]) + abs(row["ay"] * v[a, 1]) + abs(row["at"] * v[a, 2])
+                + abs(row["bx"] * v[b, 0]) + abs(row["by"] * v[b, 1]) + abs(row["bt"] * v[b, 2]))
+            if rate(row, v) < -max(AGROUND, ALMOST * speeds):
                 return k + 1
-        elif row["a"] < len(velocity) and not overlaps and (
+        elif row["a"] < len(velocity) and not (row["out"] or overlaps) and (
                 abs(row["p"] - row["last"]) * row["base"] > most):
             which, most = k, abs(row["p"] - row["last"]) * row["base"]
     if which < 0:
@@ -288,15 +290,6 @@ def jammed(table: int, n: int, slack: float) -> int:
         return which + 1
     _impulses(table, n, slack)
     return 0
-
-
-@kernel
-def _goes_on(row: Any, v: Array) -> bool:
-    """Whether both bodies of a row approach each other, and not only by what rounding leaves."""
-    a, b = row["a"], row["b"]
-    speeds = (abs(row["ax"] * v[a, 0]) + abs(row["ay"] * v[a, 1]) + abs(row["at"] * v[a, 2])
-              + abs(row["bx"] * v[b, 0]) + abs(row["by"] * v[b, 1]) + abs(row["bt"] * v[b, 2]))
-    return bool(rate(row, v) < -max(AGROUND, ALMOST * speeds))
 
 
 @kernel
@@ -358,19 +351,12 @@ def _rest(table: int) -> None:
         if not (abs(velocity[b, 0]) < STILL and abs(velocity[b, 1]) < STILL
                 and abs(velocity[b, 2]) < STILL_TURNING):
             return
+    belts, changing = at.belts(table), is_changing(table)
     for b in range(len(velocity)):
         velocity[b, 0] = velocity[b, 1] = velocity[b, 2] = 0.0
-    if not (is_changing(table) or _running(table)):
+        changing |= belts[b] != 0.0  # friction on a surface that runs does work
+    if not changing:
         count[1] = min(before + 1, SETTLED + 2)
-
-
-@kernel
-def _running(table: int) -> bool:
-    """Whether any surface runs: what rubs on it does work though nothing moves."""
-    belts, running = at.belts(table), False
-    for b in range(len(belts)):
-        running |= belts[b] != 0.0
-    return running
 
 
 @entry_point()
@@ -388,9 +374,7 @@ def find_velocities(table: int, n: int) -> None:
                 i = reached[k, q]
                 unknowns[3, i] -= Y[k, i] * p
     backward(at.starts(table), at.below(table), at.values(table), unknowns[3])
-    for b in range(len(free)):
-        for j in range(3):
-            velocity[b, j] = free[b, j]
+    put(velocity, free)
     apply_impulses(table, unknowns[3], velocity)
     for k in range(n):
         push(inverse_mass, rows[k], rows[k]["p"], velocity)

@@ -62,12 +62,7 @@ def acts(table: int, tie: int) -> bool:
 
 @entry_point("ties")
 def release_and_engage(table: int, drive: Array) -> None:
-    """Do what events wish, and what drives want that want something else than before.
-
-    Args:
-        table: of all arrays.
-        drive: values of the drives in this step, [nd].
-    """
+    """Do what events wish, and what drives [nd] want that want something else than before."""
     ties, states = at.ties(table), at.tie_states(table)
     for i in range(len(ties)):
         wish, states[i]["wish"] = states[i]["wish"], records.NONE
@@ -75,25 +70,17 @@ def release_and_engage(table: int, drive: Array) -> None:
             driven = 1 if drive[ties[i]["drive"]] > HELD_ABOVE else 0
             if driven != states[i]["driven"]:
                 wish = states[i]["driven"] = driven
-        if wish != records.NONE and wish != states[i]["held"]:
-            states[i]["held"] = wish
-            if wish == 1:
-                _engage(table, i)
-
-
-@kernel
-def _engage(table: int, i: int) -> None:
-    """Begin to close the gap of a joint; note the length of what is taken up as it is."""
-    tie, index = at.ties(table)[i], at.ties(table)[i]["index"]
-    if tie["what"] == records.JOINED:
-        at.tie_states(table)[i]["age"] = records.TAKEN
-    elif tie["as_is"] and tie["what"] == records.SPRINGY:
-        if not at.springs(table)[index]["turning"]:
-            at.spring_states(table)[index]["rest"] = at.spring_results(table)[index]["way"]
-    elif tie["as_is"] and tie["what"] == records.CORDED:
-        for k in range(len(at.cords(table))):
-            if at.cords(table)[k]["tie"] == i:
-                at.cord_states(table)[k]["rest"] = at.cord_results(table)[k]["length"]
+        if wish == records.NONE or wish == states[i]["held"]:
+            continue
+        states[i]["held"], what, index = wish, ties[i]["what"], ties[i]["index"]
+        if wish == 1 and what == records.JOINED:
+            states[i]["age"] = records.TAKEN
+        elif wish == 1 and ties[i]["as_is"]:  # its length now is the one at rest
+            if what == records.SPRINGY and not at.springs(table)[index]["turning"]:
+                at.spring_states(table)[index]["rest"] = at.spring_results(table)[index]["way"]
+            for k in range(len(at.cords(table)) if what == records.CORDED else 0):
+                if at.cords(table)[k]["tie"] == i:
+                    at.cord_states(table)[k]["rest"] = at.cord_results(table)[k]["length"]
 
 
 @kernel
@@ -235,32 +222,17 @@ def run_surfaces(table: int, drive: Array) -> None:
 
 
 def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) -> list[Happened]:
-    """What broke in the steps made since this was last asked, and when, in order of time.
-
-    What breaks in the same step as another, and by what that leaves to it, does so no earlier: the
-    others are asked again once the first is gone, and its load then jumped.
-
-    Args:
-        tables: the run's, which forgets it.
-        names: of what may be let go, in the model's order.
-        before: how many steps were made before these.
-        h: the step [s].
-    """
+    """What broke in the steps made since this was last asked, after ``before`` others."""
     made, broken = tables.state.made, tables.state.broken
     found: list[Happened] = []
     for one in broken[:made[2]]:
         time = (before + float(one["row"]) - 0.5 + float(one["when"])) * h
+        # what breaks by what another leaves to it does so no earlier
         found.append(Happened(names[one["tie"]], max(time, found[-1].time if found else time)))
     made[2] = 0
     return found
 
 
 def hold(tables: Tables, tie: int, *, held: bool) -> None:
-    """Let go of something, or take it up, with the next step.
-
-    Args:
-        tables: the run's, whose state is changed.
-        tie: its number in the model's ties.
-        held: whether it is to hold.
-    """
+    """Let go of something, or take it up, with the next step."""
     tables.state.ties[tie]["wish"], tables.state.standing[1] = held, 0
