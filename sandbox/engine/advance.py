@@ -12,7 +12,7 @@ from sandbox.engine.native import call_each, call_step
 from sandbox.engine.report import add_work
 from sandbox.engine.skin import soften
 from sandbox.engine.snapshot import (
-    add_waiting,
+    add_forces,
     count_step,
     note_impacts,
     room_for_contacts,
@@ -120,7 +120,8 @@ def advance(
         if not _again(table, drive[i], speeds[i]):
             if not room_for_contacts(table):
                 return i
-            add_waiting(table, h)
+            if at.kept_waiting(table)[0] > 0.0:  # before the step finds other forces
+                add_forces(table, h)
             if not (_move(table, h) and _push(table, h, drive[i], speeds[i])):
                 return i
         if every > 1:

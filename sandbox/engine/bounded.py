@@ -169,7 +169,10 @@ def couple(table: int, begin: int, first: int, count: int) -> None:
             G[k, m] = 0.0 if other["measure"] else x
             G[m, k] = 0.0 if row["measure"] else x
         G[k, k] = 1.0 if row["measure"] else G[k, k] + row["soft"]
-        _calm(row, G[k, k])
+        row["back"] = 0.0
+        if row["want"] < 0.0 and row["gentle"]:  # undone so slowly that it throws no body
+            row["back"] = row["want"] * min(1.0, G[k, k] / (LEVER * row["base"]))
+            row["free"] += row["back"] - row["want"]
         row["out"] = G[k, k] < HOLD * row["base"]
         if row["out"]:
             row["free"] = row["back"] = row["last"] = 0.0
@@ -197,15 +200,6 @@ def free_rate(
 
 
 @kernel
-def _calm(row: Any, own: float) -> None:
-    """Ask an overlap back no faster than what throws no body; ``own`` is the row's own G."""
-    row["back"] = 0.0
-    if row["want"] < 0.0 and row["gentle"]:
-        row["back"] = row["want"] * min(1.0, own / (LEVER * row["base"]))
-        row["free"] += row["back"] - row["want"]
-
-
-@kernel
 def rate(row: Any, velocity: Array) -> float:
     """What a row makes of velocities [nb, 3] of the bodies."""
     a, b = row["a"], row["b"]
@@ -218,20 +212,12 @@ def rate(row: Any, velocity: Array) -> float:
 def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, slack: float) -> int:
     """Find the modes and the impulses ``p``; how many systems it took, negative if it gave up.
 
-    Args:
-        rows: BOUND; ``mode`` is where it begins.
-        n: how many rows.
-        G: [n, n].
-        A: scratch, [n, n + 1].
-        chosen: scratch, [n].
-        slack: a rate [m/s, rad/s] that counts as none.
+    It begins with the modes of the rows; ``slack`` is a rate that counts as none, ``A`` and
+    ``chosen`` are scratch.
     """
     rounds = ROUNDS if n <= LARGE else max(FEWEST, int(ROUNDS * (LARGE / n) ** 3))
     for round in range(1, rounds + 1):
-        m = choose(rows, n, chosen)
-        make_system(rows, n, G, A, chosen, m)
-        eliminate(A, m)
-        _impulses(rows, n, A, chosen, m)
+        _impulses(rows, n, G, A, chosen)
         worst, which = slack, -1
         for k in range(n):
             bad, _ = _wrong(rows, n, G, k, slack)
@@ -262,10 +248,7 @@ def search_modes(
             free = rows[k]["normal"] >= 0 or rows[k]["low"] == -UNBOUNDED
             rows[k]["mode"] = 0 if free else -1
         for _ in range(2 * n + ROUNDS):
-            m = choose(rows, n, chosen)
-            make_system(rows, n, G, A, chosen, m)
-            eliminate(A, m)
-            _impulses(rows, n, A, chosen, m)
+            _impulses(rows, n, G, A, chosen)
             most, which, mode = 0.0, -1, 0
             for k in range(n):
                 bad, to = _wrong(rows, n, G, k, slack)
@@ -339,7 +322,11 @@ def eliminate(A: Array, m: int) -> None:
 
 
 @kernel
-def _impulses(rows: Records, n: int, A: Array, chosen: Integers, m: int) -> None:
+def _impulses(rows: Records, n: int, G: Array, A: Array, chosen: Integers) -> None:
+    """Impulses for the modes."""
+    m = choose(rows, n, chosen)
+    make_system(rows, n, G, A, chosen, m)
+    eliminate(A, m)
     for k in range(n):
         row = rows[k]
         row["p"] = 0.0

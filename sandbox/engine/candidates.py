@@ -156,8 +156,10 @@ def broken_rows(table: int, h: float, n: int, slack: float) -> int:
         if not joint_holds(table, limits[i]["joint"]):
             continue
         _limit_row(table, h, i, rows[n])
-        seen = rate(rows[n], velocity) + rows[n]["want"]
-        if seen < -slack and not _in(rows, first, LIMITED, i):
+        new = rate(rows[n], velocity) + rows[n]["want"] < -slack
+        for k in range(first):
+            new &= rows[k]["source"] != LIMITED or rows[k]["index"] != i
+        if new:
             n += 1
     for i in range(at.touching(table)[0]):
         if not touches[i]["listed"]:
@@ -165,11 +167,3 @@ def broken_rows(table: int, h: float, n: int, slack: float) -> int:
             if rate(rows[n], velocity) + rows[n]["want"] < -slack:
                 n = _with_touch(h, at.body(table), touches, rows, i, n)
     return n
-
-
-@kernel
-def _in(rows: Records, n: int, source: int, index: int) -> bool:
-    found = False
-    for k in range(n):
-        found |= rows[k]["source"] == source and rows[k]["index"] == index
-    return found

@@ -71,10 +71,8 @@ class Setpoint:
 class Bound:
     """What may be set of a drive."""
 
-    column: int
-    """Of the drive."""
-    most: float = ANY
-    """Largest change from one act to the next."""
+    column: int  # Of the drive
+    most: float = ANY  # largest change from one act to the next
     low: float = -math.inf
     high: float = math.inf
 
@@ -130,16 +128,13 @@ class ControlLoop:
     targets: list[Setpoint]
     law: Law
     bounds: list[Bound]
-    drives: list[str]
-    """Names of the drives that it sets."""
-    every: int
-    """Steps between its acts."""
+    drives: list[str]  # names of the drives that it sets
+    every: int  # steps between its acts
     desk: Desk
     active: bool = False
     run: Act = field(init=False)
     """Acts at an instant [s] and number; does nothing while the loop is switched off."""
-    away_first: float = math.nan
-    """Its largest distance from a target when it began; nan before."""
+    away_first: float = math.nan  # its largest distance from a target when it began; nan before
 
     def __post_init__(self) -> None:
         alone = len(self.readings) == len(self.targets) == len(self.bounds) == 1
@@ -153,11 +148,7 @@ class ControlLoop:
         self.active = on
 
     def _begin(self, t: float, number: int) -> None:
-        """Begin with what the drives have now, then act.
-
-        Raises:
-            SimulationDiverged: a reading is not a number.
-        """
+        """Begin with what the drives have now, then act."""
         inputs = [self.desk.taken(bound.column) for bound in self.bounds]
         self.refuse(t, inputs)
         self.law.begin([read() for read in self.readings],
@@ -187,8 +178,7 @@ class ControlLoop:
 
 
 def _idle(t: float, number: int) -> None:
-    """Do nothing."""
-
+    pass
 
 def _single(loop: ControlLoop) -> Act:
     (read,), (target,), (bound,) = loop.readings, loop.targets, loop.bounds

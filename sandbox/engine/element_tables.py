@@ -57,12 +57,9 @@ class PlacedBodies:
     """Where bodies are: their numbers in pymunk's order, inverse masses, poses at t = 0."""
 
     model: Model
-    number: Integers
-    """By the model's numbers, [nb]."""
-    inverse_mass: Array
-    """In pymunk's order, [nb, 2]."""
-    pose: Array
-    """Of the centres of mass, in pymunk's order, [nb, 3]."""
+    number: Integers  # by the model's numbers, [nb]
+    inverse_mass: Array  # in pymunk's order, [nb, 2]
+    pose: Array  # Of the centres of mass, in pymunk's order, [nb, 3]
 
     def local(self, body: int, point: Array) -> Array:
         """A point of a body's frame seen from its centre of mass [m]."""

@@ -1,11 +1,9 @@
 """A hand that takes hold of a body and draws it to a place, as by a spring.
 
-Force = k (place - point) - c velocity, critically damped for the mass m that the spring is made
-for, k = m w^2 and c = 2 m w with w = :data:`QUICK`, up to so many times the weight of what is
-joined to the body. It is worked out anew every T = :data:`EVERY` and pushes evenly in between. Of
-a mass m' that the point answers with this is stable while w T m / m' < 1: m is that of all that is
-joined to the body, but no more than :data:`MOST` times the least that the body alone answers with
-there, and joints only make that larger.
+Force = k (place - point) - c velocity, critically damped for a mass m: k = m w^2, c = 2 m w, and
+w = :data:`QUICK`. It is computed every T = :data:`EVERY` and constant in between: stable for a mass
+m' at the point while w T m / m' < 1. So m is that of all connected bodies, but at most :data:`MOST`
+times the effective mass of the body alone at the point.
 """
 
 from __future__ import annotations

@@ -1,16 +1,8 @@
 """What the outside sets over time: values of drives and poses of scheduled bodies.
 
-The loop, before it makes ``count`` <= :attr:`Inputs.at_once` steps from step k on:
-
-    drive = inputs.rows(k, count)  # what the signals say, [count, nd]; other values may be put in
-    speeds = inputs.speeds(k, len(drive))  # of scheduled bodies after each step, [count, ns, 3]
-    inputs.apply(drive[0])         # what pymunk itself latches: radii
-
-All else is read from ``drive`` at every step; what pymunk latches stays as it is from one
-``apply`` to the next. No value is below its drive's floor. Values are those of the instant of the
-step's pose, but for motors, whose rate is that asked for at the step's end, half a step later,
-and rigid servos, which are told where to be in the next step: by that what they do is exact to
-second order.
+Values are those of the instant of the step's pose, but for motors, whose rate is that of the step's
+end, half a step later, and rigid servos, which get the target of the next step. No value is below
+its drive's floor.
 """
 
 from __future__ import annotations
@@ -42,16 +34,15 @@ class Inputs:
         self.mechanism = self.model.mechanism
         self._start = 1
         self._drives: Array = np.zeros((0, len(self.mechanism.drives)))
-        self._moved = [(i, body, body.path) for i, body in enumerate(self.mechanism.bodies)
-                       if body.path is not None]
-        numbers = [int(world.number[index]) for index, _, _ in self._moved]
-        self._in_order = np.argsort(numbers)
-        """From the order of ``_moved`` to that of pymunk."""
+        bodies = [(i, self.mechanism.bodies[i]) for i in world.order.tolist()]
+        self._moved = [(i, body, body.path) for i, body in bodies if body.path is not None]
+        """In pymunk's order."""
         self._speeds: Array = np.zeros((0, len(self._moved), 3))
         kinds = self.model.drives.kind
         self._latches = {i: _radius(world, i) for i, kind in enumerate(kinds) if kind.latched}
         self._latched: dict[int, float] = {}
         """What pymunk was last given of each drive."""
+        self._place()
 
     @property
     def at_once(self) -> int:
@@ -96,7 +87,7 @@ class Inputs:
         row = k - self._start
         return self._speeds[row : row + count]
 
-    def place(self) -> None:
+    def _place(self) -> None:
         """Put scheduled bodies where they begin, half a step before t = 0, with their velocities.
 
         The path is continued backwards as it begins.
@@ -104,8 +95,8 @@ class Inputs:
         if not self._moved:
             return
         self._fill(1)
-        for (index, body, path), n in zip(self._moved, self.world.number[
-                [index for index, _, _ in self._moved]], strict=True):
+        for index, body, path in self._moved:
+            n = self.world.number[index]
             start, first = np.array([*body.at, body.angle]), self._poses(body, path, 1, 1)[0]
             held, speed = self.world.bodies[n], 2 * (first - start) / self.clock.step
             x, y, angle = (2 * start - first).tolist()
@@ -119,8 +110,7 @@ class Inputs:
 
     def places(self, k: int) -> Array:
         """Poses of scheduled bodies' frames in step k, in pymunk's order, [ns, 3]."""
-        found = [self._poses(body, path, k, k)[0]
-                 for _, body, path in (self._moved[i] for i in self._in_order.tolist())]
+        found = [self._poses(body, path, k, k)[0] for _, body, path in self._moved]
         return np.array(found).reshape(-1, 3)
 
     def _fill(self, start: int) -> None:
@@ -132,8 +122,7 @@ class Inputs:
             drives[:, i] = self._values(
                 f"drive {drive.name}", drive.signal(self.mechanism), times + late)
         speeds = np.stack(
-            [self._speeds_of(body, path, start, stop)
-             for _, body, path in (self._moved[i] for i in self._in_order.tolist())], axis=1,
+            [self._speeds_of(body, path, start, stop) for _, body, path in self._moved], axis=1,
         ) if self._moved else np.zeros((stop - start, 0, 3))
         # only now, when no signal was found to be without a value
         self._start, self._speeds = start, speeds

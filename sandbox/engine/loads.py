@@ -62,18 +62,10 @@ def _set(read: Array, k: int, value: float, by_x: float, by_y: float, by_turn: f
 def _motion(
     table: int, load: Any, h: float, after: Array, end: bool, lag: float,
 ) -> tuple[float, float, float, float]:
-    """Put what a law reads, with slopes by the velocities after the step.
+    """Put what a law reads, with slopes by the velocities ``after`` the step.
 
-    Args:
-        table: the memory.
-        load: whose law it is.
-        h: the step [s].
-        after: velocities after the step, [nb, 3].
-        end: whether it is taken at the step's end.
-        lag: 1 / h for slopes by the acceleration, 0 without these.
-
-    Returns:
-        Cosine and sine of the body's angle, the arm of the force from its centre of mass [m].
+    ``lag`` is 1 / h for slopes by the acceleration, 0 without these. Returns cosine and sine of
+    the body's angle, and the arm of the force from its centre of mass [m].
     """
     body, before, read = at.body(table), at.before(table), at.read_names(table)
     b = load["body"]
@@ -181,10 +173,7 @@ def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> N
 
 @kernel
 def _rates(numbers: Array, w: float, wt: float) -> None:
-    """What of the slopes is against motion: rates and axes, by Jacobi's rotations.
-
-    ``w`` and ``wt`` are the body's inverse mass and inertia.
-    """
+    """What of the slopes is against motion: rates and axes, by Jacobi's rotations."""
     root = (math.sqrt(w), math.sqrt(w), math.sqrt(wt))
     A, Q = numbers[SCRATCH:SCRATCH + 3], numbers[AXES:AXES + 3]
     for i in range(3):
@@ -324,10 +313,10 @@ def _same(numbers: Array, acted: Array, w: float, wt: float) -> bool:
 @entry_point("loads")
 def timed(table: int) -> bool:
     """Whether any load hangs on the time: what stands still for that may move on."""
-    loads, found = at.loads(table), False
-    for i in range(len(loads)):
-        found |= loads[i]["timed"] != 0
-    return bool(found)
+    found = False
+    for i in range(len(at.loads(table))):
+        found |= at.loads(table)[i]["timed"] != 0
+    return found
 
 
 @entry_point("loads")
@@ -347,14 +336,8 @@ def below(
 ) -> tuple[float, float]:
     """Area below a level [m^2], and its moment about the upright line through the centre [m^3].
 
-    Args:
-        sides: of all outlines, from the centres of mass, [k, 5].
-        first: the outline's first.
-        last: where it ends.
-        c: cosine of the body's angle.
-        s: sine of it.
-        angle: it [rad].
-        height: of the centre of mass over the level [m].
+    ``c`` and ``s`` are cosine and sine of the body's angle, ``height`` is that of its centre of
+    mass over the level [m].
     """
     area, moment = 0.0, 0.0
     for k in range(first, last):

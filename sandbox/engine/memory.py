@@ -34,12 +34,9 @@ TABLE_WORDS = WIDTH * sum(len(part._fields) for part in _PARTS)
 class Memory(NamedTuple):
     """What compiled code gets, and what must live as long as it is used."""
 
-    address: int
-    """Of the table: address and lengths of every array, then addresses of entry points."""
-    h: float
-    """The step [s]."""
-    kept: tuple[Any, ...]
-    """The table and the arrays themselves."""
+    address: int  # Of the table: address and lengths of every array, then addresses of entry points
+    h: float  # the step [s]
+    kept: tuple[Any, ...]  # the table and the arrays themselves
 
 
 def make_memory(

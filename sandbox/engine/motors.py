@@ -20,11 +20,10 @@ much less.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import HOLD, UNBOUNDED, begin_row, eliminate, put_coordinate, rate
-from sandbox.engine.coordinates import ends, vector_ahead
+from sandbox.engine.coordinates import ahead, ends, vector_ahead
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import PACED, PLACED, SPRUNG
@@ -38,33 +37,19 @@ LEAST = 0.01
 """The same, where loads leave less."""
 
 
-@kernel
-def _ahead(table: int, joint: int, h: float) -> float:
-    """Length of an actuator [m] where the velocities before lead in a step."""
-    line, body, v = at.joints(table)[joint], at.body(table), at.before(table)
-    p = body[line["a"], 2] + h * v[line["a"], 2]
-    q = body[line["b"], 2] + h * v[line["b"], 2]
-    x, y = vector_ahead(line, h, body, v, math.cos(p), math.sin(p), math.cos(q), math.sin(q))
-    return math.hypot(x, y)
-
-
 @entry_point("motors")
 def servo_row(table: int, h: float, value: float, i: int, n: int) -> None:
-    """The row of a motor that goes to a place or acts on an actuator.
-
-    Args:
-        table: the memory.
-        h: the step [s].
-        value: of its drive.
-        i: the motor's number.
-        n: its row, in which bounds and what it remembers stand already.
-    """
+    """The row ``n`` of a motor that goes to a place or acts on an actuator; its bounds are set."""
     out = at.rows(table)[n]
     motor, state, before = at.motors(table)[i], at.motor_states(table)[i], at.before(table)
     place, seen = at.joint_results(table)[motor["joint"]]["way"], rate(out, before)
     state["bend"] = 0.0
     if motor["line"]:
-        state["bend"] = (_ahead(table, motor["joint"], h) - place) / h - seen
+        line, body = at.joints(table)[motor["joint"]], at.body(table)
+        _, _, _, ca, sa = ahead(h, body, before, line["a"])
+        _, _, _, cb, sb = ahead(h, body, before, line["b"])
+        x, y = vector_ahead(line, h, body, before, ca, sa, cb, sb)
+        state["bend"] = (math.hypot(x, y) - place) / h - seen
     if motor["law"] == PACED:
         out["want"] = state["bend"] - value
         return
@@ -172,7 +157,17 @@ def drive_forces(table: int, drive: Array) -> None:
         value = drive[action["drive"]]
         if action["line"]:
             result["torque"] = value
-            _push_forces(table, action, value)
+            joint, b = at.joints(table)[action["joint"]], action["b"]
+            ax, ay, bx, by, dx, dy = ends(joint, body, at.turn(table))
+            length = math.hypot(dx, dy)
+            if length > 0.0:  # else the points of the actuator meet
+                fx, fy = value * dx / length, value * dy / length
+                out[a, 0] -= fx
+                out[a, 1] -= fy
+                out[a, 2] -= ax * fy - ay * fx
+                out[b, 0] += fx
+                out[b, 1] += fy
+                out[b, 2] += bx * fy - by * fx
             continue
         if action["b"] >= 0:
             result["torque"] = action["sense"] * value
@@ -189,19 +184,3 @@ def drive_forces(table: int, drive: Array) -> None:
         out[a, 0] += fx
         out[a, 1] += fy
         out[a, 2] += result["torque"]
-
-
-@kernel
-def _push_forces(table: int, action: Any, force: float) -> None:
-    """The force of a drive between the two points of an actuator; none where they meet."""
-    out, joint, a, b = at.force(table), at.joints(table)[action["joint"]], action["a"], action["b"]
-    ax, ay, bx, by, dx, dy = ends(joint, at.body(table), at.turn(table))
-    length = math.hypot(dx, dy)
-    if length > 0.0:
-        fx, fy = force * dx / length, force * dy / length
-        out[a, 0] -= fx
-        out[a, 1] -= fy
-        out[a, 2] -= ax * fy - ay * fx
-        out[b, 0] += fx
-        out[b, 1] += fy
-        out[b, 2] += bx * fy - by * fx

@@ -1,11 +1,8 @@
 """pymunk's own C functions, called from compiled code.
 
-Going through Python to read bodies, write velocities and step costs more than a
-step of a small hand itself. The functions behind ``Space.step`` and
-``pymunk.batch`` are therefore called by address from the compiled loop. This is
-the only module that knows of pymunk's insides; ``World.read``, ``write`` and
-``step`` do the same through the public interface, and a test holds the two
-against each other.
+Going through Python to read bodies, write velocities and step costs more than a step of a small
+hand itself. The functions behind ``Space.step`` and ``pymunk.batch`` are therefore called by
+address. This is the only module that knows of pymunk's insides.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ import numpy as np
 
 from sandbox.engine.kernel import kernel
 from sandbox.errors import SandboxError
-from sandbox.numeric import Array, Flags, Integers
+from sandbox.numeric import Array, Integers
 
 MOST = 5_000_000
 """Products that factoring the matrix may take in a step: some hundredths of a second."""
@@ -42,31 +42,21 @@ HUB = 12
 class Pattern(NamedTuple):
     """The pattern of L in L D L^T, and what is added up to the matrix; m unknowns, ne entries."""
 
-    place: Integers
-    """The unknown of each row, in the order of elimination, [rows]."""
+    place: Integers  # the unknown of each row, in the order of elimination, [rows]
     hubs: Integers
     """The three unknowns of each body that is a hub, or -1; then of each slip its one, thrice; then
     of each sum its two rows and the first of these, [nb + nf + sums, 3]."""
-    starts: Integers
-    """Where the slots below the diagonal begin, column by column, [m + 1]."""
-    below: Integers
-    """The unknown of each slot's row, [slots]."""
+    starts: Integers  # where the slots below the diagonal begin, column by column, [m + 1]
+    below: Integers  # the unknown of each slot's row, [slots]
     updates: Integers
     """The slots that the products of two slots of a column are taken from, in turn."""
-    entry_row: Integers
-    """The unknown of each entry, [ne]."""
-    entry_body: Integers
-    """The body of each entry, [ne]."""
-    pairs: Integers
-    """(slot, entry, entry) that add up to S, [p, 3]; a diagonal follows the slots."""
-    joined: Integers
-    """The slots of rows that are joined besides."""
-    direct: Integers
-    """(slot, entry, axis) of the entries on hubs, [q, 3]."""
-    body_starts: Integers
-    """Where the entries of each free body that is no hub begin, [nb + 1]."""
-    body_entries: Integers
-    """These entries, body by body."""
+    entry_row: Integers  # the unknown of each entry, [ne]
+    entry_body: Integers  # the body of each entry, [ne]
+    pairs: Integers  # (slot, entry, entry) that add up to S, [p, 3]; a diagonal follows the slots
+    joined: Integers  # the slots of rows that are joined besides
+    direct: Integers  # (slot, entry, axis) of the entries on hubs, [q, 3]
+    body_starts: Integers  # where the entries of each free body that is no hub begin, [nb + 1]
+    body_entries: Integers  # these entries, body by body
     branch_starts: Integers
     """Where the branch of each body, slip and sum begins, [nb + nf + sums + 1]."""
     branches: Integers
@@ -92,7 +82,10 @@ def make_pattern(
     bodies, count = len(inverse_mass), len(inverse_mass) + slips
     free = np.concatenate([inverse_mass[:, 0] > 0.0, np.ones(slips, dtype=bool)])
     entries = [(row, body) for row, acted_on in enumerate(rows) for body in acted_on]
-    on = _entries_on(entries, free)
+    on: list[list[int]] = [[] for _ in free]  # of every body or slip that moves, its entries
+    for entry, (_, body) in enumerate(entries):
+        if free[body]:
+            on[body].append(entry)
     hubs = [body for body in range(count) if body >= bodies or len(on[body]) > hub]
     axes = [3 if body < bodies else 1 for body in hubs]
     first = np.cumsum([len(rows), *axes]).tolist()
@@ -116,7 +109,11 @@ def make_pattern(
         a, b = int(place[i]), int(place[j])
         return len(slot) + a if a == b else slot[max(a, b), min(a, b)]
 
-    unknown = _stays(count, hubs, first, place, sums)
+    unknown = np.full((count + len(sums), 3), -1, dtype=np.int64)
+    for k, body in enumerate(hubs):
+        unknown[body] = place[first[k]:first[k + 1]]
+    for k, (one, two) in enumerate(sums):
+        unknown[count + k] = place[[one, two, one]]
     inner = [[] if body in hubs else on[body] for body in range(count)] + [[] for _ in sums]
     pairs = [(where(entries[a][0], entries[b][0]), a, b) for own in inner for a in own for b in own
              if place[entries[a][0]] >= place[entries[b][0]]]
@@ -133,28 +130,6 @@ def make_pattern(
         np.array(sorted(pairs), dtype=np.int64).reshape(-1, 3),
         _flat([[where(i, j) for i, j in joined]]), np.array(direct, dtype=np.int64).reshape(-1, 3),
         _starts(inner), _flat(inner), _starts(branches), _flat(branches))
-
-
-def _entries_on(entries: list[tuple[int, int]], free: Flags) -> list[list[int]]:
-    """Of every body or slip that moves, the entries on it."""
-    on: list[list[int]] = [[] for _ in free]
-    for entry, (_, body) in enumerate(entries):
-        if free[body]:
-            on[body].append(entry)
-    return on
-
-
-def _stays(
-    count: int, hubs: list[int], first: list[int], place: Integers,
-    sums: Sequence[tuple[int, int]],
-) -> Integers:
-    """:attr:`Pattern.hubs`, of ``count`` bodies and slips and of the sums."""
-    unknown = np.full((count + len(sums), 3), -1, dtype=np.int64)
-    for k, body in enumerate(hubs):
-        unknown[body] = place[first[k]:first[k + 1]]
-    for k, (one, two) in enumerate(sums):
-        unknown[count + k] = place[[one, two, one]]
-    return unknown
 
 
 def _meetings(

@@ -12,8 +12,6 @@ A row y + want + s p = 0 has one of two rules, y_0 its rate before the step, e a
 
 from __future__ import annotations
 
-from typing import Any
-
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import rate
 from sandbox.engine.candidates import normal_row, tangent_row
@@ -72,15 +70,8 @@ def stretch_skin(table: int, h: float, n: int) -> None:
         row = rows[k]
         if row["source"] == TANGENT and row["soft"] > 0.0:
             t = touches[row["index"]]
-            stretch_along(table, h, t, row, TANGENTIAL * skin[0, t["a"], t["b"]])
-
-
-@kernel
-def stretch_along(table: int, h: float, t: Any, row: Any, stiffness: float) -> None:
-    """Stretch the spring of a contact that carries, or let it follow a sliding one's force."""
-    if t["normal"] <= 0.0:
-        return
-    if row["mode"] != 0:
-        t["stretch"] = -row["p"] / (h * stiffness)
-    else:
-        t["stretch"] += h * (rate(row, at.velocity(table)) + row["want"] - t["want_along"])
+            if t["normal"] > 0.0 and row["mode"] != 0:  # it follows the force of a sliding contact
+                stiffness = TANGENTIAL * skin[0, t["a"], t["b"]]
+                t["stretch"] = -row["p"] / (h * stiffness)
+            elif t["normal"] > 0.0:
+                t["stretch"] += h * (rate(row, at.velocity(table)) + row["want"] - t["want_along"])

@@ -35,7 +35,8 @@ def make_snapshot(samples: int, tables: Tables, contacts: int) -> Snapshot:
               for name, array in sampled.items()}
     copies = np.array([(array.ctypes.data, copied[name].ctypes.data, array.nbytes // 8)
                        for name, array in sampled.items() if array.size], dtype=np.int64)
-    drives, tendons = len(tables.state.last_drive), np.count_nonzero(constants.cords["whole"] < 0)
+    drives = len(tables.state.last_drive)
+    tendons = int(np.count_nonzero(constants.cords["whole"] < 0))
     sizes = {
         "samples": samples, "bodies": len(constants.bodies), "drives": drives,
         "contacts": contacts, "mean_contacts": 2 * contacts,
@@ -170,16 +171,6 @@ def count_step(table: int, h: float, every: int, due: int) -> None:
     waiting[0] += share
     keep_means(table, h, every)
     waiting[0] = 1.0 - share
-
-
-@kernel
-def add_waiting(table: int, h: float) -> None:
-    """Add the forces of the last steps to the means, before the next step finds other ones.
-
-    As long as everything is at rest there is no need to.
-    """
-    if at.kept_waiting(table)[0] > 0.0:
-        add_forces(table, h)
 
 
 @entry_point()

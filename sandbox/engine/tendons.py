@@ -40,11 +40,8 @@ from sandbox.engine.ties import acts, holds, slacken_released
 from sandbox.numeric import Array, Records
 
 EXCESS = 1e-10
-"""Share of the tensions on both sides of a guide by which its friction may exceed its bound.
-
-The tolerance of rates, which a fast row elsewhere sets, says little of it: a stiff cable hardly
-slips under a force that is far beyond its bound.
-"""
+"""Share of the tensions on both sides of a guide by which its friction may exceed its bound. A
+stiff cable hardly slips under a force far beyond its bound: rates say little of it."""
 
 
 @kernel
@@ -125,21 +122,15 @@ def slipped(table: int, h: float) -> None:
     for i in range(len(cords)):
         if cords[i]["spans"] < cords[i]["spans_end"]:
             results[i]["tension"] = results[cords[i]["spans_end"] - 1]["tension"]
-            if not states[i]["active"]:
-                _even_out(table, i)
-
-
-@kernel
-def _even_out(table: int, i: int) -> None:
-    """Spread what is in a slack cord over its spans as they are long."""
-    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
-    length = inside = 0.0
-    for k in range(cords[i]["spans"], cords[i]["spans_end"]):
-        length += results[k]["length"] - results[k]["wound"]
-        inside += states[k]["rest"] - results[k]["wound"]
-    for k in range(cords[i]["spans"], cords[i]["spans_end"]):
-        free = results[k]["length"] - results[k]["wound"]
-        states[k]["rest"] = results[k]["wound"] + inside * free / length
+            if states[i]["active"]:
+                continue
+            length = inside = 0.0  # what is in a slack cord spreads over its spans as they are long
+            for k in range(cords[i]["spans"], cords[i]["spans_end"]):
+                length += results[k]["length"] - results[k]["wound"]
+                inside += states[k]["rest"] - results[k]["wound"]
+            for k in range(cords[i]["spans"], cords[i]["spans_end"]):
+                free = results[k]["length"] - results[k]["wound"]
+                states[k]["rest"] = results[k]["wound"] + inside * free / length
 
 
 @kernel
@@ -163,7 +154,6 @@ def _set(table: int, i: int, active: int) -> None:
 
 @kernel
 def _drawn(table: int, i: int) -> bool:
-    """Whether a drive pulls a whole cord at this moment."""
     last = at.cords(table)[i]["spans_end"] - 1
     return bool(at.cords(table)[last]["kind"] == PULL
                 and at.cord_results(table)[last]["tension"] > 0.0)

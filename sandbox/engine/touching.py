@@ -60,7 +60,7 @@ def list_contacts_of_step(table: int) -> None:
 
     pymunk finds them in one that hangs on addresses in memory.
     """
-    raw, count, shapes = at.raw(table), at.near(table)[0], at.shapes(table)
+    raw, count, shapes, faces = at.raw(table), at.near(table)[0], at.shapes(table), at.faces(table)
     friction, restitution, body = at.friction(table), at.restitution(table), at.body(table)
     old, order, out, touching = (
         at.touches(table), at.order(table), at.found(table), at.touching(table))
@@ -68,9 +68,17 @@ def list_contacts_of_step(table: int) -> None:
     for i in range(count):
         if friction[shapes[raw[i]["shape_a"]]["body"], shapes[raw[i]["shape_b"]]["body"]] < 0.0:
             continue
-        if not _on_surfaces(table, i):
+        one, two = shapes[raw[i]["shape_a"]], shapes[raw[i]["shape_b"]]
+        nx, ny = raw[i]["nx"], raw[i]["ny"]
+        if not (_faced(one, faces, body[one["body"], 2], nx, ny)
+                and _faced(two, faces, body[two["body"], 2], -nx, -ny)):
             continue
-        _oriented(raw[i], shapes)
+        raw[i]["ax"] -= one["margin"] * nx
+        raw[i]["ay"] -= one["margin"] * ny
+        raw[i]["bx"] += two["margin"] * nx
+        raw[i]["by"] += two["margin"] * ny
+        if one["body"] > two["body"]:  # the normal leads to the body with the higher number
+            exchange(raw[i])
         j = n
         while j > 0 and _after(raw, order[j - 1], i):
             order[j] = order[j - 1]
@@ -101,16 +109,6 @@ def list_contacts_of_step(table: int) -> None:
         out[k]["belt"] = -(belts[out[k]["a"]] + belts[out[k]["b"]])
         old[k] = out[k]
     touching[0] = n
-
-
-@kernel
-def _on_surfaces(table: int, i: int) -> bool:
-    """Whether what pymunk found is where both shapes are the surfaces of their outlines."""
-    shapes, found, body, faces = at.shapes(table), at.raw(table)[i], at.body(table), at.faces(table)
-    one, two = shapes[found["shape_a"]], shapes[found["shape_b"]]
-    nx, ny = found["nx"], found["ny"]
-    return bool(_faced(one, faces, body[one["body"], 2], nx, ny)
-                and _faced(two, faces, body[two["body"], 2], -nx, -ny))
 
 
 @kernel
@@ -182,17 +180,6 @@ def _after(raw: Records, i: int, j: int) -> bool:
     if high != high_other:
         return bool(high > high_other)
     return bool(one["feature"] > other["feature"])
-
-
-@kernel
-def _oriented(found: Any, shapes: Records) -> None:
-    """Take off the margins, and let the normal lead to the body with the higher number."""
-    nx, ny = found["nx"], found["ny"]
-    ma, mb = shapes[found["shape_a"]]["margin"], shapes[found["shape_b"]]["margin"]
-    found["ax"], found["ay"] = found["ax"] - ma * nx, found["ay"] - ma * ny
-    found["bx"], found["by"] = found["bx"] + mb * nx, found["by"] + mb * ny
-    if shapes[found["shape_a"]]["body"] > shapes[found["shape_b"]]["body"]:
-        exchange(found)
 
 
 @kernel

@@ -8,7 +8,6 @@ category. This is exact up to 32 kinds of body; other pairs are sorted out when 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -23,7 +22,6 @@ from sandbox.model.model import Model
 from sandbox.model.pairs import Words, allowed_pairs, joined, pair_skins
 from sandbox.numeric import Array, Flags, Integers, Records, Stack
 from sandbox.scene.bodies import (
-    Body,
     Box,
     Capsule,
     Circle,
@@ -95,8 +93,11 @@ class World:
         self._spans: list[Records] = []
         self.bodies = [self._add_body(i) for i in self.order.tolist()]
         """In pymunk's order."""
-        for i in range(len(self.model.joints.name)):
-            self._add_joint(i)
+        for i, pair in enumerate(self.number[self.model.joints.bodies].tolist()):
+            joint = _constraint(self.model, i, *(self.bodies[body] for body in pair))
+            joint.collide_bodies = bool(self.model.joints.collide[i])
+            joint.max_force = 0.0
+            self.space.add(joint)
         self.room = Room(contacts=32 + 8 * len(self._shape_rows), rows=64 + 4 * len(self.bodies))
         self.finder = native.Finder(self.space, self.room.contacts)
         self.native = native.make_native(
@@ -125,10 +126,6 @@ class World:
         self.write()
         self.read()
 
-    def step(self) -> None:
-        """Move all bodies by one step, and find the contacts there."""
-        self.space.step(self.h)
-
     def enlarge(self, found: int, rows: int) -> None:
         """Make room for twice ``found`` contacts, and for ``rows`` bounded rows."""
         self.room = Room(contacts=2 * max(self.room.contacts, found),
@@ -136,10 +133,6 @@ class World:
         self.native = self.native._replace(raw=self.finder.raw)
 
     # -- building -------------------------------------------------------------------
-
-    def _pair(self, joint: int) -> tuple[pymunk.Body, pymunk.Body]:
-        a, b = self.number[self.model.joints.bodies[joint]]
-        return self.bodies[a], self.bodies[b]
 
     def _add_body(self, index: int) -> pymunk.Body:
         spec, bodies = self.model.mechanism.bodies[index], self.model.bodies
@@ -157,19 +150,13 @@ class World:
             body.position = spec.at
             body.angle = spec.angle  # of a scheduled one set anew by sandbox.engine.inputs
         self.space.add(body)
-        self.shapes[index] = self._add_shapes(body, spec, centre, index)
-        return body
-
-    def _add_shapes(
-        self, body: pymunk.Body, spec: Body, centre: Vec, index: int,
-    ) -> list[list[pymunk.Shape]]:
-        found = []
+        self.shapes[index] = found = []
         for shape in spec.shapes:
             margin = min(MARGIN * _extent(shape), MOST_MARGIN)
             curve = (*self._add_curves(shape, centre), len(self._shape_rows))
             found.append([self._add_shape(body, solid, faces, margin, centre, index, curve)
                           for solid, faces in solids(shape)])
-        return found
+        return body
 
     def _add_curves(self, shape: Shape, centre: Vec) -> tuple[int, int, int]:
         """The SPANs of a shape: the first, the one after the last, whether they are closed."""
@@ -201,24 +188,6 @@ class World:
         shape.collision_type = len(self._shape_rows)
         self.space.add(shape)
         return shape
-
-    def _add_joint(self, index: int) -> None:
-        constraint = make_constraint(self.model, index, *self._pair(index))
-        constraint.collide_bodies = bool(self.model.joints.collide[index])
-        constraint.max_force = 0.0
-        self.space.add(constraint)
-
-
-def _core(shape: pymunk.Shape) -> tuple[list[Vec], float]:
-    """Corners of the core of one of pymunk's shapes, and by how much the shape is larger [m]."""
-    match shape:
-        case pymunk.Circle():
-            points = [shape.offset]
-        case pymunk.Segment():
-            points = [shape.a, shape.b]
-        case pymunk.Poly():
-            points = shape.get_vertices()
-    return [(float(x), float(y)) for x, y in points], float(shape.radius)
 
 
 def _extent(spec: Shape) -> float:
@@ -270,52 +239,29 @@ def make_shape(
             return pymunk.Poly(body, [(x - cx, y - cy) for x, y in corners(spec)], radius=margin)
 
 
-def make_constraint(
+def _constraint(
     model: Model, joint: int, a: pymunk.Body, b: pymunk.Body,
 ) -> pymunk.Constraint:
-    """The constraint that stands for a joint in pymunk."""
-    return CONSTRAINTS[model.joints.kind[joint].keeps](model, joint, a, b)
-
-
-def _ends(model: Model, joint: int) -> tuple[Vec, Vec]:
-    """The points that a joint holds, seen from the centres of mass of its bodies [m]."""
-    joints = model.joints
-    on_a, on_b = joints.anchor[joint] - model.bodies.centre[joints.bodies[joint]]
-    return (on_a[0].item(), on_a[1].item()), (on_b[0].item(), on_b[1].item())
-
-
-def _point(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
-    return pymunk.PivotJoint(a, b, *_ends(model, joint))
-
-
-def _groove(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
-    joints = model.joints
-    if joints.path[joint] is not None:
-        return _wheels(model, joint, a, b)
-    centre = model.bodies.centre[joints.bodies[joint, 0]]
-    start, end = (tuple((point - centre).tolist()) for point in joints.groove[joint])
-    return pymunk.GrooveJoint(a, b, start, end, _ends(model, joint)[1])
-
-
-def _distance(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
-    rod = pymunk.PinJoint(a, b, *_ends(model, joint))
-    rod.distance = model.joints.reach[joint, 0].item()
-    return rod
-
-
-def _range(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
-    return pymunk.SlideJoint(a, b, *_ends(model, joint), *model.joints.reach[joint].tolist())
-
-
-def _wheels(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
-    return pymunk.SlideJoint(a, b, *_ends(model, joint), 0.0, math.inf)
-
-
-CONSTRAINTS: Mapping[
-    str, Callable[[Model, int, pymunk.Body, pymunk.Body], pymunk.Constraint],
-] = {"point": _point, "groove": _groove, "distance": _distance, "range": _range,
-     "gear": _wheels, "rack": _wheels, "roll": _wheels}
-"""How pymunk keeps what joints keep (:attr:`sandbox.elements.joint.JointKind.keeps`)."""
+    """What stands for a joint in pymunk."""
+    joints, path = model.joints, model.joints.path[joint]
+    ends = joints.anchor[joint] - model.bodies.centre[joints.bodies[joint]]
+    on_a, on_b = map(tuple, ends.tolist())
+    reach = joints.reach[joint].tolist()
+    match joints.kind[joint].keeps:
+        case "point":
+            return pymunk.PivotJoint(a, b, on_a, on_b)
+        case "groove" if path is None:
+            centre = model.bodies.centre[joints.bodies[joint, 0]]
+            start, end = map(tuple, (joints.groove[joint] - centre).tolist())
+            return pymunk.GrooveJoint(a, b, start, end, on_b)
+        case "distance":
+            rod = pymunk.PinJoint(a, b, on_a, on_b)
+            rod.distance = reach[0]
+            return rod
+        case "range":
+            return pymunk.SlideJoint(a, b, on_a, on_b, *reach)
+        case _:
+            return pymunk.SlideJoint(a, b, on_a, on_b, 0.0, math.inf)
 
 
 CATEGORIES = 32
@@ -395,20 +341,14 @@ def _pair_materials(mechanism: Mechanism, words: Words) -> Stack:
 class ShapeTables(NamedTuple):
     """What contacts follow."""
 
-    shapes: Records
-    """SHAPE, [nz], in the order of their collision types."""
-    faces: Records
-    """FACE, of shapes that are pieces of an outline."""
-    vertices: Array
-    """Corners of the shapes' cores, from the centres of mass [m], [n, 2]."""
-    spans: Records
-    """SPAN, of shapes that are curves."""
+    shapes: Records  # SHAPE, [nz], in the order of their collision types
+    faces: Records  # FACE, of shapes that are pieces of an outline
+    vertices: Array  # corners of the shapes' cores, from the centres of mass [m], [n, 2]
+    spans: Records  # SPAN, of shapes that are curves
 
 
 class Room(NamedTuple):
     """How much there is room for in one step."""
 
-    contacts: int
-    """Points in which shapes are near one another."""
-    rows: int
-    """Bounded rows that carry something."""
+    contacts: int  # points in which shapes are near one another
+    rows: int  # bounded rows that carry something
