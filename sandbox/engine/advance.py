@@ -7,10 +7,10 @@ import math
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import CalledFromPython
 from sandbox.engine.groups import apply_forces, is_valid
+from sandbox.engine.islands import soften
 from sandbox.engine.kernel import kernel
 from sandbox.engine.native import call_each, call_step
 from sandbox.engine.report import add_work
-from sandbox.engine.skin import soften
 from sandbox.engine.snapshot import (
     add_forces,
     count_step,

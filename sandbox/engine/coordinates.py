@@ -1,4 +1,4 @@
-"""Coordinates of elements between two bodies: distance, angle, teeth, rolling.
+"""Coordinates of elements between two bodies: distance, angle, teeth, rolling, paths of slots.
 
 A coordinate q has the rate
 
@@ -19,9 +19,16 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from sandbox.engine import memory as at
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
+from sandbox.engine.narrow_phase import descend, on_span
 from sandbox.engine.records import GEAR, GROOVE, POINT, RACK
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Records
+from sandbox.scene.outlines import paths
+
+ABSCISSAE, WEIGHTS = tuple(paths.ABSCISSAE.tolist()), tuple(paths.WEIGHTS.tolist())
+"""Quadrature of the arc lengths of spans."""
 
 
 @kernel
@@ -187,3 +194,38 @@ def rolled(joint: Any, h: float, body: Array, velocity: Array) -> float:
     way = ra * angle_a + rb * angle_b - (ra + rb) * math.atan2(dy, dx) - joint["start"]
     turn = 2.0 * math.pi * (ra + rb)
     return float(way - turn * math.floor(way / turn + 0.5))
+
+
+@kernel
+def on_path(spans: Records, start: int, x: float, y: float) -> Any:
+    """The place nearest to the point (x, y) on the path of a slot, searched from a span on.
+
+    An open path continues straight beyond its ends.
+
+    Returns:
+        Span, arc length [m], unit tangent, distance of the point to the left [m], curvature [1/m].
+    """
+    k, w, end = descend(spans, start, True, x, y)
+    px, py, dx, dy, ddx, ddy = on_span(spans[k], w)
+    speed = math.hypot(dx, dy)
+    tx, ty = dx / speed, dy / speed
+    place, bend = spans[k]["start"], (dx * ddy - dy * ddx) / speed ** 3
+    for i in range(len(ABSCISSAE)):
+        _, _, dx, dy, _, _ = on_span(spans[k], w * (ABSCISSAE[i] + 1.0) / 2.0)
+        place += w / 2.0 * WEIGHTS[i] * math.hypot(dx, dy)
+    if end:
+        place += tx * (x - px) + ty * (y - py)
+        bend = 0.0
+    return k, place, tx, ty, tx * (y - py) - ty * (x - px), bend
+
+
+@entry_point("paths")
+def path_gap(table: int, h: float, k: int) -> float:
+    """Distance [m] of the point of slot ``k`` to the left of its path one step on."""
+    joint, body, velocity = at.joints(table)[k], at.body(table), at.velocity(table)
+    xa, ya, _, ca, sa = ahead(h, body, velocity, joint["a"])
+    xb, yb, _, cb, sb = ahead(h, body, velocity, joint["b"])
+    qx = xb + cb * joint["bx"] - sb * joint["by"] - xa
+    qy = yb + sb * joint["bx"] + cb * joint["by"] - ya
+    return float(on_path(at.spans(table), at.joint_states(table)[k]["span"],
+                         ca * qx + sa * qy, ca * qy - sa * qx)[4])

@@ -17,7 +17,8 @@ from sandbox.elements.element import ATMOSPHERE
 from sandbox.elements.joint import Keeps
 from sandbox.engine import records
 from sandbox.engine.stiffness import line_responses, responses, stiff_servos, too_stiff
-from sandbox.model.joints import flank_of, slip_of, slot_length
+from sandbox.engine.world import span_table
+from sandbox.model.joints import flank_of, place_in_slot, slip_of, slot_length
 from sandbox.model.laws import MOVED
 from sandbox.model.model import Model
 from sandbox.model.programs import Program, curve_tables, stack_for, step_table
@@ -418,3 +419,22 @@ def tie_table(model: Model, springs: Records, cords: Records) -> Records:
     cords["tie"][:whole] = ties.tendon
     cords["tie"][whole:] = ties.tendon[cords["whole"][whole:]]
     return table
+
+
+def add_paths(joints: Records, model: Model, spans: Records) -> tuple[Records, Records]:
+    """Put the paths of slots into JOINT; the SPANs with theirs added, JOINT_STATE at t = 0."""
+    tables, states = [spans], np.zeros(len(joints), records.JOINT_STATE)
+    for j, path in enumerate(model.joints.path):
+        if path is None:
+            continue
+        first = sum(map(len, tables))
+        x, y = model.bodies.centre[model.joints.bodies[j, 0]].tolist()
+        table = span_table(path.nodes, (x, y), first, closed=path.closed)
+        table["start"] = path.starts[:-1]
+        tables.append(table)
+        place = float(place_in_slot(model, j, model.bodies.pose).along)
+        joints[j]["span"], joints[j]["span_end"] = first, first + len(table)
+        joints[j]["around"] = path.length if path.closed else 0.0
+        states[j]["place"] = place
+        states[j]["span"] = first + np.searchsorted(path.starts[1:-1], place, side="right")
+    return np.concatenate(tables), states

@@ -23,6 +23,8 @@ from sandbox.engine.coordinates import (
     flank,
     gaps,
     measure_angle,
+    on_path,
+    path_gap,
     put_row,
     rate,
     rolled,
@@ -33,7 +35,6 @@ from sandbox.engine.coordinates import (
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.narrow_phase import CONFORMING, nearest_start
-from sandbox.engine.paths import on_path, path_gap
 from sandbox.engine.plan import backward, forward
 from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
 from sandbox.engine.ties import joint_holds, remaining_gap

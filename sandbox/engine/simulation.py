@@ -18,9 +18,8 @@ import pymunk
 from sandbox import __version__
 from sandbox.elements.controllers.custom import Custom, customs
 from sandbox.engine.advance import advance
-from sandbox.engine.clock import Clock, make_clock
 from sandbox.engine.divergence import diverged
-from sandbox.engine.inputs import Inputs
+from sandbox.engine.inputs import Clock, Inputs, make_clock
 from sandbox.engine.inspect_control import Checked, Runnable, checked
 from sandbox.engine.inspect_elements import line_problems, load_problems, tendon_problems
 from sandbox.engine.inspect_joints import joint_problems

@@ -44,10 +44,9 @@ from sandbox.engine.groups import (
     update_rows,
 )
 from sandbox.engine.impact_poses import add_shift, lead_back, remove_shift, take_impacts
-from sandbox.engine.impacts import foresee_impacts, impacts, late_hits
-from sandbox.engine.islands import list_piles
+from sandbox.engine.impacts import foresee_impacts, impacts, land, late_hits, leave
+from sandbox.engine.islands import list_piles, stretch_skin
 from sandbox.engine.kernel import kernel
-from sandbox.engine.landing import land, leave
 from sandbox.engine.piles import solve_piles
 from sandbox.engine.plan import assemble, backward, clear, factor, forward, put
 from sandbox.engine.report import report
@@ -59,7 +58,6 @@ from sandbox.engine.rows import (
     right_side,
     scale_entries,
 )
-from sandbox.engine.skin import stretch_skin
 from sandbox.engine.state import COARSE, STILL, STILL_TURNING
 from sandbox.engine.ties import release_rows
 from sandbox.numeric import Array, Records

@@ -15,8 +15,8 @@ from typing import Any
 from sandbox.elements.controllers.controller import Law, every
 from sandbox.elements.controllers.custom import Custom, StopRun
 from sandbox.elements.registry import Controller
-from sandbox.engine.clock import Clock
 from sandbox.engine.control_loop import ANY, Bound, ControlLoop, Desk, Setpoint
+from sandbox.engine.inputs import Clock
 from sandbox.engine.readings import Readings
 from sandbox.engine.ties import hold
 from sandbox.errors import SimulationDiverged

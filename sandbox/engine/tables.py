@@ -12,6 +12,7 @@ from sandbox.engine.cables import cord_tables
 from sandbox.engine.element_tables import (
     JOINT_ROWS,
     Rows,
+    add_paths,
     drive_tables,
     dry_friction_table,
     first_content,
@@ -24,7 +25,6 @@ from sandbox.engine.element_tables import (
     spring_table,
     tie_table,
 )
-from sandbox.engine.paths import add_paths
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.records import BROKEN, NONE, NUMBERS, SETTLED, TIE_STATE
 from sandbox.engine.state import (

@@ -21,10 +21,9 @@ from typing import TYPE_CHECKING, Any
 from sandbox.elements.element import HELD_ABOVE
 from sandbox.engine import memory as at
 from sandbox.engine import records
-from sandbox.engine.coordinates import ends, gaps, toothed
+from sandbox.engine.coordinates import ends, gaps, path_gap, toothed
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.paths import path_gap
 from sandbox.numeric import Array
 from sandbox.samples.outcome import Happened
 

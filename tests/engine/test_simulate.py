@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sandbox.elements.arrays import MEAN, MEAN_CONTACT
-from sandbox.engine.clock import make_clock
+from sandbox.engine.inputs import make_clock
 from sandbox.engine.inspect import Estimate, look_over
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
