@@ -58,7 +58,18 @@ def swell(table: int, drive: Array) -> None:
     for i in range(len(fluids)):
         grown = 0.0
         for n in range(fluids[i]["first"], fluids[i]["last"]):
-            grown += _chamber(chambers[n], pushes[n], body, turn)
+            chamber, push, gain = chambers[n], pushes[n], chambers[n]["gain"]
+            if chamber["turns"]:
+                push["x"] = push["y"] = 0.0
+                push["ta"], push["tb"] = -gain, gain
+                way = body[chamber["b"], 2] - body[chamber["a"], 2]
+            else:
+                ax, ay, bx, by, dx, dy = ends(chamber, body, turn)
+                way = math.hypot(dx, dy)
+                x, y = (gain * dx / way, gain * dy / way) if way > 0.0 else (0.0, 0.0)
+                push["x"], push["y"] = x, y
+                push["ta"], push["tb"] = ay * x - ax * y, bx * y - by * x
+            grown += gain * (way - chamber["start"])
         results[i]["grown"] = grown
         _fill(fluids[i], states[i], results[i])
     valves, flows, ahead = at.valves(table), at.valve_states(table), at.valve_results(table)
@@ -68,22 +79,6 @@ def swell(table: int, drive: Array) -> None:
             across = (_rigid(fluids, results, drive, valves[i]["a"])
                       - _rigid(fluids, results, drive, valves[i]["b"]))
             ahead[i]["about"] = math.copysign(math.sqrt(abs(across) / valves[i]["k"]), across)
-
-
-@kernel
-def _chamber(chamber: Any, push: Any, body: Array, turn: Array) -> float:
-    """By what a chamber has grown since t = 0 [m^3]."""
-    a, b, gain = chamber["a"], chamber["b"], chamber["gain"]
-    if chamber["turns"]:
-        push["x"] = push["y"] = 0.0
-        push["ta"], push["tb"] = -gain, gain
-        return float(gain * (body[b, 2] - body[a, 2] - chamber["start"]))
-    ax, ay, bx, by, dx, dy = ends(chamber, body, turn)
-    length = math.hypot(dx, dy)
-    x, y = (gain * dx / length, gain * dy / length) if length > 0.0 else (0.0, 0.0)
-    push["x"], push["y"] = x, y
-    push["ta"], push["tb"] = ay * x - ax * y, bx * y - by * x
-    return float(gain * (length - chamber["start"]))
 
 
 @kernel

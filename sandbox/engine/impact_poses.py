@@ -121,8 +121,19 @@ def take_impacts(table: int, h: float, struck: bool) -> None:
     if struck and len(at.joints(table)) > 0:
         add_joints(table, at.kick(table), -1.0)
         note_joints(table, -1.0)
-        for k in range(len(at.joints(table))):
-            _take_arms(table, k)
+        body, turn = at.body(table), at.turn(table)
+        for k in range(len(at.joints(table))):  # twists keep what forces at the points do not do
+            joint, out = at.joints(table)[k], at.joint_results(table)[k]
+            ax, ay, bx, by, px, py = ends(joint, body, turn)
+            share = 0.0  # of the way to the point of b, to where a slot or wheels act on a
+            if joint["keeps"] == GROOVE:
+                share = 1.0
+            elif joint["keeps"] == GEAR or joint["keeps"] == ROLL:
+                share = joint["ra"] / (joint["ra"] + joint["rb"])
+                bx, by = bx - (1.0 - share) * px, by - (1.0 - share) * py
+            ax, ay = ax + share * px, ay + share * py
+            out["twist_a"] -= ay * out["kick_x"] - ax * out["kick_y"]
+            out["twist_b"] -= bx * out["kick_y"] - by * out["kick_x"]
         clear(unknowns[4])
         clear(unknowns[5])
         for b in range(len(shift)):
@@ -133,22 +144,6 @@ def take_impacts(table: int, h: float, struck: bool) -> None:
         for r in range(unknowns.shape[1]):
             unknowns[5, r] = -h * unknowns[4, r]
     add(at.free(table), at.kick(table), 1.0)
-
-
-@kernel
-def _take_arms(table: int, k: int) -> None:
-    """Leave in the twists of joint ``k`` what its force does not do at its points."""
-    joint, out = at.joints(table)[k], at.joint_results(table)[k]
-    ax, ay, bx, by, px, py = ends(joint, at.body(table), at.turn(table))
-    share = 0.0  # of the way to the point of b, to where a slot or wheels act on a
-    if joint["keeps"] == GROOVE:
-        share = 1.0
-    elif joint["keeps"] == GEAR or joint["keeps"] == ROLL:
-        share = joint["ra"] / (joint["ra"] + joint["rb"])
-        bx, by = bx - (1.0 - share) * px, by - (1.0 - share) * py
-    ax, ay = ax + share * px, ay + share * py
-    out["twist_a"] -= ay * out["kick_x"] - ax * out["kick_y"]
-    out["twist_b"] -= bx * out["kick_y"] - by * out["kick_x"]
 
 
 @entry_point("bounces")

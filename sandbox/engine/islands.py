@@ -67,7 +67,7 @@ def _root(table: int, i: int) -> int:
 def list_piles(table: int) -> None:
     """Find the islands, and mark the contacts of piles, which no other row is made for."""
     touches, loose, bodies = at.touches(table), at.loose(table), at.pile_bodies(table)
-    inverse_mass, free = at.inverse_mass(table), at.free(table)
+    inverse_mass, free, before = at.inverse_mass(table), at.free(table), at.before(table)
     for i in range(len(bodies)):
         bodies[i]["island"], bodies[i]["rows"], bodies[i]["awake"] = i, 0, 0
     for i in range(at.touching(table)[0]):
@@ -96,9 +96,13 @@ def list_piles(table: int) -> None:
     most = FEW if piled > 0 else MANY
     for i in range(len(bodies)):
         root = bodies[_root(table, i)]
-        bodies[i]["piled"] = 1 if rows > most and root["rows"] > 0 else 0
-        _note_force(table, i)
-        if bodies[i]["still"] < STEPS:
+        body, b = bodies[i], bodies[i]["number"]
+        body["piled"] = 1 if rows > most and root["rows"] > 0 else 0
+        vx, vy, w = free[b, 0] - before[b, 0], free[b, 1] - before[b, 1], free[b, 2] - before[b, 2]
+        if body["still"] >= STEPS and (vx != body["x"] or vy != body["y"] or w != body["t"]):
+            body["still"] = 0  # it does not feel the same force as in the step before
+        body["x"], body["y"], body["t"] = vx, vy, w
+        if body["still"] < STEPS:
             root["awake"] = 1
     for i in range(len(bodies)):
         bodies[i]["awake"] = bodies[_root(table, i)]["awake"]
@@ -113,17 +117,6 @@ def list_piles(table: int) -> None:
             t["listed"] = PILED
         elif t["listed"] == PILED:
             t["listed"] = 1 if t["normal"] > 0.0 else 0
-
-
-@kernel
-def _note_force(table: int, i: int) -> None:
-    """Wake a body that does not feel the same force as in the step before."""
-    body = at.pile_bodies(table)[i]
-    free, before = at.free(table)[body["number"]], at.before(table)[body["number"]]
-    x, y, t = free[0] - before[0], free[1] - before[1], free[2] - before[2]
-    if body["still"] >= STEPS and (x != body["x"] or y != body["y"] or t != body["t"]):
-        body["still"] = 0
-    body["x"], body["y"], body["t"] = x, y, t
 
 
 @kernel

@@ -1,10 +1,8 @@
 """Samples: copies of arrays, contacts, and means of forces over sample intervals.
 
-Where samples are several steps apart, the force of the sample's own step says nothing about the
-steps between. The mean over the sample interval does, and the interval lies around the sample,
-from half an interval before it to half an interval after it: so the mean belongs to the instant
-of the sample, to second order. With an even number of steps per interval, the step between two
-samples counts half for either. Intervals meet, so that the sum of means is the sum of impulses.
+An interval lies around its sample, so the mean belongs to the instant of the sample, to second
+order. With an even number of steps per interval, the step between two samples counts half for
+either. Intervals meet, so that the sum of means is the sum of impulses.
 """
 
 from __future__ import annotations

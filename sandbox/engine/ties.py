@@ -99,12 +99,27 @@ def release_rows(table: int, h: float) -> None:
     results = at.tie_results(table)
     for i in range(len(results)):
         results[i]["broke"] = 0
-    joints, springs = at.joints(table), at.springs(table)
+    joints, springs, rhs = at.joints(table), at.springs(table), at.unknowns(table)[0]
     for k in range(len(joints)):
+        joint = joints[k]
         if not joint_holds(table, k):
             empty_joint(table, k)
-        elif joints[k]["tie"] >= 0:
-            _ask_gently(table, h, k)
+        if joint["tie"] < 0 or not joint_holds(table, k):
+            continue
+        state, teeth = at.tie_states(table)[joint["tie"]], toothed(joint)
+        for row in (joint["row"], joint["row_y"], joint["row_turn"]):
+            if row >= 0 and not teeth:
+                at.unknowns(table)[1][row] = 0.0
+        if state["age"] == records.TAKEN:
+            _look(table, k)
+        x, y, t = remaining_gap(table, joint["tie"], h)
+        if joint["row"] >= 0 and not teeth:
+            rhs[joint["row"]] += x / h
+        if joint["keeps"] == records.POINT and joint["row_y"] >= 0:
+            rhs[joint["row_y"]] += y / h
+        if joint["row_turn"] >= 0:
+            rhs[joint["row_turn"]] += state["turns"] / h
+            rhs[joint["row_turn"]] += t / h
     for k in range(len(springs)):
         if springs[k]["row"] >= 0 and not spring_holds(table, springs[k]):
             empty_row(table, springs[k]["row"], springs[k]["entry"], 2)
@@ -134,27 +149,6 @@ def remaining_gap(table: int, tie: int, ahead: float) -> tuple[float, float, flo
     return (float((state["x"] + (state["vx"] + state["x"] / over) * t) * fades),
             float((state["y"] + (state["vy"] + state["y"] / over) * t) * fades),
             float((state["t"] + (state["vt"] + state["t"] / over) * t) * fades))
-
-
-@kernel
-def _ask_gently(table: int, h: float, k: int) -> None:
-    joint = at.joints(table)[k]
-    state, rhs = at.tie_states(table)[joint["tie"]], at.unknowns(table)[0]
-    teeth = toothed(joint)
-    for row in (joint["row"], joint["row_y"], joint["row_turn"]):
-        if row >= 0 and not teeth:
-            at.unknowns(table)[1][row] = 0.0
-    if state["age"] == records.TAKEN:
-        _look(table, k)
-    if joint["row_turn"] >= 0:
-        rhs[joint["row_turn"]] += state["turns"] / h
-    x, y, t = remaining_gap(table, joint["tie"], h)
-    if joint["row"] >= 0 and not teeth:
-        rhs[joint["row"]] += x / h
-    if joint["keeps"] == records.POINT and joint["row_y"] >= 0:
-        rhs[joint["row_y"]] += y / h
-    if joint["row_turn"] >= 0:
-        rhs[joint["row_turn"]] += t / h
 
 
 @kernel

@@ -102,7 +102,11 @@ def list_contacts_of_step(table: int) -> None:
     for k in range(n):
         w = _last(old, old_count, guess, out[k])
         if w >= 0:
-            for_next(old[w], out[k])
+            last, now = old[w], out[k]
+            now["normal"], now["tangent"] = last["normal"], last["tangent"]
+            now["mode"], now["listed"] = last["mode"], last["listed"]
+            now["phase"], now["sums"] = last["phase"], last["sums"]
+            now["stretch"] = last["stretch"]
             guess = w + 1
     belts = at.belts(table)
     for k in range(n):
@@ -124,15 +128,6 @@ def _faced(shape: Any, faces: Records, angle: float, nx: float, ny: float) -> bo
                 and x * (x0 + x1) + y * (y0 + y1) > 0.0):
             return True
     return False
-
-
-@kernel
-def for_next(last: Any, now: Any) -> None:
-    """What a contact remembers of the last step."""
-    now["normal"], now["tangent"] = last["normal"], last["tangent"]
-    now["mode"], now["listed"] = last["mode"], last["listed"]
-    now["phase"], now["sums"] = last["phase"], last["sums"]
-    now["stretch"] = last["stretch"]
 
 
 @kernel
