@@ -24,7 +24,7 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.records import CORDED, GRIPPED, JOINED, SPRINGY
 from sandbox.engine.report import add_limit, joint_force
 from sandbox.engine.state import DRIVEN, JOINT_FRICTION, LIMITED
-from sandbox.engine.ties import empty_joint, empty_row, holds
+from sandbox.engine.ties import empty_rows, holds
 
 TOGETHER = 1e-6
 """Share of a step within which two loads are come to at once."""
@@ -121,6 +121,15 @@ def _give(table: int, entry: int, count: int, p: float) -> None:
 
 
 @kernel
+def _cut_rows(table: int, entry: int, count: int, share: float) -> None:
+    """Let rows give ``share`` of their impulses, and nothing more."""
+    impulses, entry_row = at.unknowns(table)[3], at.entry_row(table)
+    for e in range(entry, entry + count):
+        _give(table, e, 1, share * impulses[entry_row[e]])
+    empty_rows(table, entry, count)
+
+
+@kernel
 def _kick(table: int, b: int, x: float, y: float, t: float) -> None:
     free, w = at.free(table), at.inverse_mass(table)
     free[b, 0] += w[b, 0] * x
@@ -144,18 +153,12 @@ def _cut(table: int, h: float, n: int, tie: int, share: float) -> None:
 
 @kernel
 def _cut_joint(table: int, h: float, n: int, j: int, share: float) -> None:
-    joint, out, unknown = (
-        at.joints(table)[j], at.joint_results(table)[j], at.unknowns(table)[3])
+    joint, out = at.joints(table)[j], at.joint_results(table)[j]
     out["fx"] *= share
     out["fy"] *= share
     out["couple"] *= share
-    e = joint["entry"]
-    for row in (joint["row"], joint["row_y"], joint["row_turn"]):
-        if row >= 0:
-            _give(table, e, 2, share * unknown[row])
-            e += 2
+    _cut_rows(table, joint["entry"], joint["entries"], share)
     _cut_bounded(table, n, j, share)
-    empty_joint(table, j)
     springs, actions, given = at.springs(table), at.actions(table), at.action_results(table)
     for k in range(len(springs)):
         if springs[k]["hinge_tie"] == joint["tie"] and holds(table, springs[k]["tie"]):
@@ -198,10 +201,8 @@ def _kick_along(table: int, element: Any, out: Any, p: float) -> None:
 def _cut_spring(table: int, h: float, k: int, share: float) -> None:
     s, out = at.springs(table)[k], at.spring_results(table)[k]
     if s["row"] >= 0:
-        p = share * at.unknowns(table)[3][s["row"]]
-        _give(table, s["entry"], 2, p)
-        empty_row(table, s["row"], s["entry"], 2)
-        out["effort"] = p / h
+        out["effort"] = share * at.unknowns(table)[3][s["row"]] / h
+        _cut_rows(table, s["entry"], 2, share)
     else:
         _kick_along(table, s, out, (share - 1.0) * h * out["effort"])
         out["effort"] *= share

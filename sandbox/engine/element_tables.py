@@ -168,6 +168,7 @@ def joint_table(places: PlacedBodies, rows: Rows) -> Records:
                 row["row_y"], _ = rows.add(a, b)
             if not joints.turns[i]:
                 row["row_turn"], _ = rows.add(a, b)
+            row["entries"] = rows.entries - row["entry"]
         table.append(row)
     return records_of(table, records.JOINT)
 

@@ -79,16 +79,12 @@ def answer_of_joints(table: int, velocity: Array) -> None:
 @kernel
 def add_joints(table: int, velocity: Array, times: float) -> None:
     """Add what these impulses of joints alone do to velocities."""
-    joints, impulses = at.joints(table), at.unknowns(table)[5]
+    joints, impulses, entry_row = at.joints(table), at.unknowns(table)[5], at.entry_row(table)
     entry_body, WJ = at.entry_body(table), at.entries(table)[1]
     for k in range(len(joints)):
-        e = joints[k]["entry"]
-        for row in (joints[k]["row"], joints[k]["row_y"], joints[k]["row_turn"]):
-            if row >= 0:
-                for side in range(e, e + 2):
-                    for j in range(3):
-                        velocity[entry_body[side], j] += times * WJ[side, j] * impulses[row]
-                e += 2
+        for e in range(joints[k]["entry"], joints[k]["entry"] + joints[k]["entries"]):
+            for j in range(3):
+                velocity[entry_body[e], j] += times * WJ[e, j] * impulses[entry_row[e]]
 
 
 @kernel
@@ -96,17 +92,15 @@ def note_joints(table: int, times: float) -> None:
     """Add these impulses to what joints carry besides the impulses of their rows."""
     joints, results, impulses = (
         at.joints(table), at.joint_results(table), at.unknowns(table)[5])
-    J = at.entries(table)[0]
+    J, entry_row = at.entries(table)[0], at.entry_row(table)
     for k in range(len(joints)):
-        out, e = results[k], joints[k]["entry"]
-        for row in (joints[k]["row"], joints[k]["row_y"], joints[k]["row_turn"]):
-            if row >= 0:
-                p = times * impulses[row]
-                out["kick_x"] += p * J[e + 1, 0]
-                out["kick_y"] += p * J[e + 1, 1]
-                out["twist_a"] += p * J[e, 2]
-                out["twist_b"] += p * J[e + 1, 2]
-                e += 2
+        out, first = results[k], joints[k]["entry"]
+        for e in range(first, first + joints[k]["entries"], 2):
+            p = times * impulses[entry_row[e]]
+            out["kick_x"] += p * J[e + 1, 0]
+            out["kick_y"] += p * J[e + 1, 1]
+            out["twist_a"] += p * J[e, 2]
+            out["twist_b"] += p * J[e + 1, 2]
 
 
 @entry_point("bounces")

@@ -296,18 +296,6 @@ def note_turns(body: Array, turn: Array) -> None:
 
 
 @kernel
-def scale_entries(table: int) -> None:
-    """W J of all entries."""
-    entry_body, inverse_mass = at.entry_body(table), at.inverse_mass(table)
-    J, WJ = at.entries(table)[0], at.entries(table)[1]
-    for e in range(len(entry_body)):
-        if entry_body[e] >= len(inverse_mass):  # a slip, which has no mass
-            continue
-        w, wt = inverse_mass[entry_body[e], 0], inverse_mass[entry_body[e], 1]
-        WJ[e, 0], WJ[e, 1], WJ[e, 2] = w * J[e, 0], w * J[e, 1], wt * J[e, 2]
-
-
-@kernel
 def right_side(table: int, free: Array, asked: Array) -> None:
     """What rows ask for [m], less what the free velocities [nb, 3] already give."""
     entry_row, entry_body, hubs = at.entry_row(table), at.entry_body(table), at.hubs(table)

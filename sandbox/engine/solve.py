@@ -56,7 +56,6 @@ from sandbox.engine.rows import (
     joint_gaps,
     joint_rows,
     right_side,
-    scale_entries,
 )
 from sandbox.engine.state import COARSE, STILL, STILL_TURNING
 from sandbox.engine.ties import release_rows
@@ -171,8 +170,13 @@ def factor_matrix(table: int, h: float, drive: Array) -> None:
     """Put together the matrix of the bilateral rows, and factor it."""
     unknowns, values = at.unknowns(table), at.values(table)
     J, WJ = at.entries(table)[0], at.entries(table)[1]
+    entry_body, inverse_mass = at.entry_body(table), at.inverse_mass(table)
     update_rows(table, h, drive)
-    scale_entries(table)
+    for e in range(len(entry_body)):
+        b = entry_body[e]
+        if b < len(inverse_mass):  # else a slip, which has no mass
+            w, wt = inverse_mass[b, 0], inverse_mass[b, 1]
+            WJ[e, 0], WJ[e, 1], WJ[e, 2] = w * J[e, 0], w * J[e, 1], wt * J[e, 2]
     assemble(at.pairs(table), at.direct(table), J, WJ, values)
     couple_rows(table, h)
     count = unknowns.shape[1]

@@ -36,7 +36,7 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.records import EVEN, GRIPPED, PULL, STIFF
 from sandbox.engine.rows import LEAST
 from sandbox.engine.state import CABLE_FRICTION, CABLE_LOAD
-from sandbox.engine.ties import acts, holds, slacken_released
+from sandbox.engine.ties import acts, holds
 from sandbox.numeric import Array, Records
 
 EXCESS = 1e-10
@@ -57,16 +57,6 @@ def _bend(table: int, slip: Any) -> float:
         x += pulls[slip["twin"]]["jx"]
         y += pulls[slip["twin"]]["jy"]
     return 2.0 * math.asin(min(1.0, 0.5 * math.hypot(x, y)))
-
-
-@entry_point("slips")
-def ask_slips(table: int, h: float) -> None:
-    """What a drive pulls with goes to the last guide that holds its cord."""
-    slips, asked = at.slips(table), at.unknowns(table)[0]
-    for i in range(len(slips)):
-        end = slips[i]["after"]
-        if at.cords(table)[end]["kind"] == PULL:
-            asked[slips[i]["row"]] = -h * at.cord_results(table)[end]["tension"]
 
 
 @entry_point("slips")
@@ -160,15 +150,6 @@ def _drawn(table: int, i: int) -> bool:
 
 
 @entry_point("slips")
-def slacken_whole(table: int, i: int) -> None:
-    """Let go of a whole cord that is not stretched; take up one that a drive pulls."""
-    if _drawn(table, i):
-        _set(table, i, 1)
-    elif _stretch(table, i) <= 0.0:
-        _set(table, i, 0)
-
-
-@entry_point("slips")
 def change_whole(table: int, h: float, i: int) -> bool:
     """Let go of a whole cord all of which would push, take up one that would pull; whether so."""
     if _drawn(table, i):
@@ -225,6 +206,11 @@ def cord_rows(table: int, h: float) -> None:
             J[e, 2] -= pulls[n]["jt"]
         rhs[r] = cord_rate(h, cord, states[i], results[i]["length"], guides, pulls, before)
         compliance[r] = 1.0 / (h * cord_lead(h, cord, states[i]))
+    slips = at.slips(table)
+    for i in range(len(slips)):  # what a drive pulls with goes to the last guide that holds
+        end = slips[i]["after"]
+        if cords[end]["kind"] == PULL:
+            rhs[slips[i]["row"]] = -h * results[end]["tension"]
 
 
 @kernel
@@ -269,10 +255,13 @@ def slacken(table: int) -> None:
     """Let go of all cords that are not stretched: their dampers do not pull before they do."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
     for i in range(len(cords)):
-        if slacken_released(table, i):
-            continue
-        if cords[i]["kind"] == GRIPPED:
-            slacken_whole(table, i)
+        if not holds(table, cords[i]["tie"]):
+            _set(table, i, 0)
+        elif cords[i]["kind"] == GRIPPED:
+            if _drawn(table, i):
+                _set(table, i, 1)
+            elif _stretch(table, i) <= 0.0:
+                _set(table, i, 0)
         elif cords[i]["whole"] < 0 and results[i]["length"] <= states[i]["rest"]:
             states[i]["active"] = 0
 

@@ -83,12 +83,12 @@ def release_and_engage(table: int, drive: Array) -> None:
 
 
 @kernel
-def empty_row(table: int, row: int, entry: int, count: int) -> None:
-    """Let a row act on nothing and carry nothing."""
-    J = at.entries(table)[0]
+def empty_rows(table: int, entry: int, count: int) -> None:
+    """Let the rows of so many entries act on nothing and carry nothing."""
+    J, entry_row, unknowns = at.entries(table)[0], at.entry_row(table), at.unknowns(table)
     for e in range(entry, entry + count):
         J[e, 0] = J[e, 1] = J[e, 2] = 0.0
-    at.unknowns(table)[0][row], at.unknowns(table)[1][row] = 0.0, 1.0
+        unknowns[0, entry_row[e]], unknowns[1, entry_row[e]] = 0.0, 1.0
 
 
 @entry_point("ties")
@@ -103,7 +103,7 @@ def release_rows(table: int, h: float) -> None:
     for k in range(len(joints)):
         joint = joints[k]
         if not joint_holds(table, k):
-            empty_joint(table, k)
+            empty_rows(table, joint["entry"], joint["entries"])
         if joint["tie"] < 0 or not joint_holds(table, k):
             continue
         state, teeth = at.tie_states(table)[joint["tie"]], toothed(joint)
@@ -122,18 +122,7 @@ def release_rows(table: int, h: float) -> None:
             rhs[joint["row_turn"]] += t / h
     for k in range(len(springs)):
         if springs[k]["row"] >= 0 and not spring_holds(table, springs[k]):
-            empty_row(table, springs[k]["row"], springs[k]["entry"], 2)
-
-
-@kernel
-def empty_joint(table: int, k: int) -> None:
-    """Let all rows of a joint act on nothing."""
-    joint = at.joints(table)[k]
-    e = joint["entry"]
-    for row in (joint["row"], joint["row_y"], joint["row_turn"]):
-        if row >= 0:
-            empty_row(table, row, e, 2)
-            e += 2
+            empty_rows(table, springs[k]["entry"], 2)
 
 
 @kernel
@@ -179,18 +168,6 @@ def _look(table: int, k: int) -> None:
     state["x"], state["y"], state["t"] = x, y, askew - state["turns"]
     state["vx"], state["vy"], state["vt"] = rx, ry, wb - wa
     state["age"] = 0.0
-
-
-@entry_point("ties")
-def slacken_released(table: int, i: int) -> bool:
-    """Let a cord that is let go hang; whether it is."""
-    if holds(table, at.cords(table)[i]["tie"]):
-        return False
-    states = at.cord_states(table)
-    states[i]["active"] = 0
-    for k in range(at.cords(table)[i]["spans"], at.cords(table)[i]["spans_end"]):
-        states[k]["active"] = 0
-    return True
 
 
 @entry_point("ties")

@@ -20,7 +20,7 @@ from sandbox.engine import native
 from sandbox.engine.state import FACE, SHAPE, SPAN
 from sandbox.model.model import Model
 from sandbox.model.pairs import Words, allowed_pairs, joined, pair_skins
-from sandbox.numeric import Array, Flags, Integers, Records, Stack
+from sandbox.numeric import Array, Flags, Integers, Records
 from sandbox.scene.bodies import (
     Box,
     Capsule,
@@ -32,7 +32,6 @@ from sandbox.scene.bodies import (
     Solid,
 )
 from sandbox.scene.geometry import Vec, core, corners, pose_of, solids, to_world, true_curves
-from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.curves import spans_of
 
 POSE = batch.BodyFields.POSITION | batch.BodyFields.ANGLE
@@ -306,36 +305,26 @@ def make_filters(model: Model) -> Filters:
             group[members] = number
             settled[block] = True
     rows = allowed | settled
-    kinds, kind = _kinds(rows)
+    kinds, kind = 0, np.zeros(0, dtype=np.int64)  # different rows, and which of them each is
+    if count:
+        found, inverse = np.unique(rows, axis=0, return_inverse=True)
+        kinds, kind = len(found), np.reshape(inverse, -1).astype(np.int64)
     bits = np.left_shift(np.int64(1), kind) if kinds <= CATEGORIES else np.ones_like(kind)
     mask = np.ones(count, dtype=np.int64)  # beyond that all meet, and are told apart later
     if kinds <= CATEGORIES:
         mask = np.array(
             [np.bitwise_or.reduce(bits[row], initial=0) for row in rows], dtype=np.int64)
-    friction, static, restitution = _pair_materials(mechanism, words)
-    return Filters(group, bits, mask, allowed, friction, static, restitution,
-                   pair_skins(mechanism))
-
-
-def _kinds(rows: Flags) -> tuple[int, Integers]:
-    """How many different rows there are, and which kind each is, shape [nb]."""
-    if not len(rows):
-        return 0, np.zeros(0, dtype=np.int64)
-    kinds, kind = np.unique(rows, axis=0, return_inverse=True)
-    return len(kinds), np.reshape(kind, -1).astype(np.int64)
-
-
-def _pair_materials(mechanism: Mechanism, words: Words) -> Stack:
-    """Friction, static and restitution of all pairs: geometric means, or what rules say, [3]."""
     materials = [mechanism.materials.get(body.material or "", Material())
                  for body in mechanism.bodies]
     roots = np.sqrt([[m.friction, m.static, m.restitution] for m in materials]).reshape(-1, 3).T
-    found = np.ascontiguousarray(roots[:, :, None] * roots[:, None, :])
+    pairs = np.ascontiguousarray(roots[:, :, None] * roots[:, None, :])  # geometric means
     for rule in mechanism.contacts:
-        for table, value in zip(found, (rule.friction, rule.static), strict=False):
+        for table, value in zip(pairs, (rule.friction, rule.static), strict=False):
             if value is not None:
                 words.fill(table, rule, value)
-    return found
+    friction, static, restitution = pairs
+    return Filters(group, bits, mask, allowed, friction, static, restitution,
+                   pair_skins(mechanism))
 
 
 class ShapeTables(NamedTuple):
