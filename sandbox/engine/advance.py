@@ -20,7 +20,7 @@ from sandbox.engine.snapshot import (
     take,
 )
 from sandbox.engine.solve import SETTLED, solve
-from sandbox.engine.ties import release_and_engage, run_surfaces
+from sandbox.engine.ties import release_and_engage
 from sandbox.engine.touching import list_contacts_of_step, short
 from sandbox.numeric import Array, Matrix, Stack
 
@@ -76,7 +76,10 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
     begin(table)
     apply_forces(table, h, drive)
     let_go(table, h, speeds)
-    run_surfaces(table, drive)
+    actions, belts = at.actions(table), at.belts(table)
+    for i in range(len(actions)):
+        if actions[i]["runs"]:
+            belts[actions[i]["a"]] = actions[i]["sense"] * drive[actions[i]["drive"]]
     list_contacts_of_step(table)
     soften(table, h)
     struck = solve(table, h, drive)
@@ -148,10 +151,7 @@ def begin(table: int) -> None:
 
 @kernel
 def let_go(table: int, h: float, speeds: Array) -> None:
-    """Velocities after the step if nothing were joined.
-
-    Those of scheduled bodies are given: ``speeds`` [ns, 3].
-    """
+    """Velocities after the step without constraints; ``speeds`` [ns, 3] are of scheduled bodies."""
     before, free, force = at.before(table), at.free(table), at.force(table)
     inverse_mass, gravity = at.inverse_mass(table), at.gravity(table)
     for i in range(len(free)):

@@ -71,10 +71,7 @@ def put_coordinate(out: Any, coordinate: Any, side: float) -> None:
 
 @entry_point()
 def columns(table: int, begin: int, first: int, count: int) -> None:
-    """Y = L^-1 R W C^T of the rows from ``first`` on, along their own branches; 0 elsewhere.
-
-    Rows are counted from ``begin``.
-    """
+    """Y = L^-1 R W C^T of the rows from ``first`` on, counted from ``begin``; 0 elsewhere."""
     rows, Y, reached = (
         at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
     hubs, entry_row, WJ = at.hubs(table), at.entry_row(table), at.entries(table)[1]
@@ -128,10 +125,7 @@ def wipe(rows: Records, count: int, Y: Array, reached: Integers) -> None:
 
 @entry_point()
 def couple(table: int, begin: int, first: int, count: int) -> None:
-    """G, and y without bounded impulses, for the rows from ``first`` on, counted from ``begin``.
-
-    To a row that joints hold less is left than what holds its impulse: it is left out.
-    """
+    """G, and y without bounded impulses, for the rows from ``first`` on, counted from ``begin``."""
     rows, Y, reached = (
         at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
     hubs, inverse_mass, free = at.hubs(table), at.inverse_mass(table), at.free(table)
@@ -238,10 +232,7 @@ def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sla
 def search_modes(
     rows: Records, n: int, G: Array, A: Array, chosen: Integers, slack: float,
 ) -> bool:
-    """Look for the modes in a random order from the start; whether they were found.
-
-    Each round changes the row with the largest product of its violation and a random number.
-    """
+    """Change the row with the largest violation times a random number, until none is left."""
     random = 1
     for _ in range(TRIES):
         for k in range(n):

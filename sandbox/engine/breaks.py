@@ -34,11 +34,7 @@ NEVER = 2.0
 
 @entry_point("ties")
 def breaks(table: int, h: float, n: int) -> bool:
-    """Let go of what came to its load first in this step, of n bounded rows; whether any did.
-
-    What comes to it at the same instant, as two alike do, goes with it: alone the other would seem
-    to have carried both loads before.
-    """
+    """Release what reached its limit first in this step of n bounded rows; whether any did."""
     ties, states, results = at.ties(table), at.tie_states(table), at.tie_results(table)
     first, made, broken = NEVER, at.made(table), at.broken(table)
     for i in range(len(ties)):
@@ -61,7 +57,15 @@ def breaks(table: int, h: float, n: int) -> bool:
             one = broken[made[2]]
             one["tie"], one["row"], one["when"] = i, made[1], when
             made[2] += 1
-        _cut(table, h, n, i, share)
+        what, k = ties[i]["what"], ties[i]["index"]
+        if what == JOINED:
+            _cut_joint(table, h, n, k, share)
+        elif what == CORDED:
+            _cut_cord(table, h, k, share)
+            for span in range(at.cords(table)[k]["spans"], at.cords(table)[k]["spans_end"]):
+                _cut_cord(table, h, span, share)
+        elif holds(table, at.springs(table)[k]["hinge_tie"]):  # else it was cut with its hinge
+            _cut_spring(table, h, k, share)
     return first <= 1.0
 
 
@@ -135,20 +139,6 @@ def _kick(table: int, b: int, x: float, y: float, t: float) -> None:
     free[b, 0] += w[b, 0] * x
     free[b, 1] += w[b, 0] * y
     free[b, 2] += w[b, 1] * t
-
-
-@kernel
-def _cut(table: int, h: float, n: int, tie: int, share: float) -> None:
-    """Give ``share`` of what it would in this step, and nothing more; note it as its force."""
-    what, i = at.ties(table)[tie]["what"], at.ties(table)[tie]["index"]
-    if what == JOINED:
-        _cut_joint(table, h, n, i, share)
-    elif what == CORDED:
-        _cut_cord(table, h, i, share)
-        for k in range(at.cords(table)[i]["spans"], at.cords(table)[i]["spans_end"]):
-            _cut_cord(table, h, k, share)
-    elif holds(table, at.springs(table)[i]["hinge_tie"]):  # else it was cut with its hinge
-        _cut_spring(table, h, i, share)
 
 
 @kernel

@@ -38,11 +38,7 @@ def _near(angle: float, last: float) -> float:
 def measure(
     cord: Any, guides: Records, memory: Records, results: Records, pose: Array, start: bool,
 ) -> float:
-    """Length of a tendon [m] at ``pose`` [nb, 3] (centres of mass); fills its rows of J.
-
-    ``guides``, ``memory`` and ``results`` are GUIDE, GUIDE_STATE and GUIDE_RESULT of all
-    guides; ``start`` fixes how often the cord goes round its wheels.
-    """
+    """Length of a tendon [m] at ``pose`` [nb, 3]; fills its J. ``start``: count turns anew."""
     length = _along(cord, guides, memory, results, pose, start)
     if cord["lifts"] and not start:
         for _ in range(2 * (cord["last"] - cord["first"])):

@@ -99,11 +99,7 @@ def _limit_row(table: int, h: float, i: int, out: Any) -> None:
 
 @entry_point()
 def kept_rows(table: int, h: float, drive: Array) -> int:
-    """Begin with the motors and with what carried something in the last step; how many rows.
-
-    There is room for all (:func:`sandbox.engine.touching.short`). What a row carried fades where
-    it moves.
-    """
+    """Begin with the motors and with what carried something in the last step; how many rows."""
     rows, touches, limits = at.rows(table), at.touches(table), at.limit_states(table)
     n = 0
     motors = at.motors(table)

@@ -29,10 +29,7 @@ ANY = 1e300
 
 
 class Setpoint:
-    """A signal at the instants of a controller's acts, or the value that an event gave it.
-
-    ``last`` is the number of the run's last act: later ones are not asked for.
-    """
+    """A signal at the instants of a controller's acts, or the value that an event gave it."""
 
     def __init__(
         self, signal: AnySignal, period: float, last: int, tables: Tables = NONE,
@@ -78,11 +75,7 @@ class Bound:
 
 
 class Desk:
-    """The drive values that controllers and events set, for the drives that they own.
-
-    ``values`` is a list, which is read and written fastest; ``row`` [nd] and
-    ``mask`` [nd] are the same for the rows that the engine steps with.
-    """
+    """The drive values that controllers and events set, as a list and as rows for the engine."""
 
     def __init__(self, readings: Readings, floor: Array) -> None:
         """``readings`` know what drives had in the last step, whoever set them.
@@ -164,11 +157,7 @@ class ControlLoop:
         return math.inf if any(map(math.isnan, distances)) else max(distances, default=0.0)
 
     def refuse(self, t: float, wanted: Sequence[float]) -> None:
-        """Give up if something that is read or wanted is not a number.
-
-        Raises:
-            SimulationDiverged: with what it is, and this controller's name.
-        """
+        """Raise SimulationDiverged if something that is read or wanted is not a number."""
         for text, read in zip(self.reads, self.readings, strict=True):
             if not math.isfinite(value := read()):
                 raise SimulationDiverged(t, self.name, f"it reads {text}, which is {value}")

@@ -33,16 +33,7 @@ ABSCISSAE, WEIGHTS = tuple(paths.ABSCISSAE.tolist()), tuple(paths.WEIGHTS.tolist
 
 @kernel
 def ends(element: Any, body: Array, turn: Array) -> tuple[float, float, float, float, float, float]:
-    """Arms of the two points of an element, and the vector from the first point to the second.
-
-    Args:
-        element: a record with bodies ``a`` and ``b`` and the points ``ax``, ``ay``, ``bx``, ``by``.
-        body: poses of the centres of mass, [nb, 6].
-        turn: cosine and sine of their angles, [nb, 2].
-
-    Returns:
-        x and y [m] in the world of the arm on ``a``, the arm on ``b``, and the vector.
-    """
+    """Arms of the two points of an element, x and y [m], and the vector from a to b."""
     a, b = element["a"], element["b"]
     ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
     ax, ay = ca * element["ax"] - sa * element["ay"], sa * element["ax"] + ca * element["ay"]
@@ -55,10 +46,7 @@ def vector_ahead(
     element: Any, h: float, body: Array, velocity: Array, ca: float, sa: float, cb: float,
     sb: float,
 ) -> tuple[float, float]:
-    """The vector between the points of an element where ``velocity`` leads in a step ``h`` [m].
-
-    The last arguments are cosine and sine of the angles of ``a`` and ``b`` there.
-    """
+    """The vector between the points where ``velocity`` leads in ``h``, for cosines, sines there."""
     a, b = element["a"], element["b"]
     return (body[b, 0] + h * velocity[b, 0] + cb * element["bx"] - sb * element["by"]
             - body[a, 0] - h * velocity[a, 0] - ca * element["ax"] + sa * element["ay"],
@@ -79,10 +67,7 @@ def gaps(joint: Any, x: float, y: float, ca: float, sa: float) -> tuple[float, f
 
 @kernel
 def measure_distance(element: Any, out: Any, body: Array, turn: Array) -> None:
-    """Measure the distance of two points; points that coincide have no direction.
-
-    ``out`` gets the value ``way`` and the coefficients ``dx``, ``dy``, ``ta``, ``tb``.
-    """
+    """Measure the distance of two points; points that coincide have no direction."""
     ax, ay, bx, by, x, y = ends(element, body, turn)
     length = math.hypot(x, y)
     dx, dy = (x / length, y / length) if length > 0.0 else (0.0, 0.0)

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.elements.element import ATMOSPHERE
 from sandbox.elements.joint import Keeps
 from sandbox.engine import records
 from sandbox.engine.stiffness import line_responses, responses, stiff_servos, too_stiff
@@ -223,11 +222,7 @@ def limit_table(places: PlacedBodies) -> Records:
 def dry_friction_table(
     joints: Records, model: Model, first: int,
 ) -> tuple[Records, Records, list[tuple[int, int]]]:
-    """Dry friction of joints on free bodies, its state, and pairs of rows whose load bounds it.
-
-    At t = 0 joints that move slip, those at rest hold. ``first`` is the number of the first sum
-    of rows.
-    """
+    """Dry friction of joints, its state at t = 0, and pairs of rows whose load bounds it."""
     held = [j for j in model.joints.rubbed.tolist() if joints[j]["row"] >= 0]
     table = np.zeros(len(held), records.DRY_FRICTION)
     state = np.zeros(len(held), records.DRY_FRICTION_STATE)
@@ -305,10 +300,7 @@ def law_tables(model: Model) -> tuple[dict[str, Any], Array, dict[int, Code]]:
 def load_tables(
     places: PlacedBodies, laws: dict[int, Code], rows: Rows,
 ) -> tuple[Records, Records, Array]:
-    """LOAD, LOADED and what liquids lift, from the centres of mass.
-
-    A body whose loads depend on its motion has three rows.
-    """
+    """LOAD, LOADED and outlines in liquids; three rows for a body whose loads depend on motion."""
     model, given = places.model, places.model.loads
     order = np.argsort(places.number[given.body], kind="stable")
     loads: list[Row] = []
@@ -394,14 +386,6 @@ def fluid_tables(
     own_rows = fluids["row"].tolist()
     return ({"fluids": fluids, "chambers": records_of(chambers, records.CHAMBER),
              "valves": valves, "pumps": pumps}, [(own_rows[a], own_rows[b]) for a, b in meet])
-
-
-def first_content(fluids: Records) -> Array:
-    """Content of the lines at t = 0 [m^3], by their pressures."""
-    gas, start = fluids["gas"], fluids["start"]
-    with np.errstate(divide="ignore"):
-        of_gas = fluids["volume"] * (start / ATMOSPHERE + 1.0) ** (1.0 / gas)
-    return np.where(gas > 0, of_gas, fluids["c"] * start)
 
 
 def tie_table(model: Model, springs: Records, cords: Records) -> Records:

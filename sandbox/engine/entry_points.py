@@ -128,11 +128,7 @@ def _places() -> dict[str, int]:
 
 
 class CalledFromPython:
-    """A function that Python calls, compiled and cached in the same way.
-
-    Args:
-        function: with arguments annotated like those of an entry point.
-    """
+    """A function that Python calls, compiled and cached in the same way."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.py_func = function
@@ -161,10 +157,7 @@ class CalledFromPython:
 
 
 def entry_point(feature: str = "", *, default: int = 0) -> Callable[[Function], Function]:
-    """Compile and cache a function by itself; the arguments are those of :class:`EntryPoint`.
-
-    With ``NUMBA_BOUNDSCHECK=1`` it is a kernel: no exception can leave an entry point.
-    """
+    """Make a function an :class:`EntryPoint`; with ``NUMBA_BOUNDSCHECK=1`` a kernel."""
     def decorated(function: Function) -> Function:
         if _numba_config.BOUNDSCHECK:
             return kernel(function)
@@ -175,10 +168,7 @@ def entry_point(feature: str = "", *, default: int = 0) -> Callable[[Function], 
 
 @contextmanager
 def all_entry_points() -> Iterator[None]:
-    """Compile all entry points for runs that begin in this context, whatever their scenes have.
-
-    Results are the same; tests compare them.
-    """
+    """Compile all entry points for runs that begin in this context; results are the same."""
     global _everything
     _everything = True
     try:
@@ -188,12 +178,7 @@ def all_entry_points() -> Iterator[None]:
 
 
 def prepare(constants: Constants, main: CalledFromPython) -> Integers:
-    """Compile or load the entry points of a run. Returns their addresses for the end of its table.
-
-    Args:
-        constants: of the run.
-        main: the function that Python calls.
-    """
+    """Compile or load the entry points of a run and ``main``; addresses for its table."""
     wanted = [one for one in _entry_points.values()
               if _everything or not one.feature or FEATURES[one.feature](constants)]
     addresses = np.zeros(len(_entry_points), dtype=np.int64)

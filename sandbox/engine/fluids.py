@@ -262,10 +262,7 @@ def through(table: int, valve: int) -> float:
 
 @entry_point("fluids")
 def change_lines(table: int, h: float, drive: Array, attempt: int) -> bool:
-    """Change lines and valves that break their bounds, flows that are not yet found; any of them.
-
-    All at once at first, later the line or valve that is furthest off.
-    """
+    """Change lines and valves outside their bounds, all at first, later the worst; whether any."""
     fluids, states = at.fluids(table), at.fluid_states(table)
     if len(fluids) == 0:
         return False
@@ -339,24 +336,17 @@ def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
             return float(p - most), 1
         return 0.0, 0
     after, _, inflow = _weights(fluid, out)
-    spare = (out["yields"] * (out["rigid"] - p) + h * inflow * _swelled(table, line)
-             - growing(table, h, line)) / (out["yields"] + h * h * after * fluid["response"])
-    off = spare if mode < 0 else -spare
-    return float(off if off > EVEN * (abs(p) + 1.0) else 0.0), 0
-
-
-@kernel
-def _swelled(table: int, line: int) -> float:
-    """What flows into a line, as volume in it [m^3/s], as the rows had it."""
-    out, valves, results = at.fluid_results(table)[line], at.valves(table), at.fluid_results(table)
-    flow = out["gets"] - out["lets"] * out["pressure"]
+    valves, results = at.valves(table), at.fluid_results(table)
+    flow = out["gets"] - out["lets"] * p  # into the line, as volume in it, as the rows had it
     for i in range(len(valves)):
         a, b = valves[i]["a"], valves[i]["b"]
         if (a == line and b >= 0) or (b == line and a >= 0):
-            other = b if a == line else a
             flow += (_swells(results, valves[i]) * at.valve_results(table)[i]["lets"]
-                     * results[other]["pressure"])
-    return float(flow)
+                     * results[b if a == line else a]["pressure"])
+    spare = (out["yields"] * (out["rigid"] - p) + h * inflow * flow
+             - growing(table, h, line)) / (out["yields"] + h * h * after * fluid["response"])
+    off = spare if mode < 0 else -spare
+    return float(off if off > EVEN * (abs(p) + 1.0) else 0.0), 0
 
 
 @kernel

@@ -68,16 +68,8 @@ def change(
 ) -> tuple[bool, bool]:
     """Change active sets and linearisations that the solution contradicts.
 
-    Args:
-        table: the memory.
-        h: the step [s].
-        drive: values of the drives, [nd].
-        attempt: number of earlier solves of the step.
-        n: number of bounded rows.
-        again: whether the step is solved again in any case; then active sets stay as they are.
-
-    Returns:
-        whether the step must be solved again; whether this is sure to converge.
+    Returns whether the step must be solved again, and whether this is sure to converge. If it is
+    solved ``again`` in any case, active sets stay as they are.
     """
     changed, converging = change_laws(table, h, drive), change_loads(table, h)
     changed |= change_friction(table, n)

@@ -142,10 +142,7 @@ def take_impacts(table: int, h: float, struck: bool) -> None:
 
 @entry_point("bounces")
 def lead_back(table: int, h: float, n: int) -> None:
-    """Displace the pose by what impacts after it change, times their instants.
-
-    Joints, and bounded rows that hold, answer to that as they did to the impacts.
-    """
+    """Displace the pose by what impacts after it change, times their instants; joints answer."""
     rows, unknowns, shift, delayed = (
         at.rows(table), at.unknowns(table), at.shift(table), at.delayed(table))
     Y, reached, A, chosen = (

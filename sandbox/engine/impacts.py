@@ -98,10 +98,7 @@ def late_hits(table: int, n: int) -> bool:
 
 @kernel
 def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
-    """Reflect contacts as they are hit, from the instant ``now`` on; whether any is.
-
-    What contacts take stands in their ``bounce`` and ``rub``.
-    """
+    """Reflect contacts as they are hit, from the instant ``now`` on; whether any is."""
     touches, G, inverse_mass = at.touches(table), at.delassus(table), at.inverse_mass(table)
     A, chosen, delayed = at.system(table), at.chosen(table), at.delayed(table)
     end = REBOUND

@@ -81,11 +81,7 @@ class Inputs:
 
     @property
     def at_once(self) -> int:
-        """How many steps may be made without coming back.
-
-        One if something that pymunk latches has a signal that varies; what a controller writes
-        from the start, if no event switches it, changes when that acts.
-        """
+        """Most steps at a time: one if something that pymunk latches has a signal that varies."""
         switched = {name for event in self.mechanism.events for name in event.set}
         controlled = {name for controller in self.mechanism.controllers
                       if controller.active and f"{controller.name}.active" not in switched
@@ -96,10 +92,7 @@ class Inputs:
         return 1 if varied else CHUNK
 
     def rows(self, k: int, most: int) -> Array:
-        """Values of all drives for up to ``most`` steps from step k on, by their signals [n, nd].
-
-        Fewer where a chunk ends, so that results do not depend on where a run paused.
-        """
+        """Values of all drives for up to ``most`` steps from step k on, fewer at a chunk's end."""
         if not self._start <= k < self._start + len(self._drives):
             self._fill(k)
         row = k - self._start
@@ -114,19 +107,12 @@ class Inputs:
                 latch(value)
 
     def speeds(self, k: int, count: int) -> Array:
-        """Velocities of scheduled bodies after the steps from k on, in pymunk's order, [n, ns, 3].
-
-        They lead on to the pose of the step after; beyond the last one they go on changing as
-        before. To be asked for after :meth:`rows` of the same steps.
-        """
+        """Velocities of scheduled bodies after the steps from k on, as :meth:`rows`, [n, ns, 3]."""
         row = k - self._start
         return self._speeds[row : row + count]
 
     def _place(self) -> None:
-        """Put scheduled bodies where they begin, half a step before t = 0, with their velocities.
-
-        The path is continued backwards as it begins.
-        """
+        """Put scheduled bodies where they are half a step before t = 0, paths continued."""
         if not self._moved:
             return
         self._fill(1)

@@ -142,8 +142,17 @@ def gather_piles(table: int, h: float) -> int:
     for k in range(n):
         root = bodies[_root(table, max(c[k]["a"], c[k]["b"]))]
         c[k]["tolerance"] = ABSOLUTE + RELATIVE * root["fastest"]
-    if n and not _find_slots(table, n):
-        _order(table, n)
+    if n and not _find_slots(table, n):  # a new order of elimination, for the contacts of now
+        adjacent, work = at.pile_adjacent(table), at.pile_work(table)
+        for i in range(len(bodies)):
+            for q in range(adjacent.shape[1]):
+                adjacent[i, q] = 0
+        for k in range(n):
+            if c[k]["a"] >= 0 and c[k]["b"] >= 0:
+                connect(adjacent, c[k]["a"], c[k]["b"])
+        minimum_degree(adjacent, work[2], at.pile_starts(table), at.pile_below(table), work)
+        for i in range(len(bodies)):
+            bodies[i]["place"] = work[2, i]
         _find_slots(table, n)
     return n
 
@@ -226,23 +235,6 @@ def _find_slots(table: int, n: int) -> bool:
 
 
 @kernel
-def _order(table: int, n: int) -> None:
-    """Find a new order of elimination, for the contacts of now."""
-    c, bodies, adjacent = at.piled(table), at.pile_bodies(table), at.pile_adjacent(table)
-    work = at.pile_work(table)
-    for i in range(len(bodies)):
-        for q in range(adjacent.shape[1]):
-            adjacent[i, q] = 0
-    for k in range(n):
-        a, b = c[k]["a"], c[k]["b"]
-        if a >= 0 and b >= 0:
-            connect(adjacent, a, b)
-    minimum_degree(adjacent, work[2], at.pile_starts(table), at.pile_below(table), work)
-    for i in range(len(bodies)):
-        bodies[i]["place"] = work[2, i]
-
-
-@kernel
 def finish_piles(table: int, h: float, n: int) -> None:
     """Hand on velocities and impulses, and note which bodies are still."""
     touches, bodies, c = at.touches(table), at.pile_bodies(table), at.piled(table)
@@ -262,21 +254,15 @@ def finish_piles(table: int, h: float, n: int) -> None:
         one = c[k]
         touch = touches[one["touch"]]
         touch["normal"], touch["tangent"] = one["pn"], one["pt"]
-        _stretch(h, touch, one)
-
-
-@kernel
-def _stretch(h: float, t: Any, one: Any) -> None:
-    """How far the spring along a contact is stretched after the step."""
-    limit, p = one["friction"] * one["pn"], one["pt"]
-    t["mode"] = 0
-    if one["pn"] <= 0.0:
-        t["stretch"] = 0.0
-    elif abs(p) >= limit * (1.0 - 1e-12):
-        t["mode"] = 1 if p > 0.0 else -1
-        t["stretch"] = -p / (h * one["stiffness"])
-    else:
-        t["stretch"] += h * (one["yt"] - one["along"])
+        limit, p = one["friction"] * one["pn"], one["pt"]
+        touch["mode"] = 0
+        if one["pn"] <= 0.0:
+            touch["stretch"] = 0.0
+        elif abs(p) >= limit * (1.0 - 1e-12):
+            touch["mode"] = 1 if p > 0.0 else -1
+            touch["stretch"] = -p / (h * one["stiffness"])
+        else:
+            touch["stretch"] += h * (one["yt"] - one["along"])
 
 
 @kernel

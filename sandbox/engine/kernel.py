@@ -37,10 +37,7 @@ _UNUSED_PASSES = {
 
 
 class Kernel:
-    """A function that Numba compiles into its callers.
-
-    Compiled, a division by zero gives inf or nan.
-    """
+    """A function that Numba compiles into its callers; x / 0 gives inf or nan."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.py_func = function

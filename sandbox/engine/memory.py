@@ -19,6 +19,7 @@ from numba.extending import intrinsic
 from numba.np import arrayobj
 
 from sandbox.engine.native import Native
+from sandbox.engine.plan import Pattern
 from sandbox.engine.state import Constants, Result, Snapshot, State, declared
 from sandbox.numeric import Integers
 
@@ -26,7 +27,7 @@ _arrays: Any = arrayobj
 _WORD = ir.IntType(64)
 WIDTH = 4
 """Numbers of the table for each array: its address and three lengths."""
-_PARTS: tuple[Any, ...] = (Native, Constants, State, Result, Snapshot)
+_PARTS: tuple[Any, ...] = (Native, Constants, State, Result, Pattern, Snapshot)
 TABLE_WORDS = WIDTH * sum(len(part._fields) for part in _PARTS)
 """Length of the table without the addresses of entry points, which follow."""
 
@@ -40,15 +41,11 @@ class Memory(NamedTuple):
 
 
 def make_memory(
-    native: Native, constants: Constants, state: State, result: Result, snapshot: Snapshot,
-    entry_points: Integers,
+    native: Native, constants: Constants, state: State, result: Result, pattern: Pattern,
+    snapshot: Snapshot, entry_points: Integers,
 ) -> Memory:
-    """The table of a run.
-
-    Raises:
-        ValueError: an array that is not in one piece.
-    """
-    values: tuple[Any, ...] = (*native, *constants, *state, *result, *snapshot)
+    """The table of a run."""
+    values: tuple[Any, ...] = (*native, *constants, *state, *result, *pattern, *snapshot)
     table = np.zeros((len(values), WIDTH), dtype=np.int64)
     for row, value in zip(table, values, strict=True):
         if isinstance(value, np.ndarray):
@@ -95,12 +92,7 @@ def _view(name: str, place: int, dtype: Any, axes: int) -> Any:
 
 
 def view_name(part: Any, field: str) -> str:
-    """The name of the view of a field of one of the parts.
-
-    It is the field's name. Where :class:`Constants` has a field of that name, too, ``actions``
-    becomes ``action_states`` or ``action_results``. Fields of a :class:`Snapshot` get the prefix
-    ``kept_``.
-    """
+    """``actions``, ``action_states``, ``action_results``; ``kept_pose`` of a snapshot."""
     if part is Snapshot:
         return f"kept_{field}"
     if part in (State, Result) and field in Constants._fields:

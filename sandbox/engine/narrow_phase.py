@@ -85,10 +85,7 @@ def _slope(span: Any, w: float, to_point: bool, x: float, y: float) -> Any:
 
 @kernel
 def descend(spans: Records, k: int, to_point: bool, x: float, y: float) -> Any:
-    """Local minimum along a curve, from the start of span ``k``: span, parameter, if a corner.
-
-    Newton's method, at most one span per iteration.
-    """
+    """Local minimum along a curve from the start of span ``k``: span, parameter, if a corner."""
     w = 0.0
     for _ in range(ITERATIONS):
         slope, bend, scale = _slope(spans[k], w, to_point, x, y)
@@ -155,10 +152,7 @@ def gap_acceleration(table: int, t: Any) -> float:
 def straight_curvature(
     table: int, shape: Any, px: float, py: float, nx: float, ny: float,
 ) -> Any:
-    """Curvature k / d of a shape without a curve, at the point (px, py) of its surface.
-
-    The point is in the world, from the body's centre of mass; (nx, ny) is the outer normal.
-    """
+    """Curvature k / d of a shape without a curve at (px, py), from the centre of mass."""
     vertices, radius = at.vertices(table), shape["radius"]
     first, last = shape["vertex"], shape["vertex_end"]
     if last - first == 1:  # a drive may change the radius of a circle
@@ -192,26 +186,9 @@ def exchange(found: Any) -> None:
     found["nx"], found["ny"] = -found["nx"], -found["ny"]
 
 
-@kernel
-def put_curvatures(table: int, found: Any) -> None:
-    """Curvatures of the surfaces of a FOUND, as those of shapes without curves."""
-    shapes = at.shapes(table)
-    nx, ny = found["nx"], found["ny"]
-    found["ka"], found["da"] = straight_curvature(
-        table, shapes[found["shape_a"]], found["ax"], found["ay"], nx, ny)
-    found["kb"], found["db"] = straight_curvature(
-        table, shapes[found["shape_b"]], found["bx"], found["by"], -nx, -ny)
-    if found["da"] == 0.0 and found["db"] == 0.0:  # corners of two sides that lie on each other
-        found["ka"], found["da"] = 0.0, 1.0
-
-
 @entry_point("curves", default=AS_FOUND)
 def on_curves(table: int, i: int) -> int:
-    """Make the FOUND ``i`` exact if a curve is involved: normal, points, curvatures.
-
-    Returns:
-        What becomes of it: DROPPED, EXACT, or AS_FOUND where no curve is involved.
-    """
+    """Make the FOUND ``i`` exact if a curve is involved; DROPPED, EXACT or AS_FOUND."""
     found, shapes = at.raw(table)[i], at.shapes(table)
     first, second = shapes[found["shape_a"]]["span"] >= 0, shapes[found["shape_b"]]["span"] >= 0
     if first and second:

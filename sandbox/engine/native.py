@@ -128,10 +128,7 @@ def address(pointer: Any) -> int:
 
 
 class Channel:
-    """One batch of body fields: a request for pymunk and the buffer it fills or sends.
-
-    ``count`` [1] is the buffer's fill; set it to 0 before every call.
-    """
+    """One batch of body fields; ``count`` [1] is the fill of its buffer, 0 before each call."""
 
     def __init__(self, fields: batch.BodyFields, memory: Array) -> None:
         self.memory = memory

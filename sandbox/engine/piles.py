@@ -169,10 +169,7 @@ def _residual(c: Records, n: int) -> float:
 
 @kernel
 def _residual_at(c: Records, J: Stack, n: int, v: Matrix) -> tuple[float, float]:
-    """The residual at ``v``, which follows from the impulses, and how far Newton's method is off.
-
-    Both are in units of the tolerance.
-    """
+    """Residual at the ``v`` of the impulses, and Newton's error, in units of the tolerance."""
     for k in range(n):
         c[k]["dyn"], c[k]["dyt"] = c[k]["yn"], c[k]["yt"]
     _rates(c, J, n, v, True)
@@ -266,11 +263,7 @@ def _force(table: int, n: int, v: Matrix) -> float:
 
 @kernel
 def _newton_step(table: int, n: int, first: bool) -> bool:
-    """One step of Newton's method with backtracking; whether it makes progress.
-
-    The first one takes the modes of the last step. Velocities are vector 0; rates, impulses and
-    modes in the rows become those at the new velocities.
-    """
+    """A step of Newton's method with backtracking, first with the last modes; whether it helps."""
     c, J, vectors = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)
     v, trial, F, x, change = vectors[0], vectors[1], vectors[4], vectors[5], vectors[6]
     place = at.pile_bodies(table)

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -42,19 +42,21 @@ HUB = 12
 class Pattern(NamedTuple):
     """The pattern of L in L D L^T, and what is added up to the matrix; m unknowns, ne entries."""
 
-    place: Integers  # the unknown of each row, in the order of elimination, [rows]
-    hubs: Integers
+    unknown: Integers  # of each row, in the order of elimination, [rows]
+    hubs: Annotated[Integers, "hubs 3"]
     """The three unknowns of each body that is a hub, or -1; then of each slip its one, thrice; then
-    of each sum its two rows and the first of these, [nb + nf + sums, 3]."""
+    of each sum its two rows and the first of these."""
     starts: Integers  # where the slots below the diagonal begin, column by column, [m + 1]
     below: Integers  # the unknown of each slot's row, [slots]
     updates: Integers
     """The slots that the products of two slots of a column are taken from, in turn."""
     entry_row: Integers  # the unknown of each entry, [ne]
     entry_body: Integers  # the body of each entry, [ne]
-    pairs: Integers  # (slot, entry, entry) that add up to S, [p, 3]; a diagonal follows the slots
+    pairs: Annotated[Integers, "pairs 3"]
+    """(slot, entry, entry) that add up to S, [p, 3]; a diagonal follows the slots."""
     joined: Integers  # the slots of rows that are joined besides
-    direct: Integers  # (slot, entry, axis) of the entries on hubs, [q, 3]
+    direct: Annotated[Integers, "direct 3"]
+    """(slot, entry, axis) of the entries on hubs, [q, 3]."""
     body_starts: Integers  # where the entries of each free body that is no hub begin, [nb + 1]
     body_entries: Integers  # these entries, body by body
     branch_starts: Integers
@@ -64,20 +66,13 @@ class Pattern(NamedTuple):
 
 
 def make_pattern(
-    rows: Sequence[Sequence[int]], inverse_mass: Array, rigid: int = 0, hub: int = HUB,
-    slips: int = 0, sums: Sequence[tuple[int, int]] = (), joined: Sequence[tuple[int, int]] = (),
+    rows: Sequence[Sequence[int]], inverse_mass: Array, rigid: int, slips: int,
+    sums: Sequence[tuple[int, int]], joined: Sequence[tuple[int, int]],
 ) -> Pattern:
-    """The pattern for bilateral rows, each given by the bodies of its entries.
+    """The pattern for bilateral rows, each given by the bodies of its entries, no body twice.
 
-    Args:
-        rows: of every row the body of each of its entries; no body twice. Slips are counted on
-            from the bodies.
-        inverse_mass: [nb, 2]; 0 for bodies that do not move freely.
-        rigid: how many rows, the first ones, have no compliance to speak of.
-        hub: a body with more entries than this stays in the system.
-        slips: how many there are.
-        sums: two rows each, whose unknowns are added up.
-        joined: rows that meet besides, as lines of fluid do at a valve.
+    Slips are counted on from the bodies. The first ``rigid`` rows have no compliance; ``sums`` are
+    two rows each, whose unknowns are added up; ``joined`` rows meet besides, as lines at a valve.
     """
     bodies, count = len(inverse_mass), len(inverse_mass) + slips
     free = np.concatenate([inverse_mass[:, 0] > 0.0, np.ones(slips, dtype=bool)])
@@ -86,7 +81,7 @@ def make_pattern(
     for entry, (_, body) in enumerate(entries):
         if free[body]:
             on[body].append(entry)
-    hubs = [body for body in range(count) if body >= bodies or len(on[body]) > hub]
+    hubs = [body for body in range(count) if body >= bodies or len(on[body]) > HUB]
     axes = [3 if body < bodies else 1 for body in hubs]
     first = np.cumsum([len(rows), *axes]).tolist()
     groups = _meetings(entries, on, hubs, first, joined)

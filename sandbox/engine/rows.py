@@ -170,10 +170,7 @@ def joint_rate(table: int, joint: int, velocity: Array) -> float:
 
 @kernel
 def _ahead(gap: float, then: float, J: Array, joint: Any, before: Array, h: float) -> float:
-    """What a row of a joint, with entries J [2, 3], asks for: that its gap goes.
-
-    It is ``then`` where the velocities before lead in a step, and bends on the way there.
-    """
+    """What a row of a joint asks for: that its gap goes, now and ``then``, in a step."""
     seen = 0.0
     for n in range(3):
         seen += J[0, n] * before[joint["a"], n] + J[1, n] * before[joint["b"], n]
@@ -198,10 +195,7 @@ def teeth_row(table: int, h: float, k: int) -> None:
 
 @entry_point("teeth")
 def rolling_row(table: int, h: float, k: int, on_a: float, on_b: float) -> None:
-    """The row that keeps circles from slipping, after that of their distance.
-
-    ``on_a`` and ``on_b`` are from the bodies to the circles' centres, along the line of these [m].
-    """
+    """The row that keeps circles from slipping; ``on_a``, ``on_b`` from bodies to centres [m]."""
     joint, out = at.joints(table)[k], at.joint_results(table)[k]
     body, before = at.body(table), at.before(table)
     J, e, r = at.entries(table)[0], joint["entry"] + 2, joint["row_y"]
@@ -242,11 +236,7 @@ def _bends(joints: Records, h: float, velocity: Array) -> bool:
 
 @entry_point()
 def joint_gaps(table: int, h: float) -> float:
-    """What joints still have to ask for, so as to be closed where ``velocity`` leads; largest gap.
-
-    Gaps [m] are those at the poses one step on, less those in the last row of ``unknowns``. The
-    joints' rows of the scratch are set.
-    """
+    """Let joints ask, in the scratch, for closed gaps where ``velocity`` leads; the largest gap."""
     joints, body, velocity = at.joints(table), at.body(table), at.velocity(table)
     asked, kept = at.unknowns(table)[4], at.unknowns(table)[5]
     turn = at.force(table)  # which is not needed any more

@@ -100,10 +100,7 @@ class Sampler:
         kept.unfinished[0] = 0
 
     def write(self) -> None:
-        """Work out what was gathered, and go on gathering as if nothing had been.
-
-        Numbers then come from whole chunks, however often a recording is asked for.
-        """
+        """Compute what was gathered, and go on gathering as if nothing had been written."""
         n = self.filled
         if n == 0:
             return

@@ -123,24 +123,15 @@ def list_contacts(touches: Records, count: int, body: Array, out: Records, m: in
             c["x"], c["y"] = body[t["a"], 0] + t["ax"], body[t["a"], 1] + t["ay"]
             c["nx"], c["ny"] = t["nx"], t["ny"]
             c["normal"], c["tangent"] = normal, t["tangent"] + t["rub"]
-            c["twist"] = twist_of(body, t)
+            c["twist"] = 0.0
+            if t["bounce"] != 0.0:  # an impact is where both surfaces will be when it happens
+                x = body[t["b"], 0] + t["bx"] - body[t["a"], 0] - t["ax"]
+                y = body[t["b"], 1] + t["by"] - body[t["a"], 1] - t["ay"]
+                tangent = t["tangent"] + t["rub"]
+                c["twist"] = (x * (normal * t["ny"] + tangent * t["nx"])
+                              - y * (normal * t["nx"] - tangent * t["ny"]))
             m += 1
     return m
-
-
-@kernel
-def twist_of(body: Array, t: Any) -> float:
-    """Moment that a contact's impulse has on body b besides that at the place on body a [N m s].
-
-    An impact is where both surfaces will be when it happens, which is not one place at the pose.
-    """
-    if t["bounce"] == 0.0:
-        return 0.0
-    x = body[t["b"], 0] + t["bx"] - body[t["a"], 0] - t["ax"]
-    y = body[t["b"], 1] + t["by"] - body[t["a"], 1] - t["ay"]
-    normal, tangent = t["normal"] + t["bounce"], t["tangent"] + t["rub"]
-    return float(x * (normal * t["ny"] + tangent * t["nx"])
-                 - y * (normal * t["nx"] - tangent * t["ny"]))
 
 
 @kernel
@@ -157,10 +148,7 @@ def room_for_contacts(table: int) -> bool:
 
 @kernel
 def count_step(table: int, h: float, every: int, due: int) -> None:
-    """Count the step just made to the means of samples ``every`` steps apart.
-
-    ``due`` steps later comes the next sample.
-    """
+    """Count the step to the means of samples ``every`` steps apart, the next in ``due`` steps."""
     waiting = at.kept_waiting(table)
     if every - due != every // 2:
         waiting[0] += 1.0

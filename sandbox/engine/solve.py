@@ -92,11 +92,7 @@ in the speeds of both. Less is left where they meet in a common hinge: they do n
 
 @kernel
 def solve(table: int, h: float, drive: Array) -> bool:
-    """Find the velocities after a step, from the free ones; whether there was an impact.
-
-    ``drive`` [nd] holds the values of the drives at the step's instant, ``table`` is that of
-    :class:`sandbox.engine.memory.Memory`.
-    """
+    """Find the velocities after a step; whether there was an impact. ``drive`` [nd]: its values."""
     rows, solved, values = at.rows(table), at.unknowns(table)[2], at.values(table)
     starts, below = at.starts(table), at.below(table)
     Y, reached = at.columns(table), at.reached(table)
@@ -232,9 +228,15 @@ def solve_bounded(table: int, n: int) -> float:
     G = at.delassus(table)
     if n == 0 or (at.standing(table)[1] >= SETTLED and _as_before(rows, n, G)):
         return slack
-    _impulses(table, n, slack)
-    while _left_alone(rows, n):  # each time of fewer rows
+    hopeless = True
+    while hopeless:  # wedged overlaps, which have no way to go, are no longer asked back
         _impulses(table, n, slack)
+        hopeless = False
+        for k in range(n):
+            row = rows[k]
+            if row["back"] < 0.0 and row["p"] * row["base"] > HOPELESS:
+                row["free"] -= row["back"]
+                row["back"], hopeless = 0.0, True
     return slack
 
 
@@ -311,23 +313,6 @@ def _note_accuracy(table: int, n: int, slack: float, piles: float) -> None:
 
 
 @kernel
-def _left_alone(rows: Records, n: int) -> bool:
-    """Ask overlaps that cannot be undone back no more; whether there are any.
-
-    What is wedged between still bodies, or held by joints, has no way to go: asked to, it would
-    answer with forces without end.
-    """
-    hopeless = False
-    for k in range(n):
-        row = rows[k]
-        if row["back"] < 0.0 and row["p"] * row["base"] > HOPELESS:
-            row["free"] -= row["back"]
-            row["back"] = 0.0
-            hopeless = True
-    return hopeless
-
-
-@kernel
 def _as_before(rows: Records, n: int, G: Array) -> bool:
     """Try the impulses of the last step: whether they leave all rows at rest, and may be."""
     for k in range(n):
@@ -343,10 +328,7 @@ def _as_before(rows: Records, n: int, G: Array) -> bool:
 
 @kernel
 def _rest(table: int) -> None:
-    """Let bodies stand that move by no more than rounding, all of them or none.
-
-    A step that begins and ends so is the same as the next, if nothing is changed from outside.
-    """
+    """Let bodies stand that move by no more than rounding, all of them or none."""
     velocity, count = at.velocity(table), at.standing(table)
     before, count[1] = count[1], 0
     for b in range(len(velocity)):

@@ -213,18 +213,6 @@ class Constants(NamedTuple):
     """Coefficient of every pair of bodies, negative where they may not touch."""
     static: Annotated[Array, "bodies bodies"]  # static over sliding friction of every pair
     restitution: Annotated[Array, "bodies bodies"]  # of every pair
-    starts: Integers  # this and what follows: `Pattern`
-    below: Integers
-    updates: Integers
-    entry_row: Integers
-    entry_body: Integers
-    pairs: Annotated[Integers, "pairs 3"]
-    direct: Annotated[Integers, "direct 3"]
-    body_starts: Integers
-    body_entries: Integers
-    branch_starts: Integers
-    branches: Integers
-    hubs: Annotated[Integers, "hubs 3"]
     skin: Annotated[Array, "2 bodies bodies"]
     """Stiffness [N/m] and damping [N s/m] of the contacts of every pair of bodies, 0 where they are
     rigid; [2, 0, 0] if all are."""

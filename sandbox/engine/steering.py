@@ -41,10 +41,7 @@ class Pending:
 
 
 class Steering:
-    """All controllers and events of one run.
-
-    ``desk`` holds what they have set; drives that nobody has set follow their signals.
-    """
+    """All controllers and events of one run; ``desk`` holds what they have set."""
 
     def __init__(
         self, model: Model, clock: Clock, readings: Readings, customs: Sequence[Custom] = (),
@@ -133,14 +130,14 @@ class Steering:
         readings.now, readings.drive, readings.listed = done * self.clock.step, drive, None
 
     def act(self, done: int) -> None:
-        """Let events happen and controllers act that are due after ``done`` steps.
-
-        Raises:
-            SimulationDiverged: a controller reads or wants what is not a number.
-            ControllerFailed: one in Python raised an exception.
-        """
-        if self._waiting or self._endings:
-            self._events(done)
+        """Let events happen and controllers act that are due after ``done`` steps."""
+        for step, end in [ending for ending in self._endings if ending[0] <= done]:
+            end()
+            self._endings.remove((step, end))
+        for pending in list(self._waiting):
+            if self._due(pending, done):
+                self._waiting.remove(pending)
+                self._happen(pending.event, done)
         t = done * self.clock.step
         for each, loops in self._groups:
             number, more = divmod(done, each)
@@ -154,15 +151,6 @@ class Steering:
                     self._stop(Stop(loop.name, wish.verdict, t, wish.because))
 
     # -- events -----------------------------------------------------------------------
-
-    def _events(self, done: int) -> None:
-        for step, end in [ending for ending in self._endings if ending[0] <= done]:
-            end()
-            self._endings.remove((step, end))
-        for pending in list(self._waiting):
-            if self._due(pending, done):
-                self._waiting.remove(pending)
-                self._happen(pending.event, done)
 
     def _due(self, pending: Pending, done: int) -> bool:
         """Whether an event happens now; SimulationDiverged if its condition has no value."""
@@ -198,10 +186,7 @@ class Steering:
             self.stopped = stop
 
     def _set(self, name: str, value: float) -> Callable[[], None]:
-        """Set a drive, a target or a switch; returns what ends that.
-
-        Of several events the last one counts that has not ended, in whatever order they end.
-        """
+        """Set a drive, a target or a switch; what ends that. The last unended event counts."""
         give, back = self._giver(name, value)
         stack = self._in_force.setdefault(name, [back])
         stack.append(give)

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sandbox.elements.element import ATMOSPHERE
 from sandbox.engine.blocks import BITS
 from sandbox.engine.cables import cord_tables
 from sandbox.engine.element_tables import (
@@ -15,7 +16,6 @@ from sandbox.engine.element_tables import (
     add_paths,
     drive_tables,
     dry_friction_table,
-    first_content,
     fluid_tables,
     joint_table,
     law_tables,
@@ -58,6 +58,7 @@ class Tables(NamedTuple):
     constants: Constants
     state: State
     result: Result
+    pattern: Pattern
 
 
 def make_tables(world: World) -> Tables:
@@ -84,8 +85,8 @@ def make_tables(world: World) -> Tables:
     for table, names in ((joints, JOINT_ROWS), (springs, ("row",)), (cords.constants, ("row",)),
                          (fluids["fluids"], ("row",)), (loaded, JOINT_ROWS)):
         for name in names:  # the numbers of rows become those of their unknowns
-            if len(pattern.place):
-                table[name] = np.where(table[name] < 0, -1, pattern.place[table[name]])
+            if len(pattern.unknown):
+                table[name] = np.where(table[name] < 0, -1, pattern.unknown[table[name]])
     bodies = np.zeros(count, BODY)
     bodies["number"] = order
     bodies["x"], bodies["y"] = model.bodies.centre[order].T
@@ -102,8 +103,7 @@ def make_tables(world: World) -> Tables:
         static=filters.static[pairs].copy(), restitution=filters.restitution[pairs].copy(),
         loose=_loose_bodies(pattern, places.inverse_mass, joints, shapes.shapes),
         skin=filters.skin[:, order][:, :, order].copy() if filters.skin.size else filters.skin,
-        **programs, **fluids, **{name: value for name, value in pattern._asdict().items()
-                                 if name in Constants._fields})
+        **programs, **fluids)
     piles, unknowns = int(np.count_nonzero(constants.loose >= 0)), len(pattern.starts) - 1
     sizes = {name: len(array) for name, array in constants._asdict().items() if name != "h"}
     sizes |= _sizes_of_room(world.room) | {
@@ -123,7 +123,11 @@ def make_tables(world: World) -> Tables:
         guides=cords.guide_state, dry_friction=rub_states, ties=ties, pile_bodies=piled,
         broken=np.zeros(max(AGAIN * breaking, LEAST_BREAKS if breaking else 0), BROKEN))
     state.last_drive[:] = state.motors["target"] = math.nan
-    state.springs["rest"], state.fluids["content"] = rests, first_content(constants.fluids)
+    fluid = constants.fluids
+    with np.errstate(divide="ignore"):
+        of_gas = fluid["volume"] * (fluid["start"] / ATMOSPHERE + 1.0) ** (1.0 / fluid["gas"])
+    content = np.where(fluid["gas"] > 0, of_gas, fluid["c"] * fluid["start"])
+    state.springs["rest"], state.fluids["content"] = rests, content
     result: Result = allocate(
         Result, sizes, velocity=world.velocity, before=world.velocity.copy(), cords=cords.result,
         guides=cords.guide_result, stack=stack)
@@ -134,7 +138,7 @@ def make_tables(world: World) -> Tables:
     straight = springs["turning"] == 0  # lengths are read before the first step
     result.springs["way"][straight] = model.springs.start[springs["number"][straight]]
     result.fluids["pressure"] = constants.fluids["start"]
-    return Tables(constants, state, result)
+    return Tables(constants, state, result, pattern)
 
 
 def _loose_bodies(

@@ -268,11 +268,7 @@ def slacken(table: int) -> None:
 
 @entry_point("cords")
 def change_cords(table: int, h: float, attempt: int) -> bool:
-    """Let go of cords that would push, take up those that would pull; whether there were any.
-
-    A slack one is taken up only where it is stretched: a stiff one in this step, a soft one now.
-    All at once at first, later the one that is furthest off.
-    """
+    """Release cords that would push, take up stretched ones that would pull; whether any."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
     guides, pulls, unknown = at.guides(table), at.guide_results(table), at.unknowns(table)[3]
     changed, worst, which = False, 0.0, -1

@@ -182,15 +182,6 @@ def tied(table: int, h: float) -> None:
                 states[i]["age"] = records.SETTLED
 
 
-@kernel
-def run_surfaces(table: int, drive: Array) -> None:
-    """Note how fast surfaces run in this step, by the values of the drives [nd]."""
-    actions, belts = at.actions(table), at.belts(table)
-    for i in range(len(actions)):
-        if actions[i]["runs"]:
-            belts[actions[i]["a"]] = actions[i]["sense"] * drive[actions[i]["drive"]]
-
-
 def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) -> list[Happened]:
     """What broke in the steps made since this was last asked, after ``before`` others."""
     made, broken = tables.state.made, tables.state.broken

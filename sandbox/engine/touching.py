@@ -26,7 +26,7 @@ from sandbox.engine.narrow_phase import (
     gap_acceleration,
     gap_of,
     on_curves,
-    put_curvatures,
+    straight_curvature,
 )
 from sandbox.numeric import Array, Records
 
@@ -44,10 +44,7 @@ def rows_for(limits: int, motors: int, slips: int, rubs: int, contacts: int) -> 
 
 @kernel
 def short(table: int) -> bool:
-    """Whether there is no room for all that was found near one another in this step.
-
-    Contacts that are hit work in the second half.
-    """
+    """Whether there is no room for all that was found; contacts that are hit take as much again."""
     count = at.near(table)[0]
     rows = rows_for(len(at.limits(table)), len(at.motors(table)), len(at.slips(table)),
                     len(at.dry_friction(table)), count)
@@ -56,10 +53,7 @@ def short(table: int) -> bool:
 
 @entry_point("shapes")
 def list_contacts_of_step(table: int) -> None:
-    """Note the points of bodies that may touch, in an order of their own.
-
-    pymunk finds them in one that hangs on addresses in memory.
-    """
+    """Note the points of bodies that may touch, in an order that does not depend on memory."""
     raw, count, shapes, faces = at.raw(table), at.near(table)[0], at.shapes(table), at.faces(table)
     friction, restitution, body = at.friction(table), at.restitution(table), at.body(table)
     old, order, out, touching = (
@@ -88,7 +82,13 @@ def list_contacts_of_step(table: int) -> None:
     near, n = n, 0
     for k in range(near):
         found = raw[order[k]]
-        put_curvatures(table, found)
+        nx, ny = found["nx"], found["ny"]
+        found["ka"], found["da"] = straight_curvature(
+            table, shapes[found["shape_a"]], found["ax"], found["ay"], nx, ny)
+        found["kb"], found["db"] = straight_curvature(
+            table, shapes[found["shape_b"]], found["bx"], found["by"], -nx, -ny)
+        if found["da"] == 0.0 and found["db"] == 0.0:  # corners of sides that lie on each other
+            found["ka"], found["da"] = 0.0, 1.0
         state = on_curves(table, order[k])
         if state == DROPPED:
             continue
@@ -132,10 +132,7 @@ def _faced(shape: Any, faces: Records, angle: float, nx: float, ny: float) -> bo
 
 @kernel
 def _last(old: Records, count: int, guess: int, now: Any) -> int:
-    """Which contact of the last step this one was, -1 if none.
-
-    On a curve that is the nearest of the same shapes, else the one with the same feature.
-    """
+    """Which contact of the last step this one was, or -1; on a curve the nearest of the shapes."""
     best, found = math.inf, -1
     for z in range(count):
         w = (guess + z) % count

@@ -152,20 +152,17 @@ class World:
         self.shapes[index] = found = []
         for shape in spec.shapes:
             margin = min(MARGIN * _extent(shape), MOST_MARGIN)
-            curve = (*self._add_curves(shape, centre), len(self._shape_rows))
+            first, last, closed = -1, -1, isinstance(shape, Polygon)
+            if isinstance(shape, Polygon | Polyline) and shape.nodes:
+                first = sum(map(len, self._spans))
+                for nodes in true_curves(shape):
+                    self._spans.append(span_table(
+                        nodes, centre, sum(map(len, self._spans)), closed=closed))
+                last = sum(map(len, self._spans))
+            curve = first, last, int(closed and first >= 0), len(self._shape_rows)
             found.append([self._add_shape(body, solid, faces, margin, centre, index, curve)
                           for solid, faces in solids(shape)])
         return body
-
-    def _add_curves(self, shape: Shape, centre: Vec) -> tuple[int, int, int]:
-        """The SPANs of a shape: the first, the one after the last, whether they are closed."""
-        if not isinstance(shape, Polygon | Polyline) or not shape.nodes:
-            return -1, -1, 0
-        first, closed = sum(map(len, self._spans)), isinstance(shape, Polygon)
-        for nodes in true_curves(shape):
-            self._spans.append(span_table(
-                nodes, centre, sum(map(len, self._spans)), closed=closed))
-        return first, sum(map(len, self._spans)), int(closed)
 
     def _add_shape(
         self, body: pymunk.Body, spec: Solid, faces: Array | None, margin: float, centre: Vec,
@@ -222,10 +219,7 @@ def span_table(nodes: Array, centre: Vec, first: int, *, closed: bool) -> Record
 def make_shape(
     body: pymunk.Body, spec: Solid, centre: tuple[float, float], margin: float = 0.0,
 ) -> pymunk.Shape:
-    """The convex shape that ``spec`` means, its points moved to a frame at ``centre``.
-
-    It stands out by ``margin`` [m] all round.
-    """
+    """The convex shape of ``spec`` about ``centre``, larger all round by ``margin`` [m]."""
     cx, cy = centre
     match spec:
         case Circle():
