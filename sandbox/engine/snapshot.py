@@ -28,7 +28,7 @@ def make_snapshot(samples: int, tables: Tables, contacts: int) -> Snapshot:
     """Memory for so many samples of a run, and so many contacts in all of them together."""
     constants = tables.constants
     sampled = {view_name(type(part), name): getattr(part, name)
-               for part in tables[1:] for name in SAMPLED[type(part)]}
+               for part in (tables.state, tables.result) for name in SAMPLED[type(part)]}
     copied = {name: np.zeros((samples, *array.shape), array.dtype)
               for name, array in sampled.items()}
     copies = np.array([(array.ctypes.data, copied[name].ctypes.data, array.nbytes // 8)
