@@ -55,6 +55,16 @@ def remove_shift(table: int) -> None:
 
 
 @kernel
+def displaced_gaps(table: int, h: float) -> float:
+    """:func:`joint_gaps` where the velocities lead from the displaced pose."""
+    clear(at.unknowns(table)[4])
+    add_shift(table, h)
+    gap = joint_gaps(table, h)
+    remove_shift(table)
+    return gap
+
+
+@kernel
 def place_joints(table: int, h: float, now: float) -> None:
     """Coefficients of the joints where the step leads at an instant."""
     body, turn, kept = at.body(table), at.turn(table), at.placed(table)
@@ -182,11 +192,7 @@ def _close(table: int, h: float) -> None:
     unknowns = at.unknowns(table)
     clear(unknowns[5])
     for _ in range(CLOSINGS):
-        clear(unknowns[4])
-        add_shift(table, h)
-        gap = joint_gaps(table, h)
-        remove_shift(table)
-        if gap < closed(h):
+        if displaced_gaps(table, h) < closed(h):
             break
         forward(at.starts(table), at.below(table), at.values(table), unknowns[4])
         backward(at.starts(table), at.below(table), at.values(table), unknowns[4])

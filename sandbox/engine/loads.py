@@ -115,9 +115,7 @@ def _turn(pairs: Array, k: int, c: float, s: float, ahead: float) -> None:
 
 @kernel
 def _part(table: int, into: Array, k: int, code: int, code_end: int, scale: float) -> None:
-    """Put one number of a law into row ``k``, 0 without a program."""
-    for j in range(4):
-        into[k, j] = 0.0
+    """Put one number of a law into row ``k``, if it has a program."""
     if code >= 0:
         formula(table, code, code_end, at.read_names(table))
         for j in range(4):
@@ -125,49 +123,39 @@ def _part(table: int, into: Array, k: int, code: int, code_end: int, scale: floa
 
 
 @kernel
-def _feel(
-    table: int, i: int, h: float, after: Array, end: bool, lag: float, into: Array,
-) -> None:
-    """Force, torque about the centre of mass, and slopes of a load, into three rows [3, 4]."""
-    load, body = at.loads(table)[i], at.body(table)
-    if load["last"] > load["first"]:
-        b, turn = load["body"], at.turn(table)
-        area, moment = below(
-            at.sides(table), load["first"], load["last"], turn[b, 0], turn[b, 1], body[b, 2],
-            body[b, 1] - load["level"])
-        for k in range(3):
-            for j in range(4):
-                into[k, j] = 0.0
-        into[1, 0], into[2, 0] = load["lift"] * area, load["lift"] * moment
-        return
-    c, s, rx, ry = _motion(table, load, h, after, end, lag)
-    ahead = h if end else 0.0
-    _part(table, into, 0, load["x_code"], load["x_end"], load["scale"])
-    _part(table, into, 1, load["y_code"], load["y_end"], load["scale"])
-    _part(table, into, 2, load["t_code"], load["t_end"], 1.0)
-    if load["turning"]:
-        _turn(into, 0, c, s, ahead)
-    for j in range(4):
-        into[2, j] += rx * into[1, j] - ry * into[0, j]
-    into[2, 3] -= ahead * (ry * into[1, 0] + rx * into[0, 0])
-
-
-@kernel
 def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> None:
     """The sum of a body's loads and its slopes; each load's own is kept."""
     loaded, numbers, results = at.loaded(table)[k], at.pressing(table)[k], at.load_results(table)
-    into = at.felt(table)
+    into, body, turn, ahead = at.felt(table), at.body(table), at.turn(table), h if end else 0.0
     for m in range(3):
         numbers[SUM, m] = 0.0
         for j in range(3):
             numbers[SLOPES + m, j] = 0.0
     for i in range(loaded["first"], loaded["last"]):
-        _feel(table, i, h, after, end, lag, into)
+        load, out = at.loads(table)[i], results[i]
+        for m in range(3):  # force, torque about the centre of mass, and their slopes
+            for j in range(4):
+                into[m, j] = 0.0
+        if load["last"] > load["first"]:
+            b = load["body"]
+            area, moment = below(
+                at.sides(table), load["first"], load["last"], turn[b, 0], turn[b, 1], body[b, 2],
+                body[b, 1] - load["level"])
+            into[1, 0], into[2, 0] = load["lift"] * area, load["lift"] * moment
+        else:
+            c, s, rx, ry = _motion(table, load, h, after, end, lag)
+            _part(table, into, 0, load["x_code"], load["x_end"], load["scale"])
+            _part(table, into, 1, load["y_code"], load["y_end"], load["scale"])
+            _part(table, into, 2, load["t_code"], load["t_end"], 1.0)
+            if load["turning"]:
+                _turn(into, 0, c, s, ahead)
+            for j in range(4):
+                into[2, j] += rx * into[1, j] - ry * into[0, j]
+            into[2, 3] -= ahead * (ry * into[1, 0] + rx * into[0, 0])
         for m in range(3):
             numbers[SUM, m] += into[m, 0]
             for j in range(3):
                 numbers[SLOPES + m, j] += into[m, 1 + j]
-        out = results[i]
         out["fx"], out["fy"], out["torque"] = into[0, 0], into[1, 0], into[2, 0]
 
 

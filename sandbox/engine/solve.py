@@ -43,17 +43,16 @@ from sandbox.engine.groups import (
     set_rows,
     update_rows,
 )
-from sandbox.engine.impact_poses import add_shift, lead_back, remove_shift, take_impacts
+from sandbox.engine.impact_poses import displaced_gaps, lead_back, take_impacts
 from sandbox.engine.impacts import foresee_impacts, impacts, land, late_hits, leave
 from sandbox.engine.islands import list_piles, stretch_skin
 from sandbox.engine.kernel import kernel
 from sandbox.engine.piles import solve_piles
-from sandbox.engine.plan import assemble, backward, clear, factor, forward, put
+from sandbox.engine.plan import assemble, backward, factor, forward, put
 from sandbox.engine.report import report
 from sandbox.engine.rows import (
     apply_impulses,
     closed,
-    joint_gaps,
     joint_rows,
     right_side,
 )
@@ -196,11 +195,7 @@ def close_joints(table: int, h: float, n: int, most: float) -> float:
     Y, reached = at.columns(table), at.reached(table)
     count = unknowns.shape[1]
     diagonal = len(values) - count
-    clear(unknowns[4])
-    add_shift(table, h)
-    gap = joint_gaps(table, h)
-    remove_shift(table)
-    if gap < closed(h):
+    if displaced_gaps(table, h) < closed(h):
         return 0.0
     forward(at.starts(table), at.below(table), values, unknowns[4])
     taken = 0.0
