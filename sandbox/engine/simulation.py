@@ -183,12 +183,7 @@ class Simulation:
         """Make ``n`` steps, or as many as are left; how many were made.
 
         Raises:
-            SceneError: no whole number of steps, or an input that cannot be computed at some time.
-            SimulationDiverged: the motion stopped being finite; the error carries the
-                recording so far.
-            RecordingFull: more than allowed was recorded; it carries the recording, too.
-            ControllerFailed: a controller in Python raised an exception; as RecordingFull.
-            Interrupted: Ctrl-C; as :meth:`run`.
+            SandboxError: as :meth:`run`.
         """
         n = _whole(n, "step")
         before = self._done

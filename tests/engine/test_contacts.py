@@ -232,10 +232,6 @@ FLAT = {"shapes": [{"type": "box", "size": [4, 0.1]}]}
 LOAD_BOX = {"at": [0, 0.1], "shapes": [{"type": "box", "size": [0.2, 0.1]}]}
 
 
-def audit_warnings(run: Any) -> list[str]:
-    return [f"{figure.name}: {figure.why}" for figure in audit(run) if figure.verdict == "look"]
-
-
 def test_the_surface_of_a_free_body_pushes_it_back() -> None:
     """Momentum: a sled without friction below and its load go apart, m v + m' v' = 0."""
     sled = {"at": [0, 0], "motion": "dynamic", "mass": 3.0, "shapes": [{"type": "box",
@@ -245,7 +241,7 @@ def test_the_surface_of_a_free_body_pushes_it_back() -> None:
          "end": [5, 0], "turns": False}]))
     assert np.abs(MASS * run["load.vx"] + 3 * run["belt.vx"]).max() < 1e-9
     assert run["load.vx"][-1] - run["belt.vx"][-1] == pytest.approx(-SPEED, abs=1e-9)
-    assert audit_warnings(run) == []
+    sound(run)
 
 
 def test_a_belt_drives_a_bouncing_body_with_mu_times_the_normal_impulse() -> None:
