@@ -19,8 +19,8 @@ from sandbox.engine.coordinates import flank
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.friction import friction_rows
 from sandbox.engine.kernel import kernel
-from sandbox.engine.motors import motor_row, servo_row
-from sandbox.engine.records import FLANK, PACED, STOP
+from sandbox.engine.motors import motor_row
+from sandbox.engine.records import FLANK, STOP
 from sandbox.engine.rows import beyond
 from sandbox.engine.state import HOLDS, LIMITED, NORMAL, SLIDES, STILL, TANGENT
 from sandbox.engine.tendons import slip_rows
@@ -106,8 +106,6 @@ def kept_rows(table: int, h: float, drive: Array) -> int:
     for i in range(len(motors)):
         if holds(table, motors[i]["tie"]):
             motor_row(table, h, drive, i, n)
-            if motors[i]["law"] != PACED or motors[i]["line"]:
-                servo_row(table, h, drive[motors[i]["drive"]], i, n)
             n += 1
     for i in range(len(at.dry_friction(table))):
         if joint_holds(table, at.dry_friction(table)[i]["joint"]):

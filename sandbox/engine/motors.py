@@ -38,39 +38,6 @@ LEAST = 0.01
 
 
 @entry_point("motors")
-def servo_row(table: int, h: float, value: float, i: int, n: int) -> None:
-    """The row ``n`` of a motor that goes to a place or acts on an actuator; its bounds are set."""
-    out = at.rows(table)[n]
-    motor, state, before = at.motors(table)[i], at.motor_states(table)[i], at.before(table)
-    place, seen = at.joint_results(table)[motor["joint"]]["way"], rate(out, before)
-    state["bend"] = 0.0
-    if motor["line"]:
-        line, body = at.joints(table)[motor["joint"]], at.body(table)
-        _, _, _, ca, sa = ahead(h, body, before, line["a"])
-        _, _, _, cb, sb = ahead(h, body, before, line["b"])
-        x, y = vector_ahead(line, h, body, before, ca, sa, cb, sb)
-        state["bend"] = (math.hypot(x, y) - place) / h - seen
-    if motor["law"] == PACED:
-        out["want"] = state["bend"] - value
-        return
-    target = motor["sense"] * (value + motor["zero"])
-    if motor["law"] == SPRUNG:
-        k, c = motor["k"], motor["c"]
-        lead = c + h * k if motor["stiff"] else c / 2 + h * k / 4
-        out["soft"] = 1.0 / (h * lead)
-        out["want"] = -k * (target - place) / lead
-        if not motor["stiff"]:
-            out["want"] += (c - lead) / lead * seen
-        return
-    state["seen"] = state["along"] = seen
-    if state["target"] == state["target"]:  # not in the first step, nor as it is taken up
-        state["along"] = (target - state["target"]) / h
-    state["aim"] = target  # a step may be solved again: only its report makes it the last one
-    state["short"] = target - place - h * state["along"]
-    out["want"] = state["bend"] - state["along"] - state["short"] / h
-
-
-@entry_point("motors")
 def brake_in_time(table: int, h: float, n: int) -> None:
     """Let rigid drives ask for no more than they can still brake, and than their fastest rate.
 
@@ -124,21 +91,48 @@ def _held(table: int, h: float, m: int, q: int, loads: bool) -> float:
 
 @entry_point("motors")
 def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
-    """Row ``n``, that of a motor or brake."""
+    """Row ``n``, that of a motor, servo or brake."""
     out = at.rows(table)[n]
-    motor, states = at.motors(table)[i], at.motor_states(table)
+    motor, state, before = at.motors(table)[i], at.motor_states(table)[i], at.before(table)
     value = drive[motor["drive"]]
     brake = motor["most"] != motor["most"]
     most = h * min(value if brake else motor["most"], UNBOUNDED)
-    begin_row(out, DRIVEN, i, motor["a"], motor["b"], states[i]["impulse"], states[i]["mode"])
+    begin_row(out, DRIVEN, i, motor["a"], motor["b"], state["impulse"], state["mode"])
     put_coordinate(out, at.joint_results(table)[motor["joint"]], 1.0)
     out["low"], out["high"] = -most, most
     out["want"] = 0.0 if brake else -motor["sense"] * value
     if motor["slope"] > 0.0:  # at mid-step, as dampers are
-        before = at.before(table)
         out["want"] = (before[motor["b"], 2] - before[motor["a"], 2]
                        - 2.0 * motor["sense"] * value)
         out["soft"] = 2.0 / (h * motor["slope"])
+    if motor["law"] == PACED and not motor["line"]:
+        return
+    place, seen = at.joint_results(table)[motor["joint"]]["way"], rate(out, before)
+    state["bend"] = 0.0
+    if motor["line"]:
+        line, body = at.joints(table)[motor["joint"]], at.body(table)
+        _, _, _, ca, sa = ahead(h, body, before, line["a"])
+        _, _, _, cb, sb = ahead(h, body, before, line["b"])
+        x, y = vector_ahead(line, h, body, before, ca, sa, cb, sb)
+        state["bend"] = (math.hypot(x, y) - place) / h - seen
+    if motor["law"] == PACED:
+        out["want"] = state["bend"] - value
+        return
+    target = motor["sense"] * (value + motor["zero"])
+    if motor["law"] == SPRUNG:
+        k, c = motor["k"], motor["c"]
+        lead = c + h * k if motor["stiff"] else c / 2 + h * k / 4
+        out["soft"] = 1.0 / (h * lead)
+        out["want"] = -k * (target - place) / lead
+        if not motor["stiff"]:
+            out["want"] += (c - lead) / lead * seen
+        return
+    state["seen"] = state["along"] = seen
+    if state["target"] == state["target"]:  # not in the first step, nor as it is taken up
+        state["along"] = (target - state["target"]) / h
+    state["aim"] = target  # a step may be solved again: only its report makes it the last one
+    state["short"] = target - place - h * state["along"]
+    out["want"] = state["bend"] - state["along"] - state["short"] / h
 
 
 @entry_point("actions")
