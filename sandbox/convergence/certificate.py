@@ -12,7 +12,7 @@ import numpy as np
 from sandbox.audit.audit import Figure
 from sandbox.convergence.judgement import Kind, Sizes, Trust, judge
 from sandbox.convergence.runs import LABELS, Progress, Repeat, at_instants, simulate_all
-from sandbox.engine.clock import make_clock
+from sandbox.engine.inputs import make_clock
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import Verdict, among, number_of, verdicts, window

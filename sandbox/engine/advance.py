@@ -7,12 +7,12 @@ import math
 from sandbox.engine import memory as at
 from sandbox.engine.entry_points import CalledFromPython
 from sandbox.engine.groups import apply_forces, is_valid
+from sandbox.engine.islands import soften
 from sandbox.engine.kernel import kernel
 from sandbox.engine.native import call_each, call_step
 from sandbox.engine.report import add_work
-from sandbox.engine.skin import soften
 from sandbox.engine.snapshot import (
-    add_waiting,
+    add_forces,
     count_step,
     note_impacts,
     room_for_contacts,
@@ -20,7 +20,7 @@ from sandbox.engine.snapshot import (
     take,
 )
 from sandbox.engine.solve import SETTLED, solve
-from sandbox.engine.ties import release_and_engage, run_surfaces
+from sandbox.engine.ties import release_and_engage
 from sandbox.engine.touching import list_contacts_of_step, short
 from sandbox.numeric import Array, Matrix, Stack
 
@@ -43,29 +43,16 @@ def sound(h: float, body: Array) -> bool:
 
 
 @kernel
-def _changed(last: Array, now: Array) -> bool:
-    changed = False
-    for j in range(len(now)):
-        changed |= last[j] != now[j]
-    return changed
-
-
-@kernel
-def _moving(speeds: Array) -> bool:
-    for j in range(len(speeds)):
-        if speeds[j, 0] != 0.0 or speeds[j, 1] != 0.0 or speeds[j, 2] != 0.0:
-            return True
-    return False
-
-
-@kernel
 def _again(table: int, drive: Array, speeds: Array) -> bool:
     """Whether all is at rest, and this step, with these inputs, the last one over again."""
-    standing, last = at.standing(table), at.last_drive(table)
-    if standing[1] and (_changed(last, drive) or _moving(speeds)):
-        standing[1] = 0
+    standing, last, changed = at.standing(table), at.last_drive(table), False
     for j in range(len(last)):
+        changed |= last[j] != drive[j]
         last[j] = drive[j]
+    for j in range(len(speeds)):
+        changed |= speeds[j, 0] != 0.0 or speeds[j, 1] != 0.0 or speeds[j, 2] != 0.0
+    if changed:
+        standing[1] = 0
     return bool(standing[1] > SETTLED + 1)
 
 
@@ -89,7 +76,10 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
     begin(table)
     apply_forces(table, h, drive)
     let_go(table, h, speeds)
-    run_surfaces(table, drive)
+    actions, belts = at.actions(table), at.belts(table)
+    for i in range(len(actions)):
+        if actions[i]["runs"]:
+            belts[actions[i]["a"]] = actions[i]["sense"] * drive[actions[i]["drive"]]
     list_contacts_of_step(table)
     soften(table, h)
     struck = solve(table, h, drive)
@@ -98,22 +88,16 @@ def _push(table: int, h: float, drive: Array, speeds: Array) -> bool:
             body[b, 3 + j] = velocity[b, j]
     at.write_count(table)[0] = 0
     call_each(at.each_body(table), at.space(table), at.put(table), at.write(table))
-    if struck:
-        _displace(table)
+    if struck:  # impacts after the poses displace them
+        shift, placed = at.shift(table), at.placed(table)
+        for b in range(len(body)):
+            for j in range(3):
+                placed[b, j] = body[b, j] + shift[b, j]
+        at.place_count(table)[0] = 0
+        call_each(at.each_body(table), at.space(table), at.put(table), at.place(table))
     add_work(table, h)
     note_impacts(table)
     return bool(sound(h, body)) and bool(is_valid(table)) and at.standing(table)[3] == 0
-
-
-@kernel
-def _displace(table: int) -> None:
-    """Hand on the poses that impacts after them displace."""
-    body, shift, placed = at.body(table), at.shift(table), at.placed(table)
-    for b in range(len(body)):
-        for j in range(3):
-            placed[b, j] = body[b, j] + shift[b, j]
-    at.place_count(table)[0] = 0
-    call_each(at.each_body(table), at.space(table), at.put(table), at.place(table))
 
 
 @CalledFromPython
@@ -139,7 +123,8 @@ def advance(
         if not _again(table, drive[i], speeds[i]):
             if not room_for_contacts(table):
                 return i
-            add_waiting(table, h)
+            if at.kept_waiting(table)[0] > 0.0:  # before the step finds other forces
+                add_forces(table, h)
             if not (_move(table, h) and _push(table, h, drive[i], speeds[i])):
                 return i
         if every > 1:
@@ -166,10 +151,7 @@ def begin(table: int) -> None:
 
 @kernel
 def let_go(table: int, h: float, speeds: Array) -> None:
-    """Velocities after the step if nothing were joined.
-
-    Those of scheduled bodies are given: ``speeds`` [ns, 3].
-    """
+    """Velocities after the step without constraints; ``speeds`` [ns, 3] are of scheduled bodies."""
     before, free, force = at.before(table), at.free(table), at.force(table)
     inverse_mass, gravity = at.inverse_mass(table), at.gravity(table)
     for i in range(len(free)):

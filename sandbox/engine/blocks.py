@@ -34,15 +34,7 @@ def connect(adjacent: Integers, i: int, j: int) -> None:
 def minimum_degree(
     adjacent: Integers, place: Integers, starts: Integers, below: Integers, work: Integers,
 ) -> None:
-    """Find the order of elimination and the pattern of the factors.
-
-    Args:
-        adjacent: adjacency sets [n, words], overwritten.
-        place: result, the position of each node in the order, [n].
-        starts: result, [n + 1].
-        below: result, with room for all slots.
-        work: scratch, [2, n].
-    """
+    """Find ``place``, the position of each node in the order, and the pattern of the factors."""
     n, words = adjacent.shape
     degree, order = work[0], work[1]
     for i in range(n):
@@ -123,15 +115,7 @@ def _subtract_product(X: Matrix, A: Matrix, B: Matrix) -> None:
 
 @kernel
 def factor_blocks(starts: Integers, below: Integers, D: Stack, L: Stack, U: Stack) -> None:
-    """Factor in place: D becomes the inverse pivots, L is scaled by them.
-
-    Args:
-        starts: of the pattern.
-        below: of the pattern.
-        D: diagonal blocks, [n, 3, 3].
-        L: blocks (row, column) below the diagonal, [slots, 3, 3].
-        U: blocks (column, row) above it, at the same slots.
-    """
+    """Factor in place: D [n, 3, 3] becomes the inverse pivots, L [slots, 3, 3] is scaled by D."""
     for j in range(len(starts) - 1):
         _invert(D[j])
         inverse = D[j]

@@ -13,8 +13,8 @@ breaks a bound or leaves a rate of the wrong sign the mode changes, and so on un
 
 - a row goes from one bound to the other by way of y = 0 only;
 - a sticking contact that would pull slides first, and opens only if it pulls sliding;
-- after a few rounds only the worst rows change; if that does not end, Lemke's method does
-  (:mod:`sandbox.engine.lemke`), and else relaxation from the last impulses.
+- after a few rounds only the worst rows change; if that does not end, single rows in random order,
+  and if that does not end, relaxation from the last impulses takes its place.
 
 Where rows outnumber the freedoms left, their share in the load is not determined. A small
 multiple of the change of p is therefore added to y: the share stays as it was, so that rest is
@@ -42,6 +42,8 @@ LEVER = 0.1
 undone the more slowly: by a short lever they would throw them."""
 FIRST, ROUNDS, SWEEPS = 4, 40, 60
 """Rounds in which all rows change; rounds in all; sweeps of relaxation after these."""
+SEARCHED, TRIES = 100, 6
+"""Rows up to which modes are searched in random order; how often from the start."""
 LARGE, FEWEST = 600, 8
 """Of more rows than this each round takes so long that there are fewer, down to the second."""
 SHARE, ALONE = 0.3, 3
@@ -69,10 +71,7 @@ def put_coordinate(out: Any, coordinate: Any, side: float) -> None:
 
 @entry_point()
 def columns(table: int, begin: int, first: int, count: int) -> None:
-    """Y = L^-1 R W C^T of the rows from ``first`` on, along their own branches; 0 elsewhere.
-
-    Rows are counted from ``begin``.
-    """
+    """Y = L^-1 R W C^T of the rows from ``first`` on, counted from ``begin``; 0 elsewhere."""
     rows, Y, reached = (
         at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
     hubs, entry_row, WJ = at.hubs(table), at.entry_row(table), at.entries(table)[1]
@@ -126,10 +125,7 @@ def wipe(rows: Records, count: int, Y: Array, reached: Integers) -> None:
 
 @entry_point()
 def couple(table: int, begin: int, first: int, count: int) -> None:
-    """G, and y without bounded impulses, for the rows from ``first`` on, counted from ``begin``.
-
-    To a row that joints hold less is left than what holds its impulse: it is left out.
-    """
+    """G, and y without bounded impulses, for the rows from ``first`` on, counted from ``begin``."""
     rows, Y, reached = (
         at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
     hubs, inverse_mass, free = at.hubs(table), at.inverse_mass(table), at.free(table)
@@ -167,7 +163,10 @@ def couple(table: int, begin: int, first: int, count: int) -> None:
             G[k, m] = 0.0 if other["measure"] else x
             G[m, k] = 0.0 if row["measure"] else x
         G[k, k] = 1.0 if row["measure"] else G[k, k] + row["soft"]
-        _calm(row, G[k, k])
+        row["back"] = 0.0
+        if row["want"] < 0.0 and row["gentle"]:  # undone so slowly that it throws no body
+            row["back"] = row["want"] * min(1.0, G[k, k] / (LEVER * row["base"]))
+            row["free"] += row["back"] - row["want"]
         row["out"] = G[k, k] < HOLD * row["base"]
         if row["out"]:
             row["free"] = row["back"] = row["last"] = 0.0
@@ -195,15 +194,6 @@ def free_rate(
 
 
 @kernel
-def _calm(row: Any, own: float) -> None:
-    """Ask an overlap back no faster than what throws no body; ``own`` is the row's own G."""
-    row["back"] = 0.0
-    if row["want"] < 0.0 and row["gentle"]:
-        row["back"] = row["want"] * min(1.0, own / (LEVER * row["base"]))
-        row["free"] += row["back"] - row["want"]
-
-
-@kernel
 def rate(row: Any, velocity: Array) -> float:
     """What a row makes of velocities [nb, 3] of the bodies."""
     a, b = row["a"], row["b"]
@@ -216,20 +206,12 @@ def rate(row: Any, velocity: Array) -> float:
 def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, slack: float) -> int:
     """Find the modes and the impulses ``p``; how many systems it took, negative if it gave up.
 
-    Args:
-        rows: BOUND; ``mode`` is where it begins.
-        n: how many rows.
-        G: [n, n].
-        A: scratch, [n, n + 1].
-        chosen: scratch, [n].
-        slack: a rate [m/s, rad/s] that counts as none.
+    It begins with the modes of the rows; ``slack`` is a rate that counts as none, ``A`` and
+    ``chosen`` are scratch.
     """
     rounds = ROUNDS if n <= LARGE else max(FEWEST, int(ROUNDS * (LARGE / n) ** 3))
     for round in range(1, rounds + 1):
-        m = choose(rows, n, chosen)
-        make_system(rows, n, G, A, chosen, m)
-        eliminate(A, m)
-        _impulses(rows, n, A, chosen, m)
+        _impulses(rows, n, G, A, chosen)
         worst, which = slack, -1
         for k in range(n):
             bad, _ = _wrong(rows, n, G, k, slack)
@@ -244,6 +226,30 @@ def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sla
                 _, to = _wrong(rows, n, G, k, slack)
                 _change(rows, n, k, to)
     return -rounds
+
+
+@kernel
+def search_modes(
+    rows: Records, n: int, G: Array, A: Array, chosen: Integers, slack: float,
+) -> bool:
+    """Change the row with the largest violation times a random number, until none is left."""
+    random = 1
+    for _ in range(TRIES):
+        for k in range(n):
+            free = rows[k]["normal"] >= 0 or rows[k]["low"] == -UNBOUNDED
+            rows[k]["mode"] = 0 if free else -1
+        for _ in range(2 * n + ROUNDS):
+            _impulses(rows, n, G, A, chosen)
+            most, which, mode = 0.0, -1, 0
+            for k in range(n):
+                bad, to = _wrong(rows, n, G, k, slack)
+                random = (1103515245 * random + 12345) % 2147483648
+                if bad > slack and bad * random > most:
+                    most, which, mode = bad * random, k, to
+            if which < 0:
+                return True
+            _change(rows, n, which, mode)
+    return False
 
 
 @kernel
@@ -307,7 +313,11 @@ def eliminate(A: Array, m: int) -> None:
 
 
 @kernel
-def _impulses(rows: Records, n: int, A: Array, chosen: Integers, m: int) -> None:
+def _impulses(rows: Records, n: int, G: Array, A: Array, chosen: Integers) -> None:
+    """Impulses for the modes."""
+    m = choose(rows, n, chosen)
+    make_system(rows, n, G, A, chosen, m)
+    eliminate(A, m)
     for k in range(n):
         row = rows[k]
         row["p"] = 0.0

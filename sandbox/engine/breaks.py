@@ -24,7 +24,7 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.records import CORDED, GRIPPED, JOINED, SPRINGY
 from sandbox.engine.report import add_limit, joint_force
 from sandbox.engine.state import DRIVEN, JOINT_FRICTION, LIMITED
-from sandbox.engine.ties import empty_joint, empty_row, holds
+from sandbox.engine.ties import empty_rows, holds
 
 TOGETHER = 1e-6
 """Share of a step within which two loads are come to at once."""
@@ -34,13 +34,9 @@ NEVER = 2.0
 
 @entry_point("ties")
 def breaks(table: int, h: float, n: int) -> bool:
-    """Let go of what came to its load first in this step, of n bounded rows; whether any did.
-
-    What comes to it at the same instant, as two alike do, goes with it: alone the other would seem
-    to have carried both loads before.
-    """
+    """Release what reached its limit first in this step of n bounded rows; whether any did."""
     ties, states, results = at.ties(table), at.tie_states(table), at.tie_results(table)
-    first = NEVER
+    first, made, broken = NEVER, at.made(table), at.broken(table)
     for i in range(len(ties)):
         if states[i]["held"] == 1 and ties[i]["breaks_at"] < math.inf:
             results[i]["load"] = _load(table, h, n, i)
@@ -57,27 +53,25 @@ def breaks(table: int, h: float, n: int) -> bool:
         if last == last:
             share = max((when - 0.5) * most, -0.5 * last) / load
         states[i]["held"], results[i]["broke"] = 0, 1
-        _note(table, i, when)
-        _cut(table, h, n, i, share)
+        if made[2] < len(broken):  # there is room to write it down
+            one = broken[made[2]]
+            one["tie"], one["row"], one["when"] = i, made[1], when
+            made[2] += 1
+        what, k = ties[i]["what"], ties[i]["index"]
+        if what == JOINED:
+            _cut_joint(table, h, n, k, share)
+        elif what == CORDED:
+            _cut_cord(table, h, k, share)
+            for span in range(at.cords(table)[k]["spans"], at.cords(table)[k]["spans_end"]):
+                _cut_cord(table, h, span, share)
+        elif holds(table, at.springs(table)[k]["hinge_tie"]):  # else it was cut with its hinge
+            _cut_spring(table, h, k, share)
     return first <= 1.0
 
 
 @kernel
-def _note(table: int, tie: int, when: float) -> None:
-    """Write down when something broke, while there is room."""
-    made, broken = at.made(table), at.broken(table)
-    if made[2] < len(broken):
-        one = broken[made[2]]
-        one["tie"], one["row"], one["when"] = tie, made[1], when
-        made[2] += 1
-
-
-@kernel
 def _when(load: float, most: float, last: float) -> float:
-    """Share of the step at which a load came to the ``most`` there may be, or :data:`NEVER`.
-
-    ``last`` is the load in the last step, nan where there was none.
-    """
+    """Share of the step at which a load came to ``most``, or NEVER; ``last`` may be nan."""
     if not load > most:
         return NEVER
     if last != last:
@@ -87,7 +81,6 @@ def _when(load: float, most: float, last: float) -> float:
 
 @kernel
 def _load(table: int, h: float, n: int, tie: int) -> float:
-    """The size of what something carries [N, N m]."""
     what, i, unknown = at.ties(table)[tie]["what"], at.ties(table)[tie]["index"], (
         at.unknowns(table)[3])
     if what == JOINED:
@@ -122,7 +115,6 @@ def _tension(table: int, h: float, i: int) -> float:
 
 @kernel
 def _give(table: int, entry: int, count: int, p: float) -> None:
-    """Add what an impulse of a row does to the free velocities."""
     free, WJ, entry_body = at.free(table), at.entries(table)[1], at.entry_body(table)
     for e in range(entry, entry + count):
         b = entry_body[e]
@@ -133,8 +125,16 @@ def _give(table: int, entry: int, count: int, p: float) -> None:
 
 
 @kernel
+def _cut_rows(table: int, entry: int, count: int, share: float) -> None:
+    """Let rows give ``share`` of their impulses, and nothing more."""
+    impulses, entry_row = at.unknowns(table)[3], at.entry_row(table)
+    for e in range(entry, entry + count):
+        _give(table, e, 1, share * impulses[entry_row[e]])
+    empty_rows(table, entry, count)
+
+
+@kernel
 def _kick(table: int, b: int, x: float, y: float, t: float) -> None:
-    """Add what an impulse on a body does to its free velocity."""
     free, w = at.free(table), at.inverse_mass(table)
     free[b, 0] += w[b, 0] * x
     free[b, 1] += w[b, 0] * y
@@ -142,54 +142,27 @@ def _kick(table: int, b: int, x: float, y: float, t: float) -> None:
 
 
 @kernel
-def _cut(table: int, h: float, n: int, tie: int, share: float) -> None:
-    """Give ``share`` of what it would in this step, and nothing more; note it as its force."""
-    what, i = at.ties(table)[tie]["what"], at.ties(table)[tie]["index"]
-    if what == JOINED:
-        _cut_joint(table, h, n, i, share)
-    elif what == CORDED:
-        _cut_cord(table, h, i, share)
-        for k in range(at.cords(table)[i]["spans"], at.cords(table)[i]["spans_end"]):
-            _cut_cord(table, h, k, share)
-    elif holds(table, at.springs(table)[i]["hinge_tie"]):  # else it was cut with its hinge
-        _cut_spring(table, h, i, share)
-
-
-@kernel
-def _cut_row(table: int, h: float, row: int, entry: int, share: float) -> float:
-    """Let a row between two bodies give ``share`` of what it would; that as a force or torque."""
-    p = share * at.unknowns(table)[3][row]
-    _give(table, entry, 2, p)
-    empty_row(table, row, entry, 2)
-    return float(p / h)
-
-
-@kernel
 def _cut_joint(table: int, h: float, n: int, j: int, share: float) -> None:
-    joint, out, unknown = (
-        at.joints(table)[j], at.joint_results(table)[j], at.unknowns(table)[3])
+    joint, out = at.joints(table)[j], at.joint_results(table)[j]
     out["fx"] *= share
     out["fy"] *= share
     out["couple"] *= share
-    e = joint["entry"]
-    for row in (joint["row"], joint["row_y"], joint["row_turn"]):
-        if row >= 0:
-            _give(table, e, 2, share * unknown[row])
-            e += 2
+    _cut_rows(table, joint["entry"], joint["entries"], share)
     _cut_bounded(table, n, j, share)
-    empty_joint(table, j)
-    springs, actions = at.springs(table), at.actions(table)
+    springs, actions, given = at.springs(table), at.actions(table), at.action_results(table)
     for k in range(len(springs)):
         if springs[k]["hinge_tie"] == joint["tie"] and holds(table, springs[k]["tie"]):
             _cut_spring(table, h, k, share)
-    for k in range(len(actions)):
+    for k in range(len(actions)):  # the torque or push that a drive gives is taken back
         if actions[k]["tie"] == joint["tie"] and actions[k]["motor"] < 0:
-            _cut_action(table, h, k)
+            _kick_along(table, actions[k], at.joint_results(table)[actions[k]["joint"]],
+                        -h * given[k]["torque"])
+            given[k]["torque"] = 0.0
 
 
 @kernel
 def _cut_bounded(table: int, n: int, j: int, share: float) -> None:
-    """The same of a joint's limits and dry friction, and of motors and servos about it."""
+    """The same of its limits and dry friction, and of motors and servos about it."""
     rows, limits, ends = at.rows(table), at.limits(table), at.limit_states(table)
     motors, tie = at.motor_states(table), at.joints(table)[j]["tie"]
     for k in range(len(limits)):
@@ -210,7 +183,6 @@ def _cut_bounded(table: int, n: int, j: int, share: float) -> None:
 
 @kernel
 def _kick_along(table: int, element: Any, out: Any, p: float) -> None:
-    """Add what an impulse along a coordinate does to the free velocities."""
     _kick(table, element["b"], p * out["dx"], p * out["dy"], p * out["tb"])
     _kick(table, element["a"], -p * out["dx"], -p * out["dy"], p * out["ta"])
 
@@ -219,18 +191,11 @@ def _kick_along(table: int, element: Any, out: Any, p: float) -> None:
 def _cut_spring(table: int, h: float, k: int, share: float) -> None:
     s, out = at.springs(table)[k], at.spring_results(table)[k]
     if s["row"] >= 0:
-        out["effort"] = _cut_row(table, h, s["row"], s["entry"], share)
+        out["effort"] = share * at.unknowns(table)[3][s["row"]] / h
+        _cut_rows(table, s["entry"], 2, share)
     else:
         _kick_along(table, s, out, (share - 1.0) * h * out["effort"])
         out["effort"] *= share
-
-
-@kernel
-def _cut_action(table: int, h: float, k: int) -> None:
-    """Take back the torque about a hinge, or the push of an actuator, that a drive gives."""
-    s, out = at.actions(table)[k], at.action_results(table)[k]
-    _kick_along(table, s, at.joint_results(table)[s["joint"]], -h * out["torque"])
-    out["torque"] = 0.0
 
 
 @kernel

@@ -19,11 +19,11 @@ import numpy as np
 
 from sandbox.elements.element import GRAZE
 from sandbox.engine import records
+from sandbox.engine.element_tables import PlacedBodies, Rows
 from sandbox.engine.kernel import kernel
-from sandbox.engine.plan import PlacedBodies, Rows
 from sandbox.engine.stiffness import cord_responses, stiff_cords
 from sandbox.model.tendons import CordSpan, lifted_at_start, spans_of
-from sandbox.numeric import Array, Integers, Records
+from sandbox.numeric import Array, Records
 
 ASIDE = -math.pi / 2
 """Where the angle of a cord that begins off its wheel is counted from [rad]: it is above - pi."""
@@ -31,7 +31,6 @@ ASIDE = -math.pi / 2
 
 @kernel
 def _near(angle: float, last: float) -> float:
-    """``angle`` plus the whole turns that bring it closest to ``last``."""
     return angle + 2 * math.pi * math.floor((last - angle) / (2 * math.pi) + 0.5)
 
 
@@ -39,12 +38,7 @@ def _near(angle: float, last: float) -> float:
 def measure(
     cord: Any, guides: Records, memory: Records, results: Records, pose: Array, start: bool,
 ) -> float:
-    """Length of a tendon [m] at ``pose`` [nb, 3] (centres of mass); fills its rows of J.
-
-    ``guides``, ``memory`` and ``results`` are GUIDE, GUIDE_STATE and GUIDE_RESULT of all
-    guides; ``start`` fixes how often the cord goes round its wheels. Tables are made with that from
-    Python: no kernel may be called then, or it would be compiled in every process.
-    """
+    """Length of a tendon [m] at ``pose`` [nb, 3]; fills its J. ``start``: count turns anew."""
     length = _along(cord, guides, memory, results, pose, start)
     if cord["lifts"] and not start:
         for _ in range(2 * (cord["last"] - cord["first"])):
@@ -191,8 +185,7 @@ class CordTables(NamedTuple):
     guide_state: Records
     guide_result: Records
     slips: Records
-    drag: Array
-    """Of the slips of loops [N s^2/m], 0 of others."""
+    drag: Array  # Of the slips of loops [N s^2/m], 0 of others
     sums: list[tuple[int, int]]
     """Rows of the spans on either side of each guide that holds a cord; where a drive pulls it that
     of the span before, twice."""
@@ -203,8 +196,13 @@ def cord_tables(places: PlacedBodies, h: float, rows: Rows) -> CordTables:
     tendons = places.model.tendons
     spans = [span for cord in range(len(tendons.name)) for span in spans_of(tendons, cord)]
     whole = len(tendons.name)
-    path = [*range(len(tendons.guide_body)), *(g for span in spans for g in span.guides)]
-    guides = _guides(places, np.array(path, dtype=np.int64))
+    path = np.array([*range(len(tendons.guide_body)), *(g for span in spans for g in span.guides)],
+                    dtype=np.int64)
+    body = tendons.guide_body[path]
+    guides = np.zeros(len(path), records.GUIDE)
+    guides["body"], guides["radius"] = places.number[body], tendons.guide_radius[path]
+    guides["turns"], guides["lifts"] = tendons.guide_turns[path], np.isin(path, tendons.wheels)
+    guides["x"], guides["y"] = (tendons.guide_at[path] - places.model.bodies.centre[body]).T
     cords = whole + len(spans)
     found = CordTables(
         np.zeros(cords, records.CORD), np.zeros(cords, records.CORD_STATE),
@@ -240,19 +238,7 @@ def cord_tables(places: PlacedBodies, h: float, rows: Rows) -> CordTables:
     return found
 
 
-def _guides(places: PlacedBodies, path: Integers) -> Records:
-    tendons = places.model.tendons
-    body = tendons.guide_body[path]
-    guides = np.zeros(len(path), records.GUIDE)
-    guides["body"], guides["radius"] = places.number[body], tendons.guide_radius[path]
-    guides["turns"] = tendons.guide_turns[path]
-    guides["lifts"] = np.isin(path, tendons.wheels)
-    guides["x"], guides["y"] = (tendons.guide_at[path] - places.model.bodies.centre[body]).T
-    return guides
-
-
 def _measured(places: PlacedBodies, found: CordTables, e: int) -> float:
-    """The length of a cord at t = 0 [m], from which its turns are counted."""
     length = measure(found.constants[e], found.guides, found.guide_state,
                              found.guide_result, places.pose, True)
     found.result[e]["length"] = length
@@ -298,43 +284,26 @@ def _add_spans(
             cord["into"], entry = entry, entry + 1
         if span.out_of >= 0:
             cord["out_of"] = entry
-    _fill(found)
-    _choose_kinds(places, found, h)
-    _add_slips(places, found, spans)
-
-
-def _fill(found: CordTables) -> None:
-    """Put into each span what is there at t = 0: stretched like the whole, or its share of slack.
-
-    What lies on wheels that hold the cord is stretched, too, but does not hang.
-    """
-    for e in np.flatnonzero(found.constants["kind"] == records.GRIPPED):
-        own, whole = found.constants[e], float(found.result[e]["length"])
-        spans = slice(int(own["spans"]), int(own["spans_end"]))
-        length, rest = found.result["length"][spans], float(found.state[e]["rest"])
-        inside = length * (rest / whole if rest <= whole else 1 + (rest - whole) / length.sum())
-        found.state["rest"][spans] = found.state["inside"][spans] = inside
-        found.constants["least"][spans] = LEAST * inside
-
-
-def _choose_kinds(places: PlacedBodies, found: CordTables, h: float) -> None:
-    """All spans of a cord are solved alike: at the step's end if one of them is too stiff."""
     stiff = stiff_cords(places.model, h)
-    for e in np.flatnonzero(found.constants["kind"] == records.GRIPPED):
-        own = found.constants[e]
-        spans = slice(int(own["spans"]), int(own["spans_end"]))
-        largest = (found.state["k"][spans] / found.state["rest"][spans]).max()
+    for e in np.flatnonzero(found.constants["kind"] == records.GRIPPED).tolist():
+        own, length = found.constants[e], float(found.result[e]["length"])
+        part = slice(int(own["spans"]), int(own["spans_end"]))
+        # what is in a span at t = 0 is stretched like the whole, or its share of the slack; what
+        # lies on wheels that hold the cord is stretched, too, but does not hang
+        lengths, rest = found.result["length"][part], float(found.state[e]["rest"])
+        inside = lengths * (
+            rest / length if rest <= length else 1 + (rest - length) / lengths.sum())
+        found.state["rest"][part] = found.state["inside"][part] = inside
+        found.constants["least"][part] = LEAST * inside
+        # all spans are solved alike: at the step's end if one of them is too stiff
+        largest = (found.state["k"][part] / inside).max()
         quick = h * h * largest * own["response"] > records.SOFT
-        of_row = found.constants["row"][spans] >= 0
+        of_row = found.constants["row"][part] >= 0
         kind = records.STIFF if stiff[e] or quick else records.EVEN
-        found.constants["kind"][spans][of_row] = kind
+        found.constants["kind"][part][of_row] = kind
         if own["closed"]:
-            found.drag[places.model.tendons.gripped(int(e))] = DRAG * h * h * largest
-
-
-def _add_slips(places: PlacedBodies, found: CordTables, spans: list[CordSpan]) -> None:
-    tendons, bodies = places.model.tendons, len(places.inverse_mass)
-    whole, count = len(tendons.name), len(tendons.grips)
+            found.drag[places.model.tendons.gripped(e)] = DRAG * h * h * largest
+    count = len(tendons.grips)
     before = {span.out_of: e for e, span in enumerate(spans, start=whole)}
     after = {span.into: e for e, span in enumerate(spans, start=whole)}
     for k, slip in enumerate(found.slips):

@@ -19,8 +19,8 @@ from sandbox.engine.coordinates import flank
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.friction import friction_rows
 from sandbox.engine.kernel import kernel
-from sandbox.engine.motors import motor_row, servo_row
-from sandbox.engine.records import FLANK, PACED, STOP
+from sandbox.engine.motors import motor_row
+from sandbox.engine.records import FLANK, STOP
 from sandbox.engine.rows import beyond
 from sandbox.engine.state import HOLDS, LIMITED, NORMAL, SLIDES, STILL, TANGENT
 from sandbox.engine.tendons import slip_rows
@@ -99,19 +99,13 @@ def _limit_row(table: int, h: float, i: int, out: Any) -> None:
 
 @entry_point()
 def kept_rows(table: int, h: float, drive: Array) -> int:
-    """Begin with the motors and with what carried something in the last step; how many rows.
-
-    There is room for all (:func:`sandbox.engine.touching.short`). What a row carried fades where
-    it moves.
-    """
+    """Begin with the motors and with what carried something in the last step; how many rows."""
     rows, touches, limits = at.rows(table), at.touches(table), at.limit_states(table)
     n = 0
     motors = at.motors(table)
     for i in range(len(motors)):
         if holds(table, motors[i]["tie"]):
             motor_row(table, h, drive, i, n)
-            if motors[i]["law"] != PACED or motors[i]["line"]:
-                servo_row(table, h, drive[motors[i]["drive"]], i, n)
             n += 1
     for i in range(len(at.dry_friction(table))):
         if joint_holds(table, at.dry_friction(table)[i]["joint"]):
@@ -156,8 +150,10 @@ def broken_rows(table: int, h: float, n: int, slack: float) -> int:
         if not joint_holds(table, limits[i]["joint"]):
             continue
         _limit_row(table, h, i, rows[n])
-        seen = rate(rows[n], velocity) + rows[n]["want"]
-        if seen < -slack and not _in(rows, first, LIMITED, i):
+        new = rate(rows[n], velocity) + rows[n]["want"] < -slack
+        for k in range(first):
+            new &= rows[k]["source"] != LIMITED or rows[k]["index"] != i
+        if new:
             n += 1
     for i in range(at.touching(table)[0]):
         if not touches[i]["listed"]:
@@ -165,11 +161,3 @@ def broken_rows(table: int, h: float, n: int, slack: float) -> int:
             if rate(rows[n], velocity) + rows[n]["want"] < -slack:
                 n = _with_touch(h, at.body(table), touches, rows, i, n)
     return n
-
-
-@kernel
-def _in(rows: Records, n: int, source: int, index: int) -> bool:
-    found = False
-    for k in range(n):
-        found |= rows[k]["source"] == source and rows[k]["index"] == index
-    return found

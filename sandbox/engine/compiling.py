@@ -8,35 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 
+@dataclass
 class _Listener:
-    """Callbacks for one compilation; ``ended`` is only called after ``began``."""
-
-    def __init__(
-        self, began: Callable[[], None], ended: Callable[[float], None],
-        progress: Callable[[float], None],
-    ) -> None:
-        self._began, self._ended, self._progress = began, ended, progress
-        self._active = self._over = False
-
-    def begin(self) -> None:
-        if not self._active and not self._over:
-            self._active = True
-            self._began()
-
-    def advance(self, fraction: float) -> None:
-        if self._active:
-            self._progress(fraction)
-
-    def end(self, seconds: float) -> None:
-        if self._active:
-            self._active, self._over = False, True
-            self._ended(seconds)
+    began: Callable[[], None]
+    ended: Callable[[float], None]
+    progress: Callable[[float], None]
+    in_workers: bool
+    active: bool = False
+    over: bool = False
 
 
 _listeners: list[_Listener] = []
-_worker_listeners: list[_Listener] = []
 
 
 @contextmanager
@@ -52,34 +37,40 @@ def on_compiling(
         progress: called in between with the fraction done, 0 to 1.
         in_workers: listen to worker processes instead of this one.
     """
-    listeners = _worker_listeners if in_workers else _listeners
-    listener = _Listener(began, ended, progress)
-    listeners.append(listener)
+    listener = _Listener(began, ended, progress, in_workers)
+    _listeners.append(listener)
     try:
         yield
     finally:
-        listeners.remove(listener)
+        _listeners.remove(listener)
 
 
-def report_began() -> None:
+def report_began(*, in_workers: bool = False) -> None:
     """Report that something is compiled."""
-    for listener in _listeners:
-        listener.begin()
+    for one in _listeners:
+        if one.in_workers == in_workers and not (one.active or one.over):
+            one.active = True
+            one.began()
 
 
 def report_progress(fraction: float) -> None:
     """Report the fraction of the entry points that are ready, 0 to 1."""
-    for listener in _listeners:
-        listener.advance(fraction)
+    for one in _listeners:
+        if one.active and not one.in_workers:
+            one.progress(fraction)
 
 
-def report_compiled(seconds: float) -> None:
+def report_compiled(seconds: float, *, in_workers: bool = False) -> None:
     """Report that the entry points are ready, compiled or loaded, and how long that took."""
-    for listener in _listeners:
-        listener.end(seconds)
+    for one in _listeners:
+        if one.in_workers == in_workers and one.active:
+            one.active, one.over = False, True
+            one.ended(seconds)
 
 
 def report_worker_compilation(seconds: float | None = None) -> None:
     """Report that a worker process compiles, or the seconds that it took."""
-    for listener in _worker_listeners:
-        listener.begin() if seconds is None else listener.end(seconds)
+    if seconds is None:
+        report_began(in_workers=True)
+    else:
+        report_compiled(seconds, in_workers=True)

@@ -29,10 +29,7 @@ ANY = 1e300
 
 
 class Setpoint:
-    """A signal at the instants of a controller's acts, or the value that an event gave it.
-
-    ``last`` is the number of the run's last act: later ones are not asked for.
-    """
+    """A signal at the instants of a controller's acts, or the value that an event gave it."""
 
     def __init__(
         self, signal: AnySignal, period: float, last: int, tables: Tables = NONE,
@@ -71,20 +68,14 @@ class Setpoint:
 class Bound:
     """What may be set of a drive."""
 
-    column: int
-    """Of the drive."""
-    most: float = ANY
-    """Largest change from one act to the next."""
+    column: int  # Of the drive
+    most: float = ANY  # largest change from one act to the next
     low: float = -math.inf
     high: float = math.inf
 
 
 class Desk:
-    """The drive values that controllers and events set, for the drives that they own.
-
-    ``values`` is a list, which is read and written fastest; ``row`` [nd] and
-    ``mask`` [nd] are the same for the rows that the engine steps with.
-    """
+    """The drive values that controllers and events set, as a list and as rows for the engine."""
 
     def __init__(self, readings: Readings, floor: Array) -> None:
         """``readings`` know what drives had in the last step, whoever set them.
@@ -130,16 +121,13 @@ class ControlLoop:
     targets: list[Setpoint]
     law: Law
     bounds: list[Bound]
-    drives: list[str]
-    """Names of the drives that it sets."""
-    every: int
-    """Steps between its acts."""
+    drives: list[str]  # names of the drives that it sets
+    every: int  # steps between its acts
     desk: Desk
     active: bool = False
     run: Act = field(init=False)
     """Acts at an instant [s] and number; does nothing while the loop is switched off."""
-    away_first: float = math.nan
-    """Its largest distance from a target when it began; nan before."""
+    away_first: float = math.nan  # its largest distance from a target when it began; nan before
 
     def __post_init__(self) -> None:
         alone = len(self.readings) == len(self.targets) == len(self.bounds) == 1
@@ -153,11 +141,7 @@ class ControlLoop:
         self.active = on
 
     def _begin(self, t: float, number: int) -> None:
-        """Begin with what the drives have now, then act.
-
-        Raises:
-            SimulationDiverged: a reading is not a number.
-        """
+        """Begin with what the drives have now, then act."""
         inputs = [self.desk.taken(bound.column) for bound in self.bounds]
         self.refuse(t, inputs)
         self.law.begin([read() for read in self.readings],
@@ -173,11 +157,7 @@ class ControlLoop:
         return math.inf if any(map(math.isnan, distances)) else max(distances, default=0.0)
 
     def refuse(self, t: float, wanted: Sequence[float]) -> None:
-        """Give up if something that is read or wanted is not a number.
-
-        Raises:
-            SimulationDiverged: with what it is, and this controller's name.
-        """
+        """Raise SimulationDiverged if something that is read or wanted is not a number."""
         for text, read in zip(self.reads, self.readings, strict=True):
             if not math.isfinite(value := read()):
                 raise SimulationDiverged(t, self.name, f"it reads {text}, which is {value}")
@@ -187,8 +167,7 @@ class ControlLoop:
 
 
 def _idle(t: float, number: int) -> None:
-    """Do nothing."""
-
+    pass
 
 def _single(loop: ControlLoop) -> Act:
     (read,), (target,), (bound,) = loop.readings, loop.targets, loop.bounds

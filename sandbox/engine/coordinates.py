@@ -1,4 +1,4 @@
-"""Coordinates of elements between two bodies: distance, angle, teeth, rolling.
+"""Coordinates of elements between two bodies: distance, angle, teeth, rolling, paths of slots.
 
 A coordinate q has the rate
 
@@ -19,23 +19,21 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from sandbox.engine import memory as at
+from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
+from sandbox.engine.narrow_phase import descend, on_span
 from sandbox.engine.records import GEAR, GROOVE, POINT, RACK
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Records
+from sandbox.scene.outlines import paths
+
+ABSCISSAE, WEIGHTS = tuple(paths.ABSCISSAE.tolist()), tuple(paths.WEIGHTS.tolist())
+"""Quadrature of the arc lengths of spans."""
 
 
 @kernel
 def ends(element: Any, body: Array, turn: Array) -> tuple[float, float, float, float, float, float]:
-    """Arms of the two points of an element, and the vector from the first point to the second.
-
-    Args:
-        element: a record with bodies ``a`` and ``b`` and the points ``ax``, ``ay``, ``bx``, ``by``.
-        body: poses of the centres of mass, [nb, 6].
-        turn: cosine and sine of their angles, [nb, 2].
-
-    Returns:
-        x and y [m] in the world of the arm on ``a``, the arm on ``b``, and the vector.
-    """
+    """Arms of the two points of an element, x and y [m], and the vector from a to b."""
     a, b = element["a"], element["b"]
     ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
     ax, ay = ca * element["ax"] - sa * element["ay"], sa * element["ax"] + ca * element["ay"]
@@ -48,10 +46,7 @@ def vector_ahead(
     element: Any, h: float, body: Array, velocity: Array, ca: float, sa: float, cb: float,
     sb: float,
 ) -> tuple[float, float]:
-    """The vector between the points of an element where ``velocity`` leads in a step ``h`` [m].
-
-    The last arguments are cosine and sine of the angles of ``a`` and ``b`` there.
-    """
+    """The vector between the points where ``velocity`` leads in ``h``, for cosines, sines there."""
     a, b = element["a"], element["b"]
     return (body[b, 0] + h * velocity[b, 0] + cb * element["bx"] - sb * element["by"]
             - body[a, 0] - h * velocity[a, 0] - ca * element["ax"] + sa * element["ay"],
@@ -72,10 +67,7 @@ def gaps(joint: Any, x: float, y: float, ca: float, sa: float) -> tuple[float, f
 
 @kernel
 def measure_distance(element: Any, out: Any, body: Array, turn: Array) -> None:
-    """Measure the distance of two points; points that coincide have no direction.
-
-    ``out`` gets the value ``way`` and the coefficients ``dx``, ``dy``, ``ta``, ``tb``.
-    """
+    """Measure the distance of two points; points that coincide have no direction."""
     ax, ay, bx, by, x, y = ends(element, body, turn)
     length = math.hypot(x, y)
     dx, dy = (x / length, y / length) if length > 0.0 else (0.0, 0.0)
@@ -187,3 +179,38 @@ def rolled(joint: Any, h: float, body: Array, velocity: Array) -> float:
     way = ra * angle_a + rb * angle_b - (ra + rb) * math.atan2(dy, dx) - joint["start"]
     turn = 2.0 * math.pi * (ra + rb)
     return float(way - turn * math.floor(way / turn + 0.5))
+
+
+@kernel
+def on_path(spans: Records, start: int, x: float, y: float) -> Any:
+    """The place nearest to the point (x, y) on the path of a slot, searched from a span on.
+
+    An open path continues straight beyond its ends.
+
+    Returns:
+        Span, arc length [m], unit tangent, distance of the point to the left [m], curvature [1/m].
+    """
+    k, w, end = descend(spans, start, True, x, y)
+    px, py, dx, dy, ddx, ddy = on_span(spans[k], w)
+    speed = math.hypot(dx, dy)
+    tx, ty = dx / speed, dy / speed
+    place, bend = spans[k]["start"], (dx * ddy - dy * ddx) / speed ** 3
+    for i in range(len(ABSCISSAE)):
+        _, _, dx, dy, _, _ = on_span(spans[k], w * (ABSCISSAE[i] + 1.0) / 2.0)
+        place += w / 2.0 * WEIGHTS[i] * math.hypot(dx, dy)
+    if end:
+        place += tx * (x - px) + ty * (y - py)
+        bend = 0.0
+    return k, place, tx, ty, tx * (y - py) - ty * (x - px), bend
+
+
+@entry_point("paths")
+def path_gap(table: int, h: float, k: int) -> float:
+    """Distance [m] of the point of slot ``k`` to the left of its path one step on."""
+    joint, body, velocity = at.joints(table)[k], at.body(table), at.velocity(table)
+    xa, ya, _, ca, sa = ahead(h, body, velocity, joint["a"])
+    xb, yb, _, cb, sb = ahead(h, body, velocity, joint["b"])
+    qx = xb + cb * joint["bx"] - sb * joint["by"] - xa
+    qy = yb + sb * joint["bx"] + cb * joint["by"] - ya
+    return float(on_path(at.spans(table), at.joint_states(table)[k]["span"],
+                         ca * qx + sa * qy, ca * qy - sa * qx)[4])

@@ -13,9 +13,7 @@ called through its address, which stands in the table of a run behind the arrays
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import inspect
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -44,25 +42,13 @@ _TYPES: dict[str, Any] = {
     "Array": types.Array(types.float64, 1, "C"), "Matrix": types.Array(types.float64, 2, "C"),
     "Stack": types.Array(types.float64, 3, "C")}
 """Numba's types of the annotations that entry points may have."""
-_CTYPES: dict[Any, Any] = {types.int64: ctypes.c_int64, types.float64: ctypes.c_double,
-           types.boolean: ctypes.c_bool, types.void: None}
 _numba_config: Any = config
-_compiler: Any = entry_point_compiler
+_options: dict[str, Any] = {"error_model": "numpy", "pipeline_class": entry_point_compiler}
 _WORD = ir.IntType(64)
 _OBSOLETE = 7 * 86400
 """Cached code of other versions of an entry point is deleted after this time [s]."""
 _entry_points: dict[str, EntryPoint] = {}
 _everything = False
-
-
-class _Errors(threading.local):
-    """Exceptions raised while a late entry point was compiled: none can leave compiled code."""
-
-    def __init__(self) -> None:
-        self.raised: list[BaseException] = []
-
-
-_errors = _Errors()
 
 
 class EntryPoint:
@@ -73,15 +59,11 @@ class EntryPoint:
             with one of ``int``, ``float``, ``bool``, ``Array``, ``Matrix`` and ``Stack``.
         feature: only compiled for scenes that have this feature; empty for all.
         default: result in scenes without the feature.
-        late: compiled when it is first called, in the middle of a step.
     """
 
-    def __init__(
-        self, function: Callable[..., Any], feature: str, default: int, late: bool,
-    ) -> None:
+    def __init__(self, function: Callable[..., Any], feature: str, default: int) -> None:
         self.py_func, self.name, self.feature = function, function.__name__, feature
-        self.default, self.late = default, late
-        self.signature = _signature(function)
+        self.default, self.signature = default, _signature(function)
         if self.name in _entry_points:
             raise ValueError(f"there are two entry points named {self.name}")
         if _places.cache_info().currsize:
@@ -89,7 +71,6 @@ class EntryPoint:
         if feature and feature not in FEATURES:
             raise ValueError(f"the entry point {self.name} names an unknown feature '{feature}'")
         _entry_points[self.name] = self
-        self._compile_on_first_call = self._late_caller() if late else None
 
     @property
     def place(self) -> int:
@@ -134,75 +115,32 @@ class EntryPoint:
     @cached_property
     def compiled(self) -> Any:
         """Numba's C callback, compiled now or loaded from the cache."""
-        def compiled(function: Callable[..., Any], cache: bool) -> Any:
-            return cfunc(self.signature, error_model="numpy", cache=cache,
-                         pipeline_class=_compiler)(function)
-
-        made = _cached(self.py_func, compiled)
+        made = _cached(self.py_func, lambda function, cache: cfunc(
+            self.signature, cache=cache, **_options)(function))
         if not made.cache_hits:
             _remove_obsolete(made, self.name)
         return made
 
-    def address(self) -> int:
-        """The address of the compiled function, or of a function that compiles it first."""
-        if self._compile_on_first_call and "compiled" not in self.__dict__:
-            return int(ctypes.cast(self._compile_on_first_call, ctypes.c_void_p).value or 0)
-        return int(self.compiled.address)
-
-    def _late_caller(self) -> Any:
-        """Compile the function, put its address into the table of the caller, and call it."""
-        kind = ctypes.CFUNCTYPE(_CTYPES[self.signature.return_type],
-                                *(_CTYPES[one] for one in self.signature.args))
-
-        def first_call(table: int, *args: Any) -> Any:
-            address = 0
-            while not address:
-                try:
-                    began = time.perf_counter()
-                    with fast_compilation():
-                        address = self.compiled.address
-                    report_compiled(time.perf_counter() - began)
-                except KeyboardInterrupt as error:  # finish the step first: its samples are kept
-                    _errors.raised.append(error)
-                except BaseException as error:
-                    _errors.raised.append(error)
-                    return self.default
-            ctypes.c_int64.from_address(table + 8 * self.place).value = address
-            return kind(address)(table, *args)
-
-        return kind(first_call)
-
 
 @cache
 def _places() -> dict[str, int]:
-    """Indices of all addresses in the table, settled when the first function is compiled."""
     return {name: TABLE_WORDS + i for i, name in enumerate(sorted(_entry_points))}
 
 
 class CalledFromPython:
-    """A function that Python calls, compiled and cached in the same way.
-
-    Args:
-        function: with arguments annotated like those of an entry point.
-    """
+    """A function that Python calls, compiled and cached in the same way."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.py_func = function
-        self.signature = _signature(function)
 
     def __call__(self, *args: Any) -> Any:
         """Call the compiled function."""
-        result = self.compiled(*args)
-        if raised := _errors.raised:
-            error = raised[0]
-            raised.clear()
-            raise error
-        return result
+        return self.compiled(*args)
 
     @cached_property
     def compiled(self) -> Any:
         """The compiled function."""
-        self._dispatcher.compile(self.signature.args)
+        self._dispatcher.compile(_signature(self.py_func).args)
         if not self._dispatcher.stats.cache_hits:
             _remove_obsolete(self._dispatcher, self.py_func.__name__)
         return self._dispatcher
@@ -215,30 +153,22 @@ class CalledFromPython:
     @cached_property
     def _dispatcher(self) -> Any:
         return _cached(self.py_func, lambda function, cache: njit(
-            error_model="numpy", cache=cache, pipeline_class=_compiler)(function))
+            cache=cache, **_options)(function))
 
 
-def entry_point(
-    feature: str = "", *, default: int = 0, late: bool = False,
-) -> Callable[[Function], Function]:
-    """Compile and cache a function by itself; the arguments are those of :class:`EntryPoint`.
-
-    With ``NUMBA_BOUNDSCHECK=1`` it is a kernel: no exception can leave an entry point.
-    """
+def entry_point(feature: str = "", *, default: int = 0) -> Callable[[Function], Function]:
+    """Make a function an :class:`EntryPoint`; with ``NUMBA_BOUNDSCHECK=1`` a kernel."""
     def decorated(function: Function) -> Function:
         if _numba_config.BOUNDSCHECK:
             return kernel(function)
-        return cast("Function", EntryPoint(function, feature, default, late).call)
+        return cast("Function", EntryPoint(function, feature, default).call)
 
     return decorated
 
 
 @contextmanager
 def all_entry_points() -> Iterator[None]:
-    """Compile all entry points for runs that begin in this context, whatever their scenes have.
-
-    Results are the same; tests compare them.
-    """
+    """Compile all entry points for runs that begin in this context; results are the same."""
     global _everything
     _everything = True
     try:
@@ -248,19 +178,14 @@ def all_entry_points() -> Iterator[None]:
 
 
 def prepare(constants: Constants, main: CalledFromPython) -> Integers:
-    """Compile or load the entry points of a run. Returns their addresses for the end of its table.
-
-    Args:
-        constants: of the run.
-        main: the function that Python calls.
-    """
+    """Compile or load the entry points of a run and ``main``; addresses for its table."""
     wanted = [one for one in _entry_points.values()
               if _everything or not one.feature or FEATURES[one.feature](constants)]
     addresses = np.zeros(len(_entry_points), dtype=np.int64)
     began = time.perf_counter()
     with fast_compilation():
         for done, one in enumerate(wanted, 1):
-            addresses[one.place - TABLE_WORDS] = one.address()
+            addresses[one.place - TABLE_WORDS] = one.compiled.address
             report_progress(done / len(wanted))
         main.compiled  # noqa: B018
     report_compiled(time.perf_counter() - began)
@@ -286,7 +211,6 @@ def _cached(
 
 
 def _remove_obsolete(made: Any, name: str) -> None:
-    """Delete old cached code of a function that was just compiled anew."""
     folder = getattr(getattr(made, "_cache", None), "cache_path", None)  # private in Numba
     pattern = f"{Path(source_hash.__file__).stem}.{name}_{'[0-9a-f]' * 16}-*.nb[ic]"
     for path in Path(folder).glob(pattern) if folder else ():
@@ -295,14 +219,11 @@ def _remove_obsolete(made: Any, name: str) -> None:
                 path.unlink()
 
 
-def _bounded(c: Constants) -> bool:
-    return any(map(len, (c.limits, c.motors, c.slips, c.dry_friction, c.shapes)))
-
-
 FEATURES: dict[str, Callable[[Constants], bool]] = {
     "actions": lambda c: len(c.actions) > 0,
     "bounces": lambda c: bool((c.restitution > 0.0).any()),
-    "bounded": _bounded,
+    "bounded": lambda c: any(map(
+        len, (c.limits, c.motors, c.slips, c.dry_friction, c.shapes))),
     "cords": lambda c: len(c.cords) > 0,
     "curves": lambda c: bool((c.shapes["span"] >= 0).any()),
     "fluids": lambda c: bool(len(c.fluids) or len(c.valves) or len(c.pumps)),

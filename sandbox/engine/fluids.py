@@ -58,7 +58,18 @@ def swell(table: int, drive: Array) -> None:
     for i in range(len(fluids)):
         grown = 0.0
         for n in range(fluids[i]["first"], fluids[i]["last"]):
-            grown += _chamber(chambers[n], pushes[n], body, turn)
+            chamber, push, gain = chambers[n], pushes[n], chambers[n]["gain"]
+            if chamber["turns"]:
+                push["x"] = push["y"] = 0.0
+                push["ta"], push["tb"] = -gain, gain
+                way = body[chamber["b"], 2] - body[chamber["a"], 2]
+            else:
+                ax, ay, bx, by, dx, dy = ends(chamber, body, turn)
+                way = math.hypot(dx, dy)
+                x, y = (gain * dx / way, gain * dy / way) if way > 0.0 else (0.0, 0.0)
+                push["x"], push["y"] = x, y
+                push["ta"], push["tb"] = ay * x - ax * y, bx * y - by * x
+            grown += gain * (way - chamber["start"])
         results[i]["grown"] = grown
         _fill(fluids[i], states[i], results[i])
     valves, flows, ahead = at.valves(table), at.valve_states(table), at.valve_results(table)
@@ -68,22 +79,6 @@ def swell(table: int, drive: Array) -> None:
             across = (_rigid(fluids, results, drive, valves[i]["a"])
                       - _rigid(fluids, results, drive, valves[i]["b"]))
             ahead[i]["about"] = math.copysign(math.sqrt(abs(across) / valves[i]["k"]), across)
-
-
-@kernel
-def _chamber(chamber: Any, push: Any, body: Array, turn: Array) -> float:
-    """By what a chamber has grown since t = 0 [m^3]."""
-    a, b, gain = chamber["a"], chamber["b"], chamber["gain"]
-    if chamber["turns"]:
-        push["x"] = push["y"] = 0.0
-        push["ta"], push["tb"] = -gain, gain
-        return float(gain * (body[b, 2] - body[a, 2] - chamber["start"]))
-    ax, ay, bx, by, dx, dy = ends(chamber, body, turn)
-    length = math.hypot(dx, dy)
-    x, y = (gain * dx / length, gain * dy / length) if length > 0.0 else (0.0, 0.0)
-    push["x"], push["y"] = x, y
-    push["ta"], push["tb"] = ay * x - ax * y, bx * y - by * x
-    return float(gain * (length - chamber["start"]))
 
 
 @kernel
@@ -267,10 +262,7 @@ def through(table: int, valve: int) -> float:
 
 @entry_point("fluids")
 def change_lines(table: int, h: float, drive: Array, attempt: int) -> bool:
-    """Change lines and valves that break their bounds, flows that are not yet found; any of them.
-
-    All at once at first, later the line or valve that is furthest off.
-    """
+    """Change lines and valves outside their bounds, all at first, later the worst; whether any."""
     fluids, states = at.fluids(table), at.fluid_states(table)
     if len(fluids) == 0:
         return False
@@ -344,24 +336,17 @@ def _wrong(table: int, h: float, line: int) -> tuple[float, int]:
             return float(p - most), 1
         return 0.0, 0
     after, _, inflow = _weights(fluid, out)
-    spare = (out["yields"] * (out["rigid"] - p) + h * inflow * _swelled(table, line)
-             - growing(table, h, line)) / (out["yields"] + h * h * after * fluid["response"])
-    off = spare if mode < 0 else -spare
-    return float(off if off > EVEN * (abs(p) + 1.0) else 0.0), 0
-
-
-@kernel
-def _swelled(table: int, line: int) -> float:
-    """What flows into a line, as volume in it [m^3/s], as the rows had it."""
-    out, valves, results = at.fluid_results(table)[line], at.valves(table), at.fluid_results(table)
-    flow = out["gets"] - out["lets"] * out["pressure"]
+    valves, results = at.valves(table), at.fluid_results(table)
+    flow = out["gets"] - out["lets"] * p  # into the line, as volume in it, as the rows had it
     for i in range(len(valves)):
         a, b = valves[i]["a"], valves[i]["b"]
         if (a == line and b >= 0) or (b == line and a >= 0):
-            other = b if a == line else a
             flow += (_swells(results, valves[i]) * at.valve_results(table)[i]["lets"]
-                     * results[other]["pressure"])
-    return float(flow)
+                     * results[b if a == line else a]["pressure"])
+    spare = (out["yields"] * (out["rigid"] - p) + h * inflow * flow
+             - growing(table, h, line)) / (out["yields"] + h * h * after * fluid["response"])
+    off = spare if mode < 0 else -spare
+    return float(off if off > EVEN * (abs(p) + 1.0) else 0.0), 0
 
 
 @kernel

@@ -20,16 +20,7 @@ from sandbox.numeric import Array
 
 @kernel
 def formula(table: int, first: int, last: int, read: Array) -> None:
-    """Run the program from step ``first`` to ``last``.
-
-    Its value and slopes are then the first row of the table's ``stack``, [1 + slopes].
-
-    Args:
-        table: of the run.
-        first: its first step.
-        last: where it ends.
-        read: what its names stand for, a row each: value and slopes.
-    """
+    """Run a program; value and slopes are then the first row of the ``stack``, [1 + slopes]."""
     steps, stack = at.steps(table), at.stack(table)
     top = -1
     for n in range(first, last):

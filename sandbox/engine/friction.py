@@ -155,10 +155,7 @@ def report_friction(table: int, h: float, i: int, p: float, mode: int, bound: fl
 
 @entry_point("joint_friction")
 def release_friction(table: int, h: float, i: int, p: float) -> None:
-    """Let friction of a joint that is let go be none; taken up again it starts as the joint moves.
-
-    Where it once held it is not drawn back to. ``p`` is what it still gave as the joint broke.
-    """
+    """Let friction of a released joint be none but ``p``; where it held it is not drawn back to."""
     state = at.dry_friction_states(table)[i]
     state["pressed"] = state["place"] = 0.0
     rate = joint_rate(table, at.dry_friction(table)[i]["joint"], at.velocity(table))

@@ -26,7 +26,7 @@ from sandbox.engine.loads import change_loads, load_rows, press, timed
 from sandbox.engine.motors import brake_in_time, drive_forces
 from sandbox.engine.rows import joint_rows
 from sandbox.engine.springs import change_laws, law_rows, spring_rows, stretch
-from sandbox.engine.tendons import ask_slips, change_cords, cord_rows, pull, slacken
+from sandbox.engine.tendons import change_cords, cord_rows, pull, slacken
 from sandbox.engine.ties import release_rows
 from sandbox.numeric import Array
 
@@ -59,7 +59,6 @@ def set_rows(table: int, h: float, drive: Array) -> None:
 def update_rows(table: int, h: float, drive: Array) -> None:
     """Set the rows that depend on active sets."""
     cord_rows(table, h)
-    ask_slips(table, h)
     fluid_rows(table, h, drive)
 
 
@@ -69,16 +68,8 @@ def change(
 ) -> tuple[bool, bool]:
     """Change active sets and linearisations that the solution contradicts.
 
-    Args:
-        table: the memory.
-        h: the step [s].
-        drive: values of the drives, [nd].
-        attempt: number of earlier solves of the step.
-        n: number of bounded rows.
-        again: whether the step is solved again in any case; then active sets stay as they are.
-
-    Returns:
-        whether the step must be solved again; whether this is sure to converge.
+    Returns whether the step must be solved again, and whether this is sure to converge. If it is
+    solved ``again`` in any case, active sets stay as they are.
     """
     changed, converging = change_laws(table, h, drive), change_loads(table, h)
     changed |= change_friction(table, n)

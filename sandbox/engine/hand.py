@@ -1,11 +1,9 @@
 """A hand that takes hold of a body and draws it to a place, as by a spring.
 
-Force = k (place - point) - c velocity, critically damped for the mass m that the spring is made
-for, k = m w^2 and c = 2 m w with w = :data:`QUICK`, up to so many times the weight of what is
-joined to the body. It is worked out anew every T = :data:`EVERY` and pushes evenly in between. Of
-a mass m' that the point answers with this is stable while w T m / m' < 1: m is that of all that is
-joined to the body, but no more than :data:`MOST` times the least that the body alone answers with
-there, and joints only make that larger.
+Force = k (place - point) - c velocity, critically damped for a mass m: k = m w^2, c = 2 m w, and
+w = :data:`QUICK`. It is computed every T = :data:`EVERY` and constant in between: stable for a mass
+m' at the point while w T m / m' < 1. So m is that of all connected bodies, but at most :data:`MOST`
+times the effective mass of the body alone at the point.
 """
 
 from __future__ import annotations
@@ -38,11 +36,7 @@ GRAVITY = 9.81  # [m/s^2]
 
 
 class Hand:
-    """One hand; ``force`` is what it draws with [N], zero while it holds nothing.
-
-    Args:
-        live: what it plays with.
-    """
+    """One hand of a live run; ``force`` is what it draws with [N]."""
 
     def __init__(self, live: Live) -> None:
         self.live = live
@@ -61,17 +55,15 @@ class Hand:
         return max(1, int(EVERY / self.live.scene.run.step + 1e-9))
 
     def hold(self, body: str, at: Sequence[float], to: Sequence[float]) -> None:
-        """Take hold of a body at a point of its frame, to draw it to a place in the world [m].
-
-        Raises:
-            SceneError: as :meth:`Live.push`; a place that is none, or too far away.
-        """
+        """Take hold of a body at a point of its frame, to draw it to a place in the world [m]."""
         at, to = _place(at), _place(to)
         if (body, at) != (self.body, self.at):
             self.drop()
             self.live.push(body, at, (0.0, 0.0))  # what cannot be held is refused there
             index = self.model.names.body[body]
-            whole, alone = self._masses[index], self._answer(index, at)
+            bodies, whole = self.model.bodies, self._masses[index]
+            arm = float(np.hypot(*(np.asarray(at, float) - bodies.centre[index])))
+            alone = float(1 / (1 / bodies.mass[index] + arm**2 / bodies.inertia[index]))
             longest = max(EVERY, self.live.scene.run.step)
             # a step that is itself longer sees velocities half a step late
             mass = min(whole, MOST * alone * EVERY / (2 * longest - EVERY))
@@ -116,19 +108,8 @@ class Hand:
         return ((x + c * ax - s * ay, y + s * ax + c * ay),
                 (vx - rate * ry, vy + rate * rx))
 
-    def _answer(self, body: int, at: Sequence[float]) -> float:
-        """The least mass that a point of a free body answers a push with [kg]."""
-        bodies = self.model.bodies
-        arm = float(np.hypot(*(np.asarray(at, float) - bodies.centre[body])))
-        return float(1 / (1 / bodies.mass[body] + arm**2 / bodies.inertia[body]))
-
-
 def _place(numbers: Sequence[float]) -> tuple[float, float]:
-    """Two lengths [m].
-
-    Raises:
-        SceneError: they are not, or too long to be computed with.
-    """
+    """Two lengths [m]."""
     try:
         x, y = (in_range(float(number), "length") for number in numbers)
     except (TypeError, ValueError) as error:

@@ -11,7 +11,6 @@ of that, so that its velocities are right, and the pose is then displaced furthe
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from sandbox.engine import memory as at
@@ -20,9 +19,17 @@ from sandbox.engine.coordinates import ends
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.instants import mean
 from sandbox.engine.kernel import kernel
-from sandbox.engine.plan import backward, forward
+from sandbox.engine.plan import add, backward, clear, forward, put
 from sandbox.engine.records import GEAR, GROOVE, ROLL
-from sandbox.engine.rows import apply_impulses, closed, joint_gaps, joint_rows, right_side
+from sandbox.engine.rows import (
+    answer,
+    apply_impulses,
+    closed,
+    joint_gaps,
+    joint_rows,
+    note_turns,
+    right_side,
+)
 from sandbox.engine.state import NORMAL, TANGENT
 from sandbox.engine.ties import release_rows
 from sandbox.numeric import Array
@@ -34,20 +41,27 @@ CLOSINGS = 3
 @entry_point("bounces")
 def add_shift(table: int, h: float) -> None:
     """Let ``velocity`` lead from the displaced pose, until :func:`remove_shift`."""
-    shift, velocity, kept = at.shift(table), at.velocity(table), at.placed(table)
+    shift, velocity = at.shift(table), at.velocity(table)
+    put(at.placed(table), velocity)
     for b in range(len(shift)):
         for j in range(3):
-            kept[b, j] = velocity[b, j]
             velocity[b, j] += shift[b, j] / h
 
 
 @entry_point("bounces")
 def remove_shift(table: int) -> None:
     """Undo :func:`add_shift`."""
-    velocity, kept = at.velocity(table), at.placed(table)
-    for b in range(len(velocity)):
-        for j in range(3):
-            velocity[b, j] = kept[b, j]
+    put(at.velocity(table), at.placed(table))
+
+
+@kernel
+def displaced_gaps(table: int, h: float) -> float:
+    """:func:`joint_gaps` where the velocities lead from the displaced pose."""
+    clear(at.unknowns(table)[4])
+    add_shift(table, h)
+    gap = joint_gaps(table, h)
+    remove_shift(table)
+    return gap
 
 
 @kernel
@@ -58,41 +72,29 @@ def place_joints(table: int, h: float, now: float) -> None:
         for j in range(3):
             kept[b, j] = body[b, j]
             body[b, j] += now * mean(table, h, now, b, j)
-        turn[b, 0], turn[b, 1] = math.cos(body[b, 2]), math.sin(body[b, 2])
+    note_turns(body, turn)
     joint_rows(table, h)
     release_rows(table, h)
-    for b in range(len(body)):
-        for j in range(3):
-            body[b, j] = kept[b, j]
-        turn[b, 0], turn[b, 1] = math.cos(body[b, 2]), math.sin(body[b, 2])
+    put(body, kept)
+    note_turns(body, turn)
 
 
 @kernel
 def answer_of_joints(table: int, velocity: Array) -> None:
     """Impulses with which bilateral rows answer a change of velocities, into ``unknowns``."""
-    unknowns = at.unknowns(table)
-    for r in range(unknowns.shape[1]):
-        unknowns[4, r] = 0.0
-    right_side(table, velocity, unknowns[4])
-    forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
-    for r in range(unknowns.shape[1]):
-        unknowns[5, r] = unknowns[2, r]
-    backward(at.starts(table), at.below(table), at.values(table), unknowns[5])
+    clear(at.unknowns(table)[4])
+    answer(table, velocity, at.unknowns(table)[4], at.unknowns(table)[5])
 
 
 @kernel
 def add_joints(table: int, velocity: Array, times: float) -> None:
     """Add what these impulses of joints alone do to velocities."""
-    joints, impulses = at.joints(table), at.unknowns(table)[5]
+    joints, impulses, entry_row = at.joints(table), at.unknowns(table)[5], at.entry_row(table)
     entry_body, WJ = at.entry_body(table), at.entries(table)[1]
     for k in range(len(joints)):
-        e = joints[k]["entry"]
-        for row in (joints[k]["row"], joints[k]["row_y"], joints[k]["row_turn"]):
-            if row >= 0:
-                for side in range(e, e + 2):
-                    for j in range(3):
-                        velocity[entry_body[side], j] += times * WJ[side, j] * impulses[row]
-                e += 2
+        for e in range(joints[k]["entry"], joints[k]["entry"] + joints[k]["entries"]):
+            for j in range(3):
+                velocity[entry_body[e], j] += times * WJ[e, j] * impulses[entry_row[e]]
 
 
 @kernel
@@ -100,17 +102,15 @@ def note_joints(table: int, times: float) -> None:
     """Add these impulses to what joints carry besides the impulses of their rows."""
     joints, results, impulses = (
         at.joints(table), at.joint_results(table), at.unknowns(table)[5])
-    J = at.entries(table)[0]
+    J, entry_row = at.entries(table)[0], at.entry_row(table)
     for k in range(len(joints)):
-        out, e = results[k], joints[k]["entry"]
-        for row in (joints[k]["row"], joints[k]["row_y"], joints[k]["row_turn"]):
-            if row >= 0:
-                p = times * impulses[row]
-                out["kick_x"] += p * J[e + 1, 0]
-                out["kick_y"] += p * J[e + 1, 1]
-                out["twist_a"] += p * J[e, 2]
-                out["twist_b"] += p * J[e + 1, 2]
-                e += 2
+        out, first = results[k], joints[k]["entry"]
+        for e in range(first, first + joints[k]["entries"], 2):
+            p = times * impulses[entry_row[e]]
+            out["kick_x"] += p * J[e + 1, 0]
+            out["kick_y"] += p * J[e + 1, 1]
+            out["twist_a"] += p * J[e, 2]
+            out["twist_b"] += p * J[e + 1, 2]
 
 
 @entry_point("bounces")
@@ -125,10 +125,21 @@ def take_impacts(table: int, h: float, struck: bool) -> None:
     if struck and len(at.joints(table)) > 0:
         add_joints(table, at.kick(table), -1.0)
         note_joints(table, -1.0)
-        for k in range(len(at.joints(table))):
-            _take_arms(table, k)
-        for r in range(unknowns.shape[1]):
-            unknowns[4, r] = unknowns[5, r] = 0.0
+        body, turn = at.body(table), at.turn(table)
+        for k in range(len(at.joints(table))):  # twists keep what forces at the points do not do
+            joint, out = at.joints(table)[k], at.joint_results(table)[k]
+            ax, ay, bx, by, px, py = ends(joint, body, turn)
+            share = 0.0  # of the way to the point of b, to where a slot or wheels act on a
+            if joint["keeps"] == GROOVE:
+                share = 1.0
+            elif joint["keeps"] == GEAR or joint["keeps"] == ROLL:
+                share = joint["ra"] / (joint["ra"] + joint["rb"])
+                bx, by = bx - (1.0 - share) * px, by - (1.0 - share) * py
+            ax, ay = ax + share * px, ay + share * py
+            out["twist_a"] -= ay * out["kick_x"] - ax * out["kick_y"]
+            out["twist_b"] -= bx * out["kick_y"] - by * out["kick_x"]
+        clear(unknowns[4])
+        clear(unknowns[5])
         for b in range(len(shift)):
             for j in range(3):
                 shift[b, j] = -delayed[b, j]
@@ -139,28 +150,9 @@ def take_impacts(table: int, h: float, struck: bool) -> None:
     add(at.free(table), at.kick(table), 1.0)
 
 
-@kernel
-def _take_arms(table: int, k: int) -> None:
-    """Leave in the twists of joint ``k`` what its force does not do at its points."""
-    joint, out = at.joints(table)[k], at.joint_results(table)[k]
-    ax, ay, bx, by, px, py = ends(joint, at.body(table), at.turn(table))
-    share = 0.0  # of the way to the point of b, to where a slot or wheels act on a
-    if joint["keeps"] == GROOVE:
-        share = 1.0
-    elif joint["keeps"] == GEAR or joint["keeps"] == ROLL:
-        share = joint["ra"] / (joint["ra"] + joint["rb"])
-        bx, by = bx - (1.0 - share) * px, by - (1.0 - share) * py
-    ax, ay = ax + share * px, ay + share * py
-    out["twist_a"] -= ay * out["kick_x"] - ax * out["kick_y"]
-    out["twist_b"] -= bx * out["kick_y"] - by * out["kick_x"]
-
-
 @entry_point("bounces")
 def lead_back(table: int, h: float, n: int) -> None:
-    """Displace the pose by what impacts after it change, times their instants.
-
-    Joints, and bounded rows that hold, answer to that as they did to the impacts.
-    """
+    """Displace the pose by what impacts after it change, times their instants; joints answer."""
     rows, unknowns, shift, delayed = (
         at.rows(table), at.unknowns(table), at.shift(table), at.delayed(table))
     Y, reached, A, chosen = (
@@ -168,8 +160,7 @@ def lead_back(table: int, h: float, n: int) -> None:
     for b in range(len(shift)):
         for j in range(3):
             shift[b, j] = -delayed[b, j]
-    for r in range(unknowns.shape[1]):
-        unknowns[4, r] = 0.0
+    clear(unknowns[4])
     right_side(table, shift, unknowns[4])
     forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
     m = 0
@@ -199,15 +190,9 @@ def lead_back(table: int, h: float, n: int) -> None:
 def _close(table: int, h: float) -> None:
     """Displace the pose further, so that joints are closed where the velocities lead from there."""
     unknowns = at.unknowns(table)
-    for r in range(unknowns.shape[1]):
-        unknowns[5, r] = 0.0
+    clear(unknowns[5])
     for _ in range(CLOSINGS):
-        for r in range(unknowns.shape[1]):
-            unknowns[4, r] = 0.0
-        add_shift(table, h)
-        gap = joint_gaps(table, h)
-        remove_shift(table)
-        if gap < closed(h):
+        if displaced_gaps(table, h) < closed(h):
             break
         forward(at.starts(table), at.below(table), at.values(table), unknowns[4])
         backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
@@ -232,12 +217,3 @@ def _answer(table: int, k: int, p: float) -> None:
     for q in range(row["branch"]):
         answer[reached[q]] -= y[reached[q]] * p
     push(at.inverse_mass(table), row, p, at.shift(table))
-
-
-
-@kernel
-def add(velocity: Array, change: Array, times: float) -> None:
-    """Add a change to velocities [nb, 3], so many times."""
-    for b in range(len(velocity)):
-        for j in range(3):
-            velocity[b, j] += times * change[b, j]

@@ -4,6 +4,11 @@ Each contact that approaches is hit when its gap closes (:mod:`sandbox.engine.in
 are hit at one instant are reflected together, and what that changes may hit others. Five balls in a
 row then hand on what hits them, whether they touch or not, and a box that falls flat on two corners
 leaves its floor flat. Friction takes its part: what slides is slowed by at most μ times the blow.
+
+What comes to a limit at the instant t of a step is stopped in two steps: the first one leads to the
+limit, the second one leaves no speed. Their mean instant is t, so places are right to second order.
+But what an acceleration a > 0 drives back leaves the limit at t already. A third step, which begins
+at rest and shows what a is, gives the speed that the motion has gained since then.
 """
 
 from __future__ import annotations
@@ -23,12 +28,12 @@ from sandbox.engine.bounded import (
 )
 from sandbox.engine.candidates import normal_row, tangent_row
 from sandbox.engine.entry_points import entry_point
-from sandbox.engine.impact_poses import add, add_joints, answer_of_joints, note_joints, place_joints
+from sandbox.engine.impact_poses import add_joints, answer_of_joints, note_joints, place_joints
 from sandbox.engine.instants import meet, place_as_found, tangent_motion, time_to_close
 from sandbox.engine.kernel import kernel
-from sandbox.engine.plan import backward, forward
-from sandbox.engine.rows import apply_impulses, right_side
-from sandbox.engine.state import NORMAL, TANGENT
+from sandbox.engine.plan import add, clear, put
+from sandbox.engine.rows import answer, apply_impulses
+from sandbox.engine.state import LIMITED, NORMAL, TANGENT
 from sandbox.numeric import Records
 
 REBOUND = 0.01
@@ -45,7 +50,6 @@ ORDERED = 100
 
 @kernel
 def _hit(table: int, h: float) -> bool:
-    """Whether any contact that gives back speed is hit in this step."""
     touches, before, free = at.touches(table), at.before(table), at.free(table)
     row = at.rows(table)[len(at.rows(table)) - 1]
     for i in range(at.touching(table)[0]):
@@ -94,10 +98,7 @@ def late_hits(table: int, n: int) -> bool:
 
 @kernel
 def _reflect(table: int, h: float, rows: Records, n: int, now: float) -> bool:
-    """Reflect contacts as they are hit, from the instant ``now`` on; whether any is.
-
-    What contacts take stands in their ``bounce`` and ``rub``.
-    """
+    """Reflect contacts as they are hit, from the instant ``now`` on; whether any is."""
     touches, G, inverse_mass = at.touches(table), at.delassus(table), at.inverse_mass(table)
     A, chosen, delayed = at.system(table), at.chosen(table), at.delayed(table)
     end = REBOUND
@@ -189,16 +190,21 @@ def foresee_impacts(table: int, h: float, kept: int) -> bool:
         at.free(table), at.kick(table), at.delayed(table), at.shift(table), at.unknowns(table))
     add(free, kick, -1.0)
     for b in range(len(kick)):
-        for j in range(3):
-            kick[b, j] = delayed[b, j] = shift[b, j] = 0.0
-    for r in range(unknowns.shape[1]):
-        unknowns[5, r] = 0.0
+        clear(kick[b])
+        clear(delayed[b])
+        clear(shift[b])
+    clear(unknowns[5])
     for k in range(len(at.joints(table))):
         out = at.joint_results(table)[k]
         out["kick_x"] = out["kick_y"] = out["twist_a"] = out["twist_b"] = 0.0
     if not _hit(table, h):
         return False
-    _foresee(table, kept)
+    velocity, bounded = at.velocity(table), at.rows(table)  # bounded rows as in the last step
+    put(velocity, free)
+    for k in range(kept):
+        push(at.inverse_mass(table), bounded[k], bounded[k]["last"], velocity)
+    answer(table, velocity, unknowns[0], unknowns[4])
+    apply_impulses(table, unknowns[4], velocity)
     if len(at.joints(table)) > 0:
         rows = at.rows(table)[len(at.rows(table)) // 2:]
         n, now = _list(table, h, rows)
@@ -215,7 +221,8 @@ def impacts(table: int, h: float, kept: int) -> bool:
     What cords and dampers make of them is found with all else that they carry. The impulses of the
     joints in the pose of the impact are in the last row of ``unknowns``.
     """
-    kick, delayed, touches = at.kick(table), at.delayed(table), at.touches(table)
+    kick, delayed, touches, body = (
+        at.kick(table), at.delayed(table), at.touches(table), at.body(table))
     begin = len(at.rows(table)) // 2
     rows, Y, reached = (
         at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
@@ -231,9 +238,18 @@ def impacts(table: int, h: float, kept: int) -> bool:
         if t["bounce"] == 0.0:
             place_as_found(table, i)
         elif rows[k]["normal"] < 0:
-            _place_on_free(table, t)
-    for k in range(kept):
-        _renew(table, h, k)
+            a, b = t["a"], t["b"]
+            if at.inverse_mass(table)[b, 0] == 0.0:  # its place is that on body a
+                t["bx"] = t["ax"] + body[a, 0] - body[b, 0]
+                t["by"] = t["ay"] + body[a, 1] - body[b, 1]
+    for k in range(kept):  # places and gaps may have changed
+        row = at.rows(table)[k]
+        last, mode = row["last"], row["mode"]
+        if row["source"] == NORMAL:
+            normal_row(h, touches, row["index"], row)
+        elif row["source"] == TANGENT:
+            tangent_row(h, body, touches, row["index"], row["normal"], row)
+        row["last"], row["mode"] = last, mode
     wipe(rows, n, Y, reached)
     if struck and len(at.joints(table)) > 0:
         answer_of_joints(table, delayed)
@@ -244,40 +260,38 @@ def impacts(table: int, h: float, kept: int) -> bool:
     return struck
 
 
-@kernel
-def _renew(table: int, h: float, k: int) -> None:
-    """Make row ``k`` of a contact anew: where it is and its gap may have changed."""
-    row, touches = at.rows(table)[k], at.touches(table)
-    last, mode = row["last"], row["mode"]
-    if row["source"] == NORMAL:
-        normal_row(h, touches, row["index"], row)
-    elif row["source"] == TANGENT:
-        tangent_row(h, at.body(table), touches, row["index"], row["normal"], row)
-    row["last"], row["mode"] = last, mode
+@entry_point("bounded")
+def leave(table: int, h: float, n: int) -> None:
+    """In their third step, give limits that are driven back the speed gained since the hit."""
+    rows, before, limits = at.rows(table), at.before(table), at.limit_states(table)
+    for k in range(n):
+        row = rows[k]
+        if row["source"] == LIMITED and limits[row["index"]]["since"] >= h:
+            gain = (row["free"] - row["want"] - rate(row, before)) / h
+            row["free"] -= max(gain, 0.0) * (limits[row["index"]]["since"] + h / 2)
+
+
+@entry_point("bounded")
+def land(table: int, h: float, n: int) -> None:
+    """Note how long ago, at the end of the step, limits were hit."""
+    rows, limits = at.rows(table), at.limit_states(table)
+    for k in range(n):
+        if rows[k]["source"] == LIMITED:
+            state = limits[rows[k]["index"]]
+            state["next"] = _since(table, h, rows[k], state["impulse"], state["since"])
+    for i in range(len(limits)):
+        limits[i]["since"], limits[i]["next"] = limits[i]["next"], 0.0
 
 
 @kernel
-def _place_on_free(table: int, t: Any) -> None:
-    """Where body b is not free, the place of a contact is that on body a."""
-    body, a, b = at.body(table), t["a"], t["b"]
-    if at.inverse_mass(table)[b, 0] == 0.0:
-        t["bx"] = t["ax"] + body[a, 0] - body[b, 0]
-        t["by"] = t["ay"] + body[a, 1] - body[b, 1]
-
-
-@kernel
-def _foresee(table: int, kept: int) -> None:
-    """The velocities after a step without impacts, bounded rows as in the last step."""
-    velocity, free, rows, unknowns = (
-        at.velocity(table), at.free(table), at.rows(table), at.unknowns(table))
-    for b in range(len(free)):
-        for j in range(3):
-            velocity[b, j] = free[b, j]
-    for k in range(kept):
-        push(at.inverse_mass(table), rows[k], rows[k]["last"], velocity)
-    right_side(table, velocity, unknowns[0])
-    forward(at.starts(table), at.below(table), at.values(table), unknowns[2])
-    for r in range(unknowns.shape[1]):
-        unknowns[4, r] = unknowns[2, r]
-    backward(at.starts(table), at.below(table), at.values(table), unknowns[4])
-    apply_impulses(table, unknowns[4], velocity)
+def _since(table: int, h: float, row: Any, last: float, since: float) -> float:
+    """The time since a limit was hit [s]; 0 if that was not in this step or the one before."""
+    if row["p"] <= 0.0:
+        return 0.0
+    if last > 0.0:
+        return since + h if 0.0 < since < h else 0.0
+    start, free = rate(row, at.before(table)), row["free"] - row["want"]
+    if row["want"] <= 0.0 or start >= 0.0:
+        return 0.0
+    t = time_to_close(h * row["want"], (start + free) / 2, (free - start) / h)
+    return max(h - t, 0.0)

@@ -1,33 +1,60 @@
 """What the outside sets over time: values of drives and poses of scheduled bodies.
 
-The loop, before it makes ``count`` <= :attr:`Inputs.at_once` steps from step k on:
+Values are those of the instant of the step's pose, but for motors, whose rate is that of the step's
+end, half a step later, and rigid servos, which get the target of the next step. No value is below
+its drive's floor.
 
-    drive = inputs.rows(k, count)  # what the signals say, [count, nd]; other values may be put in
-    speeds = inputs.speeds(k, len(drive))  # of scheduled bodies after each step, [count, ns, 3]
-    inputs.apply(drive[0])         # what pymunk itself latches: radii
-
-All else is read from ``drive`` at every step; what pymunk latches stays as it is from one
-``apply`` to the next. No value is below its drive's floor. Values are those of the instant of the
-step's pose, but for motors, whose rate is that asked for at the step's end, half a step later,
-and rigid servos, which are told where to be in the next step: by that what they do is exact to
-second order.
+Time comes from the step's index. pymunk moves positions first, then velocities: after step k the
+poses, and the forces of step k, belong to t = (k - 1/2) h, the velocities to t = k h. Labelled so,
+the scheme is a leapfrog and its error is second order.
 """
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import pymunk
 
-from sandbox.engine.clock import Clock
 from sandbox.engine.world import World
 from sandbox.errors import Problem, SceneError
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Integers
 from sandbox.scene.bodies import Body
 from sandbox.values.signals import AnySignal, Constant, Path, values
 from sandbox.values.units import range_of
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Step h [s], number of steps, and every how many steps a sample is kept."""
+
+    step: float
+    steps: int
+    every: int
+
+    @property
+    def samples(self) -> int:
+        """Number of samples in a whole run."""
+        return self.steps // self.every
+
+    def force_time(self, k: Integers | int) -> Array:
+        """Instant [s] of the poses and forces of a step, counted k = 1, 2, and so on."""
+        return (np.asarray(k, dtype=float) - 0.5) * self.step
+
+    def sample_step(self, i: Integers | int) -> Integers:
+        """The step that sample i = 0, 1, … records."""
+        return (np.asarray(i, dtype=np.int64) + 1) * self.every
+
+
+def make_clock(duration: float, step: float, sample_rate: float) -> Clock:
+    """A clock for a run of ``duration`` [s]: at least one step and one sample."""
+    steps = max(1, math.ceil(duration / step - 1e-9))
+    every = min(steps, max(1, round(1 / (sample_rate * step))))
+    return Clock(step, steps, every)
+
 
 CHUNK = 4096
 """Steps whose signals are worked out in one go; chunks begin at steps 1, CHUNK + 1, ..."""
@@ -42,24 +69,19 @@ class Inputs:
         self.mechanism = self.model.mechanism
         self._start = 1
         self._drives: Array = np.zeros((0, len(self.mechanism.drives)))
-        self._moved = [(i, body, body.path) for i, body in enumerate(self.mechanism.bodies)
-                       if body.path is not None]
-        numbers = [int(world.number[index]) for index, _, _ in self._moved]
-        self._in_order = np.argsort(numbers)
-        """From the order of ``_moved`` to that of pymunk."""
+        bodies = [(i, self.mechanism.bodies[i]) for i in world.order.tolist()]
+        self._moved = [(i, body, body.path) for i, body in bodies if body.path is not None]
+        """In pymunk's order."""
         self._speeds: Array = np.zeros((0, len(self._moved), 3))
         kinds = self.model.drives.kind
         self._latches = {i: _radius(world, i) for i, kind in enumerate(kinds) if kind.latched}
         self._latched: dict[int, float] = {}
         """What pymunk was last given of each drive."""
+        self._place()
 
     @property
     def at_once(self) -> int:
-        """How many steps may be made without coming back.
-
-        One if something that pymunk latches has a signal that varies; what a controller writes
-        from the start, if no event switches it, changes when that acts.
-        """
+        """Most steps at a time: one if something that pymunk latches has a signal that varies."""
         switched = {name for event in self.mechanism.events for name in event.set}
         controlled = {name for controller in self.mechanism.controllers
                       if controller.active and f"{controller.name}.active" not in switched
@@ -70,10 +92,7 @@ class Inputs:
         return 1 if varied else CHUNK
 
     def rows(self, k: int, most: int) -> Array:
-        """Values of all drives for up to ``most`` steps from step k on, by their signals [n, nd].
-
-        Fewer where a chunk ends, so that results do not depend on where a run paused.
-        """
+        """Values of all drives for up to ``most`` steps from step k on, fewer at a chunk's end."""
         if not self._start <= k < self._start + len(self._drives):
             self._fill(k)
         row = k - self._start
@@ -88,24 +107,17 @@ class Inputs:
                 latch(value)
 
     def speeds(self, k: int, count: int) -> Array:
-        """Velocities of scheduled bodies after the steps from k on, in pymunk's order, [n, ns, 3].
-
-        They lead on to the pose of the step after; beyond the last one they go on changing as
-        before. To be asked for after :meth:`rows` of the same steps.
-        """
+        """Velocities of scheduled bodies after the steps from k on, as :meth:`rows`, [n, ns, 3]."""
         row = k - self._start
         return self._speeds[row : row + count]
 
-    def place(self) -> None:
-        """Put scheduled bodies where they begin, half a step before t = 0, with their velocities.
-
-        The path is continued backwards as it begins.
-        """
+    def _place(self) -> None:
+        """Put scheduled bodies where they are half a step before t = 0, paths continued."""
         if not self._moved:
             return
         self._fill(1)
-        for (index, body, path), n in zip(self._moved, self.world.number[
-                [index for index, _, _ in self._moved]], strict=True):
+        for index, body, path in self._moved:
+            n = self.world.number[index]
             start, first = np.array([*body.at, body.angle]), self._poses(body, path, 1, 1)[0]
             held, speed = self.world.bodies[n], 2 * (first - start) / self.clock.step
             x, y, angle = (2 * start - first).tolist()
@@ -119,8 +131,7 @@ class Inputs:
 
     def places(self, k: int) -> Array:
         """Poses of scheduled bodies' frames in step k, in pymunk's order, [ns, 3]."""
-        found = [self._poses(body, path, k, k)[0]
-                 for _, body, path in (self._moved[i] for i in self._in_order.tolist())]
+        found = [self._poses(body, path, k, k)[0] for _, body, path in self._moved]
         return np.array(found).reshape(-1, 3)
 
     def _fill(self, start: int) -> None:
@@ -132,8 +143,7 @@ class Inputs:
             drives[:, i] = self._values(
                 f"drive {drive.name}", drive.signal(self.mechanism), times + late)
         speeds = np.stack(
-            [self._speeds_of(body, path, start, stop)
-             for _, body, path in (self._moved[i] for i in self._in_order.tolist())], axis=1,
+            [self._speeds_of(body, path, start, stop) for _, body, path in self._moved], axis=1,
         ) if self._moved else np.zeros((stop - start, 0, 3))
         # only now, when no signal was found to be without a value
         self._start, self._speeds = start, speeds

@@ -22,7 +22,7 @@ import numpy as np
 from sandbox.elements.arrays import CONTACT as CONTACT_ROW
 from sandbox.elements.arrays import MEAN, MEAN_CONTACT, PER_SAMPLE, row_bytes
 from sandbox.elements.controllers.controller import every
-from sandbox.engine.clock import Clock, make_clock
+from sandbox.engine.inputs import Clock, make_clock
 from sandbox.engine.inspect_control import beyond_stops, control_problems
 from sandbox.engine.inspect_elements import (
     grasp_problems,

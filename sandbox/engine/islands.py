@@ -1,4 +1,4 @@
-"""Piles: islands of many free bodies that only contacts connect, and islands that sleep.
+"""Compliant contacts: piles of many free bodies that only contacts connect, and soft skin.
 
 Two free bodies are in one island if they are near enough to touch. An island is a pile if no joint,
 spring row or load acts on its bodies, if its contacts have neither restitution nor static friction
@@ -15,6 +15,17 @@ each body that lies above.
 An island sleeps after it has been still for :data:`STEPS` steps: its velocities are 0 and its
 impulses stay. A body that comes near, a change of the forces on it, a moving support or a running
 surface wakes all of it.
+
+Soft skin: contacts of materials that give way, with a stiffness and a damping.
+
+With d the depth of a contact, k the stiffness and c the damping, the normal force is k d + c d' and
+never pulls. Along the surface a spring of TANGENTIAL k with a damper in the same ratio holds a
+contact that sticks; its stretch is kept from step to step and follows the force where it slides.
+
+A row y + want + s p = 0 has one of two rules, y_0 its rate before the step, e and s per row:
+
+- even, for h^2 k G <= 1: f = k d - h k / 4 (y - y_0) - c (y + y_0) / 2. Second order; keeps energy.
+- end: f = k (d - h y) - c y. First order, stable for any k.
 """
 
 from __future__ import annotations
@@ -28,6 +39,7 @@ from sandbox.engine.bounded import rate
 from sandbox.engine.candidates import RETURN, normal_row, tangent_row
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
+from sandbox.engine.state import TANGENT
 
 MANY, FEW = 60, 30
 """With more rows islands are piles; they stay piles down to so many."""
@@ -55,7 +67,7 @@ def _root(table: int, i: int) -> int:
 def list_piles(table: int) -> None:
     """Find the islands, and mark the contacts of piles, which no other row is made for."""
     touches, loose, bodies = at.touches(table), at.loose(table), at.pile_bodies(table)
-    inverse_mass, free = at.inverse_mass(table), at.free(table)
+    inverse_mass, free, before = at.inverse_mass(table), at.free(table), at.before(table)
     for i in range(len(bodies)):
         bodies[i]["island"], bodies[i]["rows"], bodies[i]["awake"] = i, 0, 0
     for i in range(at.touching(table)[0]):
@@ -84,9 +96,13 @@ def list_piles(table: int) -> None:
     most = FEW if piled > 0 else MANY
     for i in range(len(bodies)):
         root = bodies[_root(table, i)]
-        bodies[i]["piled"] = 1 if rows > most and root["rows"] > 0 else 0
-        _note_force(table, i)
-        if bodies[i]["still"] < STEPS:
+        body, b = bodies[i], bodies[i]["number"]
+        body["piled"] = 1 if rows > most and root["rows"] > 0 else 0
+        vx, vy, w = free[b, 0] - before[b, 0], free[b, 1] - before[b, 1], free[b, 2] - before[b, 2]
+        if body["still"] >= STEPS and (vx != body["x"] or vy != body["y"] or w != body["t"]):
+            body["still"] = 0  # it does not feel the same force as in the step before
+        body["x"], body["y"], body["t"] = vx, vy, w
+        if body["still"] < STEPS:
             root["awake"] = 1
     for i in range(len(bodies)):
         bodies[i]["awake"] = bodies[_root(table, i)]["awake"]
@@ -101,17 +117,6 @@ def list_piles(table: int) -> None:
             t["listed"] = PILED
         elif t["listed"] == PILED:
             t["listed"] = 1 if t["normal"] > 0.0 else 0
-
-
-@kernel
-def _note_force(table: int, i: int) -> None:
-    """Wake a body that does not feel the same force as in the step before."""
-    body = at.pile_bodies(table)[i]
-    free, before = at.free(table)[body["number"]], at.before(table)[body["number"]]
-    x, y, t = free[0] - before[0], free[1] - before[1], free[2] - before[2]
-    if body["still"] >= STEPS and (x != body["x"] or y != body["y"] or t != body["t"]):
-        body["still"] = 0
-    body["x"], body["y"], body["t"] = x, y, t
 
 
 @kernel
@@ -137,8 +142,17 @@ def gather_piles(table: int, h: float) -> int:
     for k in range(n):
         root = bodies[_root(table, max(c[k]["a"], c[k]["b"]))]
         c[k]["tolerance"] = ABSOLUTE + RELATIVE * root["fastest"]
-    if n and not _find_slots(table, n):
-        _order(table, n)
+    if n and not _find_slots(table, n):  # a new order of elimination, for the contacts of now
+        adjacent, work = at.pile_adjacent(table), at.pile_work(table)
+        for i in range(len(bodies)):
+            for q in range(adjacent.shape[1]):
+                adjacent[i, q] = 0
+        for k in range(n):
+            if c[k]["a"] >= 0 and c[k]["b"] >= 0:
+                connect(adjacent, c[k]["a"], c[k]["b"])
+        minimum_degree(adjacent, work[2], at.pile_starts(table), at.pile_below(table), work)
+        for i in range(len(bodies)):
+            bodies[i]["place"] = work[2, i]
         _find_slots(table, n)
     return n
 
@@ -221,23 +235,6 @@ def _find_slots(table: int, n: int) -> bool:
 
 
 @kernel
-def _order(table: int, n: int) -> None:
-    """Find a new order of elimination, for the contacts of now."""
-    c, bodies, adjacent = at.piled(table), at.pile_bodies(table), at.pile_adjacent(table)
-    work = at.pile_work(table)
-    for i in range(len(bodies)):
-        for q in range(adjacent.shape[1]):
-            adjacent[i, q] = 0
-    for k in range(n):
-        a, b = c[k]["a"], c[k]["b"]
-        if a >= 0 and b >= 0:
-            connect(adjacent, a, b)
-    minimum_degree(adjacent, work[2], at.pile_starts(table), at.pile_below(table), work)
-    for i in range(len(bodies)):
-        bodies[i]["place"] = work[2, i]
-
-
-@kernel
 def finish_piles(table: int, h: float, n: int) -> None:
     """Hand on velocities and impulses, and note which bodies are still."""
     touches, bodies, c = at.touches(table), at.pile_bodies(table), at.piled(table)
@@ -257,18 +254,68 @@ def finish_piles(table: int, h: float, n: int) -> None:
         one = c[k]
         touch = touches[one["touch"]]
         touch["normal"], touch["tangent"] = one["pn"], one["pt"]
-        _stretch(h, touch, one)
+        limit, p = one["friction"] * one["pn"], one["pt"]
+        touch["mode"] = 0
+        if one["pn"] <= 0.0:
+            touch["stretch"] = 0.0
+        elif abs(p) >= limit * (1.0 - 1e-12):
+            touch["mode"] = 1 if p > 0.0 else -1
+            touch["stretch"] = -p / (h * one["stiffness"])
+        else:
+            touch["stretch"] += h * (one["yt"] - one["along"])
 
 
 @kernel
-def _stretch(h: float, t: Any, one: Any) -> None:
-    """How far the spring along a contact is stretched after the step."""
-    limit, p = one["friction"] * one["pn"], one["pt"]
-    t["mode"] = 0
-    if one["pn"] <= 0.0:
-        t["stretch"] = 0.0
-    elif abs(p) >= limit * (1.0 - 1e-12):
-        t["mode"] = 1 if p > 0.0 else -1
-        t["stretch"] = -p / (h * one["stiffness"])
-    else:
-        t["stretch"] += h * (one["yt"] - one["along"])
+def spring_row(
+    h: float, k: float, c: float, way: float, before: float, response: float,
+) -> tuple[float, float]:
+    """``want`` and ``soft`` of a spring and damper, f = - k way - c y."""
+    if h * h * k * response <= 1.0:
+        e = h * k / 4.0 + c / 2.0
+        return (k * way - (h * k / 4.0 - c / 2.0) * before) / e, 1.0 / (h * e)
+    e = h * k + c
+    return k * way / e, 1.0 / (h * e)
+
+
+@entry_point("skin")
+def soften(table: int, h: float) -> None:
+    """Give the contacts of soft skin the terms of their rows."""
+    touches, skin, before = at.touches(table), at.skin(table), at.before(table)
+    rows = at.rows(table)
+    normal, tangent = rows[len(rows) - 1], rows[len(rows) - 2]
+    for i in range(at.touching(table)[0] if skin.shape[1] else 0):
+        t = touches[i]
+        k, c = skin[0, t["a"], t["b"]], skin[1, t["a"], t["b"]]
+        if k == 0.0:
+            continue
+        normal_row(h, touches, i, normal)
+        tangent_row(h, at.body(table), touches, i, 0, tangent)
+        gap = t["gap"] + 0.5 * h * h * t["acceleration"]
+        if gap > 0.0:
+            t["want"], t["soft"] = gap / h, 1.0 / (h * (h * k + c))
+        else:
+            t["want"], t["soft"] = spring_row(
+                h, k, c, gap, rate(normal, before), response(table, normal))
+        sliding = rate(tangent, before) + tangent["want"]
+        t["want_along"], t["soft_along"] = spring_row(
+            h, TANGENTIAL * k, TANGENTIAL * c, t["stretch"], sliding, response(table, tangent))
+
+
+@entry_point("skin")
+def stretch_skin(table: int, h: float, n: int) -> None:
+    """Note how far the springs along soft contacts are stretched after the step."""
+    rows, touches, skin = at.rows(table), at.touches(table), at.skin(table)
+    if skin.shape[1] == 0:
+        return
+    for i in range(at.touching(table)[0]):
+        if touches[i]["listed"] != PILED and touches[i]["normal"] == 0.0:
+            touches[i]["stretch"] = 0.0
+    for k in range(n):
+        row = rows[k]
+        if row["source"] == TANGENT and row["soft"] > 0.0:
+            t = touches[row["index"]]
+            if t["normal"] > 0.0 and row["mode"] != 0:  # it follows the force of a sliding contact
+                stiffness = TANGENTIAL * skin[0, t["a"], t["b"]]
+                t["stretch"] = -row["p"] / (h * stiffness)
+            elif t["normal"] > 0.0:
+                t["stretch"] += h * (rate(row, at.velocity(table)) + row["want"] - t["want_along"])

@@ -4,18 +4,10 @@ Everything that a kernel calls is compiled into one of the entry points
 (:mod:`sandbox.engine.entry_points`); a kernel has no machine code of its own.
 Called from Python, a kernel runs as plain Python.
 
-Four measures make the first run about three times as fast. The first three use private parts of
-Numba; none of them changes what is computed:
-
-- Kernels are only linked into their callers. By default Numba also optimises each function
-  separately, generates machine code for it and compiles two wrappers around it.
-- Kernels and entry points allocate nothing: references are not counted. They are plain loops
-  over numbers: compiler passes for closures, array expressions, branches that depend on types
-  and variables that change their type are left out.
-- The types of operators are remembered while entry points are compiled. By default Numba tries
-  all overloads of an operator again at each use.
-- Python's garbage collector is off meanwhile.
-
+Four measures make the first run about three times as fast: kernels are only linked into their
+callers, without machine code and wrappers of their own; references are not counted, and compiler
+passes that plain loops over numbers do not need are left out; the types of operators are
+remembered; Python's garbage collector is off meanwhile. The first three use private parts of Numba.
 Before the first use a small function is compiled and run. If this fails, for instance with a later
 version of Numba, only documented interfaces are used.
 """
@@ -45,10 +37,7 @@ _UNUSED_PASSES = {
 
 
 class Kernel:
-    """A function that Numba compiles into its callers.
-
-    Compiled, a division by zero gives inf or nan.
-    """
+    """A function that Numba compiles into its callers; x / 0 gives inf or nan."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.py_func = function
@@ -92,8 +81,7 @@ def _type_of_kernel(value: Kernel, context: object) -> KernelType:
     return KernelType(value.dispatcher)
 
 
-_contexts: list[ExitStack] = []
-"""Open contexts of :func:`fast_compilation`."""
+_contexts: list[ExitStack] = []  # open ones of fast_compilation
 
 
 @contextmanager
@@ -147,7 +135,6 @@ def _options(compiler: Any) -> dict[str, Any]:
 
 
 def _probe(of_kernels: Any, of_entry_points: Any) -> float:
-    """Compile a function into another one, and call that."""
     def inner(x: float, n: int) -> float:
         return x * n + n
 
@@ -161,7 +148,6 @@ def _probe(of_kernels: Any, of_entry_points: Any) -> float:
 
 
 def _make_compilers() -> tuple[Any, Any]:
-    """Compilers of kernels and of entry points."""
     function_maker = import_module("numba._dynfunc")
     codegen = import_module("numba.core.codegen")
     compiler = import_module("numba.core.compiler")

@@ -62,18 +62,10 @@ def _set(read: Array, k: int, value: float, by_x: float, by_y: float, by_turn: f
 def _motion(
     table: int, load: Any, h: float, after: Array, end: bool, lag: float,
 ) -> tuple[float, float, float, float]:
-    """Put what a law reads, with slopes by the velocities after the step.
+    """Put what a law reads, with slopes by the velocities ``after`` the step.
 
-    Args:
-        table: the memory.
-        load: whose law it is.
-        h: the step [s].
-        after: velocities after the step, [nb, 3].
-        end: whether it is taken at the step's end.
-        lag: 1 / h for slopes by the acceleration, 0 without these.
-
-    Returns:
-        Cosine and sine of the body's angle, the arm of the force from its centre of mass [m].
+    ``lag`` is 1 / h for slopes by the acceleration, 0 without these. Returns cosine and sine of
+    the body's angle, and the arm of the force from its centre of mass [m].
     """
     body, before, read = at.body(table), at.before(table), at.read_names(table)
     b = load["body"]
@@ -123,9 +115,7 @@ def _turn(pairs: Array, k: int, c: float, s: float, ahead: float) -> None:
 
 @kernel
 def _part(table: int, into: Array, k: int, code: int, code_end: int, scale: float) -> None:
-    """Put one number of a law into row ``k``, 0 without a program."""
-    for j in range(4):
-        into[k, j] = 0.0
+    """Put one number of a law into row ``k``, if it has a program."""
     if code >= 0:
         formula(table, code, code_end, at.read_names(table))
         for j in range(4):
@@ -133,58 +123,45 @@ def _part(table: int, into: Array, k: int, code: int, code_end: int, scale: floa
 
 
 @kernel
-def _feel(
-    table: int, i: int, h: float, after: Array, end: bool, lag: float, into: Array,
-) -> None:
-    """Force, torque about the centre of mass, and slopes of a load, into three rows [3, 4]."""
-    load, body = at.loads(table)[i], at.body(table)
-    if load["last"] > load["first"]:
-        b, turn = load["body"], at.turn(table)
-        area, moment = below(
-            at.sides(table), load["first"], load["last"], turn[b, 0], turn[b, 1], body[b, 2],
-            body[b, 1] - load["level"])
-        for k in range(3):
-            for j in range(4):
-                into[k, j] = 0.0
-        into[1, 0], into[2, 0] = load["lift"] * area, load["lift"] * moment
-        return
-    c, s, rx, ry = _motion(table, load, h, after, end, lag)
-    ahead = h if end else 0.0
-    _part(table, into, 0, load["x_code"], load["x_end"], load["scale"])
-    _part(table, into, 1, load["y_code"], load["y_end"], load["scale"])
-    _part(table, into, 2, load["t_code"], load["t_end"], 1.0)
-    if load["turning"]:
-        _turn(into, 0, c, s, ahead)
-    for j in range(4):
-        into[2, j] += rx * into[1, j] - ry * into[0, j]
-    into[2, 3] -= ahead * (ry * into[1, 0] + rx * into[0, 0])
-
-
-@kernel
 def _sum(table: int, k: int, h: float, after: Array, end: bool, lag: float) -> None:
     """The sum of a body's loads and its slopes; each load's own is kept."""
     loaded, numbers, results = at.loaded(table)[k], at.pressing(table)[k], at.load_results(table)
-    into = at.felt(table)
+    into, body, turn, ahead = at.felt(table), at.body(table), at.turn(table), h if end else 0.0
     for m in range(3):
         numbers[SUM, m] = 0.0
         for j in range(3):
             numbers[SLOPES + m, j] = 0.0
     for i in range(loaded["first"], loaded["last"]):
-        _feel(table, i, h, after, end, lag, into)
+        load, out = at.loads(table)[i], results[i]
+        for m in range(3):  # force, torque about the centre of mass, and their slopes
+            for j in range(4):
+                into[m, j] = 0.0
+        if load["last"] > load["first"]:
+            b = load["body"]
+            area, moment = below(
+                at.sides(table), load["first"], load["last"], turn[b, 0], turn[b, 1], body[b, 2],
+                body[b, 1] - load["level"])
+            into[1, 0], into[2, 0] = load["lift"] * area, load["lift"] * moment
+        else:
+            c, s, rx, ry = _motion(table, load, h, after, end, lag)
+            _part(table, into, 0, load["x_code"], load["x_end"], load["scale"])
+            _part(table, into, 1, load["y_code"], load["y_end"], load["scale"])
+            _part(table, into, 2, load["t_code"], load["t_end"], 1.0)
+            if load["turning"]:
+                _turn(into, 0, c, s, ahead)
+            for j in range(4):
+                into[2, j] += rx * into[1, j] - ry * into[0, j]
+            into[2, 3] -= ahead * (ry * into[1, 0] + rx * into[0, 0])
         for m in range(3):
             numbers[SUM, m] += into[m, 0]
             for j in range(3):
                 numbers[SLOPES + m, j] += into[m, 1 + j]
-        out = results[i]
         out["fx"], out["fy"], out["torque"] = into[0, 0], into[1, 0], into[2, 0]
 
 
 @kernel
 def _rates(numbers: Array, w: float, wt: float) -> None:
-    """What of the slopes is against motion: rates and axes, by Jacobi's rotations.
-
-    ``w`` and ``wt`` are the body's inverse mass and inertia.
-    """
+    """What of the slopes is against motion: rates and axes, by Jacobi's rotations."""
     root = (math.sqrt(w), math.sqrt(w), math.sqrt(wt))
     A, Q = numbers[SCRATCH:SCRATCH + 3], numbers[AXES:AXES + 3]
     for i in range(3):
@@ -324,10 +301,10 @@ def _same(numbers: Array, acted: Array, w: float, wt: float) -> bool:
 @entry_point("loads")
 def timed(table: int) -> bool:
     """Whether any load hangs on the time: what stands still for that may move on."""
-    loads, found = at.loads(table), False
-    for i in range(len(loads)):
-        found |= loads[i]["timed"] != 0
-    return bool(found)
+    found = False
+    for i in range(len(at.loads(table))):
+        found |= at.loads(table)[i]["timed"] != 0
+    return found
 
 
 @entry_point("loads")
@@ -347,14 +324,8 @@ def below(
 ) -> tuple[float, float]:
     """Area below a level [m^2], and its moment about the upright line through the centre [m^3].
 
-    Args:
-        sides: of all outlines, from the centres of mass, [k, 5].
-        first: the outline's first.
-        last: where it ends.
-        c: cosine of the body's angle.
-        s: sine of it.
-        angle: it [rad].
-        height: of the centre of mass over the level [m].
+    ``c`` and ``s`` are cosine and sine of the body's angle, ``height`` is that of its centre of
+    mass over the level [m].
     """
     area, moment = 0.0, 0.0
     for k in range(first, last):

@@ -1,36 +1,33 @@
 """The table of a run: addresses and lengths of all its arrays, for compiled code.
 
 Compiled functions take the address of the table and make the views that they need:
-``memory.body(table)``. A view costs no time and compiles in some milliseconds, while some eighty
-arguments would cost more than a sample and take tens of seconds to compile. Arrays in a table must
-neither move nor be replaced while it is used: :class:`Memory` keeps them alive.
-
-The views are made from the fields of :mod:`sandbox.engine.state`.
+``memory.body(table)``. A view costs no time, while eighty arguments would cost more than a sample
+and take tens of seconds to compile. Arrays in a table must neither move nor be replaced while it is
+used: :class:`Memory` keeps them alive. Views are made from the fields of
+:mod:`sandbox.engine.state`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
 from numba import from_dtype, types
 from numba.extending import intrinsic
 from numba.np import arrayobj
-from numpy.typing import NDArray
 
 from sandbox.engine.native import Native
-from sandbox.engine.state import Constants, Result, Snapshot, State
-from sandbox.numeric import Array, Integers, Records
+from sandbox.engine.plan import Pattern
+from sandbox.engine.state import Constants, Result, Snapshot, State, declared
+from sandbox.numeric import Integers
 
 _arrays: Any = arrayobj
 _WORD = ir.IntType(64)
-_ITEMS = {str(Array): float, str(Integers): np.int64, str(NDArray[np.intc]): np.intc}
-"""Types of the items of plain arrays."""
 WIDTH = 4
 """Numbers of the table for each array: its address and three lengths."""
-_PARTS: tuple[Any, ...] = (Native, Constants, State, Result, Snapshot)
+_PARTS: tuple[Any, ...] = (Native, Constants, State, Result, Pattern, Snapshot)
 TABLE_WORDS = WIDTH * sum(len(part._fields) for part in _PARTS)
 """Length of the table without the addresses of entry points, which follow."""
 
@@ -38,24 +35,17 @@ TABLE_WORDS = WIDTH * sum(len(part._fields) for part in _PARTS)
 class Memory(NamedTuple):
     """What compiled code gets, and what must live as long as it is used."""
 
-    address: int
-    """Of the table: address and lengths of every array, then addresses of entry points."""
-    h: float
-    """The step [s]."""
-    kept: tuple[Any, ...]
-    """The table and the arrays themselves."""
+    address: int  # Of the table: address and lengths of every array, then addresses of entry points
+    h: float  # the step [s]
+    kept: tuple[Any, ...]  # the table and the arrays themselves
 
 
 def make_memory(
-    native: Native, constants: Constants, state: State, result: Result, snapshot: Snapshot,
-    entry_points: Integers,
+    native: Native, constants: Constants, state: State, result: Result, pattern: Pattern,
+    snapshot: Snapshot, entry_points: Integers,
 ) -> Memory:
-    """The table of a run.
-
-    Raises:
-        ValueError: an array that is not in one piece.
-    """
-    values: tuple[Any, ...] = (*native, *constants, *state, *result, *snapshot)
+    """The table of a run."""
+    values: tuple[Any, ...] = (*native, *constants, *state, *result, *pattern, *snapshot)
     table = np.zeros((len(values), WIDTH), dtype=np.int64)
     for row, value in zip(table, values, strict=True):
         if isinstance(value, np.ndarray):
@@ -70,9 +60,9 @@ def make_memory(
 
 
 def _view(name: str, place: int, dtype: Any, axes: int) -> Any:
-    """An intrinsic that makes a view of the array at ``place`` in the table."""
-    item = from_dtype(np.dtype(dtype))
-    made = types.Array(item, axes, "C")
+    """An intrinsic for the array at ``place`` in the table, or the number without ``dtype``."""
+    item = None if dtype is None else from_dtype(np.dtype(dtype))
+    made = types.int64 if item is None else types.Array(item, axes, "C")
 
     def view(context: Any, table: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -81,6 +71,8 @@ def _view(name: str, place: int, dtype: Any, axes: int) -> Any:
             def at(offset: int) -> Any:
                 return builder.load(builder.gep(source, [ir.Constant(_WORD, place + offset)]))
 
+            if item is None:
+                return at(0)
             array = _arrays.make_array(made)(context, builder)
             size = ir.Constant(_WORD, context.get_abi_sizeof(context.get_data_type(item)))
             lengths = [at(1 + axis) for axis in range(axes)]
@@ -95,31 +87,12 @@ def _view(name: str, place: int, dtype: Any, axes: int) -> Any:
         return made(table), generate
 
     result: Any = intrinsic(view)
-    result.view_of_table = f"{name} {place} {made} {np.dtype(dtype)!r}"
-    return result
-
-
-def _number(name: str, place: int) -> Any:
-    """An intrinsic that reads the number at ``place`` in the table."""
-    def number(context: Any, table: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            source = builder.inttoptr(args[0], _WORD.as_pointer())
-            return builder.load(builder.gep(source, [ir.Constant(_WORD, place)]))
-
-        return types.int64(table), generate
-
-    result: Any = intrinsic(number)
-    result.view_of_table = f"{name} {place}"
+    result.view_of_table = f"{name} {place} {made} {dtype and np.dtype(dtype)!r}"
     return result
 
 
 def view_name(part: Any, field: str) -> str:
-    """The name of the view of a field of one of the parts.
-
-    It is the field's name. Where :class:`Constants` has a field of that name, too, ``actions``
-    becomes ``action_states`` or ``action_results``. Fields of a :class:`Snapshot` get the prefix
-    ``kept_``.
-    """
+    """``actions``, ``action_states``, ``action_results``; ``kept_pose`` of a snapshot."""
     if part is Snapshot:
         return f"kept_{field}"
     if part in (State, Result) and field in Constants._fields:
@@ -128,17 +101,13 @@ def view_name(part: Any, field: str) -> str:
 
 
 def _views() -> Iterator[tuple[str, Any]]:
-    """Names of all views with the intrinsics that make them."""
     place = 0
     for part in _PARTS:
-        for field, note in get_type_hints(part, include_extras=True).items():
-            view = view_name(part, field)
-            array, more = get_args(note) if get_origin(note) is Annotated else (note, 1)
-            if note is int:
-                yield view, _number(view, place)
-            elif str(array) in _ITEMS or array is Records:
-                axes, dtype = (more, _ITEMS[str(array)]) if isinstance(more, int) else (1, more)
-                yield view, _view(view, place, dtype, axes)
+        for field in part._fields:
+            if field in declared(part):
+                item, shape = declared(part)[field]
+                view = view_name(part, field)
+                yield view, _view(view, place, item, len(shape))
             place += WIDTH
 
 

@@ -20,11 +20,10 @@ much less.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import HOLD, UNBOUNDED, begin_row, eliminate, put_coordinate, rate
-from sandbox.engine.coordinates import ends, vector_ahead
+from sandbox.engine.coordinates import ahead, ends, vector_ahead
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.records import PACED, PLACED, SPRUNG
@@ -36,53 +35,6 @@ CAUTION = 0.999
 """Share of the deceleration that a drive could brake with that it counts on."""
 LEAST = 0.01
 """The same, where loads leave less."""
-
-
-@kernel
-def _ahead(table: int, joint: int, h: float) -> float:
-    """Length of an actuator [m] where the velocities before lead in a step."""
-    line, body, v = at.joints(table)[joint], at.body(table), at.before(table)
-    p = body[line["a"], 2] + h * v[line["a"], 2]
-    q = body[line["b"], 2] + h * v[line["b"], 2]
-    x, y = vector_ahead(line, h, body, v, math.cos(p), math.sin(p), math.cos(q), math.sin(q))
-    return math.hypot(x, y)
-
-
-@entry_point("motors")
-def servo_row(table: int, h: float, value: float, i: int, n: int) -> None:
-    """The row of a motor that goes to a place or acts on an actuator.
-
-    Args:
-        table: the memory.
-        h: the step [s].
-        value: of its drive.
-        i: the motor's number.
-        n: its row, in which bounds and what it remembers stand already.
-    """
-    out = at.rows(table)[n]
-    motor, state, before = at.motors(table)[i], at.motor_states(table)[i], at.before(table)
-    place, seen = at.joint_results(table)[motor["joint"]]["way"], rate(out, before)
-    state["bend"] = 0.0
-    if motor["line"]:
-        state["bend"] = (_ahead(table, motor["joint"], h) - place) / h - seen
-    if motor["law"] == PACED:
-        out["want"] = state["bend"] - value
-        return
-    target = motor["sense"] * (value + motor["zero"])
-    if motor["law"] == SPRUNG:
-        k, c = motor["k"], motor["c"]
-        lead = c + h * k if motor["stiff"] else c / 2 + h * k / 4
-        out["soft"] = 1.0 / (h * lead)
-        out["want"] = -k * (target - place) / lead
-        if not motor["stiff"]:
-            out["want"] += (c - lead) / lead * seen
-        return
-    state["seen"] = state["along"] = seen
-    if state["target"] == state["target"]:  # not in the first step, nor as it is taken up
-        state["along"] = (target - state["target"]) / h
-    state["aim"] = target  # a step may be solved again: only its report makes it the last one
-    state["short"] = target - place - h * state["along"]
-    out["want"] = state["bend"] - state["along"] - state["short"] / h
 
 
 @entry_point("motors")
@@ -139,21 +91,48 @@ def _held(table: int, h: float, m: int, q: int, loads: bool) -> float:
 
 @entry_point("motors")
 def motor_row(table: int, h: float, drive: Array, i: int, n: int) -> None:
-    """Row ``n``, that of a motor or brake."""
+    """Row ``n``, that of a motor, servo or brake."""
     out = at.rows(table)[n]
-    motor, states = at.motors(table)[i], at.motor_states(table)
+    motor, state, before = at.motors(table)[i], at.motor_states(table)[i], at.before(table)
     value = drive[motor["drive"]]
     brake = motor["most"] != motor["most"]
     most = h * min(value if brake else motor["most"], UNBOUNDED)
-    begin_row(out, DRIVEN, i, motor["a"], motor["b"], states[i]["impulse"], states[i]["mode"])
+    begin_row(out, DRIVEN, i, motor["a"], motor["b"], state["impulse"], state["mode"])
     put_coordinate(out, at.joint_results(table)[motor["joint"]], 1.0)
     out["low"], out["high"] = -most, most
     out["want"] = 0.0 if brake else -motor["sense"] * value
     if motor["slope"] > 0.0:  # at mid-step, as dampers are
-        before = at.before(table)
         out["want"] = (before[motor["b"], 2] - before[motor["a"], 2]
                        - 2.0 * motor["sense"] * value)
         out["soft"] = 2.0 / (h * motor["slope"])
+    if motor["law"] == PACED and not motor["line"]:
+        return
+    place, seen = at.joint_results(table)[motor["joint"]]["way"], rate(out, before)
+    state["bend"] = 0.0
+    if motor["line"]:
+        line, body = at.joints(table)[motor["joint"]], at.body(table)
+        _, _, _, ca, sa = ahead(h, body, before, line["a"])
+        _, _, _, cb, sb = ahead(h, body, before, line["b"])
+        x, y = vector_ahead(line, h, body, before, ca, sa, cb, sb)
+        state["bend"] = (math.hypot(x, y) - place) / h - seen
+    if motor["law"] == PACED:
+        out["want"] = state["bend"] - value
+        return
+    target = motor["sense"] * (value + motor["zero"])
+    if motor["law"] == SPRUNG:
+        k, c = motor["k"], motor["c"]
+        lead = c + h * k if motor["stiff"] else c / 2 + h * k / 4
+        out["soft"] = 1.0 / (h * lead)
+        out["want"] = -k * (target - place) / lead
+        if not motor["stiff"]:
+            out["want"] += (c - lead) / lead * seen
+        return
+    state["seen"] = state["along"] = seen
+    if state["target"] == state["target"]:  # not in the first step, nor as it is taken up
+        state["along"] = (target - state["target"]) / h
+    state["aim"] = target  # a step may be solved again: only its report makes it the last one
+    state["short"] = target - place - h * state["along"]
+    out["want"] = state["bend"] - state["along"] - state["short"] / h
 
 
 @entry_point("actions")
@@ -172,7 +151,17 @@ def drive_forces(table: int, drive: Array) -> None:
         value = drive[action["drive"]]
         if action["line"]:
             result["torque"] = value
-            _push_forces(table, action, value)
+            joint, b = at.joints(table)[action["joint"]], action["b"]
+            ax, ay, bx, by, dx, dy = ends(joint, body, at.turn(table))
+            length = math.hypot(dx, dy)
+            if length > 0.0:  # else the points of the actuator meet
+                fx, fy = value * dx / length, value * dy / length
+                out[a, 0] -= fx
+                out[a, 1] -= fy
+                out[a, 2] -= ax * fy - ay * fx
+                out[b, 0] += fx
+                out[b, 1] += fy
+                out[b, 2] += bx * fy - by * fx
             continue
         if action["b"] >= 0:
             result["torque"] = action["sense"] * value
@@ -189,19 +178,3 @@ def drive_forces(table: int, drive: Array) -> None:
         out[a, 0] += fx
         out[a, 1] += fy
         out[a, 2] += result["torque"]
-
-
-@kernel
-def _push_forces(table: int, action: Any, force: float) -> None:
-    """The force of a drive between the two points of an actuator; none where they meet."""
-    out, joint, a, b = at.force(table), at.joints(table)[action["joint"]], action["a"], action["b"]
-    ax, ay, bx, by, dx, dy = ends(joint, at.body(table), at.turn(table))
-    length = math.hypot(dx, dy)
-    if length > 0.0:
-        fx, fy = force * dx / length, force * dy / length
-        out[a, 0] -= fx
-        out[a, 1] -= fy
-        out[a, 2] -= ax * fy - ay * fx
-        out[b, 0] += fx
-        out[b, 1] += fy
-        out[b, 2] += bx * fy - by * fx

@@ -85,10 +85,7 @@ def _slope(span: Any, w: float, to_point: bool, x: float, y: float) -> Any:
 
 @kernel
 def descend(spans: Records, k: int, to_point: bool, x: float, y: float) -> Any:
-    """Local minimum along a curve, from the start of span ``k``: span, parameter, if a corner.
-
-    Newton's method, at most one span per iteration.
-    """
+    """Local minimum along a curve from the start of span ``k``: span, parameter, if a corner."""
     w = 0.0
     for _ in range(ITERATIONS):
         slope, bend, scale = _slope(spans[k], w, to_point, x, y)
@@ -132,18 +129,6 @@ def rotated(x: float, y: float, angle: float) -> tuple[float, float]:
 
 
 @kernel
-def _rotate(body: Array, b: int, x: float, y: float) -> tuple[float, float]:
-    """A vector of a body's frame in the world."""
-    return rotated(x, y, body[b, 2])
-
-
-@kernel
-def _rotate_back(body: Array, b: int, x: float, y: float) -> tuple[float, float]:
-    """A vector of the world in a body's frame."""
-    return rotated(x, y, -body[b, 2])
-
-
-@kernel
 def gap_acceleration(table: int, t: Any) -> float:
     """Second derivative of the gap of a TOUCH while its bodies keep their velocities [m/s^2]."""
     body, a, b, nx, ny, gap = at.body(table), t["a"], t["b"], t["nx"], t["ny"], t["gap"]
@@ -167,16 +152,13 @@ def gap_acceleration(table: int, t: Any) -> float:
 def straight_curvature(
     table: int, shape: Any, px: float, py: float, nx: float, ny: float,
 ) -> Any:
-    """Curvature k / d of a shape without a curve, at the point (px, py) of its surface.
-
-    The point is in the world, from the body's centre of mass; (nx, ny) is the outer normal.
-    """
+    """Curvature k / d of a shape without a curve at (px, py), from the centre of mass."""
     vertices, radius = at.vertices(table), shape["radius"]
     first, last = shape["vertex"], shape["vertex_end"]
     if last - first == 1:  # a drive may change the radius of a circle
-        x, y = _rotate(at.body(table), shape["body"], vertices[first, 0], vertices[first, 1])
+        x, y = rotated(vertices[first, 0], vertices[first, 1], at.body(table)[shape["body"], 2])
         return 1.0, math.hypot(px - x, py - y)
-    x, y = _rotate_back(at.body(table), shape["body"], px - radius * nx, py - radius * ny)
+    x, y = rotated(px - radius * nx, py - radius * ny, -at.body(table)[shape["body"], 2])
     k = _nearest_vertex(vertices, first, last, x, y)
     if math.hypot(vertices[k, 0] - x, vertices[k, 1] - y) < AT_CORNER * shape["margin"]:
         return 1.0, radius
@@ -204,26 +186,9 @@ def exchange(found: Any) -> None:
     found["nx"], found["ny"] = -found["nx"], -found["ny"]
 
 
-@kernel
-def put_curvatures(table: int, found: Any) -> None:
-    """Curvatures of the surfaces of a FOUND, as those of shapes without curves."""
-    shapes = at.shapes(table)
-    nx, ny = found["nx"], found["ny"]
-    found["ka"], found["da"] = straight_curvature(
-        table, shapes[found["shape_a"]], found["ax"], found["ay"], nx, ny)
-    found["kb"], found["db"] = straight_curvature(
-        table, shapes[found["shape_b"]], found["bx"], found["by"], -nx, -ny)
-    if found["da"] == 0.0 and found["db"] == 0.0:  # corners of two sides that lie on each other
-        found["ka"], found["da"] = 0.0, 1.0
-
-
 @entry_point("curves", default=AS_FOUND)
 def on_curves(table: int, i: int) -> int:
-    """Make the FOUND ``i`` exact if a curve is involved: normal, points, curvatures.
-
-    Returns:
-        What becomes of it: DROPPED, EXACT, or AS_FOUND where no curve is involved.
-    """
+    """Make the FOUND ``i`` exact if a curve is involved; DROPPED, EXACT or AS_FOUND."""
     found, shapes = at.raw(table)[i], at.shapes(table)
     first, second = shapes[found["shape_a"]]["span"] >= 0, shapes[found["shape_b"]]["span"] >= 0
     if first and second:
@@ -246,21 +211,21 @@ def _curve_and_straight(table: int, found: Any) -> int:
     a, b, nx, ny = curve["body"], other["body"], found["nx"], found["ny"]
     first, last = other["vertex"], other["vertex_end"]
     apart_x, apart_y = body[b, 0] - body[a, 0], body[b, 1] - body[a, 1]
-    x, y = _rotate_back(body, a, found["ax"], found["ay"])
+    x, y = rotated(found["ax"], found["ay"], -body[a, 2])
     start = nearest_start(spans, curve["span"], curve["span_end"], x, y)
-    x, y = _rotate_back(body, b, found["bx"], found["by"])
+    x, y = rotated(found["bx"], found["by"], -body[b, 2])
     vertex, radius = _nearest_vertex(vertices, first, last, x, y), other["radius"]
     if last - first == 1:
         radius = math.hypot(x - vertices[vertex, 0], y - vertices[vertex, 1])
     else:
-        side, mx, my = _facing_side(vertices, first, last, *_rotate_back(body, b, -nx, -ny))
+        side, mx, my = _facing_side(vertices, first, last, *rotated(-nx, -ny, -body[b, 2]))
         after = side + 1 if side + 1 < last else first
-        wx, wy = _rotate(body, b, mx, my)
-        hx, hy = _rotate_back(body, a, wx, wy)
+        wx, wy = rotated(mx, my, body[b, 2])
+        hx, hy = rotated(wx, wy, -body[a, 2])
         k, w, corner = descend(spans, start, False, hx, hy)
         px, py, _, _, ddx, ddy = on_span(spans[k], w)
-        px, py = _rotate(body, a, px, py)
-        qx, qy = _rotate_back(body, b, px - apart_x, py - apart_y)
+        px, py = rotated(px, py, body[a, 2])
+        qx, qy = rotated(px - apart_x, py - apart_y, -body[b, 2])
         ex, ey = vertices[after, 0] - vertices[side, 0], vertices[after, 1] - vertices[side, 1]
         qx, qy = qx - vertices[side, 0], qy - vertices[side, 1]
         along = (qx * ex + qy * ey) / (ex * ex + ey * ey)
@@ -270,15 +235,15 @@ def _curve_and_straight(table: int, found: Any) -> int:
             found["kb"], found["db"] = 0.0, 1.0
             return _place_on_curve(table, found, k, w, corner, -wx, -wy)
         vertex = side if along < 0.0 else after if along > 1.0 else vertex
-    bx, by = _rotate(body, b, vertices[vertex, 0], vertices[vertex, 1])
-    x, y = _rotate_back(body, a, bx + apart_x, by + apart_y)
+    bx, by = rotated(vertices[vertex, 0], vertices[vertex, 1], body[b, 2])
+    x, y = rotated(bx + apart_x, by + apart_y, -body[a, 2])
     k, w, corner = descend(spans, start, True, x, y)
     px, py, dx, dy, _, _ = on_span(spans[k], w)
     wx, wy = (x - px, y - py) if corner else (dy, -dx)
     length = math.hypot(wx, wy)
     if length == 0.0:
         return AS_FOUND
-    wx, wy = _rotate(body, a, wx / length, wy / length)
+    wx, wy = rotated(wx / length, wy / length, body[a, 2])
     if not corner and not curve["closed"] and wx * nx + wy * ny < 0.0:
         wx, wy = -wx, -wy
     found["bx"], found["by"] = bx - radius * wx, by - radius * wy
@@ -316,11 +281,11 @@ def _place_on_curve(
     x, y, dx, dy, ddx, ddy = on_span(at.spans(table)[k], w)
     found["ka"], found["da"] = 1.0, radius
     if not corner:
-        sx, sy = _rotate(body, a, dy, -dx)
+        sx, sy = rotated(dy, -dx, body[a, 2])
         side = 1.0 if sx * nx + sy * ny > 0.0 else -1.0
         bend = side * (dx * ddy - dy * ddx) / math.hypot(dx, dy) ** 3
         found["ka"], found["da"] = bend, 1.0 + radius * bend
-    x, y = _rotate(body, a, x, y)
+    x, y = rotated(x, y, body[a, 2])
     found["ax"], found["ay"] = x + radius * nx, y + radius * ny
     found["nx"], found["ny"] = nx, ny
     b = at.shapes(table)[found["shape_b"]]["body"]
@@ -352,9 +317,9 @@ def _two_curves(table: int, found: Any) -> int:
     a, b, nx, ny = one["body"], two["body"], found["nx"], found["ny"]
     apart_x, apart_y = body[b, 0] - body[a, 0], body[b, 1] - body[a, 1]
     ka = nearest_start(spans, one["span"], one["span_end"],
-                        *_rotate_back(body, a, found["ax"], found["ay"]))
+                        *rotated(found["ax"], found["ay"], -body[a, 2]))
     kb = nearest_start(spans, two["span"], two["span_end"],
-                        *_rotate_back(body, b, found["bx"], found["by"]))
+                        *rotated(found["bx"], found["by"], -body[b, 2]))
     wa = wb = 0.0
     side_a = _side_of(body, spans[ka], one, nx, ny)
     side_b = _side_of(body, spans[kb], two, -nx, -ny)
@@ -392,7 +357,7 @@ def _two_curves(table: int, found: Any) -> int:
 def _side_of(body: Array, span: Any, shape: Any, nx: float, ny: float) -> float:
     """On which side of a curve a normal leads away: 1 outside of a closed one."""
     _, _, dx, dy, _, _ = on_span(span, 0.0)
-    x, y = _rotate(body, shape["body"], dy, -dx)
+    x, y = rotated(dy, -dx, body[shape["body"], 2])
     return 1.0 if shape["closed"] or x * nx + y * ny > 0.0 else -1.0
 
 
@@ -401,8 +366,8 @@ def _frame_on(body: Array, b: int, span: Any, w: float, side: float) -> Any:
     """Point and unit tangent in the world, from the centre of mass; curvature; speed over w."""
     x, y, dx, dy, ddx, ddy = on_span(span, w)
     speed = math.hypot(dx, dy)
-    x, y = _rotate(body, b, x, y)
-    tx, ty = _rotate(body, b, side * dx / speed, side * dy / speed)
+    x, y = rotated(x, y, body[b, 2])
+    tx, ty = rotated(side * dx / speed, side * dy / speed, body[b, 2])
     return x, y, tx, ty, side * (dx * ddy - dy * ddx) / speed ** 3, speed
 
 

@@ -1,11 +1,8 @@
 """pymunk's own C functions, called from compiled code.
 
-Going through Python to read bodies, write velocities and step costs more than a
-step of a small hand itself. The functions behind ``Space.step`` and
-``pymunk.batch`` are therefore called by address from the compiled loop. This is
-the only module that knows of pymunk's insides; ``World.read``, ``write`` and
-``step`` do the same through the public interface, and a test holds the two
-against each other.
+Going through Python to read bodies, write velocities and step costs more than a step of a small
+hand itself. The functions behind ``Space.step`` and ``pymunk.batch`` are therefore called by
+address. This is the only module that knows of pymunk's insides.
 """
 
 from __future__ import annotations
@@ -29,68 +26,41 @@ from pymunk._chipmunk_cffi import ffi, lib
 from sandbox.numeric import Array, Integers, Records
 
 _cgutils: Any = cgutils
-_WORD, _REAL, _BYTE = ir.IntType(64), ir.DoubleType(), ir.IntType(8)
+_WORD, _REAL, _INT, _BYTE = ir.IntType(64), ir.DoubleType(), ir.IntType(32), ir.IntType(8)
 
 
-def _step(context: Any, address: Any, space: Any, h: Any) -> Any:
-    """Call ``void f(space, double)`` at ``address``."""
-    return types.void(types.intp, types.intp, types.float64), _caller([_WORD, _REAL])
-
-
-def _each(context: Any, address: Any, space: Any, function: Any, data: Any) -> Any:
-    """Call ``void f(space, function, data)`` at ``address``."""
-    signature = types.void(types.intp, types.intp, types.intp, types.intp)
-    return signature, _caller([_WORD, _WORD, _WORD])
-
-
-def _for_word(context: Any, address: Any, subject: Any) -> Any:
-    """Call ``uintptr_t f(subject)`` at ``address``."""
-    return types.intp(types.intp, types.intp), _caller([_WORD], _WORD)
-
-
-def _for_words(context: Any, address: Any, one: Any, two: Any) -> Any:
-    """Call ``uintptr_t f(one, two)`` at ``address``."""
-    return (types.intp(types.intp, types.intp, types.intp),
-            _caller([_WORD, _WORD], _WORD))
-
-
-def _at(context: Any, address: Any) -> Any:
-    """The double at ``address``."""
+def _caller(result: Any, *arguments: Any) -> Any:
+    """Signature and code of a call of the C function whose address is the first argument."""
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.load(builder.inttoptr(args[0], _REAL.as_pointer()))
+        kind = ir.FunctionType(context.get_value_type(result) if result != types.void
+                               else ir.VoidType(), [one.type for one in args[1:]])
+        value = builder.call(builder.inttoptr(args[0], kind.as_pointer()), args[1:])
+        return context.get_dummy_value() if result == types.void else value
 
-    return types.float64(types.intp), generate
-
-
-def _word(context: Any, address: Any) -> Any:
-    """The word at ``address``."""
-    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.load(builder.inttoptr(args[0], _WORD.as_pointer()))
-
-    return types.intp(types.intp), generate
+    return result(types.intp, *arguments), generate
 
 
-def _int(context: Any, address: Any) -> Any:
-    """The C int at ``address``."""
-    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.sext(
-            builder.load(builder.inttoptr(args[0], ir.IntType(32).as_pointer())), _WORD)
+def _loaded(kind: ir.Type, result: Any = types.intp) -> Any:
+    """An intrinsic that reads a number at an address."""
+    def at(context: Any, address: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            value = builder.load(builder.inttoptr(args[0], kind.as_pointer()))
+            return builder.sext(value, _WORD) if kind == _INT else value
 
-    return types.intp(types.intp), generate
+        return result(types.intp), generate
+
+    return intrinsic(at)
 
 
 def _byte_to(context: Any, address: Any, value: Any) -> Any:
-    """Write a byte."""
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        builder.store(builder.trunc(args[1], _BYTE),
-                      builder.inttoptr(args[0], _BYTE.as_pointer()))
+        builder.store(builder.trunc(args[1], _BYTE), builder.inttoptr(args[0], _BYTE.as_pointer()))
         return context.get_dummy_value()
 
     return types.void(types.intp, types.intp), generate
 
 
 def _pointer_to(context: Any, address: Any) -> Any:
-    """A pointer to ``address``."""
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return builder.inttoptr(args[0], _BYTE.as_pointer())
 
@@ -98,7 +68,6 @@ def _pointer_to(context: Any, address: Any) -> Any:
 
 
 def _copy(context: Any, source: Any, target: Any, words: Any) -> Any:
-    """Copy so many words of 8 bytes."""
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         source, target = (builder.inttoptr(one, _WORD.as_pointer()) for one in args[:2])
         _cgutils.raw_memcpy(builder, target, source, args[2], 8)
@@ -107,25 +76,18 @@ def _copy(context: Any, source: Any, target: Any, words: Any) -> Any:
     return types.void(types.intp, types.intp, types.intp), generate
 
 
-def _caller(arguments: list[ir.Type], result: ir.Type | None = None) -> Any:
-    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        function = ir.FunctionType(result or ir.VoidType(), arguments).as_pointer()
-        value = builder.call(builder.inttoptr(args[0], function), args[1:])
-        return value if result else context.get_dummy_value()
-
-    return generate
-
-
-call_step: Any = intrinsic(_step)
-call_each: Any = intrinsic(_each)
-call_for_word: Any = intrinsic(_for_word)
-call_for_words: Any = intrinsic(_for_words)
-real_at: Any = intrinsic(_at)
-word_at: Any = intrinsic(_word)
-int_at: Any = intrinsic(_int)
+call_step: Any = intrinsic(lambda context, address, space, h: _caller(
+    types.void, types.intp, types.float64))
+call_each: Any = intrinsic(lambda context, address, space, function, data: _caller(
+    types.void, types.intp, types.intp, types.intp))
+call_for_word: Any = intrinsic(lambda context, address, subject: _caller(types.intp, types.intp))
+call_for_words: Any = intrinsic(lambda context, address, one, two: _caller(
+    types.intp, types.intp, types.intp))
+real_at, word_at, int_at = _loaded(_REAL, types.float64), _loaded(_WORD), _loaded(_INT)
 byte_to: Any = intrinsic(_byte_to)
 as_pointer: Any = intrinsic(_pointer_to)
 copy_words: Any = intrinsic(_copy)
+"""Copy so many words of 8 bytes."""
 
 
 FOUND = np.dtype([
@@ -150,18 +112,14 @@ class Native(NamedTuple):
     put: int
     write: int
     place: int
-    read_count: NDArray[np.intc]
-    """Fill of the buffer that is read into, [1]; 0 before each call."""
+    read_count: NDArray[np.intc]  # fill of the buffer that is read into, [1]; 0 before each call
     write_count: NDArray[np.intc]
     """Fill of the buffer that is written from, [1]; 0 before each call."""
-    place_count: NDArray[np.intc]
-    """The same of the buffer of poses."""
-    placed: Annotated[Array, 2]
+    place_count: NDArray[np.intc]  # the same of the buffer of poses
+    placed: Annotated[Array, "bodies 3"]
     """Poses for pymunk, [nb, 3]: those of the step, displaced by impacts after them."""
-    near: Integers
-    """The table of :class:`Finder`, whose first number is set to 0 before each call, [5]."""
-    raw: Annotated[Records, FOUND]
-    """[room]"""
+    near: Integers  # the table of `Finder`, whose first number is set to 0 before each call, [5]
+    raw: Annotated[Records, FOUND]  # [room]
 
 
 def address(pointer: Any) -> int:
@@ -170,10 +128,7 @@ def address(pointer: Any) -> int:
 
 
 class Channel:
-    """One batch of body fields: a request for pymunk and the buffer it fills or sends.
-
-    ``count`` [1] is the buffer's fill; set it to 0 before every call.
-    """
+    """One batch of body fields; ``count`` [1] is the fill of its buffer, 0 before each call."""
 
     def __init__(self, fields: batch.BodyFields, memory: Array) -> None:
         self.memory = memory

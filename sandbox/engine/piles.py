@@ -59,7 +59,9 @@ def solve_contacts(table: int, n: int) -> float:
     """Solve ``n`` contacts, with the velocities in the first vectors; largest residual [m/s]."""
     c, J, vectors = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)
     v, trial = vectors[0], vectors[1]
-    _begin(c, n)
+    for k in range(n):  # begin with the impulses of the last step
+        c[k]["n0"] = c[k]["pn"] = c[k]["n_last"]
+        c[k]["t0"] = c[k]["pt"] = c[k]["t_last"]
     _momentum(table, n, v)
     _rates(c, J, n, v, True)
     found = best = _residual(c, n)
@@ -69,7 +71,12 @@ def solve_contacts(table: int, n: int) -> float:
         if best <= 1.0:
             break
         start = found
-        _regularise(c, n, share)
+        for k in range(n):
+            one = c[k]
+            hold_n, hold_t = share * one["base_n"], share * one["base_t"]
+            one["Rn"], one["Rt"] = 1.0 / (hold_n + one["soft_n"]), 1.0 / (hold_t + one["soft_t"])
+            one["n_shift"], one["t_shift"] = (
+                one["n0"] * hold_n * one["Rn"], one["t0"] * hold_t * one["Rt"])
         converged = False
         for _ in range(STEPS):
             if not _newton_step(table, n, first):
@@ -115,28 +122,9 @@ def solve_contacts(table: int, n: int) -> float:
 
 
 @kernel
-def _begin(c: Records, n: int) -> None:
-    """Begin with the impulses of the last step."""
-    for k in range(n):
-        c[k]["n0"] = c[k]["pn"] = c[k]["n_last"]
-        c[k]["t0"] = c[k]["pt"] = c[k]["t_last"]
-
-
-@kernel
 def _keep(c: Records, n: int) -> None:
     for k in range(n):
         c[k]["n_best"], c[k]["t_best"] = c[k]["pn"], c[k]["pt"]
-
-
-@kernel
-def _regularise(c: Records, n: int, share: float) -> None:
-    """Set R of all rows, and e G R p0."""
-    for k in range(n):
-        one = c[k]
-        hold_n, hold_t = share * one["base_n"], share * one["base_t"]
-        one["Rn"], one["Rt"] = 1.0 / (hold_n + one["soft_n"]), 1.0 / (hold_t + one["soft_t"])
-        one["n_shift"], one["t_shift"] = (
-            one["n0"] * hold_n * one["Rn"], one["t0"] * hold_t * one["Rt"])
 
 
 @kernel
@@ -181,10 +169,7 @@ def _residual(c: Records, n: int) -> float:
 
 @kernel
 def _residual_at(c: Records, J: Stack, n: int, v: Matrix) -> tuple[float, float]:
-    """The residual at ``v``, which follows from the impulses, and how far Newton's method is off.
-
-    Both are in units of the tolerance.
-    """
+    """Residual at the ``v`` of the impulses, and Newton's error, in units of the tolerance."""
     for k in range(n):
         c[k]["dyn"], c[k]["dyt"] = c[k]["yn"], c[k]["yt"]
     _rates(c, J, n, v, True)
@@ -198,14 +183,10 @@ def _residual_at(c: Records, J: Stack, n: int, v: Matrix) -> tuple[float, float]
 
 
 @kernel
-def _momentum(table: int, n: int, v: Matrix) -> None:
-    """Velocities that follow from the impulses."""
-    c, J, free = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)[2]
-    weights = at.pile_vectors(table)[3]
-    for i in range(len(v)):
-        v[i, 0] = v[i, 1] = v[i, 2] = 0.0
+def _add_impulses(c: Records, J: Stack, n: int, sign: float, v: Matrix) -> None:
+    """Add the impulses on the bodies."""
     for k in range(n):
-        a, b, pn, pt = c[k]["a"], c[k]["b"], c[k]["pn"], c[k]["pt"]
+        a, b, pn, pt = c[k]["a"], c[k]["b"], sign * c[k]["pn"], sign * c[k]["pt"]
         if pn == 0.0 and pt == 0.0:
             continue
         for r in range(3):
@@ -213,6 +194,15 @@ def _momentum(table: int, n: int, v: Matrix) -> None:
                 v[a, r] += J[k, 0, r] * pn + J[k, 2, r] * pt
             if b >= 0:
                 v[b, r] += J[k, 1, r] * pn + J[k, 3, r] * pt
+
+
+@kernel
+def _momentum(table: int, n: int, v: Matrix) -> None:
+    c, J, free = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)[2]
+    weights = at.pile_vectors(table)[3]
+    for i in range(len(v)):
+        v[i, 0] = v[i, 1] = v[i, 2] = 0.0
+    _add_impulses(c, J, n, 1.0, v)
     for i in range(len(v)):
         for r in range(3):
             v[i, r] = free[i, r] + weights[i, r] * v[i, r]
@@ -263,15 +253,7 @@ def _force(table: int, n: int, v: Matrix) -> float:
     for i in range(len(F)):
         for r in range(3):
             F[i, r] = (v[i, r] - free[i, r]) / weights[i, r]
-    for k in range(n):
-        a, b, pn, pt = c[k]["a"], c[k]["b"], c[k]["pn"], c[k]["pt"]
-        if pn == 0.0 and pt == 0.0:
-            continue
-        for r in range(3):
-            if a >= 0:
-                F[a, r] -= J[k, 0, r] * pn + J[k, 2, r] * pt
-            if b >= 0:
-                F[b, r] -= J[k, 1, r] * pn + J[k, 3, r] * pt
+    _add_impulses(c, J, n, -1.0, F)
     s = 0.0
     for i in range(len(F)):
         for r in range(3):
@@ -281,11 +263,7 @@ def _force(table: int, n: int, v: Matrix) -> float:
 
 @kernel
 def _newton_step(table: int, n: int, first: bool) -> bool:
-    """One step of Newton's method with backtracking; whether it makes progress.
-
-    The first one takes the modes of the last step. Velocities are vector 0; rates, impulses and
-    modes in the rows become those at the new velocities.
-    """
+    """A step of Newton's method with backtracking, first with the last modes; whether it helps."""
     c, J, vectors = at.piled(table), at.pile_jacobian(table), at.pile_vectors(table)
     v, trial, F, x, change = vectors[0], vectors[1], vectors[4], vectors[5], vectors[6]
     place = at.pile_bodies(table)

@@ -25,16 +25,13 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from sandbox.engine.kernel import kernel
 from sandbox.errors import SandboxError
-from sandbox.model.model import Model
-from sandbox.numeric import Array, Flags, Integers
-from sandbox.scene.geometry import to_world
+from sandbox.numeric import Array, Integers
 
 MOST = 5_000_000
 """Products that factoring the matrix may take in a step: some hundredths of a second."""
@@ -45,31 +42,23 @@ HUB = 12
 class Pattern(NamedTuple):
     """The pattern of L in L D L^T, and what is added up to the matrix; m unknowns, ne entries."""
 
-    place: Integers
-    """The unknown of each row, in the order of elimination, [rows]."""
-    hubs: Integers
+    unknown: Integers  # of each row, in the order of elimination, [rows]
+    hubs: Annotated[Integers, "hubs 3"]
     """The three unknowns of each body that is a hub, or -1; then of each slip its one, thrice; then
-    of each sum its two rows and the first of these, [nb + nf + sums, 3]."""
-    starts: Integers
-    """Where the slots below the diagonal begin, column by column, [m + 1]."""
-    below: Integers
-    """The unknown of each slot's row, [slots]."""
+    of each sum its two rows and the first of these."""
+    starts: Integers  # where the slots below the diagonal begin, column by column, [m + 1]
+    below: Integers  # the unknown of each slot's row, [slots]
     updates: Integers
     """The slots that the products of two slots of a column are taken from, in turn."""
-    entry_row: Integers
-    """The unknown of each entry, [ne]."""
-    entry_body: Integers
-    """The body of each entry, [ne]."""
-    pairs: Integers
+    entry_row: Integers  # the unknown of each entry, [ne]
+    entry_body: Integers  # the body of each entry, [ne]
+    pairs: Annotated[Integers, "pairs 3"]
     """(slot, entry, entry) that add up to S, [p, 3]; a diagonal follows the slots."""
-    joined: Integers
-    """The slots of rows that are joined besides."""
-    direct: Integers
+    joined: Integers  # the slots of rows that are joined besides
+    direct: Annotated[Integers, "direct 3"]
     """(slot, entry, axis) of the entries on hubs, [q, 3]."""
-    body_starts: Integers
-    """Where the entries of each free body that is no hub begin, [nb + 1]."""
-    body_entries: Integers
-    """These entries, body by body."""
+    body_starts: Integers  # where the entries of each free body that is no hub begin, [nb + 1]
+    body_entries: Integers  # these entries, body by body
     branch_starts: Integers
     """Where the branch of each body, slip and sum begins, [nb + nf + sums + 1]."""
     branches: Integers
@@ -77,26 +66,22 @@ class Pattern(NamedTuple):
 
 
 def make_pattern(
-    rows: Sequence[Sequence[int]], inverse_mass: Array, rigid: int = 0, hub: int = HUB,
-    slips: int = 0, sums: Sequence[tuple[int, int]] = (), joined: Sequence[tuple[int, int]] = (),
+    rows: Sequence[Sequence[int]], inverse_mass: Array, rigid: int, slips: int,
+    sums: Sequence[tuple[int, int]], joined: Sequence[tuple[int, int]],
 ) -> Pattern:
-    """The pattern for bilateral rows, each given by the bodies of its entries.
+    """The pattern for bilateral rows, each given by the bodies of its entries, no body twice.
 
-    Args:
-        rows: of every row the body of each of its entries; no body twice. Slips are counted on
-            from the bodies.
-        inverse_mass: [nb, 2]; 0 for bodies that do not move freely.
-        rigid: how many rows, the first ones, have no compliance to speak of.
-        hub: a body with more entries than this stays in the system.
-        slips: how many there are.
-        sums: two rows each, whose unknowns are added up.
-        joined: rows that meet besides, as lines of fluid do at a valve.
+    Slips are counted on from the bodies. The first ``rigid`` rows have no compliance; ``sums`` are
+    two rows each, whose unknowns are added up; ``joined`` rows meet besides, as lines at a valve.
     """
     bodies, count = len(inverse_mass), len(inverse_mass) + slips
     free = np.concatenate([inverse_mass[:, 0] > 0.0, np.ones(slips, dtype=bool)])
     entries = [(row, body) for row, acted_on in enumerate(rows) for body in acted_on]
-    on = _entries_on(entries, free)
-    hubs = [body for body in range(count) if body >= bodies or len(on[body]) > hub]
+    on: list[list[int]] = [[] for _ in free]  # of every body or slip that moves, its entries
+    for entry, (_, body) in enumerate(entries):
+        if free[body]:
+            on[body].append(entry)
+    hubs = [body for body in range(count) if body >= bodies or len(on[body]) > HUB]
     axes = [3 if body < bodies else 1 for body in hubs]
     first = np.cumsum([len(rows), *axes]).tolist()
     groups = _meetings(entries, on, hubs, first, joined)
@@ -119,7 +104,11 @@ def make_pattern(
         a, b = int(place[i]), int(place[j])
         return len(slot) + a if a == b else slot[max(a, b), min(a, b)]
 
-    unknown = _stays(count, hubs, first, place, sums)
+    unknown = np.full((count + len(sums), 3), -1, dtype=np.int64)
+    for k, body in enumerate(hubs):
+        unknown[body] = place[first[k]:first[k + 1]]
+    for k, (one, two) in enumerate(sums):
+        unknown[count + k] = place[[one, two, one]]
     inner = [[] if body in hubs else on[body] for body in range(count)] + [[] for _ in sums]
     pairs = [(where(entries[a][0], entries[b][0]), a, b) for own in inner for a in own for b in own
              if place[entries[a][0]] >= place[entries[b][0]]]
@@ -136,28 +125,6 @@ def make_pattern(
         np.array(sorted(pairs), dtype=np.int64).reshape(-1, 3),
         _flat([[where(i, j) for i, j in joined]]), np.array(direct, dtype=np.int64).reshape(-1, 3),
         _starts(inner), _flat(inner), _starts(branches), _flat(branches))
-
-
-def _entries_on(entries: list[tuple[int, int]], free: Flags) -> list[list[int]]:
-    """Of every body or slip that moves, the entries on it."""
-    on: list[list[int]] = [[] for _ in free]
-    for entry, (_, body) in enumerate(entries):
-        if free[body]:
-            on[body].append(entry)
-    return on
-
-
-def _stays(
-    count: int, hubs: list[int], first: list[int], place: Integers,
-    sums: Sequence[tuple[int, int]],
-) -> Integers:
-    """:attr:`Pattern.hubs`, of ``count`` bodies and slips and of the sums."""
-    unknown = np.full((count + len(sums), 3), -1, dtype=np.int64)
-    for k, body in enumerate(hubs):
-        unknown[body] = place[first[k]:first[k + 1]]
-    for k, (one, two) in enumerate(sums):
-        unknown[count + k] = place[[one, two, one]]
-    return unknown
 
 
 def _meetings(
@@ -278,49 +245,6 @@ def _flat(lists: list[list[int]]) -> Integers:
     return np.array([i for each in lists for i in each], dtype=np.int64)
 
 
-@dataclass
-class Rows:
-    """The bilateral rows, as they come: of each the bodies of its entries."""
-
-    bodies: list[list[int]] = field(default_factory=list)
-    entries: int = 0
-
-    def add(self, *bodies: int) -> tuple[int, int]:
-        """A row; its number, and that of its first entry."""
-        self.bodies.append(list(bodies))
-        self.entries += len(bodies)
-        return len(self.bodies) - 1, self.entries - len(bodies)
-
-
-@dataclass(frozen=True)
-class PlacedBodies:
-    """Where bodies are: their numbers in pymunk's order, inverse masses, poses at t = 0."""
-
-    model: Model
-    number: Integers
-    """By the model's numbers, [nb]."""
-    inverse_mass: Array
-    """In pymunk's order, [nb, 2]."""
-    pose: Array
-    """Of the centres of mass, in pymunk's order, [nb, 3]."""
-
-    def local(self, body: int, point: Array) -> Array:
-        """A point of a body's frame seen from its centre of mass [m]."""
-        local: Array = point - self.model.bodies.centre[body]
-        return local
-
-
-def place_bodies(model: Model, order: Integers) -> PlacedBodies:
-    """Bodies as pymunk lists them; ``order`` are the model's numbers of these."""
-    bodies = model.bodies
-    number = np.argsort(order)
-    inverse = np.stack([1 / bodies.mass[order], 1 / bodies.inertia[order]], axis=1)
-    pose: Array = np.array([
-        (*to_world(tuple(bodies.pose[i]), tuple(bodies.centre[i])), bodies.pose[i, 2])
-        for i in order]).reshape(-1, 3)
-    return PlacedBodies(model, number, inverse, pose)
-
-
 @kernel
 def assemble(pairs: Integers, direct: Integers, J: Array, WJ: Array, values: Array) -> None:
     """Add up the matrix, compliances and masses of hubs left out."""
@@ -353,6 +277,29 @@ def factor(
             for q in range(p - first):
                 values[updates[t + q]] -= scaled * column[q]
             t += p - first
+
+
+@kernel
+def clear(x: Array) -> None:
+    """Set all of a vector to 0."""
+    for i in range(len(x)):
+        x[i] = 0.0
+
+
+@kernel
+def put(x: Array, y: Array) -> None:
+    """Copy ``y`` [n, 3] into ``x``."""
+    for i in range(len(x)):
+        for j in range(3):
+            x[i, j] = y[i, j]
+
+
+@kernel
+def add(x: Array, y: Array, times: float) -> None:
+    """Add ``y`` [n, 3] to ``x``, so many times."""
+    for i in range(len(x)):
+        for j in range(3):
+            x[i, j] += times * y[i, j]
 
 
 @kernel

@@ -16,7 +16,7 @@ import pymunk
 
 from sandbox import __version__
 from sandbox.elements.arrays import Arrays
-from sandbox.engine.clock import Clock, make_clock
+from sandbox.engine.inputs import Clock, make_clock
 from sandbox.engine.pymunk_draft import PymunkDraft, build, time_step
 from sandbox.errors import Interrupted, RecordingFull, SimulationDiverged
 from sandbox.numeric import Array

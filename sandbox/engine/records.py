@@ -95,7 +95,7 @@ JOINT = np.dtype([
     ("row", np.int64), ("row_y", np.int64),     # unknowns of its force, or -1; of what rolls the
                                                 # second is that along the circles
     ("row_turn", np.int64),     # unknown of its couple, or -1
-    ("entry", np.int64),    # the first of two entries a row
+    ("entry", np.int64), ("entries", np.int64),     # the first of its entries, two a row; how many
     ("hinge", np.int64), ("stopped", np.int64),     # whether it has an angle; and stops
     ("sense", float),       # of a hinge, from a counter-clockwise turn to its positive one
     ("zero", float),        # what its angle is less by [rad]

@@ -23,6 +23,8 @@ from sandbox.engine.coordinates import (
     flank,
     gaps,
     measure_angle,
+    on_path,
+    path_gap,
     put_row,
     rate,
     rolled,
@@ -33,7 +35,7 @@ from sandbox.engine.coordinates import (
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
 from sandbox.engine.narrow_phase import CONFORMING, nearest_start
-from sandbox.engine.paths import on_path, path_gap
+from sandbox.engine.plan import backward, forward
 from sandbox.engine.records import GROOVE, POINT, RANGE, ROLL
 from sandbox.engine.ties import joint_holds, remaining_gap
 from sandbox.numeric import Array, Records
@@ -168,16 +170,7 @@ def joint_rate(table: int, joint: int, velocity: Array) -> float:
 
 @kernel
 def _ahead(gap: float, then: float, J: Array, joint: Any, before: Array, h: float) -> float:
-    """What a row asks for: that its gap goes, and how it bends where velocities before lead.
-
-    Args:
-        gap: now [m].
-        then: where ``before`` leads in a step [m].
-        J: the row's two entries, [2, 3].
-        joint: whose bodies they are.
-        before: velocities, [nb, 3].
-        h: the step [s].
-    """
+    """What a row of a joint asks for: that its gap goes, now and ``then``, in a step."""
     seen = 0.0
     for n in range(3):
         seen += J[0, n] * before[joint["a"], n] + J[1, n] * before[joint["b"], n]
@@ -202,15 +195,7 @@ def teeth_row(table: int, h: float, k: int) -> None:
 
 @entry_point("teeth")
 def rolling_row(table: int, h: float, k: int, on_a: float, on_b: float) -> None:
-    """The row that keeps circles from slipping, after that of their distance.
-
-    Args:
-        table: the memory.
-        h: the step [s].
-        k: the joint's number.
-        on_a: from the body of ``a`` to its circle's centre, along the line of centres [m].
-        on_b: the same of ``b`` [m].
-    """
+    """The row that keeps circles from slipping; ``on_a``, ``on_b`` from bodies to centres [m]."""
     joint, out = at.joints(table)[k], at.joint_results(table)[k]
     body, before = at.body(table), at.before(table)
     J, e, r = at.entries(table)[0], joint["entry"] + 2, joint["row_y"]
@@ -251,11 +236,7 @@ def _bends(joints: Records, h: float, velocity: Array) -> bool:
 
 @entry_point()
 def joint_gaps(table: int, h: float) -> float:
-    """What joints still have to ask for, so as to be closed where ``velocity`` leads; largest gap.
-
-    Gaps [m] are those at the poses one step on, less those in the last row of ``unknowns``. The
-    joints' rows of the scratch are set.
-    """
+    """Let joints ask, in the scratch, for closed gaps where ``velocity`` leads; the largest gap."""
     joints, body, velocity = at.joints(table), at.body(table), at.velocity(table)
     asked, kept = at.unknowns(table)[4], at.unknowns(table)[5]
     turn = at.force(table)  # which is not needed any more
@@ -298,15 +279,10 @@ def joint_gaps(table: int, h: float) -> float:
 
 
 @kernel
-def scale_entries(table: int) -> None:
-    """W J of all entries."""
-    entry_body, inverse_mass = at.entry_body(table), at.inverse_mass(table)
-    J, WJ = at.entries(table)[0], at.entries(table)[1]
-    for e in range(len(entry_body)):
-        if entry_body[e] >= len(inverse_mass):  # a slip, which has no mass
-            continue
-        w, wt = inverse_mass[entry_body[e], 0], inverse_mass[entry_body[e], 1]
-        WJ[e, 0], WJ[e, 1], WJ[e, 2] = w * J[e, 0], w * J[e, 1], wt * J[e, 2]
+def note_turns(body: Array, turn: Array) -> None:
+    """Note cosine and sine of the angles of all bodies."""
+    for b in range(len(body)):
+        turn[b, 0], turn[b, 1] = math.cos(body[b, 2]), math.sin(body[b, 2])
 
 
 @kernel
@@ -325,6 +301,18 @@ def right_side(table: int, free: Array, asked: Array) -> None:
             rhs[hubs[b, 0]] = -free[b, 0] / inverse_mass[b, 0]
             rhs[hubs[b, 1]] = -free[b, 1] / inverse_mass[b, 0]
             rhs[hubs[b, 2]] = -free[b, 2] / inverse_mass[b, 1]
+
+
+@kernel
+def answer(table: int, free: Array, asked: Array, impulses: Array) -> None:
+    """Impulses [m] of bilateral rows that ask for ``asked`` at free velocities [nb, 3]."""
+    solved, starts, below, values = (
+        at.unknowns(table)[2], at.starts(table), at.below(table), at.values(table))
+    right_side(table, free, asked)
+    forward(starts, below, values, solved)
+    for r in range(len(solved)):
+        impulses[r] = solved[r]
+    backward(starts, below, values, impulses)
 
 
 @kernel

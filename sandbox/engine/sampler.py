@@ -23,6 +23,8 @@ from sandbox.samples.contacts import Contacts
 from sandbox.samples.merging import merge_contacts
 
 CHUNK = 512
+LEAST = 4096
+"""Contacts of gathered samples that there is room for, at least."""
 
 
 class Sampler:
@@ -33,8 +35,7 @@ class Sampler:
     ) -> None:
         self.world, self.tables, self.builder, self.every = world, tables, builder, every
         self.model = world.model
-        self.kept = make_snapshot(CHUNK, tables, len(self.model.drives.name),
-                                  _contacts_kept(world.room.contacts))
+        self.kept = make_snapshot(CHUNK, tables, max(LEAST, 2 * world.room.contacts))
         self._arrays = builder.blank(CHUNK)
         """Rows on their way to the recording; what elements do not have stays nan."""
         self._entry_points = prepare(tables.constants, advance)
@@ -42,7 +43,7 @@ class Sampler:
         """What the compiled loop works on."""
 
     def _memory(self) -> Memory:
-        return make_memory(self.world.native, *self.tables[:3], self.kept, self._entry_points)
+        return make_memory(self.world.native, *self.tables, self.kept, self._entry_points)
 
     def restart(self, tables: Tables, builder: RecordingBuilder) -> None:
         """Gather for another recording, with tables of no more room than those so far."""
@@ -54,11 +55,10 @@ class Sampler:
     def enlarge(self, tables: Tables) -> None:
         """Go on with tables that have more room, that of the world."""
         self.tables = tables
-        room = _contacts_kept(self.world.room.contacts)
+        room = max(LEAST, 2 * self.world.room.contacts)
         self._lengthen(contacts=room, mean_contacts=2 * room)
 
     def _lengthen(self, **rows: int) -> None:
-        """Make room for so many rows in arrays that are kept."""
         for name, count in rows.items():
             old = getattr(self.kept, name)
             new = np.zeros(max(count, len(old)), old.dtype)
@@ -100,15 +100,13 @@ class Sampler:
         kept.unfinished[0] = 0
 
     def write(self) -> None:
-        """Work out what was gathered, and go on gathering as if nothing had been.
-
-        Numbers then come from whole chunks, however often a recording is asked for.
-        """
+        """Compute what was gathered, and go on gathering as if nothing had been written."""
         n = self.filled
         if n == 0:
             return
         arrays, kept = {key: array[:n] for key, array in self._arrays.items()}, self.kept
-        self._write_bodies(arrays, n)
+        for name in ("pose", "velocity", "acceleration"):
+            arrays[f"body_{name}"][:] = getattr(kept, name)[:n]
         self._write_joints(arrays, n)
         self._write_springs(arrays, n)
         if self.model.tendons.name:
@@ -154,7 +152,6 @@ class Sampler:
             order[found["a"]], order[found["b"]], numbers / (self.every * self.world.h))
 
     def _of(self, view: str, n: int) -> Any:
-        """The first ``n`` samples of an array, by the name of its view."""
         return self.kept.copied[view][:n]
 
     def _work(self, element: str, n: int, name: str = "work") -> Array:
@@ -162,10 +159,6 @@ class Sampler:
         work: Array = (self._of(f"{element}_states", n)[name]
                        - self._of(f"{element}_results", n)[f"step_{name}"] / 2)
         return work
-
-    def _write_bodies(self, arrays: Arrays, n: int) -> None:
-        for name in ("pose", "velocity", "acceleration"):
-            arrays[f"body_{name}"][:] = getattr(self.kept, name)[:n]
 
     def _write_joints(self, arrays: Arrays, n: int) -> None:
         """Joints with their limits and dry friction."""
@@ -274,8 +267,3 @@ class Sampler:
         return merge_contacts(
             sample, order[kept["a"]], order[kept["b"]], np.stack([kept["x"], kept["y"]], axis=1),
             force, normal, kept["normal"], kept["gap"].copy(), kept["twist"] / self.world.h)
-
-
-def _contacts_kept(room: int) -> int:
-    """For how many contacts of gathered samples there is room, ``room`` of a step at least."""
-    return max(4096, 2 * room)

@@ -1,7 +1,6 @@
-"""A run that can be stopped, looked at and gone on with: forces, step, sample.
+"""A run that can be paused, read and continued.
 
-Everything of substance is in the modules that it calls. A run in one go and a run in pieces
-are the same to the last bit: nothing of a step hangs on where the steps before it were paused.
+A run in one go and a run in pieces are the same to the last bit.
 """
 
 from __future__ import annotations
@@ -19,9 +18,8 @@ import pymunk
 from sandbox import __version__
 from sandbox.elements.controllers.custom import Custom, customs
 from sandbox.engine.advance import advance
-from sandbox.engine.clock import Clock, make_clock
 from sandbox.engine.divergence import diverged
-from sandbox.engine.inputs import Inputs
+from sandbox.engine.inputs import Clock, Inputs, make_clock
 from sandbox.engine.inspect_control import Checked, Runnable, checked
 from sandbox.engine.inspect_elements import line_problems, load_problems, tendon_problems
 from sandbox.engine.inspect_joints import joint_problems
@@ -94,10 +92,8 @@ class Simulation:
         self.mechanism = checked(scene, self._customs)
         run = self.mechanism.run
         if run.solver != "direct":
-            raise SceneError([Problem("bad-argument", f"the solver {quoted(run.solver)} runs a "
-                                      "scene in one go", "run.solver",
-                                      allowed="'direct' in steps; sandbox.simulate, 'sandbox run' "
-                                              "and 'sandbox sweep'")])
+            raise _wrong(f"the solver {quoted(run.solver)} runs a scene in one go", "run.solver",
+                         "'direct' in steps; sandbox.simulate, 'sandbox run' and 'sandbox sweep'")
         self._clock: Clock = make_clock(run.duration, run.step, run.sample_rate)
         self._model = compile_mechanism(self.mechanism)
         found = [*joint_problems(self._model), *tendon_problems(self._model),
@@ -106,18 +102,18 @@ class Simulation:
             raise SceneError(blocking)
         self._world = world = World(self._model)
         self._inputs = Inputs(world, self._clock)
-        self._inputs.place()
-        self._tables: Tables = make_tables(
-            self._model, self._clock.step, world.order, world.body, world.velocity, world.filters,
-            world.shape_tables, world.room)
+        self._tables: Tables = make_tables(world)
         self._beginning = Beginning(self._tables)
         self._builder = self._room()
         self._most = recorded_bytes
         self._sampler = Sampler(world, self._tables, self._builder, self._clock.every)
         self._catalogue = Catalogue(self.mechanism)
         self._readings = Readings(world, self._tables, self._sampler, self._catalogue)
-        self._steering = Steering(self._model, self._clock, self._readings, self._customs)
         self._read: dict[str, Read] = {}
+        self._begin(began)
+
+    def _begin(self, began: float) -> None:
+        self._steering = Steering(self._model, self._clock, self._readings, self._customs)
         self._set: list[tuple[int, str, float | None]] = []
         """What was set from outside: after how many steps, of which drive, to what."""
         self._broke: list[Happened] = []
@@ -166,9 +162,8 @@ class Simulation:
                 expression.
         """
         if not isinstance(quantity, str):
-            raise SceneError([Problem("bad-argument",
-                                      f"{quantity!r} is not the name of a quantity", "simulation",
-                                      allowed="a name such as 'finger.tendon.tension'")])
+            raise _wrong(f"{quantity!r} is not the name of a quantity", "simulation",
+                         "a name such as 'finger.tendon.tension'")
         if quantity not in self._read:
             try:
                 self._read[quantity] = self._readings.of(quantity)
@@ -188,12 +183,7 @@ class Simulation:
         """Make ``n`` steps, or as many as are left; how many were made.
 
         Raises:
-            SceneError: no whole number of steps, or an input that cannot be computed at some time.
-            SimulationDiverged: the motion stopped being finite; the error carries the
-                recording so far.
-            RecordingFull: more than allowed was recorded; it carries the recording, too.
-            ControllerFailed: a controller in Python raised an exception; as RecordingFull.
-            Interrupted: Ctrl-C; as :meth:`run`.
+            SandboxError: as :meth:`run`.
         """
         n = _whole(n, "step")
         before = self._done
@@ -262,12 +252,14 @@ class Simulation:
             desk.overlay(drive)
             inputs.apply(drive[0])
             speeds = inputs.speeds(done + 1, count)
+            if done == 0:
+                first = inputs.rows(1, 2).copy()
+                desk.overlay(first)
             while done == 0 and not start(
-                    self._world, self._tables, sampler.memory, self._first_rows(), speeds[:1]):
+                    self._world, self._tables, sampler.memory, first, speeds[:1]):
                 found = int(self._world.finder.table[0])
                 self._world.renew()  # results must not depend on what pymunk remembers of the try
                 self._inputs = inputs = Inputs(self._world, self._clock)
-                inputs.place()
                 inputs.apply(drive[0])
                 self._enlarge(found)
             made = 0
@@ -287,20 +279,8 @@ class Simulation:
             if progress is not None:
                 progress(done / clock.steps)
 
-    def _first_rows(self) -> Array:
-        """Values of the drives in the first two steps, one where there is no more, [2, nd]."""
-        drive = self._inputs.rows(1, 2).copy()
-        self._steering.desk.overlay(drive)
-        return drive
-
     def _make_room(self, k: int) -> None:
-        """Let step ``k`` go on, which was not made for want of room.
-
-        Raises:
-            SimulationDiverged: it was made, and the motion is no longer sound.
-            RecordingFull: more than allowed was recorded.
-            SandboxError: more contacts than can be solved together.
-        """
+        """Let step ``k`` go on, which was not made for want of room; raise what ended the run."""
         if self._sampler.full:  # first: a step that is half made may have to be kept, too
             self._sampler.make_room()
             if self._builder.recorded_bytes > self._most:
@@ -312,14 +292,7 @@ class Simulation:
                            self._steering)
 
     def _enlarge(self, found: int | None = None) -> None:
-        """Make room for what touches in the step that is half made, to go on with it.
-
-        Args:
-            found: how many contacts, by default those of the step.
-
-        Raises:
-            SandboxError: more contacts than can be solved together.
-        """
+        """Make room for ``found`` contacts, by default those of the step that is half made."""
         world, constants = self._world, self._tables.constants
         found = int(world.finder.table[0]) if found is None else found
         if found > MOST_CONTACTS:
@@ -349,9 +322,8 @@ class Simulation:
                 "name-not-found", f"there is no drive named {quoted(drive)}", "set",
                 allowed=listed(known) or "none: the scene has no drives", hint=near(drive, known))])
         if value is not None and not (isinstance(value, Real) and math.isfinite(value)):
-            raise SceneError([Problem("bad-argument",
-                                      f"{value!r} is not a value for {quoted(drive)}", "set",
-                                      allowed="a finite number, or None for the drive's signal")])
+            raise _wrong(f"{value!r} is not a value for {quoted(drive)}", "set",
+                         "a finite number, or None for the drive's signal")
         if owner := self._steering.writer(drive):
             raise SceneError([Problem("set-twice",
                                       f"the drive {quoted(drive)} is set by {quoted(owner)}",
@@ -370,15 +342,11 @@ class Simulation:
         began = time.perf_counter()
         self._world.renew()
         self._inputs = Inputs(self._world, self._clock)
-        self._inputs.place()
         self._tables = self._beginning.restored()
         self._builder = self._room()
         self._sampler.restart(self._tables, self._builder)
         self._readings.tables = self._tables
-        self._steering = Steering(self._model, self._clock, self._readings, self._customs)
-        self._set, self._broke, self._done, self._failed = [], [], 0, None
-        self._steering.moved(0, self._inputs.rows(1, 1)[0])
-        self._wall = {"build": time.perf_counter() - began, "simulate": 0.0}
+        self._begin(began)
 
     def copy(self) -> Simulation:
         """Another simulation that stands where this one does, made by running it again.
@@ -452,7 +420,6 @@ class Simulation:
         return found
 
     def _room(self) -> RecordingBuilder:
-        """What its samples are collected in."""
         return RecordingBuilder(
             self.mechanism, self._clock.samples, self._statics(), apart=self._clock.every > 1,
             model=self._model)
@@ -467,12 +434,10 @@ class Simulation:
 
 
 def _whole(number: object, path: str) -> int:
-    """A number of steps.
-
-    Raises:
-        SceneError: it is none.
-    """
     if isinstance(number, Integral) and int(number) >= 0:
         return int(number)
-    raise SceneError([Problem("bad-argument", f"{number!r} is no number of steps", path,
-                              allowed="a whole number, 0 or more")])
+    raise _wrong(f"{number!r} is no number of steps", path, "a whole number, 0 or more")
+
+
+def _wrong(message: str, path: str, allowed: str) -> SceneError:
+    return SceneError([Problem("bad-argument", message, path, allowed=allowed)])

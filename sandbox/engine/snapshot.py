@@ -1,10 +1,8 @@
 """Samples: copies of arrays, contacts, and means of forces over sample intervals.
 
-Where samples are several steps apart, the force of the sample's own step says nothing about the
-steps between. The mean over the sample interval does, and the interval lies around the sample,
-from half an interval before it to half an interval after it: so the mean belongs to the instant
-of the sample, to second order. With an even number of steps per interval, the step between two
-samples counts half for either. Intervals meet, so that the sum of means is the sum of impulses.
+An interval lies around its sample, so the mean belongs to the instant of the sample, to second
+order. With an even number of steps per interval, the step between two samples counts half for
+either. Intervals meet, so that the sum of means is the sum of impulses.
 """
 
 from __future__ import annotations
@@ -21,30 +19,28 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.memory import view_name
 from sandbox.engine.native import copy_words
 from sandbox.engine.records import STOP
-from sandbox.engine.state import AWAY, CLOSING, CONTACT, CONTACT_SUMS, RESTING, SAMPLED, Snapshot
+from sandbox.engine.state import AWAY, CLOSING, RESTING, SAMPLED, Snapshot, allocate
 from sandbox.engine.tables import Tables
 from sandbox.numeric import Array, Records
 
 
-def make_snapshot(samples: int, tables: Tables, drives: int, contacts: int) -> Snapshot:
+def make_snapshot(samples: int, tables: Tables, contacts: int) -> Snapshot:
     """Memory for so many samples of a run, and so many contacts in all of them together."""
     constants = tables.constants
     sampled = {view_name(type(part), name): getattr(part, name)
-               for part in tables[1:] for name in SAMPLED[type(part)]}
+               for part in (tables.state, tables.result) for name in SAMPLED[type(part)]}
     copied = {name: np.zeros((samples, *array.shape), array.dtype)
               for name, array in sampled.items()}
     copies = np.array([(array.ctypes.data, copied[name].ctypes.data, array.nbytes // 8)
                        for name, array in sampled.items() if array.size], dtype=np.int64)
-    bodies = (samples, len(constants.inverse_mass), 3)
-    tendons = np.count_nonzero(constants.cords["whole"] < 0)
-    forces = FORCES * len(constants.joints) + tendons + len(constants.slips) + drives
-    return Snapshot(
-        np.zeros(bodies), np.zeros(bodies), np.zeros(bodies), copied, copies.reshape(-1, 3),
-        np.full((samples, drives), np.nan), np.zeros(contacts, CONTACT),
-        np.zeros(samples, dtype=np.int64), np.zeros(4, dtype=np.int64), np.zeros(forces),
-        np.zeros((samples, forces)), np.zeros(samples, dtype=np.int64), np.zeros(2),
-        np.zeros(2 * contacts, CONTACT_SUMS), np.zeros(samples, dtype=np.int64),
-        np.zeros(2, dtype=np.int64))
+    drives = len(tables.state.last_drive)
+    tendons = int(np.count_nonzero(constants.cords["whole"] < 0))
+    sizes = {
+        "samples": samples, "bodies": len(constants.bodies), "drives": drives,
+        "contacts": contacts, "mean_contacts": 2 * contacts,
+        "forces": FORCES * len(constants.joints) + tendons + len(constants.slips) + drives}
+    made: Snapshot = allocate(Snapshot, sizes, copied=copied, copies=copies.reshape(-1, 3))
+    return made
 
 
 @kernel
@@ -127,24 +123,15 @@ def list_contacts(touches: Records, count: int, body: Array, out: Records, m: in
             c["x"], c["y"] = body[t["a"], 0] + t["ax"], body[t["a"], 1] + t["ay"]
             c["nx"], c["ny"] = t["nx"], t["ny"]
             c["normal"], c["tangent"] = normal, t["tangent"] + t["rub"]
-            c["twist"] = twist_of(body, t)
+            c["twist"] = 0.0
+            if t["bounce"] != 0.0:  # an impact is where both surfaces will be when it happens
+                x = body[t["b"], 0] + t["bx"] - body[t["a"], 0] - t["ax"]
+                y = body[t["b"], 1] + t["by"] - body[t["a"], 1] - t["ay"]
+                tangent = t["tangent"] + t["rub"]
+                c["twist"] = (x * (normal * t["ny"] + tangent * t["nx"])
+                              - y * (normal * t["nx"] - tangent * t["ny"]))
             m += 1
     return m
-
-
-@kernel
-def twist_of(body: Array, t: Any) -> float:
-    """Moment that a contact's impulse has on body b besides that at the place on body a [N m s].
-
-    An impact is where both surfaces will be when it happens, which is not one place at the pose.
-    """
-    if t["bounce"] == 0.0:
-        return 0.0
-    x = body[t["b"], 0] + t["bx"] - body[t["a"], 0] - t["ax"]
-    y = body[t["b"], 1] + t["by"] - body[t["a"], 1] - t["ay"]
-    normal, tangent = t["normal"] + t["bounce"], t["tangent"] + t["rub"]
-    return float(x * (normal * t["ny"] + tangent * t["nx"])
-                 - y * (normal * t["nx"] - tangent * t["ny"]))
 
 
 @kernel
@@ -161,10 +148,7 @@ def room_for_contacts(table: int) -> bool:
 
 @kernel
 def count_step(table: int, h: float, every: int, due: int) -> None:
-    """Count the step just made to the means of samples ``every`` steps apart.
-
-    ``due`` steps later comes the next sample.
-    """
+    """Count the step to the means of samples ``every`` steps apart, the next in ``due`` steps."""
     waiting = at.kept_waiting(table)
     if every - due != every // 2:
         waiting[0] += 1.0
@@ -173,16 +157,6 @@ def count_step(table: int, h: float, every: int, due: int) -> None:
     waiting[0] += share
     keep_means(table, h, every)
     waiting[0] = 1.0 - share
-
-
-@kernel
-def add_waiting(table: int, h: float) -> None:
-    """Add the forces of the last steps to the means, before the next step finds other ones.
-
-    As long as everything is at rest there is no need to.
-    """
-    if at.kept_waiting(table)[0] > 0.0:
-        add_forces(table, h)
 
 
 @entry_point()

@@ -16,16 +16,17 @@ Contacts that give back speed do so before all forces (:mod:`sandbox.engine.impa
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import (
+    SEARCHED,
     columns,
     couple,
     push,
     rate,
     relax,
     residual,
+    search_modes,
     solve_modes,
     wipe,
     y_of,
@@ -42,24 +43,19 @@ from sandbox.engine.groups import (
     set_rows,
     update_rows,
 )
-from sandbox.engine.impact_poses import add_shift, lead_back, remove_shift, take_impacts
-from sandbox.engine.impacts import foresee_impacts, impacts, late_hits
-from sandbox.engine.islands import list_piles
+from sandbox.engine.impact_poses import displaced_gaps, lead_back, take_impacts
+from sandbox.engine.impacts import foresee_impacts, impacts, land, late_hits, leave
+from sandbox.engine.islands import list_piles, stretch_skin
 from sandbox.engine.kernel import kernel
-from sandbox.engine.landing import land, leave
-from sandbox.engine.lemke import MOST, lemke_modes
 from sandbox.engine.piles import solve_piles
-from sandbox.engine.plan import assemble, backward, factor, forward
+from sandbox.engine.plan import assemble, backward, factor, forward, put
 from sandbox.engine.report import report
 from sandbox.engine.rows import (
     apply_impulses,
     closed,
-    joint_gaps,
     joint_rows,
     right_side,
-    scale_entries,
 )
-from sandbox.engine.skin import stretch_skin
 from sandbox.engine.state import COARSE, STILL, STILL_TURNING
 from sandbox.engine.ties import release_rows
 from sandbox.numeric import Array, Records
@@ -95,11 +91,7 @@ in the speeds of both. Less is left where they meet in a common hinge: they do n
 
 @kernel
 def solve(table: int, h: float, drive: Array) -> bool:
-    """Find the velocities after a step, from the free ones; whether there was an impact.
-
-    ``drive`` [nd] holds the values of the drives at the step's instant, ``table`` is that of
-    :class:`sandbox.engine.memory.Memory`.
-    """
+    """Find the velocities after a step; whether there was an impact. ``drive`` [nd]: its values."""
     rows, solved, values = at.rows(table), at.unknowns(table)[2], at.values(table)
     starts, below = at.starts(table), at.below(table)
     Y, reached = at.columns(table), at.reached(table)
@@ -173,8 +165,13 @@ def factor_matrix(table: int, h: float, drive: Array) -> None:
     """Put together the matrix of the bilateral rows, and factor it."""
     unknowns, values = at.unknowns(table), at.values(table)
     J, WJ = at.entries(table)[0], at.entries(table)[1]
+    entry_body, inverse_mass = at.entry_body(table), at.inverse_mass(table)
     update_rows(table, h, drive)
-    scale_entries(table)
+    for e in range(len(entry_body)):
+        b = entry_body[e]
+        if b < len(inverse_mass):  # else a slip, which has no mass
+            w, wt = inverse_mass[b, 0], inverse_mass[b, 1]
+            WJ[e, 0], WJ[e, 1], WJ[e, 2] = w * J[e, 0], w * J[e, 1], wt * J[e, 2]
     assemble(at.pairs(table), at.direct(table), J, WJ, values)
     couple_rows(table, h)
     count = unknowns.shape[1]
@@ -198,12 +195,7 @@ def close_joints(table: int, h: float, n: int, most: float) -> float:
     Y, reached = at.columns(table), at.reached(table)
     count = unknowns.shape[1]
     diagonal = len(values) - count
-    for i in range(count):
-        unknowns[4, i] = 0.0
-    add_shift(table, h)
-    gap = joint_gaps(table, h)
-    remove_shift(table)
-    if gap < closed(h):
+    if displaced_gaps(table, h) < closed(h):
         return 0.0
     forward(at.starts(table), at.below(table), values, unknowns[4])
     taken = 0.0
@@ -231,9 +223,15 @@ def solve_bounded(table: int, n: int) -> float:
     G = at.delassus(table)
     if n == 0 or (at.standing(table)[1] >= SETTLED and _as_before(rows, n, G)):
         return slack
-    _impulses(table, n, slack)
-    while _left_alone(rows, n):  # each time of fewer rows
+    hopeless = True
+    while hopeless:  # wedged overlaps, which have no way to go, are no longer asked back
         _impulses(table, n, slack)
+        hopeless = False
+        for k in range(n):
+            row = rows[k]
+            if row["back"] < 0.0 and row["p"] * row["base"] > HOPELESS:
+                row["free"] -= row["back"]
+                row["back"], hopeless = 0.0, True
     return slack
 
 
@@ -246,8 +244,7 @@ def _impulses(table: int, n: int, slack: float) -> None:
     elif solve_modes(rows, n, G, A, chosen, slack) < 0:
         relax(rows, n, G)
         if solve_modes(rows, n, G, A, chosen, slack) < 0 and not (
-                n <= MOST and lemke(table, n)
-                and solve_modes(rows, n, G, A, chosen, slack) > 0):
+                n <= SEARCHED and search_modes(rows, n, G, A, chosen, slack)):
             relax(rows, n, G)
             given_up[0] += 1 if given_up[2] == 0 else 0
             given_up[2] += 1
@@ -270,10 +267,14 @@ def jammed(table: int, n: int, slack: float) -> int:
     for k in range(n if moving else 0):
         row = rows[k]
         overlaps = row["gentle"] == 1 and row["want"] <= -RETURN
-        if row["out"]:
-            if overlaps and _goes_on(row, velocity):
+        if row["out"] and overlaps:
+            a, b, v = row["a"], row["b"], velocity
+            speeds = (
+                abs(row["ax"] * v[a, 0]) + abs(row["ay"] * v[a, 1]) + abs(row["at"] * v[a, 2])
+                + abs(row["bx"] * v[b, 0]) + abs(row["by"] * v[b, 1]) + abs(row["bt"] * v[b, 2]))
+            if rate(row, v) < -max(AGROUND, ALMOST * speeds):
                 return k + 1
-        elif row["a"] < len(velocity) and not overlaps and (
+        elif row["a"] < len(velocity) and not (row["out"] or overlaps) and (
                 abs(row["p"] - row["last"]) * row["base"] > most):
             which, most = k, abs(row["p"] - row["last"]) * row["base"]
     if which < 0:
@@ -288,22 +289,6 @@ def jammed(table: int, n: int, slack: float) -> int:
         return which + 1
     _impulses(table, n, slack)
     return 0
-
-
-@kernel
-def _goes_on(row: Any, v: Array) -> bool:
-    """Whether both bodies of a row approach each other, and not only by what rounding leaves."""
-    a, b = row["a"], row["b"]
-    speeds = (abs(row["ax"] * v[a, 0]) + abs(row["ay"] * v[a, 1]) + abs(row["at"] * v[a, 2])
-              + abs(row["bx"] * v[b, 0]) + abs(row["by"] * v[b, 1]) + abs(row["bt"] * v[b, 2]))
-    return bool(rate(row, v) < -max(AGROUND, ALMOST * speeds))
-
-
-@entry_point("bounded", late=True)
-def lemke(table: int, n: int) -> bool:
-    """Look for the modes of the bounded rows with Lemke's method; whether it found any."""
-    return bool(lemke_modes(
-        at.rows(table), n, at.delassus(table), at.tableau(table), at.basis(table)))
 
 
 @kernel
@@ -323,23 +308,6 @@ def _note_accuracy(table: int, n: int, slack: float, piles: float) -> None:
 
 
 @kernel
-def _left_alone(rows: Records, n: int) -> bool:
-    """Ask overlaps that cannot be undone back no more; whether there are any.
-
-    What is wedged between still bodies, or held by joints, has no way to go: asked to, it would
-    answer with forces without end.
-    """
-    hopeless = False
-    for k in range(n):
-        row = rows[k]
-        if row["back"] < 0.0 and row["p"] * row["base"] > HOPELESS:
-            row["free"] -= row["back"]
-            row["back"] = 0.0
-            hopeless = True
-    return hopeless
-
-
-@kernel
 def _as_before(rows: Records, n: int, G: Array) -> bool:
     """Try the impulses of the last step: whether they leave all rows at rest, and may be."""
     for k in range(n):
@@ -355,29 +323,19 @@ def _as_before(rows: Records, n: int, G: Array) -> bool:
 
 @kernel
 def _rest(table: int) -> None:
-    """Let bodies stand that move by no more than rounding, all of them or none.
-
-    A step that begins and ends so is the same as the next, if nothing is changed from outside.
-    """
+    """Let bodies stand that move by no more than rounding, all of them or none."""
     velocity, count = at.velocity(table), at.standing(table)
     before, count[1] = count[1], 0
     for b in range(len(velocity)):
         if not (abs(velocity[b, 0]) < STILL and abs(velocity[b, 1]) < STILL
                 and abs(velocity[b, 2]) < STILL_TURNING):
             return
+    belts, changing = at.belts(table), is_changing(table)
     for b in range(len(velocity)):
         velocity[b, 0] = velocity[b, 1] = velocity[b, 2] = 0.0
-    if not (is_changing(table) or _running(table)):
+        changing |= belts[b] != 0.0  # friction on a surface that runs does work
+    if not changing:
         count[1] = min(before + 1, SETTLED + 2)
-
-
-@kernel
-def _running(table: int) -> bool:
-    """Whether any surface runs: what rubs on it does work though nothing moves."""
-    belts, running = at.belts(table), False
-    for b in range(len(belts)):
-        running |= belts[b] != 0.0
-    return running
 
 
 @entry_point()
@@ -395,9 +353,7 @@ def find_velocities(table: int, n: int) -> None:
                 i = reached[k, q]
                 unknowns[3, i] -= Y[k, i] * p
     backward(at.starts(table), at.below(table), at.values(table), unknowns[3])
-    for b in range(len(free)):
-        for j in range(3):
-            velocity[b, j] = free[b, j]
+    put(velocity, free)
     apply_impulses(table, unknowns[3], velocity)
     for k in range(n):
         push(inverse_mass, rows[k], rows[k]["p"], velocity)

@@ -25,19 +25,12 @@ from llvmlite import binding
 from sandbox.engine.kernel import Kernel
 
 Source = Callable[..., Any]
-_MACHINERY = ("kernel.py", "source_hash.py", "entry_points.py", "memory.py",
-              "native.py")
+_MACHINERY = ("kernel.py", "source_hash.py", "entry_points.py", "memory.py", "native.py")
 _OPTIONS = "CPU_NAME", "CPU_FEATURES", "OPT", "BOUNDSCHECK"
 
 
 def source_hash(function: Source) -> str:
-    """Sixteen digits that change with the code, constants and types that a function reaches.
-
-    Line numbers, comments and docstrings do not count.
-
-    Raises:
-        TypeError: the function uses a global value of a type that is not known here.
-    """
+    """Sixteen digits that change with the code, constants and types that a function reaches."""
     reached: dict[str, Source] = {}
     texts: list[str] = []
     waiting = [function]
@@ -57,11 +50,7 @@ def source_hash(function: Source) -> str:
 
 
 def cacheable(function: Callable[..., Any]) -> Any:
-    """A copy of a function whose name and file make Numba's cache a reliable one.
-
-    The name ends with a hash of all sources. The file is this one, because Numba discards cached
-    code when the file has changed, even if the function has not.
-    """
+    """A copy whose name ends with the hash of its sources, in a file that does not change."""
     copy = types.FunctionType(
         function.__code__.replace(co_filename=__file__, co_firstlineno=1), function.__globals__,
         function.__name__, function.__defaults__, function.__closure__)
@@ -72,7 +61,6 @@ def cacheable(function: Callable[..., Any]) -> Any:
 
 @cache
 def _base() -> tuple[object, ...]:
-    """What all compiled code depends on: versions, processor, options, the machinery itself."""
     files = b"".join(Path(__file__).with_name(name).read_bytes() for name in _MACHINERY)
     return (platform.python_version(), numba.__version__, llvmlite.__version__, np.__version__,
             binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten(),

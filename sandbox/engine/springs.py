@@ -114,45 +114,6 @@ def law_rate(s: Any, out: Any, velocity: Array) -> float:
 
 
 @kernel
-def _at_pose(
-    table: int, s: Any, out: Any, extent: float, speed: float, h: float, drive: Array,
-) -> tuple[float, float]:
-    """The law's force for the rate before the step, and its slope l; decides how it is taken."""
-    law = at.stack(table)[0]
-    _law(table, s, extent, speed, drive)
-    force, lead = law[0], 0.5 * max(law[2], 0.0)
-    out["stiff"] = 1 if h * h * s["response"] * law[1] > SOFT else 0
-    _law(table, s, extent + h * speed, speed, drive)
-    if h * h * s["response"] * law[1] > SOFT:
-        out["stiff"] = 1
-    if out["stiff"] == 1:
-        return law[0], h * max(law[1], 0.0) + max(law[2], 0.0)
-    return force, lead
-
-
-@kernel
-def _tangent(
-    table: int, s: Any, out: Any, extent: float, before: float, speed: float, h: float,
-    given: float, drive: Array,
-) -> tuple[bool, float, float]:
-    """Whether ``given`` differs from the law's force for the rate at the step's end; force, l."""
-    law = at.stack(table)[0]
-    _law(table, s, extent + h * speed, speed, drive)
-    slope = max(law[1], 0.0)
-    if h * h * s["response"] * slope > SOFT:
-        out["stiff"] = 1
-    if out["stiff"] == 0:
-        if not s["of_rate"]:
-            return False, 0.0, 0.0
-        _law(table, s, extent, 0.5 * (before + speed), drive)
-        force, lead = law[0], 0.5 * max(law[2], 0.0)
-    else:
-        force, lead = law[0], h * slope + max(law[2], 0.0)
-    off = abs(force - given) > SAME * (abs(force) + abs(given)) + NOTHING * slope
-    return bool(off), force, lead
-
-
-@kernel
 def _set_row(table: int, s: Any, force: float, lead: float, speed: float, h: float) -> None:
     """Set the row of a law whose force is ``force`` at the rate ``speed``, with slope ``lead``."""
     lead = max(lead, LEAST)
@@ -162,32 +123,50 @@ def _set_row(table: int, s: Any, force: float, lead: float, speed: float, h: flo
 
 @entry_point("laws")
 def law_rows(table: int, h: float, drive: Array) -> None:
-    """Rows of all springs with laws, for the rates before the step."""
+    """Rows of all springs with laws, for the rates before the step; decides how laws are taken."""
     springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
+    law = at.stack(table)[0]
     for i in range(len(springs)):
         s, out, sense = springs[i], results[i], springs[i]["sense"]
-        if s["code"] >= 0 and s["row"] >= 0:
-            speed = sense * law_rate(s, out, at.before(table))
-            force, lead = _at_pose(
-                table, s, out, sense * (out["way"] - states[i]["rest"]), speed, h, drive)
-            _set_row(table, s, force, lead, speed, h)
+        if s["code"] < 0 or s["row"] < 0:
+            continue
+        speed = sense * law_rate(s, out, at.before(table))
+        extent = sense * (out["way"] - states[i]["rest"])
+        _law(table, s, extent, speed, drive)
+        force, lead = law[0], 0.5 * max(law[2], 0.0)
+        out["stiff"] = 1 if h * h * s["response"] * law[1] > SOFT else 0
+        _law(table, s, extent + h * speed, speed, drive)
+        if h * h * s["response"] * law[1] > SOFT:
+            out["stiff"] = 1
+        if out["stiff"] == 1:
+            force, lead = law[0], h * max(law[1], 0.0) + max(law[2], 0.0)
+        _set_row(table, s, force, lead, speed, h)
 
 
 @entry_point("laws")
 def change_laws(table: int, h: float, drive: Array) -> bool:
     """Linearise laws at the rates that the solve gave; whether any force differs."""
     springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
-    given, changed = at.unknowns(table)[3], False
+    given, law, changed = at.unknowns(table)[3], at.stack(table)[0], False
     for i in range(len(springs)):
         s, out, sense = springs[i], results[i], springs[i]["sense"]
         if s["code"] < 0 or s["row"] < 0 or not spring_holds(table, s):
             continue
         speed = sense * law_rate(s, out, at.velocity(table))
-        off, force, lead = _tangent(
-            table, s, out, sense * (out["way"] - states[i]["rest"]),
-            sense * law_rate(s, out, at.before(table)), speed, h, -sense * given[s["row"]] / h,
-            drive)
-        if off:
+        extent = sense * (out["way"] - states[i]["rest"])
+        _law(table, s, extent + h * speed, speed, drive)
+        slope = max(law[1], 0.0)
+        if h * h * s["response"] * slope > SOFT:
+            out["stiff"] = 1
+        force, lead = law[0], h * slope + max(law[2], 0.0)
+        if out["stiff"] == 0:
+            if not s["of_rate"]:
+                continue
+            before = sense * law_rate(s, out, at.before(table))
+            _law(table, s, extent, 0.5 * (before + speed), drive)
+            force, lead = law[0], 0.5 * max(law[2], 0.0)
+        acted = -sense * given[s["row"]] / h
+        if abs(force - acted) > SAME * (abs(force) + abs(acted)) + NOTHING * slope:
             _set_row(table, s, force, lead, speed, h)
             changed = True
     return changed

@@ -4,17 +4,19 @@ Each number is one of three things: it never changes (:class:`Constants`), the n
 (:class:`State`), or it is only reported (:class:`Result`). A run is its constants, its state and
 where pymunk's bodies are. Records of elements stand in :mod:`sandbox.engine.records`.
 
-Shapes: nb bodies, nd drives, m unknowns of the bilateral rows (:mod:`sandbox.engine.plan`), ne
-entries of these, r bounded rows for which there is room. Arrays of records have one axis. Guides
-are first those of tendons, then those of spans.
+:func:`allocate` makes arrays of zeros with the declared shapes. ``unknowns`` and ``entries`` are
+those of the bilateral rows (:mod:`sandbox.engine.plan`), ``rows`` bounded ones, ``piles`` bodies of
+piles. Guides are first those of tendons, then those of spans.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, NamedTuple
+from functools import cache
+from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sandbox.engine import records
 from sandbox.model.programs import CURVE, KNOT, STEP
@@ -176,22 +178,18 @@ IMPACT = np.dtype([
 class Constants(NamedTuple):
     """What no step changes."""
 
-    h: float
-    """The step [s]."""
-    gravity: Array
-    """[m/s^2], [2]."""
-    inverse_mass: Annotated[Array, 2]
-    """1 / mass and 1 / inertia, [nb, 2]; 0 for bodies that do not move freely."""
+    h: float  # the step [s]
+    gravity: Array  # [m/s^2], [2]
+    inverse_mass: Annotated[Array, "bodies 2"]
+    """1 / mass and 1 / inertia; 0 for bodies that do not move freely."""
     bodies: Annotated[Records, BODY]
-    scheduled: Integers
-    """Numbers of the bodies that move as a schedule has it."""
+    scheduled: Integers  # numbers of the bodies that move as a schedule has it
     actions: Annotated[Records, records.ACTION]
     springs: Annotated[Records, records.SPRING]
     cords: Annotated[Records, records.CORD]
     guides: Annotated[Records, records.GUIDE]
     slips: Annotated[Records, records.SLIP]
-    wheels: Integers
-    """Guides whose wheels a cord can lift off, [nw]."""
+    wheels: Integers  # guides whose wheels a cord can lift off, [nw]
     joints: Annotated[Records, records.JOINT]
     limits: Annotated[Records, records.LIMIT]
     motors: Annotated[Records, records.MOTOR]
@@ -200,56 +198,32 @@ class Constants(NamedTuple):
     chambers: Annotated[Records, records.CHAMBER]
     valves: Annotated[Records, records.VALVE]
     pumps: Annotated[Records, records.PUMP]
-    loads: Annotated[Records, records.LOAD]
-    """[nk], those of a body side by side."""
+    loads: Annotated[Records, records.LOAD]  # [nk], those of a body side by side
     loaded: Annotated[Records, records.LOADED]
-    sides: Annotated[Array, 2]
-    """Outlines of what liquids lift, from the centres of mass (:mod:`sandbox.model.loads`)."""
+    sides: Annotated[Array, "sides 5"]  # outlines of what liquids lift, from centres of mass
     ties: Annotated[Records, records.TIE]
     shapes: Annotated[Records, SHAPE]
-    faces: Annotated[Records, FACE]
-    """Those of a shape side by side."""
-    vertices: Annotated[Array, 2]
-    """Corners of the shapes' cores, from the centres of mass [m], [n, 2]."""
-    spans: Annotated[Records, SPAN]
-    """Those of a curve side by side."""
-    steps: Annotated[Records, STEP]
-    """Of the programs of all laws (:mod:`sandbox.model.programs`)."""
-    curves: Annotated[Records, CURVE]
-    """Of the scene's tables."""
-    knots: Annotated[Records, KNOT]
-    """Of these."""
-    friction: Annotated[Array, 2]
-    """Coefficient of every pair of bodies, negative where they may not touch, [nb, nb]."""
-    static: Annotated[Array, 2]
-    """Static over sliding friction of every pair of bodies, [nb, nb]."""
-    restitution: Annotated[Array, 2]
-    """Of every pair of bodies, [nb, nb]."""
-    starts: Integers
-    """This and what follows: :class:`sandbox.engine.plan.Pattern`."""
-    below: Integers
-    updates: Integers
-    entry_row: Integers
-    entry_body: Integers
-    pairs: Annotated[Integers, 2]
-    direct: Annotated[Integers, 2]
-    body_starts: Integers
-    body_entries: Integers
-    branch_starts: Integers
-    branches: Integers
-    hubs: Annotated[Integers, 2]
-    skin: Annotated[Array, 3]
+    faces: Annotated[Records, FACE]  # those of a shape side by side
+    vertices: Annotated[Array, "vertices 2"]  # of cores, from centres of mass [m]
+    spans: Annotated[Records, SPAN]  # those of a curve side by side
+    steps: Annotated[Records, STEP]  # of the programs of all laws (`programs`)
+    curves: Annotated[Records, CURVE]  # of the scene's tables
+    knots: Annotated[Records, KNOT]  # of these
+    friction: Annotated[Array, "bodies bodies"]
+    """Coefficient of every pair of bodies, negative where they may not touch."""
+    static: Annotated[Array, "bodies bodies"]  # static over sliding friction of every pair
+    restitution: Annotated[Array, "bodies bodies"]  # of every pair
+    skin: Annotated[Array, "2 bodies bodies"]
     """Stiffness [N/m] and damping [N s/m] of the contacts of every pair of bodies, 0 where they are
-    rigid, [2, nb, nb], or [2, 0, 0] if all are."""
-    loose: Integers
-    """The PILE_BODY of each body, or -1, [nb]."""
+    rigid; [2, 0, 0] if all are."""
+    loose: Integers  # the PILE_BODY of each body, or -1
 
 
 class State(NamedTuple):
     """All that changes in a run and that the next step needs."""
 
-    body: Annotated[Array, 2]
-    """x, y, angle, vx, vy, omega of the centres of mass, [nb, 6]; pymunk's, filled after moves."""
+    body: Annotated[Array, "bodies 6"]
+    """x, y, angle, vx, vy, omega of the centres of mass; pymunk's, filled after moves."""
     actions: Annotated[Records, records.ACTION_STATE]
     springs: Annotated[Records, records.SPRING_STATE]
     cords: Annotated[Records, records.CORD_STATE]
@@ -263,29 +237,25 @@ class State(NamedTuple):
     valves: Annotated[Records, records.VALVE_STATE]
     pumps: Annotated[Records, records.PUMP_STATE]
     loads: Annotated[Records, records.LOAD_STATE]
-    made: Integers
+    made: Annotated[Integers, "4"]
     """Steps made, this one among them, but for those in which all was at rest; which of those made
-    in one go this one is, from 0; how many of ``broken`` and of ``impacts`` are filled, [4]."""
+    in one go this one is, from 0; how many of ``broken`` and of ``impacts`` are filled."""
     ties: Annotated[Records, records.TIE_STATE]
-    broken: Annotated[Records, records.BROKEN]
-    """What broke in the steps made in one go; room for more than do."""
-    impacts: Annotated[Records, IMPACT]
-    """Of the steps made in one go, [contacts] or more."""
-    touches: Annotated[Records, TOUCH]
-    """Of the last step, [contacts]."""
-    touching: Integers
-    """How many of these there are; whether a step waits for room to be gone on with, [2]."""
-    last_drive: Array
-    """Values of the drives in the last step, [nd]."""
-    standing: Integers
+    broken: Annotated[Records, records.BROKEN]  # what broke in the steps made in one go
+    impacts: Annotated[Records, IMPACT, "impacts"]  # of the steps made in one go
+    touches: Annotated[Records, TOUCH, "contacts"]  # of the last step
+    touching: Annotated[Integers, "2"]
+    """How many of these there are; whether a step waits for room to be gone on with."""
+    last_drive: Annotated[Array, "drives"]  # values of the drives in the last step
+    standing: Annotated[Integers, "6"]
     """In how many steps modes were not found; for how many steps all has been at rest; how often
     modes were not found in this step; which row is jammed, from 1, or 0; how many rows; in how many
-    steps impacts were too many to be put in order, [6]."""
-    pile_bodies: Annotated[Records, PILE_BODY]
-    accuracy: Array
+    steps impacts were too many to be put in order."""
+    pile_bodies: Annotated[Records, PILE_BODY, "piles"]
+    accuracy: Annotated[Array, "5"]
     """Residual of the bounded rows in the last step [m/s, rad/s]; the largest so far; the step that
     it was in, counted as ``made``; steps with piles that were awake; steps with a residual above
-    :data:`COARSE`, [5]."""
+    :data:`COARSE`."""
 
 
 class Result(NamedTuple):
@@ -296,24 +266,20 @@ class Result(NamedTuple):
     ``pile_starts`` and ``pile_below`` are kept.
     """
 
-    velocity: Annotated[Array, 2]
-    """After the step, [nb, 3]; pymunk's, which takes it from here."""
-    before: Annotated[Array, 2]
-    """Velocities before the step, [nb, 3]."""
-    force: Annotated[Array, 2]
-    """Forces and torques that the poses tell [N, N m], [nb, 3]; once they are in ``free``, scratch:
+    velocity: Annotated[Array, "bodies 3"]  # after the step; pymunk's, which takes it from here
+    before: Annotated[Array, "bodies 3"]  # velocities before the step
+    force: Annotated[Array, "bodies 3"]
+    """Forces and torques that the poses tell [N, N m]; once they are in ``free``, scratch:
     cosine and sine of the angles one step on."""
-    free: Annotated[Array, 2]
+    free: Annotated[Array, "bodies 3"]
     """Velocities that these alone, and impacts, lead to; after the step the mean of before and
-    after, [nb, 3]."""
-    kick: Annotated[Array, 2]
-    """Velocities that impacts add, [nb, 3], in ``free`` already."""
-    delayed: Annotated[Array, 2]
-    """The same, each times the instant of its impact after the pose [m, rad], [nb, 3]."""
-    shift: Annotated[Array, 2]
-    """How far impacts after the pose displace it, so that the next one is right, [nb, 3]."""
-    turn: Annotated[Array, 2]
-    """Cosine and sine of the bodies' angles, [nb, 2]."""
+    after."""
+    kick: Annotated[Array, "bodies 3"]  # velocities that impacts add, in ``free`` already
+    delayed: Annotated[Array, "bodies 3"]
+    """The same, each times the instant of its impact after the pose [m, rad]."""
+    shift: Annotated[Array, "bodies 3"]
+    """How far impacts after the pose displace it, so that the next one is right."""
+    turn: Annotated[Array, "bodies 2"]  # cosine and sine of the bodies' angles
     actions: Annotated[Records, records.ACTION_RESULT]
     springs: Annotated[Records, records.SPRING_RESULT]
     cords: Annotated[Records, records.CORD_RESULT]
@@ -327,65 +293,42 @@ class Result(NamedTuple):
     pumps: Annotated[Records, records.PUMP_RESULT]
     loads: Annotated[Records, records.LOAD_RESULT]
     loaded: Annotated[Records, records.LOADED_RESULT]
-    pressing: Annotated[Array, 3]
-    """Numbers of the loaded bodies, [no, NUMBERS, 3]."""
-    felt: Annotated[Array, 2]
-    """Scratch: a load's force and torque with slopes, [3, 4]."""
+    pressing: Annotated[Array, "loaded numbers 3"]  # NUMBERS of the loaded bodies
+    felt: Annotated[Array, "3 4"]  # scratch: a load's force and torque with slopes
     ties: Annotated[Records, records.TIE_RESULT]
-    belts: Array
-    """Speeds at which surfaces run, counter-clockwise round their bodies [m/s], [nb]."""
-    stack: Annotated[Array, 2]
-    """Scratch of laws: values with their slopes, [depth, 4]."""
-    read_names: Annotated[Array, 2]
-    """Scratch: what a law reads, values with slopes, [names, 4]."""
-    entries: Annotated[Array, 3]
-    """J and W J of the entries, [2, ne, 3]."""
-    values: Array
-    """The matrix and its factor, [slots + m]."""
-    unknowns: Annotated[Array, 2]
+    belts: Annotated[Array, "bodies"]
+    """Speeds at which surfaces run, counter-clockwise round their bodies [m/s]."""
+    stack: Annotated[Array, "stack 4"]  # scratch of laws: values with their slopes
+    read_names: Annotated[Array, "names 4"]  # scratch: what a law reads, values with slopes
+    entries: Annotated[Array, "2 entries 3"]  # J and W J of the entries
+    values: Annotated[Array, "values"]  # the matrix and its factor
+    unknowns: Annotated[Array, "6 unknowns"]
     """What rows ask for; compliances, of hubs - mass and - inertia; the forward-substituted right
-    side; the solution; scratch; gaps that joints may keep in this step, 0 but for impacts,
-    [6, m]."""
-    found: Annotated[Records, TOUCH]
-    """As pymunk found them in this step, [contacts]."""
-    order: Integers
-    """Scratch, [contacts]."""
-    rows: Annotated[Records, BOUND]
-    """The rows that are solved for, [r]."""
-    columns: Annotated[Array, 2]
-    """L^-1 R W C^T of each, [r, m]."""
-    reached: Annotated[Integers, 2]
-    """Which unknowns are not 0 in it, [r, m]."""
-    delassus: Annotated[Array, 2]
-    """What the rows make of one another, G, [r, r]."""
-    system: Annotated[Array, 2]
-    """Scratch, [r, r + 1]."""
-    chosen: Integers
-    """Scratch, [r]."""
-    tableau: Annotated[Array, 2]
-    """Scratch of Lemke's method, [2 r, 2 r + 2], but r not above what that is tried for."""
-    basis: Annotated[Integers, 2]
-    """Scratch of the same, [3, 2 r + 2]."""
-    pile_starts: Integers
-    """This and the next: the pattern of the matrix of piles (:mod:`sandbox.engine.blocks`), for
-    np bodies; a step keeps it if it has all that meets in it, [np + 1]."""
-    pile_below: Integers
-    pile_adjacent: Annotated[Integers, 2]
-    """Scratch of its order, [np, words]."""
-    pile_work: Annotated[Integers, 2]
-    """The same, [3, np]."""
-    pile_vectors: Annotated[Array, 3]
+    side; the solution; scratch; gaps that joints may keep in this step, 0 but for impacts."""
+    found: Annotated[Records, TOUCH, "contacts"]  # as pymunk found them in this step
+    order: Annotated[Integers, "contacts"]  # scratch
+    rows: Annotated[Records, BOUND, "rows"]  # the rows that are solved for
+    columns: Annotated[Array, "rows unknowns"]  # L^-1 R W C^T of each
+    reached: Annotated[Integers, "rows unknowns"]  # which unknowns are not 0 in it
+    delassus: Annotated[Array, "rows rows"]  # what the rows make of one another, G
+    system: Annotated[Array, "rows rows+1"]  # scratch
+    chosen: Annotated[Integers, "rows"]  # scratch
+    pile_starts: Annotated[Integers, "piles+1"]
+    """This and the next: the pattern of the matrix of piles (:mod:`sandbox.engine.blocks`); a step
+    keeps it if it has all that meets in it."""
+    pile_below: Annotated[Integers, "slots"]
+    pile_adjacent: Annotated[Integers, "piles words"]  # scratch of its order
+    pile_work: Annotated[Integers, "3 piles"]  # the same
+    pile_vectors: Annotated[Array, "7 piles 3"]
     """Velocities of the bodies of piles: the result, a trial, those without contacts; inverse
-    masses; forces, a right side, a change, [7, np, 3]."""
-    pile_diagonal: Annotated[Array, 3]
-    """Blocks of the matrix, [np, 3, 3]; below and above the diagonal, [slots, 3, 3]."""
-    pile_lower: Annotated[Array, 3]
-    pile_upper: Annotated[Array, 3]
-    piled: Annotated[Records, PILED]
-    """[contacts]"""
-    pile_jacobian: Annotated[Array, 3]
+    masses; forces, a right side, a change."""
+    pile_diagonal: Annotated[Array, "piles 3 3"]  # blocks of the matrix
+    pile_lower: Annotated[Array, "slots 3 3"]  # those below the diagonal
+    pile_upper: Annotated[Array, "slots 3 3"]  # and above
+    piled: Annotated[Records, PILED, "contacts"]
+    pile_jacobian: Annotated[Array, "contacts 4 3"]
     """Of the normal and the tangential rate of each with respect to both bodies: normal a, b,
-    tangential a, b, [contacts, 4, 3]."""
+    tangential a, b."""
 
 
 SAMPLED: dict[type, tuple[str, ...]] = {
@@ -400,40 +343,65 @@ SAMPLED: dict[type, tuple[str, ...]] = {
 class Snapshot(NamedTuple):
     """Memory for samples on their way to the recording, an axis of samples before all others."""
 
-    pose: Annotated[Array, 3]
-    """x, y, angle of the bodies' frames, in the model's order as all of bodies, [n, nb, 3]."""
-    velocity: Annotated[Array, 3]
-    """Of the centres of mass, at the instant of the pose, [n, nb, 3]."""
-    acceleration: Annotated[Array, 3]
-    """[n, nb, 3]"""
-    copied: Mapping[str, Records]
-    """Samples of :data:`SAMPLED` by the names of their views."""
-    copies: Annotated[Integers, 2]
-    """Of each the address of what is copied, that of the first sample, words to copy, [k, 3]."""
-    drive: Annotated[Array, 2]
-    """Values of the drives in the step of each sample, [n, nd]."""
-    contacts: Annotated[Records, CONTACT]
-    """Of all samples, one after the other."""
-    fill: Integers
-    """How many contacts there are up to the end of each sample, [n]."""
-    taken: Integers
+    pose: Annotated[Array, "samples bodies 3"]
+    """x, y, angle of the bodies' frames, in the model's order as all of bodies."""
+    velocity: Annotated[Array, "samples bodies 3"]  # of the centres of mass, when they are there
+    acceleration: Annotated[Array, "samples bodies 3"]
+    copied: Mapping[str, Records]  # samples of `SAMPLED` by the names of their views
+    copies: Annotated[Integers, "copies 3"]
+    """Of each the address of what is copied, that of the first sample, words to copy."""
+    drive: Annotated[Array, "samples drives"]  # values of the drives in the step of each sample
+    contacts: Annotated[Records, CONTACT, "contacts"]  # of all samples, one after the other
+    fill: Annotated[Integers, "samples"]  # how many contacts there are up to the end of each sample
+    taken: Annotated[Integers, "4"]
     """Samples kept since the start of the run; how many of these were handed on; whether there is
     no room for the next one (1), or for what touches in the next step (2); samples whose means are
-    kept, [4]."""
-    sums: Array
+    kept."""
+    sums: Annotated[Array, "forces"]
     """Sums of forces over the steps of a sample interval, in the columns of the recorded
-    ``mean_force`` [N, N m], [nc]."""
-    means: Annotated[Array, 2]
-    """Means of these around each sample, [n, nc]."""
-    steady: Integers
+    ``mean_force`` [N, N m]."""
+    means: Annotated[Array, "samples forces"]  # means of these around each sample
+    steady: Annotated[Integers, "samples"]
     """Whether these are the forces of the sample's step: all steps were the same, or the interval
-    goes on, [n]."""
-    waiting: Array
+    goes on."""
+    waiting: Annotated[Array, "2"]
     """How many steps were made that are not in the sums, with the forces of the last one; whether
-    there is anything in the sums, [2]."""
-    mean_contacts: Annotated[Records, CONTACT_SUMS]
+    there is anything in the sums."""
+    mean_contacts: Annotated[Records, CONTACT_SUMS, "mean_contacts"]
     """Of the sample intervals, one after the other; last the unfinished one."""
-    mean_fill: Integers
-    """How many of these there are up to the end of each sample's interval, [n]."""
-    unfinished: Integers
-    """The first of these that belongs to the unfinished interval; how many do, [2]."""
+    mean_fill: Annotated[Integers, "samples"]
+    """How many of these there are up to the end of each sample's interval."""
+    unfinished: Annotated[Integers, "2"]
+    """The first of these that belongs to the unfinished interval; how many do."""
+
+
+_ITEMS = {str(Array): float, str(Integers): np.int64, str(NDArray[np.intc]): np.intc}
+
+
+@cache
+def declared(part: Any) -> dict[str, tuple[Any, list[str]]]:
+    """Item types and lengths of the arrays of a part, by their fields; of a number no type."""
+    found: dict[str, tuple[Any, list[str]]] = {}
+    for name, note in get_type_hints(part, include_extras=True).items():
+        kind, *more = get_args(note) if get_origin(note) is Annotated else (note,)
+        if kind is Records or str(kind) in _ITEMS:
+            item = more[0] if kind is Records else _ITEMS[str(kind)]
+            shape = more[-1] if more and isinstance(more[-1], str) else name
+            found[name] = item, shape.split()
+        elif note is int:
+            found[name] = None, []
+    return found
+
+
+def zeros(part: Any, name: str, sizes: Mapping[str, int]) -> Any:
+    """Zeros for one array of a part; ``sizes`` are the lengths by their names."""
+    item, shape = declared(part)[name]
+    return np.zeros([int(length) if length.isdigit() else
+                     sizes[length.removesuffix("+1")] + length.endswith("+1")
+                     for length in shape], item)
+
+
+def allocate(part: Any, sizes: Mapping[str, int], **given: Any) -> Any:
+    """A part whose arrays that are not ``given`` are zeros."""
+    return part(**given, **{
+        name: zeros(part, name, sizes) for name in part._fields if name not in given})

@@ -1,10 +1,7 @@
 """Control while a run goes on: controllers and events, between steps.
 
-The loop asks :meth:`Steering.ahead` how many steps may be made, makes them
-with the drive values that ``desk.overlay`` gives, says so by
-:meth:`Steering.moved`, and calls :meth:`Steering.act` before the next ones.
-At one instant events come first, then controllers; what one writes the next one
-can read only after a step.
+At one instant events come first, then controllers; what one writes the next one can read only after
+a step.
 """
 
 from __future__ import annotations
@@ -18,8 +15,8 @@ from typing import Any
 from sandbox.elements.controllers.controller import Law, every
 from sandbox.elements.controllers.custom import Custom, StopRun
 from sandbox.elements.registry import Controller
-from sandbox.engine.clock import Clock
 from sandbox.engine.control_loop import ANY, Bound, ControlLoop, Desk, Setpoint
+from sandbox.engine.inputs import Clock
 from sandbox.engine.readings import Readings
 from sandbox.engine.ties import hold
 from sandbox.errors import SimulationDiverged
@@ -38,18 +35,13 @@ class Pending:
     """An event that has not happened yet."""
 
     event: Event
-    first: int
-    """Steps before it may happen."""
-    every: int
-    """Steps between two looks at its condition."""
+    first: int  # steps before it may happen
+    every: int  # steps between two looks at its condition
     condition: Read | None
 
 
 class Steering:
-    """All controllers and events of one run.
-
-    ``desk`` holds what they have set; drives that nobody has set follow their signals.
-    """
+    """All controllers and events of one run; ``desk`` holds what they have set."""
 
     def __init__(
         self, model: Model, clock: Clock, readings: Readings, customs: Sequence[Custom] = (),
@@ -58,8 +50,7 @@ class Steering:
         self.mechanism = mechanism = model.mechanism
         self._column = model.names.drive
         self.desk = Desk(readings, model.drives.floor)
-        self.loops = [self._loop(spec) for spec in mechanism.controllers]
-        self.loops += [self._custom(custom) for custom in customs]
+        self.loops = [self._loop(spec) for spec in (*mechanism.controllers, *customs)]
         self._groups = [(each, [loop for loop in self.loops if loop.every == each])
                         for each in sorted({loop.every for loop in self.loops})]
         self._by_name = {loop.name: loop for loop in self.loops}
@@ -76,29 +67,21 @@ class Steering:
 
     # -- building -------------------------------------------------------------------
 
-    def _loop(self, spec: Controller) -> ControlLoop:
+    def _loop(self, spec: Controller | Custom) -> ControlLoop:
         count = every(spec.rate, self.clock.step)
-        period = count * self.clock.step
-        return self._made(
-            spec.name, spec.readings, spec.make_law(self.mechanism, period), spec.written,
-            count, [Setpoint(signal, period, (self.clock.steps - 1) // count,
-                             self.mechanism.functions)
-                    for signal in spec.signals],
-            spec.limits, spec.slew, active=spec.active)
-
-    def _custom(self, custom: Custom) -> ControlLoop:
-        return self._made(
-            custom.name, custom.reads, custom.law(), custom.writes,
-            every(custom.rate, self.clock.step), [], custom.limits, custom.slew, active=True)
-
-    def _made(
-        self, name: str, reads: Sequence[str], law: Law, writes: Sequence[str], count: int,
-        targets: list[Setpoint], limits: Any, slew: Any, *, active: bool,
-    ) -> ControlLoop:
+        period, targets, active = count * self.clock.step, [], True
+        law: Law
+        if isinstance(spec, Custom):
+            reads, writes, law = spec.reads, spec.writes, spec.law()
+        else:
+            reads, writes, active = spec.readings, spec.written, spec.active
+            law = spec.make_law(self.mechanism, period)
+            targets = [Setpoint(signal, period, (self.clock.steps - 1) // count,
+                                self.mechanism.functions) for signal in spec.signals]
+        limits: Any = spec.limits
         alone = len(writes) == 1
         ranges = [limits] if alone and limits and not isinstance(limits[0], tuple) else limits
-        rates = [slew] if isinstance(slew, float) else slew
-        period = count * self.clock.step
+        rates: Any = [spec.slew] if isinstance(spec.slew, float) else spec.slew
         bounds = []
         for j, drive in enumerate(writes):
             low, high = ranges[j] if ranges else (-math.inf, math.inf)
@@ -109,7 +92,7 @@ class Steering:
             most = min(rates[j] * period, ANY) if rates else ANY
             bounds.append(Bound(column, most, low, high))
         return ControlLoop(
-            name, reads, [self.readings.of(text) for text in reads], targets, law, bounds,
+            spec.name, reads, [self.readings.of(text) for text in reads], targets, law, bounds,
             list(writes), count, self.desk, active)
 
     def _pending(self, event: Event) -> Pending:
@@ -147,14 +130,14 @@ class Steering:
         readings.now, readings.drive, readings.listed = done * self.clock.step, drive, None
 
     def act(self, done: int) -> None:
-        """Let events happen and controllers act that are due after ``done`` steps.
-
-        Raises:
-            SimulationDiverged: a controller reads or wants what is not a number.
-            ControllerFailed: one in Python raised an exception.
-        """
-        if self._waiting or self._endings:
-            self._events(done)
+        """Let events happen and controllers act that are due after ``done`` steps."""
+        for step, end in [ending for ending in self._endings if ending[0] <= done]:
+            end()
+            self._endings.remove((step, end))
+        for pending in list(self._waiting):
+            if self._due(pending, done):
+                self._waiting.remove(pending)
+                self._happen(pending.event, done)
         t = done * self.clock.step
         for each, loops in self._groups:
             number, more = divmod(done, each)
@@ -169,21 +152,8 @@ class Steering:
 
     # -- events -----------------------------------------------------------------------
 
-    def _events(self, done: int) -> None:
-        for step, end in [ending for ending in self._endings if ending[0] <= done]:
-            end()
-            self._endings.remove((step, end))
-        for pending in list(self._waiting):
-            if self._due(pending, done):
-                self._waiting.remove(pending)
-                self._happen(pending.event, done)
-
     def _due(self, pending: Pending, done: int) -> bool:
-        """Whether an event happens now.
-
-        Raises:
-            SimulationDiverged: its condition has no value.
-        """
+        """Whether an event happens now; SimulationDiverged if its condition has no value."""
         if done < pending.first or pending.condition is None:
             return done >= pending.first
         if done % pending.every:
@@ -198,9 +168,9 @@ class Steering:
         self.happened.append({"event": event.name, "time_s": done * self.clock.step})
         ends = [self._set(name, value) for name, value in event.set.items()]
         for names, held in ((event.release, False), (event.take_up, True)):
-            for name in names:
-                self._hold(name, held=held)
-                ends.append(partial(self._hold, name, held=not held))
+            for tie in map(self.model.ties.name.index, names):
+                hold(self.readings.tables, tie, held=held)
+                ends.append(partial(hold, self.readings.tables, tie, held=not held))
         if event.lasts is not None:
             def end() -> None:
                 for one in ends:
@@ -215,15 +185,8 @@ class Steering:
         if stop.verdict == "fail" or self.stopped is None:
             self.stopped = stop
 
-    def _hold(self, name: str, *, held: bool) -> None:
-        """Let go of a joint, a spring or a tendon, or take it up."""
-        hold(self.readings.tables, self.model.ties.name.index(name), held=held)
-
     def _set(self, name: str, value: float) -> Callable[[], None]:
-        """Set a drive, a target or a switch; returns what ends that.
-
-        Of several events the last one counts that has not ended, in whatever order they end.
-        """
+        """Set a drive, a target or a switch; what ends that. The last unended event counts."""
         give, back = self._giver(name, value)
         stack = self._in_force.setdefault(name, [back])
         stack.append(give)

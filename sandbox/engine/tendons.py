@@ -36,15 +36,12 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.records import EVEN, GRIPPED, PULL, STIFF
 from sandbox.engine.rows import LEAST
 from sandbox.engine.state import CABLE_FRICTION, CABLE_LOAD
-from sandbox.engine.ties import acts, holds, slacken_released
-from sandbox.numeric import Array, Records
+from sandbox.engine.ties import acts, holds
+from sandbox.numeric import Array
 
 EXCESS = 1e-10
-"""Share of the tensions on both sides of a guide by which its friction may exceed its bound.
-
-The tolerance of rates, which a fast row elsewhere sets, says little of it: a stiff cable hardly
-slips under a force that is far beyond its bound.
-"""
+"""Share of the tensions on both sides of a guide by which its friction may exceed its bound. A
+stiff cable hardly slips under a force far beyond its bound: rates say little of it."""
 
 
 @kernel
@@ -60,16 +57,6 @@ def _bend(table: int, slip: Any) -> float:
         x += pulls[slip["twin"]]["jx"]
         y += pulls[slip["twin"]]["jy"]
     return 2.0 * math.asin(min(1.0, 0.5 * math.hypot(x, y)))
-
-
-@entry_point("slips")
-def ask_slips(table: int, h: float) -> None:
-    """What a drive pulls with goes to the last guide that holds its cord."""
-    slips, asked = at.slips(table), at.unknowns(table)[0]
-    for i in range(len(slips)):
-        end = slips[i]["after"]
-        if at.cords(table)[end]["kind"] == PULL:
-            asked[slips[i]["row"]] = -h * at.cord_results(table)[end]["tension"]
 
 
 @entry_point("slips")
@@ -114,7 +101,7 @@ def slipped(table: int, h: float) -> None:
         before, after = slip["before"], slip["after"]
         cord, state = cords[before], states[before]
         # rates of soft spans stand in the rows by what they make of one another
-        scale = (cord["c"] + h * state["k"]) / (state["inside"] * cord_lead(h, cord, state))
+        scale = (cord["c"] + h * state["k"]) / (state["inside"] * cord_lead(table, h, before))
         rate = unknown[slip["row"]] / scale
         rates[i]["rate"] = rate
         rates[i]["force"] = results[after]["tension"] - results[before]["tension"]
@@ -125,21 +112,15 @@ def slipped(table: int, h: float) -> None:
     for i in range(len(cords)):
         if cords[i]["spans"] < cords[i]["spans_end"]:
             results[i]["tension"] = results[cords[i]["spans_end"] - 1]["tension"]
-            if not states[i]["active"]:
-                _even_out(table, i)
-
-
-@kernel
-def _even_out(table: int, i: int) -> None:
-    """Spread what is in a slack cord over its spans as they are long."""
-    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
-    length = inside = 0.0
-    for k in range(cords[i]["spans"], cords[i]["spans_end"]):
-        length += results[k]["length"] - results[k]["wound"]
-        inside += states[k]["rest"] - results[k]["wound"]
-    for k in range(cords[i]["spans"], cords[i]["spans_end"]):
-        free = results[k]["length"] - results[k]["wound"]
-        states[k]["rest"] = results[k]["wound"] + inside * free / length
+            if states[i]["active"]:
+                continue
+            length = inside = 0.0  # what is in a slack cord spreads over its spans as they are long
+            for k in range(cords[i]["spans"], cords[i]["spans_end"]):
+                length += results[k]["length"] - results[k]["wound"]
+                inside += states[k]["rest"] - results[k]["wound"]
+            for k in range(cords[i]["spans"], cords[i]["spans_end"]):
+                free = results[k]["length"] - results[k]["wound"]
+                states[k]["rest"] = results[k]["wound"] + inside * free / length
 
 
 @kernel
@@ -163,19 +144,9 @@ def _set(table: int, i: int, active: int) -> None:
 
 @kernel
 def _drawn(table: int, i: int) -> bool:
-    """Whether a drive pulls a whole cord at this moment."""
     last = at.cords(table)[i]["spans_end"] - 1
     return bool(at.cords(table)[last]["kind"] == PULL
                 and at.cord_results(table)[last]["tension"] > 0.0)
-
-
-@entry_point("slips")
-def slacken_whole(table: int, i: int) -> None:
-    """Let go of a whole cord that is not stretched; take up one that a drive pulls."""
-    if _drawn(table, i):
-        _set(table, i, 1)
-    elif _stretch(table, i) <= 0.0:
-        _set(table, i, 0)
 
 
 @entry_point("slips")
@@ -183,8 +154,7 @@ def change_whole(table: int, h: float, i: int) -> bool:
     """Let go of a whole cord all of which would push, take up one that would pull; whether so."""
     if _drawn(table, i):
         return False
-    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
-    guides, pulls, unknown = at.guides(table), at.guide_results(table), at.unknowns(table)[3]
+    cords, states, unknown = at.cords(table), at.cord_states(table), at.unknowns(table)[3]
     first, last = cords[i]["spans"], cords[i]["spans_end"]
     if states[i]["active"]:
         if cords[last - 1]["kind"] == PULL:  # whose end is free slides until it does not pull
@@ -197,10 +167,9 @@ def change_whole(table: int, h: float, i: int) -> bool:
     gone = off = 0.0
     for k in range(first, last):
         if cords[k]["row"] >= 0:
-            rate = shortening(cords[k], guides, pulls, at.velocity(table))
+            rate = shortening(table, k, at.velocity(table))
             gone += rate
-            off += cord_rate(h, cords[k], states[k], results[k]["length"], guides, pulls,
-                                 at.before(table)) - rate
+            off += cord_rate(table, h, k) - rate
     ahead = h * gone if cords[first]["kind"] == STIFF else 0.0
     if _stretch(table, i) <= ahead or off <= 0.0:
         return False
@@ -212,7 +181,7 @@ def change_whole(table: int, h: float, i: int) -> bool:
 def cord_rows(table: int, h: float) -> None:
     """Those of stiff and damped cords, and of spans; that of a slack one has no coefficients."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
-    guides, pulls, before = at.guides(table), at.guide_results(table), at.before(table)
+    guides, pulls = at.guides(table), at.guide_results(table)
     J, rhs, compliance = at.entries(table)[0], at.unknowns(table)[0], at.unknowns(table)[1]
     for i in range(len(cords)):
         cord = cords[i]
@@ -233,13 +202,19 @@ def cord_rows(table: int, h: float) -> None:
             J[e, 0] -= pulls[n]["jx"]
             J[e, 1] -= pulls[n]["jy"]
             J[e, 2] -= pulls[n]["jt"]
-        rhs[r] = cord_rate(h, cord, states[i], results[i]["length"], guides, pulls, before)
-        compliance[r] = 1.0 / (h * cord_lead(h, cord, states[i]))
+        rhs[r] = cord_rate(table, h, i)
+        compliance[r] = 1.0 / (h * cord_lead(table, h, i))
+    slips = at.slips(table)
+    for i in range(len(slips)):  # what a drive pulls with goes to the last guide that holds
+        end = slips[i]["after"]
+        if cords[end]["kind"] == PULL:
+            rhs[slips[i]["row"]] = -h * results[end]["tension"]
 
 
 @kernel
-def cord_lead(h: float, cord: Any, state: Any) -> float:
+def cord_lead(table: int, h: float, i: int) -> float:
     """By how much a cord's tension falls for a rate at which it shortens after the step [N s/m]."""
+    cord, state = at.cords(table)[i], at.cord_states(table)[i]
     share = 1.0 / state["inside"] if cord["whole"] >= 0 else 1.0
     k, c = share * state["k"], share * cord["c"]
     if cord["kind"] == STIFF:
@@ -248,25 +223,25 @@ def cord_lead(h: float, cord: Any, state: Any) -> float:
 
 
 @kernel
-def cord_rate(
-    h: float, cord: Any, state: Any, length: float, guides: Records, pulls: Records,
-    before: Array,
-) -> float:
+def cord_rate(table: int, h: float, i: int) -> float:
     """The rate at which a taut cord wants to shorten, were there no tension [m/s]."""
+    cord, state = at.cords(table)[i], at.cord_states(table)[i]
     share = 1.0 / state["inside"] if cord["whole"] >= 0 else 1.0
-    lead, pull = cord_lead(h, cord, state), share * state["k"] * (length - state["rest"])
+    lead = cord_lead(table, h, i)
+    pull = share * state["k"] * (at.cord_results(table)[i]["length"] - state["rest"])
     if cord["kind"] == STIFF:
         return float(pull / lead)
-    speed = shortening(cord, guides, pulls, before)
+    speed = shortening(table, i, at.before(table))
     if cord["kind"] == EVEN:
         return float((pull - (share * cord["c"] - lead) * speed) / lead)
     return float(pull / lead - speed)
 
 
 @kernel
-def shortening(cord: Any, guides: Records, pulls: Records, velocity: Array) -> float:
+def shortening(table: int, i: int, velocity: Array) -> float:
     """The rate at which a cord shortens as bodies move with ``velocity`` [nb, 3] [m/s]."""
-    speed = 0.0
+    cord, guides, pulls, speed = (
+        at.cords(table)[i], at.guides(table), at.guide_results(table), 0.0)
     for n in range(cord["first"], cord["last"]):
         b = guides[n]["body"]
         speed -= (pulls[n]["jx"] * velocity[b, 0] + pulls[n]["jy"] * velocity[b, 1]
@@ -279,23 +254,22 @@ def slacken(table: int) -> None:
     """Let go of all cords that are not stretched: their dampers do not pull before they do."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
     for i in range(len(cords)):
-        if slacken_released(table, i):
-            continue
-        if cords[i]["kind"] == GRIPPED:
-            slacken_whole(table, i)
+        if not holds(table, cords[i]["tie"]):
+            _set(table, i, 0)
+        elif cords[i]["kind"] == GRIPPED:
+            if _drawn(table, i):
+                _set(table, i, 1)
+            elif _stretch(table, i) <= 0.0:
+                _set(table, i, 0)
         elif cords[i]["whole"] < 0 and results[i]["length"] <= states[i]["rest"]:
             states[i]["active"] = 0
 
 
 @entry_point("cords")
 def change_cords(table: int, h: float, attempt: int) -> bool:
-    """Let go of cords that would push, take up those that would pull; whether there were any.
-
-    A slack one is taken up only where it is stretched: a stiff one in this step, a soft one now.
-    All at once at first, later the one that is furthest off.
-    """
+    """Release cords that would push, take up stretched ones that would pull; whether any."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
-    guides, pulls, unknown = at.guides(table), at.guide_results(table), at.unknowns(table)[3]
+    unknown = at.unknowns(table)[3]
     changed, worst, which = False, 0.0, -1
     for i in range(len(cords)):
         cord = cords[i]
@@ -308,13 +282,11 @@ def change_cords(table: int, h: float, attempt: int) -> bool:
         if states[i]["active"]:
             off = -unknown[cord["row"]]
         else:
-            gone = shortening(cord, guides, pulls, at.velocity(table))
+            gone = shortening(table, i, at.velocity(table))
             stretch = results[i]["length"] - states[i]["rest"]
             if stretch <= (h * gone if cord["kind"] == STIFF else 0.0):
                 continue
-            asked = cord_rate(
-                h, cord, states[i], results[i]["length"], guides, pulls, at.before(table))
-            off = asked - gone
+            off = cord_rate(table, h, i) - gone
             off /= 1.0 / (h * max(cord["c"] + h * states[i]["k"], LEAST)) + cord["response"]
         if off > 0.0:
             changed = True
@@ -361,10 +333,9 @@ def pull(table: int, drive: Array) -> None:
 def add_cord_work(table: int, h: float, v: Array) -> None:
     """Work of the step; ``v`` [nb, 3] are the mean velocities of before and after it."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
-    guides, pulls = at.guides(table), at.guide_results(table)
     for i in range(len(cords)):
         if cords[i]["kind"] != GRIPPED:
-            rate = shortening(cords[i], guides, pulls, v)
+            rate = shortening(table, i, v)
             results[i]["step_work"] = h * results[i]["tension"] * rate
             states[i]["work"] += results[i]["step_work"]
     for i in range(len(cords)):

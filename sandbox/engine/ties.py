@@ -18,17 +18,13 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from sandbox.elements.element import HELD_ABOVE
 from sandbox.engine import memory as at
 from sandbox.engine import records
-from sandbox.engine.coordinates import ends, gaps, toothed
+from sandbox.engine.coordinates import ends, gaps, path_gap, toothed
 from sandbox.engine.entry_points import entry_point
 from sandbox.engine.kernel import kernel
-from sandbox.engine.paths import path_gap
-from sandbox.model.model import Model
-from sandbox.numeric import Array, Records
+from sandbox.numeric import Array
 from sandbox.samples.outcome import Happened
 
 if TYPE_CHECKING:
@@ -65,12 +61,7 @@ def acts(table: int, tie: int) -> bool:
 
 @entry_point("ties")
 def release_and_engage(table: int, drive: Array) -> None:
-    """Do what events wish, and what drives want that want something else than before.
-
-    Args:
-        table: of all arrays.
-        drive: values of the drives in this step, [nd].
-    """
+    """Do what events wish, and what drives [nd] want that want something else than before."""
     ties, states = at.ties(table), at.tie_states(table)
     for i in range(len(ties)):
         wish, states[i]["wish"] = states[i]["wish"], records.NONE
@@ -78,34 +69,26 @@ def release_and_engage(table: int, drive: Array) -> None:
             driven = 1 if drive[ties[i]["drive"]] > HELD_ABOVE else 0
             if driven != states[i]["driven"]:
                 wish = states[i]["driven"] = driven
-        if wish != records.NONE and wish != states[i]["held"]:
-            states[i]["held"] = wish
-            if wish == 1:
-                _engage(table, i)
+        if wish == records.NONE or wish == states[i]["held"]:
+            continue
+        states[i]["held"], what, index = wish, ties[i]["what"], ties[i]["index"]
+        if wish == 1 and what == records.JOINED:
+            states[i]["age"] = records.TAKEN
+        elif wish == 1 and ties[i]["as_is"]:  # its length now is the one at rest
+            if what == records.SPRINGY and not at.springs(table)[index]["turning"]:
+                at.spring_states(table)[index]["rest"] = at.spring_results(table)[index]["way"]
+            for k in range(len(at.cords(table)) if what == records.CORDED else 0):
+                if at.cords(table)[k]["tie"] == i:
+                    at.cord_states(table)[k]["rest"] = at.cord_results(table)[k]["length"]
 
 
 @kernel
-def _engage(table: int, i: int) -> None:
-    """Begin to close the gap of a joint; note the length of what is taken up as it is."""
-    tie, index = at.ties(table)[i], at.ties(table)[i]["index"]
-    if tie["what"] == records.JOINED:
-        at.tie_states(table)[i]["age"] = records.TAKEN
-    elif tie["as_is"] and tie["what"] == records.SPRINGY:
-        if not at.springs(table)[index]["turning"]:
-            at.spring_states(table)[index]["rest"] = at.spring_results(table)[index]["way"]
-    elif tie["as_is"] and tie["what"] == records.CORDED:
-        for k in range(len(at.cords(table))):
-            if at.cords(table)[k]["tie"] == i:
-                at.cord_states(table)[k]["rest"] = at.cord_results(table)[k]["length"]
-
-
-@kernel
-def empty_row(table: int, row: int, entry: int, count: int) -> None:
-    """Let a row act on nothing and carry nothing."""
-    J = at.entries(table)[0]
+def empty_rows(table: int, entry: int, count: int) -> None:
+    """Let the rows of so many entries act on nothing and carry nothing."""
+    J, entry_row, unknowns = at.entries(table)[0], at.entry_row(table), at.unknowns(table)
     for e in range(entry, entry + count):
         J[e, 0] = J[e, 1] = J[e, 2] = 0.0
-    at.unknowns(table)[0][row], at.unknowns(table)[1][row] = 0.0, 1.0
+        unknowns[0, entry_row[e]], unknowns[1, entry_row[e]] = 0.0, 1.0
 
 
 @entry_point("ties")
@@ -116,26 +99,30 @@ def release_rows(table: int, h: float) -> None:
     results = at.tie_results(table)
     for i in range(len(results)):
         results[i]["broke"] = 0
-    joints, springs = at.joints(table), at.springs(table)
+    joints, springs, rhs = at.joints(table), at.springs(table), at.unknowns(table)[0]
     for k in range(len(joints)):
+        joint = joints[k]
         if not joint_holds(table, k):
-            empty_joint(table, k)
-        elif joints[k]["tie"] >= 0:
-            _ask_gently(table, h, k)
+            empty_rows(table, joint["entry"], joint["entries"])
+        if joint["tie"] < 0 or not joint_holds(table, k):
+            continue
+        state, teeth = at.tie_states(table)[joint["tie"]], toothed(joint)
+        for row in (joint["row"], joint["row_y"], joint["row_turn"]):
+            if row >= 0 and not teeth:
+                at.unknowns(table)[1][row] = 0.0
+        if state["age"] == records.TAKEN:
+            _look(table, k)
+        x, y, t = remaining_gap(table, joint["tie"], h)
+        if joint["row"] >= 0 and not teeth:
+            rhs[joint["row"]] += x / h
+        if joint["keeps"] == records.POINT and joint["row_y"] >= 0:
+            rhs[joint["row_y"]] += y / h
+        if joint["row_turn"] >= 0:
+            rhs[joint["row_turn"]] += state["turns"] / h
+            rhs[joint["row_turn"]] += t / h
     for k in range(len(springs)):
         if springs[k]["row"] >= 0 and not spring_holds(table, springs[k]):
-            empty_row(table, springs[k]["row"], springs[k]["entry"], 2)
-
-
-@kernel
-def empty_joint(table: int, k: int) -> None:
-    """Let all rows of a joint act on nothing."""
-    joint = at.joints(table)[k]
-    e = joint["entry"]
-    for row in (joint["row"], joint["row_y"], joint["row_turn"]):
-        if row >= 0:
-            empty_row(table, row, e, 2)
-            e += 2
+            empty_rows(table, springs[k]["entry"], 2)
 
 
 @kernel
@@ -151,27 +138,6 @@ def remaining_gap(table: int, tie: int, ahead: float) -> tuple[float, float, flo
     return (float((state["x"] + (state["vx"] + state["x"] / over) * t) * fades),
             float((state["y"] + (state["vy"] + state["y"] / over) * t) * fades),
             float((state["t"] + (state["vt"] + state["t"] / over) * t) * fades))
-
-
-@kernel
-def _ask_gently(table: int, h: float, k: int) -> None:
-    joint = at.joints(table)[k]
-    state, rhs = at.tie_states(table)[joint["tie"]], at.unknowns(table)[0]
-    teeth = toothed(joint)
-    for row in (joint["row"], joint["row_y"], joint["row_turn"]):
-        if row >= 0 and not teeth:
-            at.unknowns(table)[1][row] = 0.0
-    if state["age"] == records.TAKEN:
-        _look(table, k)
-    if joint["row_turn"] >= 0:
-        rhs[joint["row_turn"]] += state["turns"] / h
-    x, y, t = remaining_gap(table, joint["tie"], h)
-    if joint["row"] >= 0 and not teeth:
-        rhs[joint["row"]] += x / h
-    if joint["keeps"] == records.POINT and joint["row_y"] >= 0:
-        rhs[joint["row_y"]] += y / h
-    if joint["row_turn"] >= 0:
-        rhs[joint["row_turn"]] += t / h
 
 
 @kernel
@@ -205,18 +171,6 @@ def _look(table: int, k: int) -> None:
 
 
 @entry_point("ties")
-def slacken_released(table: int, i: int) -> bool:
-    """Let a cord that is let go hang; whether it is."""
-    if holds(table, at.cords(table)[i]["tie"]):
-        return False
-    states = at.cord_states(table)
-    states[i]["active"] = 0
-    for k in range(at.cords(table)[i]["spans"], at.cords(table)[i]["spans_end"]):
-        states[k]["active"] = 0
-    return True
-
-
-@entry_point("ties")
 def tied(table: int, h: float) -> None:
     """What the next step has to know of this one."""
     ties, states, results = at.ties(table), at.tie_states(table), at.tie_results(table)
@@ -228,84 +182,18 @@ def tied(table: int, h: float) -> None:
                 states[i]["age"] = records.SETTLED
 
 
-@kernel
-def run_surfaces(table: int, drive: Array) -> None:
-    """Note how fast surfaces run in this step, by the values of the drives [nd]."""
-    actions, belts = at.actions(table), at.belts(table)
-    for i in range(len(actions)):
-        if actions[i]["runs"]:
-            belts[actions[i]["a"]] = actions[i]["sense"] * drive[actions[i]["drive"]]
-
-
-AGAIN = 8
-"""So often one thing may break in the steps made in one go, and be told of each time."""
-LEAST = 1024
-"""Breaks for which there is room at least."""
-
-
-def tie_table(model: Model, springs: Records, cords: Records) -> Records:
-    """TIE, [nr]; spans of cords get the number of theirs."""
-    ties = model.ties
-    table = np.zeros(len(ties.name), records.TIE)
-    table["breaks_at"], table["over"] = ties.breaks_at, ties.over
-    table["as_is"], table["drive"] = ties.as_is, ties.drive
-    for row in np.flatnonzero(springs["tie"] >= 0):
-        own = table[springs["tie"][row]]
-        own["what"], own["index"] = records.SPRINGY, row
-    for what, numbers in ((records.JOINED, ties.joint), (records.CORDED, ties.tendon)):
-        own = np.flatnonzero(numbers >= 0)
-        table["what"][numbers[own]], table["index"][numbers[own]] = what, own
-    whole = len(model.tendons.name)
-    cords["tie"][:whole] = ties.tendon
-    cords["tie"][whole:] = ties.tendon[cords["whole"][whole:]]
-    return table
-
-
-def tie_state(model: Model) -> Records:
-    """TIE_STATE at t = 0, [nr]."""
-    state = np.zeros(len(model.ties.name), records.TIE_STATE)
-    state["held"], state["load"], state["age"] = model.ties.held, np.nan, records.SETTLED
-    state["wish"], state["driven"] = records.NONE, model.ties.held
-    return state
-
-
-def room_for_breaks(model: Model) -> Records:
-    """BROKEN, with room for what breaks in the steps that are made in one go.
-
-    There nothing but a drive can take up anew what broke, and that so often is no mechanism; few
-    have room for one in every step.
-    """
-    breaking = int(np.isfinite(model.ties.breaks_at).sum())
-    return np.zeros(max(AGAIN * breaking, LEAST if breaking else 0), records.BROKEN)
-
-
 def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) -> list[Happened]:
-    """What broke in the steps made since this was last asked, and when, in order of time.
-
-    What breaks in the same step as another, and by what that leaves to it, does so no earlier: the
-    others are asked again once the first is gone, and its load then jumped.
-
-    Args:
-        tables: the run's, which forgets it.
-        names: of what may be let go, in the model's order.
-        before: how many steps were made before these.
-        h: the step [s].
-    """
+    """What broke in the steps made since this was last asked, after ``before`` others."""
     made, broken = tables.state.made, tables.state.broken
     found: list[Happened] = []
     for one in broken[:made[2]]:
         time = (before + float(one["row"]) - 0.5 + float(one["when"])) * h
+        # what breaks by what another leaves to it does so no earlier
         found.append(Happened(names[one["tie"]], max(time, found[-1].time if found else time)))
     made[2] = 0
     return found
 
 
 def hold(tables: Tables, tie: int, *, held: bool) -> None:
-    """Let go of something, or take it up, with the next step.
-
-    Args:
-        tables: the run's, whose state is changed.
-        tie: its number in the model's ties.
-        held: whether it is to hold.
-    """
+    """Let go of something, or take it up, with the next step."""
     tables.state.ties[tie]["wish"], tables.state.standing[1] = held, 0

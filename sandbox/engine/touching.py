@@ -26,7 +26,7 @@ from sandbox.engine.narrow_phase import (
     gap_acceleration,
     gap_of,
     on_curves,
-    put_curvatures,
+    straight_curvature,
 )
 from sandbox.numeric import Array, Records
 
@@ -44,10 +44,7 @@ def rows_for(limits: int, motors: int, slips: int, rubs: int, contacts: int) -> 
 
 @kernel
 def short(table: int) -> bool:
-    """Whether there is no room for all that was found near one another in this step.
-
-    Contacts that are hit work in the second half.
-    """
+    """Whether there is no room for all that was found; contacts that are hit take as much again."""
     count = at.near(table)[0]
     rows = rows_for(len(at.limits(table)), len(at.motors(table)), len(at.slips(table)),
                     len(at.dry_friction(table)), count)
@@ -56,11 +53,8 @@ def short(table: int) -> bool:
 
 @entry_point("shapes")
 def list_contacts_of_step(table: int) -> None:
-    """Note the points of bodies that may touch, in an order of their own.
-
-    pymunk finds them in one that hangs on addresses in memory.
-    """
-    raw, count, shapes = at.raw(table), at.near(table)[0], at.shapes(table)
+    """Note the points of bodies that may touch, in an order that does not depend on memory."""
+    raw, count, shapes, faces = at.raw(table), at.near(table)[0], at.shapes(table), at.faces(table)
     friction, restitution, body = at.friction(table), at.restitution(table), at.body(table)
     old, order, out, touching = (
         at.touches(table), at.order(table), at.found(table), at.touching(table))
@@ -68,9 +62,17 @@ def list_contacts_of_step(table: int) -> None:
     for i in range(count):
         if friction[shapes[raw[i]["shape_a"]]["body"], shapes[raw[i]["shape_b"]]["body"]] < 0.0:
             continue
-        if not _on_surfaces(table, i):
+        one, two = shapes[raw[i]["shape_a"]], shapes[raw[i]["shape_b"]]
+        nx, ny = raw[i]["nx"], raw[i]["ny"]
+        if not (_faced(one, faces, body[one["body"], 2], nx, ny)
+                and _faced(two, faces, body[two["body"], 2], -nx, -ny)):
             continue
-        _oriented(raw[i], shapes)
+        raw[i]["ax"] -= one["margin"] * nx
+        raw[i]["ay"] -= one["margin"] * ny
+        raw[i]["bx"] += two["margin"] * nx
+        raw[i]["by"] += two["margin"] * ny
+        if one["body"] > two["body"]:  # the normal leads to the body with the higher number
+            exchange(raw[i])
         j = n
         while j > 0 and _after(raw, order[j - 1], i):
             order[j] = order[j - 1]
@@ -80,7 +82,13 @@ def list_contacts_of_step(table: int) -> None:
     near, n = n, 0
     for k in range(near):
         found = raw[order[k]]
-        put_curvatures(table, found)
+        nx, ny = found["nx"], found["ny"]
+        found["ka"], found["da"] = straight_curvature(
+            table, shapes[found["shape_a"]], found["ax"], found["ay"], nx, ny)
+        found["kb"], found["db"] = straight_curvature(
+            table, shapes[found["shape_b"]], found["bx"], found["by"], -nx, -ny)
+        if found["da"] == 0.0 and found["db"] == 0.0:  # corners of sides that lie on each other
+            found["ka"], found["da"] = 0.0, 1.0
         state = on_curves(table, order[k])
         if state == DROPPED:
             continue
@@ -94,23 +102,17 @@ def list_contacts_of_step(table: int) -> None:
     for k in range(n):
         w = _last(old, old_count, guess, out[k])
         if w >= 0:
-            for_next(old[w], out[k])
+            last, now = old[w], out[k]
+            now["normal"], now["tangent"] = last["normal"], last["tangent"]
+            now["mode"], now["listed"] = last["mode"], last["listed"]
+            now["phase"], now["sums"] = last["phase"], last["sums"]
+            now["stretch"] = last["stretch"]
             guess = w + 1
     belts = at.belts(table)
     for k in range(n):
         out[k]["belt"] = -(belts[out[k]["a"]] + belts[out[k]["b"]])
         old[k] = out[k]
     touching[0] = n
-
-
-@kernel
-def _on_surfaces(table: int, i: int) -> bool:
-    """Whether what pymunk found is where both shapes are the surfaces of their outlines."""
-    shapes, found, body, faces = at.shapes(table), at.raw(table)[i], at.body(table), at.faces(table)
-    one, two = shapes[found["shape_a"]], shapes[found["shape_b"]]
-    nx, ny = found["nx"], found["ny"]
-    return bool(_faced(one, faces, body[one["body"], 2], nx, ny)
-                and _faced(two, faces, body[two["body"], 2], -nx, -ny))
 
 
 @kernel
@@ -129,20 +131,8 @@ def _faced(shape: Any, faces: Records, angle: float, nx: float, ny: float) -> bo
 
 
 @kernel
-def for_next(last: Any, now: Any) -> None:
-    """What a contact remembers of the last step."""
-    now["normal"], now["tangent"] = last["normal"], last["tangent"]
-    now["mode"], now["listed"] = last["mode"], last["listed"]
-    now["phase"], now["sums"] = last["phase"], last["sums"]
-    now["stretch"] = last["stretch"]
-
-
-@kernel
 def _last(old: Records, count: int, guess: int, now: Any) -> int:
-    """Which contact of the last step this one was, -1 if none.
-
-    On a curve that is the nearest of the same shapes, else the one with the same feature.
-    """
+    """Which contact of the last step this one was, or -1; on a curve the nearest of the shapes."""
     best, found = math.inf, -1
     for z in range(count):
         w = (guess + z) % count
@@ -182,17 +172,6 @@ def _after(raw: Records, i: int, j: int) -> bool:
     if high != high_other:
         return bool(high > high_other)
     return bool(one["feature"] > other["feature"])
-
-
-@kernel
-def _oriented(found: Any, shapes: Records) -> None:
-    """Take off the margins, and let the normal lead to the body with the higher number."""
-    nx, ny = found["nx"], found["ny"]
-    ma, mb = shapes[found["shape_a"]]["margin"], shapes[found["shape_b"]]["margin"]
-    found["ax"], found["ay"] = found["ax"] - ma * nx, found["ay"] - ma * ny
-    found["bx"], found["by"] = found["bx"] + mb * nx, found["by"] + mb * ny
-    if shapes[found["shape_a"]]["body"] > shapes[found["shape_b"]]["body"]:
-        exchange(found)
 
 
 @kernel

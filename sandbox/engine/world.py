@@ -8,7 +8,6 @@ category. This is exact up to 32 kinds of body; other pairs are sorted out when 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -21,9 +20,8 @@ from sandbox.engine import native
 from sandbox.engine.state import FACE, SHAPE, SPAN
 from sandbox.model.model import Model
 from sandbox.model.pairs import Words, allowed_pairs, joined, pair_skins
-from sandbox.numeric import Array, Flags, Integers, Records, Stack
+from sandbox.numeric import Array, Flags, Integers, Records
 from sandbox.scene.bodies import (
-    Body,
     Box,
     Capsule,
     Circle,
@@ -34,7 +32,6 @@ from sandbox.scene.bodies import (
     Solid,
 )
 from sandbox.scene.geometry import Vec, core, corners, pose_of, solids, to_world, true_curves
-from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.curves import spans_of
 
 POSE = batch.BodyFields.POSITION | batch.BodyFields.ANGLE
@@ -95,8 +92,11 @@ class World:
         self._spans: list[Records] = []
         self.bodies = [self._add_body(i) for i in self.order.tolist()]
         """In pymunk's order."""
-        for i in range(len(self.model.joints.name)):
-            self._add_joint(i)
+        for i, pair in enumerate(self.number[self.model.joints.bodies].tolist()):
+            joint = _constraint(self.model, i, *(self.bodies[body] for body in pair))
+            joint.collide_bodies = bool(self.model.joints.collide[i])
+            joint.max_force = 0.0
+            self.space.add(joint)
         self.room = Room(contacts=32 + 8 * len(self._shape_rows), rows=64 + 4 * len(self.bodies))
         self.finder = native.Finder(self.space, self.room.contacts)
         self.native = native.make_native(
@@ -125,10 +125,6 @@ class World:
         self.write()
         self.read()
 
-    def step(self) -> None:
-        """Move all bodies by one step, and find the contacts there."""
-        self.space.step(self.h)
-
     def enlarge(self, found: int, rows: int) -> None:
         """Make room for twice ``found`` contacts, and for ``rows`` bounded rows."""
         self.room = Room(contacts=2 * max(self.room.contacts, found),
@@ -136,10 +132,6 @@ class World:
         self.native = self.native._replace(raw=self.finder.raw)
 
     # -- building -------------------------------------------------------------------
-
-    def _pair(self, joint: int) -> tuple[pymunk.Body, pymunk.Body]:
-        a, b = self.number[self.model.joints.bodies[joint]]
-        return self.bodies[a], self.bodies[b]
 
     def _add_body(self, index: int) -> pymunk.Body:
         spec, bodies = self.model.mechanism.bodies[index], self.model.bodies
@@ -157,29 +149,20 @@ class World:
             body.position = spec.at
             body.angle = spec.angle  # of a scheduled one set anew by sandbox.engine.inputs
         self.space.add(body)
-        self.shapes[index] = self._add_shapes(body, spec, centre, index)
-        return body
-
-    def _add_shapes(
-        self, body: pymunk.Body, spec: Body, centre: Vec, index: int,
-    ) -> list[list[pymunk.Shape]]:
-        found = []
+        self.shapes[index] = found = []
         for shape in spec.shapes:
             margin = min(MARGIN * _extent(shape), MOST_MARGIN)
-            curve = (*self._add_curves(shape, centre), len(self._shape_rows))
+            first, last, closed = -1, -1, isinstance(shape, Polygon)
+            if isinstance(shape, Polygon | Polyline) and shape.nodes:
+                first = sum(map(len, self._spans))
+                for nodes in true_curves(shape):
+                    self._spans.append(span_table(
+                        nodes, centre, sum(map(len, self._spans)), closed=closed))
+                last = sum(map(len, self._spans))
+            curve = first, last, int(closed and first >= 0), len(self._shape_rows)
             found.append([self._add_shape(body, solid, faces, margin, centre, index, curve)
                           for solid, faces in solids(shape)])
-        return found
-
-    def _add_curves(self, shape: Shape, centre: Vec) -> tuple[int, int, int]:
-        """The SPANs of a shape: the first, the one after the last, whether they are closed."""
-        if not isinstance(shape, Polygon | Polyline) or not shape.nodes:
-            return -1, -1, 0
-        first, closed = sum(map(len, self._spans)), isinstance(shape, Polygon)
-        for nodes in true_curves(shape):
-            self._spans.append(span_table(
-                nodes, centre, sum(map(len, self._spans)), closed=closed))
-        return first, sum(map(len, self._spans)), int(closed)
+        return body
 
     def _add_shape(
         self, body: pymunk.Body, spec: Solid, faces: Array | None, margin: float, centre: Vec,
@@ -201,24 +184,6 @@ class World:
         shape.collision_type = len(self._shape_rows)
         self.space.add(shape)
         return shape
-
-    def _add_joint(self, index: int) -> None:
-        constraint = make_constraint(self.model, index, *self._pair(index))
-        constraint.collide_bodies = bool(self.model.joints.collide[index])
-        constraint.max_force = 0.0
-        self.space.add(constraint)
-
-
-def _core(shape: pymunk.Shape) -> tuple[list[Vec], float]:
-    """Corners of the core of one of pymunk's shapes, and by how much the shape is larger [m]."""
-    match shape:
-        case pymunk.Circle():
-            points = [shape.offset]
-        case pymunk.Segment():
-            points = [shape.a, shape.b]
-        case pymunk.Poly():
-            points = shape.get_vertices()
-    return [(float(x), float(y)) for x, y in points], float(shape.radius)
 
 
 def _extent(spec: Shape) -> float:
@@ -254,10 +219,7 @@ def span_table(nodes: Array, centre: Vec, first: int, *, closed: bool) -> Record
 def make_shape(
     body: pymunk.Body, spec: Solid, centre: tuple[float, float], margin: float = 0.0,
 ) -> pymunk.Shape:
-    """The convex shape that ``spec`` means, its points moved to a frame at ``centre``.
-
-    It stands out by ``margin`` [m] all round.
-    """
+    """The convex shape of ``spec`` about ``centre``, larger all round by ``margin`` [m]."""
     cx, cy = centre
     match spec:
         case Circle():
@@ -270,52 +232,29 @@ def make_shape(
             return pymunk.Poly(body, [(x - cx, y - cy) for x, y in corners(spec)], radius=margin)
 
 
-def make_constraint(
+def _constraint(
     model: Model, joint: int, a: pymunk.Body, b: pymunk.Body,
 ) -> pymunk.Constraint:
-    """The constraint that stands for a joint in pymunk."""
-    return CONSTRAINTS[model.joints.kind[joint].keeps](model, joint, a, b)
-
-
-def _ends(model: Model, joint: int) -> tuple[Vec, Vec]:
-    """The points that a joint holds, seen from the centres of mass of its bodies [m]."""
-    joints = model.joints
-    on_a, on_b = joints.anchor[joint] - model.bodies.centre[joints.bodies[joint]]
-    return (on_a[0].item(), on_a[1].item()), (on_b[0].item(), on_b[1].item())
-
-
-def _point(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
-    return pymunk.PivotJoint(a, b, *_ends(model, joint))
-
-
-def _groove(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
-    joints = model.joints
-    if joints.path[joint] is not None:
-        return _wheels(model, joint, a, b)
-    centre = model.bodies.centre[joints.bodies[joint, 0]]
-    start, end = (tuple((point - centre).tolist()) for point in joints.groove[joint])
-    return pymunk.GrooveJoint(a, b, start, end, _ends(model, joint)[1])
-
-
-def _distance(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
-    rod = pymunk.PinJoint(a, b, *_ends(model, joint))
-    rod.distance = model.joints.reach[joint, 0].item()
-    return rod
-
-
-def _range(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
-    return pymunk.SlideJoint(a, b, *_ends(model, joint), *model.joints.reach[joint].tolist())
-
-
-def _wheels(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
-    return pymunk.SlideJoint(a, b, *_ends(model, joint), 0.0, math.inf)
-
-
-CONSTRAINTS: Mapping[
-    str, Callable[[Model, int, pymunk.Body, pymunk.Body], pymunk.Constraint],
-] = {"point": _point, "groove": _groove, "distance": _distance, "range": _range,
-     "gear": _wheels, "rack": _wheels, "roll": _wheels}
-"""How pymunk keeps what joints keep (:attr:`sandbox.elements.joint.JointKind.keeps`)."""
+    """What stands for a joint in pymunk."""
+    joints, path = model.joints, model.joints.path[joint]
+    ends = joints.anchor[joint] - model.bodies.centre[joints.bodies[joint]]
+    on_a, on_b = map(tuple, ends.tolist())
+    reach = joints.reach[joint].tolist()
+    match joints.kind[joint].keeps:
+        case "point":
+            return pymunk.PivotJoint(a, b, on_a, on_b)
+        case "groove" if path is None:
+            centre = model.bodies.centre[joints.bodies[joint, 0]]
+            start, end = map(tuple, (joints.groove[joint] - centre).tolist())
+            return pymunk.GrooveJoint(a, b, start, end, on_b)
+        case "distance":
+            rod = pymunk.PinJoint(a, b, on_a, on_b)
+            rod.distance = reach[0]
+            return rod
+        case "range":
+            return pymunk.SlideJoint(a, b, on_a, on_b, *reach)
+        case _:
+            return pymunk.SlideJoint(a, b, on_a, on_b, 0.0, math.inf)
 
 
 CATEGORIES = 32
@@ -360,55 +299,39 @@ def make_filters(model: Model) -> Filters:
             group[members] = number
             settled[block] = True
     rows = allowed | settled
-    kinds, kind = _kinds(rows)
+    kinds, kind = 0, np.zeros(0, dtype=np.int64)  # different rows, and which of them each is
+    if count:
+        found, inverse = np.unique(rows, axis=0, return_inverse=True)
+        kinds, kind = len(found), np.reshape(inverse, -1).astype(np.int64)
     bits = np.left_shift(np.int64(1), kind) if kinds <= CATEGORIES else np.ones_like(kind)
     mask = np.ones(count, dtype=np.int64)  # beyond that all meet, and are told apart later
     if kinds <= CATEGORIES:
         mask = np.array(
             [np.bitwise_or.reduce(bits[row], initial=0) for row in rows], dtype=np.int64)
-    friction, static, restitution = _pair_materials(mechanism, words)
-    return Filters(group, bits, mask, allowed, friction, static, restitution,
-                   pair_skins(mechanism))
-
-
-def _kinds(rows: Flags) -> tuple[int, Integers]:
-    """How many different rows there are, and which kind each is, shape [nb]."""
-    if not len(rows):
-        return 0, np.zeros(0, dtype=np.int64)
-    kinds, kind = np.unique(rows, axis=0, return_inverse=True)
-    return len(kinds), np.reshape(kind, -1).astype(np.int64)
-
-
-def _pair_materials(mechanism: Mechanism, words: Words) -> Stack:
-    """Friction, static and restitution of all pairs: geometric means, or what rules say, [3]."""
     materials = [mechanism.materials.get(body.material or "", Material())
                  for body in mechanism.bodies]
     roots = np.sqrt([[m.friction, m.static, m.restitution] for m in materials]).reshape(-1, 3).T
-    found = np.ascontiguousarray(roots[:, :, None] * roots[:, None, :])
+    pairs = np.ascontiguousarray(roots[:, :, None] * roots[:, None, :])  # geometric means
     for rule in mechanism.contacts:
-        for table, value in zip(found, (rule.friction, rule.static), strict=False):
+        for table, value in zip(pairs, (rule.friction, rule.static), strict=False):
             if value is not None:
                 words.fill(table, rule, value)
-    return found
+    friction, static, restitution = pairs
+    return Filters(group, bits, mask, allowed, friction, static, restitution,
+                   pair_skins(mechanism))
 
 
 class ShapeTables(NamedTuple):
     """What contacts follow."""
 
-    shapes: Records
-    """SHAPE, [nz], in the order of their collision types."""
-    faces: Records
-    """FACE, of shapes that are pieces of an outline."""
-    vertices: Array
-    """Corners of the shapes' cores, from the centres of mass [m], [n, 2]."""
-    spans: Records
-    """SPAN, of shapes that are curves."""
+    shapes: Records  # SHAPE, [nz], in the order of their collision types
+    faces: Records  # FACE, of shapes that are pieces of an outline
+    vertices: Array  # corners of the shapes' cores, from the centres of mass [m], [n, 2]
+    spans: Records  # SPAN, of shapes that are curves
 
 
 class Room(NamedTuple):
     """How much there is room for in one step."""
 
-    contacts: int
-    """Points in which shapes are near one another."""
-    rows: int
-    """Bounded rows that carry something."""
+    contacts: int  # points in which shapes are near one another
+    rows: int  # bounded rows that carry something

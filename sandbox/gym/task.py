@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from sandbox.elements.quantities import is_yes_no
-from sandbox.engine.clock import Clock, make_clock
+from sandbox.engine.inputs import Clock, make_clock
 from sandbox.engine.inspect_control import LiveCatalogue, control_problems, unreadable
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError

@@ -61,13 +61,10 @@ class Bench:
 
     def __init__(self, machine: Mechanism) -> None:
         self.world = world = World(compile_mechanism(machine))
-        self.tables = tables = make_tables(
-            world.model, world.h, world.order, world.body, world.velocity, world.filters,
-            world.shape_tables, world.room)
-        self.constants, self.state, self.result = tables
-        drives = len(self.world.model.drives.name)
-        self.kept = make_snapshot(1, tables, drives, 2 * self.world.room.contacts)
-        self.memory = make_memory(self.world.native, *tables[:3], self.kept,
+        self.tables = tables = make_tables(world)
+        self.constants, self.state, self.result, _ = tables
+        self.kept = make_snapshot(1, tables, 2 * self.world.room.contacts)
+        self.memory = make_memory(self.world.native, *tables, self.kept,
                                   prepare(self.constants, advance))
 
     def step(self, *drive: float, speeds: Any = None) -> Bench:

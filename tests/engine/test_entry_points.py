@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
 import subprocess
 import sys
 import time
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
-import numpy as np
 import pytest
 from numba.core import caching
 
 from sandbox.engine import entry_points
 from sandbox.engine import kernel as kernels
-from sandbox.engine.advance import advance
 from sandbox.engine.entry_points import CalledFromPython
 from sandbox.engine.kernel import kernel
 from sandbox.engine.source_hash import source_hash
@@ -175,46 +171,3 @@ def test_old_code_of_other_versions_is_removed(tmp_path: Path):
     assert {path.name for path in tmp_path.iterdir()} == {
         names[kept] for kept in ("act_0000000000000000", "act_late_1111111111111111",
                                  "act_2222222222222222")}
-
-
-@pytest.fixture
-def late(monkeypatch: pytest.MonkeyPatch) -> entry_points.EntryPoint:
-    """The late entry point, not compiled yet; what it would compile gives n == 7."""
-    one = next(each for each in entry_points._entry_points.values() if each.late)
-    kind = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_int64, ctypes.c_int64)
-    monkeypatch.setattr(one, "called", kind(lambda table, n: n == 7), raising=False)
-    monkeypatch.setitem(one.__dict__, "compiled", Compiled(one))
-    monkeypatch.setitem(advance.__dict__, "compiled", lambda: 0)
-    return one
-
-
-class Compiled:
-    """Stands for Numba's callback; raises ``errors`` first."""
-
-    def __init__(self, one: Any) -> None:
-        self.one, self.errors = one, []
-
-    @property
-    def address(self) -> int:
-        if self.errors:
-            raise self.errors.pop()
-        return ctypes.cast(self.one.called, ctypes.c_void_p).value or 0
-
-
-@pytest.mark.parametrize("error", [None, KeyboardInterrupt, MemoryError])
-def test_a_late_entry_point_is_compiled_by_its_first_call(
-    late: Any, error: type[BaseException] | None,
-) -> None:
-    """It puts its address into the table. Exceptions wait until compiled code has returned.
-
-    After Ctrl-C the step is finished first, since its sample is saved.
-    """
-    table = np.zeros(late.place + 1, dtype=np.int64)
-    late.compiled.errors = [error()] if error else []
-    called = late._compile_on_first_call(table.ctypes.data, 7)
-    assert called == (error is not MemoryError)
-    assert table[late.place] == (late.compiled.address if called else 0)
-    if error:
-        with pytest.raises(error):
-            advance()
-    assert advance() == 0

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from sandbox.elements.arrays import MEAN, MEAN_CONTACT
-from sandbox.engine.clock import make_clock
-from sandbox.engine.inspect import Estimate, look_over
+from sandbox.engine.inputs import make_clock
+from sandbox.engine.inspect import look_over
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SimulationDiverged
@@ -129,42 +129,15 @@ def row_of_discs(count: int, apart: float, **more: Any) -> Mechanism:
         "run": {"duration": 0.01, "step": 1e-3, "sample_rate": 500}, **more})
 
 
-def estimate(mechanism: Mechanism) -> Estimate:
-    return look_over(mechanism).estimate
-
-
-def test_steps_and_samples_are_those_of_the_run() -> None:
-    found, run = estimate(row_of_discs(2, 1.0)), simulate(row_of_discs(2, 1.0))
-    assert (found.steps, found.samples) == (run.info.steps, len(run)) == (10, 5)
-
-
-@pytest.mark.parametrize(("count", "apart", "contacts"), [
-    (1, 1.0, 0),     # nothing to touch
-    (2, 1.0, 1),     # one pair
-    (5, 1.0, 5),     # each touches something
-    (5, 0.0, 10),    # all pairs are together
-])
-def test_contacts_that_are_reckoned_with(count: int, apart: float, contacts: int) -> None:
-    assert estimate(row_of_discs(count, apart)).contacts == contacts
-
-
 def test_sixteen_touching_circles_at_every_microsecond() -> None:
     machine = row_of_discs(16, 0.0, run={"duration": 0.9, "step": 1e-6, "sample_rate": 1e6})
-    found = estimate(machine)
+    found = look_over(machine).estimate
     assert found.contacts == 120
     assert found.recorded_bytes > 9e9
     (problem,) = found.beyond(Limits())
     assert "11 412 000 000 bytes with 120 contacts in each sample" in problem.message
     assert "'recorded_bytes', raised by --limit recorded_bytes=N" in problem.allowed
     assert list(found.beyond(Limits(recorded_bytes=10**11))) == []
-
-
-def test_a_run_of_hours_is_refused() -> None:
-    found = Estimate(2_000_000, 1000, 0, 11_880.0, 0)
-    (problem,) = found.beyond(Limits())
-    assert problem.message == "the run would take about 3.3 h, 11 880 s"
-    assert problem.blocks
-    assert list(found.beyond(Limits(seconds=20_000))) == []
 
 
 FLOOR = fixed("floor", shapes=[{"type": "box", "size": [4, 0.1], "at": [0, -0.05]}],
@@ -283,12 +256,3 @@ def test_means_and_impacts_are_saved_and_loaded(tmp_path):
     forces = np.genfromtxt(tmp_path / "contacts.csv", delimiter=",", skip_header=1, usecols=(0, 6))
     assert forces[:, 1].sum() == pytest.approx(run["ball.contact.fy"].sum(), rel=1e-9)
     assert set(forces[:, 0]) <= {float(f"{t:.12g}") for t in run.time}
-
-
-@pytest.mark.parametrize(("first", "last"), [(0, 40), (37, 301)])
-def test_a_part_has_its_own_means(first, last):
-    run = run_of(5e-4, 500, **cam(90.0))
-    part, picked = run.part(first, last), run.pick(np.arange(first, min(last, len(run))))
-    for name in ("rod.contact.fy", "guide.reaction_x", "guide.reaction", "motor.torque"):
-        assert np.array_equal(part[name], run[name][first:last]), name
-        assert np.array_equal(picked[name], run[name][first:last]), name

@@ -66,14 +66,6 @@ def test_pausing_does_not_change_results(name: str) -> None:
     assert same(simulation.recording(), simulate(machine))
 
 
-def test_the_block_length_does_not_change_results(monkeypatch: pytest.MonkeyPatch) -> None:
-    """However many steps the compiled code makes before it returns to Python."""
-    machine = loaded("adaptive_grasp")
-    whole = simulate(machine)
-    monkeypatch.setattr("sandbox.engine.simulation.BLOCK", 3)
-    assert same(simulate(machine), whole)
-
-
 def test_time_and_steps() -> None:
     simulation = Simulation(weight(duration=0.01))
     assert simulation.time == 0.0
@@ -116,14 +108,6 @@ def test_a_set_value_holds_until_it_is_reset() -> None:
     simulation.step(20)
     assert simulation["winch.value"] == G
     assert simulation["load.vy"] == pytest.approx(G * 20 * H, rel=1e-9)
-
-
-def test_a_value_set_below_the_minimum_is_the_minimum() -> None:
-    simulation = Simulation(weight())
-    simulation.set("winch", -3.0)
-    simulation.step(2)
-    run = simulation.recording()
-    assert run["winch.value"].tolist() == run["rope.tension"].tolist() == [0.0, 0.0]
 
 
 @pytest.mark.parametrize("kind", ["pull", "brake", "stiffness"])
@@ -189,21 +173,6 @@ def test_wrong_quantities_and_values_are_refused() -> None:
     with pytest.raises(SceneError, match="-1 is no number of steps"):
         simulation.step(-1)
     assert simulation.steps == 0
-
-
-def test_a_run_that_diverges_stays_so() -> None:
-    """A force that grows beyond all bounds."""
-    machine = mechanism(bodies=[fixed("wall"), mass("b", 1e-3, (0.1, 0.0))], drives=[
-        {"type": "force", "name": "f", "body": "b", "direction": (1, 0), "value": "=exp(500 * t)"}])
-    simulation = Simulation(Checked(machine))
-    with pytest.raises(SimulationDiverged) as diverged:
-        simulation.run()
-    assert diverged.value.recording is not None
-    assert diverged.value.recording.info.wall["simulate"] > 0
-    assert not simulation.recording().complete
-    with pytest.raises(SimulationDiverged):
-        simulation.step()
-    assert simulation.finished
 
 
 @pytest.mark.parametrize("late", [False, True])

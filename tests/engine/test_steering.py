@@ -15,7 +15,7 @@ import pytest
 import sandbox
 from sandbox.elements.controllers.custom import Custom
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import Happened, Status
+from sandbox.samples.outcome import Status
 
 H, INERTIA = 5e-4, 2e-4
 
@@ -91,17 +91,6 @@ def test_a_switched_off_controller_leaves_the_drive_to_its_signal():
     expected = np.where(got.time < 0.04, 0.01, -0.02)
     # switched off again, the drive keeps what it had
     assert np.array_equal(got["motor.value"], expected)
-
-
-def test_a_push_gives_its_impulse():
-    events = [{"name": "tap", "at": "20 ms", "set": {"motor": "0.5 N m"}, "lasts": "4 ms"}]
-    scene = rotor(events=events)
-    scene["drives"][0]["value"] = 0
-    got = run(scene)
-    assert got["axle.rate"][-1] == pytest.approx(0.5 * 4e-3 / INERTIA, rel=1e-12)
-    inside = (got.time >= 0.02) & (got.time < 0.024)
-    assert np.array_equal(got["motor.value"], np.where(inside, 0.5, 0.0))
-    assert got.info.events == (Happened("tap", pytest.approx(0.02)),)
 
 
 def test_conditions_are_evaluated_at_their_rate():

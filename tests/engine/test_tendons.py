@@ -48,14 +48,6 @@ def test_a_wheel_between_two_points(side: str, wrap: float) -> None:
     assert run["cord.length"][0] == pytest.approx(expected, rel=1e-13)
 
 
-@pytest.mark.parametrize("sides", [("right", "right"), ("left", "left"), ("left", "right")])
-def test_a_belt_between_two_wheels(sides: tuple[str, str]) -> None:
-    """Open: sqrt(d^2 - (r1 - r2)^2); crossed: sqrt(d^2 - (r1 + r2)^2). Wound on at both ends."""
-    run = measure(("wall", (0, 0), 0.02, sides[0]), ("wall", (0, FAR), 0.03, sides[1]))
-    between = 0.01 if sides[0] == sides[1] else 0.05
-    assert run["cord.length"][0] == pytest.approx(math.sqrt(FAR**2 - between**2), rel=1e-14)
-
-
 @pytest.mark.parametrize("side", ["right", "left"])
 def test_a_tendon_that_grazes_its_wheel_does_not_go_round_it(side: str) -> None:
     """Three points in line: the wrap is 0, not 2 pi, however the rounding falls."""
@@ -75,14 +67,6 @@ def test_the_wrap_is_continuous_for_more_than_a_turn() -> None:
                   ("eye", (0, 0), 0, "left"), bodies=(eye,), duration=1.0)
     per_step = RADIUS * 4 * math.pi * 1e-3
     np.testing.assert_allclose(np.diff(run["cord.length"])[1:], per_step, rtol=1e-9)
-
-
-def test_cords_in_parallel_share() -> None:
-    """Five like cords side by side, one load: the matrix is all but singular, T = m g / 5 each."""
-    run = simulate(mechanism(
-        duration=0.5, gravity=(0.0, -G), bodies=[fixed("beam"), mass("m", 0.1, (0.0, -0.2))],
-        tendons=[cord(f"leaf{i}", ("beam",), ("m",)) for i in range(5)]))
-    np.testing.assert_allclose(run.arrays["tendon_tension"][-1], 0.1 * G / 5, rtol=1e-9)
 
 
 @pytest.mark.parametrize(("path", "response"), [

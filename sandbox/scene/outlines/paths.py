@@ -15,7 +15,7 @@ from sandbox.numeric import Array
 from sandbox.scene.outlines.curves import curvature, on_spans, spans_of
 
 ABSCISSAE, WEIGHTS = np.polynomial.legendre.leggauss(5)
-"""Quadrature of arc lengths, as in :mod:`sandbox.engine.paths`."""
+"""Quadrature of arc lengths, as in :mod:`sandbox.engine.coordinates`."""
 ITERATIONS = 30
 SAMPLES = 16
 """Points of each span from which the search for the nearest place starts."""
