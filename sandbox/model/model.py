@@ -22,6 +22,7 @@ from sandbox.elements.springs import SpringKind
 from sandbox.model.laws import LoadLaw, SpringLaw
 from sandbox.model.ties import Ties
 from sandbox.numeric import Array, Flags, Integers
+from sandbox.scene.geometry import Vec, to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.paths import Path
 
@@ -410,6 +411,17 @@ class Model:
     loads: BodyLoads
     drives: Drives
     ties: Ties
+
+    def at_start(self, body: int, point: Array) -> Vec:
+        """A point of a body's frame [m] in the world at t = 0."""
+        x, y, angle = self.bodies.pose[body].tolist()
+        return to_world((x, y, angle), (float(point[0]), float(point[1])))
+
+    def ends(self, joint: int) -> tuple[Vec, Vec]:
+        """The anchors of a joint on ``a`` and ``b`` in the world at t = 0 [m]."""
+        one, other = (self.at_start(body, point) for body, point in zip(
+            self.joints.bodies[joint], self.joints.anchor[joint], strict=True))
+        return one, other
 
     @cached_property
     def neighbours(self) -> tuple[tuple[tuple[int, int], ...], ...]:

@@ -149,6 +149,11 @@ class ControllerSpec(Element):
         return (writes,) if isinstance(writes, str) else writes
 
     @property
+    def ranges(self) -> tuple[Range, ...]:
+        """Lowest and highest value of each drive; empty without limits."""
+        return ()
+
+    @property
     def readings(self) -> tuple[str, ...]:
         """What it reads: quantities, or expressions of them that begin with ``=``."""
         return ()
@@ -181,6 +186,11 @@ class SingleController(ControllerSpec):
     """[lowest, highest] that it sets, in the drive's unit; none by default."""
     slew: Positive | None = None
     """Maximum change per second, in the drive's unit; none by default."""
+
+    @property
+    def ranges(self) -> tuple[Range, ...]:
+        """Lowest and highest value of its drive."""
+        return () if self.limits is None else (self.limits,)
 
     @field_validator("limits")
     @classmethod
@@ -215,6 +225,11 @@ class SeveralController(ControllerSpec):
     """[lowest, highest] of each drive, in its unit; none by default."""
     slew: Items[Positive] | None = None
     """Maximum change per second of each drive, in its unit; none by default."""
+
+    @property
+    def ranges(self) -> tuple[Range, ...]:
+        """Lowest and highest value of each drive."""
+        return self.limits or ()
 
     @field_validator("limits")
     @classmethod
