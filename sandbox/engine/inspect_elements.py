@@ -291,6 +291,17 @@ def grasp_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
                            f"{listed(OF_HANDS[:2])}, and contact rules that let it")
 
 
+def unmoved(model: Model) -> Iterator[Problem]:
+    """Forces, torques and pulls on bodies that cannot move freely."""
+    for i, kind in enumerate(model.drives.kind):
+        moved = model.moved_by(i)
+        if (kind.gives in ("force", "torque", "tension") and not kind.limited
+                and not model.bodies.free[moved].any()):
+            yield look("no-effect", f"$.drives[{i}]", model.drives.name[i],
+                       f"acts on {model.bodies.name[moved[0]]!r}, which cannot move freely",
+                       "it changes nothing")
+
+
 INSTANTS = 257
 """Instants of a run at which the target of a drive is checked."""
 

@@ -110,7 +110,7 @@ def _fingers(model: Model, allowed: Flags, objects: Integers) -> Iterator[_Reach
     joints, circles = model.joints, np.array([_round(model, i) for i in objects.tolist()])
     for name, chain in chains(model).items():
         bodies, hinges = list(chain), list(chain.values())
-        touched = allowed[np.ix_(bodies, objects)].any(axis=0)
+        touched = allowed[np.ix_(np.array(bodies), objects)].any(axis=0)
         if not touched.any():
             continue
         hinge = np.array(model.ends(hinges[0])[0])

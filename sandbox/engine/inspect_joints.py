@@ -1,8 +1,12 @@
-"""Checks of joints at t = 0: assembly, directions, overconstraint, gears, racks, rolling circles.
+"""Checks of joints and of overlaps at t = 0.
 
 Involute teeth mesh at other distances of the centres, too, with the pressure angle a' given by
 cos a' = (r_a + r_b) cos a / distance. Beyond cos a' = 1 the base circles have no common tangent,
 and no step can be made.
+
+Shapes are sorted along the longer axis, so that each is compared only with those whose boxes
+overlap its own. At most :data:`MOST_LOOKED` pairs of shapes (and :data:`MOST_BOXES` pairs of
+boxes) are compared; the report says if this is not all of them.
 """
 
 from __future__ import annotations
@@ -10,12 +14,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+import numpy as np
+import pymunk
+
 from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, deg, error, fitting, look, mm
+from sandbox.engine.world import make_shape
 from sandbox.errors import Problem
 from sandbox.model.joints import place_in_slot, slot_length
 from sandbox.model.model import Model
 from sandbox.model.supports import parting_wheels, shared_joints
-from sandbox.scene.geometry import Vec, pose_of, to_body
+from sandbox.numeric import Flags, Integers
+from sandbox.scene.geometry import Vec, pose_of, solids, to_body
 from sandbox.wording import listed
 
 
@@ -214,3 +223,96 @@ def _from_pitch_line(model: Model, joint: int, along: Vec | None = None) -> floa
     bx, by = joints.anchor[joint, 1].tolist()
     gx, gy = joints.along[joint].tolist() if along is None else along
     return float(gx * (y - by) - gy * (x - bx))
+
+
+MOST_LOOKED = 20_000
+"""Largest number of compared pairs of shapes."""
+MOST_BOXES = 50_000_000
+"""Largest number of compared pairs of boxes."""
+MOST_REPORTED = 100
+"""Largest number of reported overlaps; further ones are counted."""
+
+
+def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:
+    """Overlapping bodies at t = 0; ``allowed`` are the pairs that may touch, [nb, nb].
+
+    And the number of compared pairs of bodies that may touch and whose boxes overlap.
+    """
+    holders, pieces, owner = _pieces(model)
+    looked, whole, depths = 0, True, dict[tuple[int, int], float]()
+    for i, others, last in _neighbours(pieces, owner, allowed):
+        whole = whole and not last and len(others) <= MOST_LOOKED - looked
+        others = others[:MOST_LOOKED - looked]
+        looked += len(others)
+        for j in others.tolist():
+            pair = (int(min(owner[i], owner[j])), int(max(owner[i], owner[j])))
+            depths[pair] = max(_depth(pieces[i], pieces[j]), depths.get(pair, 0.0))
+    del holders  # not before
+    names = model.bodies.name
+    found = [(pair, depth) for pair, depth in sorted(depths.items()) if depth > NEGLIGIBLE]
+    problems = [look("overlap", f"$.bodies[{a}]", names[a], f"overlaps {names[b]!r} by {mm(depth)} "
+                     "at t = 0", "move one of them, or add a contact rule with \"collide\": false")
+                for (a, b), depth in found[:MOST_REPORTED]]
+    if not whole:
+        problems.append(look("overlap", "$.bodies", "bodies", "further bodies may overlap at t = 0",
+                             f"{looked} pairs of shapes were compared"))
+    elif len(found) > MOST_REPORTED:
+        problems.append(look("overlap", "$.bodies", "bodies",
+                             f"{len(found) - MOST_REPORTED} more bodies overlap at t = 0"))
+    return problems, len(depths)
+
+
+def _pieces(model: Model) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
+    """Bodies that keep the shapes alive; all shapes at t = 0; the body of each."""
+    holders, pieces, owner = [], [], []
+    for i, body in enumerate(model.mechanism.bodies):
+        holder = pymunk.Body(body_type=pymunk.Body.STATIC)
+        holder.position, holder.angle = body.at, body.angle
+        holders.append(holder)
+        for shape in body.shapes:
+            for piece, _ in solids(shape):
+                pieces.append(make_shape(holder, piece, (0.0, 0.0)))
+                owner.append(i)
+    return holders, pieces, np.array(owner, dtype=np.int64)
+
+
+def _neighbours(
+    pieces: list[pymunk.Shape], owner: Integers, allowed: Flags,
+) -> Iterator[tuple[int, Integers, bool]]:
+    """Each shape with the later ones whose boxes overlap and whose bodies may touch it.
+
+    True with the last one if the limit of pairs was reached.
+    """
+    if not pieces:
+        return
+    boxes = np.array([(box.left, box.bottom, box.right, box.top)
+                      for box in (solid.cache_bb() for solid in pieces)])
+    axis = int(np.ptp(boxes[:, 1] + boxes[:, 3]) > np.ptp(boxes[:, 0] + boxes[:, 2]))
+    order = np.argsort(boxes[:, axis], kind="stable")
+    low, high = boxes[order, :2], boxes[order, 2:]
+    ends = np.searchsorted(low[:, axis], high[:, axis], side="right")
+    seen = 0
+    for place, end in enumerate(ends.tolist()):
+        window = slice(place + 1, min(end, place + 1 + MOST_BOXES - seen))
+        seen += max(window.stop - window.start, 0)
+        over = window.stop < end
+        across = 1 - axis
+        meets = ((low[window, across] <= high[place, across])
+                 & (high[window, across] >= low[place, across])
+                 & allowed[owner[order[place]], owner[order[window]]])
+        if over or meets.any():
+            yield int(order[place]), order[window][meets], over
+        if over:
+            return
+
+
+def _depth(one: pymunk.Shape, other: pymunk.Shape) -> float:
+    """Depth of the overlap of two shapes [m]; 0 if there is none.
+
+    The sign of Chipmunk's distances depends on the order of the shapes.
+    """
+    try:
+        points = one.shapes_collide(other).points
+    except AssertionError:  # pymunk raises it if there is no point
+        return 0.0
+    return max((abs(point.distance) for point in points), default=0.0)

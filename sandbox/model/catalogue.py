@@ -88,6 +88,8 @@ class Catalogue:
         self.elements: dict[str, CatalogueEntry] = {}
         for name, element in _elements(mechanism):
             self.elements.setdefault(name, element)
+        self.hinted = 0
+        """Number of problems so far of unknown names."""
         self._bodies = {body.name: index for index, body in enumerate(mechanism.bodies)}
 
     @cached_property
@@ -300,25 +302,6 @@ class Catalogue:
                         yield f"{bodies[one].name}/{bodies[other].name}.{quantity}"
                     elif begins[other] and ends[one][k]:
                         yield f"{bodies[other].name}/{bodies[one].name}.{quantity}"
-
-
-def catalogue(mechanism: Mechanism) -> dict[str, str]:
-    """Name to unit of every quantity that a run of ``mechanism`` has (pairs left out)."""
-    return dict(Catalogue(mechanism).units)
-
-
-def split(name: str, mechanism: Mechanism) -> tuple[str, int, str]:
-    """The kind, the place among its kind, and the quantity that ``name`` asks for.
-
-    Of a pair ``a/b.normal`` it is ``("pair", place of a, "b.normal")``.
-
-    Raises:
-        UnknownQuantityError: not in the catalogue.
-    """
-    source = Catalogue(mechanism).find(name)
-    if source.kind == "pair":
-        return "pair", source.index, name.partition("/")[2]
-    return source.kind, source.index, source.quantity
 
 
 def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
