@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from sandbox.elements.controllers.controller import Memoryless
+from sandbox.elements.controllers.controller import Law, Row
 from sandbox.errors import ControllerFailed, SandboxError
 from sandbox.values.expressions import parse_expression
 from sandbox.values.numbers import NAME
@@ -159,7 +159,7 @@ class Custom:
         return rates
 
 
-class CustomLaw(Memoryless):
+class CustomLaw(Law):
     """Calls the function and looks over what it returns."""
 
     __slots__ = ("_act", "_count", "_name")
@@ -167,10 +167,7 @@ class CustomLaw(Memoryless):
     def __init__(self, spec: Custom) -> None:
         self._act, self._name, self._count = spec.act, spec.name, len(spec.writes)
 
-    def act(
-        self, t: float, readings: Sequence[float], targets: Sequence[float],
-        applied: Sequence[float],
-    ) -> list[float]:
+    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
         """What the function wants.
 
         Raises:

@@ -7,15 +7,14 @@ K. J. Astrom and B. Wittenmark, Computer-Controlled Systems (3rd ed., 1997), sec
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
-from sandbox.elements.controllers.controller import Law, ReadingController
+from sandbox.elements.controllers.controller import Law, ReadingController, Row
 from sandbox.values.numbers import Duration, Flag, Instant, Quantity
-from sandbox.values.signals import AnySignal, Signal
+from sandbox.values.signals import Signal
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
@@ -64,11 +63,6 @@ class PidController(ReadingController):
                                   "\"back_calculation\"")
         return self
 
-    @property
-    def signals(self) -> tuple[AnySignal, ...]:
-        """The targets of its readings over time; of a schedule its value."""
-        return (self.target,)
-
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
         """Its law, which acts every ``period`` [s]."""
         gains = Gains(self.kp, self.ki, self.kd, filter=self.filter, anti_windup=self.anti_windup,
@@ -103,7 +97,7 @@ class Gains:
         return -math.expm1(-period / tracking) if tracking > 0 else 1.0
 
 
-class Pid:
+class Pid(Law):
     """u = bias + kp e + I - kd D, with e = target - reading, sampled with period h.
 
     - I: the integral of ki e over straight lines between acts,
@@ -150,9 +144,7 @@ class Pid:
         """The integral part I, in the drive's unit."""
         return self._integral
 
-    def begin(
-        self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
-    ) -> None:
+    def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
         """Set bias and integral.
 
         Of a loop that begins in the middle of a run, the integral takes up the
@@ -168,10 +160,7 @@ class Pid:
             self._integral = -proportional if self._bumpless else 0.0
         self._resumes = self._fresh = True
 
-    def act(
-        self, t: float, readings: Sequence[float], targets: Sequence[float],
-        applied: Sequence[float],
-    ) -> list[float]:
+    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
         """The output; see the class."""
         reading = readings[0]
         error = targets[0] - reading
@@ -192,7 +181,3 @@ class Pid:
         self._wanted = wanted = (
             self._bias + self._kp * error + self._integral - self._kd * self._slope)
         return [wanted]
-
-    def report(self) -> dict[str, Any]:
-        """Nothing to tell."""
-        return {}

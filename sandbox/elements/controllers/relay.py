@@ -10,15 +10,14 @@ as in D. E. Seborg, T. F. Edgar and D. A. Mellichamp, Process Dynamics and Contr
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, field_validator
 
-from sandbox.elements.controllers.controller import Law, ReadingController
+from sandbox.elements.controllers.controller import Law, ReadingController, Row
 from sandbox.elements.controllers.pid import Gains, Pid
 from sandbox.values.numbers import Quantity
-from sandbox.values.signals import AnySignal, Signal
+from sandbox.values.signals import Signal
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
@@ -74,11 +73,6 @@ class RelayController(ReadingController):
             raise WrongValueError("out-of-range", "must not be 0: the relay would not switch")
         return amplitude
 
-    @property
-    def signals(self) -> tuple[AnySignal, ...]:
-        """The targets of its readings over time; of a schedule its value."""
-        return (self.target,)
-
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
         """Its law, which acts every ``period`` [s]."""
         return Relay(self, period)
@@ -123,7 +117,7 @@ class _Swing:
         self.low_input = min(self.low_input, given)
 
 
-class Relay:
+class Relay(Law):
     """Switches its drive until the reading has gone round often enough, then is a PID.
 
     A cycle lasts from one switch to bias + amplitude to the next. The first one is
@@ -147,9 +141,7 @@ class Relay:
         self._starts: list[float] = []
         self._swing, self._swings = _Swing(), list[_Swing]()
 
-    def begin(
-        self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
-    ) -> None:
+    def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
         """Begin to swing; once tuned, go on as a PID from what the drive has."""
         if self._pid is not None:
             self._pid.begin(readings, targets, inputs)
@@ -159,10 +151,7 @@ class Relay:
         self._up = targets[0] >= readings[0]
         self._starts, self._swings, self._swing = [], [], _Swing()
 
-    def act(
-        self, t: float, readings: Sequence[float], targets: Sequence[float],
-        applied: Sequence[float],
-    ) -> list[float]:
+    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
         """The relay's side, or the PID's output once there is one."""
         if self._pid is not None:
             return self._pid.act(t, readings, targets, applied)
