@@ -240,9 +240,6 @@ class FlowDrive(DriveSpec):
         LINE, "flow", "m^3/s", "flow", ("value", "work", "flow"), mujoco=FLUID)
 
     type: Literal["flow"] = TYPE
-    name: of.Name
-    """Its name; its value is recorded as ``<name>.value``, the work on the fluid as
-    ``<name>.work``."""
     line: LineName
     """Name of the line that it feeds."""
     value: FlowSignal
@@ -259,8 +256,6 @@ class PressureDrive(DriveSpec):
         mujoco=FLUID)
 
     type: Literal["pressure"] = TYPE
-    name: of.Name
-    """Its name; its value is recorded as ``<name>.value``, its flow as ``<name>.flow``."""
     line: LineName
     """Name of the line that it feeds."""
     value: PressureSignal
@@ -268,10 +263,6 @@ class PressureDrive(DriveSpec):
     resistance: of.FlowResistance = 0.0
     """Pressure that is lost per flow between the source and the line [Pa s/m^3]; with 0, the
     default, the line has the pressure of the source."""
-
-    def columns(self) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
-        return {"resistance": self.resistance}
 
 
 class OpeningDrive(DriveSpec):
@@ -282,8 +273,6 @@ class OpeningDrive(DriveSpec):
         VALVE, "opening", "1", "ratio", ("value",), floor=0.0, sole="opening", mujoco=FLUID)
 
     type: Literal["opening"] = TYPE
-    name: of.Name
-    """Its name; its value is recorded as ``<name>.value``."""
     valve: Annotated[of.Name, VALVE]
     """Name of the valve; one that no drive opens is fully open."""
     value: ShareSignal

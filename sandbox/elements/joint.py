@@ -190,7 +190,7 @@ class JointSpec(Element):
                           path, allowed="a joint of at least one dynamic body")
 
     def columns(self, at: Anchors) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
+        """Its columns of :class:`sandbox.model.model.Joints` that are no attributes of it."""
         return {}
 
     def path_points(self) -> tuple[tuple[Vec, ...] | None, bool]:

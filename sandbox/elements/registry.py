@@ -7,8 +7,6 @@ from typing import Annotated, Any, get_args
 
 from pydantic import Field
 
-from sandbox.elements.bars import Actuator, Rod, Rope
-from sandbox.elements.body_drives import ForceDrive, RadiusDrive, SurfaceDrive
 from sandbox.elements.controllers.equilibrium import EquilibriumController
 from sandbox.elements.controllers.pid import PidController
 from sandbox.elements.controllers.relay import RelayController
@@ -19,7 +17,14 @@ from sandbox.elements.controllers.simple import (
 )
 from sandbox.elements.controllers.state_feedback import StateFeedbackController
 from sandbox.elements.element import Element, tag_of
-from sandbox.elements.element_drives import HoldDrive, PullDrive, StiffnessDrive
+from sandbox.elements.element_drives import (
+    ForceDrive,
+    HoldDrive,
+    PullDrive,
+    RadiusDrive,
+    StiffnessDrive,
+    SurfaceDrive,
+)
 from sandbox.elements.fluids import FlowDrive, Line, OpeningDrive, PressureDrive, Valve
 from sandbox.elements.joint_drives import (
     BrakeDrive,
@@ -31,7 +36,7 @@ from sandbox.elements.joint_drives import (
     TorqueDrive,
 )
 from sandbox.elements.loads import Load
-from sandbox.elements.points import Pin, Slot, Weld
+from sandbox.elements.points import Actuator, Pin, Rod, Rope, Slot, Weld
 from sandbox.elements.springs import Spring
 from sandbox.elements.tendons import Tendon
 from sandbox.elements.wheels import Gear, Rack, Roll

@@ -37,7 +37,7 @@ def compile_loads(mechanism: Mechanism, bodies: Bodies) -> BodyLoads:
         name=tuple(f"{mechanism.loads[i].name}.{mechanism.bodies[body].name}"
                    for i, body in pairs),
         load=load.copy(), body=on.copy(), at=np.array(at, dtype=float).reshape(-1, 2),
-        **columns_of([row for _, row, _ in found], LOAD_COLUMNS),
+        **columns_of([None] * len(found), LOAD_COLUMNS, [row for _, row, _ in found]),
         law=tuple(law for law, _, _ in found),
         lift=np.array([row.get("weight", math.nan) * body.thickness for _, row, body in found],
                       dtype=float),

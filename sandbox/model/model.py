@@ -463,8 +463,24 @@ class Model:
         return found
 
 
-def columns_of(rows: Sequence[Mapping[str, Any]], defaults: Mapping[str, Any]) -> dict[str, Any]:
-    """Arrays from the columns of elements; a default also gives a column's type and shape."""
-    return {key: np.array([row.get(key, default) for row in rows],
-                          dtype=np.array(default).dtype).reshape(-1, *np.shape(default))
-            for key, default in defaults.items()}
+def columns_of(
+    elements: Sequence[Any], defaults: Mapping[str, Any], rows: Sequence[Mapping[str, Any]] = (),
+    **fields: str,
+) -> dict[str, Any]:
+    """Arrays from the attributes of elements; a default also gives a column's type and shape.
+
+    Args:
+        elements: a row each.
+        defaults: by column, for elements without the attribute, or where it is None.
+        rows: by element, what takes the place of its attributes.
+        fields: attributes that have another name than their column.
+    """
+    columns = {}
+    for key, default in defaults.items():
+        found = []
+        for element, row in zip(elements, rows or [{}] * len(elements), strict=True):
+            value = row[key] if key in row else getattr(element, fields.get(key, key), None)
+            found.append(default if value is None else value)
+        columns[key] = np.array(found, dtype=np.array(default).dtype).reshape(
+            -1, *np.shape(default))
+    return columns
