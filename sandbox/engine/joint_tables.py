@@ -12,9 +12,8 @@ from sandbox.engine import records
 from sandbox.engine.law_tables import LawTables
 from sandbox.engine.plan import PlacedBodies, Rows
 from sandbox.engine.stiffness import stiff_servos
-from sandbox.model.joints import flank_of, slip_of, slot_length
+from sandbox.model.joints import flank_of, sliding, slip_of, slot_length, turning
 from sandbox.model.model import Model
-from sandbox.model.starts import sliding, turning
 from sandbox.numeric import Flags, Records
 
 KEEPS: dict[Keeps, int] = {
