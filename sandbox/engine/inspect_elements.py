@@ -293,11 +293,14 @@ def grasp_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
 
 def unmoved(model: Model) -> Iterator[Problem]:
     """Forces, torques and pulls on bodies that cannot move freely."""
-    for i, kind in enumerate(model.drives.kind):
-        moved = model.moved_by(i)
-        if (kind.gives in ("force", "torque", "tension") and not kind.limited
-                and not model.bodies.free[moved].any()):
-            yield look("no-effect", f"$.drives[{i}]", model.drives.name[i],
+    drives, tendons = model.drives, model.tendons
+    for i in drives.giving("force", "torque", "tension").tolist():
+        kind, target = drives.kind[i], int(drives.target[i])
+        moved = (np.array([target]) if kind.gives == "force" else
+                 model.joints.bodies[target] if kind.gives == "torque" else
+                 tendons.guide_body[tendons.guides(target)])
+        if not kind.limited and not model.bodies.free[moved].any():
+            yield look("no-effect", f"$.drives[{i}]", drives.name[i],
                        f"acts on {model.bodies.name[moved[0]]!r}, which cannot move freely",
                        "it changes nothing")
 

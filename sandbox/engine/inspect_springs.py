@@ -40,7 +40,15 @@ from sandbox.engine.stiffness import (
 from sandbox.errors import Problem
 from sandbox.model.laws import STRETCH
 from sandbox.model.model import NONE, Model
-from sandbox.model.supports import LARGEST_GROUP, RANK, about_centre, joint_rows
+from sandbox.model.supports import (
+    LARGEST_GROUP,
+    RANK,
+    Parts,
+    about_centre,
+    joint_rows,
+    places,
+    row_of,
+)
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cords import Pulls, pulls_at_start, rest_lengths
 
@@ -48,8 +56,6 @@ COARSE = 0.5
 """h w at which the frequency is 1 % off: (0.5)^2 / 24."""
 OVERDAMPED = 5.0
 """Step over a damper's settling time beyond which the step hides the motion."""
-Parts = Sequence[tuple[int, Array]]
-"""Bodies, each with the force x, y and the moment about its centre of mass that act on it."""
 
 
 def against_step(model: Model) -> Iterator[Problem]:
@@ -102,9 +108,9 @@ def _against(
 def _softness(model: Model, parts: Parts, hinge: int) -> float:
     """Response of two bodies, which a hinge may join, to unit pushes [1/kg, 1/(kg m^2)]."""
     bodies = np.unique([body for body, _ in parts])
-    weight, place = _weight(model, bodies), {body: k for k, body in enumerate(bodies.tolist())}
+    weight, place = _weight(model, bodies), places(bodies)
     motions = _motions(model, place, weight, () if hinge == NONE else (hinge,))
-    return float(np.sum((_row(place, parts) / weight @ motions)**2))
+    return float(np.sum((row_of(place, parts) / weight @ motions)**2))
 
 
 def without_arm(model: Model) -> Iterator[Problem]:
@@ -172,7 +178,7 @@ class _Element(NamedTuple):
     """A spring, tendon or damper."""
 
     parts: Parts
-    """What 1 N or 1 N m of it does."""
+    """Forces and moments about the centres of mass of 1 N or 1 N m of it."""
     stiffness: float
     damping: float
     """With h k added if it is solved at the end of a step h."""
@@ -240,9 +246,9 @@ def _modes(
         return
     stiffness, damping = (np.array([getattr(each, name) for each in elements])
                           for name in ("stiffness", "damping"))
-    weight, place = _weight(model, bodies), {body: k for k, body in enumerate(bodies.tolist())}
+    weight, place = _weight(model, bodies), places(bodies)
     joints = sorted({joint for body in place for joint, _ in model.neighbours[body]})
-    rows = np.array([_row(place, each.parts) for each in elements]) / weight
+    rows = np.array([row_of(place, each.parts) for each in elements]) / weight
     rows = rows @ _motions(model, place, weight, joints)
     squares, shapes = np.linalg.eigh((rows * stiffness[:, None]).T @ rows)
     least = RANK * max(float(squares.max(initial=0.0)), 1e-300)
@@ -266,21 +272,12 @@ def _weight(model: Model, bodies: Integers) -> Array:
     return weight
 
 
-def _row(place: Mapping[int, int], parts: Parts) -> Array:
-    """What acts on some bodies, by their ``place``, [3 n]; on others it is left out."""
-    row = np.zeros((len(place), 3))
-    for body, wrench in parts:
-        if body in place:
-            row[place[body]] += wrench
-    return row.ravel()
-
-
 def _motions(
     model: Model, place: Mapping[int, int], weight: Array, joints: Sequence[int],
 ) -> Array:
     """A basis of the motions that joints allow, times the roots of the masses, [3 n, freedoms]."""
     pose = model.bodies.pose
-    found = [_row(place, [(body, about_centre(model, pose, body, wrench)) for body, wrench in row])
+    found = [row_of(place, [(body, about_centre(model, pose, body, each)) for body, each in row])
              for joint in joints for row in joint_rows(
                  model, pose, joint, flank=int(model.joints.play[joint] == 0))]
     if not found:

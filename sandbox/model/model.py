@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 
 from sandbox.elements.drive import DriveKind, Gives
-from sandbox.elements.element import RELEASABLES
 from sandbox.elements.joint import JointKind, Keeps
 from sandbox.elements.springs import SpringKind
 from sandbox.model.laws import LoadLaw, SpringLaw
@@ -438,29 +437,6 @@ class Model:
         damping, rotary = self.joints.damping.copy(), np.flatnonzero(~self.springs.straight)
         np.add.at(damping, self.springs.joint[rotary], self.springs.damping[rotary])
         return damping
-
-    def moved_by(self, drive: int) -> Integers:
-        """Numbers of the bodies on which a drive acts, its target's."""
-        among, target = self.drives.kind[drive].target.among, int(self.drives.target[drive])
-        if among == RELEASABLES:
-            among, target = self.ties.element(target)
-        found: Integers
-        match among:
-            case "bodies":
-                found = np.array([target], dtype=np.int64)
-            case "joints":
-                found = self.joints.bodies[target]
-            case "tendons":
-                found = self.tendons.guide_body[self.tendons.guides(target)]
-            case "lines":
-                found = np.unique(self.lines.bodies[self.lines.chambers(target)])
-            case "valves":
-                found = np.unique(np.concatenate([
-                    self.lines.bodies[self.lines.chambers(int(line))].ravel()
-                    for line in self.valves.lines[target] if line >= 0]))
-            case _:
-                found = self.springs.bodies[target]
-        return found
 
 
 def columns_of(

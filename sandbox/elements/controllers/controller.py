@@ -69,8 +69,6 @@ def every(rate: float | None, step: float) -> int:
 class Law:
     """Computes drive values from readings; the base of laws is one without memory."""
 
-    __slots__ = ()
-
     def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
         """Begin, or begin anew after having been switched on.
 

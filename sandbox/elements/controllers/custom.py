@@ -162,8 +162,6 @@ class Custom:
 class CustomLaw(Law):
     """Calls the function and looks over what it returns."""
 
-    __slots__ = ("_act", "_count", "_name")
-
     def __init__(self, spec: Custom) -> None:
         self._act, self._name, self._count = spec.act, spec.name, len(spec.writes)
 

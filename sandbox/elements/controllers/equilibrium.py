@@ -286,10 +286,6 @@ class Equilibrium(Law):
     - s is taken no smaller than it is at the guard's rotation, and so never 0.
     """
 
-    __slots__ = ("_arrived", "_balanced_at", "_balancing", "_errors", "_guards", "_half_ki",
-                 "_integrals", "_joints", "_kd", "_kp", "_pull", "_resumes", "_rise", "_since",
-                 "_starts", "_wanted")
-
     def __init__(
         self, spec: EquilibriumController, joints: Sequence[JointGeometry], period: float,
     ) -> None:

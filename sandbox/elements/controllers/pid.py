@@ -111,10 +111,6 @@ class Pid(Law):
       ``back_calculation`` leads it back (:meth:`Gains.fraction_back`).
     """
 
-    __slots__ = ("_back", "_before", "_bias", "_bumpless", "_clamp", "_error", "_fresh", "_given",
-                 "_half_ki", "_integral", "_kd", "_keep", "_kp", "_resumes", "_slope", "_wanted",
-                 "_weight")
-
     def __init__(
         self, gains: Gains, period: float, *, bias: float | None = None, bumpless: bool = False,
         resumes: bool = False,

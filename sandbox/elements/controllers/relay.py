@@ -100,8 +100,6 @@ def gains_of(rule: str, gain: float, period: float) -> Gains:
 class _Swing:
     """What one or several cycles were like: error and input at their extremes, mean input."""
 
-    __slots__ = ("acts", "high", "high_input", "low", "low_input", "sum_input")
-
     def __init__(self) -> None:
         self.acts = 0
         self.high = self.high_input = -math.inf
@@ -126,9 +124,6 @@ class Relay(Law):
     that cut the relay do no harm. The PID begins with the mean input of the measured
     cycles, which is what held the reading around its target.
     """
-
-    __slots__ = ("_amplitude", "_began", "_bias", "_cycles", "_found", "_given", "_hysteresis",
-                 "_period", "_pid", "_rule", "_starts", "_swing", "_swings", "_up")
 
     def __init__(self, spec: RelayController, period: float) -> None:
         self._given, self._amplitude = spec.bias, spec.amplitude

@@ -60,8 +60,6 @@ class FeedbackController(SingleController):
 class Direct(Law):
     """Wants its target, or its reading where it has no target."""
 
-    __slots__ = ()
-
     def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
         """The target or the reading as it is now."""
         return [(targets or readings)[0]]
@@ -103,8 +101,6 @@ class Switch(Law):
     Between the thresholds it keeps what it has. In the middle of a run it
     begins with what the drive has, at the start of one with ``value_below``.
     """
-
-    __slots__ = ("_above", "_below", "_keeps", "_value", "_value_above", "_value_below")
 
     def __init__(self, spec: SwitchController) -> None:
         self._below, self._above = spec.below, spec.above

@@ -73,9 +73,6 @@ class StateFeedback(Law):
     left out of the integrals. Rows are lists: numpy needs as long for 4 x 6 numbers.
     """
 
-    __slots__ = ("_bias", "_errors", "_fresh", "_gains", "_given", "_half_gains", "_integrals",
-                 "_kept", "_resumes", "_wanted")
-
     def __init__(self, spec: StateFeedbackController, period: float) -> None:
         rows = len(spec.writes)
         self._gains = spec.gains
