@@ -25,7 +25,7 @@ from sandbox.elements.element import (
     direction_problems,
     no_mesh,
 )
-from sandbox.elements.tendons import RIGID, Tendon
+from sandbox.elements.tendons import RIGID
 from sandbox.errors import Problem
 from sandbox.values.numbers import Name, Point
 from sandbox.values.signals import (
@@ -256,35 +256,30 @@ class StiffnessDrive(DriveSpec):
                   floor=0.0)
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        """Springs and tendons that have no stiffness to set."""
-        found = self._spring(mechanism)
-        if self.tendon is not None:
-            yield from self._tendon_problems(found, mechanism, f"{path}.tendon")
-        elif found is not None and found.stiffness is None:
-            yield Problem("not-settable",
-                          f"{quoted(found.name)} follows a law and has no stiffness to set",
-                          f"{path}.spring", allowed="a spring with a 'stiffness'")
-
-    def _tendon_problems(
-        self, tendon: Tendon | None, mechanism: Mechanism, path: str,
-    ) -> Iterator[Problem]:
-        """Tendons whose tension no stiffness sets, or not along all of them."""
-        name = self.tendon or ""
-        pull = next((each.name for each in mechanism.drives
-                     if each.kind.gives == "tension" and each.target[1] == name), None)
+        """Springs and tendons that have no stiffness to set, tendons with several tensions."""
+        found, name = self._spring(mechanism), quoted(self.spring or self.tendon or "")
+        pull = next((each.name for each in mechanism.drives if each.kind.gives == "tension"
+                     and each.target[1] == self.tendon), None)
         if pull is not None:
-            yield Problem("not-settable",
-                          f"{quoted(name)} has no stiffness to set: {quoted(pull)} pulls it, which "
-                          "sets its tension", path, allowed="a tendon that no drive pulls")
-        elif tendon is not None and tendon.gripping:
-            yield Problem("not-settable", f"the stiffness of {quoted(name)} cannot be set: its "
-                          f"guide {tendon.gripping[0]} has friction, so each span has its own "
-                          "tension", path, allowed="a tendon whose guides have no 'friction'")
-        elif tendon is not None and tendon.stiffness >= RIGID:
-            yield Problem("not-settable", f"{quoted(name)} has no stiffness to set: with "
-                          f"{tendon.stiffness:g} N/m it counts as inextensible", path,
-                          allowed=f"a tendon with a 'stiffness' below {RIGID:g} N/m, which it has "
-                          "until the drive sets another")
+            fault, allowed = (f"{name} has no stiffness to set: {quoted(pull)} pulls it, which "
+                              "sets its tension", "a tendon that no drive pulls")
+        elif found is None:
+            return
+        elif found.stiffness is None:
+            fault, allowed = (f"{name} follows a law and has no stiffness to set",
+                              "a spring with a 'stiffness'")
+        elif self.tendon is not None and found.gripping:
+            fault, allowed = (f"the stiffness of {name} cannot be set: its guide "
+                              f"{found.gripping[0]} has friction, so each span has its own tension",
+                              "a tendon whose guides have no 'friction'")
+        elif self.tendon is not None and found.stiffness >= RIGID:
+            fault, allowed = (f"{name} has no stiffness to set: with {found.stiffness:g} N/m it "
+                              "counts as inextensible", f"a tendon with a 'stiffness' below "
+                              f"{RIGID:g} N/m, which it has until the drive sets another")
+        else:
+            return
+        yield Problem("not-settable", fault, f"{path}.{'spring' if self.spring else 'tendon'}",
+                      allowed=allowed)
 
 
 class HoldDrive(DriveSpec):

@@ -118,35 +118,36 @@ def numbered(element: str, quantity: str) -> tuple[str, int] | None:
         number.isdecimal()) else None
 
 
+def row_of(element: str, quantity: str) -> Quantity | None:
+    """The row of a quantity of a ``body``, ``joint``, ...; None for what it has not."""
+    if found := numbered(element, quantity):
+        return NUMBERED[found[0]]
+    return QUANTITIES.get(element, {}).get(quantity) or (
+        GRASP if element == "body" else TIED).get(quantity)
+
+
 def about(element: str, quantity: str) -> str:
     """The sentence on a quantity of a ``body``, ``joint``, ..., without its last number."""
-    if found := numbered(element, quantity):
-        return NUMBERED[found[0]].about
-    rows = QUANTITIES.get(element, {})
-    held = GRASP if element == "body" else TIED
-    return (rows.get(quantity) or held[quantity]).about
+    row = row_of(element, quantity)
+    return row.about if row else ""
 
 
 def is_yes_no(element: str, quantity: str) -> bool:
     """Whether an element's quantity is 1 or 0 and nothing between."""
-    if found := numbered(element, quantity):
-        return NUMBERED[found[0]].yes_no
-    row = QUANTITIES.get(element, {}).get(quantity) or (
-        GRASP if element == "body" else TIED).get(quantity)
+    row = row_of(element, quantity)
     return row is not None and row.yes_no
 
 
 def is_count(element: str, quantity: str) -> bool:
     """Whether an element's quantity is a whole number of things."""
-    row = QUANTITIES.get(element, {}).get(quantity)
+    row = row_of(element, quantity)
     return row is not None and row.count
 
 
 def is_live(element: str, quantity: str) -> bool:
     """Whether an element's quantity can be read while a run goes on."""
-    if found := numbered(element, quantity):
-        return NUMBERED[found[0]].live
-    return quantity in LIVE[element] or (quantity in TIED and element != "body")
+    row = row_of(element, quantity)
+    return row.live if row is not None else element == "meter"
 
 
 def reserved(kind: str) -> frozenset[str]:

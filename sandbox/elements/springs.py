@@ -52,7 +52,8 @@ class SpringSpec(Element):
     @property
     def law(self) -> str | None:
         """Its law, an expression; None with a stiffness."""
-        raise NotImplementedError
+        text: str | None = getattr(self, self.LOCAL[0])
+        return text
 
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
         """The quantities that it records, with their units."""
@@ -121,11 +122,6 @@ class LinearSpring(SpringSpec):
 
     _law = field_validator("force")(_read_law)
 
-    @property
-    def law(self) -> str | None:
-        """Its law, an expression; None with a stiffness."""
-        return self.force
-
     def columns(self, scope: Scope) -> dict[str, Any]:
         """Its columns of :class:`sandbox.model.model.Springs`, besides those of all."""
         p, q = scope.world(self.a, self.on_a), scope.world(self.b, self.on_b)
@@ -175,11 +171,6 @@ class RotarySpring(SpringSpec):
     is not released."""
 
     _law = field_validator("torque")(_read_law)
-
-    @property
-    def law(self) -> str | None:
-        """Its law, an expression; None with a stiffness."""
-        return self.torque
 
     def columns(self, scope: Scope) -> dict[str, Any]:
         """Its columns of :class:`sandbox.model.model.Springs`, besides those of all."""
