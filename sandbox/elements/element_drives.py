@@ -53,8 +53,7 @@ SMALLEST_RADIUS = 1e-9
 class ForceDrive(DriveSpec):
     """A force on a point of a body, along a fixed direction."""
 
-    facts: ClassVar[DriveKind] = DriveKind(
-        BODY, "force", "N", "force")
+    facts = DriveKind(BODY, "force", "N", "force")
 
     type: Literal["force"] = TYPE
     body: BodyName
@@ -104,7 +103,7 @@ class ForceDrive(DriveSpec):
 class RadiusDrive(DriveSpec):
     """Sets the radius of a body's circle over time: an object that swells or shrinks."""
 
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         BODY, "radius", "m", "length", floor=SMALLEST_RADIUS, sole="radius", latched=True,
         mujoco="a changing radius")
 
@@ -156,7 +155,7 @@ class SurfaceDrive(DriveSpec):
     """
 
     PYMUNK = "a conveyor surface: its shapes have one surface velocity, not one along an outline"
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         BODY, "surface", "m/s", "speed", ("value", "work", "power"), sole="surface", timely="end",
         mujoco="a conveyor surface")
 
@@ -177,8 +176,7 @@ class SurfaceDrive(DriveSpec):
 class PullDrive(DriveSpec):
     """Sets the tension of a tendon: an actuator at its last guide. Below 0 counts as 0."""
 
-    facts: ClassVar[DriveKind] = DriveKind(
-        TENDON, "tension", "N", "force", floor=0.0, sole="tension")
+    facts = DriveKind(TENDON, "tension", "N", "force", floor=0.0, sole="tension")
 
     type: Literal["pull"] = TYPE
     tendon: Annotated[Name, TENDON]
@@ -200,7 +198,7 @@ class PullDrive(DriveSpec):
 class StiffnessDrive(DriveSpec):
     """Sets the stiffness of a spring or of a tendon over time. Below 0 counts as 0."""
 
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         SPRING, "stiffness", "", "", ("value",), floor=0.0, sole="stiffness",
         mujoco="a stiffness drive")
     on_tendon: ClassVar[DriveKind] = replace(
@@ -290,8 +288,7 @@ class HoldDrive(DriveSpec):
     """
 
     PYMUNK = RELEASED
-    facts: ClassVar[DriveKind] = DriveKind(
-        HELD, "hold", "1", "ratio", ("value",), sole="hold", mujoco=RELEASED)
+    facts = DriveKind(HELD, "hold", "1", "ratio", ("value",), sole="hold", mujoco=RELEASED)
 
     type: Literal["hold"] = TYPE
     element: Annotated[Name, HELD]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -236,8 +236,7 @@ class FlowDrive(DriveSpec):
     """Pumps fluid into a line, however high the pressure: the line's ``relief`` bounds it."""
 
     PYMUNK = FLUID
-    facts: ClassVar[DriveKind] = DriveKind(
-        LINE, "flow", "m^3/s", "flow", ("value", "work", "flow"), mujoco=FLUID)
+    facts = DriveKind(LINE, "flow", "m^3/s", "flow", ("value", "work", "flow"), mujoco=FLUID)
 
     type: Literal["flow"] = TYPE
     line: LineName
@@ -251,7 +250,7 @@ class PressureDrive(DriveSpec):
     """A pressure source that feeds a line and takes fluid back."""
 
     PYMUNK = FLUID
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         LINE, "pressure", "Pa", "pressure", ("value", "work", "flow"), sole="pressure",
         mujoco=FLUID)
 
@@ -269,7 +268,7 @@ class OpeningDrive(DriveSpec):
     """Opens and shuts a valve."""
 
     PYMUNK = FLUID
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         VALVE, "opening", "1", "ratio", ("value",), floor=0.0, sole="opening", mujoco=FLUID)
 
     type: Literal["opening"] = TYPE

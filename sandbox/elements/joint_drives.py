@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -58,8 +58,7 @@ class ActuatorDrive(DriveSpec):
 class TorqueDrive(HingeDrive):
     """A torque between the two bodies of a hinge, positive as the hinge turns."""
 
-    facts: ClassVar[DriveKind] = DriveKind(
-        HINGE, "torque", "N m", "torque", ("value", "work", "power"), twin="push")
+    facts = DriveKind(HINGE, "torque", "N m", "torque", ("value", "work", "power"), twin="push")
 
     type: Literal["torque"] = TYPE
     value: TorqueSignal
@@ -84,7 +83,7 @@ class MotorDrive(HingeDrive):
     ``stall`` if w is opposed to u.
     """
 
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         HINGE, "torque", "rad/s", "angular speed", ("value", "work", "torque", "power"),
         sole="motor", limited=True, timely="end", twin="extend",
         mujoco="a motor with a set speed or a torque-speed line")
@@ -155,7 +154,7 @@ class BrakeDrive(HingeDrive):
     Permanent friction of a hinge is its own ``friction``.
     """
 
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         HINGE, "torque", "N m", "torque", ("value", "work", "torque", "power"), floor=0.0,
         sole="brake", limited=True, mujoco_varied="a changing brake")
 
@@ -222,7 +221,7 @@ class ServoDrive(HingeDrive, PlaceDrive):
     avoid overshoot, and holds it exactly as long as ``torque`` suffices.
     """
 
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         HINGE, "torque", "rad", "angle", ("value", "work", "torque", "power"), sole="motor",
         limited=True, places=True, twin="length")
 
@@ -257,8 +256,7 @@ class ServoDrive(HingeDrive, PlaceDrive):
 class PushDrive(ActuatorDrive):
     """A force between the two points of an actuator, along the line through them."""
 
-    facts: ClassVar[DriveKind] = DriveKind(
-        ACTUATOR, "push", "N", "force", ("value", "work", "power"), twin="torque")
+    facts = DriveKind(ACTUATOR, "push", "N", "force", ("value", "work", "power"), twin="torque")
 
     type: Literal["push"] = TYPE
     value: ForceSignal
@@ -278,7 +276,7 @@ class PushDrive(ActuatorDrive):
 class ExtendDrive(ActuatorDrive):
     """Extends an actuator at a set speed with a maximum force."""
 
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         ACTUATOR, "push", "m/s", "speed", ("value", "work", "force", "power"), sole="length",
         limited=True, timely="end", twin="motor", mujoco="an actuator with a set speed")
 
@@ -309,7 +307,7 @@ class LengthDrive(ActuatorDrive, PlaceDrive):
     and holds it exactly as long as ``force`` suffices.
     """
 
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         ACTUATOR, "push", "m", "length", ("value", "work", "force", "power"), sole="length",
         limited=True, places=True, twin="servo")
 

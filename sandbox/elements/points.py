@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -46,7 +46,7 @@ class Pin(FrictionJoint):
     Its angle is that of ``b`` against ``a``, in its own sense.
     """
 
-    facts: ClassVar[JointKind] = JointKind(
+    facts = JointKind(
         "point", ("angle", "rate", *REACTION, "damping", "damping_work"), angle=True,
         stopped=("stop",), rubs="N m", rubbed=FRICTION)
 
@@ -119,7 +119,7 @@ class Pin(FrictionJoint):
 class Slot(FrictionJoint):
     """A point of ``b`` slides along a groove of ``a``, straight or along a smooth path."""
 
-    facts: ClassVar[JointKind] = JointKind(
+    facts = JointKind(
         "groove", REACTION, rubs="N", rubbed=FRICTION, curved=("position", "speed", "normal"),
         mujoco_loop="a groove that closes a loop")
 
@@ -188,7 +188,7 @@ class Slot(FrictionJoint):
 class Weld(ClosingJoint):
     """Two bodies held rigidly together."""
 
-    facts: ClassVar[JointKind] = JointKind("point", REACTION)
+    facts = JointKind("point", REACTION)
 
     type: Literal["weld"] = TYPE
 
@@ -215,7 +215,7 @@ class BarJoint(JointSpec):
 class Rod(BarJoint, ClosingJoint):
     """A massless rigid rod between two points."""
 
-    facts: ClassVar[JointKind] = JointKind("distance", (*REACTION, "tension"))
+    facts = JointKind("distance", (*REACTION, "tension"))
 
     type: Literal["rod"] = TYPE
     length: Length | None = None
@@ -256,7 +256,7 @@ class Rope(RangeJoint):
     is elastic.
     """
 
-    facts: ClassVar[JointKind] = JointKind("range", (*REACTION, "tension"))
+    facts = JointKind("range", (*REACTION, "tension"))
 
     type: Literal["rope"] = TYPE
     longest: Length
@@ -278,7 +278,7 @@ class Actuator(RangeJoint):
     ``extend`` its speed of extension, ``length`` its length.
     """
 
-    facts: ClassVar[JointKind] = JointKind("range", ("length", "speed", *REACTION), line=True)
+    facts = JointKind("range", ("length", "speed", *REACTION), line=True)
 
     type: Literal["actuator"] = TYPE
     shortest: Distance = 0.0

@@ -80,8 +80,7 @@ def _read_law(cls: type[SpringSpec], text: str | None, info: ValidationInfo) -> 
 class LinearSpring(SpringSpec):
     """A straight spring and damper from a point of ``a`` to a point of ``b``; pulls and pushes."""
 
-    facts: ClassVar[SpringKind] = SpringKind(
-        "N/m", "stiffness", ("length", "force", "work"), straight=True)
+    facts = SpringKind("N/m", "stiffness", ("length", "force", "work"), straight=True)
 
     LOCAL = ("force",)
     OWN = ("stretch", "rate")
@@ -139,8 +138,7 @@ class LinearSpring(SpringSpec):
 class RotarySpring(SpringSpec):
     """A torsion spring and damper on a hinge, in the hinge's positive sense."""
 
-    facts: ClassVar[SpringKind] = SpringKind(
-        "N m/rad", "rotary stiffness", ("angle", "torque", "work"), straight=False)
+    facts = SpringKind("N m/rad", "rotary stiffness", ("angle", "torque", "work"), straight=False)
 
     LOCAL = ("torque",)
     OWN = ("twist", "rate")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -83,7 +83,7 @@ class Gear(CircleJoint, ToothedJoint):
     which the bearings carry.
     """
 
-    facts: ClassVar[JointKind] = JointKind("gear", MESH, loose=("gap",), mujoco=TEETH)
+    facts = JointKind("gear", MESH, loose=("gap",), mujoco=TEETH)
 
     type: Literal["gear"] = TYPE
 
@@ -110,7 +110,7 @@ class Rack(ToothedJoint):
     """
 
     PYMUNK = "a rack: its joints couple no rotation with a displacement"
-    facts: ClassVar[JointKind] = JointKind("rack", MESH, loose=("gap",), mujoco=TEETH)
+    facts = JointKind("rack", MESH, loose=("gap",), mujoco=TEETH)
 
     type: Literal["rack"] = TYPE
     radius: Length
@@ -154,6 +154,6 @@ class Roll(CircleJoint):
     """
 
     PYMUNK = "rolling circles as a joint"
-    facts: ClassVar[JointKind] = JointKind("roll", MESH, mujoco="rolling circles as a joint")
+    facts = JointKind("roll", MESH, mujoco="rolling circles as a joint")
 
     type: Literal["roll"] = TYPE

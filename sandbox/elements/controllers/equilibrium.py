@@ -15,7 +15,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -70,8 +70,8 @@ class EquilibriumController(SeveralController):
     rotations. h is the tendon's arm, dlm the spring's elongation and hm its arm.
     """
 
-    of_force: ClassVar[tuple[str, ...]] = ("pull",)
-    target_key: ClassVar[str] = "targets"
+    of_force = ("pull",)
+    target_key = "targets"
 
     type: Literal["equilibrium"] = TYPE
     tendon: Name

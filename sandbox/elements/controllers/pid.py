@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 from pydantic import model_validator
 
@@ -30,7 +30,7 @@ class PidController(ReadingController):
     Gains may be negative, where more of the input makes the reading less.
     """
 
-    of_drive: ClassVar[tuple[str, ...]] = ("bias",)
+    of_drive = ("bias",)
 
     type: Literal["pid"] = TYPE
     target: Signal

@@ -10,7 +10,7 @@ as in D. E. Seborg, T. F. Edgar and D. A. Mellichamp, Process Dynamics and Contr
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
@@ -45,8 +45,8 @@ class RelayController(ReadingController):
     the first give the gains. What was found stands in ``run.json``.
     """
 
-    of_drive: ClassVar[tuple[str, ...]] = ("bias", "amplitude")
-    of_reading: ClassVar[tuple[str, ...]] = ("hysteresis",)
+    of_drive = ("bias", "amplitude")
+    of_reading = ("hysteresis",)
 
     type: Literal["relay"] = TYPE
     target: Signal

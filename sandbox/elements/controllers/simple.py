@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 from pydantic import model_validator
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 class ScheduleController(SingleController):
     """Sets a drive to a value over time, at its own rate and within limits."""
 
-    target_key: ClassVar[str] = "value"
-    sets_target: ClassVar[bool] = True
+    target_key = "value"
+    sets_target = True
 
     type: Literal["schedule"] = TYPE
     value: Signal
@@ -40,7 +40,7 @@ class ScheduleController(SingleController):
 class FeedbackController(SingleController):
     """Sets a drive to an expression of quantities and of the time ``t``."""
 
-    reads_key: ClassVar[str] = "value"
+    reads_key = "value"
 
     type: Literal["feedback"] = TYPE
     value: Reading
@@ -71,8 +71,8 @@ class SwitchController(ReadingController):
     In between the drive keeps what it has; at the start of a run that is ``value_below``.
     """
 
-    of_drive: ClassVar[tuple[str, ...]] = ("value_below", "value_above")
-    of_reading: ClassVar[tuple[str, ...]] = ("below", "above")
+    of_drive = ("value_below", "value_above")
+    of_reading = ("below", "above")
 
     type: Literal["switch"] = TYPE
     below: Quantity

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from operator import add, mul, sub
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -26,8 +26,8 @@ class StateFeedbackController(SeveralController):
     The gains come from a design such as a linear-quadratic one.
     """
 
-    of_drive: ClassVar[tuple[str, ...]] = ("bias",)
-    target_key: ClassVar[str] = "targets"
+    of_drive = ("bias",)
+    target_key = "targets"
 
     type: Literal["state_feedback"] = TYPE
     reads: Items[Reading] = Field(min_length=1, max_length=64)
