@@ -10,6 +10,7 @@ as in D. E. Seborg, T. F. Edgar and D. A. Mellichamp, Process Dynamics and Contr
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, field_validator
@@ -97,14 +98,16 @@ def gains_of(rule: str, gain: float, period: float) -> Gains:
                  filter=FILTER * derivative * period)
 
 
+@dataclass
 class _Swing:
-    """What one or several cycles were like: error and input at their extremes, mean input."""
+    """One cycle: error and input at their extremes, sum of the input."""
 
-    def __init__(self) -> None:
-        self.acts = 0
-        self.high = self.high_input = -math.inf
-        self.low = self.low_input = math.inf
-        self.sum_input = 0.0
+    acts: int = 0
+    high: float = -math.inf
+    low: float = math.inf
+    high_input: float = -math.inf
+    low_input: float = math.inf
+    sum_input: float = 0.0
 
     def see(self, error: float, given: float) -> None:
         """Take one act in."""
@@ -156,20 +159,16 @@ class Relay(Law):
             self._up = False
         elif not self._up and error > self._hysteresis:
             self._up = True
-            self._count(t)
+            if self._starts:  # a cycle is complete
+                self._swings.append(self._swing)
+            self._starts.append(t)
+            self._swing = _Swing()
             if len(self._swings) == self._cycles:
                 pid, mean = self._tuned(t)
                 pid.begin(readings, targets, [mean])
                 self._pid = pid
                 return pid.act(t, readings, targets, [mean])
         return [self._bias + self._amplitude if self._up else self._bias - self._amplitude]
-
-    def _count(self, t: float) -> None:
-        """A cycle begins at ``t``; the one before it, if there is one, is complete."""
-        if self._starts:
-            self._swings.append(self._swing)
-        self._starts.append(t)
-        self._swing = _Swing()
 
     def _tuned(self, t: float) -> tuple[Pid, float]:
         """The PID that the measured cycles give, and the input that it begins with."""
