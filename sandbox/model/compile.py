@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.elements.element import NAMED, NO_POINT, RELEASABLES, Vec
+from sandbox.elements.element import NAMED, RELEASABLES, Vec
 from sandbox.elements.joint import Anchors
 from sandbox.model.laws import SpringLaw, law_of
 from sandbox.model.loads import compile_loads
 from sandbox.model.model import (
     NONE,
     Bodies,
+    Chambers,
     Drives,
     Joints,
     Lines,
@@ -31,28 +32,6 @@ from sandbox.numeric import Integers
 from sandbox.scene.geometry import anchors, mass_properties, pose_of, to_body, to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.paths import path_through
-
-NAN = math.nan
-PAIR = (NO_POINT, NO_POINT)
-JOINT_COLUMNS: Mapping[str, Any] = {
-    "turns": True, "sense": NAN, "zero": NAN, "stops": NO_POINT, "damping": 0.0, "groove": PAIR,
-    "reach": NO_POINT, "radii": NO_POINT, "inside": False, "pressure": NAN, "play": 0.0,
-    "stiffness": NAN, "along": NO_POINT, "friction": 0.0, "rubbing": 0.0, "static": 1.0,
-    "collide": False}
-"""Columns of joints; the values stand for kinds without them."""
-SPRING_COLUMNS: Mapping[str, Any] = {
-    "bodies": (NONE, NONE), "anchor": PAIR, "joint": NONE, "rest": NAN, "start": NAN}
-TENDON_COLUMNS: Mapping[str, Any] = {
-    "closed": False, "pretension": NAN, "stiffness": NAN, "damping": 0.0, "rest": NAN,
-    "slack": 0.0}
-CHAMBER_COLUMNS: Mapping[str, Any] = {
-    "bodies": (NONE, NONE), "anchor": PAIR, "joint": NONE, "gain": NAN, "start": NAN}
-LINE_COLUMNS: Mapping[str, Any] = {"gas": NAN, "pressure": 0.0, "least": NAN, "most": math.inf}
-VALVE_COLUMNS: Mapping[str, Any] = {"resistance": 0.0, "orifice": 0.0, "one_way": False}
-DRIVE_COLUMNS: Mapping[str, Any] = {
-    "shape": NONE, "at": NO_POINT, "direction": NO_POINT, "turning": False, "most": NAN,
-    "slope": NAN, "stiffness": NAN, "damping": 0.0, "fastest": math.inf, "resistance": NAN,
-    "sense": NAN}
 
 
 def compile_mechanism(mechanism: Mechanism) -> Model:
@@ -145,8 +124,7 @@ def _joints(mechanism: Mechanism, names: Names) -> Joints:
         at_a = to_world(pose_of(a), on_a)
         distance = math.dist(at_a, to_world(pose_of(b), on_b))
         rows.append(joint.columns(Anchors(on_a, on_b, to_body(pose_of(b), at_a), distance)))
-    columns = columns_of(joints, JOINT_COLUMNS, rows, stops="limits", play="backlash",
-                         pressure="pressure_angle")
+    columns = columns_of(Joints, joints, rows)
     kinds = tuple(joint.facts for joint in joints)
     return Joints(
         name=_names(joints), kind=kinds, bodies=_ints(numbers, 2), anchor=_floats(held, 2, 2),
@@ -169,7 +147,7 @@ def _springs(scope: Scope) -> Springs:
         damping=_floats(0.0 if law else spring.damping
                         for spring, law in zip(springs, laws, strict=True)),
         drive=_setters(mechanism, "springs", "stiffness"), law=laws,
-        **columns_of(springs, SPRING_COLUMNS, rows))
+        **columns_of(Springs, springs, rows))
 
 
 def _setters(mechanism: Mechanism, among: str, gives: str) -> Integers:
@@ -208,7 +186,7 @@ def _tendons(scope: Scope) -> Tendons:
         wheels=_ints(start + k for start, tendon in each for k in tendon.lifting),
         drive=_setters(mechanism, "tendons", "tension"),
         stiffener=_setters(mechanism, "tendons", "stiffness"),
-        **columns_of(tendons, TENDON_COLUMNS, rest="rest_length"))
+        **columns_of(Tendons, tendons))
 
 
 def _drives(scope: Scope) -> Drives:
@@ -218,7 +196,7 @@ def _drives(scope: Scope) -> Drives:
         name=_names(drives), kind=kinds, floor=_floats(kind.floor for kind in kinds),
         target=_ints(scope.number(reference.among, name)
                      for reference, name in (drive.target for drive in drives)),
-        **columns_of(drives, DRIVE_COLUMNS, direction="along", fastest="speed"))
+        **columns_of(Drives, drives))
 
 
 def _lines(scope: Scope, drives: Drives) -> Lines:
@@ -231,8 +209,8 @@ def _lines(scope: Scope, drives: Drives) -> Lines:
         name=_names(lines), first=_first(len(line.chambers) for line in lines), volume=volume,
         compliance=_floats(line.compliance(v) for line, v in zip(lines, volume, strict=True)),
         drive=_ints(given.get(i, NONE) for i in range(len(lines))),
-        **columns_of(lines, LINE_COLUMNS, most="relief"), **columns_of(
-            chambers, CHAMBER_COLUMNS, [chamber.columns(scope) for chamber in chambers]))
+        **columns_of(Lines, lines),
+        **columns_of(Chambers, chambers, [chamber.columns(scope) for chamber in chambers]))
 
 
 def _valves(scope: Scope) -> Valves:
@@ -241,4 +219,4 @@ def _valves(scope: Scope) -> Valves:
         name=_names(valves),
         lines=_ints(([NONE if line is None else names.line[line] for line in (valve.a, valve.b)]
                      for valve in valves), 2),
-        drive=_setters(scope.mechanism, "valves", "opening"), **columns_of(valves, VALVE_COLUMNS))
+        drive=_setters(scope.mechanism, "valves", "opening"), **columns_of(Valves, valves))
