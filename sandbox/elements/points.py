@@ -48,7 +48,7 @@ class Pin(FrictionJoint):
 
     facts = JointKind(
         "point", ("angle", "rate", *REACTION, "damping", "damping_work"), angle=True,
-        stopped=("stop",), rubs="N m", rubbed=FRICTION)
+        rubs="N m", more={"limits": ("stop",), "friction": FRICTION})
 
     type: Literal["pin"] = TYPE
     positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
@@ -120,7 +120,8 @@ class Slot(FrictionJoint):
     """A point of ``b`` slides along a groove of ``a``, straight or along a smooth path."""
 
     facts = JointKind(
-        "groove", REACTION, rubs="N", rubbed=FRICTION, curved=("position", "speed", "normal"),
+        "groove", REACTION, rubs="N",
+        more={"friction": FRICTION, "path": ("position", "speed", "normal")},
         mujoco_loop="a groove that closes a loop")
 
     type: Literal["slot"] = TYPE

@@ -83,7 +83,7 @@ class Gear(CircleJoint, ToothedJoint):
     which the bearings carry.
     """
 
-    facts = JointKind("gear", MESH, loose=("gap",), mujoco=TEETH)
+    facts = JointKind("gear", MESH, more={"backlash": ("gap",)}, mujoco=TEETH)
 
     type: Literal["gear"] = TYPE
 
@@ -110,7 +110,7 @@ class Rack(ToothedJoint):
     """
 
     PYMUNK = "a rack: its joints couple no rotation with a displacement"
-    facts = JointKind("rack", MESH, loose=("gap",), mujoco=TEETH)
+    facts = JointKind("rack", MESH, more={"backlash": ("gap",)}, mujoco=TEETH)
 
     type: Literal["rack"] = TYPE
     radius: Length
