@@ -11,7 +11,7 @@ import numpy as np
 
 from sandbox.elements.quantities import GRASP
 from sandbox.elements.tendons import RIGID, Tendon
-from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, deg, error, groups, linked, look, mm
+from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, deg, error, groups, look, mm
 from sandbox.errors import Problem
 from sandbox.model.catalogue import grasp_of
 from sandbox.model.loads import motion_of
@@ -237,7 +237,7 @@ def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
     lightest = np.where(share > SLENDER, bodies.mass / share, bodies.mass)
     if not len(free) or bodies.mass[free].max() <= UNLIKE * lightest[free].min():
         return
-    for group in groups(model, linked(model, contacts=allowed)):
+    for group in groups(model, contacts=allowed):
         light = int(group[lightest[group].argmin()])
         others = group[group != light]
         if not len(others):

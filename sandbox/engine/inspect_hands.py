@@ -23,14 +23,12 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-import pymunk
 
-from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, look, mm
-from sandbox.engine.world import make_shape
+from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, look, mm, placed_shapes
 from sandbox.errors import Problem
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.scene.geometry import Pose, outline, pose_of, reach_of, solids, to_body, to_world
+from sandbox.scene.geometry import Pose, outline, pose_of, reach_of, to_body, to_world
 from sandbox.wording import listed
 
 MOST_LOOKED = 100
@@ -134,15 +132,11 @@ def _fingers(model: Model, allowed: Flags, objects: Integers) -> Iterator[_Reach
 
 def _on_its_way(model: Model, body: int, circle: Array, hinge: Array) -> float:
     """Distance of a hinge from an object [m]; for a falling one the minimum along its path."""
-    written, distance = model.mechanism.bodies[body], math.inf
-    holder = pymunk.Body(body_type=pymunk.Body.STATIC)
-    holder.position, holder.angle = written.at, written.angle
-    for shape in written.shapes:
-        for piece, _ in solids(shape):
-            solid = make_shape(holder, piece, (0.0, 0.0))
-            solid.cache_bb()
-            distance = min(distance, solid.point_query((float(hinge[0]), float(hinge[1]))).distance)
-    distance, gravity = max(distance, 0.0), np.array(model.mechanism.gravity)
+    holders, pieces, _ = placed_shapes([model.mechanism.bodies[body]])
+    at = float(hinge[0]), float(hinge[1])
+    distance = max(min(piece.point_query(at).distance for piece in pieces), 0.0)
+    del holders  # not before
+    gravity = np.array(model.mechanism.gravity)
     ahead = float((hinge - circle[:2]) @ gravity)
     if not model.bodies.free[body] or ahead <= 0:
         return distance

@@ -17,14 +17,22 @@ from collections.abc import Iterator
 import numpy as np
 import pymunk
 
-from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, deg, error, fitting, look, mm
-from sandbox.engine.world import make_shape
+from sandbox.engine.inspect_words import (
+    NEGLIGIBLE,
+    STRAIGHT,
+    deg,
+    error,
+    fitting,
+    look,
+    mm,
+    placed_shapes,
+)
 from sandbox.errors import Problem
 from sandbox.model.joints import place_in_slot, slot_length
 from sandbox.model.model import Model
 from sandbox.model.supports import parting_wheels, shared_joints
 from sandbox.numeric import Flags, Integers
-from sandbox.scene.geometry import Vec, pose_of, solids, to_body
+from sandbox.scene.geometry import Vec, pose_of, to_body
 from sandbox.wording import listed
 
 
@@ -238,7 +246,7 @@ def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:
 
     And the number of compared pairs of bodies that may touch and whose boxes overlap.
     """
-    holders, pieces, owner = _pieces(model)
+    holders, pieces, owner = placed_shapes(model.mechanism.bodies)
     looked, whole, depths = 0, True, dict[tuple[int, int], float]()
     for i, others, last in _neighbours(pieces, owner, allowed):
         whole = whole and not last and len(others) <= MOST_LOOKED - looked
@@ -262,20 +270,6 @@ def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:
     return problems, len(depths)
 
 
-def _pieces(model: Model) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
-    """Bodies that keep the shapes alive; all shapes at t = 0; the body of each."""
-    holders, pieces, owner = [], [], []
-    for i, body in enumerate(model.mechanism.bodies):
-        holder = pymunk.Body(body_type=pymunk.Body.STATIC)
-        holder.position, holder.angle = body.at, body.angle
-        holders.append(holder)
-        for shape in body.shapes:
-            for piece, _ in solids(shape):
-                pieces.append(make_shape(holder, piece, (0.0, 0.0)))
-                owner.append(i)
-    return holders, pieces, np.array(owner, dtype=np.int64)
-
-
 def _neighbours(
     pieces: list[pymunk.Shape], owner: Integers, allowed: Flags,
 ) -> Iterator[tuple[int, Integers, bool]]:
@@ -286,7 +280,7 @@ def _neighbours(
     if not pieces:
         return
     boxes = np.array([(box.left, box.bottom, box.right, box.top)
-                      for box in (solid.cache_bb() for solid in pieces)])
+                      for box in (piece.bb for piece in pieces)])
     axis = int(np.ptp(boxes[:, 1] + boxes[:, 3]) > np.ptp(boxes[:, 0] + boxes[:, 2]))
     order = np.argsort(boxes[:, axis], kind="stable")
     low, high = boxes[order, :2], boxes[order, 2:]

@@ -27,7 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.elements.tendons import RIGID
-from sandbox.engine.inspect_words import STRAIGHT, deg, groups, linked, look
+from sandbox.engine.inspect_words import STRAIGHT, deg, groups, look
 from sandbox.engine.records import SOFT
 from sandbox.engine.stiffness import (
     across,
@@ -228,7 +228,7 @@ def _ringing(model: Model, elements: list[_Element], taut: Flags) -> dict[int, _
             for body, _ in element.parts:
                 at.setdefault(body, {})[i] = element
     worst: dict[int, _Mode] = {}
-    for bodies in groups(model, linked(model, springs=True)) if rigid.any() else ():
+    for bodies in groups(model, springs=True) if rigid.any() else ():
         if 3 * len(bodies) <= LARGEST_GROUP:
             here = {i: each for body in bodies.tolist() for i, each in at.get(body, {}).items()}
             for mode in _modes(model, bodies, [here[i] for i in sorted(here)], rigid):

@@ -1,14 +1,19 @@
-"""Helpers of all checks: messages, formatted numbers, tolerances, connected bodies."""
+"""Helpers of all checks: messages, formatted numbers, tolerances, connected bodies, shapes."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
+import pymunk
 
+from sandbox.engine.world import make_shape
 from sandbox.errors import Problem
 from sandbox.model.model import Model
 from sandbox.numeric import Flags, Integers, connected_components
+from sandbox.scene.bodies import Body
+from sandbox.scene.geometry import solids
 
 NEGLIGIBLE = 1e-5
 """Gaps and overlaps up to this [m] are accepted: scenes may be written in hundredths of a mm."""
@@ -41,14 +46,16 @@ def deg(angle: float) -> str:
     return f"{math.degrees(angle):.4g} deg"
 
 
-def linked(model: Model, *, springs: bool = False, contacts: Flags | None = None) -> Flags:
-    """Free bodies that joints and tendons connect, [nb, nb].
+def groups(
+    model: Model, *, springs: bool = False, contacts: Flags | None = None,
+) -> list[Integers]:
+    """Groups of free bodies that joints and tendons connect.
 
-    Optionally also those of springs, and the pairs that may touch, ``contacts`` of
+    Optionally also springs, and the pairs that may touch, ``contacts`` of
     :func:`sandbox.model.pairs.allowed_pairs`.
     """
-    tendons, free = model.tendons, model.bodies.free
-    found = np.zeros((len(free), len(free)), dtype=bool)
+    tendons, free = model.tendons, np.flatnonzero(model.bodies.free)
+    found = np.zeros((len(model.bodies.name),) * 2, dtype=bool)
     for pairs in (model.joints.bodies, *([model.springs.bodies] if springs else [])):
         found[pairs[:, 0], pairs[:, 1]] = found[pairs[:, 1], pairs[:, 0]] = True
     for tendon in range(len(tendons.name)):
@@ -57,11 +64,21 @@ def linked(model: Model, *, springs: bool = False, contacts: Flags | None = None
     if contacts is not None:
         shaped = np.array([bool(body.shapes) for body in model.mechanism.bodies])
         found |= contacts & shaped & shaped[:, None]
-    result: Flags = found & free & free[:, None]
-    return result
+    return [free[group] for group in connected_components(found[np.ix_(free, free)])]
 
 
-def groups(model: Model, links: Flags) -> list[Integers]:
-    """Connected components of the free bodies under ``links`` [nb, nb]."""
-    free = np.flatnonzero(model.bodies.free)
-    return [free[group] for group in connected_components(links[np.ix_(free, free)])]
+def placed_shapes(
+    bodies: Iterable[Body],
+) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
+    """What keeps shapes alive; the shapes of bodies at t = 0; the place of each one's body."""
+    holders, pieces, owner = [], [], []
+    for i, body in enumerate(bodies):
+        holder = pymunk.Body(body_type=pymunk.Body.STATIC)
+        holder.position, holder.angle = body.at, body.angle
+        holders.append(holder)
+        for shape in body.shapes:
+            for piece, _ in solids(shape):
+                pieces.append(make_shape(holder, piece, (0.0, 0.0)))
+                pieces[-1].cache_bb()
+                owner.append(i)
+    return holders, pieces, np.array(owner, dtype=np.int64)
