@@ -12,27 +12,20 @@ boxes) are compared; the report says if this is not all of them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 import pymunk
 
-from sandbox.engine.inspect_words import (
-    NEGLIGIBLE,
-    STRAIGHT,
-    deg,
-    error,
-    fitting,
-    look,
-    mm,
-    placed_shapes,
-)
+from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, deg, error, fitting, look, mm
+from sandbox.engine.world import make_shape
 from sandbox.errors import Problem
 from sandbox.model.joints import place_in_slot, slot_length
 from sandbox.model.model import Model
 from sandbox.model.supports import parting_wheels, shared_joints
 from sandbox.numeric import Flags, Integers
-from sandbox.scene.geometry import Vec, pose_of, to_body
+from sandbox.scene.bodies import Body
+from sandbox.scene.geometry import Vec, pose_of, solids, to_body
 from sandbox.wording import listed
 
 
@@ -268,6 +261,23 @@ def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:
         problems.append(look("overlap", "$.bodies", "bodies",
                              f"{len(found) - MOST_REPORTED} more bodies overlap at t = 0"))
     return problems, len(depths)
+
+
+def placed_shapes(
+    bodies: Iterable[Body],
+) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
+    """What keeps shapes alive; the shapes of bodies at t = 0; the place of each one's body."""
+    holders, pieces, owner = [], [], []
+    for i, body in enumerate(bodies):
+        holder = pymunk.Body(body_type=pymunk.Body.STATIC)
+        holder.position, holder.angle = body.at, body.angle
+        holders.append(holder)
+        for shape in body.shapes:
+            for piece, _ in solids(shape):
+                pieces.append(make_shape(holder, piece, (0.0, 0.0)))
+                pieces[-1].cache_bb()
+                owner.append(i)
+    return holders, pieces, np.array(owner, dtype=np.int64)
 
 
 def _neighbours(

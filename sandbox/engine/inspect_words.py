@@ -1,19 +1,14 @@
-"""Helpers of all checks: messages, formatted numbers, tolerances, connected bodies, shapes."""
+"""Helpers of all checks: messages, formatted numbers, tolerances, connected bodies."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 
 import numpy as np
-import pymunk
 
-from sandbox.engine.world import make_shape
 from sandbox.errors import Problem
 from sandbox.model.model import Model
 from sandbox.numeric import Flags, Integers, connected_components
-from sandbox.scene.bodies import Body
-from sandbox.scene.geometry import solids
 
 NEGLIGIBLE = 1e-5
 """Gaps and overlaps up to this [m] are accepted: scenes may be written in hundredths of a mm."""
@@ -65,20 +60,3 @@ def groups(
         shaped = np.array([bool(body.shapes) for body in model.mechanism.bodies])
         found |= contacts & shaped & shaped[:, None]
     return [free[group] for group in connected_components(found[np.ix_(free, free)])]
-
-
-def placed_shapes(
-    bodies: Iterable[Body],
-) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
-    """What keeps shapes alive; the shapes of bodies at t = 0; the place of each one's body."""
-    holders, pieces, owner = [], [], []
-    for i, body in enumerate(bodies):
-        holder = pymunk.Body(body_type=pymunk.Body.STATIC)
-        holder.position, holder.angle = body.at, body.angle
-        holders.append(holder)
-        for shape in body.shapes:
-            for piece, _ in solids(shape):
-                pieces.append(make_shape(holder, piece, (0.0, 0.0)))
-                pieces[-1].cache_bb()
-                owner.append(i)
-    return holders, pieces, np.array(owner, dtype=np.int64)
