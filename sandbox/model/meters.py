@@ -146,6 +146,7 @@ def check_shown(mechanism: Mechanism) -> list[Problem]:
 def problems_of(known: Catalogue, view: View) -> list[Problem]:
     """The same of any view of a mechanism whose catalogue is ``known``."""
     problems: list[Problem] = []
+    known.hinted = 0
     for i, meter in enumerate(view.meters):
         path, missing = f"$.view.meters[{i}]", list[Problem]()
         for j, word in enumerate(meter.of):
