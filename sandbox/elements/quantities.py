@@ -1,4 +1,4 @@
-"""The quantities that a run can be asked for: unit, recorded array, one sentence each.
+"""The quantities of a run: unit, recorded array, one sentence each.
 
 Those of an element stand with its kind; here are those of bodies, groups and pairs. From here
 come the catalogue, the heads of the CSV files, the reserved names and docs/scenes.md.
@@ -51,16 +51,16 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
 """By what an element is called (:class:`sandbox.elements.element.Named`), then by name."""
 USUAL: Mapping[str, str] = {"meter": "", "tendon": "tension", "joint": "angle", "drive": "value",
                             "spring": "length", "body": "y"}
-"""What is looked at first of a run, by kind of element, the kinds that tell most first."""
+"""The quantity shown first, by kind of element, the most informative kinds first."""
 TELLING = ("value", "x", "y", "contact.normal", "force", "torque", "angle", "length", "tension",
            "reaction", "pressure", "flow", "fx", "fy", "power")
-"""What is looked at first of one element, in this order; then comes all else that it has."""
+"""Order in which quantities of one element are shown; others follow."""
 TIED: Mapping[str, Quantity] = {
     "held": recorded("held", "1", "of elements that can be released: 1 while engaged, 0 while "
                                   "released",
                   live=True, yes_no=True),
 }
-"""What a joint, a spring or a tendon has besides if an event or its load may let it go."""
+"""Additional quantities of joints, springs and tendons that can be released."""
 MOST_PRESSING = 24
 """Contacts of an object beyond which closure, epsilon and isotropy are not worked out."""
 WINDOW = 0.1
@@ -99,7 +99,7 @@ GRASP: Mapping[str, Quantity] = {
     "spread_bodies": Quantity("1", "the same, of all bodies that press on it, such as phalanges",
                               nothing="no finger presses on it"),
 }
-"""What a body with the role ``object`` has besides; docs/grasp.md."""
+"""Additional quantities of bodies with the role ``object``; docs/grasp.md."""
 LIVE: Mapping[str, tuple[str, ...]] = {
     element: tuple(name for name, quantity in rows.items() if quantity.live)
     for element, rows in QUANTITIES.items()} | {"meter": ("",)}

@@ -63,7 +63,7 @@ class Live(Simulation):
     def latest(self) -> Arrays:
         """The samples of the last steps, as arrays of a recording that the next step writes over.
 
-        They are those since it was asked for, or some hundreds of them.
+        They are those since the last call, or some hundreds of them.
         """
         self._sampler.flush()
         builder, clock = self._builder, self._clock
@@ -145,7 +145,7 @@ class Live(Simulation):
     def push(
         self, body: str, at: Sequence[float] = (0.0, 0.0), force: Sequence[float] = (0.0, 0.0),
     ) -> None:
-        """Push a body from the next step on, in place of the push before; (0, 0) lets go.
+        """Push a body from the next step on, in place of the push before; (0, 0) ends it.
 
         Args:
             body: the name of a body that moves freely.

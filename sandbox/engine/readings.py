@@ -39,8 +39,7 @@ class Readings:
     """Makes functions that read the state of one run.
 
     ``now`` is the instant [s], ``drive`` [nd] the drives' values in the last step, ``listed``
-    its contacts once somebody asked for them. The owner of the loop sets them after every
-    block of steps.
+    its contacts once they were read. The owner of the loop sets them after every block of steps.
     """
 
     def __init__(

@@ -162,7 +162,7 @@ def largest_stiffness(model: Model) -> Array:
 
 
 def largest_cord_stiffness(model: Model) -> Array:
-    """The largest stiffness [N/m] of every tendon, as far as is known, shape [nt]."""
+    """The largest stiffness [N/m] of every tendon, shape [nt]; as :func:`largest_stiffness`."""
     return _largest_set(model, model.tendons.stiffness, model.tendons.stiffener)
 
 
@@ -181,7 +181,7 @@ def _largest_set(model: Model, own: Array, setter: Integers) -> Array:
 
 
 def range_of_stretch(model: Model, spring: int) -> Array:
-    """Stretches [m, rad] that a spring may come to, as far as it tells, [TRIED].
+    """Stretches [m, rad] that a spring may reach, [TRIED].
 
     Lengths from 0 to twice the larger of those at t = 0 and at rest; angles between the hinge's
     stops, or up to half a turn from rest and from the start.

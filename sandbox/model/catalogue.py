@@ -1,4 +1,4 @@
-"""The catalogue: every quantity that a run of a mechanism can be asked for, with its unit.
+"""The catalogue: every quantity of a run of a mechanism, with its unit.
 
 A name is ``<element>.<quantity>``; the element is the longest element name
 that leaves a quantity which that element has. Pairs are ``<body>/<body>.normal``
@@ -56,7 +56,7 @@ class UnknownQuantityError(SandboxError, KeyError):
 
 @dataclass(frozen=True)
 class CatalogueEntry:
-    """A named part of a mechanism and what can be asked of it."""
+    """A named part of a mechanism and its quantities."""
 
     kind: str
     """``body``, ``joint``, ``spring``, ``tendon``, ``line``, ``valve``, ``load``, ``drive``,

@@ -163,7 +163,7 @@ class Joints:
 
     @cached_property
     def unknowns(self) -> Integers:
-        """Forces and couples that a joint carries and nothing tells beforehand, [nj]."""
+        """Number of unknown components of force and couple of a joint, [nj]."""
         forces = [kind.forces for kind in self.kind]
         return np.array(forces, dtype=np.int64) + ~self.turns
 

@@ -82,7 +82,7 @@ class EquilibriumController(SeveralController):
     targets: Items[AngleSignal]
     """Of the joints' rotations over time [rad], each in its hinge's sense."""
     pull: Positive | None = None
-    """T that is reckoned with [N]; by default the tension that the tendon has."""
+    """T in the law [N]; by default the tension of the tendon."""
     kp: Items[Quantity]
     """Torque per error of rotation, one for each joint [N m/rad]."""
     ki: Items[Quantity] | None = None
