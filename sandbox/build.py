@@ -4,8 +4,6 @@
 :class:`sandbox.SceneError` if one is wrong. A number may be a text with a unit.
 """
 
-from sandbox.elements.bars import Actuator, Rod, Rope
-from sandbox.elements.body_drives import ForceDrive, RadiusDrive, SurfaceDrive
 from sandbox.elements.controllers.equilibrium import EquilibriumController, FingerGeometry
 from sandbox.elements.controllers.pid import PidController
 from sandbox.elements.controllers.relay import RelayController
@@ -15,7 +13,14 @@ from sandbox.elements.controllers.simple import (
     SwitchController,
 )
 from sandbox.elements.controllers.state_feedback import StateFeedbackController
-from sandbox.elements.element_drives import HoldDrive, PullDrive, StiffnessDrive
+from sandbox.elements.element_drives import (
+    ForceDrive,
+    HoldDrive,
+    PullDrive,
+    RadiusDrive,
+    StiffnessDrive,
+    SurfaceDrive,
+)
 from sandbox.elements.fluids import (
     Cylinder,
     FlowDrive,
@@ -35,7 +40,7 @@ from sandbox.elements.joint_drives import (
     TorqueDrive,
 )
 from sandbox.elements.loads import BuoyancyLoad, DragLoad, LawLoad
-from sandbox.elements.points import Pin, Slot, Weld
+from sandbox.elements.points import Actuator, Pin, Rod, Rope, Slot, Weld
 from sandbox.elements.springs import LinearSpring, RotarySpring
 from sandbox.elements.tendons import Guide, Tendon
 from sandbox.elements.wheels import Gear, Rack, Roll

@@ -23,7 +23,7 @@ from sandbox.audit.figures import (
     peak,
     whole,
 )
-from sandbox.model.starts import lengthening, turning
+from sandbox.model.joints import lengthening, turning
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cords import piece_tensions
 from sandbox.scene.mechanism import Mechanism

@@ -3,7 +3,7 @@
 Axes: n samples, nb bodies, nj joints, ns springs, nt tendons, nl lines, nv valves,
 nd drives, nm meters (each in the mechanism's order), nk loads, each as often as it
 has bodies, nf guides that hold a tendon by friction, nw wheels that one can lift off, nr
-joints, springs and tendons that may be let go, m contact rows, p rows of means, each of nc
+joints, springs and tendons that can be released, m contact rows, p rows of means, each of nc
 forces, q rows of mean contacts and k impacts. From here come the layout of recordings, the
 count of their bytes and the table in docs/files.md.
 """

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from sandbox.elements.element import Element, Quantity, Reference, recorded, references
 from sandbox.values.expressions import parse_expression
+from sandbox.values.numbers import Name
 from sandbox.values.signals import AnySignal, Formula
 
 if TYPE_CHECKING:
@@ -69,8 +70,10 @@ class DriveSpec(Element):
 
     facts: ClassVar[DriveKind]
 
+    name: Name
+    """Its name; quantities are ``<name>.value`` and so on."""
+
     if TYPE_CHECKING:
-        name: str
         value: Any
 
     @property
@@ -110,10 +113,6 @@ class DriveSpec(Element):
         """The quantities that it records, with their units."""
         own = self.unit(mechanism)
         return {name: QUANTITIES[name].unit or own for name in self.kind.records}
-
-    def columns(self) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
-        return {}
 
     def without_mujoco(self, mechanism: Mechanism) -> str:
         """Why MuJoCo has no counterpart, besides what the facts of its kind say."""

@@ -1,37 +1,184 @@
-"""Drives of springs and tendons, and drives that release elements and engage them."""
+"""Drives of bodies, springs and tendons, and drives that release elements and engage them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from itertools import islice
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import model_validator
+import numpy as np
+from pydantic import Field, model_validator
 
 from sandbox.elements.drive import DriveKind, DriveSpec
-from sandbox.elements.element import HELD, RELEASED, SPRING, TENDON, no_mesh
-from sandbox.elements.tendons import RIGID, Tendon
+from sandbox.elements.element import (
+    BODY,
+    HELD,
+    OTHER_SIDE,
+    RELEASED,
+    SPRING,
+    TENDON,
+    BodyName,
+    Direction,
+    Turn,
+    Vec,
+    direction_problems,
+    no_mesh,
+)
+from sandbox.elements.tendons import RIGID
 from sandbox.errors import Problem
-from sandbox.values.numbers import Name
-from sandbox.values.signals import AnySignal, Constant, ForceSignal, ShareSignal, StiffnessSignal
+from sandbox.values.numbers import Name, Point
+from sandbox.values.signals import (
+    AnySignal,
+    Constant,
+    ForceSignal,
+    LengthSignal,
+    RateSignal,
+    ShareSignal,
+    StiffnessSignal,
+)
 from sandbox.values.spec import TYPE
-from sandbox.wording import WrongValueError, quoted
+from sandbox.wording import MOST_NAMED, WrongValueError, quoted
 
 if TYPE_CHECKING:
     from sandbox.engine.pymunk_draft import PymunkDraft
     from sandbox.export.document import Draft
     from sandbox.scene.mechanism import Mechanism
+    from sandbox.scene.parts.placement import Mover
+
+SMALLEST_RADIUS = 1e-9
+"""Of a circle that a drive makes smaller [m]."""
+
+
+class ForceDrive(DriveSpec):
+    """A force on a point of a body, along a fixed direction."""
+
+    facts = DriveKind(BODY, "force", "N", "force")
+
+    type: Literal["force"] = TYPE
+    body: BodyName
+    """Name of the body that is pushed."""
+    at: Point = (0.0, 0.0)
+    """The point that the force acts on, in the body's frame [m]; it moves with the body."""
+    direction: Direction
+    """[x, y] of any length except zero: only its direction counts; a negative value reverses it."""
+    frame: Literal["world", "body"] = "world"
+    """Whether the direction is fixed in the world or in the body."""
+    value: ForceSignal
+    """The force over time [N]."""
+
+    @property
+    def turning(self) -> bool:
+        """Whether its direction turns with its body."""
+        return self.frame == "body"
+
+    @property
+    def along(self) -> Vec:
+        """Its direction, of length 1."""
+        x, y = self.direction / np.hypot(*self.direction)
+        return float(x), float(y)
+
+    def range_problems(self, path: str) -> Iterator[Problem]:
+        """A direction without a length that can be computed with."""
+        return direction_problems(self.direction, f"{path}.direction")
+
+    def placed(self, mover: Mover) -> Mapping[str, Any]:
+        """Fields that are ``kept`` and that a placement changes all the same, with new values."""
+        return {"direction": mover.placement.vector(self.direction) if self.frame == "world"
+                else mover.direction(self.body, self.direction)}
+
+    def write_mujoco(self, draft: Draft, index: int) -> None:
+        """Add the drive to a MuJoCo model."""
+        frame = None if self.turning else draft.world_frame()
+        site = draft.site(draft.target(index), f"{self.name}.site", self.at)
+        draft.motor(index, gear=(*self.along, 0, 0, 0, 0), site=site, refsite=frame)
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A force before each step."""
+        turns = {"turns": True} if self.turning else {}
+        draft.add("push_point", self.name, draft.value(index), self.body, self.at, self.along,
+                  **turns)
+
+
+class RadiusDrive(DriveSpec):
+    """Sets the radius of a body's circle over time: an object that swells or shrinks."""
+
+    facts = DriveKind(
+        BODY, "radius", "m", "length", floor=SMALLEST_RADIUS, sole="radius", latched=True,
+        mujoco="a changing radius")
+
+    type: Literal["radius"] = TYPE
+    body: BodyName
+    """Name of the body; mass and inertia stay as they are."""
+    shape: int = Field(default=0, ge=0)
+    """Which of the body's shapes, counted from 0; it has to be a circle."""
+    value: LengthSignal
+    """The radius over time [m]."""
+
+    @property
+    def positive_value(self) -> bool:
+        """Whether its value must stay greater than 0."""
+        return True
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A radius that is set before each step."""
+        draft.add("resize", self.name, draft.value(index), self.body,
+                  draft.first_solid(self.body, self.shape), floor=SMALLEST_RADIUS)
+
+    @property
+    def owned(self) -> tuple[object, ...]:
+        """What no other drive may set."""
+        return *super().owned, self.shape
+
+    def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
+        """A shape that is none, or no circle."""
+        body = next((each for each in mechanism.bodies if each.name == self.body), None)
+        if body is None:
+            return
+        kinds = [shape.type for shape in body.shapes]
+        if self.shape < len(kinds) and kinds[self.shape] == "circle":
+            return
+        circles = (str(i) for i, kind in enumerate(kinds) if kind == "circle")
+        allowed = ", ".join(islice(circles, MOST_NAMED)) \
+            or f"none: {quoted(self.body)} has no circle"
+        what = (f"{quoted(self.body)} has no shape {self.shape} (they count from 0)"
+                if self.shape >= len(kinds) else
+                f"shape {self.shape} of {quoted(self.body)} is a {kinds[self.shape]}; only a "
+                "circle has a radius to set")
+        yield Problem("not-settable", what, f"{path}.shape", allowed=allowed)
+
+
+class SurfaceDrive(DriveSpec):
+    """Moves the surface of a body along its outline, as on a conveyor; the body does not move.
+
+    Friction carries along the bodies that touch it.
+    """
+
+    PYMUNK = "a conveyor surface: its shapes have one surface velocity, not one along an outline"
+    facts = DriveKind(
+        BODY, "surface", "m/s", "speed", ("value", "work", "power"), sole="surface", timely="end",
+        mujoco="a conveyor surface")
+
+    type: Literal["surface"] = TYPE
+    body: BodyName
+    """Name of the body, all of whose shapes run; its mass and pose are not changed by that."""
+    positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
+    """Positive direction of the speed around the body: with ``clockwise`` its top moves right."""
+    value: RateSignal
+    """The speed along the surface over time [m/s], seen from the body."""
+
+    @property
+    def sense(self) -> float:
+        """+1 or -1: the factor from counter-clockwise round its body to the positive way."""
+        return 1.0 if self.positive == "counterclockwise" else -1.0
 
 
 class PullDrive(DriveSpec):
     """Sets the tension of a tendon: an actuator at its last guide. Below 0 counts as 0."""
 
-    facts: ClassVar[DriveKind] = DriveKind(
-        TENDON, "tension", "N", "force", floor=0.0, sole="tension")
+    facts = DriveKind(TENDON, "tension", "N", "force", floor=0.0, sole="tension")
 
     type: Literal["pull"] = TYPE
-    name: Name
-    """Its name; its value is recorded as ``<name>.value``."""
     tendon: Annotated[Name, TENDON]
     """Name of a tendon, or of a finger or tree: then its own tendon is pulled."""
     value: ForceSignal
@@ -51,15 +198,13 @@ class PullDrive(DriveSpec):
 class StiffnessDrive(DriveSpec):
     """Sets the stiffness of a spring or of a tendon over time. Below 0 counts as 0."""
 
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         SPRING, "stiffness", "", "", ("value",), floor=0.0, sole="stiffness",
         mujoco="a stiffness drive")
     on_tendon: ClassVar[DriveKind] = replace(
         facts, target=TENDON, unit="N/m", dimension="stiffness")
 
     type: Literal["stiffness"] = TYPE
-    name: Name
-    """Its name; its value is recorded as ``<name>.value``."""
     spring: Annotated[Name | None, SPRING] = None
     """Name of the spring, linear or rotary; its damping stays as it is. This or ``tendon``."""
     tendon: Annotated[Name | None, TENDON] = None
@@ -109,35 +254,30 @@ class StiffnessDrive(DriveSpec):
                   floor=0.0)
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
-        """Springs and tendons that have no stiffness to set."""
-        found = self._spring(mechanism)
-        if self.tendon is not None:
-            yield from self._tendon_problems(found, mechanism, f"{path}.tendon")
-        elif found is not None and found.stiffness is None:
-            yield Problem("not-settable",
-                          f"{quoted(found.name)} follows a law and has no stiffness to set",
-                          f"{path}.spring", allowed="a spring with a 'stiffness'")
-
-    def _tendon_problems(
-        self, tendon: Tendon | None, mechanism: Mechanism, path: str,
-    ) -> Iterator[Problem]:
-        """Tendons whose tension no stiffness sets, or not along all of them."""
-        name = self.tendon or ""
-        pull = next((each.name for each in mechanism.drives
-                     if each.kind.gives == "tension" and each.target[1] == name), None)
+        """Springs and tendons that have no stiffness to set, tendons with several tensions."""
+        found, name = self._spring(mechanism), quoted(self.spring or self.tendon or "")
+        pull = next((each.name for each in mechanism.drives if each.kind.gives == "tension"
+                     and each.target[1] == self.tendon), None)
         if pull is not None:
-            yield Problem("not-settable",
-                          f"{quoted(name)} has no stiffness to set: {quoted(pull)} pulls it, which "
-                          "sets its tension", path, allowed="a tendon that no drive pulls")
-        elif tendon is not None and tendon.gripping:
-            yield Problem("not-settable", f"the stiffness of {quoted(name)} cannot be set: its "
-                          f"guide {tendon.gripping[0]} has friction, so each span has its own "
-                          "tension", path, allowed="a tendon whose guides have no 'friction'")
-        elif tendon is not None and tendon.stiffness >= RIGID:
-            yield Problem("not-settable", f"{quoted(name)} has no stiffness to set: with "
-                          f"{tendon.stiffness:g} N/m it counts as inextensible", path,
-                          allowed=f"a tendon with a 'stiffness' below {RIGID:g} N/m, which it has "
-                          "until the drive sets another")
+            fault, allowed = (f"{name} has no stiffness to set: {quoted(pull)} pulls it, which "
+                              "sets its tension", "a tendon that no drive pulls")
+        elif found is None:
+            return
+        elif found.stiffness is None:
+            fault, allowed = (f"{name} follows a law and has no stiffness to set",
+                              "a spring with a 'stiffness'")
+        elif self.tendon is not None and found.gripping:
+            fault, allowed = (f"the stiffness of {name} cannot be set: its guide "
+                              f"{found.gripping[0]} has friction, so each span has its own tension",
+                              "a tendon whose guides have no 'friction'")
+        elif self.tendon is not None and found.stiffness >= RIGID:
+            fault, allowed = (f"{name} has no stiffness to set: with {found.stiffness:g} N/m it "
+                              "counts as inextensible", f"a tendon with a 'stiffness' below "
+                              f"{RIGID:g} N/m, which it has until the drive sets another")
+        else:
+            return
+        yield Problem("not-settable", fault, f"{path}.{'spring' if self.spring else 'tendon'}",
+                      allowed=allowed)
 
 
 class HoldDrive(DriveSpec):
@@ -148,13 +288,9 @@ class HoldDrive(DriveSpec):
     """
 
     PYMUNK = RELEASED
-    facts: ClassVar[DriveKind] = DriveKind(
-        HELD, "hold", "1", "ratio", ("value",), sole="hold", mujoco=RELEASED)
+    facts = DriveKind(HELD, "hold", "1", "ratio", ("value",), sole="hold", mujoco=RELEASED)
 
     type: Literal["hold"] = TYPE
-    name: Name
-    """Its name; its value is recorded as ``<name>.value``, the state of the element as
-    ``<element>.held``."""
     element: Annotated[Name, HELD]
     """Name of the joint, spring or tendon. A joint closes its gap in its ``takes_up_in``."""
     value: ShareSignal

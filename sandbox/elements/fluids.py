@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -236,13 +236,9 @@ class FlowDrive(DriveSpec):
     """Pumps fluid into a line, however high the pressure: the line's ``relief`` bounds it."""
 
     PYMUNK = FLUID
-    facts: ClassVar[DriveKind] = DriveKind(
-        LINE, "flow", "m^3/s", "flow", ("value", "work", "flow"), mujoco=FLUID)
+    facts = DriveKind(LINE, "flow", "m^3/s", "flow", ("value", "work", "flow"), mujoco=FLUID)
 
     type: Literal["flow"] = TYPE
-    name: of.Name
-    """Its name; its value is recorded as ``<name>.value``, the work on the fluid as
-    ``<name>.work``."""
     line: LineName
     """Name of the line that it feeds."""
     value: FlowSignal
@@ -254,13 +250,11 @@ class PressureDrive(DriveSpec):
     """A pressure source that feeds a line and takes fluid back."""
 
     PYMUNK = FLUID
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         LINE, "pressure", "Pa", "pressure", ("value", "work", "flow"), sole="pressure",
         mujoco=FLUID)
 
     type: Literal["pressure"] = TYPE
-    name: of.Name
-    """Its name; its value is recorded as ``<name>.value``, its flow as ``<name>.flow``."""
     line: LineName
     """Name of the line that it feeds."""
     value: PressureSignal
@@ -269,21 +263,15 @@ class PressureDrive(DriveSpec):
     """Pressure that is lost per flow between the source and the line [Pa s/m^3]; with 0, the
     default, the line has the pressure of the source."""
 
-    def columns(self) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
-        return {"resistance": self.resistance}
-
 
 class OpeningDrive(DriveSpec):
     """Opens and shuts a valve."""
 
     PYMUNK = FLUID
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         VALVE, "opening", "1", "ratio", ("value",), floor=0.0, sole="opening", mujoco=FLUID)
 
     type: Literal["opening"] = TYPE
-    name: of.Name
-    """Its name; its value is recorded as ``<name>.value``."""
     valve: Annotated[of.Name, VALVE]
     """Name of the valve; one that no drive opens is fully open."""
     value: ShareSignal

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
@@ -33,16 +33,10 @@ class JointKind:
     """Whether it has a length, which drives can push and set."""
     angle: bool = False
     """Whether it has an angle, for stops, rotary springs, torques, brakes and motors."""
-    stopped: tuple[str, ...] = ()
-    """Additional quantities of a joint with stops."""
-    loose: tuple[str, ...] = ()
-    """Additional quantities of teeth with backlash."""
     rubs: str = ""
     """Unit of its dry friction; empty where it has none."""
-    rubbed: tuple[str, ...] = ()
-    """Additional quantities of a joint with dry friction."""
-    curved: tuple[str, ...] = ()
-    """Additional quantities of a joint with a path."""
+    more: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Additional quantities with ``limits``, ``backlash``, ``friction`` or a ``path``."""
     mujoco: str = ""
     """Why MuJoCo has no counterpart; empty where it has one."""
     mujoco_loop: str = ""
@@ -166,19 +160,16 @@ class JointSpec(Element):
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
         """The quantities that it records, with their units."""
         kind = self.facts
-        names = (*kind.records, *(kind.stopped if getattr(self, "limits", None) else ()),
-                 *(kind.loose if getattr(self, "backlash", 0.0) > 0 else ()),
-                 *(kind.rubbed if self.rubs else ()),
-                 *(kind.curved if getattr(self, "path", None) else ()))
+        names = [*kind.records, *(
+            name for field, more in kind.more.items() for name in more
+            if (self.rubs if field == "friction" else getattr(self, field, None)))]
         return {name: QUANTITIES[name].unit or kind.rubs for name in names}
 
     def needed(self, quantity: str) -> str:
         """The field that it needs to record a quantity; empty where no field adds it."""
-        kind = self.facts
-        return next((field for names, field in (
-            (kind.stopped, "'limits'"), (kind.loose, "'backlash'"),
-            (kind.rubbed, "'friction' or 'friction_coefficient'"),
-            (kind.curved, "'path'")) if quantity in names), "")
+        field = next((field for field, more in self.facts.more.items() if quantity in more), "")
+        return "'friction' or 'friction_coefficient'" if field == "friction" else (
+            field and f"'{field}'")
 
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
         """A joint between two bodies that cannot move freely."""
@@ -190,7 +181,7 @@ class JointSpec(Element):
                           path, allowed="a joint of at least one dynamic body")
 
     def columns(self, at: Anchors) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
+        """Its columns of :class:`sandbox.model.model.Joints` that are no attributes of it."""
         return {}
 
     def path_points(self) -> tuple[tuple[Vec, ...] | None, bool]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -41,17 +41,26 @@ if TYPE_CHECKING:
 ActuatorName = Annotated[Name, ACTUATOR]
 
 
-class TorqueDrive(DriveSpec):
-    """A torque between the two bodies of a hinge, positive as the hinge turns."""
+class HingeDrive(DriveSpec):
+    """A drive of a hinge."""
 
-    facts: ClassVar[DriveKind] = DriveKind(
-        HINGE, "torque", "N m", "torque", ("value", "work", "power"), twin="push")
-
-    type: Literal["torque"] = TYPE
-    name: Name
-    """Its name; its value is recorded as ``<name>.value``."""
     joint: HingeName
     """Name of the pin that it acts on."""
+
+
+class ActuatorDrive(DriveSpec):
+    """A drive of an actuator."""
+
+    joint: ActuatorName
+    """Name of the actuator that it acts on."""
+
+
+class TorqueDrive(HingeDrive):
+    """A torque between the two bodies of a hinge, positive as the hinge turns."""
+
+    facts = DriveKind(HINGE, "torque", "N m", "torque", ("value", "work", "power"), twin="push")
+
+    type: Literal["torque"] = TYPE
     value: TorqueSignal
     """The torque over time [N m], in the hinge's sense: on its body ``b``, and the opposite on
     ``a``."""
@@ -66,7 +75,7 @@ class TorqueDrive(DriveSpec):
         draft.add("twist", self.name, draft.value(index), joint.a, joint.b, joint.sense)
 
 
-class MotorDrive(DriveSpec):
+class MotorDrive(HingeDrive):
     """Drives a hinge at a set speed with a maximum torque, or along a torque-speed line.
 
     With ``stall`` and ``no_load`` its torque at the hinge speed w is T = stall (u - w) / no_load, u
@@ -74,16 +83,12 @@ class MotorDrive(DriveSpec):
     ``stall`` if w is opposed to u.
     """
 
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         HINGE, "torque", "rad/s", "angular speed", ("value", "work", "torque", "power"),
         sole="motor", limited=True, timely="end", twin="extend",
         mujoco="a motor with a set speed or a torque-speed line")
 
     type: Literal["motor"] = TYPE
-    name: Name
-    """Its name; its value is recorded as ``<name>.value``, its torque as ``<name>.torque``."""
-    joint: HingeName
-    """Name of the pin that it acts on."""
     value: Annotated[SpeedSignal | None, KEPT] = None
     """Speed of ``b`` against ``a`` over time [rad/s], in the hinge's positive sense. Of a motor
     with a line the speed without torque, ``no_load`` by default: half of it is half the voltage,
@@ -111,11 +116,15 @@ class MotorDrive(DriveSpec):
                                           "line, 'stall' and 'no_load'")
         return self
 
-    def columns(self) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
-        return {"most": math.inf if self.torque is None else self.torque,
-                "slope": self.stall / self.no_load
-                if self.stall is not None and self.no_load is not None else math.nan}
+    @property
+    def most(self) -> float:
+        """The most that it can give [N m]."""
+        return math.inf if self.torque is None else self.torque
+
+    @property
+    def slope(self) -> float | None:
+        """With a line: torque per speed that lacks [N m s/rad]."""
+        return None if self.stall is None or self.no_load is None else self.stall / self.no_load
 
     def signal(self, mechanism: Mechanism) -> AnySignal:
         """Its value over time: by default the speed without load."""
@@ -129,32 +138,27 @@ class MotorDrive(DriveSpec):
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """A SimpleMotor; with a line a torque and a damper."""
         _, joint = draft.target(index)
-        if self.stall is not None and self.no_load is not None:
-            slope = self.stall / self.no_load
-            draft.add("damper", f"{self.name}.torque", joint.a, joint.b, slope)
+        if self.slope is not None:
+            draft.add("damper", f"{self.name}.torque", joint.a, joint.b, self.slope)
             draft.add("twist", self.name, draft.value(index), joint.a, joint.b,
-                      slope * joint.sense)
+                      self.slope * joint.sense)
             return
         draft.add("constraint", self.name, "SimpleMotor", joint.a, joint.b, 0.0,
                   max_force=self.torque)
         draft.add("set", self.name, draft.value(index), self.name, "rate", -joint.sense, later=0.5)
 
 
-class BrakeDrive(DriveSpec):
+class BrakeDrive(HingeDrive):
     """Holds a hinge up to a maximum torque and slips above it: a lock, a brake.
 
     Permanent friction of a hinge is its own ``friction``.
     """
 
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         HINGE, "torque", "N m", "torque", ("value", "work", "torque", "power"), floor=0.0,
         sole="brake", limited=True, mujoco_varied="a changing brake")
 
     type: Literal["brake"] = TYPE
-    name: Name
-    """Its name; its value is recorded as ``<name>.value``, its torque as ``<name>.torque``."""
-    joint: HingeName
-    """Name of the pin that it holds."""
     value: TorqueSignal
     """Maximum torque over time [N m]; 0 and less release the hinge."""
 
@@ -172,13 +176,16 @@ class BrakeDrive(DriveSpec):
 class PlaceDrive(DriveSpec):
     """Brings something to a place: as a spring would, or as hard as a limit allows."""
 
+    if TYPE_CHECKING:
+        stiffness: float | None
+        damping: float
+        speed: float | None
+
     @model_validator(mode="after")
     def _one_law(self) -> Self:
-        stiffness, damping, speed = (getattr(self, name) for name in (
-            "stiffness", "damping", "speed"))
-        if stiffness is None and damping:
+        if self.stiffness is None and self.damping:
             raise WrongValueError("conflicting-keys", "'damping' needs 'stiffness'")
-        if stiffness is not None and speed is not None:
+        if self.stiffness is not None and self.speed is not None:
             raise WrongValueError("conflicting-keys", "'speed' and 'stiffness' exclude each other; "
                                   "use 'damping'")
         return self
@@ -186,34 +193,26 @@ class PlaceDrive(DriveSpec):
     @property
     def most(self) -> float:
         """The most that it can give [N m, N]."""
-        raise NotImplementedError
-
-    def columns(self) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
-        stiffness, damping, speed = (getattr(self, name) for name in (
-            "stiffness", "damping", "speed"))
-        return {"most": self.most, "stiffness": math.nan if stiffness is None else stiffness,
-                "damping": damping, "fastest": math.inf if speed is None else speed}
+        return float(getattr(self, self.facts.records[2]))
 
     def without_mujoco(self, mechanism: Mechanism) -> str:
         """Why MuJoCo has no counterpart; empty where it has one."""
-        return ("a rigid servo or length"
-                if getattr(self, "stiffness", None) is None else "")
+        return "a rigid servo or length" if self.stiffness is None else ""
 
     def without_pymunk(self, mechanism: Mechanism) -> str:
         """Why pymunk has no counterpart; empty where it has one."""
-        return "a spring towards a position with a largest force" \
-            if getattr(self, "stiffness", None) else super().without_pymunk(mechanism)
+        return ("a spring towards a position with a largest force" if self.stiffness
+                else super().without_pymunk(mechanism))
 
     def write_spring(self, draft: Draft, index: int, where: str, offset: float) -> None:
         """Add an actuator of force k (value - q) - c q', for a q that lacks ``offset`` there."""
-        k, c = (float(getattr(self, name)) for name in ("stiffness", "damping"))
+        k, c = float(self.stiffness or 0.0), float(self.damping)
         draft.motor(index, "general", self.facts.records[2], gainprm=k, biastype="affine",
                     biasprm=(-k * offset, -k, -c), forcerange=(-self.most, self.most),
                     **{where: draft.model.joints.name[draft.target(index)]})
 
 
-class ServoDrive(PlaceDrive):
+class ServoDrive(HingeDrive, PlaceDrive):
     """Moves a hinge to an angle and holds it there with a maximum torque.
 
     With ``stiffness`` it acts as a spring: torque = stiffness (value - angle) - damping rate, up to
@@ -222,15 +221,11 @@ class ServoDrive(PlaceDrive):
     avoid overshoot, and holds it exactly as long as ``torque`` suffices.
     """
 
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         HINGE, "torque", "rad", "angle", ("value", "work", "torque", "power"), sole="motor",
         limited=True, places=True, twin="length")
 
     type: Literal["servo"] = TYPE
-    name: Name
-    """Its name; its value is recorded as ``<name>.value``, its torque as ``<name>.torque``."""
-    joint: HingeName
-    """Name of the pin that it acts on."""
     value: AngleSignal
     """The angle to go to over time [rad], as the hinge counts it: in its own sense, from its
     ``zero``."""
@@ -242,11 +237,6 @@ class ServoDrive(PlaceDrive):
     """With ``stiffness``: torque against the hinge's rate, per rate [N m s/rad]."""
     speed: AngularSpeed | None = Field(default=None, gt=0)
     """Maximum speed of a rigid servo [rad/s]; no limit by default."""
-
-    @property
-    def most(self) -> float:
-        """The most that it can give [N m]."""
-        return self.torque
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
         """Add the drive to a MuJoCo model."""
@@ -263,17 +253,12 @@ class ServoDrive(PlaceDrive):
                   self.speed or math.inf)
 
 
-class PushDrive(DriveSpec):
+class PushDrive(ActuatorDrive):
     """A force between the two points of an actuator, along the line through them."""
 
-    facts: ClassVar[DriveKind] = DriveKind(
-        ACTUATOR, "push", "N", "force", ("value", "work", "power"), twin="torque")
+    facts = DriveKind(ACTUATOR, "push", "N", "force", ("value", "work", "power"), twin="torque")
 
     type: Literal["push"] = TYPE
-    name: Name
-    """Its name; its value is recorded as ``<name>.value``."""
-    joint: ActuatorName
-    """Name of the actuator that it acts on."""
     value: ForceSignal
     """The force over time [N]; positive pushes the points apart, negative pulls them together."""
 
@@ -288,26 +273,23 @@ class PushDrive(DriveSpec):
         draft.add("push_apart", self.name, draft.value(index), joint.a, on_a, joint.b, on_b)
 
 
-class ExtendDrive(DriveSpec):
+class ExtendDrive(ActuatorDrive):
     """Extends an actuator at a set speed with a maximum force."""
 
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         ACTUATOR, "push", "m/s", "speed", ("value", "work", "force", "power"), sole="length",
         limited=True, timely="end", twin="motor", mujoco="an actuator with a set speed")
 
     type: Literal["extend"] = TYPE
-    name: Name
-    """Its name; its value is recorded as ``<name>.value``, its force as ``<name>.force``."""
-    joint: ActuatorName
-    """Name of the actuator that it acts on."""
     value: RateSignal
     """The speed over time [m/s]; positive makes the actuator longer."""
     force: Force = Field(gt=0)
     """Maximum force in both directions [N]."""
 
-    def columns(self) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Drives`, besides those of all."""
-        return {"most": self.force}
+    @property
+    def most(self) -> float:
+        """The most that it can give [N]."""
+        return self.force
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """A PinJoint whose distance changes in each step."""
@@ -317,7 +299,7 @@ class ExtendDrive(DriveSpec):
         draft.add("extend", self.name, draft.value(index), self.name, later=0.5)
 
 
-class LengthDrive(PlaceDrive):
+class LengthDrive(ActuatorDrive, PlaceDrive):
     """Moves an actuator to a length and holds it there with a maximum force.
 
     With ``stiffness`` its force = stiffness (value - length) - damping speed, up to ``force``.
@@ -325,15 +307,11 @@ class LengthDrive(PlaceDrive):
     and holds it exactly as long as ``force`` suffices.
     """
 
-    facts: ClassVar[DriveKind] = DriveKind(
+    facts = DriveKind(
         ACTUATOR, "push", "m", "length", ("value", "work", "force", "power"), sole="length",
         limited=True, places=True, twin="servo")
 
     type: Literal["length"] = TYPE
-    name: Name
-    """Its name; its value is recorded as ``<name>.value``, its force as ``<name>.force``."""
-    joint: ActuatorName
-    """Name of the actuator that it acts on."""
     value: LengthSignal
     """The distance of the actuator's two points to go to over time [m]."""
     force: Force = Field(gt=0)
@@ -344,11 +322,6 @@ class LengthDrive(PlaceDrive):
     """With ``stiffness``: force against the actuator's speed, per speed [N s/m]."""
     speed: Speed | None = Field(default=None, gt=0)
     """Of a rigid one the fastest that its length changes [m/s]; no limit by default."""
-
-    @property
-    def most(self) -> float:
-        """The most that it can give [N]."""
-        return self.force
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
         """Add the drive to a MuJoCo model."""

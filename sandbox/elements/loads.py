@@ -64,9 +64,11 @@ class LoadSpec(Element):
     RECORDED = QUANTITIES
     PYMUNK = "a load by a law of a body's own motion"
 
-    if TYPE_CHECKING:
-        name: str
-        bodies: tuple[str, ...]
+    name: of.Name
+    """Its name; quantities are ``<name>.<body>.fx`` and so on."""
+    bodies: Patterns = EVERY
+    """Bodies that it acts on: a name, a pattern such as ``"ball*"``, or a list of them. By default
+    every body that moves freely; fixed and scheduled bodies are skipped."""
 
     def borne(self, bodies: Sequence[Body]) -> list[int]:
         """Numbers of the bodies that it acts on, of those that move freely."""
@@ -105,11 +107,6 @@ class LawLoad(LoadSpec):
     LOCAL = ("force", "acceleration", "torque")
 
     type: Literal["law"] = TYPE
-    name: of.Name
-    """Its name; quantities are ``<name>.<body>.fx`` and so on."""
-    bodies: Patterns = EVERY
-    """Bodies that it acts on: a name, a pattern such as ``"ball*"``, or a list of them. By default
-    every body that moves freely; fixed and scheduled bodies are skipped."""
     force: of.Pair[ForceLaw] | None = None
     """The force [x, y] at the point ``at`` [N]: ``["=-0.2 * vx", "=-0.2 * vy"]``."""
     acceleration: of.Pair[AccelerationLaw] | None = None
@@ -151,11 +148,6 @@ class DragLoad(LoadSpec):
     """
 
     type: Literal["drag"] = TYPE
-    name: of.Name
-    """Its name; quantities are ``<name>.<body>.fx`` and so on."""
-    bodies: Patterns = EVERY
-    """The bodies that it acts on: a name, a pattern such as ``"ball*"``, or a list of them. By
-    default every body that moves freely."""
     linear: of.Damping = 0.0
     """Force per speed [N s/m], for slow motion in a viscous medium."""
     area: of.Area | None = None
@@ -198,11 +190,6 @@ class BuoyancyLoad(LoadSpec):
     """
 
     type: Literal["buoyancy"] = TYPE
-    name: of.Name
-    """Its name; quantities are ``<name>.<body>.fy`` and so on."""
-    bodies: Patterns = EVERY
-    """The bodies that it lifts: a name, a pattern such as ``"boat*"``, or a list of them. By
-    default every body that moves freely and has an area."""
     level: Annotated[of.Coordinate, KEPT] = 0.0
     """Height of the surface: its ``y`` in the world [m]."""
     density: of.Density = 1000.0

@@ -1,13 +1,14 @@
-"""Joints of a point: pins, slots and welds."""
+"""Joints of points: pins, slots and welds; rods, ropes and actuators."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from sandbox.elements.element import KEPT, NO_POINT, OTHER_SIDE, Turn, Vec
+from sandbox.elements.element import KEPT, OTHER_SIDE, Turn, Vec
 from sandbox.elements.joint import (
     FRICTION,
     REACTION,
@@ -15,9 +16,11 @@ from sandbox.elements.joint import (
     ClosingJoint,
     FrictionJoint,
     JointKind,
+    JointSpec,
 )
 from sandbox.values.numbers import (
     Angle,
+    Distance,
     Flag,
     Force,
     Items,
@@ -43,9 +46,9 @@ class Pin(FrictionJoint):
     Its angle is that of ``b`` against ``a``, in its own sense.
     """
 
-    facts: ClassVar[JointKind] = JointKind(
+    facts = JointKind(
         "point", ("angle", "rate", *REACTION, "damping", "damping_work"), angle=True,
-        stopped=("stop",), rubs="N m", rubbed=FRICTION)
+        rubs="N m", more={"limits": ("stop",), "friction": FRICTION})
 
     type: Literal["pin"] = TYPE
     positive: Annotated[Turn, OTHER_SIDE] = "counterclockwise"
@@ -81,11 +84,10 @@ class Pin(FrictionJoint):
         """+1 or -1: the factor from a counter-clockwise turn to the positive one."""
         return 1.0 if self.positive == "counterclockwise" else -1.0
 
-    def columns(self, at: Anchors) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
-        return {"sense": self.sense, "zero": self.zero, "stops": self.limits or NO_POINT,
-                "damping": self.damping, "friction": self.friction, "static": self.static,
-                "rubbing": self.friction_coefficient * (self.pin_radius or 0.0)}
+    @property
+    def rubbing(self) -> float:
+        """Friction torque per reaction [m]."""
+        return self.friction_coefficient * (self.pin_radius or 0.0)
 
     def placed(self, mover: Mover) -> Mapping[str, Any]:
         """Keep the angle at t = 0 of a hinge between an assembly and the scene around it.
@@ -117,8 +119,9 @@ class Pin(FrictionJoint):
 class Slot(FrictionJoint):
     """A point of ``b`` slides along a groove of ``a``, straight or along a smooth path."""
 
-    facts: ClassVar[JointKind] = JointKind(
-        "groove", REACTION, rubs="N", rubbed=FRICTION, curved=("position", "speed", "normal"),
+    facts = JointKind(
+        "groove", REACTION, rubs="N",
+        more={"friction": FRICTION, "path": ("position", "speed", "normal")},
         mujoco_loop="a groove that closes a loop")
 
     type: Literal["slot"] = TYPE
@@ -161,10 +164,9 @@ class Slot(FrictionJoint):
         return self
 
     def columns(self, at: Anchors) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
+        """Its columns of :class:`sandbox.model.model.Joints` that are no attributes of it."""
         groove = {} if self.path else {"groove": (self.start, self.end)}
-        return {"turns": self.turns, "friction": self.friction, "static": self.static,
-                "rubbing": self.friction_coefficient, **groove}
+        return {"rubbing": self.friction_coefficient, **groove}
 
     def path_points(self) -> tuple[tuple[Vec, ...] | None, bool]:
         """Points of its path in the frame of ``a`` [m], if it has one; whether the path closes."""
@@ -187,12 +189,12 @@ class Slot(FrictionJoint):
 class Weld(ClosingJoint):
     """Two bodies held rigidly together."""
 
-    facts: ClassVar[JointKind] = JointKind("point", REACTION)
+    facts = JointKind("point", REACTION)
 
     type: Literal["weld"] = TYPE
 
     def columns(self, at: Anchors) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
+        """Its columns of :class:`sandbox.model.model.Joints` that are no attributes of it."""
         return {"turns": False}
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
@@ -200,3 +202,97 @@ class Weld(ClosingJoint):
         draft.joint(index, "PivotJoint", *draft.anchors(index))
         draft.add("constraint", f"{self.name}.angle", "GearJoint", self.a, self.b,
                   draft.turn(index), 1.0)
+
+
+class BarJoint(JointSpec):
+    """A joint of the distance of two points."""
+
+    on_a: Point | None = (0.0, 0.0)
+    """Attachment, in the frame of ``a`` [m]."""
+    on_b: Point | None = (0.0, 0.0)
+    """Attachment, in the frame of ``b`` [m]."""
+
+
+class Rod(BarJoint, ClosingJoint):
+    """A massless rigid rod between two points."""
+
+    facts = JointKind("distance", (*REACTION, "tension"))
+
+    type: Literal["rod"] = TYPE
+    length: Length | None = None
+    """Distance between the two points [m]; by default that at t = 0."""
+
+    def columns(self, at: Anchors) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Joints` that are no attributes of it."""
+        length = at.distance if self.length is None else self.length
+        return {"reach": (length, length)}
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A PinJoint."""
+        draft.joint(index, "PinJoint", *draft.anchors(index),
+                    distance=draft.model.joints.reach[index, 0])
+
+
+class RangeJoint(BarJoint):
+    """A joint between a least and a largest distance."""
+
+    if TYPE_CHECKING:
+        shortest: float
+        longest: float | None
+
+    def columns(self, at: Anchors) -> dict[str, Any]:
+        """Its columns of :class:`sandbox.model.model.Joints` that are no attributes of it."""
+        return {"reach": (self.shortest, self.longest or math.inf)}
+
+    def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
+        """A SlideJoint."""
+        draft.joint(index, "SlideJoint", *draft.anchors(index), *draft.model.joints.reach[index])
+
+
+class Rope(RangeJoint):
+    """Keeps the distance of two points between a minimum and a maximum.
+
+    With ``shortest`` 0 it is a slack rope, otherwise a telescopic rod. It does not stretch, and it
+    becomes taut without rebound: both ends then have the same speed along it, at any step. A tendon
+    is elastic.
+    """
+
+    facts = JointKind("range", (*REACTION, "tension"))
+
+    type: Literal["rope"] = TYPE
+    longest: Length
+    """Largest distance of the two points [m]."""
+    shortest: Distance = 0.0
+    """Minimum distance between the two points [m]; 0 sets no minimum."""
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.shortest > self.longest:
+            raise WrongValueError("out-of-range", "'shortest' must not be greater than 'longest'")
+        return self
+
+
+class Actuator(RangeJoint):
+    """A cylinder, screw or solenoid between two points.
+
+    Without a drive it moves freely between its ends of stroke. The drive ``push`` sets its force,
+    ``extend`` its speed of extension, ``length`` its length.
+    """
+
+    facts = JointKind("range", ("length", "speed", *REACTION), line=True)
+
+    type: Literal["actuator"] = TYPE
+    shortest: Distance = 0.0
+    """Distance of the two points with the rod drawn in [m]: a hard stop; none by default."""
+    longest: Length | None = None
+    """Distance of the two points with the rod out [m]: a hard stop; none by default."""
+    on_a: Point | None = (0.0, 0.0)
+    """Attachment of the cylinder, in the frame of ``a`` [m]."""
+    on_b: Point | None = (0.0, 0.0)
+    """Attachment of the rod, in the frame of ``b`` [m]."""
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.longest is not None and self.shortest >= self.longest:
+            raise WrongValueError("out-of-range", "'shortest' must be less than 'longest'")
+        return self

@@ -1,4 +1,4 @@
-"""The quantities that a run can be asked for: unit, recorded array, one sentence each.
+"""The quantities of a run: unit, recorded array, one sentence each.
 
 Those of an element stand with its kind; here are those of bodies, groups and pairs. From here
 come the catalogue, the heads of the CSV files, the reserved names and docs/scenes.md.
@@ -51,16 +51,16 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
 """By what an element is called (:class:`sandbox.elements.element.Named`), then by name."""
 USUAL: Mapping[str, str] = {"meter": "", "tendon": "tension", "joint": "angle", "drive": "value",
                             "spring": "length", "body": "y"}
-"""What is looked at first of a run, by kind of element, the kinds that tell most first."""
+"""The quantity shown first, by kind of element, the most informative kinds first."""
 TELLING = ("value", "x", "y", "contact.normal", "force", "torque", "angle", "length", "tension",
            "reaction", "pressure", "flow", "fx", "fy", "power")
-"""What is looked at first of one element, in this order; then comes all else that it has."""
+"""Order in which quantities of one element are shown; others follow."""
 TIED: Mapping[str, Quantity] = {
     "held": recorded("held", "1", "of elements that can be released: 1 while engaged, 0 while "
                                   "released",
                   live=True, yes_no=True),
 }
-"""What a joint, a spring or a tendon has besides if an event or its load may let it go."""
+"""Additional quantities of joints, springs and tendons that can be released."""
 MOST_PRESSING = 24
 """Contacts of an object beyond which closure, epsilon and isotropy are not worked out."""
 WINDOW = 0.1
@@ -99,7 +99,7 @@ GRASP: Mapping[str, Quantity] = {
     "spread_bodies": Quantity("1", "the same, of all bodies that press on it, such as phalanges",
                               nothing="no finger presses on it"),
 }
-"""What a body with the role ``object`` has besides; docs/grasp.md."""
+"""Additional quantities of bodies with the role ``object``; docs/grasp.md."""
 LIVE: Mapping[str, tuple[str, ...]] = {
     element: tuple(name for name, quantity in rows.items() if quantity.live)
     for element, rows in QUANTITIES.items()} | {"meter": ("",)}
@@ -118,35 +118,36 @@ def numbered(element: str, quantity: str) -> tuple[str, int] | None:
         number.isdecimal()) else None
 
 
+def row_of(element: str, quantity: str) -> Quantity | None:
+    """The row of a quantity of a ``body``, ``joint``, ...; None for what it has not."""
+    if found := numbered(element, quantity):
+        return NUMBERED[found[0]]
+    return QUANTITIES.get(element, {}).get(quantity) or (
+        GRASP if element == "body" else TIED).get(quantity)
+
+
 def about(element: str, quantity: str) -> str:
     """The sentence on a quantity of a ``body``, ``joint``, ..., without its last number."""
-    if found := numbered(element, quantity):
-        return NUMBERED[found[0]].about
-    rows = QUANTITIES.get(element, {})
-    held = GRASP if element == "body" else TIED
-    return (rows.get(quantity) or held[quantity]).about
+    row = row_of(element, quantity)
+    return row.about if row else ""
 
 
 def is_yes_no(element: str, quantity: str) -> bool:
     """Whether an element's quantity is 1 or 0 and nothing between."""
-    if found := numbered(element, quantity):
-        return NUMBERED[found[0]].yes_no
-    row = QUANTITIES.get(element, {}).get(quantity) or (
-        GRASP if element == "body" else TIED).get(quantity)
+    row = row_of(element, quantity)
     return row is not None and row.yes_no
 
 
 def is_count(element: str, quantity: str) -> bool:
     """Whether an element's quantity is a whole number of things."""
-    row = QUANTITIES.get(element, {}).get(quantity)
+    row = row_of(element, quantity)
     return row is not None and row.count
 
 
 def is_live(element: str, quantity: str) -> bool:
     """Whether an element's quantity can be read while a run goes on."""
-    if found := numbered(element, quantity):
-        return NUMBERED[found[0]].live
-    return quantity in LIVE[element] or (quantity in TIED and element != "body")
+    row = row_of(element, quantity)
+    return row.live if row is not None else element == "meter"
 
 
 def reserved(kind: str) -> frozenset[str]:

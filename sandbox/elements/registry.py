@@ -7,47 +7,32 @@ from typing import Annotated, Any, get_args
 
 from pydantic import Field
 
-from sandbox.elements.bars import Actuator, Rod, Rope
-from sandbox.elements.body_drives import ForceDrive, RadiusDrive, SurfaceDrive
-from sandbox.elements.controllers.equilibrium import EquilibriumController
-from sandbox.elements.controllers.pid import PidController
-from sandbox.elements.controllers.relay import RelayController
-from sandbox.elements.controllers.simple import (
-    FeedbackController,
-    ScheduleController,
-    SwitchController,
-)
-from sandbox.elements.controllers.state_feedback import StateFeedbackController
+from sandbox.elements import element_drives, fluids, joint_drives, points, wheels
+from sandbox.elements.controllers import equilibrium, pid, relay, simple, state_feedback
 from sandbox.elements.element import Element, tag_of
-from sandbox.elements.element_drives import HoldDrive, PullDrive, StiffnessDrive
-from sandbox.elements.fluids import FlowDrive, Line, OpeningDrive, PressureDrive, Valve
-from sandbox.elements.joint_drives import (
-    BrakeDrive,
-    ExtendDrive,
-    LengthDrive,
-    MotorDrive,
-    PushDrive,
-    ServoDrive,
-    TorqueDrive,
-)
 from sandbox.elements.loads import Load
-from sandbox.elements.points import Pin, Slot, Weld
 from sandbox.elements.springs import Spring
 from sandbox.elements.tendons import Tendon
-from sandbox.elements.wheels import Gear, Rack, Roll
 from sandbox.values.spec import Spec
 
-Joint = Annotated[Pin | Slot | Weld | Rod | Rope | Actuator | Gear | Rack | Roll,
-                  Field(discriminator="type")]
+Joint = Annotated[
+    points.Pin | points.Slot | points.Weld | points.Rod | points.Rope | points.Actuator
+    | wheels.Gear | wheels.Rack | wheels.Roll,
+    Field(discriminator="type"),
+]
 Drive = Annotated[
-    ForceDrive | TorqueDrive | PullDrive | RadiusDrive | StiffnessDrive | MotorDrive | BrakeDrive
-    | ServoDrive | PushDrive | ExtendDrive | LengthDrive | FlowDrive | PressureDrive | OpeningDrive
-    | SurfaceDrive | HoldDrive,
+    element_drives.ForceDrive | joint_drives.TorqueDrive | element_drives.PullDrive
+    | element_drives.RadiusDrive | element_drives.StiffnessDrive | joint_drives.MotorDrive
+    | joint_drives.BrakeDrive | joint_drives.ServoDrive | joint_drives.PushDrive
+    | joint_drives.ExtendDrive | joint_drives.LengthDrive | fluids.FlowDrive
+    | fluids.PressureDrive | fluids.OpeningDrive | element_drives.SurfaceDrive
+    | element_drives.HoldDrive,
     Field(discriminator="type"),
 ]
 Controller = Annotated[
-    PidController | ScheduleController | FeedbackController | SwitchController | RelayController
-    | StateFeedbackController | EquilibriumController,
+    pid.PidController | simple.ScheduleController | simple.FeedbackController
+    | simple.SwitchController | relay.RelayController | state_feedback.StateFeedbackController
+    | equilibrium.EquilibriumController,
     Field(discriminator="type"),
 ]
 
@@ -59,8 +44,8 @@ def members(union: Any) -> tuple[type[Spec], ...]:
 
 _LISTS: Mapping[str, tuple[type[Any], ...]] = {
     "joints": members(Joint), "springs": members(Spring), "tendons": (Tendon,),
-    "lines": (Line,), "valves": (Valve,), "loads": members(Load), "drives": members(Drive),
-    "controllers": members(Controller)}
+    "lines": (fluids.Line,), "valves": (fluids.Valve,), "loads": members(Load),
+    "drives": members(Drive), "controllers": members(Controller)}
 KINDS: Mapping[str, Mapping[str, type[Element]]] = {
     name: {tag_of(kind): kind for kind in kinds} for name, kinds in _LISTS.items()}
 """By list, then by ``type``; the ``type`` is empty in lists of one kind."""

@@ -52,7 +52,8 @@ class SpringSpec(Element):
     @property
     def law(self) -> str | None:
         """Its law, an expression; None with a stiffness."""
-        raise NotImplementedError
+        text: str | None = getattr(self, self.LOCAL[0])
+        return text
 
     def quantities(self, mechanism: Mechanism) -> dict[str, str]:
         """The quantities that it records, with their units."""
@@ -79,8 +80,7 @@ def _read_law(cls: type[SpringSpec], text: str | None, info: ValidationInfo) -> 
 class LinearSpring(SpringSpec):
     """A straight spring and damper from a point of ``a`` to a point of ``b``; pulls and pushes."""
 
-    facts: ClassVar[SpringKind] = SpringKind(
-        "N/m", "stiffness", ("length", "force", "work"), straight=True)
+    facts = SpringKind("N/m", "stiffness", ("length", "force", "work"), straight=True)
 
     LOCAL = ("force",)
     OWN = ("stretch", "rate")
@@ -121,11 +121,6 @@ class LinearSpring(SpringSpec):
 
     _law = field_validator("force")(_read_law)
 
-    @property
-    def law(self) -> str | None:
-        """Its law, an expression; None with a stiffness."""
-        return self.force
-
     def columns(self, scope: Scope) -> dict[str, Any]:
         """Its columns of :class:`sandbox.model.model.Springs`, besides those of all."""
         p, q = scope.world(self.a, self.on_a), scope.world(self.b, self.on_b)
@@ -143,8 +138,7 @@ class LinearSpring(SpringSpec):
 class RotarySpring(SpringSpec):
     """A torsion spring and damper on a hinge, in the hinge's positive sense."""
 
-    facts: ClassVar[SpringKind] = SpringKind(
-        "N m/rad", "rotary stiffness", ("angle", "torque", "work"), straight=False)
+    facts = SpringKind("N m/rad", "rotary stiffness", ("angle", "torque", "work"), straight=False)
 
     LOCAL = ("torque",)
     OWN = ("twist", "rate")
@@ -175,11 +169,6 @@ class RotarySpring(SpringSpec):
     is not released."""
 
     _law = field_validator("torque")(_read_law)
-
-    @property
-    def law(self) -> str | None:
-        """Its law, an expression; None with a stiffness."""
-        return self.torque
 
     def columns(self, scope: Scope) -> dict[str, Any]:
         """Its columns of :class:`sandbox.model.model.Springs`, besides those of all."""

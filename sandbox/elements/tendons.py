@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from sandbox.scene.mechanism import Mechanism
 
 RIGID = 1e5
-"""Stiffness [N/m] that stands for a cord without stretch: 0.04 mm under the pull of a finger."""
+"""Stiffness [N/m] from which a tendon counts as inextensible: 0.04 mm under a finger's pull."""
 
 QUANTITIES: Mapping[str, Quantity] = {
     "length": recorded("tendon_length", "m",
@@ -171,7 +171,7 @@ class Tendon(Element):
         """Forces on its guides, set before each step.
 
         Between two points a SlideJoint would do. But it has no force as long as it is a little too
-        short, so that in a tree of rockers it lets go and catches from step to step.
+        short, so that in a tree of rockers it alternates from step to step.
         """
         path = draft.model.tendons.guides(index)
         law = {"stiffness": self.stiffness, "damping": self.damping, "rest": self.rest_length,

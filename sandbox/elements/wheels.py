@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -35,31 +35,15 @@ class WheelJoint(JointSpec):
             yield no_mesh(self.name, f"{path}.released")
 
 
-class Gear(WheelJoint):
-    """Two gears that mesh, with involute teeth, outside or one inside the other.
+class CircleJoint(WheelJoint):
+    """A joint of two circles."""
 
-    What holds their centres is up to other joints: pins on the ground or on a carrier. Teeth mesh
-    as they stand at t = 0. They push along the line of action, which makes the pressure angle with
-    the common tangent of the pitch circles; so beside the tangential force there is a radial one,
-    which the bearings carry.
-    """
-
-    facts: ClassVar[JointKind] = JointKind("gear", MESH, loose=("gap",), mujoco=TEETH)
-
-    type: Literal["gear"] = TYPE
     radius_a: Length
-    """Pitch radius of ``a``, whose centre is ``on_a``."""
+    """Radius of the circle of ``a``, of a gear its pitch radius; ``on_a`` is the centre."""
     radius_b: Length
-    """Pitch radius of ``b``, whose centre is ``on_b``."""
+    """Radius of the circle of ``b``, of a gear its pitch radius; ``on_b`` is the centre."""
     inside: Flag = False
-    """True: the smaller gear runs inside the larger one, a ring gear."""
-    pressure_angle: PressureAngle = math.radians(20.0)
-    """Between the line of action and the common tangent of the pitch circles, up to 45 deg."""
-    backlash: Distance = 0.0
-    """Backlash along the pitch circles; the teeth are centred at t = 0."""
-    stiffness: Stiffness = Field(default=1e9, gt=0)
-    """Stiffness along the line of action, without backlash [N/m]: planet gears share a load by it.
-    Steel teeth have about 1.4e10 N/m per metre of width."""
+    """True: the smaller circle is inside the larger one, as in a ring gear."""
     on_a: Point = (0.0, 0.0)
     """Centre of the first wheel in the frame of ``a`` [m]."""
     on_b: Point = (0.0, 0.0)
@@ -68,14 +52,40 @@ class Gear(WheelJoint):
     @model_validator(mode="after")
     def _different(self) -> Self:
         if self.inside and self.radius_a == self.radius_b:
-            raise WrongValueError("out-of-range", "the radii of gear and ring must differ")
+            raise WrongValueError("out-of-range", "with 'inside' the two radii must differ")
         return self
 
-    def columns(self, at: Anchors) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
-        return {"radii": (self.radius_a, self.radius_b), "inside": self.inside,
-                "pressure": self.pressure_angle, "play": self.backlash,
-                "stiffness": self.stiffness}
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Of the wheels of ``a`` and ``b`` [m]."""
+        return self.radius_a, self.radius_b
+
+
+class ToothedJoint(WheelJoint):
+    """A joint of teeth."""
+
+    pressure_angle: PressureAngle = math.radians(20.0)
+    """Between the line of action and the common tangent of the pitch circles, or the pitch line of
+    a rack, up to 45 deg."""
+    backlash: Distance = 0.0
+    """Backlash along the pitch circles or the pitch line; the teeth are centred at t = 0."""
+    stiffness: Stiffness = Field(default=1e9, gt=0)
+    """Stiffness along the line of action, without backlash [N/m]: planet gears share a load by it.
+    Steel teeth have about 1.4e10 N/m per metre of width."""
+
+
+class Gear(CircleJoint, ToothedJoint):
+    """Two gears that mesh, with involute teeth, outside or one inside the other.
+
+    What holds their centres is up to other joints: pins on the ground or on a carrier. Teeth mesh
+    as they stand at t = 0. They push along the line of action, which makes the pressure angle with
+    the common tangent of the pitch circles; so beside the tangential force there is a radial one,
+    which the bearings carry.
+    """
+
+    facts = JointKind("gear", MESH, more={"backlash": ("gap",)}, mujoco=TEETH)
+
+    type: Literal["gear"] = TYPE
 
     def without_pymunk(self, mechanism: Mechanism) -> str:
         """Why pymunk has no counterpart; empty where it has one."""
@@ -93,36 +103,33 @@ class Gear(WheelJoint):
         draft.joint(index, "GearJoint", b * ratio - a, ratio)
 
 
-class Rack(WheelJoint):
+class Rack(ToothedJoint):
     """A gear ``a`` and a straight rack ``b`` that mesh, as gears do.
 
     The pitch line has no ends: a rack that is drawn shorter goes on meshing beyond what is drawn.
     """
 
     PYMUNK = "a rack: its joints couple no rotation with a displacement"
-    facts: ClassVar[JointKind] = JointKind("rack", MESH, loose=("gap",), mujoco=TEETH)
+    facts = JointKind("rack", MESH, more={"backlash": ("gap",)}, mujoco=TEETH)
 
     type: Literal["rack"] = TYPE
     radius: Length
     """Pitch radius of ``a``, whose centre is ``on_a``."""
     along: Direction = (1.0, 0.0)
     """Direction of the rack's pitch line in the frame of ``b``; any length."""
-    pressure_angle: PressureAngle = math.radians(20.0)
-    """Between the line of action and the pitch line, up to 45 deg."""
-    backlash: Distance = 0.0
-    """Backlash along the pitch line; the teeth are centred at t = 0."""
-    stiffness: Stiffness = Field(default=1e9, gt=0)
-    """Stiffness along the line of action, without backlash [N/m]."""
     on_a: Point = (0.0, 0.0)
     """Centre of the gear in the frame of ``a`` [m]."""
     on_b: Point = (0.0, 0.0)
     """A point of the pitch line in the frame of ``b`` [m]."""
 
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Of the gear [m]; the rack has none."""
+        return self.radius, math.nan
+
     def columns(self, at: Anchors) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
-        return {"radii": (self.radius, math.nan), "pressure": self.pressure_angle,
-                "play": self.backlash, "stiffness": self.stiffness,
-                "along": self._pitch_line(at)}
+        """Its columns of :class:`sandbox.model.model.Joints` that are no attributes of it."""
+        return {"along": self._pitch_line(at)}
 
     def _pitch_line(self, at: Anchors) -> Vec:
         """The rack's direction in its frame, of length 1, with the gear to its left."""
@@ -140,34 +147,13 @@ class Rack(WheelJoint):
         return {"along": mover.direction(self.b, self.along)}
 
 
-class Roll(WheelJoint):
+class Roll(CircleJoint):
     """Two circles that roll on one another without slip and stay in touch (a Hillberry joint).
 
     Crossed bands hold such a joint together; here it can be pulled as well as pressed.
     """
 
     PYMUNK = "rolling circles as a joint"
-    facts: ClassVar[JointKind] = JointKind(
-        "roll", MESH, mujoco="rolling circles as a joint")
+    facts = JointKind("roll", MESH, mujoco="rolling circles as a joint")
 
     type: Literal["roll"] = TYPE
-    radius_a: Length
-    """Radius of the circle of ``a``, whose centre is ``on_a``."""
-    radius_b: Length
-    """Radius of the circle of ``b``, whose centre is ``on_b``."""
-    inside: Flag = False
-    """True: the smaller circle rolls inside the larger one."""
-    on_a: Point = (0.0, 0.0)
-    """Centre of the first wheel in the frame of ``a`` [m]."""
-    on_b: Point = (0.0, 0.0)
-    """Centre of the second wheel in the frame of ``b`` [m]."""
-
-    @model_validator(mode="after")
-    def _different(self) -> Self:
-        if self.inside and self.radius_a == self.radius_b:
-            raise WrongValueError("out-of-range", "the radii of both circles must differ")
-        return self
-
-    def columns(self, at: Anchors) -> dict[str, Any]:
-        """Its columns of :class:`sandbox.model.model.Joints`, besides those of every joint."""
-        return {"radii": (self.radius_a, self.radius_b), "inside": self.inside}

@@ -17,11 +17,17 @@ from sandbox.elements.joint import Keeps
 from sandbox.engine import records
 from sandbox.engine.stiffness import line_responses, responses, stiff_servos, too_stiff
 from sandbox.engine.world import span_table
-from sandbox.model.joints import flank_of, place_in_slot, slip_of, slot_length
+from sandbox.model.joints import (
+    flank_of,
+    place_in_slot,
+    sliding,
+    slip_of,
+    slot_length,
+    turning,
+)
 from sandbox.model.laws import MOVED
 from sandbox.model.model import Model
 from sandbox.model.programs import Program, curve_tables, stack_for, step_table
-from sandbox.model.starts import sliding, turning
 from sandbox.numeric import Array, Integers, Records
 from sandbox.scene.geometry import to_world
 

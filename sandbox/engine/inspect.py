@@ -22,7 +22,7 @@ import numpy as np
 from sandbox.elements.arrays import CONTACT as CONTACT_ROW
 from sandbox.elements.arrays import MEAN, MEAN_CONTACT, PER_SAMPLE, row_bytes
 from sandbox.elements.controllers.controller import every
-from sandbox.engine.inputs import Clock, make_clock
+from sandbox.engine.inputs import make_clock
 from sandbox.engine.inspect_control import beyond_stops, control_problems
 from sandbox.engine.inspect_elements import (
     grasp_problems,
@@ -31,10 +31,15 @@ from sandbox.engine.inspect_elements import (
     load_problems,
     mass_problems,
     tendon_problems,
+    unmoved,
 )
 from sandbox.engine.inspect_hands import hand_problems
-from sandbox.engine.inspect_joints import joint_problems, shared_problems, wheel_problems
-from sandbox.engine.inspect_overlaps import overlaps
+from sandbox.engine.inspect_joints import (
+    joint_problems,
+    overlaps,
+    shared_problems,
+    wheel_problems,
+)
 from sandbox.engine.inspect_springs import against_step, ringing_problems, without_arm
 from sandbox.engine.inspect_words import NEGLIGIBLE, deg, look, mm
 from sandbox.engine.islands import MANY
@@ -74,49 +79,30 @@ def look_over(mechanism: Mechanism) -> Inspection:
     """The problems of :func:`inspect`, and the cost of a run."""
     model = compile_mechanism(mechanism)
     allowed = allowed_pairs(model)
-    solids, cords = overlaps(model, allowed), list(tendon_problems(model))
+    (solids, near), cords = overlaps(model, allowed), list(tendon_problems(model))
     astray = {problem.path for problem in cords if problem.blocks}  # no check of their vibration
     problems = [
         *nothing_to_run(mechanism), *joint_problems(model), *wheel_problems(model),
         *shared_problems(model),
-        *solids.problems, *mass_problems(model, allowed), *cords,
+        *solids, *mass_problems(model, allowed), *cords,
         *hand_problems(model, allowed),
         *line_problems(model), *load_problems(model),
         *against_step(model),
         *(problem for problem in ringing_problems(model) if problem.path not in astray),
-        *without_arm(model), *_drives(model),
-        *_paths(mechanism), *_cams(mechanism), *check_quantities(mechanism),
+        *without_arm(model), *unmoved(model), *_of_scene(mechanism), *check_quantities(mechanism),
         *check_shown(mechanism), *control_problems(mechanism),
         *beyond_stops(model), *idle_problems(model), *grasp_problems(model, allowed),
-        *_sampling(mechanism),
-        *_retired(mechanism), *_window(mechanism),
+        *_of_run(mechanism),
     ]
     return Inspection(sorted(problems, key=lambda problem: problem.severity != "error"),
-                      estimate(model, allowed, near=solids.near))
+                      estimate(model, allowed, near=near))
 
 
-# --- drives, quantities, sampling, picture
-
-
-def _drives(model: Model) -> Iterator[Problem]:
-    """Forces, torques and pulls on bodies that cannot move freely."""
-    for i, kind in enumerate(model.drives.kind):
-        if kind.gives not in ("force", "torque", "tension") or kind.limited:
-            continue
-        moved = model.moved_by(i)
-        if not model.bodies.free[moved].any():
-            yield look("no-effect", f"$.drives[{i}]", model.drives.name[i],
-                       f"acts on {model.bodies.name[moved[0]]!r}, which cannot move freely",
-                       "it changes nothing")
-
-
-def _paths(mechanism: Mechanism) -> Iterator[Problem]:
-    """Scheduled bodies whose pose at t = 0 differs from their path."""
+def _of_scene(mechanism: Mechanism) -> Iterator[Problem]:
+    """Scheduled bodies whose path begins elsewhere, cams whose lift leaves its table."""
     for i, body in enumerate(mechanism.bodies):
-        if body.path is None:
-            continue
         for axis, start, show in (("x", body.at[0], mm), ("y", body.at[1], mm),
-                                  ("angle", body.angle, deg)):
+                                  ("angle", body.angle, deg)) if body.path else ():
             signal = getattr(body.path, axis)
             if signal is None:
                 continue
@@ -126,59 +112,45 @@ def _paths(mechanism: Mechanism) -> Iterator[Problem]:
                            f"begins at {axis} = {show(start)}, its path at {show(first)}: it jumps "
                            "there in the first step", "set 'at' and 'angle' to the start of the "
                            "path")
-
-
-def _sampling(mechanism: Mechanism) -> Iterator[Problem]:
-    run = mechanism.run
-    clock = make_clock(run.duration, run.step, run.sample_rate)
-    actual = 1 / (clock.every * run.step)
-    if abs(actual - run.sample_rate) > 1e-6 * run.sample_rate:
-        yield look("bad-rate", "$.run", "run", f"the step {run.step:g} s does not divide the "
-                   f"sampling interval {1 / run.sample_rate:g} s", "the sample rate is "
-                                                                   f"{actual:.6g} Hz instead of "
-                                                                   f"{run.sample_rate:g} Hz")
-    if run.duration < run.step:
-        yield look("bad-rate", "$.run", "run", f"the duration {run.duration:g} s is shorter than a "
-                   "step", "one step is made")
-
-
-def _cams(mechanism: Mechanism) -> Iterator[Problem]:
-    """Cams whose lift leaves the range of its table between two entries."""
     for i, body in enumerate(mechanism.bodies):
         for k, shape in enumerate(body.shapes):
             if isinstance(shape, Polygon) and shape.swing is not None:
                 lift, beyond, turn = shape.swing
-                yield look(
-                    "bad-table", f"$.bodies[{i}].shapes[{k}]", body.name,
-                    f"the lift of its cam swings to {mm(lift)} at a turn of {deg(turn)}, "
-                    f"{mm(beyond)} beyond its entries",
-                    "give more entries there, in a dwell one every 10 deg")
+                yield look("bad-table", f"$.bodies[{i}].shapes[{k}]", body.name,
+                           f"the lift of its cam swings to {mm(lift)} at a turn of {deg(turn)}, "
+                           f"{mm(beyond)} beyond its entries",
+                           "give more entries there, in a dwell one every 10 deg")
 
 
-def _retired(mechanism: Mechanism) -> Iterator[Problem]:
-    if given := mechanism.run.ignored:
+def _of_run(mechanism: Mechanism) -> Iterator[Problem]:
+    """Steps that do not divide the sampling interval, retired keys, a view without a body."""
+    run, view = mechanism.run, mechanism.view
+    actual = 1 / (make_clock(run.duration, run.step, run.sample_rate).every * run.step)
+    if abs(actual - run.sample_rate) > 1e-6 * run.sample_rate:
+        yield look("bad-rate", "$.run", "run", f"the step {run.step:g} s does not divide the "
+                   f"sampling interval {1 / run.sample_rate:g} s",
+                   f"the sample rate is {actual:.6g} Hz instead of {run.sample_rate:g} Hz")
+    if run.duration < run.step:
+        yield look("bad-rate", "$.run", "run", f"the duration {run.duration:g} s is shorter than a "
+                   "step", "one step is made")
+    if given := run.ignored:
         do, them = ("do", "them") if len(given) > 1 else ("does", "it")
         yield look("no-effect", "$.run", "run", f"{' and '.join(map(quoted, given))} {do} nothing "
                    "now: each step is solved to rounding, and no overlap is left alone",
                    f"leave {them} out")
-
-
-def _window(mechanism: Mechanism) -> Iterator[Problem]:
-    view = mechanism.view
-    if view.start >= mechanism.run.duration:
+    if view.start >= run.duration:
         yield look("bad-view",
                    "$.view", "view", f"starts at {view.start:g} s, after the end of the run")
     if view.centre is None or view.width is None or not mechanism.bodies:
         return
-    half = (view.width / 2, view.width / 2 * view.size[1] / view.size[0])
+    half = np.array([view.width / 2, view.width / 2 * view.size[1] / view.size[0]])
     for body in mechanism.bodies:
         points = [to_world(pose_of(body), p) for shape in body.shapes for p in outline(shape)]
-        low = [min(p[k] for p in points or [body.at]) - view.centre[k] for k in (0, 1)]
-        high = [max(p[k] for p in points or [body.at]) - view.centre[k] for k in (0, 1)]
-        if all(low[k] <= half[k] and high[k] >= -half[k] for k in (0, 1)):
+        off = np.array(points or [body.at]) - view.centre
+        if ((off.min(axis=0) <= half) & (off.max(axis=0) >= -half)).all():
             return
     yield look("bad-view", "$.view", "view", "no body lies in the window at t = 0",
-                   "leave 'centre' or 'width' out to have it fitted")
+               "leave 'centre' or 'width' out to have it fitted")
 
 
 STEP = 3e-6
@@ -239,30 +211,26 @@ def estimate(model: Model, allowed: Flags, *, near: int) -> Estimate:
         allowed: pairs of bodies that may touch, [nb, nb].
         near: pairs of bodies that may touch and are together at t = 0.
     """
-    run = model.mechanism.run
+    mechanism, run = model.mechanism, model.mechanism.run
     clock = make_clock(run.duration, run.step, run.sample_rate)
-    shaped = np.array([bool(body.shapes) for body in model.mechanism.bodies], dtype=bool)
+    shaped = np.array([bool(body.shapes) for body in mechanism.bodies], dtype=bool)
     may = allowed & shaped & shaped[:, None]
     touching = int(np.count_nonzero(may.any(axis=1) & model.bodies.free))
     contacts = min(max(touching, near), int(np.count_nonzero(may)) // 2)
     sample, contact = list(PER_SAMPLE), list(CONTACT_ROW)
     if clock.every > 1:
         sample, contact = [*sample, *MEAN], [*contact, *MEAN_CONTACT]
-    size = clock.samples * (row_bytes(model.mechanism, sample)
-                            + contacts * row_bytes(model.mechanism, contact))
-    seconds = (clock.steps * _step(model, contacts) + ACT * _acts(model, clock)
-               + NUMBER * size / 8)
-    return Estimate(clock.steps, clock.samples, contacts, seconds, size)
-
-
-def _step(model: Model, contacts: int) -> float:
-    """Seconds of a step."""
-    rows = sum(ROWS[kind.keeps] for kind in model.joints.kind)
-    return (STEP + BODY * len(model.bodies.name) + ROW * rows
+    size = clock.samples * (row_bytes(mechanism, sample) + contacts * row_bytes(mechanism, contact))
+    rates = [law.rate for law in mechanism.controllers]
+    rates += [event.rate for event in mechanism.events if event.when is not None]
+    step = (STEP + BODY * len(shaped) + ROW * sum(ROWS[kind.keeps] for kind in model.joints.kind)
             + GUIDE * (len(model.tendons.guide_body) + len(model.lines.gain))
-            + SPRING * (len(model.springs.name) + len(model.lines.name) + len(model.valves.name)
-                        + len(model.loads.name))
+            + SPRING * sum(map(len, (model.springs.name, model.lines.name, model.valves.name,
+                                     model.loads.name)))
             + DRIVE * len(model.drives.name) + CONTACT * contacts + _coupled(model, contacts))
+    seconds = (clock.steps * step + ACT * sum(clock.steps / every(rate, clock.step)
+                                              for rate in rates) + NUMBER * size / 8)
+    return Estimate(clock.steps, clock.samples, contacts, seconds, size)
 
 
 def _coupled(model: Model, contacts: int) -> float:
@@ -274,13 +242,6 @@ def _coupled(model: Model, contacts: int) -> float:
     if 2 * min(contacts, loose) > MANY:
         return float(PILED * loose**POWER)
     return CONTACTS * contacts**2
-
-
-def _acts(model: Model, clock: Clock) -> float:
-    """Number of evaluations of controllers and conditions."""
-    rates = [law.rate for law in model.mechanism.controllers]
-    rates += [event.rate for event in model.mechanism.events if event.when is not None]
-    return sum(clock.steps / every(rate, clock.step) for rate in rates)
 
 
 def _time(seconds: float) -> str:

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from sandbox.elements.controllers.custom import Custom
 from sandbox.elements.quantities import LIVE, is_live
+from sandbox.engine.inspect_words import look
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue
-from sandbox.model.meters import names_read, no_pair, order, quotients
+from sandbox.model.meters import misread, names_read, order, rings
 from sandbox.model.model import Model
 from sandbox.scene.check.control import rate_problems
 from sandbox.scene.check.ranges import nothing_to_run
@@ -22,8 +23,8 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import read_scene
 from sandbox.scene.read.sound import sound
 from sandbox.values.expressions import dotted, names_in, parse_expression
-from sandbox.values.signals import AnySignal, Constant, Ramp, Table
-from sandbox.wording import MOST_HINTED, MOST_NAMED, NearMisses, listed, quoted
+from sandbox.values.signals import Constant, Ramp, Table
+from sandbox.wording import MOST_NAMED, NearMisses, listed, quoted
 
 
 def control_problems(mechanism: Mechanism) -> list[Problem]:
@@ -113,10 +114,6 @@ def _custom_problems(mechanism: Mechanism, customs: Sequence[Custom]) -> Iterato
 class LiveCatalogue(Catalogue):
     """All quantities, and what readings come from."""
 
-    def __init__(self, mechanism: Mechanism) -> None:
-        super().__init__(mechanism)
-        self.hinted = 0
-
     def late(self, names: Iterable[str]) -> list[str]:
         """Those of the names that a run cannot give while it goes on; of meters what they read.
 
@@ -142,11 +139,6 @@ class LiveCatalogue(Catalogue):
                 names_read(self.mechanism.meters[index]) - {"t"})[:MOST_NAMED])
         return found
 
-    def hint(self, name: str) -> str:
-        """A near miss, for the first unknown names."""
-        self.hinted += 1
-        return self.near(name) if self.hinted <= MOST_HINTED else ""
-
 
 def _names(text: str, known: Catalogue) -> list[str]:
     """The quantities that a reading is made of; a bare pair name is one."""
@@ -164,126 +156,69 @@ def unreadable(text: str, known: LiveCatalogue, path: str) -> Iterator[Problem]:
     if not text.startswith("=") and "/" not in text and dotted(parse_expression(text).tree) is None:
         yield Problem("bad-quantity",
                       f"{quoted(text)} is an expression", path, allowed=quoted(f"={text}"))
-    pairs = [] if text in known else [pair for pair in quotients(text) if pair in known]
-    yield from (no_pair(pair, path, f"{quoted(pair)} without '=' and all else is read as the pair")
-                for pair in pairs)
-    halves = {half for pair in pairs for half in pair.split("/")}
-    names = [name for name in _names(text, known) if name not in halves]
-    for name in names:
-        if lacking := known.lacking(name) if name not in known else "":
-            yield Problem("unknown-quantity", f"unknown quantity {quoted(name)}: {lacking}", path)
-        elif name not in known:
-            hint = known.hint(name)
-            yield Problem("unknown-quantity", f"unknown quantity {quoted(name)}", path,
-                          allowed=_offered(name, known), hint=quoted(hint) if hint else "")
+    names = _names(text, known)
+    if text not in known:
+        yield from misread(known, text, names, path, live=True,
+                           itself="{} without '=' and all else is read as the pair")
     for name in known.late(names):
         kind = known.find(name).kind
         yield Problem("quantity-not-live", f"{quoted(name)} is computed after the run and cannot "
                       "be read during it", path, allowed=f"of a {kind}: {listed(LIVE[kind])}")
 
 
-def _offered(name: str, known: Catalogue) -> str:
-    """What can be read of the element that an unknown quantity names, if there is one."""
-    element = next((known.elements[head] for head in (name, name.rpartition(".")[0])
-                    if head in known.elements), None)
-    if element is None:
-        return ""
-    return f"of this {element.kind}: " + listed(
-        key for key in element.quantities if is_live(element.kind, key))
-
-
 def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
     """Laws without memory that read, directly or through each other, what they write.
 
-    One circle for all laws that hang together so.
+    One circle for all laws that depend on each other so.
     """
-    texts = {i: c.immediate for i, c in enumerate(mechanism.controllers) if c.immediate}
-    laws = {mechanism.controllers[i].name: i for i in texts}
-    writer = {f"{name}.value": c.name for c in mechanism.controllers if c.immediate
-              for name in c.written}
+    controllers = mechanism.controllers
+    laws = [("law", i) for i, law in enumerate(controllers) if law.immediate]
+    writer = {f"{name}.value": law for law in laws for name in controllers[law[1]].written}
 
-    def nexts(node: _Node) -> list[_Node]:
+    def nexts(node: tuple[str, int]) -> Iterator[tuple[str, int]]:
         """What a law or a meter reads: the laws that write it, and meters."""
         kind, index = node
-        text = texts[index] if kind == "law" else mechanism.meters[index].value
-        found: list[_Node] = []
+        text = controllers[index].immediate if kind == "law" else mechanism.meters[index].value
         for name in _names(text, known):
             if name in writer:
-                found.append(("law", laws[writer[name]]))
+                yield writer[name]
             elif (source := known.find(name)).kind == "meter":
-                found.append(("meter", source.index))
-        return found
+                yield "meter", source.index
 
-    for ring in _rings([("law", i) for i in laws.values()], nexts):
+    for ring in rings(laws, nexts):
         members = [index for kind, index in ring if kind == "law"]
         if not members:
-            continue  # meters alone: told already
+            continue  # meters alone are reported elsewhere
         members = members[(at := members.index(min(members))):] + members[:at]
-        path = " → ".join(quoted(mechanism.controllers[i].name) for i in [*members, members[0]])
+        path = " → ".join(quoted(controllers[i].name) for i in [*members, members[0]])
         yield Problem("algebraic-loop", f"an algebraic loop: {path}; each reads the value that the "
                       "next one writes", f"$.controllers[{members[0]}].value",
                       allowed="a law with memory in the loop, such as a pid")
-
-
-_Node = tuple[str, int]
-
-
-def _rings(starts: list[_Node], nexts: Callable[[_Node], list[_Node]]) -> Iterator[list[_Node]]:
-    """Chains that lead back into themselves; every node is gone through once."""
-    done: set[_Node] = set()
-    for start in starts:
-        chain: dict[_Node, Iterator[_Node]] = {} if start in done else {start: iter(nexts(start))}
-        while chain:
-            node = next(reversed(chain))
-            following = next(chain[node], None)
-            if following is None:
-                done.add(node)
-                del chain[node]
-            elif following in chain:
-                nodes = list(chain)
-                ring = nodes[nodes.index(following):]
-                yield ring
-                done.update(ring)
-                for member in ring:
-                    del chain[member]
-            elif following not in done:
-                chain[following] = iter(nexts(following))
 
 
 def beyond_stops(model: Model) -> Iterator[Problem]:
     """Events that wait for a hinge to pass its stop, controllers that lead one there: warnings."""
     joints, mechanism = model.joints, model.mechanism
     stops = {f"{joints.name[i]}.angle": joints.stops[i].tolist() for i in joints.stopped}
+    free = (-math.inf, math.inf)
     for i, event in enumerate(mechanism.events):
         for name, sign, value in _bounds(event.when or ""):
-            low, high = stops.get(name, (-math.inf, math.inf))
+            low, high = stops.get(name, free)
             if (sign > 0 and value >= high) or (sign < 0 and value <= low):
-                yield Problem("outside-limits", f"waits for {name} {'>' if sign > 0 else '<'} "
-                              f"{value:.4g} rad, but its stops are at {low:.4g} and {high:.4g} rad",
-                              f"$.events[{i}].when", element=event.name, advice="it will probably "
-                              "never happen", severity="warning")
+                yield look("outside-limits", f"$.events[{i}].when", event.name,
+                           f"waits for {name} {'>' if sign > 0 else '<'} {value:.4g} rad, but its "
+                           f"stops are at {low:.4g} and {high:.4g} rad",
+                           "it will probably never happen")
     for i, controller in enumerate(mechanism.controllers):
         for name, target in zip(controller.readings, controller.signals, strict=False):
-            low, high = stops.get(name, (-math.inf, math.inf))
-            goal = _last(target)
-            if goal is not None and not low <= goal <= high:
-                yield Problem("outside-limits", f"leads {name} to {goal:.4g} rad, but its stops "
-                              f"are at {low:.4g} and {high:.4g} rad", f"$.controllers[{i}]",
-                              element=controller.name, advice="it cannot reach this",
-                              severity="warning")
-
-
-def _last(target: AnySignal) -> float | None:
-    """What a target stays at in the end; None if its formula would have to be followed."""
-    match target:
-        case Constant():
-            return target.constant
-        case Ramp():
-            return target.to
-        case Table():
-            return target.table[-1][1]
-        case _:
-            return None
+            low, high = stops.get(name, free)
+            goal = (target.constant if isinstance(target, Constant) else
+                    target.to if isinstance(target, Ramp) else
+                    target.table[-1][1] if isinstance(target, Table) else math.nan)
+            if goal < low or goal > high:
+                yield look("outside-limits", f"$.controllers[{i}]", controller.name,
+                           f"leads {name} to {goal:.4g} rad, but its stops are at {low:.4g} and "
+                           f"{high:.4g} rad", "it cannot reach this")
 
 
 def _bounds(text: str) -> Iterator[tuple[str, int, float]]:

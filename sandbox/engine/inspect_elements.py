@@ -11,7 +11,7 @@ import numpy as np
 
 from sandbox.elements.quantities import GRASP
 from sandbox.elements.tendons import RIGID, Tendon
-from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, deg, error, groups, linked, look, mm
+from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, deg, error, groups, look, mm
 from sandbox.errors import Problem
 from sandbox.model.catalogue import grasp_of
 from sandbox.model.loads import motion_of
@@ -21,10 +21,9 @@ from sandbox.model.tendons import lifted_at_start, passes_by
 from sandbox.numeric import Array, Flags
 from sandbox.samples.cords import lengths_at_start, rest_lengths, wraps_at_start
 from sandbox.samples.grasps import OF_HANDS, of_hand
-from sandbox.scene.geometry import Vec, outline, pose_of, to_world
-from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.geometry import Vec, outline
 from sandbox.values.signals import values
-from sandbox.wording import is_pattern, listed, quoted
+from sandbox.wording import listed, quoted
 
 MOST_STRETCH = 0.1
 """Elongation of an inextensible tendon at t = 0 that is accepted, relative to its length."""
@@ -32,25 +31,24 @@ MOST_STRETCH = 0.1
 
 def tendon_problems(model: Model) -> Iterator[Problem]:
     """Errors in the paths of tendons, and tendons without effect."""
-    bodies = model.mechanism.bodies
     lengths, rests = lengths_at_start(model).tolist(), rest_lengths(model).tolist()
     off = lifted_at_start(model)
     for i, tendon in enumerate(model.mechanism.tendons):
         path = f"$.tendons[{i}]"
         guided = model.tendons.guide_body[model.tendons.guides(i)]
-        points = [to_world(pose_of(bodies[body]), guide.at)
+        points = [model.at_start(body, guide.at)
                   for body, guide in zip(guided, tendon.path, strict=True)]
         astray = list(_without_way(tendon, path, points))
         yield from astray
         if not astray:  # otherwise it has no length
-            yield from _stretched(model, i, lengths[i], rests[i])
+            yield from _stretched(tendon, path, lengths[i], rests[i])
             yield from _off_wheels(model, i, off, points)
-        yield from _without_effect(model, i)
+        yield from _without_effect(tendon, path)
         if tendon.closed:
             yield from _loop_problems(model, i)
         if not model.bodies.free[guided].any():
             yield look("no-effect", path, tendon.name, "passes no body that can move freely",
-                           "it has no effect")
+                       "it has no effect")
 
 
 def _without_way(tendon: Tendon, path: str, points: list[Vec]) -> Iterator[Problem]:
@@ -66,23 +64,24 @@ def _without_way(tendon: Tendon, path: str, points: list[Vec]) -> Iterator[Probl
         if gap < STRAIGHT:
             yield error("coincident-points", path, tendon.name, f"its guides {k} and {after} "
                         "coincide", "move one of them: the tendon between them has no direction")
-        elif gap >= reach:
             continue
-        elif not small:
-            yield error("bad-tendon-path", path, tendon.name,
-                        f"its guide {inner} is inside the wheel of its guide {outer}, {mm(gap)} "
-                        f"from its centre and {mm(large - gap)} deep",
-                        f"move guide {inner} out by this depth, or make the wheel smaller")
+        if gap >= reach:
+            continue
+        if not small:
+            message = (f"its guide {inner} is inside the wheel of its guide {outer}, {mm(gap)} "
+                       f"from its centre and {mm(large - gap)} deep")
+            advice = f"move guide {inner} out by this depth, or make the wheel smaller"
         elif not crossed:
-            yield error("bad-tendon-path", path, tendon.name, f"the wheel of its guide {inner} "
-                        f"is inside that of its guide {outer}: they are {mm(gap)} apart, a tangent "
-                        f"needs {mm(reach)}", f"move one of them {mm(reach - gap)} "
-                        f"further out, or make guide {outer} smaller")
+            message = (f"the wheel of its guide {inner} is inside that of its guide {outer}: they "
+                       f"are {mm(gap)} apart, a tangent needs {mm(reach)}")
+            advice = (f"move one of them {mm(reach - gap)} further out, or make guide {outer} "
+                      "smaller")
         else:
-            yield error("bad-tendon-path", path, tendon.name, f"the wheels of its guides {k} and "
-                        f"{after} are {mm(gap)} apart, a crossed tangent needs {mm(reach)}",
-                        f"put them {mm(reach - gap)} further apart, make one smaller, or give both "
-                        "the same 'side'")
+            message = (f"the wheels of its guides {k} and {after} are {mm(gap)} apart, a crossed "
+                       f"tangent needs {mm(reach)}")
+            advice = (f"put them {mm(reach - gap)} further apart, make one smaller, or give both "
+                      "the same 'side'")
+        yield error("bad-tendon-path", path, tendon.name, message, advice)
 
 
 def _loop_problems(model: Model, i: int) -> Iterator[Problem]:
@@ -104,63 +103,59 @@ def _loop_problems(model: Model, i: int) -> Iterator[Problem]:
                        f"{other!r} as the side of its guides, or these in another order")
 
 
-def _without_effect(model: Model, i: int) -> Iterator[Problem]:
+def _without_effect(tendon: Tendon, path: str) -> Iterator[Problem]:
     """Friction and turns without effect, loops that turn no wheel."""
-    tendon = model.mechanism.tendons[i]
-    wheels = [guide for guide in tendon.guides if guide.radius]
-    if tendon.closed and wheels and not any(guide.friction for guide in tendon.guides):
-        yield look("no-effect", f"$.tendons[{i}].guides", tendon.name,
+    last, frictions = len(tendon.guides) - 1, [guide.friction for guide in tendon.guides]
+    if tendon.closed and any(guide.radius for guide in tendon.guides) and not any(frictions):
+        yield look("no-effect", f"{path}.guides", tendon.name,
                    "it turns no wheel: the loop slides over all its guides without friction",
                    "friction at the wheels that it should turn")
     for k, guide in enumerate(tendon.guides):
-        path = f"$.tendons[{i}].guides[{k}]"
-        tied = not tendon.closed and k in (0, len(tendon.guides) - 1)
+        tied, found = not tendon.closed and k in (0, last), list[tuple[str, str, str, str]]()
+        friction, turns = f"friction of {guide.friction:g} has", f"{guide.turns} turns have"
         if guide.friction and tied:
-            yield look("no-effect", f"{path}.friction", tendon.name, "its friction of "
-                       f"{guide.friction:g} has no effect: the tendon is fixed there",
-                       "friction where it slides, at a guide between its ends")
+            found.append(("friction", friction, "the tendon is fixed there",
+                          "friction where it slides, at a guide between its ends"))
         elif guide.friction and tendon.closed and not tendon.gripping:
-            yield look("no-effect", f"{path}.friction", tendon.name, "its friction of "
-                       f"{guide.friction:g} has no effect: no other guide holds the loop",
-                       "friction at another guide, too")
+            found.append(("friction", friction, "no other guide holds the loop",
+                          "friction at another guide, too"))
         if guide.begins and k not in tendon.lifting:
-            yield look("no-effect", f"{path}.begins", tendon.name, f"its {guide.begins!r} has "
-                       "no effect: the tendon can only leave a wheel between its ends that has no "
-                       "friction and no turns", f"no {guide.begins!r}")
+            found.append(("begins", f"{guide.begins!r} has", "the tendon can only leave a wheel "
+                          "between its ends that has no friction and no turns",
+                          f"no {guide.begins!r}"))
         if guide.turns and not guide.radius:
-            yield look("no-effect", f"{path}.turns", tendon.name, f"its {guide.turns} turns have "
-                       "no effect: it has no wheel", "a radius, or no turns")
+            found.append(("turns", turns, "it has no wheel", "a radius, or no turns"))
         elif guide.turns and tied:
-            yield look("no-effect", f"{path}.turns", tendon.name, f"its {guide.turns} turns have "
-                       "no effect: the tendon is fixed there", "no turns")
+            found.append(("turns", turns, "the tendon is fixed there", "no turns"))
+        for field, what, why, advice in found:
+            yield look("no-effect", f"{path}.guides[{k}].{field}", tendon.name,
+                       f"its {what} no effect: {why}", advice)
 
 
 def _off_wheels(model: Model, i: int, off: Flags, points: list[Vec]) -> Iterator[Problem]:
     """Wheels that a tendon passes without contact at t = 0, unless ``begins`` is ``"off"``."""
-    tendon, begin = model.mechanism.tendons[i], int(model.tendons.first[i])
+    tendon, first = model.mechanism.tendons[i], int(model.tendons.first[i])
     for k in tendon.lifting:
-        begins = tendon.guides[k].begins
-        if off[begin + k] != (begins == "off"):
-            other = "right" if tendon.guides[k].side == "left" else "left"
-            before = max(j for j in range(k) if not off[begin + j])
-            after = min(j for j in range(k + 1, len(points)) if not off[begin + j])
-            three = [before, k, after]
-            radii = model.tendons.guide_radius[begin + np.array(three)].tolist()
-            far = passes_by([points[j] for j in three], radii)
-            path = f"$.tendons[{i}].guides[{k}]"
-            if begins == "off":
-                yield error("bad-tendon-path", f"{path}.begins", tendon.name, "cannot begin off "
-                            f"its wheel: the straight line passes {mm(-far)} inside the wheel",
-                            f"the wheel this much further out, or the other side, {other!r}")
-                continue
+        begins, path = tendon.guides[k].begins, f"$.tendons[{i}].guides[{k}]"
+        if off[first + k] == (begins == "off"):
+            continue
+        other = "right" if tendon.guides[k].side == "left" else "left"
+        three = [max(j for j in range(k) if not off[first + j]), k,
+                 min(j for j in range(k + 1, len(points)) if not off[first + j])]
+        far = passes_by([points[j] for j in three],
+                        model.tendons.guide_radius[first + np.array(three)].tolist())
+        if begins == "off":
+            yield error("bad-tendon-path", f"{path}.begins", tendon.name, "cannot begin off "
+                        f"its wheel: the straight line passes {mm(-far)} inside the wheel",
+                        f"the wheel this much further out, or the other side, {other!r}")
+        else:
             yield look("bad-tendon-path", path, tendon.name, "begins off its wheel: it passes "
                        f"the wheel {mm(far)} away", "\"begins\": \"off\", if it is to meet "
                        f"the wheel later; side {other!r}, if the wheel is to bend it")
 
 
-def _stretched(model: Model, i: int, length: float, rest: float) -> Iterator[Problem]:
+def _stretched(tendon: Tendon, path: str, length: float, rest: float) -> Iterator[Problem]:
     """A tendon with too large an elongation at t = 0, from its rest length or pretension."""
-    tendon, path = model.mechanism.tendons[i], f"$.tendons[{i}]"
     if rest <= 0.0 and tendon.pretension is not None:
         yield error("tendon-length", path, tendon.name,
                     f"a pretension of {tendon.pretension:g} N is too large for a tendon of "
@@ -195,41 +190,31 @@ def line_problems(model: Model) -> Iterator[Problem]:
                        "its pressure grows without limit; give it a relief")
 
 
-PLACES = ("[0]", "[1]", "")
-
-
 def load_problems(model: Model) -> Iterator[Problem]:
     """Laws without a value at t = 0, which are errors; buoyancy without an area."""
-    given, loads = model.mechanism.loads, model.loads
-    for i in range(len(loads.name)):
-        load, body = given[loads.load[i]], model.mechanism.bodies[loads.body[i]]
-        path, law = f"$.loads[{loads.load[i]}]", loads.law[i]
+    loads = model.loads
+    for i, law in enumerate(loads.law):
+        n = int(loads.body[i])
+        load, body = model.mechanism.loads[loads.load[i]], model.mechanism.bodies[n]
+        path = f"$.loads[{loads.load[i]}]"
         if law is None:
             if not len(loads.outline(i)) and body.name in load.bodies:
                 yield look("no-effect", path, load.name, f"{body.name!r} has no area that a liquid "
                            "could lift", "give it a shape")
             continue
-        motion = motion_of(model, i, *_start(model, int(loads.body[i])), np.zeros((3, 1)),
-                           np.zeros(1))
-        for k, value in enumerate(law.at(motion)[:, 0]):
-            part = law.parts[k]
+        motion = motion_of(
+            model, i, np.array([[*model.at_start(n, model.bodies.centre[n]), body.angle]]).T,
+            np.array([[*body.velocity, body.angular_velocity]]).T, np.zeros((3, 1)), np.zeros(1))
+        force = "acceleration" if loads.per_mass[i] else "force"
+        for part, value, field in zip(law.parts, law.at(motion)[:, 0], (
+                f"{force}[0]", f"{force}[1]", "torque"), strict=True):
             if part is not None and not np.isfinite(value):
-                field = ("torque" if k == 2 else
-                         "acceleration" if loads.per_mass[i] else "force")
                 there = ", ".join(f"{name} = {float(motion[name][0]):.4g}"
                                   for name in sorted(part.names))
                 yield error(
-                    "undefined-law", f"{path}.{field}{PLACES[k]}", load.name,
+                    "undefined-law", f"{path}.{field}", load.name,
                     f"has no finite value on {body.name!r} at t = 0" + (there and f", {there}"),
                     "a division by zero, or out of range")
-
-
-def _start(model: Model, i: int) -> tuple[Array, Array]:
-    """Pose of a body's centre of mass, and its velocity, at t = 0, [3, 1]."""
-    body, centre = model.mechanism.bodies[i], model.bodies.centre[i]
-    x, y = to_world(pose_of(body), (float(centre[0]), float(centre[1])))
-    return (np.array([[x], [y], [body.angle]]),
-            np.array([[body.velocity[0]], [body.velocity[1]], [body.angular_velocity]]))
 
 
 UNLIKE = 1e6
@@ -252,7 +237,7 @@ def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
     lightest = np.where(share > SLENDER, bodies.mass / share, bodies.mass)
     if not len(free) or bodies.mass[free].max() <= UNLIKE * lightest[free].min():
         return
-    for group in groups(model, linked(model, contacts=allowed)):
+    for group in groups(model, contacts=allowed):
         light = int(group[lightest[group].argmin()])
         others = group[group != light]
         if not len(others):
@@ -291,25 +276,33 @@ def grasp_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
     """Grasp measures of bodies that no hand can touch; ``allowed`` pairs may touch, [nb, nb]."""
     mechanism = model.mechanism
     hand = np.array([bool(of_hand(body) and body.shapes) for body in mechanism.bodies], dtype=bool)
-    alone = {body.name for i, body in enumerate(mechanism.bodies)
-             if grasp_of(body) and not (allowed[i] & hand).any()}
-    for path, name in _quantities_read(mechanism) if alone else ():
+    alone = sorted(body.name for i, body in enumerate(mechanism.bodies)
+                   if grasp_of(body) and not (allowed[i] & hand).any())
+    read = [(f"$.expect[{i}].{expect.key}", expect.quantity)
+            for i, expect in enumerate(mechanism.expect)]
+    read += [(f"$.meters[{i}].value", name) for i, meter in enumerate(mechanism.meters)
+             for name in sorted(names_read(meter))]
+    for path, name in read if alone else ():
         body, _, quantity = name.rpartition(".")
-        for each in sorted(alone) if is_pattern(body) else [body] if body in alone else []:
-            if fnmatchcase(each, body) and any(fnmatchcase(one, quantity) for one in GRASP):
+        if any(fnmatchcase(one, quantity) for one in GRASP):
+            for each in itertools.islice((one for one in alone if fnmatchcase(one, body)), 1):
                 yield look("no-effect", path, each, f"measures the grasp of {each}, but no part of "
                            "a hand can touch it", "a body that moves, or one with a role such as "
                            f"{listed(OF_HANDS[:2])}, and contact rules that let it")
-                break
 
 
-def _quantities_read(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
-    """Names and patterns that expectations and meters read, with their paths."""
-    for i, expect in enumerate(mechanism.expect):
-        yield f"$.expect[{i}].{expect.key}", expect.quantity
-    for i, meter in enumerate(mechanism.meters):
-        for name in sorted(names_read(meter)):
-            yield f"$.meters[{i}].value", name
+def unmoved(model: Model) -> Iterator[Problem]:
+    """Forces, torques and pulls on bodies that cannot move freely."""
+    drives, tendons = model.drives, model.tendons
+    for i in drives.giving("force", "torque", "tension").tolist():
+        kind, target = drives.kind[i], int(drives.target[i])
+        moved = (np.array([target]) if kind.gives == "force" else
+                 model.joints.bodies[target] if kind.gives == "torque" else
+                 tendons.guide_body[tendons.guides(target)])
+        if not kind.limited and not model.bodies.free[moved].any():
+            yield look("no-effect", f"$.drives[{i}]", drives.name[i],
+                       f"acts on {model.bodies.name[moved[0]]!r}, which cannot move freely",
+                       "it changes nothing")
 
 
 INSTANTS = 257
@@ -318,23 +311,7 @@ INSTANTS = 257
 
 def idle_problems(model: Model) -> Iterator[Problem]:
     """Drives and events without effect, or outside of limits."""
-    yield from _taken_up(model)
-    yield from _released(model)
-    for i, kind in enumerate(model.drives.kind):
-        target = int(model.drives.target[i])
-        if kind.gives == "surface" and not model.mechanism.bodies[target].shapes:
-            yield look("no-effect", f"$.drives[{i}].body", model.drives.name[i],
-                       f"{model.bodies.name[target]} has no shapes, so it has no surface to drive",
-                       "a shape of that body")
-        if kind.gives == "push" and kind.places:
-            yield from _stroke(model, i)
-        if kind.gives == "torque" and kind.places:
-            yield from _turn(model, i)
-
-
-def _taken_up(model: Model) -> Iterator[Problem]:
-    """Events that take up an element that is never released."""
-    ties, events = model.ties, model.mechanism.events
+    ties, drives, joints, events = model.ties, model.drives, model.joints, model.mechanism.events
     loose = {ties.name[tie] for tie in np.flatnonzero(
         ~ties.held | np.isfinite(ties.breaks_at) | (ties.drive >= 0))}
     loose |= {name for event in events for name in event.release}
@@ -344,50 +321,33 @@ def _taken_up(model: Model) -> Iterator[Problem]:
                 yield look("no-effect", f"$.events[{i}].take_up[{j}]", event.name,
                            f"takes up {name}, which no event releases",
                            "an event or drive that releases it, 'breaks_at' or 'released'")
-
-
-def _released(model: Model) -> Iterator[Problem]:
-    """Drives of joints that are released all the time."""
-    ties, drives = model.ties, model.drives
-    taken = {name for event in model.mechanism.events
+    taken = {name for event in events
              for name in (*event.take_up, *(event.release if event.lasts is not None else ()))}
-    for i, kind in enumerate(drives.kind):
-        if kind.target.among != "joints":
-            continue
-        tie = int(ties.joint[drives.target[i]])
+    for i, (kind, name) in enumerate(zip(drives.kind, drives.name, strict=True)):
+        path, target = f"$.drives[{i}]", int(drives.target[i])
+        tie = int(ties.joint[target]) if kind.target.among == "joints" else NONE
         if not ties.begins(tie) and ties.drive[tie] < 0 and ties.name[tie] not in taken:
-            yield look("no-effect", f"$.drives[{i}]", drives.name[i],
-                       f"acts on {ties.name[tie]}, which is released from the start and never "
-                       "taken up", "an event or a drive that takes it up")
-
-
-def _stroke(model: Model, i: int) -> Iterator[Problem]:
-    """A target length outside of the stroke."""
-    joint, target = int(model.drives.target[i]), _requested(model, i)
-    name, (shortest, longest) = model.joints.name[joint], model.joints.reach[joint].tolist()
-    for length, bound, beyond, end in ((target.max(), longest, 1.0, "most"),
-                                       (target.min(), shortest, -1.0, "least")):
-        if beyond * (length - bound) > NEGLIGIBLE:
-            yield look("outside-limits", f"$.drives[{i}].value", model.drives.name[i],
-                       f"sets {name} to {mm(length)}, but it is {mm(bound)} long at {end}",
-                       "a length within its stroke")
-
-
-def _turn(model: Model, i: int) -> Iterator[Problem]:
-    """A target angle outside of the limits of its hinge."""
-    joint, target = int(model.drives.target[i]), _requested(model, i)
-    low, high = model.joints.stops[joint].tolist()
-    for angle, over in ((target.max(), target.max() - high), (target.min(), low - target.min())):
-        if over > NEGLIGIBLE:
-            unit = (f"; a number by itself is in rad: for degrees write \"{angle:.4g} deg\""
-                    if abs(angle) > math.tau else "")
-            yield look("outside-limits", f"$.drives[{i}].value", model.drives.name[i],
-                       f"sets {model.joints.name[joint]} to {deg(angle)}, but its limits are "
-                       f"[{deg(low)}, {deg(high)}]", f"an angle within them{unit}")
-
-
-def _requested(model: Model, i: int) -> Array:
-    """Values of a drive at some instants of the run, in the unit of its value."""
-    mechanism = model.mechanism
-    return values(mechanism.drives[i].signal(mechanism),
-                  np.linspace(0.0, mechanism.run.duration, INSTANTS), mechanism.functions)
+            yield look("no-effect", path, name, f"acts on {ties.name[tie]}, which is released "
+                       "from the start and never taken up", "an event or a drive that takes it up")
+        if kind.gives == "surface" and not model.mechanism.bodies[target].shapes:
+            yield look("no-effect", f"{path}.body", name, f"{model.bodies.name[target]} has no "
+                       "shapes, so it has no surface to drive", "a shape of that body")
+        if not kind.places:
+            continue
+        set_to = values(model.mechanism.drives[i].signal(model.mechanism), np.linspace(
+            0.0, model.mechanism.run.duration, INSTANTS), model.mechanism.functions)
+        turns = bool(joints.angle[target])
+        low, high = (joints.stops if turns else joints.reach)[target].tolist()
+        for value, over, bound, end in ((set_to.max(), set_to.max() - high, high, "most"),
+                                        (set_to.min(), low - set_to.min(), low, "least")):
+            if not over > NEGLIGIBLE:
+                continue
+            if not turns:
+                fault, advice = f"it is {mm(bound)} long at {end}", "a length within its stroke"
+            else:
+                fault, advice = f"its limits are [{deg(low)}, {deg(high)}]", "an angle within them"
+                if abs(value) > math.tau:
+                    advice += ("; a number by itself is in rad: for degrees write "
+                               f"\"{value:.4g} deg\"")
+            yield look("outside-limits", f"{path}.value", name, f"sets {joints.name[target]} to "
+                       f"{deg(value) if turns else mm(value)}, but {fault}", advice)

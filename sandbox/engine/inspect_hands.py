@@ -19,66 +19,50 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-import pymunk
 
+from sandbox.engine.inspect_joints import placed_shapes
 from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, look, mm
-from sandbox.engine.world import make_shape
 from sandbox.errors import Problem
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.scene.geometry import outline, pose_of, reach_of, solids, to_body, to_world
+from sandbox.scene.geometry import Pose, outline, pose_of, reach_of, to_body, to_world
 from sandbox.wording import listed
 
 MOST_LOOKED = 100
 """Objects with which a finger's reach is compared; nothing is reported if another may be nearer."""
+Chain = dict[int, int]
+"""The phalanges of a finger with their near hinges, the proximal one first."""
 
 
-class Phalanx(NamedTuple):
-    """A phalanx and its near hinge."""
-
-    body: int
-    hinge: int
-
-
-def chains(model: Model) -> dict[str, list[Phalanx]]:
-    """The phalanges of each finger with their hinges, the proximal one first.
-
-    Fingers that are not a chain of pins are left out.
-    """
-    joints, found = model.joints, dict[str, list[Phalanx]]()
-    pins = {int(joints.bodies[j, 1]): int(j) for j in joints.keeping("point") if joints.angle[j]}
+def chains(model: Model) -> dict[str, Chain]:
+    """The fingers that are chains of pins, by name."""
+    joints, found = model.joints, dict[str, Chain]()
+    pins = {int(joints.bodies[j, 1]): int(j) for j in joints.pivots}
     for group in model.mechanism.groups:
         bodies = [model.names.body[name] for name in group.bodies]
-        if group.kind != "finger" or not bodies or any(body not in pins for body in bodies):
-            continue
-        links = [Phalanx(body, pins[body]) for body in bodies]
-        if all(int(joints.bodies[after.hinge, 0]) == link.body
-               for link, after in itertools.pairwise(links)):
-            found[group.name] = links
+        if group.kind == "finger" and bodies and all(body in pins for body in bodies) and all(
+                joints.bodies[pins[after], 0] == body
+                for body, after in itertools.pairwise(bodies)):
+            found[group.name] = {body: pins[body] for body in bodies}
     return found
 
 
 class _Reaching(NamedTuple):
-    """A finger that may touch objects, and the nearest of these."""
+    """A finger that ends before the nearest object that it may touch, at all times."""
 
+    lack: float
+    """[m]"""
     name: str
     body: int
     """The proximal phalanx."""
-    certain: bool
-    """Whether its base is fixed and no object that was left out may be nearer."""
     reach: float
     nearest: int
     distance: float
     """Of that object from the first hinge [m]."""
-
-    @property
-    def short(self) -> bool:
-        """Whether it ends before that object, at all times."""
-        return self.certain and self.distance > self.reach + NEGLIGIBLE
 
 
 def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
@@ -89,31 +73,26 @@ def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
     """
     objects = np.array([i for i, body in enumerate(model.mechanism.bodies)
                         if body.role == "object" and body.shapes], dtype=np.int64)
-    free = bool(len(objects)) and not model.bodies.fixed[objects].all()
+    free = not model.bodies.fixed[objects].all()
     if not len(objects) or (free and not _only_fall(model, objects)):
         return
     fingers = list(_fingers(model, allowed, objects))
-    if free and not all(finger.short for finger in fingers):
+    short = [finger for finger in fingers if finger is not None]
+    if free and len(short) < len(fingers):
         return
-    short = [finger for finger in fingers if finger.short]
     for nearest in dict.fromkeys(finger.nearest for finger in short):
-        yield _too_short(model, [finger for finger in short if finger.nearest == nearest])
-
-
-def _too_short(model: Model, fingers: list[_Reaching]) -> Problem:
-    """The finger that is farthest from an object, and the names of the others."""
-    worst = max(fingers, key=lambda finger: finger.distance - finger.reach)
-    others = [finger.name for finger in fingers if finger is not worst]
-    lack, loose = mm(worst.distance - worst.reach), bool(model.bodies.free[worst.nearest])
-    return look(
-        "no-effect", f"$.bodies[{worst.body}]", worst.name,
-        f"reaches {mm(worst.reach)} from its first hinge, and the nearest object that it "
-        f"may touch, {model.bodies.name[worst.nearest]!r}, is {mm(worst.distance)} from it"
-        + (" and does not approach as it falls" if loose else "")
-        + (f" (the same for {len(others)} more: {listed(others)})"
-           if others else ""),
-        f"move either by {lack} or more, or make it longer"
-        + ("; other loads on it are ignored" if loose else ""))
+        alike = [finger for finger in short if finger.nearest == nearest]
+        worst = max(alike, key=lambda finger: finger.lack)
+        others = [finger.name for finger in alike if finger is not worst]
+        loose = bool(model.bodies.free[nearest])
+        yield look(
+            "no-effect", f"$.bodies[{worst.body}]", worst.name,
+            f"reaches {mm(worst.reach)} from its first hinge, and the nearest object that it "
+            f"may touch, {model.bodies.name[nearest]!r}, is {mm(worst.distance)} from it"
+            + " and does not approach as it falls" * loose
+            + (f" (the same for {len(others)} more: {listed(others)})" if others else ""),
+            f"move either by {mm(worst.lack)} or more, or make it longer"
+            + "; other loads on it are ignored" * loose)
 
 
 def _only_fall(model: Model, objects: Integers) -> bool:
@@ -125,51 +104,45 @@ def _only_fall(model: Model, objects: Integers) -> bool:
         any(bodies[i].velocity) or bodies[i].angular_velocity for i in objects.tolist()))
 
 
-def _fingers(model: Model, allowed: Flags, objects: Integers) -> Iterator[_Reaching]:
-    rounds = np.array([_round(model, i) for i in objects.tolist()])
-    for name, links in chains(model).items():
-        palm = int(model.joints.bodies[links[0].hinge, 0])
-        phalanges = np.array([link.body for link in links])
-        touched = allowed[np.ix_(phalanges, objects)].any(axis=0)
+def _fingers(model: Model, allowed: Flags, objects: Integers) -> Iterator[_Reaching | None]:
+    """Of each finger that may touch objects, if it is too short; None of others."""
+    joints, circles = model.joints, np.array([_round(model, i) for i in objects.tolist()])
+    for name, chain in chains(model).items():
+        bodies, hinges = list(chain), list(chain.values())
+        touched = allowed[np.ix_(np.array(bodies), objects)].any(axis=0)
         if not touched.any():
             continue
-        hinge, reach = _hinge_at(model, links[0].hinge), _reach(model, links)
-        apart = np.hypot(*(rounds[touched, :2] - hinge).T) - rounds[touched, 2]
+        hinge = np.array(model.ends(hinges[0])[0])
+        reach = sum(math.dist(joints.anchor[one, 1], joints.anchor[after, 0])
+                    for one, after in itertools.pairwise(hinges)) + reach_of(
+            model.mechanism.bodies[bodies[-1]], tuple(joints.anchor[hinges[-1], 1]))
+        apart = np.hypot(*(circles[touched, :2] - hinge).T) - circles[touched, 2]
         order = np.argsort(apart)
-        distance, nearest = min(
-            (_on_its_way(model, body, circle, hinge), body) for body, circle in zip(
-                objects[touched][order[:MOST_LOOKED]].tolist(),
-                rounds[touched][order[:MOST_LOOKED]], strict=True))
-        others = order[MOST_LOOKED:]  # none is nearer than its circle, if it is fixed
-        certain = bool(model.bodies.fixed[objects[touched][others]].all()
-                       and distance <= apart[others].min(initial=math.inf))
-        yield _Reaching(name, links[0].body, bool(model.bodies.fixed[palm]) and certain, reach,
-                      nearest, distance)
+        first, others = order[:MOST_LOOKED], order[MOST_LOOKED:]
+        distance, nearest = min((_on_its_way(model, body, circle, hinge), body)
+                                for body, circle in zip(objects[touched][first].tolist(),
+                                                        circles[touched][first], strict=True))
+        # of the others none is nearer than its circle, if it is fixed
+        certain = model.bodies.fixed[[int(joints.bodies[hinges[0], 0]),
+                                      *objects[touched][others]]].all() and (
+            distance <= apart[others].min(initial=math.inf))
+        lack = distance - reach
+        yield _Reaching(lack, name, bodies[0], reach, nearest, distance) \
+            if certain and lack > NEGLIGIBLE else None
 
 
 def _on_its_way(model: Model, body: int, circle: Array, hinge: Array) -> float:
     """Distance of a hinge from an object [m]; for a falling one the minimum along its path."""
-    distance, gravity = _distance(model, body, hinge), np.array(model.mechanism.gravity)
+    holders, pieces, _ = placed_shapes([model.mechanism.bodies[body]])
+    at = float(hinge[0]), float(hinge[1])
+    distance = max(min(piece.point_query(at).distance for piece in pieces), 0.0)
+    del holders  # not before
+    gravity = np.array(model.mechanism.gravity)
     ahead = float((hinge - circle[:2]) @ gravity)
     if not model.bodies.free[body] or ahead <= 0:
         return distance
     across = (hinge - circle[:2]) - ahead * gravity / float(gravity @ gravity)
     return min(distance, max(float(np.hypot(*across)) - float(circle[2]), 0.0))
-
-
-def _reach(model: Model, links: list[Phalanx]) -> float:
-    """From the first hinge to the tip of the straight finger [m]."""
-    joints = model.joints
-    way = sum(math.dist(joints.anchor[link.hinge, 1], joints.anchor[after.hinge, 0])
-              for link, after in itertools.pairwise(links))
-    last = links[-1]
-    return way + reach_of(model.mechanism.bodies[last.body], tuple(joints.anchor[last.hinge, 1]))
-
-
-def _hinge_at(model: Model, hinge: int) -> Array:
-    palm = model.joints.bodies[hinge, 0]
-    pose = model.bodies.pose[palm]
-    return np.array(to_world(tuple(pose), tuple(model.joints.anchor[hinge, 0])))
 
 
 def _round(model: Model, body: int) -> tuple[float, float, float]:
@@ -180,20 +153,6 @@ def _round(model: Model, body: int) -> tuple[float, float, float]:
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     return (float(centre[0]), float(centre[1]),
             float(np.hypot(*(points - centre).T).max()))
-
-
-def _distance(model: Model, body: int, point: Array) -> float:
-    """From a point of the world to a body's shapes; 0 inside [m]."""
-    written = model.mechanism.bodies[body]
-    holder = pymunk.Body(body_type=pymunk.Body.STATIC)
-    holder.position, holder.angle = written.at, written.angle
-    found = math.inf
-    for shape in written.shapes:
-        for piece, _ in solids(shape):
-            solid = make_shape(holder, piece, (0.0, 0.0))
-            solid.cache_bb()
-            found = min(found, solid.point_query((float(point[0]), float(point[1]))).distance)
-    return max(found, 0.0)
 
 
 class StringEnd(NamedTuple):
@@ -221,7 +180,7 @@ def ways(model: Model, names: tuple[str, ...]) -> dict[str, float]:
 
     nan where it is unknown: for leaves other than fingers, and fingers without stops.
     """
-    shortenings = _shortenings(model, chains(model))
+    fingers = list(chains(model).values())
     strings, found = strings_of(model, names), dict[int, float]()
 
     def way(node: int) -> float:
@@ -230,7 +189,7 @@ def ways(model: Model, names: tuple[str, ...]) -> dict[str, float]:
             if len(strings[node]) == 2:
                 a, b = (string.arm for string in strings[node])
                 one, two = (way(string.source) if string.source in strings
-                            else shortenings.get(string.tendon, math.nan)
+                            else _shortening(model, fingers, string.tendon)
                             for string in strings[node])
                 found[node] = (b * one + a * two) / (a + b) if a + b else math.nan
         return found[node]
@@ -238,62 +197,44 @@ def ways(model: Model, names: tuple[str, ...]) -> dict[str, float]:
     return {name: way(model.names.body[name]) for name in names}
 
 
-def _shortenings(model: Model, chains: Mapping[str, list[Phalanx]]) -> dict[int, float]:
-    """Shortening of each tendon while its finger closes from t = 0 to its stops [m].
+def _shortening(model: Model, fingers: list[Chain], tendon: int) -> float:
+    """Shortening of a tendon while its finger closes from t = 0 to its stops [m].
 
-    Only tendons through points of one finger and of fixed bodies, and fingers with all stops.
+    nan unless it passes points of one finger, with all stops, and of other bodies.
     """
-    tendons, found = model.tendons, dict[int, float]()
-    owner = {link.body: chain for chain in chains.values() for link in chain}
-    for tendon in range(len(tendons.name)):
-        guides = range(*tendons.guides(tendon).indices(len(tendons.guide_body)))
-        held = [owner[body] for g in guides if (body := int(tendons.guide_body[g])) in owner]
-        if held and all(chain is held[0] for chain in held):
-            way = _shortening(model, held[0], list(guides))
-            if way is not None:
-                found[tendon] = way
-    return found
-
-
-def _shortening(model: Model, chain: list[Phalanx], guides: list[int]) -> float | None:
     tendons, joints = model.tendons, model.joints
-    hinges = [link.hinge for link in chain]
+    guides = list(range(len(tendons.guide_body))[tendons.guides(tendon)]) if tendon != NONE else []
+    passed = tendons.guide_body[guides].tolist()
+    own = [chain for chain in fingers if not chain.keys().isdisjoint(passed)]
+    if len(own) != 1:
+        return math.nan
+    chain, = own
+    hinges = list(chain.values())
     stops, sense, start = joints.stops[hinges], joints.sense[hinges], joints.start[hinges]
-    if not np.isfinite(stops).all():
-        return None
-    own = {link.body: k for k, link in enumerate(chain)}
-    paths = []
+    pieces = [pair for pair in itertools.pairwise(zip(passed, guides, strict=True))
+              if not chain.keys().isdisjoint(body for body, _ in pair)]
+    if not np.isfinite(stops).all() or any(
+            tendons.guide_radius[guide] for pair in pieces for _, guide in pair):
+        return math.nan
+    lengths = []
     for angles in (start, stops[:, 1], stops[:, 0]):
         poses = _poses(model, chain, sense * (angles - start))
-        length = 0.0
-        for one, two in itertools.pairwise(guides):
-            bodies = [int(tendons.guide_body[g]) for g in (one, two)]
-            if not any(body in own for body in bodies):
-                continue
-            if tendons.guide_radius[[one, two]].any():
-                return None
-            length += math.dist(*(to_world(poses.get(body, tuple(model.bodies.pose[body])),
-                                           tuple(tendons.guide_at[g]))
-                                  for body, g in zip(bodies, (one, two), strict=True)))
-        paths.append(length)
-    return paths[0] - min(paths)
+        lengths.append(sum(math.dist(*(to_world(
+            poses.get(body, tuple(model.bodies.pose[body])), tuple(tendons.guide_at[guide]))
+            for body, guide in pair)) for pair in pieces))
+    return lengths[0] - min(lengths)
 
 
-def _poses(
-    model: Model, chain: list[Phalanx], turns: Array,
-) -> dict[int, tuple[float, float, float]]:
+def _poses(model: Model, chain: Chain, turns: Array) -> dict[int, Pose]:
     """Poses of the phalanges after each hinge has turned counter-clockwise [rad] from t = 0."""
-    joints, poses = model.joints, dict[int, tuple[float, float, float]]()
-    total = 0.0
-    for link, turn in zip(chain, turns.tolist(), strict=True):
-        before = int(joints.bodies[link.hinge, 0])
+    joints, poses = model.joints, dict[int, Pose]()
+    for (body, hinge), total in zip(chain.items(), np.cumsum(turns).tolist(), strict=True):
+        before = int(joints.bodies[hinge, 0])
         x, y = to_world(poses.get(before, tuple(model.bodies.pose[before])),
-                        tuple(joints.anchor[link.hinge, 0]))
-        total += turn
-        angle = float(model.bodies.pose[link.body, 2]) + total
-        ax, ay = joints.anchor[link.hinge, 1]
-        poses[link.body] = (x - ax * math.cos(angle) + ay * math.sin(angle),
-                            y - ax * math.sin(angle) - ay * math.cos(angle), angle)
+                        tuple(joints.anchor[hinge, 0]))
+        angle = float(model.bodies.pose[body, 2]) + total
+        dx, dy = to_world((0.0, 0.0, angle), tuple(joints.anchor[hinge, 1]))
+        poses[body] = x - dx, y - dy, angle
     return poses
 
 
@@ -301,25 +242,19 @@ def strings_of(model: Model, names: tuple[str, ...]) -> dict[int, list[StringEnd
     """The strings that end on each pivot: tendons, then ropes."""
     tendons, joints = model.tendons, model.joints
     found: dict[int, list[StringEnd]] = {model.names.body[name]: [] for name in names}
+    ends = []
     for tendon in range(len(tendons.name)):
-        guides = range(*tendons.guides(tendon).indices(len(tendons.guide_body)))
+        guides = tendons.guides(tendon)
         bodies, at = tendons.guide_body[guides], tendons.guide_at[guides]
-        if (node := int(bodies[-1])) in found:
-            found[node].append(StringEnd(
-                tendon, int(bodies[0]), at[-1], abs(float(tendons.guide_radius[guides[-1]])),
-                _apart(model, bodies[-2:], at[-2:])))
-    for joint in joints.keeping("range"):
-        if (node := int(joints.bodies[joint, 1])) in found:
-            found[node].append(StringEnd(
-                NONE, int(joints.bodies[joint, 0]), joints.anchor[joint, 1], 0.0,
-                _apart(model, joints.bodies[joint], joints.anchor[joint])))
+        ends.append((tendon, int(bodies[0]), abs(float(tendons.guide_radius[guides][-1])),
+                     bodies[-2:].tolist(), at[-2:]))
+    ends += [(NONE, int(joints.bodies[joint, 0]), 0.0, joints.bodies[joint].tolist(),
+              joints.anchor[joint]) for joint in joints.keeping("range")]
+    for tendon, source, radius, bodies, at in ends:
+        if bodies[1] in found:
+            found[bodies[1]].append(StringEnd(
+                tendon, source, at[1], radius, math.dist(*map(model.at_start, bodies, at))))
     return found
-
-
-def _apart(model: Model, bodies: Integers, points: Array) -> float:
-    """Between points of two bodies at t = 0 [m]."""
-    return math.dist(*(to_world(tuple(model.bodies.pose[body]), tuple(point))
-                       for body, point in zip(bodies, points, strict=True)))
 
 
 OFF = 0.01
@@ -329,22 +264,19 @@ OFF = 0.01
 def reaches(model: Model) -> Iterator[str]:
     """A line for every tree of rockers or pulleys: ``tree: …``."""
     for group in model.mechanism.groups:
-        if not group.tree:
-            continue
-        words = [*_rockers(model, group.bodies), *_slots(model, group.bodies)]
-        if words:
-            yield f"{group.name}: {'; '.join(words)}"
+        if group.tree:
+            words = [*_rockers(model, group.bodies), *_slots(model, group.bodies)]
+            if words:
+                yield f"{group.name}: {'; '.join(words)}"
 
 
 def _rockers(model: Model, names: tuple[str, ...]) -> Iterator[str]:
     differences: dict[str, list[str]] = {}
-    strings = strings_of(model, names)
-    for name in names:
-        ends = [end for end in strings[model.names.body[name]] if not end.radius]
+    for name, strings in zip(names, strings_of(model, names).values(), strict=True):
+        ends = [end for end in strings if not end.radius]
         if len(ends) == 2:
-            one, two = ends
-            width = float(np.hypot(*(one.at - two.at)))
-            differences.setdefault(f"by {mm(_off(one, two))} and {mm(width)}", []).append(name)
+            width = float(np.hypot(*(ends[0].at - ends[1].at)))
+            differences.setdefault(f"by {mm(_off(*ends))} and {mm(width)}", []).append(name)
     if differences:
         where = ", ".join(f"{way} ({listed(named, most=4)})" for way, named in differences.items())
         yield (f"the shares of a rocker are {100 * OFF:g} % off, and it turns over, where the "
@@ -377,27 +309,23 @@ def _error(tilt: float, a: float, b: float, lags: float, leads: float) -> float:
 
 
 def _slots(model: Model, names: tuple[str, ...]) -> Iterator[str]:
-    rooms = {name: room for name in names if (room := _room(model, model.names.body[name]))}
+    """Travel of the pivots in their slots from t = 0, forwards and backwards."""
+    joints, rooms = model.joints, dict[str, tuple[float, float]]()
+    for joint in joints.keeping("groove").tolist():
+        frame, slider = joints.bodies[joint].tolist()
+        name = model.bodies.name[slider]
+        if name in names and name not in rooms:
+            start, end = joints.groove[joint]
+            point = to_body(pose_of(model.mechanism.bodies[frame]), model.ends(joint)[1])
+            length = float(np.hypot(*(end - start)))
+            gone = float((point - start) @ (end - start)) / length
+            rooms[name] = length - gone, gone
     if rooms:
         ahead, behind = (min(way) for way in zip(*rooms.values(), strict=True))
         yield f"its slots end after {mm(ahead)} along the pull and {mm(behind)} against it"
-        short = {name: way for name, way in ways(model, names).items()
+        lacks = {name: (way - rooms[name][0], way) for name, way in ways(model, names).items()
                  if name in rooms and way > rooms[name][0] + NEGLIGIBLE}
-        if short:
-            most = max(short, key=lambda name: short[name] - rooms[name][0])
+        if lacks:
+            most = max(lacks, key=lambda name: lacks[name][0])
             yield (f"to close the empty hand up to its stops, {most!r} would have to move "
-                   f"{mm(short[most])}")
-
-
-def _room(model: Model, body: int) -> tuple[float, float] | None:
-    """Travel of a pivot in its slot from t = 0, forwards and backwards [m]."""
-    joints, pose = model.joints, model.bodies.pose
-    for joint in joints.keeping("groove"):
-        frame, slider = joints.bodies[joint].tolist()
-        if slider == body:
-            start, end = joints.groove[joint]
-            point = to_world(tuple(pose[slider]), tuple(joints.anchor[joint, 1]))
-            length = float(np.hypot(*(end - start)))
-            gone = float((to_body(tuple(pose[frame]), point) - start) @ (end - start)) / length
-            return length - gone, gone
-    return None
+                   f"{mm(lacks[most][1])}")

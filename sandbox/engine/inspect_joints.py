@@ -1,23 +1,31 @@
-"""Checks of joints at t = 0: assembly, directions, overconstraint, gears, racks, rolling circles.
+"""Checks of joints and of overlaps at t = 0.
 
 Involute teeth mesh at other distances of the centres, too, with the pressure angle a' given by
 cos a' = (r_a + r_b) cos a / distance. Beyond cos a' = 1 the base circles have no common tangent,
 and no step can be made.
+
+Shapes are sorted along the longer axis, so that each is compared only with those whose boxes
+overlap its own. At most :data:`MOST_LOOKED` pairs of shapes (and :data:`MOST_BOXES` pairs of
+boxes) are compared; the report says if this is not all of them.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
+import pymunk
 
 from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, deg, error, fitting, look, mm
+from sandbox.engine.world import make_shape
 from sandbox.errors import Problem
 from sandbox.model.joints import place_in_slot, slot_length
 from sandbox.model.model import Model
 from sandbox.model.supports import parting_wheels, shared_joints
-from sandbox.scene.geometry import Vec, pose_of, to_body, to_world
+from sandbox.numeric import Flags, Integers
+from sandbox.scene.bodies import Body
+from sandbox.scene.geometry import Vec, pose_of, solids, to_body
 from sandbox.wording import listed
 
 
@@ -25,13 +33,16 @@ def joint_problems(model: Model) -> Iterator[Problem]:
     """Joints that contradict the poses at t = 0; those without a direction are errors."""
     joints = model.joints
     for i, name in enumerate(joints.name):
-        directionless = _directionless(model, i)
+        distance, keeps = math.dist(*model.ends(i)), joints.kind[i].keeps
+        directionless = (keeps == "distance" and distance < STRAIGHT) or (
+            keeps == "groove" and slot_length(model, i) < STRAIGHT)
         if not (directionless or _begins(model, i)):
             continue
-        if message := _apart(model, i):
+        if message := _apart(model, i, distance):
             report = error if directionless else look
+            advice = _advice(model, i, distance)
             yield report("not-assembled", f"$.joints[{i}]", name, "not assembled at t = 0: "
-                       f"{message}", f"move a body or an anchor, or {_advice(model, i)}")
+                         f"{message}", f"move a body or an anchor, or {advice}")
         low, high = joints.stops[i].tolist()
         if joints.start[i] < low - 1e-9 or joints.start[i] > high + 1e-9:
             yield look("outside-limits", f"$.joints[{i}]", name,
@@ -59,57 +70,33 @@ def _begins(model: Model, joint: int) -> bool:
     return model.ties.begins(int(model.ties.joint[joint]))
 
 
-def _distance(model: Model, joint: int) -> float:
-    """Between a joint's anchors at t = 0 [m]."""
-    joints, mechanism = model.joints, model.mechanism
-    a, b = (pose_of(mechanism.bodies[body]) for body in joints.bodies[joint])
-    on_a, on_b = ((float(x), float(y)) for x, y in joints.anchor[joint])
-    return math.dist(to_world(a, on_a), to_world(b, on_b))
-
-
-def _directionless(model: Model, joint: int) -> bool:
-    """Whether a joint has no line of action; then no step can be made."""
-    match model.joints.kind[joint].keeps:
-        case "groove":
-            return slot_length(model, joint) < STRAIGHT
-        case "distance":
-            return _distance(model, joint) < STRAIGHT
-        case _:
-            return False
-
-
-def _apart(model: Model, joint: int) -> str:
+def _apart(model: Model, joint: int, distance: float) -> str:
     """The error of a joint's anchors at t = 0 in words; empty if there is none."""
-    distance = _distance(model, joint)
     least, most = model.joints.reach[joint].tolist()
     match model.joints.kind[joint].keeps:
-        case "point":
-            return f"its anchors are {mm(distance)} apart" if distance > NEGLIGIBLE else ""
+        case "point" if distance > NEGLIGIBLE:
+            return f"its anchors are {mm(distance)} apart"
         case "groove":
-            word = "path" if model.joints.path[joint] else "groove"
             length = slot_length(model, joint)
             if length < STRAIGHT:
                 return "the ends of its groove coincide, so it has no direction"
             place = place_in_slot(model, joint, model.bodies.pose)
             beyond = max(-float(place.along), float(place.along) - length, 0.0)
             off = math.hypot(float(place.across), beyond)
+            word = "path" if model.joints.path[joint] else "groove"
             return f"its point is {mm(off)} off the {word}" if off > NEGLIGIBLE else ""
-        case "gear" | "rack" | "roll":  # sandbox.engine.inspect_joints
-            return ""
-        case "distance":
-            if least <= NEGLIGIBLE:
-                return "its ends coincide, so it has no direction: use a pin"
-            return (f"its ends are {mm(distance)} apart, its length is {mm(least)}"
-                    if abs(distance - least) > NEGLIGIBLE else "")
-        case "range":
-            return ("" if least - NEGLIGIBLE <= distance <= most + NEGLIGIBLE else
-                    f"its ends are {mm(distance)} apart, it allows {mm(least)} to {mm(most)}")
+        case "distance" if least <= NEGLIGIBLE:
+            return "its ends coincide, so it has no direction: use a pin"
+        case "distance" if abs(distance - least) > NEGLIGIBLE:
+            return f"its ends are {mm(distance)} apart, its length is {mm(least)}"
+        case "range" if not least - NEGLIGIBLE <= distance <= most + NEGLIGIBLE:
+            return f"its ends are {mm(distance)} apart, it allows {mm(least)} to {mm(most)}"
+    return ""
 
 
-def _advice(model: Model, joint: int) -> str:
+def _advice(model: Model, joint: int, distance: float) -> str:
     """Advice: the right length of the joint, or to leave an anchor out."""
     keeps, most = model.joints.kind[joint].keeps, float(model.joints.reach[joint, 1])
-    distance = _distance(model, joint)
     if keeps == "groove":
         return f"move the {'path' if model.joints.path[joint] else 'groove'} to the point"
     if keeps not in ("distance", "range") or distance < STRAIGHT:
@@ -125,112 +112,80 @@ travel of 1 m."""
 
 def wheel_problems(model: Model) -> Iterator[Problem]:
     """Gears, racks and rolling circles that do not meet, or whose centres are not held."""
-    look_at = {"gear": _gear, "rack": _rack, "roll": _roll}
-    for i, kind in enumerate(model.joints.kind):
-        if kind.keeps in look_at:
-            yield from look_at[kind.keeps](model, i)
-    tied = _tied(model)
-    askew = {i for i, kind in enumerate(model.joints.kind)
-             if kind.keeps == "rack" and _slide(model, i)}
+    joints, springs = model.joints, model.springs
+    askew = set()
+    for i in joints.keeping("gear", "roll", "rack").tolist():
+        if joints.kind[i].keeps != "rack":
+            yield from _circles(model, i)
+        elif slide := _slide(model, i):
+            askew.add(i)
+            yield _askew(model, i, *slide)
+        else:
+            yield from _rack(model, i)
+    tied = {*springs.bodies[springs.straight].ravel().tolist(), *model.tendons.guide_body.tolist()}
     for i in sorted(parting_wheels(model, model.bodies.pose) - askew):
-        path, name = f"$.joints[{i}]", model.joints.name[i]
-        whose = ("its rack at the gear" if model.joints.kind[i].keeps == "rack"
-                 else "its wheels together")
-        if not tied & set(model.joints.bodies[i].tolist()):
-            yield look("bad-mesh", path, name, f"no joint holds {whose}: teeth push "
-                       f"{_name(model, i, 0)} and {_name(model, i, 1)} apart", "give each a "
-                       "bearing: a pin on the ground or on a carrier, of a rack a slot")
-        elif not model.joints.play[i] > 0:
+        path, name, bodies = f"$.joints[{i}]", joints.name[i], joints.bodies[i].tolist()
+        whose = "its rack at the gear" if joints.kind[i].keeps == "rack" else "its wheels together"
+        if not tied & set(bodies):
+            one, other = (model.bodies.name[body] for body in bodies)
+            yield look("bad-mesh", path, name, f"no joint holds {whose}: teeth push {one!r} and "
+                       f"{other!r} apart", "give each a bearing: a pin on the ground or on a "
+                       "carrier, of a rack a slot")
+        elif not joints.play[i] > 0:
             yield look("bad-mesh", path, name, f"only springs or tendons hold {whose}: without "
                        "backlash the teeth get an impact when the other flank takes over",
                        "give it a 'backlash', for example 0.01 mm")
 
 
-def _tied(model: Model) -> set[int]:
-    """Bodies with springs or tendons, which may hold wheels together."""
-    springs, tendons = model.springs, model.tendons
-    return {*springs.bodies[springs.straight].ravel().tolist(), *tendons.guide_body.tolist()}
-
-
-def _name(model: Model, joint: int, end: int) -> str:
-    return repr(model.bodies.name[model.joints.bodies[joint, end]])
-
-
-def _at(model: Model, joint: int) -> tuple[Vec, Vec]:
-    """The centre on ``a`` in the world and, of ``b``, its anchor, at t = 0 [m]."""
-    bodies, anchors = model.joints.bodies[joint].tolist(), model.joints.anchor[joint].tolist()
-    one, two = (to_world(pose_of(model.mechanism.bodies[body]), (x, y))
-                for body, (x, y) in zip(bodies, anchors, strict=True))
-    return one, two
-
-
-def _radii(model: Model, joint: int) -> tuple[float, float, float, float]:
-    """Distance of two centres at t = 0, that at which their circles touch, both radii [m]."""
-    ra, rb = model.joints.radii[joint].tolist()
-    right = abs(ra - rb) if model.joints.inside[joint] else ra + rb
-    return math.dist(*_at(model, joint)), right, ra, rb
-
-
-def _wheel_advice(model: Model, joint: int) -> str:
-    """Advice: the right distance of the centres, or the right second radius."""
-    distance, right, ra, rb = _radii(model, joint)
-    other = distance - ra
-    if model.joints.inside[joint]:
-        other = ra - distance if ra > rb else ra + distance
+def _circles(model: Model, joint: int) -> Iterator[Problem]:
+    """Gears or rolling circles at a wrong distance; errors where no step can be made."""
+    joints, path, name = model.joints, f"$.joints[{joint}]", model.joints.name[joint]
+    (ra, rb), inside = joints.radii[joint].tolist(), bool(joints.inside[joint])
+    distance, sum_, difference = math.dist(*model.ends(joint)), ra + rb, abs(ra - rb)
+    right, fits = (difference, sum_) if inside else (sum_, difference)
+    if abs(distance - right) <= NEGLIGIBLE:
+        return
+    other = distance - ra if not inside else ra - distance if ra > rb else ra + distance
     instead = f", or make 'radius_b' {fitting(other)}" if other > NEGLIGIBLE else ""
-    if model.joints.inside[joint]:
-        inside, fits = "leave 'inside' out", ra + rb
-    else:
-        inside, fits = 'write "inside": true', abs(ra - rb)
-    as_they_are = (f", or {inside}: then they fit as they are"
-                   if ra != rb and abs(distance - fits) <= NEGLIGIBLE else "")
-    return f"put them {fitting(right)} apart{instead}{as_they_are}"
-
-
-def _gear(model: Model, joint: int) -> Iterator[Problem]:
-    distance, right, *_ = _radii(model, joint)
-    if abs(distance - right) <= NEGLIGIBLE:
+    if ra != rb and abs(distance - fits) <= NEGLIGIBLE:
+        word = "leave 'inside' out" if inside else 'write "inside": true'
+        instead += f", or {word}: then they fit as they are"
+    advice = f"put them {fitting(right)} apart{instead}"
+    apart = f"its centres are {mm(distance)} apart, its {{}} touch at {mm(right)}"
+    if joints.kind[joint].keeps == "roll":
+        report = error if distance < STRAIGHT else look
+        yield report("not-assembled", path, name,
+                     f"not assembled at t = 0: {apart.format('circles')}", advice)
         return
-    path, name = f"$.joints[{joint}]", model.joints.name[joint]
-    apart = f"its centres are {mm(distance)} apart, its pitch circles touch at {mm(right)}"
-    share = right * math.cos(model.joints.pressure[joint]) / max(distance, STRAIGHT)
+    apart, pressure = apart.format("pitch circles"), joints.pressure[joint]
+    share = right * math.cos(pressure) / max(distance, STRAIGHT)
     if share >= 1:
-        yield error("bad-mesh", path, name, f"its teeth overlap at t = 0: {apart}",
-                    _wheel_advice(model, joint))
-        return
-    yield look("bad-mesh", path, name, f"does not mesh as it should at t = 0: {apart}; teeth would "
-               f"push at {deg(math.acos(share))} instead of {deg(model.joints.pressure[joint])}",
-               _wheel_advice(model, joint))
-
-
-def _roll(model: Model, joint: int) -> Iterator[Problem]:
-    distance, right, *_ = _radii(model, joint)
-    if abs(distance - right) <= NEGLIGIBLE:
-        return
-    report = error if distance < STRAIGHT else look
-    yield report("not-assembled", f"$.joints[{joint}]", model.joints.name[joint],
-               f"not assembled at t = 0: its centres are {mm(distance)} apart, its circles touch "
-               f"at {mm(right)}", _wheel_advice(model, joint))
+        yield error("bad-mesh", path, name, f"its teeth overlap at t = 0: {apart}", advice)
+    else:
+        yield look("bad-mesh", path, name, f"does not mesh as it should at t = 0: {apart}; teeth "
+                   f"would push at {deg(math.acos(share))} instead of {deg(pressure)}", advice)
 
 
 def _rack(model: Model, joint: int) -> Iterator[Problem]:
+    """A rack whose pitch line is not at the pitch circle."""
     right, off = float(model.joints.radii[joint, 0]), _from_pitch_line(model, joint)
-    path, name = f"$.joints[{joint}]", model.joints.name[joint]
-    if slide := _slide(model, joint):
-        slot, (x, y) = slide
-        off = abs(_from_pitch_line(model, joint, (x, y)))
-        move = ("" if abs(off - right) <= NEGLIGIBLE else
-                f", and move the rack or its 'on_b' by {fitting(abs(off - right))}")
-        gx, gy = model.joints.along[joint].tolist()
-        yield look("bad-mesh", f"{path}.along", name, "its pitch line is turned by "
-                   f"{deg(math.acos(min(abs(gx * x + gy * y), 1.0)))} from the groove of "
-                   f"{model.joints.name[slot]!r}, in which its rack slides: its teeth leave the "
-                   "gear, or jam", f"make 'along' [{x + 0.0:.6g}, {y + 0.0:.6g}]{move}")
-    elif abs(off - right) > NEGLIGIBLE:
+    if abs(off - right) > NEGLIGIBLE:
         instead = f", or make 'radius' {fitting(off)}" if off > NEGLIGIBLE else ""
-        yield look("bad-mesh", path, name, f"does not mesh at t = 0: its pitch line is {mm(off)} "
-                   f"from the gear's centre, the pitch circle has a radius of {mm(right)}",
+        yield look("bad-mesh", f"$.joints[{joint}]", model.joints.name[joint], "does not mesh at "
+                   f"t = 0: its pitch line is {mm(off)} from the gear's centre, the pitch circle "
+                   f"has a radius of {mm(right)}",
                    f"move the rack or its 'on_b' by {fitting(abs(off - right))}{instead}")
+
+
+def _askew(model: Model, joint: int, slot: int, way: Vec) -> Problem:
+    """A rack that slides in a slot along ``way``, in another direction than its pitch line."""
+    (x, y), (gx, gy) = way, model.joints.along[joint].tolist()
+    off = abs(abs(_from_pitch_line(model, joint, way)) - float(model.joints.radii[joint, 0]))
+    move = f", and move the rack or its 'on_b' by {fitting(off)}" if off > NEGLIGIBLE else ""
+    return look("bad-mesh", f"$.joints[{joint}].along", model.joints.name[joint], "its pitch line "
+                f"is turned by {deg(math.acos(min(abs(gx * x + gy * y), 1.0)))} from the groove of "
+                f"{model.joints.name[slot]!r}, in which its rack slides: its teeth leave the "
+                "gear, or jam", f"make 'along' [{x + 0.0:.6g}, {y + 0.0:.6g}]{move}")
 
 
 def _slide(model: Model, joint: int) -> tuple[int, Vec] | None:
@@ -241,17 +196,16 @@ def _slide(model: Model, joint: int) -> tuple[int, Vec] | None:
     """
     joints, free = model.joints, model.bodies.free
     gear, rack = joints.bodies[joint].tolist()
-    holders = {gear, *(end for i in np.flatnonzero([each.keeps == "point" for each in joints.kind])
-                       if gear in (pair := joints.bodies[i].tolist()) for end in pair)} - {rack}
-    for i, kind in enumerate(joints.kind):
+    pins = joints.bodies[joints.keeping("point")]
+    holders = {gear, *pins[(pins == gear).any(axis=1)].ravel().tolist()} - {rack}
+    for i in joints.keeping("groove").tolist():
         pair = joints.bodies[i].tolist()
-        if kind.keeps != "groove" or joints.path[i] or joints.turns[i] or rack not in pair:
+        if joints.path[i] or joints.turns[i] or rack not in pair:
             continue
         other = pair[1 - pair.index(rack)]
         if other not in holders and (free[other] or free[sorted(holders)].all()):
             continue
-        start, end = (to_world(pose_of(model.mechanism.bodies[pair[0]]), (float(x), float(y)))
-                      for x, y in joints.groove[i])
+        start, end = (model.at_start(pair[0], point) for point in joints.groove[i])
         turned = pose_of(model.mechanism.bodies[rack])[2]
         x, y = to_body((0.0, 0.0, turned), (end[0] - start[0], end[1] - start[1]))
         length, (gx, gy) = math.hypot(x, y), joints.along[joint].tolist()
@@ -266,7 +220,103 @@ def _from_pitch_line(model: Model, joint: int, along: Vec | None = None) -> floa
     ``along`` takes the place of the line's own direction, with the gear to its left.
     """
     joints = model.joints
-    x, y = to_body(pose_of(model.mechanism.bodies[joints.bodies[joint, 1]]), _at(model, joint)[0])
+    x, y = to_body(pose_of(model.mechanism.bodies[joints.bodies[joint, 1]]), model.ends(joint)[0])
     bx, by = joints.anchor[joint, 1].tolist()
     gx, gy = joints.along[joint].tolist() if along is None else along
     return float(gx * (y - by) - gy * (x - bx))
+
+
+MOST_LOOKED = 20_000
+"""Largest number of compared pairs of shapes."""
+MOST_BOXES = 50_000_000
+"""Largest number of compared pairs of boxes."""
+MOST_REPORTED = 100
+"""Largest number of reported overlaps; further ones are counted."""
+
+
+def overlaps(model: Model, allowed: Flags) -> tuple[list[Problem], int]:
+    """Overlapping bodies at t = 0; ``allowed`` are the pairs that may touch, [nb, nb].
+
+    And the number of compared pairs of bodies that may touch and whose boxes overlap.
+    """
+    holders, pieces, owner = placed_shapes(model.mechanism.bodies)
+    looked, whole, depths = 0, True, dict[tuple[int, int], float]()
+    for i, others, last in _neighbours(pieces, owner, allowed):
+        whole = whole and not last and len(others) <= MOST_LOOKED - looked
+        others = others[:MOST_LOOKED - looked]
+        looked += len(others)
+        for j in others.tolist():
+            pair = (int(min(owner[i], owner[j])), int(max(owner[i], owner[j])))
+            depths[pair] = max(_depth(pieces[i], pieces[j]), depths.get(pair, 0.0))
+    del holders  # not before
+    names = model.bodies.name
+    found = [(pair, depth) for pair, depth in sorted(depths.items()) if depth > NEGLIGIBLE]
+    problems = [look("overlap", f"$.bodies[{a}]", names[a], f"overlaps {names[b]!r} by {mm(depth)} "
+                     "at t = 0", "move one of them, or add a contact rule with \"collide\": false")
+                for (a, b), depth in found[:MOST_REPORTED]]
+    if not whole:
+        problems.append(look("overlap", "$.bodies", "bodies", "further bodies may overlap at t = 0",
+                             f"{looked} pairs of shapes were compared"))
+    elif len(found) > MOST_REPORTED:
+        problems.append(look("overlap", "$.bodies", "bodies",
+                             f"{len(found) - MOST_REPORTED} more bodies overlap at t = 0"))
+    return problems, len(depths)
+
+
+def placed_shapes(
+    bodies: Iterable[Body],
+) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
+    """What keeps shapes alive; the shapes of bodies at t = 0; the place of each one's body."""
+    holders, pieces, owner = [], [], []
+    for i, body in enumerate(bodies):
+        holder = pymunk.Body(body_type=pymunk.Body.STATIC)
+        holder.position, holder.angle = body.at, body.angle
+        holders.append(holder)
+        for shape in body.shapes:
+            for piece, _ in solids(shape):
+                pieces.append(make_shape(holder, piece, (0.0, 0.0)))
+                pieces[-1].cache_bb()
+                owner.append(i)
+    return holders, pieces, np.array(owner, dtype=np.int64)
+
+
+def _neighbours(
+    pieces: list[pymunk.Shape], owner: Integers, allowed: Flags,
+) -> Iterator[tuple[int, Integers, bool]]:
+    """Each shape with the later ones whose boxes overlap and whose bodies may touch it.
+
+    True with the last one if the limit of pairs was reached.
+    """
+    if not pieces:
+        return
+    boxes = np.array([(box.left, box.bottom, box.right, box.top)
+                      for box in (piece.bb for piece in pieces)])
+    axis = int(np.ptp(boxes[:, 1] + boxes[:, 3]) > np.ptp(boxes[:, 0] + boxes[:, 2]))
+    order = np.argsort(boxes[:, axis], kind="stable")
+    low, high = boxes[order, :2], boxes[order, 2:]
+    ends = np.searchsorted(low[:, axis], high[:, axis], side="right")
+    seen = 0
+    for place, end in enumerate(ends.tolist()):
+        window = slice(place + 1, min(end, place + 1 + MOST_BOXES - seen))
+        seen += max(window.stop - window.start, 0)
+        over = window.stop < end
+        across = 1 - axis
+        meets = ((low[window, across] <= high[place, across])
+                 & (high[window, across] >= low[place, across])
+                 & allowed[owner[order[place]], owner[order[window]]])
+        if over or meets.any():
+            yield int(order[place]), order[window][meets], over
+        if over:
+            return
+
+
+def _depth(one: pymunk.Shape, other: pymunk.Shape) -> float:
+    """Depth of the overlap of two shapes [m]; 0 if there is none.
+
+    The sign of Chipmunk's distances depends on the order of the shapes.
+    """
+    try:
+        points = one.shapes_collide(other).points
+    except AssertionError:  # pymunk raises it if there is no point
+        return 0.0
+    return max((abs(point.distance) for point in points), default=0.0)

@@ -41,14 +41,16 @@ def deg(angle: float) -> str:
     return f"{math.degrees(angle):.4g} deg"
 
 
-def linked(model: Model, *, springs: bool = False, contacts: Flags | None = None) -> Flags:
-    """Free bodies that joints and tendons connect, [nb, nb].
+def groups(
+    model: Model, *, springs: bool = False, contacts: Flags | None = None,
+) -> list[Integers]:
+    """Groups of free bodies that joints and tendons connect.
 
-    Optionally also those of springs, and the pairs that may touch, ``contacts`` of
+    Optionally also springs, and the pairs that may touch, ``contacts`` of
     :func:`sandbox.model.pairs.allowed_pairs`.
     """
-    tendons, free = model.tendons, model.bodies.free
-    found = np.zeros((len(free), len(free)), dtype=bool)
+    tendons, free = model.tendons, np.flatnonzero(model.bodies.free)
+    found = np.zeros((len(model.bodies.name),) * 2, dtype=bool)
     for pairs in (model.joints.bodies, *([model.springs.bodies] if springs else [])):
         found[pairs[:, 0], pairs[:, 1]] = found[pairs[:, 1], pairs[:, 0]] = True
     for tendon in range(len(tendons.name)):
@@ -57,11 +59,4 @@ def linked(model: Model, *, springs: bool = False, contacts: Flags | None = None
     if contacts is not None:
         shaped = np.array([bool(body.shapes) for body in model.mechanism.bodies])
         found |= contacts & shaped & shaped[:, None]
-    result: Flags = found & free & free[:, None]
-    return result
-
-
-def groups(model: Model, links: Flags) -> list[Integers]:
-    """Connected components of the free bodies under ``links`` [nb, nb]."""
-    free = np.flatnonzero(model.bodies.free)
-    return [free[group] for group in connected_components(links[np.ix_(free, free)])]
+    return [free[group] for group in connected_components(found[np.ix_(free, free)])]

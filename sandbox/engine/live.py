@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from numbers import Real
 
 import numpy as np
 
 from sandbox.elements.arrays import Arrays
-from sandbox.elements.quantities import is_live
 from sandbox.engine.inspect_control import Checked, checked
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
@@ -63,7 +63,7 @@ class Live(Simulation):
     def latest(self) -> Arrays:
         """The samples of the last steps, as arrays of a recording that the next step writes over.
 
-        They are those since it was asked for, or some hundreds of them.
+        They are those since the last call, or some hundreds of them.
         """
         self._sampler.flush()
         builder, clock = self._builder, self._clock
@@ -86,19 +86,12 @@ class Live(Simulation):
 
     def names(self) -> list[str]:
         """The quantities that can be read while it goes on, pairs left out."""
-        hidden = tuple(f"{name}." for name in self._hidden())
-        return [name for name in self._catalogue.units
-                if not name.startswith(hidden) and self._readable(name)]
-
-    def _readable(self, name: str) -> bool:
-        source = self._catalogue.find(name)
-        if source.kind != "meter":
-            return is_live(source.kind, source.quantity)
-        try:
-            self._readings.of(name)
-        except KeyError:  # made of what is worked out after a run
-            return False
-        return True
+        hidden, found = tuple(f"{name}." for name in self._hidden()), []
+        for name in self._catalogue.units:
+            with suppress(KeyError):  # computed after a run
+                self._readings.of(name)
+                found.append(name)
+        return [name for name in found if not name.startswith(hidden)]
 
     # -- what may be done to it -------------------------------------------------------------
 
@@ -126,7 +119,10 @@ class Live(Simulation):
         """
         self._open("give")
         if name in self._hidden():
-            raise SceneError([self._unknown(name)])
+            known = [drive.name for drive in self.scene.drives]
+            raise SceneError([Problem(
+                "name-not-found", f"there is nothing named {quoted(name)} to set", "give",
+                allowed=listed(known) or "none: there are no drives")])
         if not _finite(value):
             raise SceneError([Problem("bad-argument", f"{value!r} is not a value for "
                                       f"{quoted(name)}", "give", allowed="a finite number")])
@@ -149,7 +145,7 @@ class Live(Simulation):
     def push(
         self, body: str, at: Sequence[float] = (0.0, 0.0), force: Sequence[float] = (0.0, 0.0),
     ) -> None:
-        """Push a body from the next step on, in place of the push before; (0, 0) lets go.
+        """Push a body from the next step on, in place of the push before; (0, 0) ends it.
 
         Args:
             body: the name of a body that moves freely.
@@ -207,22 +203,15 @@ class Live(Simulation):
     @property
     def ending(self) -> str:
         """What ended it, in words; empty while it goes on."""
-        if not self.finished:
-            return ""
-        if self._failed is not None:
-            return f"the run is over: {self._failed}"
         stop = self._steering.stopped
+        if not self.finished or self._failed is not None:
+            return f"the run is over: {self._failed}" if self._failed else ""
         by = f": {quoted(stop.event)} stopped it" if stop else ""
         because = f", {stop.because}" if stop and stop.because else ""
         return f"the run is over, at t = {self.time:.6g} s{by}{because}"
 
     def _hidden(self) -> list[str]:
         return [self.mechanism.drives[i].name for i in self._hand.tolist()]
-
-    def _unknown(self, name: str) -> Problem:
-        known = [drive.name for drive in self.scene.drives]
-        return Problem("name-not-found", f"there is nothing named {quoted(name)} to set", "give",
-                       allowed=listed(known) or "none: there are no drives")
 
     # -- once more --------------------------------------------------------------------------
 
@@ -245,10 +234,9 @@ class Live(Simulation):
         """
         other = Live(Checked(self.scene))
         for each in self.inputs:
-            if each.step >= steps:
-                break
-            other.run(each.step, progress=progress)
-            other._repeat(each)
+            if each.step < steps:
+                other.run(each.step, progress=progress)
+                other._repeat(each)
         other.run(steps, progress=progress)
         return other
 

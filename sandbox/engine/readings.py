@@ -20,18 +20,26 @@ from sandbox.numeric import Array
 from sandbox.samples.contacts import Contacts
 from sandbox.values.closures import Read, closure
 
-FORCE = {"reaction_x": "fx", "reaction_y": "fy"}
-"""Where the last step keeps these quantities of a joint."""
-RUBBED = {"friction": "force", "sticks": "sticks"}
-"""The same of those of its dry friction."""
+RESULTS: dict[tuple[str, str], tuple[str, str]] = {
+    ("joint", "reaction_x"): ("joints", "fx"), ("joint", "reaction_y"): ("joints", "fy"),
+    ("joint", "length"): ("joints", "way"), ("joint", "position"): ("joints", "way"),
+    ("joint", "friction"): ("dry_friction", "force"),
+    ("joint", "sticks"): ("dry_friction", "sticks"),
+    ("spring", "length"): ("springs", "way"),
+    ("tendon", "tension"): ("cords", "tension"), ("tendon", "length"): ("cords", "length"),
+    ("line", "pressure"): ("fluids", "pressure"), ("line", "flow"): ("fluids", "flow"),
+    ("load", "fx"): ("loads", "fx"), ("load", "fy"): ("loads", "fy"),
+    ("load", "torque"): ("loads", "torque"), ("drive", "flow"): ("pumps", "flow")}
+"""Results of the last step that are quantities as they stand: their table and column."""
+NUMBERS = {"dry_friction": "joint", "springs": "number", "loads": "number", "pumps": "drive"}
+"""Of tables that do not have a row for each element: where they keep its number."""
 
 
 class Readings:
     """Makes functions that read the state of one run.
 
     ``now`` is the instant [s], ``drive`` [nd] the drives' values in the last step, ``listed``
-    its contacts once somebody asked for them. The owner of the loop sets them after every
-    block of steps.
+    its contacts once they were read. The owner of the loop sets them after every block of steps.
     """
 
     def __init__(
@@ -62,14 +70,22 @@ class Readings:
         if not is_live(source.kind, source.quantity):
             raise KeyError(name)
         if source.quantity in TIED:
-            return self._tie(source)
+            number = self.model.ties.of(source.kind)[source.index]
+            return _item(self.tables.state.ties["held"], int(number))
+        if place := RESULTS.get((source.kind, source.quantity)):
+            return self._result(*place, source.index)
         kinds: dict[str, Callable[[Source], Read]] = {
             "body": self._body, "joint": self._joint, "spring": self._spring,
             "tendon": self._tendon, "line": self._line, "valve": self._valve,
-            "load": self._load, "drive": self._drive, "group": self._group, "pair": self._pair,
-            "meter": self._meter,
-        }
+            "drive": self._drive, "group": self._group, "pair": self._pair, "meter": self._meter}
         return kinds[source.kind](source)
+
+    def _result(self, table: str, column: str, index: int) -> Read:
+        """A result of an element."""
+        if key := NUMBERS.get(table):
+            numbers = getattr(self.tables.constants, table)[key]
+            index = int(np.flatnonzero(numbers == index)[0])
+        return _item(getattr(self.tables.result, table)[column], index)
 
     def _meter(self, source: Source) -> Read:
         mechanism = self.model.mechanism
@@ -80,21 +96,13 @@ class Readings:
         half = self.model.mechanism.run.step / 2
         return (lambda: max(self.now - half, 0.0)) if name == "t" else self._named(name)
 
-    def _tie(self, source: Source) -> Read:
-        number = self.model.ties.of(source.kind)[source.index]
-        return _item(self.tables.state.ties["held"], int(number))
-
     def _drive(self, source: Source) -> Read:
-        index, constants, result = source.index, self.tables.constants, self.tables.result
-        if source.quantity == "flow":
-            return _item(result.pumps["flow"], int(np.flatnonzero(
-                constants.pumps["drive"] == index)[0]))
-        if source.quantity in ("torque", "force"):
-            actions = constants.actions
-            row = int(np.flatnonzero((actions["drive"] == index) & (actions["motor"] >= 0))[0])
-            sense, given = float(actions["sense"][row]), _item(result.actions["torque"], row)
-            return lambda: sense * given()
-        return lambda: self.drive.item(index)
+        if source.quantity == "value":
+            return lambda: self.drive.item(source.index)
+        actions = self.tables.constants.actions
+        row = int(np.flatnonzero((actions["drive"] == source.index) & (actions["motor"] >= 0))[0])
+        sense, given = float(actions["sense"][row]), self._result("actions", "torque", row)
+        return lambda: sense * given()
 
     def _body(self, source: Source) -> Read:
         index, state = source.index, self.tables.state
@@ -118,74 +126,44 @@ class Readings:
         return lambda: float(self.contacts.of_body(index, touch)[0])
 
     def _joint(self, source: Source) -> Read:
-        joints, state, index = self.model.joints, self.tables.state, source.index
-        if source.quantity == "reaction":
-            force = self.tables.result.joints
-            x, y = _item(force["fx"], index), _item(force["fy"], index)
-            return lambda: math.hypot(x(), y())
-        if source.quantity in FORCE:
-            return _item(self.tables.result.joints[FORCE[source.quantity]], index)
-        if source.quantity == "tension":
-            return self._link(index)
-        if source.quantity == "length":
-            return _item(self.tables.result.joints["way"], index)
-        if source.quantity in RUBBED:
-            row = int(np.searchsorted(self.tables.constants.dry_friction["joint"], index))
-            rubs = self.tables.result.dry_friction
-            return _item(rubs[RUBBED[source.quantity]], row) if row < len(rubs) else lambda: 0.0
+        joints, index = self.model.joints, source.index
         a, b = self.world.number[joints.bodies[index]].tolist()
-        if source.quantity == "speed":
-            return self._speed(index, a, b)
+        item, mean = self.tables.state.body.item, self.tables.result.before.item
+        fx, fy, dx, dy, ta, tb = (_item(self.tables.result.joints[name], index)
+                                  for name in ("fx", "fy", "dx", "dy", "ta", "tb"))
         sense, zero = joints.sense[index].item(), joints.zero[index].item()
-        item, mean = state.body.item, self.tables.result.before.item
-        if source.quantity == "angle":
-            return lambda: sense * (item(b, 2) - item(a, 2)) - zero
-        return lambda: 0.5 * sense * (item(b, 5) + mean(b, 2) - item(a, 5) - mean(a, 2))
-
-    def _link(self, joint: int) -> Read:
-        """Tension of a joint along a line: its force on ``b``, positive towards ``a``."""
-        fx, fy, dx, dy = (_item(self.tables.result.joints[name], joint)
-                          for name in ("fx", "fy", "dx", "dy"))
 
         def tension() -> float:
+            """Along the line: the force on ``b``, positive towards ``a``."""
             size = math.hypot(fx(), fy())
             return -size if dx() * fx() + dy() * fy() > 0 else size
 
-        return tension
+        def rate(n: int, j: int) -> float:
+            return 0.5 * (item(n, 3 + j) + mean(n, j))
 
-    def _speed(self, joint: int, a: int, b: int) -> Read:
-        """At which an actuator between two bodies of pymunk's grows longer."""
-        body, before = self.tables.state.body.item, self.tables.result.before.item
-        dx, dy, ta, tb = (_item(self.tables.result.joints[name], joint)
-                          for name in ("dx", "dy", "ta", "tb"))
+        def speed() -> float:
+            """At which an actuator grows longer."""
+            return (dx() * (rate(b, 0) - rate(a, 0)) + dy() * (rate(b, 1) - rate(a, 1))
+                    + ta() * mean(a, 2) + tb() * mean(b, 2))
 
-        def mean(n: int, j: int) -> float:
-            return 0.5 * (body(n, 3 + j) + before(n, j))
-
-        return lambda: (dx() * (mean(b, 0) - mean(a, 0)) + dy() * (mean(b, 1) - mean(a, 1))
-                        + ta() * mean(a, 2) + tb() * mean(b, 2))
+        return {
+            "reaction": lambda: math.hypot(fx(), fy()), "tension": tension, "speed": speed,
+            "angle": lambda: sense * (item(b, 2) - item(a, 2)) - zero,
+            "rate": lambda: 0.5 * sense * (item(b, 5) + mean(b, 2) - item(a, 5) - mean(a, 2)),
+        }[source.quantity]
 
     def _spring(self, source: Source) -> Read:
-        springs = self.model.springs
-        if source.quantity in ("length", "force"):
-            rows, result = self.tables.constants.springs, self.tables.result.springs
-            row = int(np.flatnonzero(rows["number"] == source.index)[0])
-            if source.quantity == "length":
-                return _item(result["way"], row)
-            effort = _item(result["effort"], row)
+        if source.quantity == "force":
+            effort = self._result("springs", "effort", source.index)
             return lambda: 0.0 - effort()
-        return self._named(f"{self.model.joints.name[springs.joint[source.index]]}.angle")
+        joint = self.model.springs.joint[source.index]
+        return self._named(f"{self.model.joints.name[joint]}.angle")
 
     def _tendon(self, source: Source) -> Read:
-        cords = self.tables.result.cords
         if at := numbered("tendon", source.quantity):
             return self._at_guide(source.index, *at)
-        if source.quantity == "tension":
-            return _item(cords["tension"], source.index)
-        length = _item(cords["length"], source.index)
+        length = self._result("cords", "length", source.index)
         start = float(self.sampler.builder.statics["tendon_initial"][source.index])
-        if source.quantity == "length":
-            return length
         wound = self._wound_up(source.index)
         return (lambda: start - length() + wound()) if wound else lambda: start - length()
 
@@ -205,19 +183,12 @@ class Readings:
         return lambda: last() - sum(force() for force in behind)
 
     def _line(self, source: Source) -> Read:
-        lines = self.tables.result.fluids
-        if source.quantity == "volume":
-            grown, volume = _item(lines["grown"], source.index), float(
-                self.model.lines.volume[source.index])
-            return lambda: volume + grown()
-        return _item(lines[source.quantity], source.index)
+        grown = self._result("fluids", "grown", source.index)
+        volume = float(self.model.lines.volume[source.index])
+        return lambda: volume + grown()
 
     def _valve(self, source: Source) -> Read:
         return _item(self.tables.state.valves["flow"], source.index)
-
-    def _load(self, source: Source) -> Read:
-        row = int(np.flatnonzero(self.tables.constants.loads["number"] == source.index)[0])
-        return _item(self.tables.result.loads[source.quantity], row)
 
     def _wound_up(self, tendon: int) -> Read | None:
         """What wheels at a tendon's ends have wound up since t = 0 [m]; None without such."""

@@ -5,11 +5,10 @@ that of t = -h/2. With the pose x0 and the velocity v0 of t = 0 and the accelera
 
     x = x0 - h/2 v0 + h^2/8 a
 
-which leads to x0 + h/2 v0 + h^2/8 a in the first step. What a is the first step itself tells,
-(v1 - v0) / h; it is made a few times over, because joints that were not yet closed falsify it.
-A blow is no acceleration: nothing is moved where a body is hit in the first step, and a motor
-that is to turn at once at a speed that its hinge does not have, and can, is asked for that much
-less while the step is tried.
+which leads to x0 + h/2 v0 + h^2/8 a in the first step. The first step itself gives
+a = (v1 - v0) / h; it is repeated, because joints that are not yet closed falsify it. An impact is
+no acceleration: a body that is hit in the first step is not moved, and the speed of a motor whose
+hinge begins at another speed is reduced by the difference in these trials.
 """
 
 from __future__ import annotations
@@ -64,7 +63,7 @@ def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Ar
 def _jumps(tables: Tables, body: Array, drive: Array) -> Array:
     """By how much motors that kept their speed in the step just made began beside it, [nd].
 
-    What is asked for at t = 0 follows from the ends of the first two steps.
+    The speed at t = 0 follows from those at the ends of the first two steps.
     """
     result, motors = np.zeros(drive.shape[1]), tables.constants.motors
     begins = 2 * drive[0] - drive[-1]

@@ -1,8 +1,7 @@
-"""A mechanism that is put to poses and asked what acts there: the engine without its clock.
+"""Forces in given poses of a mechanism: the engine without its clock.
 
-Each step begins where the bodies were put, at the speeds that they were given, with drives at
-values that are handed over; what the solve of the step finds there is what it finds in a run.
-Controllers and events do nothing, and nothing moves before it is told to.
+Each step begins at given poses and speeds, with given values of the drives, and is solved as in a
+run. Controllers and events do nothing.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from sandbox.samples.outcome import Outcome, status_of
 from sandbox.scene.mechanism import Mechanism
 
 UNDAMPED = 1e-9
-"""Of a hinge's damping: what it does at rest is nothing, and on the way there it would delay."""
+"""Share of a hinge's damping: it has no effect at rest, and would only delay that."""
 
 
 class Still(Simulation):
@@ -57,7 +56,7 @@ class Still(Simulation):
 
     @property
     def margin(self) -> float:
-        """How far off a contact is seen coming, at least [m]; inf without shapes."""
+        """Least distance at which contacts are detected [m]; inf without shapes."""
         return float(self._world.shape_tables.shapes["margin"].min(initial=np.inf))
 
     @property
@@ -77,7 +76,7 @@ class Still(Simulation):
         self._wake()
 
     def slow(self, share: float) -> None:
-        """Leave the bodies so much of their speed."""
+        """Multiply the speeds of the bodies by a share."""
         self._world.velocity[:] = share * self._world.body[:, 3:]
         self._world.write()
         self._wake()
@@ -101,7 +100,7 @@ class Still(Simulation):
             drive: values of all drives, [nd].
             speeds: that scheduled bodies have after each, [ns, 3]; none by default.
             count: how many.
-            kept: whether the last is what :meth:`recording` tells of.
+            kept: whether :meth:`recording` has the last.
 
         Raises:
             SimulationDiverged: the motion stopped being finite.
@@ -126,7 +125,7 @@ class Still(Simulation):
             self._enlarge()
 
     def recording(self) -> Recording:
-        """The one sample that the last step left which was ``kept``."""
+        """The sample of the last step that was ``kept``."""
         builder = RecordingBuilder(self.mechanism, 1, self._statics(), model=self._model)
         self._sampler.builder = builder
         self._sampler.write()

@@ -19,8 +19,8 @@ from typing import Literal
 
 import numpy as np
 
+from sandbox.model.joints import sliding, turning
 from sandbox.model.model import NONE, Model
-from sandbox.model.starts import sliding, turning
 from sandbox.numeric import Array
 from sandbox.scene.geometry import Pose, Vec, to_body, to_world
 

@@ -1,4 +1,4 @@
-"""The catalogue: every quantity that a run of a mechanism can be asked for, with its unit.
+"""The catalogue: every quantity of a run of a mechanism, with its unit.
 
 A name is ``<element>.<quantity>``; the element is the longest element name
 that leaves a quantity which that element has. Pairs are ``<body>/<body>.normal``
@@ -56,7 +56,7 @@ class UnknownQuantityError(SandboxError, KeyError):
 
 @dataclass(frozen=True)
 class CatalogueEntry:
-    """A named part of a mechanism and what can be asked of it."""
+    """A named part of a mechanism and its quantities."""
 
     kind: str
     """``body``, ``joint``, ``spring``, ``tendon``, ``line``, ``valve``, ``load``, ``drive``,
@@ -88,6 +88,8 @@ class Catalogue:
         self.elements: dict[str, CatalogueEntry] = {}
         for name, element in _elements(mechanism):
             self.elements.setdefault(name, element)
+        self.hinted = 0
+        """Number of problems so far of unknown names."""
         self._bodies = {body.name: index for index, body in enumerate(mechanism.bodies)}
 
     @cached_property
@@ -112,11 +114,9 @@ class Catalogue:
         return {kind: [f"{name}.{quantity}" if quantity else name
                        for name, element in self.elements.items()
                        if element.kind == kind and quantity in element.quantities
-                       and not (kind == "body" and self._fixed(element.index))]
+                       and not (kind == "body"
+                                and self.mechanism.bodies[element.index].motion == "fixed")]
                 for kind, quantity in USUAL.items()}
-
-    def _fixed(self, body: int) -> bool:
-        return self.mechanism.bodies[body].motion == "fixed"
 
     @cached_property
     def _sorted(self) -> list[str]:
@@ -167,21 +167,24 @@ class Catalogue:
                    for some, others in ((firsts, seconds), (seconds, firsts))
                    for i in some if bodies[i].motion == "dynamic")
 
+    @cached_property
+    def _words(self) -> list[str]:
+        words = dict.fromkeys(word for name in self.units for word in name.split("."))
+        return list(itertools.islice(words, MOST_COMPARED))
+
     def near(self, name: str) -> str:
-        """The most similar quantity name, or nothing; quick on large mechanisms."""
-        if is_pattern(name):
-            return self._near_pattern(name)
-        if "/" in name:
+        """A quantity or a pattern that fits, with a word mended; quick on large mechanisms."""
+        if "/" in name and not is_pattern(name):
             return self._near_pair(name)
-        for head, element in self._prefixes(name):
+        for head, element in () if is_pattern(name) else self._prefixes(name):
             if close := nearest(name[len(head) + 1:], element.quantities):
                 return f"{head}.{close}"
-        for head, tail in _tails(name):
-            heads = itertools.islice(self.elements, MOST_COMPARED)
-            for close_head in difflib.get_close_matches(head, heads, n=3, cutoff=0.7):
-                candidate = f"{close_head}.{tail}" if tail else close_head
-                if self._plain(candidate) is not None:
-                    return candidate
+        words = name.split(".")
+        for i, word in reversed(list(enumerate(words))):
+            for close in [] if is_pattern(word) else difflib.get_close_matches(word, self._words):
+                mended = ".".join([*words[:i], close, *words[i + 1:]])
+                if self.fits(mended):
+                    return mended
         return ""
 
     def _near_pair(self, name: str) -> str:
@@ -240,15 +243,6 @@ class Catalogue:
                 return listed(own, most=MOST_QUANTITIES)
         return f"a quantity of {listed(self.elements)}" if self.elements else ""
 
-    def _near_pattern(self, pattern: str) -> str:
-        """The pattern with its last word mended, if that makes it fit something."""
-        head, _, tail = pattern.rpartition(".")
-        words = sorted({name.rpartition(".")[2] for name in self.units})
-        for word in difflib.get_close_matches(tail, words, n=3):
-            if self.match(f"{head}.{word}"):
-                return f"{head}.{word}"
-        return ""
-
     def _prefixes(self, name: str) -> Iterator[tuple[str, CatalogueEntry]]:
         """The element names that ``name`` begins with, longest first."""
         head = name
@@ -302,25 +296,6 @@ class Catalogue:
                         yield f"{bodies[other].name}/{bodies[one].name}.{quantity}"
 
 
-def catalogue(mechanism: Mechanism) -> dict[str, str]:
-    """Name to unit of every quantity that a run of ``mechanism`` has (pairs left out)."""
-    return dict(Catalogue(mechanism).units)
-
-
-def split(name: str, mechanism: Mechanism) -> tuple[str, int, str]:
-    """The kind, the place among its kind, and the quantity that ``name`` asks for.
-
-    Of a pair ``a/b.normal`` it is ``("pair", place of a, "b.normal")``.
-
-    Raises:
-        UnknownQuantityError: not in the catalogue.
-    """
-    source = Catalogue(mechanism).find(name)
-    if source.kind == "pair":
-        return "pair", source.index, name.partition("/")[2]
-    return source.kind, source.index, source.quantity
-
-
 def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
     ties = {name: {key: row.unit for key, row in TIED.items()} for name in mechanism.releasable}
     for i, body in enumerate(mechanism.bodies):
@@ -345,15 +320,6 @@ def grasp_of(body: Body) -> dict[str, str]:
     if body.role != "object" or not body.shapes:
         return {}
     return grasp_quantities(free=body.motion == "dynamic")
-
-
-def _tails(name: str) -> Iterator[tuple[str, str]]:
-    """Ways to cut a name: all of it, and before its last one or two words."""
-    yield name, ""
-    words = name.split(".")
-    for count in (1, 2):
-        if len(words) > count:
-            yield ".".join(words[:-count]), ".".join(words[-count:])
 
 
 MOST_SHOWN = 4
@@ -382,18 +348,3 @@ def unit_of(catalogue: Catalogue, names: Sequence[str], pattern: str) -> str:
         f"{pattern!r} fits quantities of {len(units)} units ({', '.join(shown)}"
         f"{', …' if len(units) > MOST_SHOWN else ''}), which make no array: ask for those of one "
         "unit, such as '*.angle', or for a table with to_pandas()")
-
-
-def near_pattern(catalogue: Catalogue, pattern: str) -> str:
-    """A pattern with one of its words mended, if that makes it fit something; or a near miss."""
-    if hint := catalogue.near(pattern):
-        return hint
-    known = dict.fromkeys(word for name in catalogue.units for word in name.split("."))
-    words = pattern.split(".")
-    for i, word in enumerate(words):
-        for close in [] if is_pattern(word) else difflib.get_close_matches(
-                word, itertools.islice(known, MOST_COMPARED)):
-            mended = ".".join([*words[:i], close, *words[i + 1:]])
-            if catalogue.fits(mended):
-                return mended
-    return ""

@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
-from sandbox.elements.element import NAMED, NO_POINT, RELEASABLES, Vec
+from sandbox.elements.element import NAMED, RELEASABLES, Vec
 from sandbox.elements.joint import Anchors
 from sandbox.model.laws import SpringLaw, law_of
 from sandbox.model.loads import compile_loads
 from sandbox.model.model import (
     NONE,
     Bodies,
+    Chambers,
     Drives,
     Joints,
     Lines,
@@ -27,32 +28,10 @@ from sandbox.model.model import (
     columns_of,
 )
 from sandbox.model.ties import compile_ties
+from sandbox.numeric import Integers
 from sandbox.scene.geometry import anchors, mass_properties, pose_of, to_body, to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.paths import path_through
-
-NAN = math.nan
-JOINT_COLUMNS: Mapping[str, Any] = {
-    "turns": True, "sense": NAN, "zero": NAN, "stops": NO_POINT, "damping": 0.0,
-    "groove": (NO_POINT, NO_POINT), "reach": NO_POINT, "radii": NO_POINT, "inside": False,
-    "pressure": NAN, "play": 0.0, "stiffness": NAN, "along": NO_POINT, "friction": 0.0,
-    "rubbing": 0.0, "static": 1.0}
-"""Columns of joints that their kind fills in; the values stand for kinds without them."""
-SPRING_COLUMNS: Mapping[str, Any] = {
-    "bodies": (NONE, NONE), "anchor": (NO_POINT, NO_POINT), "joint": NONE, "rest": NAN,
-    "start": NAN}
-CHAMBER_COLUMNS: Mapping[str, Any] = {
-    "bodies": (NONE, NONE), "anchor": (NO_POINT, NO_POINT), "joint": NONE, "gain": NAN,
-    "start": NAN}
-DRIVE_COLUMNS: Mapping[str, Any] = {
-    "shape": NONE, "at": NO_POINT, "direction": NO_POINT, "turning": False, "most": NAN,
-    "slope": NAN, "stiffness": NAN, "damping": 0.0, "fastest": math.inf, "resistance": NAN,
-    "sense": NAN}
-
-
-class _HasName(Protocol):
-    @property
-    def name(self) -> str: ...
 
 
 def compile_mechanism(mechanism: Mechanism) -> Model:
@@ -68,7 +47,7 @@ def compile_mechanism(mechanism: Mechanism) -> Model:
     scope = Scope(mechanism, names, joints)
     drives = _drives(scope)
     parts = (bodies, joints, _springs(scope), _tendons(scope),
-             compile_lines(scope, drives), compile_valves(scope, drives),
+             _lines(scope, drives), _valves(scope),
              compile_loads(mechanism, bodies), drives, compile_ties(mechanism))
     for part in parts:
         for field in fields(part):
@@ -97,11 +76,11 @@ class Scope:
         return to_world(pose_of(self.mechanism.bodies[self.names.body[body]]), point)
 
 
-def _numbers(elements: Sequence[_HasName]) -> dict[str, int]:
+def _numbers(elements: Sequence[Any]) -> dict[str, int]:
     return {element.name: i for i, element in enumerate(elements)}
 
 
-def _names(elements: Sequence[_HasName]) -> tuple[str, ...]:
+def _names(elements: Sequence[Any]) -> tuple[str, ...]:
     return tuple(element.name for element in elements)
 
 
@@ -115,6 +94,11 @@ def _ints(rows: Iterable[Any], *shape: int) -> Any:
 
 def _flags(rows: Iterable[bool]) -> Any:
     return np.array(list(rows), dtype=np.bool_)
+
+
+def _first(counts: Iterable[int]) -> Integers:
+    """Where parts of elements begin that stand side by side, and the end of the last one's."""
+    return np.cumsum([0, *counts], dtype=np.int64)
 
 
 def _bodies(mechanism: Mechanism) -> Bodies:
@@ -140,15 +124,14 @@ def _joints(mechanism: Mechanism, names: Names) -> Joints:
         at_a = to_world(pose_of(a), on_a)
         distance = math.dist(at_a, to_world(pose_of(b), on_b))
         rows.append(joint.columns(Anchors(on_a, on_b, to_body(pose_of(b), at_a), distance)))
-    columns = columns_of(rows, JOINT_COLUMNS)
+    columns = columns_of(Joints, joints, rows)
     kinds = tuple(joint.facts for joint in joints)
     return Joints(
         name=_names(joints), kind=kinds, bodies=_ints(numbers, 2), anchor=_floats(held, 2, 2),
         angle=_flags(kind.angle for kind in kinds),
         start=columns["sense"] * _floats(b.angle - a.angle for a, b in ends) - columns["zero"],
         path=tuple(None if points is None else path_through(points, closed=closed)
-                   for points, closed in (joint.path_points() for joint in joints)),
-        collide=_flags(joint.collide for joint in joints), **columns)
+                   for points, closed in (joint.path_points() for joint in joints)), **columns)
 
 
 def _springs(scope: Scope) -> Springs:
@@ -157,21 +140,22 @@ def _springs(scope: Scope) -> Springs:
     kinds = tuple(spring.facts for spring in springs)
     laws = tuple(law_of(spring, tuple(mechanism.tables), mechanism.functions)
                  for spring in springs)
-    setters = _setters(mechanism, "springs", "stiffness")
     return Springs(
         name=_names(springs), kind=kinds, straight=_flags(kind.straight for kind in kinds),
         stiffness=_floats(_slope(law, row) if spring.stiffness is None else spring.stiffness
                           for spring, law, row in zip(springs, laws, rows, strict=True)),
         damping=_floats(0.0 if law else spring.damping
                         for spring, law in zip(springs, laws, strict=True)),
-        drive=_ints(setters.get(spring.name, NONE) for spring in springs), law=laws,
-        **columns_of(rows, SPRING_COLUMNS))
+        drive=_setters(mechanism, "springs", "stiffness"), law=laws,
+        **columns_of(Springs, springs, rows))
 
 
-def _setters(mechanism: Mechanism, among: str, gives: str) -> dict[str, int]:
-    """Numbers of the drives that set something of elements of a list, by their names."""
-    return {drive.target[1]: i for i, drive in enumerate(mechanism.drives)
-            if drive.kind.gives == gives and drive.kind.target.among == among}
+def _setters(mechanism: Mechanism, among: str, gives: str) -> Integers:
+    """Of each element of a list the drive that gives it something, or -1."""
+    drives = {drive.target[1]: i for i, drive in enumerate(mechanism.drives)
+              if drive.kind.gives == gives and drive.kind.target.among == among}
+    found: Integers = _ints(drives.get(each.name, NONE) for each in getattr(mechanism, among))
+    return found
 
 
 def _slope(law: SpringLaw | None, row: Mapping[str, float]) -> float:
@@ -186,11 +170,10 @@ def _slope(law: SpringLaw | None, row: Mapping[str, float]) -> float:
 def _tendons(scope: Scope) -> Tendons:
     mechanism, names, tendons = scope.mechanism, scope.names, scope.mechanism.tendons
     guides = [guide for tendon in tendons for guide in tendon.path]
-    first = np.cumsum([0, *(len(tendon.path) for tendon in tendons)], dtype=np.int64)
-    pulls, setters = (_setters(mechanism, "tendons", gives) for gives in ("tension", "stiffness"))
+    first = _first(len(tendon.path) for tendon in tendons)
+    each = list(zip(first.tolist(), tendons, strict=False))
     return Tendons(
-        name=_names(tendons),
-        first=first,
+        name=_names(tendons), first=first,
         guide_body=_ints(names.body[guide.body] for guide in guides),
         guide_at=_floats((guide.at for guide in guides), 2),
         guide_radius=_floats((-1.0 if guide.side == "left" else 1.0) * guide.radius
@@ -198,62 +181,42 @@ def _tendons(scope: Scope) -> Tendons:
         guide_turns=_ints(
             guide.turns if tendon.closed or 0 < k < len(tendon.path) - 1 else 0
             for tendon in tendons for k, guide in enumerate(tendon.path)),
-        closed=_flags(tendon.closed for tendon in tendons),
-        grips=_ints(start + k for start, tendon in zip(first.tolist(), tendons, strict=False)
-                    for k in tendon.gripping),
+        grips=_ints(start + k for start, tendon in each for k in tendon.gripping),
         friction=_floats(tendon.guides[k].friction for tendon in tendons for k in tendon.gripping),
-        wheels=_ints(start + k for start, tendon in zip(first.tolist(), tendons, strict=False)
-                     for k in tendon.lifting),
-        pretension=_floats(NAN if tendon.pretension is None else tendon.pretension
-                           for tendon in tendons),
-        stiffness=_floats(tendon.stiffness for tendon in tendons),
-        damping=_floats(tendon.damping for tendon in tendons),
-        rest=_floats(NAN if tendon.rest_length is None else tendon.rest_length
-                     for tendon in tendons),
-        slack=_floats(tendon.slack for tendon in tendons),
-        drive=_ints(pulls.get(tendon.name, NONE) for tendon in tendons),
-        stiffener=_ints(setters.get(tendon.name, NONE) for tendon in tendons))
+        wheels=_ints(start + k for start, tendon in each for k in tendon.lifting),
+        drive=_setters(mechanism, "tendons", "tension"),
+        stiffener=_setters(mechanism, "tendons", "stiffness"),
+        **columns_of(Tendons, tendons))
 
 
 def _drives(scope: Scope) -> Drives:
     drives = scope.mechanism.drives
     kinds = tuple(drive.kind for drive in drives)
-    targets = [drive.target for drive in drives]
     return Drives(
         name=_names(drives), kind=kinds, floor=_floats(kind.floor for kind in kinds),
-        target=_ints(scope.number(reference.among, name) for reference, name in targets),
-        **columns_of([drive.columns() for drive in drives], DRIVE_COLUMNS))
+        target=_ints(scope.number(reference.among, name)
+                     for reference, name in (drive.target for drive in drives)),
+        **columns_of(Drives, drives))
 
 
-def compile_lines(scope: Scope, drives: Drives) -> Lines:
-    """The lines of a mechanism whose references are right."""
+def _lines(scope: Scope, drives: Drives) -> Lines:
     lines = scope.mechanism.lines
-    chambers = [chamber.columns(scope) for line in lines for chamber in line.chambers]
+    chambers = [chamber for line in lines for chamber in line.chambers]
     volume = _floats(line.volume_at(scope.world) for line in lines)
     given = {int(drives.target[i]): i for i in drives.giving("pressure").tolist()
              if drives.resistance[i] == 0.0}
-
     return Lines(
-        name=_names(lines),
-        first=np.cumsum([0, *(len(line.chambers) for line in lines)], dtype=np.int64),
-        **columns_of(chambers, CHAMBER_COLUMNS), volume=volume,
+        name=_names(lines), first=_first(len(line.chambers) for line in lines), volume=volume,
         compliance=_floats(line.compliance(v) for line, v in zip(lines, volume, strict=True)),
-        gas=_floats(NAN if line.gas is None else line.gas for line in lines),
-        pressure=_floats(line.pressure for line in lines),
-        least=_floats(line.least for line in lines),
-        most=_floats(math.inf if line.relief is None else line.relief for line in lines),
-        drive=_ints(given.get(i, NONE) for i in range(len(lines))))
+        drive=_ints(given.get(i, NONE) for i in range(len(lines))),
+        **columns_of(Lines, lines),
+        **columns_of(Chambers, chambers, [chamber.columns(scope) for chamber in chambers]))
 
 
-def compile_valves(scope: Scope, drives: Drives) -> Valves:
-    """The valves of a mechanism whose references are right."""
+def _valves(scope: Scope) -> Valves:
     valves, names = scope.mechanism.valves, scope.names
-    setters = {int(drives.target[i]): i for i in drives.giving("opening").tolist()}
     return Valves(
         name=_names(valves),
         lines=_ints(([NONE if line is None else names.line[line] for line in (valve.a, valve.b)]
                      for valve in valves), 2),
-        resistance=_floats(valve.resistance for valve in valves),
-        orifice=_floats(valve.orifice for valve in valves),
-        one_way=_flags(valve.one_way for valve in valves),
-        drive=_ints(setters.get(i, NONE) for i in range(len(valves))))
+        drive=_setters(scope.mechanism, "valves", "opening"), **columns_of(Valves, valves))

@@ -1,4 +1,4 @@
-"""Geometry of joints in poses of a mechanism: anchors, wheels, forces along a line."""
+"""Geometry of joints in poses: anchors, wheels, forces along a line; their speeds at t = 0."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from sandbox.elements.arrays import Arrays
 from sandbox.mechanics.teeth import Flank, gear_flank, nearest, rack_flank, rolled
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
+from sandbox.scene.geometry import Vec
 from sandbox.scene.outlines.curves import flattened
 
 CHORDS = 1e-3
@@ -227,3 +228,42 @@ def slot_length(model: Model, joint: int) -> float:
         return float("inf") if path.closed else path.length
     start, end = model.joints.groove[joint]
     return float(np.hypot(*(end - start)))
+
+
+def spin(model: Model, body: int) -> float:
+    """Of a body at t = 0, counter-clockwise [rad/s]; 0 of what does not move freely."""
+    return model.mechanism.bodies[body].angular_velocity if model.bodies.free[body] else 0.0
+
+
+def turning(model: Model, joint: int) -> float:
+    """At which ``b`` of a joint turns against ``a`` at t = 0, counter-clockwise [rad/s]."""
+    a, b = model.joints.bodies[joint].tolist()
+    return spin(model, b) - spin(model, a)
+
+
+def sliding(model: Model, joint: int) -> float:
+    """At which the point of a slot runs along it at t = 0 [m/s]; 0 where that has no length."""
+    there, place = place_in_slot(model, joint, model.bodies.pose), model.ends(joint)[1]
+    (ax, ay), (bx, by) = (_velocity(model, body, place)
+                          for body in model.joints.bodies[joint].tolist())
+    return float((bx - ax) * there.x + (by - ay) * there.y)
+
+
+def lengthening(model: Model, joint: int) -> float:
+    """At which the two points of a joint separate at t = 0 [m/s]; 0 where they are one."""
+    one, two = model.ends(joint)
+    (ax, ay), (bx, by) = (_velocity(model, body, place) for body, place in zip(
+        model.joints.bodies[joint].tolist(), (one, two), strict=True))
+    x, y = two[0] - one[0], two[1] - one[1]
+    length = math.hypot(x, y)
+    return ((bx - ax) * x + (by - ay) * y) / length if length > 0 else 0.0
+
+
+def _velocity(model: Model, body: int, place: Vec) -> Vec:
+    """Of a body's point that is at a ``place`` of the world at t = 0 [m/s]."""
+    if not model.bodies.free[body]:
+        return 0.0, 0.0
+    (x, y), (vx, vy) = (model.at_start(body, model.bodies.centre[body]),
+                        model.mechanism.bodies[body].velocity)
+    w = spin(model, body)
+    return vx - w * (place[1] - y), vy + w * (place[0] - x)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -16,7 +15,6 @@ from sandbox.scene.geometry import corners
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.rings import wound
 
-LOAD_COLUMNS: Mapping[str, Any] = {"turning": False, "per_mass": False, "level": math.nan}
 Arc = tuple[float, float, float, float, float]
 """x, y of its centre, its first and last angle, its radius; of a straight side, with a radius of 0,
 its two ends."""
@@ -37,7 +35,7 @@ def compile_loads(mechanism: Mechanism, bodies: Bodies) -> BodyLoads:
         name=tuple(f"{mechanism.loads[i].name}.{mechanism.bodies[body].name}"
                    for i, body in pairs),
         load=load.copy(), body=on.copy(), at=np.array(at, dtype=float).reshape(-1, 2),
-        **columns_of([row for _, row, _ in found], LOAD_COLUMNS),
+        **columns_of(BodyLoads, [None] * len(found), [row for _, row, _ in found]),
         law=tuple(law for law, _, _ in found),
         lift=np.array([row.get("weight", math.nan) * body.thickness for _, row, body in found],
                       dtype=float),

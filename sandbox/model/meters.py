@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator
+from contextlib import suppress
+from graphlib import CycleError, TopologicalSorter
+from typing import TypeVar
 
 import numpy as np
 
+from sandbox.elements.quantities import is_live
 from sandbox.errors import Problem
 from sandbox.model.catalogue import PAIR, Catalogue
 from sandbox.numeric import Array
@@ -16,6 +20,7 @@ from sandbox.values.expressions import RESERVED, names_in, parse_expression
 from sandbox.values.units import UNITS, Measured, factor_of
 from sandbox.wording import MOST_HINTED, WrongValueError, is_pattern, listed, quoted
 
+_Node = TypeVar("_Node", bound=Hashable)
 _QUOTIENT = re.compile(r"([A-Za-z_][\w.]*) */ *([A-Za-z_][\w.]*)")
 
 
@@ -32,61 +37,49 @@ def quotients(text: str) -> list[str]:
     return sorted({f"{one}/{other}" for one, other in _QUOTIENT.findall(text)})
 
 
-def no_pair(
-    pair: str, path: str, itself: str = "an expectation may use the pair itself",
-) -> Problem:
-    """The problem of a quantity of a pair in an expression; ``itself`` says where it is allowed."""
-    first, _, rest = pair.partition("/")
-    second, _, quantity = rest.rpartition(".")
-    sums = " or ".join(quoted(f"{body}.contact.{quantity}") for body in (first, second))
-    return Problem("bad-quantity", f"'/' divides in an expression, so that {quoted(pair)} is no "
-                   "pair there", path, allowed=f"{sums}, the sums of all that touches one of them; "
-                   f"{itself}")
-
-
 def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:
     """The order in which to evaluate meters, and the cycles among them, as indices.
 
     A meter comes after those that it reads. Meters of a cycle, and those that read them, are not in
-    the order.
+    the order. There is one cycle for every set of meters that depend on each other.
     """
     place: dict[str, int] = {}
     for index, meter in enumerate(mechanism.meters):
         place.setdefault(meter.name, index)
-    reads = [sorted(place[name] for name in names_read(meter) & place.keys())
-             for meter in mechanism.meters]
-    readers: list[list[int]] = [[] for _ in reads]
-    for index, others in enumerate(reads):
-        for other in others:
-            readers[other].append(index)
-    missing = [len(others) for others in reads]
-    done: list[int] = []
-    step = [index for index, count in enumerate(missing) if not count]
-    while step:  # meters that read only earlier ones
-        done += step
-        following = []
-        for index in step:
-            for reader in readers[index]:
-                missing[reader] -= 1
-                if not missing[reader]:
-                    following.append(reader)
-        step = sorted(following)
-    return done, _circles(reads, [index for index, count in enumerate(missing) if count])
+    reads = {index: sorted(place[name] for name in names_read(meter) & place.keys())
+             for index, meter in enumerate(mechanism.meters)}
+    sorter, done = TopologicalSorter(reads), list[int]()
+    circles = list(rings(reads, reads.__getitem__))
+    with suppress(CycleError):  # it goes on as far as there is no cycle
+        sorter.prepare()
+    while ready := sorted(sorter.get_ready()):
+        done += ready
+        sorter.done(*ready)
+    return done, circles
 
 
-def _circles(reads: list[list[int]], waiting: list[int]) -> list[list[int]]:
-    """One cycle for every set of meters that depend on each other."""
-    stuck, seen, found = set(waiting), set[int](), []
-    for start in waiting:
-        path: list[int] = []
-        index = start
-        while index not in seen:
-            seen.add(index)
-            path.append(index)
-            index = next(other for other in reads[index] if other in stuck)
-        if index in path:
-            found.append(path[path.index(index):])
-    return found
+def rings(
+    starts: Iterable[_Node], nexts: Callable[[_Node], Iterable[_Node]],
+) -> Iterator[list[_Node]]:
+    """Chains of a graph that lead back into themselves; every node is followed once."""
+    done: set[_Node] = set()
+    for start in starts:
+        chain: dict[_Node, Iterator[_Node]] = {} if start in done else {start: iter(nexts(start))}
+        while chain:
+            node = next(reversed(chain))
+            following = next(chain[node], None)
+            if following is None:
+                done.add(node)
+                del chain[node]
+            elif following in chain:
+                nodes = list(chain)
+                ring = nodes[nodes.index(following):]
+                yield ring
+                done.update(ring)
+                for member in ring:
+                    del chain[member]
+            elif following not in done:
+                chain[following] = iter(nexts(following))
 
 
 def evaluate(
@@ -110,20 +103,15 @@ def evaluate(
             result[:, index] = expression.evaluate({**tables, **values}, finite=False)
         except (KeyError, ValueError) as error:
             notes[index] = f"meter {meter.name!r} has no value: {error}"
-        known[meter.name] = result[:, index]
-        _blank(result[:, index], time, meter.name, notes, index)
+        column = known[meter.name] = result[:, index]
+        bad = ~np.isfinite(column)
+        column[bad] = np.nan
+        if index not in notes and bad.any():
+            notes[index] = (f"meter {meter.name!r} has no finite value in {bad.sum()} of "
+                            f"{len(column)} samples, first at t = {time[bad.argmax()]:.6g} s")
     for index in sorted({index for circle in circles for index in circle}):
         notes[index] = f"meter {mechanism.meters[index].name!r} has no value: it depends on itself"
     return result, [notes[index] for index in sorted(notes)]
-
-
-def _blank(column: Array, time: Array, name: str, notes: dict[int, str], index: int) -> None:
-    """Replace infinite values by nan, with a note of their number and first time."""
-    bad = ~np.isfinite(column)
-    column[bad] = np.nan
-    if index not in notes and bad.any():
-        notes[index] = (f"meter {name!r} has no finite value in {bad.sum()} of {len(column)} "
-                        f"samples, first at t = {time[bad.argmax()]:.6g} s")
 
 
 MOST = 6
@@ -158,35 +146,60 @@ def check_shown(mechanism: Mechanism) -> list[Problem]:
 def problems_of(known: Catalogue, view: View) -> list[Problem]:
     """The same of any view of a mechanism whose catalogue is ``known``."""
     problems: list[Problem] = []
+    known.hinted = 0
     for i, meter in enumerate(view.meters):
-        path = f"$.view.meters[{i}]"
-        missing = [problem for j, word in enumerate(meter.of)
-                   for problem in _missing(known, word, f"{path}.of[{j}]", len(problems))]
-        problems += missing
-        if not missing:
-            problems += _together(known, meter, path)
+        path, missing = f"$.view.meters[{i}]", list[Problem]()
+        for j, word in enumerate(meter.of):
+            if is_expression(word):
+                missing += misread(known, word, names_in(word), f"{path}.of[{j}]")
+            elif not known.fits(word):
+                missing.append(unknown(known, word, f"{path}.of[{j}]"))
+        problems += missing or _together(known, meter, path)
     return problems
 
 
-def _missing(known: Catalogue, word: str, path: str, rank: int) -> Iterator[Problem]:
-    if not is_expression(word):
-        if not known.fits(word):
-            what = "no quantity fits" if is_pattern(word) else "unknown quantity"
-            yield unknown(known, what, word, path, rank)
-        return
-    yield from _unreadable(known, word, names_in(word), path, rank)
-
-
-def _unreadable(
-    known: Catalogue, text: str, names: frozenset[str], path: str, rank: int,
+def misread(
+    known: Catalogue, text: str, names: Iterable[str], path: str, *,
+    itself: str = "an expectation may use the pair itself", live: bool = False,
 ) -> Iterator[Problem]:
-    """Names in an expression that are no quantities, and pairs, which it cannot read."""
+    """Names in an expression that are no quantities, and pairs, which it cannot read.
+
+    ``itself`` says where a pair may be read.
+    """
     pairs = [pair for pair in quotients(text) if pair in known]
-    yield from (no_pair(pair, path) for pair in pairs)
+    for pair in pairs:
+        first, _, rest = pair.partition("/")
+        second, _, quantity = rest.rpartition(".")
+        sums = " or ".join(quoted(f"{body}.contact.{quantity}") for body in (first, second))
+        yield Problem("bad-quantity", f"'/' divides in an expression, so that {quoted(pair)} is no "
+                      "pair there", path, allowed=f"{sums}, the sums of all that touches one of "
+                      f"them; {itself.format(quoted(pair))}")
     halves = {half for pair in pairs for half in pair.split("/")}
-    for name in sorted(names - {"t"} - halves):
+    for name in sorted({*names} - {"t"} - halves):
         if name not in known:
-            yield unknown(known, "unknown quantity", name, path, rank)
+            yield unknown(known, name, path, live=live)
+
+
+def unknown(known: Catalogue, name: str, path: str, *, live: bool = False) -> Problem:
+    """The problem of an unknown quantity; with ``live`` only what can be read in a run is listed.
+
+    Only the first problems of a catalogue have suggestions.
+    """
+    what = f"{'no quantity fits' if is_pattern(name) else 'unknown quantity'} {quoted(name)}"
+    if lacking := known.lacking(name):
+        return Problem("unknown-quantity", f"{what}: {lacking}", path)
+    known.hinted += 1
+    few = known.hinted <= MOST_HINTED
+    near, allowed = known.near(name) if few else "", ""
+    if live:
+        allowed = next((f"of this {element.kind}: " + listed(
+            key for key in element.quantities if is_live(element.kind, key))
+            for head in (name, name.rpartition(".")[0])
+            if (element := known.elements.get(head)) is not None), "")
+    elif few:
+        allowed = known.allowed(name)
+    return Problem("unknown-quantity", what, path, hint=quoted(near) if near else "",
+                   allowed=allowed)
 
 
 def _together(known: Catalogue, meter: ShownMeter, path: str) -> Iterator[Problem]:
@@ -207,20 +220,19 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
     meters that depend on themselves, and numbers of another dimension than their quantity.
     """
     known = Catalogue(mechanism)
-    problems = [*_check_meter_names(mechanism), *_check_meter_values(known)]
+    problems = [*_check_meters(known)]
     fits: dict[str, bool] = {}
     units: dict[str, list[str]] = {}
     for i, expect in enumerate(mechanism.expect):
         if beyond := expect.past_end(mechanism.run.duration) if expect.at is not None else "":
             problems.append(Problem("bad-time", beyond, f"$.expect[{i}].at"))
-        if expect.quantity not in fits:
-            fits[expect.quantity] = known.fits(expect.quantity)
-        if fits[expect.quantity]:
-            problems.extend(_check_units(known, expect, f"$.expect[{i}]", units))
-            continue
-        what = "no quantity fits" if is_pattern(expect.quantity) else "unknown quantity"
-        problems.append(unknown(
-            known, what, expect.quantity, f"$.expect[{i}].{expect.key}", len(problems)))
+        name = expect.quantity
+        if name not in fits:
+            fits[name] = known.fits(name)
+        if fits[name]:
+            problems += _check_units(known, expect, f"$.expect[{i}]", units)
+        else:
+            problems.append(unknown(known, name, f"$.expect[{i}].{expect.key}"))
     return problems
 
 
@@ -229,13 +241,21 @@ def _check_units(
 ) -> Iterator[Problem]:
     """Numbers of an expectation in a unit of another dimension than its quantities.
 
-    ``units`` caches the units of patterns.
+    ``units`` caches the units of patterns; of instants it is the second.
     """
-    for place, number, quantity in _numbers(expect):
+    name = expect.quantity
+    numbers: list[tuple[str, object, str]] = [
+        (key, value, name) for key, value in (
+            ("is", expect.value), ("within", expect.within), ("above", expect.above),
+            ("below", expect.below),
+            *((f"between[{j}]", value) for j, value in enumerate(expect.between or ())))]
+    numbers += [(f"over[{j}]", instant, "") for j, instant in enumerate(expect.over)]
+    for place, number, quantity in numbers:
         if not isinstance(number, Measured):
             continue
         if quantity and quantity not in units:
-            units[quantity] = _units(known, quantity)
+            units[quantity] = sorted(set(PAIR.values()) if "/" in quantity else {
+                known.find(each).unit for each in known.match(quantity)})
         for unit in units[quantity] if quantity else ["s"]:
             if unit not in UNITS and unit != "1":  # a meter's own word for its unit
                 continue
@@ -246,58 +266,19 @@ def _check_units(
                 break
 
 
-def _units(known: Catalogue, pattern: str) -> list[str]:
-    """The units of the quantities that fit, each once."""
-    if "/" in pattern:  # all that pairs have are forces
-        return sorted(set(PAIR.values()))
-    return sorted({known.find(name).unit for name in known.match(pattern)})
-
-
-def _numbers(expect: Expect) -> Iterator[tuple[str, object, str]]:
-    """The numbers of an expectation: where, which, and of what quantity; of time if of none."""
-    for key, value in (("is", expect.value), ("within", expect.within), ("above", expect.above),
-                       ("below", expect.below)):
-        yield key, value, expect.quantity
-    for j, value in enumerate(expect.between or ()):
-        yield f"between[{j}]", value, expect.quantity
-    for j, instant in enumerate(expect.over):
-        yield f"over[{j}]", instant, ""
-
-
-def unknown(known: Catalogue, what: str, name: str, path: str, rank: int) -> Problem:
-    """The problem of an unknown quantity, with suggestions for those of small ``rank``."""
-    if lacking := known.lacking(name):
-        return Problem("unknown-quantity", f"{what} {quoted(name)}: {lacking}", path)
-    near = known.near(name) if rank < MOST_HINTED else ""
-    return Problem("unknown-quantity",
-                   f"{what} {quoted(name)}", path, hint=quoted(near) if near else "",
-                   allowed=known.allowed(name) if rank < MOST_HINTED else "")
-
-
-def _check_meter_values(known: Catalogue) -> list[Problem]:
-    problems: list[Problem] = []
-    all_meters = known.mechanism.meters
-    for i, meter in enumerate(all_meters):
-        problems.extend(_unreadable(
-            known, meter.value, names_read(meter), f"$.meters[{i}].value", len(problems)))
+def _check_meters(known: Catalogue) -> Iterator[Problem]:
+    """Meters whose name means something else, or that read what is no quantity or themselves."""
+    meters = known.mechanism.meters
+    others = Catalogue(known.mechanism.model_copy(update={"meters": ()}))
+    for i, meter in enumerate(meters):
+        taken = ("is the name of a recorded quantity" if meter.name in others else
+                 "means something in expressions" if meter.name in RESERVED else "")
+        if taken:
+            yield Problem("duplicate-name",
+                          f"{quoted(meter.name)} {taken} already", f"$.meters[{i}].name")
+    for i, meter in enumerate(meters):
+        yield from misread(known, meter.value, names_read(meter), f"$.meters[{i}].value")
     for circle in order(known.mechanism)[1]:
-        ring = " → ".join(quoted(all_meters[i].name) for i in [*circle, circle[0]])
-        problems.append(Problem("circular-definition", "meters depend on each other in a circle: "
-                                f"{ring}", f"$.meters[{circle[0]}].value"))
-    return problems
-
-
-def _check_meter_names(mechanism: Mechanism) -> list[Problem]:
-    """A meter's name must mean nothing else: no other quantity, no word of expressions."""
-    others = Catalogue(mechanism.model_copy(update={"meters": ()}))
-    problems = []
-    for i, meter in enumerate(mechanism.meters):
-        if meter.name in others:
-            problem = "is the name of a recorded quantity already"
-        elif meter.name in RESERVED:
-            problem = "means something in expressions already"
-        else:
-            continue
-        problems.append(Problem("duplicate-name",
-                                f"{quoted(meter.name)} {problem}", f"$.meters[{i}].name"))
-    return problems
+        ring = " → ".join(quoted(meters[i].name) for i in [*circle, circle[0]])
+        yield Problem("circular-definition", "meters depend on each other in a circle: "
+                      f"{ring}", f"$.meters[{circle[0]}].value")

@@ -8,25 +8,38 @@ reads it: none looks a name up again.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from functools import cache, cached_property
+from typing import Annotated, Any, NamedTuple, get_type_hints
 
 import numpy as np
 
 from sandbox.elements.drive import DriveKind, Gives
-from sandbox.elements.element import RELEASABLES
+from sandbox.elements.element import NO_POINT
 from sandbox.elements.joint import JointKind, Keeps
 from sandbox.elements.springs import SpringKind
 from sandbox.model.laws import LoadLaw, SpringLaw
 from sandbox.model.ties import Ties
 from sandbox.numeric import Array, Flags, Integers
+from sandbox.scene.geometry import Vec, to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.paths import Path
 
 NONE = -1
 """Stands for no element where the number of one is expected."""
+NAN = math.nan
+PAIR = (NO_POINT, NO_POINT)
+
+
+class Column(NamedTuple):
+    """Marks a column that is filled from an attribute of each element."""
+
+    default: Any
+    """Of elements without a value; it gives the column's type and shape."""
+    attribute: str = ""
+    """Where it has another name than the column."""
 
 
 @dataclass(frozen=True)
@@ -76,46 +89,46 @@ class Joints:
     """``a`` and ``b``, [nj, 2]."""
     anchor: Array
     """The points of ``a`` and ``b`` that the joint holds, in their frames [m], [nj, 2, 2]."""
-    turns: Flags
+    turns: Annotated[Flags, Column(True)]
     """Whether ``b`` may turn against ``a``, [nj]."""
     angle: Flags
     """Whether it has an angle (a hinge), [nj]."""
-    sense: Array
+    sense: Annotated[Array, Column(NAN)]
     """From a counter-clockwise turn to the positive one: +1 or -1, [nj]; nan unless a hinge."""
-    zero: Array
+    zero: Annotated[Array, Column(NAN)]
     """Taken from the angle between the two frames [rad], [nj]; nan unless a hinge."""
-    stops: Array
+    stops: Annotated[Array, Column(NO_POINT, "limits")]
     """Lowest and highest angle [rad], [nj, 2]; nan where there are none."""
-    damping: Array
+    damping: Annotated[Array, Column(0.0)]
     """Of the joint itself [N m s/rad], [nj]."""
     start: Array
     """Angle at t = 0 [rad], [nj]; nan unless a hinge."""
-    groove: Array
+    groove: Annotated[Array, Column(PAIR)]
     """Start and end of a straight groove, in the frame of ``a`` [m], [nj, 2, 2]; nan of others."""
     path: tuple[Path | None, ...]
     """Path of a curved slot in the frame of ``a``, [nj]; None of others."""
-    reach: Array
+    reach: Annotated[Array, Column(NO_POINT)]
     """Least and largest distance that it allows [m], [nj, 2]; equal of a rod; nan of others."""
-    radii: Array
+    radii: Annotated[Array, Column(NO_POINT)]
     """Of the wheels of ``a`` and ``b`` [m], [nj, 2]; nan of what has none."""
-    inside: Flags
+    inside: Annotated[Flags, Column(False)]
     """Whether one wheel runs inside the other, [nj]."""
-    pressure: Array
+    pressure: Annotated[Array, Column(NAN, "pressure_angle")]
     """Pressure angle of its teeth [rad], [nj]; nan where there are none."""
-    play: Array
+    play: Annotated[Array, Column(0.0, "backlash")]
     """Of its teeth along the pitch circles [m], [nj]."""
-    stiffness: Array
+    stiffness: Annotated[Array, Column(NAN)]
     """Of its teeth [N/m], [nj]; nan where there are none."""
-    along: Array
+    along: Annotated[Array, Column(NO_POINT)]
     """A rack's pitch line in the frame of ``b``, a unit vector, the gear to its left, [nj, 2];
     nan of others."""
-    friction: Array
+    friction: Annotated[Array, Column(0.0)]
     """Dry friction that does not depend on the load, [N m] of a pin, [N] of a slot, [nj]; or 0."""
-    rubbing: Array
+    rubbing: Annotated[Array, Column(0.0)]
     """Dry friction by what the joint carries, [N m/N] of a pin, 1 of a slot, [nj]; 0 without."""
-    static: Array
+    static: Annotated[Array, Column(1.0)]
     """How many times as much friction holds as slides, [nj]."""
-    collide: Flags
+    collide: Annotated[Flags, Column(False)]
     """Whether the two bodies may touch, [nj]."""
 
     @cached_property
@@ -150,7 +163,7 @@ class Joints:
 
     @cached_property
     def unknowns(self) -> Integers:
-        """Forces and couples that a joint carries and nothing tells beforehand, [nj]."""
+        """Number of unknown components of force and couple of a joint, [nj]."""
         forces = [kind.forces for kind in self.kind]
         return np.array(forces, dtype=np.int64) + ~self.turns
 
@@ -163,19 +176,19 @@ class Springs:
     kind: tuple[SpringKind, ...]
     straight: Flags
     """From point to point, [ns]; otherwise rotary."""
-    bodies: Integers
+    bodies: Annotated[Integers, Column((NONE, NONE))]
     """``a`` and ``b``, [ns, 2]."""
-    anchor: Array
+    anchor: Annotated[Array, Column(PAIR)]
     """Its ends, in the frames of ``a`` and ``b`` [m], [ns, 2, 2]; nan of a rotary one."""
-    joint: Integers
+    joint: Annotated[Integers, Column(NONE)]
     """The hinge that it acts on, [ns]; -1 of a straight one."""
     stiffness: Array
     """[N/m], of a rotary one [N m/rad], [ns]; by a law that of t = 0, 0 at least."""
     damping: Array
     """[N s/m], of a rotary one [N m s/rad], [ns]; 0 where a law includes it."""
-    rest: Array
+    rest: Annotated[Array, Column(NAN)]
     """Length at rest [m], of a rotary one angle at rest [rad], [ns]."""
-    start: Array
+    start: Annotated[Array, Column(NAN)]
     """Length [m], of a rotary one angle [rad] at t = 0, [ns]."""
     drive: Integers
     """The drive that sets its stiffness, [ns]; -1 where none does."""
@@ -201,7 +214,7 @@ class Tendons:
     """Of the wheel, positive where its centre lies right of the path [m], [ng]; 0 of an eye."""
     guide_turns: Integers
     """Whole turns round the wheel at t = 0, besides, [ng]; 0 where a cord is tied."""
-    closed: Flags
+    closed: Annotated[Flags, Column(False)]
     """Which are loops, [nt]."""
     grips: Integers
     """The guides, of all, that hold a cord by friction, [nf]; of a loop its first, not its last."""
@@ -209,15 +222,15 @@ class Tendons:
     """Coefficients of these, [nf]."""
     wheels: Integers
     """The guides, of all, that a cord can lift off, [nw]."""
-    pretension: Array
+    pretension: Annotated[Array, Column(NAN)]
     """Tension at t = 0 [N], [nt]; nan where the length at rest says it."""
-    stiffness: Array
+    stiffness: Annotated[Array, Column(NAN)]
     """[N/m], [nt]"""
-    damping: Array
+    damping: Annotated[Array, Column(0.0)]
     """[N s/m], [nt]"""
-    rest: Array
+    rest: Annotated[Array, Column(NAN, "rest_length")]
     """Length at rest as the scene gives it, slack left out [m], [nt]; nan for that at t = 0."""
-    slack: Array
+    slack: Annotated[Array, Column(0.0)]
     """Added to the length at rest [m], [nt]."""
     drive: Integers
     """The drive that pulls it, [nt]; -1 where none does."""
@@ -249,34 +262,40 @@ class Tendons:
         return np.repeat(np.arange(len(self.name)), np.diff(self.first) - 1)
 
 
-@dataclass(frozen=True)
-class Lines:
+@dataclass(frozen=True, kw_only=True)
+class Chambers:
+    """nc chambers of lines."""
+
+    bodies: Annotated[Integers, Column((NONE, NONE))]
+    """``a`` and ``b`` of a chamber; of one on a hinge those of the hinge, [nc, 2]."""
+    anchor: Annotated[Array, Column(PAIR)]
+    """Its two points, in the frames of ``a`` and ``b`` [m], [nc, 2, 2]; nan on a hinge."""
+    joint: Annotated[Integers, Column(NONE)]
+    """The hinge that it is on, [nc]; -1 between two points."""
+    gain: Annotated[Array, Column(NAN)]
+    """Volume per distance of its points [m^2], or per angle of its hinge, [nc]."""
+    start: Annotated[Array, Column(NAN)]
+    """That distance [m], or angle [rad], at t = 0, [nc]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lines(Chambers):
     """nl lines of fluid with nc chambers, those of one line side by side."""
 
     name: tuple[str, ...]
     first: Integers
     """Where the chambers of each begin, and the end of the last one's, [nl + 1]."""
-    bodies: Integers
-    """``a`` and ``b`` of a chamber; of one on a hinge those of the hinge, [nc, 2]."""
-    anchor: Array
-    """Its two points, in the frames of ``a`` and ``b`` [m], [nc, 2, 2]; nan on a hinge."""
-    joint: Integers
-    """The hinge that it is on, [nc]; -1 between two points."""
-    gain: Array
-    """Volume per distance of its points [m^2], or per angle of its hinge, [nc]."""
-    start: Array
-    """That distance [m], or angle [rad], at t = 0, [nc]."""
     volume: Array
     """At t = 0 [m^3], [nl]."""
     compliance: Array
     """Of a liquid, volume per pressure [m^3/Pa], [nl]; of a gas that at t = 0."""
-    gas: Array
+    gas: Annotated[Array, Column(NAN)]
     """The exponent of a gas, [nl]; nan of a liquid."""
-    pressure: Array
+    pressure: Annotated[Array, Column(0.0)]
     """At t = 0 [Pa], [nl]."""
-    least: Array
+    least: Annotated[Array, Column(NAN)]
     """[Pa], [nl]"""
-    most: Array
+    most: Annotated[Array, Column(math.inf, "relief")]
     """[Pa], [nl]; infinite without relief."""
     drive: Integers
     """The drive that sets its pressure, without resistance, [nl]; -1 where none does."""
@@ -298,11 +317,11 @@ class Valves:
     name: tuple[str, ...]
     lines: Integers
     """``a`` and ``b``, [nv, 2]; -1 for the tank."""
-    resistance: Array
+    resistance: Annotated[Array, Column(0.0)]
     """[Pa s/m^3], [nv]"""
-    orifice: Array
+    orifice: Annotated[Array, Column(0.0)]
     """Pressure per square of the flow [Pa s^2/m^6], [nv]; 0 of what is no orifice."""
-    one_way: Flags
+    one_way: Annotated[Flags, Column(False)]
     """Which let fluid only from ``a`` to ``b``, [nv]."""
     drive: Integers
     """The drive that opens it, [nv]; -1 where none does."""
@@ -320,13 +339,13 @@ class BodyLoads:
     """[nk]"""
     at: Array
     """Where the force acts, in the body's frame [m], [nk, 2]; of buoyancy the centre of mass."""
-    turning: Flags
+    turning: Annotated[Flags, Column(False)]
     """Whether its components are along the body's axes, [nk]."""
-    per_mass: Flags
+    per_mass: Annotated[Flags, Column(False)]
     """Whether they are those of an acceleration, [nk]."""
     law: tuple[LoadLaw | None, ...]
     """None of buoyancy."""
-    level: Array
+    level: Annotated[Array, Column(NAN)]
     """Of a liquid [m], [nk]; nan of other loads."""
     lift: Array
     """Of a liquid the force per area below the level [N/m^2], [nk]; nan of other loads."""
@@ -351,29 +370,29 @@ class Drives:
     """Number of the body, joint, tendon, spring, line or valve that it acts on, [nd]."""
     floor: Array
     """The least value in force, in the drive's unit, [nd]; -inf where there is none."""
-    shape: Integers
+    shape: Annotated[Integers, Column(NONE)]
     """Which shape of its body a radius is set of, [nd]; -1 of other drives."""
-    at: Array
+    at: Annotated[Array, Column(NO_POINT)]
     """Where a force acts, in its body's frame [m], [nd, 2]; nan of other drives."""
-    direction: Array
+    direction: Annotated[Array, Column(NO_POINT, "along")]
     """Unit vector of a force, [nd, 2]; nan of other drives."""
-    turning: Flags
+    turning: Annotated[Flags, Column(False)]
     """Whether a force's direction turns with its body, [nd]."""
-    most: Array
+    most: Annotated[Array, Column(NAN)]
     """The most that a motor, servo or drive of an actuator may give [N m, N], infinite without a
     bound, [nd]; nan of others."""
-    slope: Array
+    slope: Annotated[Array, Column(NAN)]
     """Of a motor with a line: torque per speed that lacks [N m s/rad], [nd]; nan of others."""
-    sense: Array
+    sense: Annotated[Array, Column(NAN)]
     """Of a surface that runs: from counter-clockwise round its body to its positive way, +1 or -1,
     [nd]; nan of other drives."""
-    stiffness: Array
+    stiffness: Annotated[Array, Column(NAN)]
     """With which it goes to a place [N m/rad, N/m], [nd]; nan of rigid ones and other drives."""
-    damping: Array
+    damping: Annotated[Array, Column(0.0)]
     """That goes with it [N m s/rad, N s/m], [nd]."""
-    fastest: Array
+    fastest: Annotated[Array, Column(math.inf, "speed")]
     """The most that a rigid one moves at [rad/s, m/s], [nd]; infinite without a limit."""
-    resistance: Array
+    resistance: Annotated[Array, Column(NAN)]
     """Between a source of pressure and its line [Pa s/m^3], [nd]; nan of other drives."""
 
     @cached_property
@@ -411,6 +430,17 @@ class Model:
     drives: Drives
     ties: Ties
 
+    def at_start(self, body: int, point: Array) -> Vec:
+        """A point of a body's frame [m] in the world at t = 0."""
+        x, y, angle = self.bodies.pose[body].tolist()
+        return to_world((x, y, angle), (float(point[0]), float(point[1])))
+
+    def ends(self, joint: int) -> tuple[Vec, Vec]:
+        """The anchors of a joint on ``a`` and ``b`` in the world at t = 0 [m]."""
+        one, other = (self.at_start(body, point) for body, point in zip(
+            self.joints.bodies[joint], self.joints.anchor[joint], strict=True))
+        return one, other
+
     @cached_property
     def neighbours(self) -> tuple[tuple[tuple[int, int], ...], ...]:
         """Of every body: its joints, each with the body at its other end."""
@@ -427,32 +457,29 @@ class Model:
         np.add.at(damping, self.springs.joint[rotary], self.springs.damping[rotary])
         return damping
 
-    def moved_by(self, drive: int) -> Integers:
-        """Numbers of the bodies on which a drive acts, its target's."""
-        among, target = self.drives.kind[drive].target.among, int(self.drives.target[drive])
-        if among == RELEASABLES:
-            among, target = self.ties.element(target)
-        found: Integers
-        match among:
-            case "bodies":
-                found = np.array([target], dtype=np.int64)
-            case "joints":
-                found = self.joints.bodies[target]
-            case "tendons":
-                found = self.tendons.guide_body[self.tendons.guides(target)]
-            case "lines":
-                found = np.unique(self.lines.bodies[self.lines.chambers(target)])
-            case "valves":
-                found = np.unique(np.concatenate([
-                    self.lines.bodies[self.lines.chambers(int(line))].ravel()
-                    for line in self.valves.lines[target] if line >= 0]))
-            case _:
-                found = self.springs.bodies[target]
-        return found
+
+@cache
+def _columns(part: type) -> dict[str, Column]:
+    """The columns that a part of the model itself declares."""
+    hints = get_type_hints(part, include_extras=True)
+    return {name: mark for name in vars(part)["__annotations__"]
+            for mark in getattr(hints[name], "__metadata__", ())}
 
 
-def columns_of(rows: Sequence[Mapping[str, Any]], defaults: Mapping[str, Any]) -> dict[str, Any]:
-    """Arrays from the columns of elements; a default also gives a column's type and shape."""
-    return {key: np.array([row.get(key, default) for row in rows],
-                          dtype=np.array(default).dtype).reshape(-1, *np.shape(default))
-            for key, default in defaults.items()}
+def columns_of(
+    part: type, elements: Sequence[Any], rows: Sequence[Mapping[str, Any]] = (),
+) -> dict[str, Any]:
+    """The columns of a part of the model that are marked by :class:`Column`.
+
+    Args:
+        part: its class.
+        elements: a row each.
+        rows: by element, what takes the place of its attributes.
+    """
+    columns = {}
+    for name, (default, attribute) in _columns(part).items():
+        found = [row[name] if name in row else getattr(element, attribute or name, None)
+                 for element, row in zip(elements, rows or [{}] * len(elements), strict=True)]
+        columns[name] = np.array([default if value is None else value for value in found],
+                                 dtype=np.array(default).dtype).reshape(-1, *np.shape(default))
+    return columns

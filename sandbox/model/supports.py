@@ -8,7 +8,7 @@ the engine finds the least sum of squares, weighted by the masses.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +23,10 @@ RANK = 1e-9
 """Singular values below this share of the largest count as none."""
 PART = 1e-6
 """Least component of a joint in a unit vector of the null space."""
+
+
+Parts = Sequence[tuple[int, Array]]
+"""Bodies with coefficients of x, y and angle, or a force x, y and a moment, [3]."""
 
 
 class Shared(NamedTuple):
@@ -74,7 +78,7 @@ def parting_wheels(model: Model, pose: Array) -> set[int]:
     return found
 
 
-def _parting(model: Model, pose: Array, joint: int) -> list[tuple[int, Array]]:
+def _parting(model: Model, pose: Array, joint: int) -> Parts:
     """The row of the distance of two wheels, or of a gear from its rack."""
     a, b = model.joints.bodies[joint].tolist()
     x, y = (float(v) for v in outward(model, joint, pose))
@@ -83,20 +87,27 @@ def _parting(model: Model, pose: Array, joint: int) -> list[tuple[int, Array]]:
     return [(a, np.array([-x, -y, -(ax * y - ay * x)])), (b, np.array([x, y, bx * y - by * x]))]
 
 
-def _matrix(
-    model: Model, joints: list[int], rows: list[list[tuple[int, Array]]],
-) -> Array:
+def _matrix(model: Model, joints: list[int], rows: Sequence[Parts]) -> Array:
     """Rows of the free bodies of some joints, [m, 3 n]; moments by the longest arm of each."""
-    bodies = sorted({int(body) for joint in joints for body in model.joints.bodies[joint]
-                     if model.bodies.free[body]})
-    J = np.zeros((len(rows), 3 * len(bodies)))
-    for i, row in enumerate(rows):
-        for body, coefficients in row:
-            if model.bodies.free[body]:
-                at = 3 * bodies.index(body)
-                J[i, at:at + 3] += coefficients
+    bodies = np.unique(model.joints.bodies[joints])
+    place = places(bodies[model.bodies.free[bodies]])
+    J = np.array([row_of(place, row) for row in rows])
     J[:, 2::3] /= np.maximum(np.abs(J[:, 2::3]).max(axis=0), 1e-300)
     return J
+
+
+def places(bodies: Integers) -> dict[int, int]:
+    """The place of each of some bodies among them."""
+    return {body: k for k, body in enumerate(bodies.tolist())}
+
+
+def row_of(place: Mapping[int, int], parts: Parts) -> Array:
+    """Coefficients of some bodies, by their ``place``, [3 n]; those of others are left out."""
+    row = np.zeros((len(place), 3))
+    for body, coefficients in parts:
+        if body in place:
+            row[place[body]] += coefficients
+    return row.ravel()
 
 
 def components(count: int, pairs: Sequence[Sequence[int]] | Array | Integers) -> list[int]:
@@ -123,7 +134,7 @@ def together(model: Model) -> list[list[int]]:
 
 def joint_rows(
     model: Model, pose: Array, joint: int, *, flank: int = 0,
-) -> list[list[tuple[int, Array]]]:
+) -> list[Parts]:
     """Rows of a joint: its two bodies with the coefficients of x, y and angle of each.
 
     Coefficients of angles refer to the frames' origins. As loads they are a unit force on the
@@ -154,8 +165,9 @@ def joint_rows(
     if kind.wheels:
         x, y = (float(v) for v in meeting(model, joint, pose))
         ax, ay, bx, by = x - pose[a, 0], y - pose[a, 1], x - pose[b, 0], y - pose[b, 1]
-    rows = [[(a, np.array([-x, -y, -(ax * y - ay * x)])), (b, np.array([x, y, bx * y - by * x]))]
-            for x, y in along]
+    rows: list[Parts] = [
+        [(a, np.array([-x, -y, -(ax * y - ay * x)])), (b, np.array([x, y, bx * y - by * x]))]
+        for x, y in along]
     if not joints.turns[joint]:
         rows.append([(a, np.array([0.0, 0.0, -1.0])), (b, np.array([0.0, 0.0, 1.0]))])
     return rows

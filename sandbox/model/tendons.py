@@ -12,7 +12,7 @@ import numpy as np
 from sandbox.elements.element import GRAZE
 from sandbox.model.model import Model, Tendons
 from sandbox.numeric import Flags
-from sandbox.scene.geometry import Vec, to_world
+from sandbox.scene.geometry import Vec
 
 
 class CordSpan(NamedTuple):
@@ -50,14 +50,14 @@ def lifted_at_start(model: Model) -> Flags:
     on it, it would have to go round it and cross itself, which it does only where its author says
     so. A loop lies on its wheels unless that is said.
     """
-    tendons, bodies = model.tendons, model.bodies
+    tendons = model.tendons
     off = np.zeros(len(tendons.guide_body), dtype=bool)
     for tendon in range(len(tendons.name)):
         path, guides = tendons.guides(tendon), model.mechanism.tendons[tendon].guides
         default = "on" if tendons.closed[tendon] else "off"
         loose = [g for g in tendons.wheels[tendons.loose(tendon)].tolist()
                  if (guides[g - path.start].begins or default) == "off"]
-        at = {g: to_world(tuple(bodies.pose[tendons.guide_body[g]]), tuple(tendons.guide_at[g]))
+        at = {g: model.at_start(tendons.guide_body[g], tendons.guide_at[g])
               for g in range(path.start, path.stop)} if loose else {}
         found = True
         while found:

@@ -226,9 +226,8 @@ def recorded_by(element: str, quantity: str) -> list[str]:
     kinds = kinds_of(element).items()
     always = [tag for tag, each in kinds if quantity in each.records]
     for tag, each in kinds:
-        always += [f"{tag} with {condition}" for field, condition in (
-            ("stopped", "limits"), ("loose", "backlash"), ("rubbed", "dry friction"))
-            if quantity in getattr(each, field, ())]
+        always += [f"{tag} with {'dry friction' if field == 'friction' else field}"
+                   for field, names in getattr(each, "more", {}).items() if quantity in names]
     return always
 
 
@@ -277,4 +276,4 @@ def _drive_units() -> str:
 def _joint_units(quantity: str) -> str:
     """The units of a joint quantity that depends on the type, with the types."""
     return "; ".join(f"{each.rubs} ({tag})" for tag, each in kinds_of("joint").items()
-                     if quantity in each.rubbed)
+                     if quantity in each.more.get("friction", ()))

@@ -13,7 +13,7 @@ import pytest
 
 from sandbox import wording
 from sandbox.cli.check import report_of
-from sandbox.engine import inspect_overlaps
+from sandbox.engine import inspect_joints
 from sandbox.errors import SceneError
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import load_scene, read_scene
@@ -54,10 +54,9 @@ def calls(work: Callable[[], object]) -> int:
 def low_caps(monkeypatch: pytest.MonkeyPatch) -> None:
     """Caps that small scenes reach, too."""
     monkeypatch.setattr(wording.NearMisses.__init__, "__defaults__", (3,))
-    monkeypatch.setattr(inspect_overlaps, "MOST_LOOKED", 30)
+    monkeypatch.setattr(inspect_joints, "MOST_LOOKED", 30)
     monkeypatch.setattr("sandbox.scene.read.templates.MAX_DEPTH", 3)
     monkeypatch.setattr("sandbox.model.meters.MOST_HINTED", 3)
-    monkeypatch.setattr("sandbox.engine.inspect_control.MOST_HINTED", 3)
 
 
 @pytest.mark.usefixtures("low_caps")
@@ -80,7 +79,7 @@ def test_unchecked_overlaps_are_reported(
     """Ten discs in one place are 45 pairs."""
     from sandbox.engine.inspect import inspect
 
-    monkeypatch.setattr(inspect_overlaps, cap, pairs)
+    monkeypatch.setattr(inspect_joints, cap, pairs)
     loaded = read_scene(json.loads(SCENES["discs in one place"](10)))
     found = [problem.text for problem in inspect(loaded.mechanism)]
     assert len(found) == (45 if whole else 44 + 1)

@@ -1,11 +1,7 @@
 
 import pytest
 
-from sandbox.model.catalogue import (
-    Catalogue,
-    UnknownQuantityError,
-    split,
-)
+from sandbox.model.catalogue import Catalogue, UnknownQuantityError
 from sandbox.model.meters import check_quantities
 from sandbox.scene.mechanism import Mechanism
 from tests.recording.sample import mechanism
@@ -17,16 +13,17 @@ from tests.recording.sample import mechanism
 ])
 def test_what_is_not_a_quantity(name):
     with pytest.raises(UnknownQuantityError):
-        split(name, mechanism())
+        Catalogue(mechanism()).find(name)
 
 
 def test_the_longest_element_that_has_the_quantity_wins():
     nested = mechanism(bodies=[
         {"name": name, "mass": 1, "inertia": 1} for name in ("a", "a.b", "a.contact")],
         joints=[], springs=[], tendons=[], drives=[], groups=[])
-    assert split("a.b.x", nested) == ("body", 1, "x")
-    assert split("a.contact.x", nested) == ("body", 2, "x")
-    assert split("a.contact.fx", nested) == ("body", 0, "contact.fx")
+    for name, index, quantity in (
+            ("a.b.x", 1, "x"), ("a.contact.x", 2, "x"), ("a.contact.fx", 0, "contact.fx")):
+        source = Catalogue(nested).find(name)
+        assert (source.kind, source.index, source.quantity) == ("body", index, quantity)
 
 
 def test_match_follows_patterns_in_catalogue_order():

@@ -5,19 +5,17 @@ a recording of every step has of step k, and what it writes holds from step k + 
 it acts again; its first act is before the first step. The value of a drive
 that a controller writes is where that drive begins.
 
-What is common to all laws, limits and rate limits, is applied outside of them;
-a law is given what was in force, so that it does not wind up.
-
-Laws know numbers only: readings, targets and drive values come in the order of ``reads`` and
-``writes``, SI. They are plain Python on floats, which is faster than arrays of so few numbers.
+Limits and rate limits are applied outside of the laws; a law is given what was in force, so that
+it does not wind up. Readings, targets and drive values come in the order of ``reads`` and
+``writes``, SI. Laws are plain Python on floats, which is faster than arrays of so few numbers.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from sandbox.elements.element import Element
 from sandbox.errors import Problem
@@ -41,10 +39,6 @@ if TYPE_CHECKING:
 RATE = 1000.0
 """How often a controller acts by default [Hz]; the nearest whole number of steps is used."""
 
-Range = Pair[Quantity]
-Positive = Annotated[Quantity, POSITIVE]
-Matrix = Items[Items[Quantity]]
-
 
 def bound(text: str, info: ValidationInfo) -> str:
     """An expression of quantities with the scene's parameters put in; a plain name stays."""
@@ -52,10 +46,19 @@ def bound(text: str, info: ValidationInfo) -> str:
     return f"={expression.text}" if text.lstrip().startswith("=") else text.strip()
 
 
-def _ordered(limits: Range | None) -> None:
-    if limits is not None and limits[0] >= limits[1]:
+def _ordered(limits: tuple[float, float]) -> tuple[float, float]:
+    if limits[0] >= limits[1]:
         raise WrongValueError("out-of-range", f"limits are [lowest, highest], and {limits[0]:g} is "
                               f"not below {limits[1]:g}")
+    return limits
+
+
+Range = Annotated[Pair[Quantity], AfterValidator(_ordered)]
+Positive = Annotated[Quantity, POSITIVE]
+Matrix = Items[Items[Quantity]]
+Reading = Annotated[str, AfterValidator(bound)]
+Row = Sequence[float]
+"""A number for each reading, target or drive."""
 
 
 def every(rate: float | None, step: float) -> int:
@@ -63,12 +66,10 @@ def every(rate: float | None, step: float) -> int:
     return max(1, round(1 / ((rate or RATE) * step)))
 
 
-class Law(Protocol):
-    """What turns readings into drive values."""
+class Law:
+    """Computes drive values from readings; the base of laws is one without memory."""
 
-    def begin(
-        self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
-    ) -> None:
+    def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
         """Begin, or begin anew after having been switched on.
 
         A law that is switched on during a run goes on from what its drives
@@ -80,10 +81,7 @@ class Law(Protocol):
             inputs: what its drives have now, [number of drives].
         """
 
-    def act(
-        self, t: float, readings: Sequence[float], targets: Sequence[float],
-        applied: Sequence[float],
-    ) -> list[float]:
+    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
         """What the law wants of its drives until it acts again.
 
         Args:
@@ -96,23 +94,10 @@ class Law(Protocol):
         Returns:
             One value for each drive, in its unit.
         """
+        raise NotImplementedError
 
     def report(self) -> dict[str, Any]:
-        """What the law found out, as plain JSON data for ``run.json``; {} if nothing."""
-
-
-class Memoryless:
-    """The beginning and the end of a law that remembers nothing."""
-
-    __slots__ = ()
-
-    def begin(
-        self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
-    ) -> None:
-        """Nothing to prepare."""
-
-    def report(self) -> dict[str, Any]:
-        """Nothing to tell."""
+        """Results of the law as plain JSON data for ``run.json``; {} if there are none."""
         return {}
 
 
@@ -139,24 +124,30 @@ class ControllerSpec(Element):
     active: Flag = True
     """Whether it acts from the start; an event may switch it by setting ``<name>.active``."""
 
-    if TYPE_CHECKING:
-        writes: Any
+    def _all_of(self, field: str) -> tuple[Any, ...]:
+        """The entries of a field that has one or several; none where it is missing."""
+        found = getattr(self, field, None)
+        return () if found is None else found if isinstance(found, tuple) else (found,)
 
     @property
     def written(self) -> tuple[str, ...]:
         """The drives that it sets."""
-        writes: str | tuple[str, ...] = self.writes
-        return (writes,) if isinstance(writes, str) else writes
+        return self._all_of("writes")
+
+    @property
+    def ranges(self) -> tuple[tuple[float, float], ...]:
+        """Lowest and highest value of each drive; empty without limits."""
+        return ()
 
     @property
     def readings(self) -> tuple[str, ...]:
         """What it reads: quantities, or expressions of them that begin with ``=``."""
-        return ()
+        return self._all_of(self.reads_key)
 
     @property
     def signals(self) -> tuple[AnySignal, ...]:
         """The targets of its readings over time; of a schedule its value."""
-        return ()
+        return self._all_of(self.target_key)
 
     @property
     def immediate(self) -> str:
@@ -182,28 +173,17 @@ class SingleController(ControllerSpec):
     slew: Positive | None = None
     """Maximum change per second, in the drive's unit; none by default."""
 
-    @field_validator("limits")
-    @classmethod
-    def _limits_ordered(cls, limits: Range | None) -> Range | None:
-        _ordered(limits)
-        return limits
+    @property
+    def ranges(self) -> tuple[tuple[float, float], ...]:
+        """Lowest and highest value of its drive."""
+        return () if self.limits is None else (self.limits,)
 
 
 class ReadingController(SingleController):
     """A controller of one drive by one reading."""
 
-    reads: str
+    reads: Reading
     """A quantity (``finger.mcp.angle``) or an expression (``"=a.angle - b.angle"``)."""
-
-    @field_validator("reads")
-    @classmethod
-    def _bind_reads(cls, text: str, info: ValidationInfo) -> str:
-        return bound(text, info)
-
-    @property
-    def readings(self) -> tuple[str, ...]:
-        """What it reads."""
-        return (self.reads,)
 
 
 class SeveralController(ControllerSpec):
@@ -216,13 +196,6 @@ class SeveralController(ControllerSpec):
     slew: Items[Positive] | None = None
     """Maximum change per second of each drive, in its unit; none by default."""
 
-    @field_validator("limits")
-    @classmethod
-    def _each_ordered(cls, limits: tuple[Range, ...] | None) -> tuple[Range, ...] | None:
-        for pair in limits or ():
-            _ordered(pair)
-        return limits
-
     @model_validator(mode="after")
     def _one_each(self) -> Self:
         for key in ("limits", "slew"):
@@ -231,3 +204,8 @@ class SeveralController(ControllerSpec):
                 raise WrongValueError("wrong-type", f"'{key}': expected {len(self.writes)} "
                                       f"entries, one a drive, got {len(given)}")
         return self
+
+    @property
+    def ranges(self) -> tuple[tuple[float, float], ...]:
+        """Lowest and highest value of each drive."""
+        return self.limits or ()

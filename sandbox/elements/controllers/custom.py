@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from sandbox.elements.controllers.controller import Memoryless
+from sandbox.elements.controllers.controller import Law, Row
 from sandbox.errors import ControllerFailed, SandboxError
 from sandbox.values.expressions import parse_expression
 from sandbox.values.numbers import NAME
@@ -128,28 +128,25 @@ class Custom:
         return float(value)
 
     def _limits(self, count: int) -> tuple[Range, ...] | None:
-        given = self.limits
+        given: Any = self.limits
         if given is None:
             return None
         if isinstance(given, Sequence) and any(isinstance(x, numbers.Real) for x in given):
-            given = [given]  # type: ignore[list-item]  # one pair for one drive
+            given = [given]  # one pair for one drive
         if not isinstance(given, Sequence) or len(given) != count:
             raise self._wrong(f"'limits' must be {count} of [lowest, highest], one for each drive")
-        pairs = []
         for pair in given:
             if not isinstance(pair, Sequence) or len(pair) != 2:
                 raise self._wrong(f"'limits' must be [lowest, highest], got {quoted(pair)}")
-            low, high = (self._number("limits", x) for x in pair)
-            if low >= high:
-                raise self._wrong(f"'limits' are [lowest, highest], got {quoted(pair)}")
-            pairs.append((low, high))
+        pairs = [(self._number("limits", low), self._number("limits", high)) for low, high in given]
+        if wrong := [pair for pair in pairs if pair[0] >= pair[1]]:
+            raise self._wrong(f"'limits' are [lowest, highest], got {quoted(wrong[0])}")
         return tuple(pairs)
 
     def _slew(self, count: int) -> tuple[float, ...] | None:
-        given = self.slew
-        if given is None:
+        if self.slew is None:
             return None
-        entries = given if isinstance(given, Sequence) else [given]
+        entries = self.slew if isinstance(self.slew, Sequence) else [self.slew]
         rates = tuple(self._number("slew", rate) for rate in entries)
         if len(rates) != count:
             raise self._wrong(f"'slew' must have {count} entries, one for each drive, "
@@ -159,18 +156,13 @@ class Custom:
         return rates
 
 
-class CustomLaw(Memoryless):
+class CustomLaw(Law):
     """Calls the function and looks over what it returns."""
-
-    __slots__ = ("_act", "_count", "_name")
 
     def __init__(self, spec: Custom) -> None:
         self._act, self._name, self._count = spec.act, spec.name, len(spec.writes)
 
-    def act(
-        self, t: float, readings: Sequence[float], targets: Sequence[float],
-        applied: Sequence[float],
-    ) -> list[float]:
+    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
         """What the function wants.
 
         Raises:

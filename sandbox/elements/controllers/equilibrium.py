@@ -1,12 +1,11 @@
 """The equilibrium law: the stiffness that balances the tendon at the target, and feedback on it.
 
-At rest T h = k s with s = dlm hm (equations (17), (29), (30)). So k = T h / s at
-the target holds it without any feedback, as far as the law knows the finger; and
-a torque tau that shall resist a joint more is a stiffness of tau / s more, s at
-the joint's present rotation. Near the straight finger s goes to 0: there springs
-can do nothing, and the law reckons with the s of a small rotation instead.
+At rest T h = k s with s = dlm hm (equations (17), (29), (30)). So k = T h / s at the target holds
+it without any feedback, as far as the law knows the finger; and an additional torque tau against a
+joint is an additional stiffness tau / s, s at the joint's present rotation. Near the straight
+finger s goes to 0: there springs have no effect, and the law uses the s of a small rotation.
 
-A :class:`Crossing` is in the frames of the paper's section 4: x along the straight finger, the
+Geometry is in the frames of the paper's section 4: x along the straight finger, the
 joint closing clockwise, so that a joint that counts counter-clockwise is mirrored.
 """
 
@@ -16,22 +15,23 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from sandbox.elements.controllers.controller import Law, Positive, SeveralController
+from sandbox.elements.controllers.controller import Law, Positive, Row, SeveralController
 from sandbox.elements.element import Vec
 from sandbox.elements.element_drives import StiffnessDrive
 from sandbox.elements.points import Pin
 from sandbox.elements.springs import LinearSpring, Spring
 from sandbox.elements.tendons import Guide, Tendon
 from sandbox.errors import Problem
-from sandbox.mechanics.springs import spring_set
-from sandbox.mechanics.tendon import route
+from sandbox.mechanics.springs import SpringSet, spring_set
+from sandbox.mechanics.tendon import TendonRoute, route
 from sandbox.values.numbers import Angle, Instant, Items, Length, Name, Point, Quantity
-from sandbox.values.signals import AngleSignal, AnySignal
+from sandbox.values.signals import AngleSignal
 from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import NearMisses, WrongValueError, listed, quoted
 
@@ -70,8 +70,8 @@ class EquilibriumController(SeveralController):
     rotations. h is the tendon's arm, dlm the spring's elongation and hm its arm.
     """
 
-    of_force: ClassVar[tuple[str, ...]] = ("pull",)
-    target_key: ClassVar[str] = "targets"
+    of_force = ("pull",)
+    target_key = "targets"
 
     type: Literal["equilibrium"] = TYPE
     tendon: Name
@@ -82,7 +82,7 @@ class EquilibriumController(SeveralController):
     targets: Items[AngleSignal]
     """Of the joints' rotations over time [rad], each in its hinge's sense."""
     pull: Positive | None = None
-    """T that is reckoned with [N]; by default the tension that the tendon has."""
+    """T in the law [N]; by default the tension of the tendon."""
     kp: Items[Quantity]
     """Torque per error of rotation, one for each joint [N m/rad]."""
     ki: Items[Quantity] | None = None
@@ -116,11 +116,6 @@ class EquilibriumController(SeveralController):
         motion = [f"{joint}.{kind}" for kind in ("angle", "rate") for joint in self.joints]
         return (*motion, *([f"{self.tendon}.tension"] if self.pull is None else []))
 
-    @property
-    def signals(self) -> tuple[AnySignal, ...]:
-        """The targets of its readings over time; of a schedule its value."""
-        return tuple(self.targets)
-
     def problems(self, mechanism: Mechanism, path: str) -> Iterator[Problem]:
         """Joints, tendon and springs that are not there, or do not belong to each other."""
         return Fingers(mechanism).problems(self, path)
@@ -148,24 +143,8 @@ class EquilibriumController(SeveralController):
         return Equilibrium(self, joint_model(self, Fingers(mechanism)), period)
 
 
-@dataclass(frozen=True)
-class Crossing:
-    """One hinge with its stretch of tendon and its spring, points from the hinge [m]."""
-
-    guide_before: Vec
-    """V_(i-1), in the frame of the body before the hinge."""
-    guide_after: Vec
-    """V_i, in the frame of the body after it."""
-    spring_before: Vec
-    """M''."""
-    spring_after: Vec
-    """M'."""
-    rest: float
-    """Length of the slack spring [m]."""
-
-
 class Fingers:
-    """What laws of equilibrium are about, by name."""
+    """The tendons, hinges, springs and drives that equilibrium laws work with, by name."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         self._mechanism = mechanism
@@ -181,16 +160,31 @@ class Fingers:
         return (self._springs.get(found.spring)
                 if isinstance(found, StiffnessDrive) and found.spring is not None else None)
 
-    def crossings(self, spec: EquilibriumController) -> list[Crossing]:
-        """What crosses the joints of a controller that has no :meth:`problems`."""
-        found = []
-        for name, drive in zip(spec.joints, spec.writes, strict=True):
-            pin, spring = self.pins[name], self.spring_of(drive)
-            guides = _guides(self.tendons[spec.tendon], pin)
-            if guides is None or not isinstance(spring, LinearSpring):
-                raise ValueError(f"no guides or no linear spring across {name}")
-            found.append(_seen_from(self._mechanism, pin, guides, spring))
-        return found
+    def crossed(self, spec: EquilibriumController, i: int) -> JointGeometry:
+        """The tendon and the spring across a hinge, of a controller without :meth:`problems`."""
+        pin, spring = self.pins[spec.joints[i]], self.spring_of(spec.writes[i])
+        guides = _guides(self.tendons[spec.tendon], pin)
+        if guides is None or not isinstance(spring, LinearSpring):
+            raise ValueError(f"no guides or no linear spring across {spec.joints[i]}")
+        on_a, on_b = self._mechanism.anchors(pin)
+        side = 1.0 if pin.positive == "clockwise" else -1.0
+        c, s = math.cos(pin.zero), math.sin(pin.zero)
+
+        def before(point: Vec) -> Vec:
+            x, y = point[0] - on_a[0], side * (point[1] - on_a[1])
+            # at rotation 0 the frame after the hinge is turned by ``zero`` the joint's way
+            return c * x - s * y, s * x + c * y
+
+        def after(point: Vec) -> Vec:
+            return point[0] - on_b[0], side * (point[1] - on_b[1])
+
+        ends = {spring.a: spring.on_a, spring.b: spring.on_b}
+        rest = spring.rest_length
+        if rest is None:
+            rest = math.dist(*(self._mechanism.world(name, at) for name, at in ends.items()))
+        # one joint as a finger of one phalanx: its length moves no guide
+        return _joints(route([before(guides[0].at), after(guides[1].at)], [1.0]),
+                       spring_set([before(ends[pin.a])], [after(ends[pin.b])]), [rest])[0]
 
     def problems(self, spec: EquilibriumController, path: str) -> Iterator[Problem]:
         """Joints, tendon and springs that are not there, or do not belong to each other."""
@@ -230,32 +224,9 @@ def _guides(tendon: Tendon, pin: Pin) -> tuple[Guide, Guide] | None:
     return None
 
 
-def _seen_from(
-    mechanism: Mechanism, pin: Pin, guides: tuple[Guide, Guide], spring: LinearSpring,
-) -> Crossing:
-    on_a, on_b = mechanism.anchors(pin)
-    side = 1.0 if pin.positive == "clockwise" else -1.0
-    c, s = math.cos(pin.zero), math.sin(pin.zero)
-
-    def before(point: Vec) -> Vec:
-        x, y = point[0] - on_a[0], side * (point[1] - on_a[1])
-        # at rotation 0 the frame after the hinge is turned by ``zero`` the joint's way
-        return c * x - s * y, s * x + c * y
-
-    def after(point: Vec) -> Vec:
-        return point[0] - on_b[0], side * (point[1] - on_b[1])
-
-    ends = {spring.a: spring.on_a, spring.b: spring.on_b}
-    rest = spring.rest_length
-    if rest is None:
-        rest = math.dist(*(mechanism.world(name, at) for name, at in ends.items()))
-    return Crossing(before(guides[0].at), after(guides[1].at), before(ends[pin.a]),
-                    after(ends[pin.b]), rest)
-
-
 @dataclass(frozen=True)
 class JointGeometry:
-    """What the law knows of a joint: two triangles at the hinge."""
+    """A joint in the law: two triangles at the hinge, of the tendon and of the spring."""
 
     product: float
     """dt rt of the tendon's triangle [m^2]."""
@@ -286,34 +257,25 @@ class JointGeometry:
 
 
 def joint_model(spec: EquilibriumController, fingers: Fingers) -> list[JointGeometry]:
-    """The joints as the law takes them to be: as given, or as they are in the mechanism."""
+    """The joints in the law: as given, or as they are in the mechanism."""
     given = spec.geometry
     if given is None:
-        return [_crossed(crossing) for crossing in fingers.crossings(spec)]
-    tendon = route(given.guides, given.lengths)
+        return [fingers.crossed(spec, i) for i in range(len(spec.joints))]
     springs = spring_set(given.on_previous, given.on_phalanx)
-    rest = springs.lengths(np.zeros(len(given.lengths)))
-    return [_joint(*row) for row in zip(
-        tendon.dt, tendon.rt, tendon.beta_0, springs.dm, springs.rm,
-        springs.delta(np.zeros(len(rest))), rest, strict=True)]
+    return _joints(route(given.guides, given.lengths), springs,
+                   springs.lengths(np.zeros(len(given.lengths))))
 
 
-def _crossed(at: Crossing) -> JointGeometry:
-    # one joint as a finger of one phalanx: its length moves no guide
-    tendon = route([at.guide_before, at.guide_after], [1.0])
-    spring = spring_set([at.spring_before], [at.spring_after])
-    return _joint(tendon.dt[0], tendon.rt[0], tendon.beta_0[0], spring.dm[0], spring.rm[0],
-                  spring.delta([0.0])[0], at.rest)
+def _joints(tendon: TendonRoute, springs: SpringSet, rest: ArrayLike) -> list[JointGeometry]:
+    delta = springs.delta(np.zeros(len(springs.dm)))
+    rows = zip(tendon.dt, tendon.rt, tendon.beta_0, springs.dm, springs.rm, delta,
+               np.asarray(rest), strict=True)
+    return [JointGeometry(*map(float, (
+        dt * rt, dt**2 + rt**2, beta_0, dm * rm, dm**2 + rm**2, delta_0, slack)))
+        for dt, rt, beta_0, dm, rm, delta_0, slack in rows]
 
 
-def _joint(
-    dt: float, rt: float, beta_0: float, dm: float, rm: float, delta_0: float, rest: float,
-) -> JointGeometry:
-    return JointGeometry(*map(float, (
-        dt * rt, dt**2 + rt**2, beta_0, dm * rm, dm**2 + rm**2, delta_0, rest)))
-
-
-class Equilibrium:
+class Equilibrium(Law):
     """k = T h / s at the target + (kp e + kd rate + I) / s, with e = rotation - reference.
 
     - The reference goes from where the joint was at the beginning to the target along a
@@ -323,10 +285,6 @@ class Equilibrium:
       left as it is while its drive's value is cut and it would lead further out.
     - s is taken no smaller than it is at the guard's rotation, and so never 0.
     """
-
-    __slots__ = ("_arrived", "_balanced_at", "_balancing", "_errors", "_guards", "_half_ki",
-                 "_integrals", "_joints", "_kd", "_kp", "_pull", "_resumes", "_rise", "_since",
-                 "_starts", "_wanted")
 
     def __init__(
         self, spec: EquilibriumController, joints: Sequence[JointGeometry], period: float,
@@ -343,9 +301,7 @@ class Equilibrium:
         self._balanced_at: tuple[float, list[float]] | None = None
         self._balancing: list[float] = []
 
-    def begin(
-        self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
-    ) -> None:
+    def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
         """Start the reference where the joints are.
 
         In the middle of a run the integrals take up the difference to what the drives have;
@@ -366,10 +322,7 @@ class Equilibrium:
                         - self._kp[i] * error - self._kd[i] * rates[i])
         self._resumes = True
 
-    def act(
-        self, t: float, readings: Sequence[float], targets: Sequence[float],
-        applied: Sequence[float],
-    ) -> list[float]:
+    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
         """The stiffnesses; see the class."""
         if self._since is None:
             self._since = t
@@ -410,7 +363,3 @@ class Equilibrium:
         cut = self._wanted[i] - applied
         if not cut or step * cut < 0:
             self._integrals[i] += step
-
-    def report(self) -> dict[str, Any]:
-        """Nothing to tell."""
-        return {}

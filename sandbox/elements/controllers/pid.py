@@ -7,15 +7,14 @@ K. J. Astrom and B. Wittenmark, Computer-Controlled Systems (3rd ed., 1997), sec
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 from pydantic import model_validator
 
-from sandbox.elements.controllers.controller import Law, ReadingController
+from sandbox.elements.controllers.controller import Law, ReadingController, Row
 from sandbox.values.numbers import Duration, Flag, Instant, Quantity
-from sandbox.values.signals import AnySignal, Signal
+from sandbox.values.signals import Signal
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
@@ -31,7 +30,7 @@ class PidController(ReadingController):
     Gains may be negative, where more of the input makes the reading less.
     """
 
-    of_drive: ClassVar[tuple[str, ...]] = ("bias",)
+    of_drive = ("bias",)
 
     type: Literal["pid"] = TYPE
     target: Signal
@@ -63,11 +62,6 @@ class PidController(ReadingController):
             raise WrongValueError("conflicting-keys", "'tracking' is for \"anti_windup\": "
                                   "\"back_calculation\"")
         return self
-
-    @property
-    def signals(self) -> tuple[AnySignal, ...]:
-        """The targets of its readings over time; of a schedule its value."""
-        return (self.target,)
 
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
         """Its law, which acts every ``period`` [s]."""
@@ -103,7 +97,7 @@ class Gains:
         return -math.expm1(-period / tracking) if tracking > 0 else 1.0
 
 
-class Pid:
+class Pid(Law):
     """u = bias + kp e + I - kd D, with e = target - reading, sampled with period h.
 
     - I: the integral of ki e over straight lines between acts,
@@ -116,10 +110,6 @@ class Pid:
       ``clamp`` leaves the integral as it is while it would lead further out;
       ``back_calculation`` leads it back (:meth:`Gains.fraction_back`).
     """
-
-    __slots__ = ("_back", "_before", "_bias", "_bumpless", "_clamp", "_error", "_fresh", "_given",
-                 "_half_ki", "_integral", "_kd", "_keep", "_kp", "_resumes", "_slope", "_wanted",
-                 "_weight")
 
     def __init__(
         self, gains: Gains, period: float, *, bias: float | None = None, bumpless: bool = False,
@@ -150,9 +140,7 @@ class Pid:
         """The integral part I, in the drive's unit."""
         return self._integral
 
-    def begin(
-        self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
-    ) -> None:
+    def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
         """Set bias and integral.
 
         Of a loop that begins in the middle of a run, the integral takes up the
@@ -168,10 +156,7 @@ class Pid:
             self._integral = -proportional if self._bumpless else 0.0
         self._resumes = self._fresh = True
 
-    def act(
-        self, t: float, readings: Sequence[float], targets: Sequence[float],
-        applied: Sequence[float],
-    ) -> list[float]:
+    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
         """The output; see the class."""
         reading = readings[0]
         error = targets[0] - reading
@@ -192,7 +177,3 @@ class Pid:
         self._wanted = wanted = (
             self._bias + self._kp * error + self._integral - self._kd * self._slope)
         return [wanted]
-
-    def report(self) -> dict[str, Any]:
-        """Nothing to tell."""
-        return {}

@@ -10,15 +10,15 @@ as in D. E. Seborg, T. F. Edgar and D. A. Mellichamp, Process Dynamics and Contr
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
-from sandbox.elements.controllers.controller import Law, ReadingController
+from sandbox.elements.controllers.controller import Law, ReadingController, Row
 from sandbox.elements.controllers.pid import Gains, Pid
 from sandbox.values.numbers import Quantity
-from sandbox.values.signals import AnySignal, Signal
+from sandbox.values.signals import Signal
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
@@ -46,8 +46,8 @@ class RelayController(ReadingController):
     the first give the gains. What was found stands in ``run.json``.
     """
 
-    of_drive: ClassVar[tuple[str, ...]] = ("bias", "amplitude")
-    of_reading: ClassVar[tuple[str, ...]] = ("hysteresis",)
+    of_drive = ("bias", "amplitude")
+    of_reading = ("hysteresis",)
 
     type: Literal["relay"] = TYPE
     target: Signal
@@ -74,11 +74,6 @@ class RelayController(ReadingController):
             raise WrongValueError("out-of-range", "must not be 0: the relay would not switch")
         return amplitude
 
-    @property
-    def signals(self) -> tuple[AnySignal, ...]:
-        """The targets of its readings over time; of a schedule its value."""
-        return (self.target,)
-
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
         """Its law, which acts every ``period`` [s]."""
         return Relay(self, period)
@@ -103,16 +98,16 @@ def gains_of(rule: str, gain: float, period: float) -> Gains:
                  filter=FILTER * derivative * period)
 
 
+@dataclass
 class _Swing:
-    """What one or several cycles were like: error and input at their extremes, mean input."""
+    """One cycle: error and input at their extremes, sum of the input."""
 
-    __slots__ = ("acts", "high", "high_input", "low", "low_input", "sum_input")
-
-    def __init__(self) -> None:
-        self.acts = 0
-        self.high = self.high_input = -math.inf
-        self.low = self.low_input = math.inf
-        self.sum_input = 0.0
+    acts: int = 0
+    high: float = -math.inf
+    low: float = math.inf
+    high_input: float = -math.inf
+    low_input: float = math.inf
+    sum_input: float = 0.0
 
     def see(self, error: float, given: float) -> None:
         """Take one act in."""
@@ -123,7 +118,7 @@ class _Swing:
         self.low_input = min(self.low_input, given)
 
 
-class Relay:
+class Relay(Law):
     """Switches its drive until the reading has gone round often enough, then is a PID.
 
     A cycle lasts from one switch to bias + amplitude to the next. The first one is
@@ -132,9 +127,6 @@ class Relay:
     that cut the relay do no harm. The PID begins with the mean input of the measured
     cycles, which is what held the reading around its target.
     """
-
-    __slots__ = ("_amplitude", "_began", "_bias", "_cycles", "_found", "_given", "_hysteresis",
-                 "_period", "_pid", "_rule", "_starts", "_swing", "_swings", "_up")
 
     def __init__(self, spec: RelayController, period: float) -> None:
         self._given, self._amplitude = spec.bias, spec.amplitude
@@ -147,9 +139,7 @@ class Relay:
         self._starts: list[float] = []
         self._swing, self._swings = _Swing(), list[_Swing]()
 
-    def begin(
-        self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
-    ) -> None:
+    def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
         """Begin to swing; once tuned, go on as a PID from what the drive has."""
         if self._pid is not None:
             self._pid.begin(readings, targets, inputs)
@@ -159,10 +149,7 @@ class Relay:
         self._up = targets[0] >= readings[0]
         self._starts, self._swings, self._swing = [], [], _Swing()
 
-    def act(
-        self, t: float, readings: Sequence[float], targets: Sequence[float],
-        applied: Sequence[float],
-    ) -> list[float]:
+    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
         """The relay's side, or the PID's output once there is one."""
         if self._pid is not None:
             return self._pid.act(t, readings, targets, applied)
@@ -172,20 +159,16 @@ class Relay:
             self._up = False
         elif not self._up and error > self._hysteresis:
             self._up = True
-            self._count(t)
+            if self._starts:  # a cycle is complete
+                self._swings.append(self._swing)
+            self._starts.append(t)
+            self._swing = _Swing()
             if len(self._swings) == self._cycles:
                 pid, mean = self._tuned(t)
                 pid.begin(readings, targets, [mean])
                 self._pid = pid
                 return pid.act(t, readings, targets, [mean])
         return [self._bias + self._amplitude if self._up else self._bias - self._amplitude]
-
-    def _count(self, t: float) -> None:
-        """A cycle begins at ``t``; the one before it, if there is one, is complete."""
-        if self._starts:
-            self._swings.append(self._swing)
-        self._starts.append(t)
-        self._swing = _Swing()
 
     def _tuned(self, t: float) -> tuple[Pid, float]:
         """The PID that the measured cycles give, and the input that it begins with."""

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
-from pydantic import ValidationInfo, field_validator, model_validator
+from pydantic import model_validator
 
 from sandbox.elements.controllers.controller import (
     Law,
-    Memoryless,
+    Reading,
     ReadingController,
+    Row,
     SingleController,
-    bound,
 )
 from sandbox.values.numbers import Quantity
-from sandbox.values.signals import AnySignal, Signal
+from sandbox.values.signals import Signal
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
@@ -26,55 +25,27 @@ if TYPE_CHECKING:
 class ScheduleController(SingleController):
     """Sets a drive to a value over time, at its own rate and within limits."""
 
-    target_key: ClassVar[str] = "value"
-    sets_target: ClassVar[bool] = True
+    target_key = "value"
+    sets_target = True
 
     type: Literal["schedule"] = TYPE
     value: Signal
     """Value of the drive over time, in its unit."""
 
-    @property
-    def signals(self) -> tuple[AnySignal, ...]:
-        """The targets of its readings over time; of a schedule its value."""
-        return (self.value,)
-
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
         """Its law, which acts every ``period`` [s]."""
-        return Schedule()
-
-
-class Schedule(Memoryless):
-    """Wants its target."""
-
-    __slots__ = ()
-
-    def act(
-        self, t: float, readings: Sequence[float], targets: Sequence[float],
-        applied: Sequence[float],
-    ) -> list[float]:
-        """The target as it is now."""
-        return [targets[0]]
+        return Direct()
 
 
 class FeedbackController(SingleController):
     """Sets a drive to an expression of quantities and of the time ``t``."""
 
-    reads_key: ClassVar[str] = "value"
+    reads_key = "value"
 
     type: Literal["feedback"] = TYPE
-    value: str
+    value: Reading
     """Value of the drive, in its unit: an expression of quantities, of parameters and of the time
     ``t`` [s], such as ``"=0.2 * cos(axle.angle)"``."""
-
-    @field_validator("value")
-    @classmethod
-    def _bind_value(cls, text: str, info: ValidationInfo) -> str:
-        return bound(text, info)
-
-    @property
-    def readings(self) -> tuple[str, ...]:
-        """The expression."""
-        return (self.value,)
 
     @property
     def immediate(self) -> str:
@@ -83,20 +54,15 @@ class FeedbackController(SingleController):
 
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
         """Its law, which acts every ``period`` [s]."""
-        return Feedback()
+        return Direct()
 
 
-class Feedback(Memoryless):
-    """Wants its reading."""
+class Direct(Law):
+    """Wants its target, or its reading where it has no target."""
 
-    __slots__ = ()
-
-    def act(
-        self, t: float, readings: Sequence[float], targets: Sequence[float],
-        applied: Sequence[float],
-    ) -> list[float]:
-        """The value of the expression."""
-        return [readings[0]]
+    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
+        """The target or the reading as it is now."""
+        return [(targets or readings)[0]]
 
 
 class SwitchController(ReadingController):
@@ -105,8 +71,8 @@ class SwitchController(ReadingController):
     In between the drive keeps what it has; at the start of a run that is ``value_below``.
     """
 
-    of_drive: ClassVar[tuple[str, ...]] = ("value_below", "value_above")
-    of_reading: ClassVar[tuple[str, ...]] = ("below", "above")
+    of_drive = ("value_below", "value_above")
+    of_reading = ("below", "above")
 
     type: Literal["switch"] = TYPE
     below: Quantity
@@ -129,14 +95,12 @@ class SwitchController(ReadingController):
         return Switch(self)
 
 
-class Switch:
+class Switch(Law):
     """One value from the moment the reading is below a threshold, another once it is above one.
 
     Between the thresholds it keeps what it has. In the middle of a run it
     begins with what the drive has, at the start of one with ``value_below``.
     """
-
-    __slots__ = ("_above", "_below", "_keeps", "_value", "_value_above", "_value_below")
 
     def __init__(self, spec: SwitchController) -> None:
         self._below, self._above = spec.below, spec.above
@@ -144,17 +108,12 @@ class Switch:
         self._value = spec.value_below
         self._keeps = not spec.active
 
-    def begin(
-        self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
-    ) -> None:
+    def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
         """Take the value to be kept between the thresholds."""
         self._value = inputs[0] if self._keeps else self._value_below
         self._keeps = True
 
-    def act(
-        self, t: float, readings: Sequence[float], targets: Sequence[float],
-        applied: Sequence[float],
-    ) -> list[float]:
+    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
         """Switch if the reading is outside of the thresholds; on one of them it is not."""
         reading = readings[0]
         if reading < self._below:
@@ -162,7 +121,3 @@ class Switch:
         elif reading > self._above:
             self._value = self._value_above
         return [self._value]
-
-    def report(self) -> dict[str, Any]:
-        """Nothing to tell."""
-        return {}

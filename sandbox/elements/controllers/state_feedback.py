@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from operator import add, mul, sub
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, model_validator
 
-from sandbox.elements.controllers.controller import Law, Matrix, SeveralController, bound
+from sandbox.elements.controllers.controller import Law, Matrix, Reading, Row, SeveralController
 from sandbox.values.numbers import Items, Quantity
-from sandbox.values.signals import AnySignal, Signal
+from sandbox.values.signals import Signal
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
@@ -26,11 +26,11 @@ class StateFeedbackController(SeveralController):
     The gains come from a design such as a linear-quadratic one.
     """
 
-    of_drive: ClassVar[tuple[str, ...]] = ("bias",)
-    target_key: ClassVar[str] = "targets"
+    of_drive = ("bias",)
+    target_key = "targets"
 
     type: Literal["state_feedback"] = TYPE
-    reads: Items[str] = Field(min_length=1, max_length=64)
+    reads: Items[Reading] = Field(min_length=1, max_length=64)
     """Quantities, or expressions of them, in the order of the columns of ``gains``."""
     targets: Items[Signal]
     """What each reading shall be over time, in the reading's unit."""
@@ -42,11 +42,6 @@ class StateFeedbackController(SeveralController):
     bias: Items[Quantity] | None = None
     """What is added for each drive, in its unit; by default the drives' values when the controller
     begins."""
-
-    @field_validator("reads")
-    @classmethod
-    def _bind_each(cls, texts: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
-        return tuple(bound(text, info) for text in texts)
 
     @model_validator(mode="after")
     def _shapes(self) -> Self:
@@ -64,22 +59,12 @@ class StateFeedbackController(SeveralController):
             raise WrongValueError("wrong-type", f"'bias': expected {rows} entries, one a drive")
         return self
 
-    @property
-    def readings(self) -> tuple[str, ...]:
-        """What it reads."""
-        return tuple(self.reads)
-
-    @property
-    def signals(self) -> tuple[AnySignal, ...]:
-        """The targets of its readings over time; of a schedule its value."""
-        return tuple(self.targets)
-
     def make_law(self, mechanism: Mechanism, period: float) -> Law:
         """Its law, which acts every ``period`` [s]."""
         return StateFeedback(self, period)
 
 
-class StateFeedback:
+class StateFeedback(Law):
     """u = bias + K e + I with e = targets - readings, and for each drive an integral of its own.
 
     I is the integral of the row of ``integral_gains`` times e over straight lines
@@ -87,9 +72,6 @@ class StateFeedback:
     rate limit, and the integral would lead further out. Columns without an integral gain are
     left out of the integrals. Rows are lists: numpy needs as long for 4 x 6 numbers.
     """
-
-    __slots__ = ("_bias", "_errors", "_fresh", "_gains", "_given", "_half_gains", "_integrals",
-                 "_kept", "_resumes", "_wanted")
 
     def __init__(self, spec: StateFeedbackController, period: float) -> None:
         rows = len(spec.writes)
@@ -105,9 +87,7 @@ class StateFeedback:
         self._errors: list[float] = []
         self._resumes, self._fresh = not spec.active, True
 
-    def begin(
-        self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
-    ) -> None:
+    def begin(self, readings: Row, targets: Row, inputs: Row) -> None:
         """Set bias and integrals.
 
         In the middle of a run the rows with integral gains take up the
@@ -123,10 +103,7 @@ class StateFeedback:
                     inputs, self._bias, self._gains, self._half_gains, strict=True)]
         self._resumes = self._fresh = True
 
-    def act(
-        self, t: float, readings: Sequence[float], targets: Sequence[float],
-        applied: Sequence[float],
-    ) -> list[float]:
+    def act(self, t: float, readings: Row, targets: Row, applied: Row) -> list[float]:
         """The output; see the class."""
         errors = list(map(sub, targets, readings))
         if self._kept:
@@ -147,7 +124,3 @@ class StateFeedback:
             cut = self._wanted[i] - applied[i]
             if not cut or step * cut < 0:
                 integrals[i] += step
-
-    def report(self) -> dict[str, Any]:
-        """Nothing to tell."""
-        return {}

@@ -12,8 +12,7 @@ from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, model_validat
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
-from sandbox.elements.bars import Rope
-from sandbox.elements.points import Slot
+from sandbox.elements.points import Rope, Slot
 from sandbox.elements.tendons import RIGID, Guide, Tendon
 from sandbox.errors import Problem
 from sandbox.scene.bodies import Body, Capsule, Circle, Shape
