@@ -1,10 +1,8 @@
 """``run.npz``: every array of a recording, equal bytes for equal content.
 
-A plain zip that ``numpy.load`` reads too: arrays in order of their names,
-stored without compression, aligned so that they can be mapped into memory
-(:mod:`sandbox.recording.reading`), and with one fixed date, then ``mechanism.json``
-and ``info.json``; the run's id is the archive's comment. Wall times are not in it.
-Nothing is ever unpickled.
+A plain zip that ``numpy.load`` reads too: arrays in order of their names, without compression,
+aligned so that they can be mapped (:mod:`sandbox.recording.reading`), with a fixed date, then
+``mechanism.json`` and ``info.json``; the run's id is the archive's comment. No wall times.
 """
 
 from __future__ import annotations
@@ -21,18 +19,16 @@ from numpy.typing import NDArray
 
 from sandbox.elements.arrays import IMPACT
 from sandbox.errors import OutputError
-from sandbox.recording.reading import FORMAT, INFO, MECHANISM
+from sandbox.recording.reading import FORMAT, INFO, MECHANISM, line_of
 from sandbox.samples.outcome import outcome_data
 from sandbox.samples.samples import Samples
 
 CHUNK = 1 << 24
 """Bytes of an array that are written at a time."""
 ALIGN, PADDING, SIZES = 64, "<HHH", 20
-"""Of arrays in the file; what zip calls the bytes that make it so; what sizes beyond 4 GB take."""
-UNSTEADY = ("wall_s",)
-"""Keys of ``info`` that differ from run to run and stay out of the archive."""
+"""Alignment of arrays; zip's format of padding; bytes of sizes beyond 4 GB."""
 RARE = ("events", "broke", "stopped", "controllers", "contact_solver")
-"""Keys that are written only where there is something to say: most runs have no control."""
+"""Keys of ``info`` that are left out where they are empty."""
 
 
 def write(run: Samples, file: IO[bytes]) -> None:
@@ -65,14 +61,11 @@ def read_id(path: Path) -> str:
         with zipfile.ZipFile(path) as archive:
             return archive.comment.decode("ascii", "replace")
     except (OSError, zipfile.BadZipFile) as error:
-        raise OutputError(f"cannot read {path}: {_line(error)}", code="run-damaged") from None
+        raise OutputError(f"cannot read {path}: {line_of(error)}", code="run-damaged") from None
 
 
 def _id_of(archive: zipfile.ZipFile) -> str:
-    """What tells runs apart: a digest of the names, sizes and checksums of all members.
-
-    Equal content has equal ids, so that equal runs stay equal byte for byte.
-    """
+    """A digest of the names, sizes and checksums of all members."""
     members = [f"{one.filename} {one.file_size} {one.CRC:08x}\n" for one in archive.infolist()]
     return hashlib.sha256("".join(members).encode()).hexdigest()[:32]
 
@@ -85,10 +78,7 @@ def _member(name: str) -> zipfile.ZipInfo:
 
 
 def _aligned(name: str, offset: int) -> zipfile.ZipInfo:
-    """An entry at ``offset`` with so many bytes more that an array begins at a multiple of 64.
-
-    The array's own header takes care of itself.
-    """
+    """An entry at ``offset`` padded so that its content begins at a multiple of 64 bytes."""
     member = _member(name)
     before = offset + 30 + len(member.filename) + SIZES + struct.calcsize(PADDING)
     pad = -before % ALIGN
@@ -111,12 +101,6 @@ def _write_array(file: IO[bytes], array: NDArray[Any]) -> None:
 
 def _info_text(run: Samples) -> str:
     info = {key: value for key, value in outcome_data(run.info).items()
-            if key not in UNSTEADY and (value or key not in RARE)}
+            if key != "wall_s" and (value or key not in RARE)}
     info |= {"format": FORMAT, "notes": run.notes}
     return json.dumps(info, sort_keys=True, indent=1)
-
-
-def _line(error: BaseException) -> str:
-    return (str(error).splitlines() or [type(error).__name__])[0][:200]
-
-

@@ -1,12 +1,7 @@
-"""Reading ``run.npz``, whoever wrote it: nothing is unpacked before it is known what it is.
+"""Reading ``run.npz``: nothing is unpacked before its names, sizes, shapes and types are checked.
 
-First the members: their names, their sizes against the file's. Then ``info.json`` and
-``mechanism.json``, which is held to what a scene is held to. Then the headers of the arrays,
-whose shapes and types follow from the mechanism and two numbers. Only then the numbers, in
-pieces: time goes forward, rows point at what is there, what has to be a number is one.
-
-A large recording is not read into memory but mapped from its file, where arrays are stored as
-they are.
+First the members, then ``info.json`` and ``mechanism.json``, then the headers of the arrays, last
+their numbers, in pieces. A large recording is mapped from its file, not read into memory.
 """
 
 from __future__ import annotations
@@ -17,8 +12,7 @@ import math
 import re
 import struct
 import zipfile
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import IO, Any, NamedTuple
 
@@ -37,8 +31,8 @@ from sandbox.elements.arrays import (
     misshapen,
     sizes,
 )
-from sandbox.errors import OutputError, Problem, SceneError
-from sandbox.numeric import Array, Flags, Integers
+from sandbox.errors import OutputError, SceneError
+from sandbox.numeric import Flags
 from sandbox.samples.outcome import Outcome, read_outcome
 from sandbox.scene.check.ranges import check_ranges
 from sandbox.scene.check.references import check_references
@@ -48,7 +42,7 @@ from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_v
 from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.scopes import check_tables
 from sandbox.scene.read.source import parse_source
-from sandbox.values.numbers import message_of
+from sandbox.values.messages import explain
 from sandbox.wording import quoted
 
 FORMAT = 1
@@ -58,32 +52,23 @@ IN_MEMORY = 1 << 26
 MOST_UNPACKED = 100_000_000
 """Bytes that compressed members may have together."""
 MOST_TEXT, MOST_INFO = 20_000_000, 1_000_000
-"""Bytes of the mechanism's text, and of what is said of the run."""
+"""Bytes of the mechanism's text, and of the description of the run."""
 ANY = 10**18
 LIMITS = Limits(problems=1, bodies=10_000, elements=100_000, values=1_000_000, steps=ANY,
                 samples=ANY, recorded_bytes=ANY, frames=ANY)
-"""Of a mechanism, far above what scenes may have by default; its run has been made already."""
+"""Of a mechanism, far above the defaults for scenes."""
 PIECE = 1 << 20
 """Bytes that are read at a time; the archive's directory has to be within it."""
 AT_ONCE = PIECE
-"""Bytes of whole rows of numbers that are looked at at a time."""
+"""Bytes of whole rows of numbers that are checked at a time."""
+ROUNDING = 1e-9
 NAME = re.compile(r"\w{1,64}\.(npy|json)", re.ASCII)
 HEADER = re.compile(rb"\{'descr': '([<>|=]?[a-zA-Z][0-9]{1,4})', 'fortran_order': (True|False), "
                     rb"'shape': \(((?:[0-9]{1,18}(?:, ?|,?(?=\))))*)\),? *\} *\n")
 
 
-class Read(NamedTuple):
-    """What a recording is made of."""
-
-    mechanism: Mechanism
-    arrays: Arrays
-    outcome: Outcome
-    run_id: str
-    """Empty for a recording of an older version."""
-
-
 class _Pieces(io.FileIO):
-    """A file of which a piece is read at a time: what it claims of itself takes no memory."""
+    """A file of which at most a piece is read at a time, whatever size its directory claims."""
 
     def read(self, size: int | None = -1) -> bytes:
         """So many bytes, all that are left if negative.
@@ -111,15 +96,15 @@ class _Packed(NamedTuple):
 
     @property
     def bytes(self) -> int:
-        """That its numbers take."""
+        """Bytes of its numbers."""
         return math.prod(self.shape) * 8
 
 
-def read(path: Path) -> Read:
-    """What a recording is made of.
+def read(path: Path) -> tuple[Mechanism, Arrays, Outcome, str]:
+    """The mechanism, arrays, outcome and id of a recording; the id is empty in version 0.1.
 
     Raises:
-        OutputError: missing, not an archive, damaged, of a newer format, or what no run is.
+        OutputError: missing, not an archive, damaged, of a newer format, or not of a run.
     """
     try:
         with _Pieces(path) as file, zipfile.ZipFile(file) as archive:
@@ -133,22 +118,22 @@ def read(path: Path) -> Read:
     except OutputError:
         raise
     except Exception as error:  # zip, zlib, numpy and json each raise their own on garbage
-        raise OutputError(f"{path} is not a recording, or damaged: {_line(error)}",
+        raise OutputError(f"{path} is not a recording, or damaged: {line_of(error)}",
                           code="run-damaged") from None
 
 
 class _Reading:
-    """One archive on its way in."""
+    """One archive that is read."""
 
     def __init__(self, path: Path, file: _Pieces, archive: zipfile.ZipFile) -> None:
         self.path, self.file, self.archive = path, file, archive
         self.members = self._members()
 
     def damaged(self, what: str) -> OutputError:
-        """The error that says what is wrong with the file."""
+        """The error that names a fault of the file."""
         return OutputError(f"{self.path} is damaged: {what}", code="run-damaged")
 
-    def whole(self) -> Read:
+    def whole(self) -> tuple[Mechanism, Arrays, Outcome, str]:
         """Everything, in the order of the module's text."""
         if lacking := sorted({MECHANISM, INFO} - self.members.keys()):
             raise OutputError(f"{self.path} is not a recording: it has no {lacking[0]!r}",
@@ -159,29 +144,24 @@ class _Reading:
             outcome = read_outcome(info, mechanism.run)
         except ValueError as error:
             raise self.damaged(f"{INFO!r} does not describe a run: {error}") from None
-        places = self._places(mechanism)
-        return Read(mechanism, self._arrays(mechanism, places), outcome,
-                    self.archive.comment.decode("ascii", "replace"))
-
-    # -- members ----------------------------------------------------------------------
+        return (mechanism, self._arrays(mechanism), outcome,
+                self.archive.comment.decode("ascii", "replace"))
 
     def _members(self) -> dict[str, zipfile.ZipInfo]:
-        end = self.file.seek(0, io.SEEK_END)
+        end, unpacked = self.file.seek(0, io.SEEK_END), 0
         found: dict[str, zipfile.ZipInfo] = {}
-        unpacked = 0
         for one in self.archive.infolist():
-            name = one.filename
+            name, stored = one.filename, one.compress_type == zipfile.ZIP_STORED
             if not NAME.fullmatch(name):
                 raise self.damaged(f"no part of a recording is called {quoted(name)}")
             if name in found:
                 raise self.damaged(f"{name!r} is in it twice")
-            found[name] = one
-            stored = one.compress_type == zipfile.ZIP_STORED
             if one.flag_bits & 1 or not (stored or one.compress_type == zipfile.ZIP_DEFLATED):
                 raise self.damaged(f"{name!r} is encrypted, or packed in a way that is not read")
             if one.compress_size > end - one.header_offset or (
                     stored and one.file_size != one.compress_size):
                 raise self.damaged(f"{name!r} claims more bytes than there are")
+            found[name] = one
             unpacked += 0 if stored else one.file_size
         if unpacked > MOST_UNPACKED:
             raise self.damaged(
@@ -202,6 +182,8 @@ class _Reading:
             size -= len(piece)
             yield piece
 
+    # -- texts ------------------------------------------------------------------------
+
     def _text(self, name: str, most: int) -> str:
         size = self.members[name].file_size
         if size > most:
@@ -210,15 +192,13 @@ class _Reading:
             text = b"".join(self._bytes(stream, size)) + stream.read(1)
         return text.decode()
 
-    # -- texts ------------------------------------------------------------------------
-
     def _info(self) -> dict[str, Any]:
         try:
             info: Any = json.loads(self._text(INFO, MOST_INFO))
             deep = _deeper(info, LIMITS.nesting)
             half = "" if deep else half_character(json.dumps(info, ensure_ascii=False))
         except (ValueError, RecursionError) as error:
-            raise self.damaged(f"{INFO!r} cannot be read: {_line(error)}") from None
+            raise self.damaged(f"{INFO!r} cannot be read: {line_of(error)}") from None
         if half:
             raise self.damaged(f"{INFO!r} cannot be read: {half}")
         version = info.pop("format", None) if isinstance(info, dict) else None
@@ -230,42 +210,47 @@ class _Reading:
         return dict(info)
 
     def _mechanism(self) -> Mechanism:
-        """Held to what a scene is held to, but for the length of the run, which is on the disk."""
+        """Checked as a scene is, except for the length of the run."""
         text = self._text(MECHANISM, MOST_TEXT)
+        data: Any = None
         try:
             data = parse_source(text, limits=LIMITS).data
-            if not isinstance(data, dict):
-                raise SceneError([Problem("wrong-type", "it is no object", "$")])
-            if problems := [*check_lists(data, LIMITS), *check_values(data, LIMITS)]:
-                raise SceneError(problems)
-            mechanism = Mechanism.model_validate(data)
-            if problems := check_limits(mechanism, LIMITS):
-                raise SceneError(problems)
-            problems = [*check_units(mechanism), *check_references(mechanism),
-                        *check_tables(mechanism), *check_ranges(mechanism)]
+            problems = [*check_lists(data, LIMITS), *check_values(data, LIMITS)]
+            if not problems:
+                mechanism = Mechanism.model_validate(data)
+                problems = check_limits(mechanism, LIMITS) or [
+                    *check_units(mechanism), *check_references(mechanism),
+                    *check_tables(mechanism), *check_ranges(mechanism)]
         except SceneError as error:
             problems = error.problems
         except ValidationError as error:
-            first = error.errors(include_url=False, include_input=False)[0]
-            where = ".".join(str(step) for step in first["loc"])
-            raise self.damaged("its mechanism is not valid: "
-                               f"{quoted(where)[1:-1]}: {_line_of(message_of(first))}") from None
+            problems = explain(error, data, Mechanism)
         if problems:
             more = f", and {len(problems) - 1} more" if len(problems) > 1 else ""
-            raise self.damaged(f"its mechanism is not valid: {_line_of(str(problems[0]))}{more}")
+            raise self.damaged(f"its mechanism is not valid: {line_of(problems[0])}{more}")
         return mechanism
 
     # -- arrays -----------------------------------------------------------------------
 
-    def _places(self, mechanism: Mechanism) -> list[_Packed]:
-        """Where the arrays are, all of the shapes and types that belong to the mechanism."""
+    def _arrays(self, mechanism: Mechanism) -> Arrays:
+        """The numbers, checked and kept in memory, or mapped where they are many."""
         places = {row.name: self._place(row, self.members[f"{row.name}.npy"])
                   for row in ARRAYS if f"{row.name}.npy" in self.members}
         if mechanism.meters and METERS not in places:
             raise self.damaged(f"array {METERS!r} is missing")
         if found := misshapen(mechanism, {name: place.shape for name, place in places.items()}):
             raise self.damaged("; ".join(found))
-        return list(places.values())
+        size = sizes(mechanism, samples=places["time"].shape[0])
+        end = mechanism.run.duration + mechanism.run.step
+        mapped = sum(place.bytes for place in places.values()) > IN_MEMORY
+        arrays = {name: self._array(place, size, end, mapped=mapped and place.bytes > 0
+                                    and place.member.compress_type == zipfile.ZIP_STORED)
+                  for name, place in places.items()}
+        for body, mass in zip(mechanism.bodies, arrays["body_mass"], strict=True):
+            if body.motion == "dynamic" and np.isinf(mass):
+                raise self.damaged(f"array 'body_mass' has no weight for {quoted(body.name)}, "
+                                   "which moves freely")
+        return arrays
 
     def _place(self, row: Recorded, member: zipfile.ZipInfo) -> _Packed:
         with self.archive.open(member) as stream:
@@ -286,47 +271,83 @@ class _Reading:
                                f"{member.file_size} bytes that it has")
         return place
 
-    def _arrays(self, mechanism: Mechanism, places: list[_Packed]) -> Arrays:
-        """The numbers, looked at on the way and kept in memory, or mapped where they are many."""
-        shapes = {place.kind.name: place.shape for place in places}
-        span = Span(sizes(mechanism, samples=shapes["time"][0]),
-                    mechanism.run.duration + mechanism.run.step)
-        mapped = sum(place.bytes for place in places) > IN_MEMORY
-        arrays = {place.kind.name: self._array(place, span, mapped=mapped and place.bytes > 0
-                                               and place.member.compress_type == zipfile.ZIP_STORED)
-                  for place in places}
-        for body, mass in zip(mechanism.bodies, arrays["body_mass"], strict=True):
-            if body.motion == "dynamic" and np.isinf(mass):
-                raise self.damaged(f"array 'body_mass' has no weight for {quoted(body.name)}, "
-                                   "which moves freely")
-        return arrays
-
-    def _array(self, place: _Packed, span: Span, *, mapped: bool) -> NDArray[Any]:
-        dtype = np.dtype(dtype_of(place.kind.name)).newbyteorder("<")
-        kept = np.empty((0 if mapped else place.shape[0], *place.shape[1:]), dtype)
-        row = dtype.itemsize * math.prod(place.shape[1:])
-        rows = max(1, AT_ONCE // max(row, 1))
-        check = checks(place.kind, span)
+    def _array(
+        self, place: _Packed, size: Mapping[str, int], end: float, *, mapped: bool,
+    ) -> NDArray[Any]:
+        kind, (count, *shape) = place.kind, place.shape
+        dtype = np.dtype(dtype_of(kind.name)).newbyteorder("<")
+        kept = np.empty((0 if mapped else count, *shape), dtype)
+        row = dtype.itemsize * math.prod(shape)
+        rows, last = max(1, AT_ONCE // max(row, 1)), None
         with self.archive.open(place.member) as stream:
             for _ in self._bytes(stream, place.header):
                 pass
-            for first in range(0, place.shape[0], rows):
-                count = min(rows, place.shape[0] - first)
-                piece = b"".join(self._bytes(stream, count * row))
-                values = np.frombuffer(piece, dtype).reshape(count, *place.shape[1:])
-                if wrong := check(first, values):
-                    raise self.damaged(f"array {place.kind.name!r} {wrong}")
+            for first in range(0, count, rows):
+                number = min(rows, count - first)
+                piece = b"".join(self._bytes(stream, number * row))
+                values = np.frombuffer(piece, dtype).reshape(number, *shape)
+                if wrong := fault(kind, first, values, last, size, end):
+                    raise self.damaged(f"array {kind.name!r} {wrong}")
+                last = values[-1]
                 if not mapped:
-                    kept[first:first + count] = values
+                    kept[first:first + number] = values
             stream.read(1)  # the checksum is compared where the member ends
-        return self._mapped(place, dtype) if mapped else kept
-
-    def _mapped(self, place: _Packed, dtype: np.dtype[Any]) -> NDArray[Any]:
-        """An array where it lies in the file, which has to stay as it is meanwhile."""
+        if not mapped:
+            return kept
         self.file.seek(place.member.header_offset)
         name, extra = struct.unpack("<26xHH", self.file.read(30))
         offset = place.member.header_offset + 30 + name + extra + place.header
         return np.memmap(self.file, dtype, "r", offset, place.shape)
+
+
+def fault(
+    kind: Recorded, first: int, values: NDArray[Any], last: Any, size: Mapping[str, int],
+    end: float,
+) -> str:
+    """What is wrong with some rows of an array; empty if nothing is.
+
+    Args:
+        kind: of the array.
+        first: number of the first row.
+        values: the rows.
+        last: the row before them, or None.
+        size: the lengths of all axes, which numbers of elements refer to.
+        end: no sample is later [s].
+    """
+    if kind.name == "time":
+        back = ~(np.diff(values, prepend=-1.0 if last is None else last) > 0) | ~(values >= 0)
+        beyond = values > end * (1 + ROUNDING)
+        if (back | beyond).any():
+            at = _first(back | beyond)
+            what = f"{values[at]:.9g} s in sample {first + at}"
+            return (f"goes on after the run's end of {end:.9g} s: {what}" if beyond[at]
+                    else f"does not rise: {what}")
+        return ""
+    if kind.points:
+        outside = (values < 0) | (values >= size[kind.points])
+        if outside.any():
+            at = _first(outside)
+            return f"points outside 0..{size[kind.points] - 1} in row {first + at}: {values[at]}"
+        back = np.diff(values, prepend=0 if last is None else last) < 0
+        return (f"is not in order in row {first + _first(back)}"
+                if kind.name in IN_ORDER and back.any() else "")
+    wrong = ~(np.abs(values) <= LARGEST)
+    if kind.also == "inf":
+        if (values <= 0).any():
+            return "is not greater than 0"
+        wrong &= values != np.inf
+    elif kind.also == "nan" or kind.late:
+        wrong &= ~np.isnan(values)
+    if not wrong.any():
+        return ""
+    row = {"once": "element", "sample": "sample", "mean": "sample", "meters": "sample"}.get(
+        kind.when, "row")
+    return f"holds {values[wrong][0]:.6g} in {row} {first + _first(wrong)}"
+
+
+def _first(wrong: Flags) -> int:
+    """The first row in which something is wrong."""
+    return int(np.argmax(wrong.reshape(len(wrong), -1).any(axis=1)))
 
 
 def _deeper(data: Any, levels: int) -> bool:
@@ -335,99 +356,9 @@ def _deeper(data: Any, levels: int) -> bool:
     for _ in range(levels):
         layer = [each for one in layer if isinstance(one, (dict, list))
                  for each in (one.values() if isinstance(one, dict) else one)]
-        if not layer:
-            return False
-    return True
+    return bool(layer)
 
 
-def _line(error: BaseException) -> str:
-    return _line_of(str(error) or type(error).__name__)
-
-
-def _line_of(text: str) -> str:
-    return (text.splitlines() or [""])[0][:200]
-
-
-Check = Callable[[int, NDArray[Any]], str]
-"""Of the number of the first row of a piece and the piece: what is wrong with it, or nothing."""
-ROUNDING = 1e-9
-
-
-@dataclass(frozen=True)
-class Span:
-    """What the numbers of a recording refer to."""
-
-    sizes: Mapping[str, int]
-    """How many there are along every axis."""
-    end: float
-    """No sample is later [s]."""
-
-
-def checks(kind: Recorded, span: Span) -> Check:
-    """What to look for in an array; its pieces come in order, from the first row on."""
-    if kind.name == "time":
-        return _Rising(span.end)
-    if kind.points:
-        return _Pointing(span.sizes[kind.points], ordered=kind.name in IN_ORDER)
-    row = {"once": "element", "sample": "sample", "mean": "sample", "meters": "sample"}.get(
-        kind.when, "row")
-
-    def numbers(first: int, values: Array) -> str:
-        wrong = ~(np.abs(values) <= LARGEST)
-        if kind.also == "inf":
-            if (values <= 0).any():
-                return "is not greater than 0"
-            wrong &= values != np.inf
-        elif kind.also == "nan" or kind.late:
-            wrong &= ~np.isnan(values)
-        if not wrong.any():
-            return ""
-        at = _first(wrong)
-        return f"holds {values[wrong][0]:.6g} in {row} {first + at}"
-
-    return numbers
-
-
-class _Rising:
-    """Time goes forward, from 0 to the run's end."""
-
-    def __init__(self, end: float) -> None:
-        self._last, self._end = 0.0, end
-
-    def __call__(self, first: int, values: Array) -> str:
-        before = np.concatenate([[self._last], values[:-1]])
-        ahead = values > before
-        if first == 0:
-            ahead[:1] = values[:1] >= 0
-        beyond = values > self._end * (1 + ROUNDING)
-        if not ahead.all() or beyond.any():
-            at = _first(~ahead | beyond)
-            what = f"{values[at]:.9g} s in sample {first + at}"
-            return (f"goes on after the run's end of {self._end:.9g} s: {what}" if beyond[at]
-                    else f"does not rise: {what}")
-        self._last = float(values[-1])
-        return ""
-
-
-class _Pointing:
-    """Numbers of rows or elements that are there."""
-
-    def __init__(self, count: int, *, ordered: bool) -> None:
-        self._count, self._ordered, self._last = count, ordered, 0
-
-    def __call__(self, first: int, values: Integers) -> str:
-        outside = (values < 0) | (values >= self._count)
-        if outside.any():
-            at = _first(outside)
-            return f"points outside 0..{self._count - 1} in row {first + at}: {values[at]}"
-        if self._ordered:
-            back = np.diff(values, prepend=self._last) < 0
-            if back.any():
-                return f"is not in order in row {first + _first(back)}"
-            self._last = int(values[-1])
-        return ""
-
-
-def _first(wrong: Flags) -> int:
-    """The first row in which something is wrong."""
-    return int(np.argmax(wrong.reshape(len(wrong), -1).any(axis=1)))
+def line_of(error: object) -> str:
+    """The first line of an error's text, at most 200 characters."""
+    return (str(error).splitlines() or [type(error).__name__])[0][:200]
