@@ -109,7 +109,7 @@ def lengths(frames: Frames, cords: Stretches) -> Array:
     for row, tendon in enumerate(tendons.stretch_tendon):
         total[tendon] += cords.length[row]
     if tendons.guide_radius.any():
-        first = _at_start(frames.model)
+        first = stretches_at_start(frames.model)
         for tendon in range(len(tendons.name)):
             if tendons.guide_radius[tendons.guides(tendon)].any():
                 total[tendon] += _on_wheels(frames, cords, first, tendon)
@@ -131,7 +131,7 @@ class Pulls(NamedTuple):
 
 def pulls_at_start(model: Model) -> Pulls:
     """The cords in the scene's poses."""
-    tendons, first = model.tendons, _at_start(model)
+    tendons, first = model.tendons, stretches_at_start(model)
     does: list[dict[int, Array]] = [{} for _ in tendons.name]
     for row, tendon in enumerate(tendons.stretch_tendon.tolist()):
         u = np.array([first.x[row, 0], first.y[row, 0]])
@@ -146,7 +146,7 @@ def pulls_at_start(model: Model) -> Pulls:
     return Pulls(lengths_at_start(model), does)
 
 
-def _at_start(model: Model) -> Stretches:
+def stretches_at_start(model: Model) -> Stretches:
     """The stretches at t = 0, [m, 1]."""
     bodies, tendons = model.mechanism.bodies, model.tendons
     at = np.array([to_world(pose_of(bodies[body]), (float(x), float(y)))
@@ -179,7 +179,7 @@ def bends(frames: Frames, cords: Stretches, grip: int) -> Array:
 def _wrap(frames: Frames, cords: Stretches, tendon: int, place: int) -> Array:
     """The angle by which a cord lies on the wheel at one of its places [rad], [n]."""
     radius = float(frames.model.tendons.guide_radius[frames.model.tendons.guides(tendon)][place])
-    angle = _angles(frames, cords, _at_start(frames.model), tendon)
+    angle = _angles(frames, cords, stretches_at_start(frames.model), tendon)
     return np.asarray(_on_wheel(frames, angle, tendon, place)[1:] / abs(radius))
 
 
@@ -233,7 +233,7 @@ def span_length(frames: Frames, cords: Stretches, span: CordSpan) -> tuple[Array
 
     The first counts what wheels there have wound up since t = 0.
     """
-    tendons, first = frames.model.tendons, _at_start(frames.model)
+    tendons, first = frames.model.tendons, stretches_at_start(frames.model)
     begin = int(tendons.first[span.tendon])
     angle = _angles(frames, cords, first, span.tendon)
     own = np.flatnonzero(tendons.stretch_tendon == span.tendon)
@@ -272,7 +272,7 @@ def piece_tensions(
 def lengths_at_start(model: Model) -> Array:
     """Length of every tendon at t = 0, as the scene's poses have it [m], [nt]."""
     tendons = model.tendons
-    total, first = np.zeros(len(tendons.name)), _at_start(model)
+    total, first = np.zeros(len(tendons.name)), stretches_at_start(model)
     np.add.at(total, tendons.stretch_tendon, first.length[:, 0])
     for tendon in range(len(tendons.name)):
         radii = np.abs(tendons.guide_radius[tendons.guides(tendon)])
@@ -287,7 +287,7 @@ def wraps_at_start(model: Model, tendon: int) -> Array:
 
     Of a loop its first guide counts, and does not come last again.
     """
-    return _wraps(model, _at_start(model), tendon)
+    return _wraps(model, stretches_at_start(model), tendon)
 
 
 def _wraps(model: Model, first: Stretches, tendon: int) -> Array:
@@ -321,7 +321,7 @@ def wound_up(frames: Frames, cords: Stretches, tendon: int, *, last: bool = Fals
     With ``last`` only that at its last guide.
     """
     end = len(frames.model.tendons.guide_radius[frames.model.tendons.guides(tendon)]) - 1
-    angle = _angles(frames, cords, _at_start(frames.model), tendon)
+    angle = _angles(frames, cords, stretches_at_start(frames.model), tendon)
     places = (end,) if last else (0, end)
     return np.asarray(sum(_on_wheel(frames, angle, tendon, place)[1:] for place in places))
 
