@@ -22,7 +22,7 @@ from sandbox.errors import Interrupted, RecordingFull, SimulationDiverged
 from sandbox.numeric import Array
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
-from sandbox.samples.merging import merge_contacts
+from sandbox.samples.contacts import merge_contacts
 from sandbox.samples.outcome import INTERRUPTED, LIMITED, Outcome, status_of
 from sandbox.scene.mechanism import Mechanism
 

@@ -55,9 +55,8 @@ from sandbox.samples.outcome import (
     Happened,
     Outcome,
     Stop,
-    relaxed,
     status_of,
-    unordered,
+    step_notes,
 )
 from sandbox.values.closures import Read
 from sandbox.wording import WrongValueError, listed, near, quoted
@@ -434,8 +433,8 @@ class Simulation:
             },
             wall=dict(self._wall), events=events, broke=tuple(self._broke), stopped=stopped,
             controllers=controllers, contact_solver=self._contact_solver(),
-            notes=(relaxed(int(self._tables.state.standing[0]), self._done)
-                   + unordered(int(self._tables.state.standing[5]), self._done)),
+            notes=step_notes(self._done, relaxed=int(self._tables.state.standing[0]),
+                             unordered=int(self._tables.state.standing[5])),
         ), copied=copied)
 
     def _contact_solver(self) -> dict[str, float]:

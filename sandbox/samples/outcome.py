@@ -1,8 +1,7 @@
-"""What is known of a run besides its samples: how it ended, how it was computed, what happened.
+"""The outcome of a run: how it ended, how it was computed, what happened; and plain recordings.
 
-A run's status is worked out from three things that its files say: whether it
-is complete, for which reason it is not, and which event stopped it. So it is
-in every archive that was ever written, and no key had to be added for it.
+The status follows from three entries of a run's files: whether it is complete, for which reason it
+is not, and which event stopped it.
 """
 
 from __future__ import annotations
@@ -28,35 +27,33 @@ from sandbox.values.units import size_fault
 from sandbox.wording import quoted
 
 MOST = 1e18
-"""No number that tells of a run is larger."""
+"""No number of an outcome is larger."""
 INTERRUPTED = "interrupted"
-"""The reason that a run gives which Ctrl-C ended."""
+"""The reason of a run that Ctrl-C ended."""
 LIMITED = "more was recorded than the limit 'recorded_bytes' allows"
 """The reason of a run that recorded more than it may."""
-
-
 FAILED = "a controller failed: "
-"""What the reason of a run begins with that an exception of a controller ended."""
+"""The reason of a run that an exception of a controller ended begins with this."""
 
 
 class Status(Enum):
-    """How a run ended; the value says it in words, after "the run"."""
+    """How a run ended; the value is the end of a sentence that begins with "the run"."""
 
     DONE = "completed"
     """All planned steps were made."""
     STOPPED = "was stopped on purpose"
-    """One of its own events ended it, as the scene wants it, or a controller in Python that raised
-    ``StopRun``: the run is complete."""
+    """An event of the scene, or a controller in Python that raised ``StopRun``, ended it: the run
+    is complete."""
     INTERRUPTED = "was interrupted"
     """Ctrl-C."""
     DIVERGED = "diverged"
-    """The motion ran away or was no longer a number; ``reason`` names the culprit."""
+    """The motion ran away or was no longer a number; ``reason`` names the body."""
     LIMITED = "was stopped by a limit"
     """More was recorded than allowed."""
     FAILED = "was ended by its controller"
     """A controller in Python raised an exception; ``reason`` names it."""
     UNFINISHED = "stopped"
-    """Not at its end, and no reason is known: its recording was taken on the way."""
+    """Not at its end, without a reason: its recording was taken during the run."""
 
     @property
     def complete(self) -> bool:
@@ -66,13 +63,13 @@ class Status(Enum):
 
 @dataclass(frozen=True)
 class Happened:
-    """An event that happened, or something that broke."""
+    """An event that happened, or an element that broke."""
 
     event: str
     """Its name."""
     time: float
-    """When [s]: of an event the end of the step after which it acted; of what broke the instant
-    within a step at which its load was come to."""
+    """When [s]: of an event the end of the step after which it acted; of an element the instant
+    within a step at which it reached its load."""
 
 
 @dataclass(frozen=True)
@@ -99,27 +96,27 @@ class Outcome:
 
     status: Status
     reason: str = ""
-    """Why the run is not complete, in a sentence; empty for one that is."""
+    """Why the run is not complete, in a sentence."""
     step: float
     """Time step h [s]."""
     steps: int = 0
-    """Steps that were planned; 0 where that is not known."""
+    """Steps that were planned; 0 if unknown."""
     sample_rate: float
     """Samples per second of simulated time [Hz], as kept."""
     seed: int = 0
     """Of random numbers; the engine draws none."""
     versions: Mapping[str, str] = field(default_factory=dict)
-    """Of sandbox, of Python and of the libraries that computed the run, by name."""
+    """Of sandbox, Python and the libraries that computed the run, by name."""
     wall: Mapping[str, float] = field(default_factory=dict)
-    """How long each phase of the work took [s], by the phase's name: ``build``, ``simulate``."""
+    """Time that each phase took [s], by name: ``build``, ``simulate``."""
     events: tuple[Happened, ...] = ()
     """The events that happened, in order of time."""
     broke: tuple[Happened, ...] = ()
-    """The joints, springs and tendons that let go at their loads, in order of time."""
+    """The joints, springs and tendons that broke, in order of time."""
     stopped: Stop | None = None
-    """The event that stopped the run, if one did; of several the one whose verdict counts."""
+    """The event that stopped the run; of several the one whose verdict counts."""
     controllers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    """By controller, what its law found out: plain JSON data; only laws that have something."""
+    """Results of laws of controllers, by controller: plain JSON data."""
     contact_solver: Mapping[str, float] = field(default_factory=dict)
     """How contacts, limits and friction were solved; empty where unknown or there are none.
     ``residual``: the largest violation of their laws [m/s, rad/s]; ``time_s``: when;
@@ -127,7 +124,7 @@ class Outcome:
     ``compliant_steps``, ``stiffness`` h^2 k G, ``damping`` ratio, ``tangential`` over normal
     stiffness."""
     notes: tuple[str, ...] = ()
-    """What a reader should know, such as meters without a value."""
+    """Such as meters without a value."""
 
     def __post_init__(self) -> None:
         given_back = status_of(complete=self.complete, reason=self.reason, stopped=self.stopped)
@@ -158,24 +155,18 @@ def status_of(*, complete: bool, reason: str, stopped: Stop | None) -> Status:
     return {INTERRUPTED: Status.INTERRUPTED, LIMITED: Status.LIMITED}.get(reason, Status.DIVERGED)
 
 
-def relaxed(steps: int, made: int) -> tuple[str, ...]:
-    """What a run notes of ``steps`` of those made whose forces are not exact, if there were any."""
-    if not steps:
-        return ()
-    return (f"the forces of contacts, friction and motors are approximate in {steps} of {made} "
-            "steps: sticking and sliding were not resolved",)
-
-
-def unordered(steps: int, made: int) -> tuple[str, ...]:
-    """What a run notes of ``steps`` with too many impacts to put in order, if there were any."""
-    if not steps:
-        return ()
-    return (f"{steps} of {made} steps have more than 100 impacts in sequence; the rest was solved "
-            "at one instant. Reduce `run.step` to have fewer impacts in each step",)
+def step_notes(made: int, *, relaxed: int, unordered: int) -> tuple[str, ...]:
+    """Notes on steps of those made with approximate forces, or with too many impacts to order."""
+    notes = {
+        f"the forces of contacts, friction and motors are approximate in {relaxed} of {made} "
+        "steps: sticking and sliding were not resolved": relaxed,
+        f"{unordered} of {made} steps have more than 100 impacts in sequence; the rest was solved "
+        "at one instant. Reduce `run.step` to have fewer impacts in each step": unordered}
+    return tuple(note for note, steps in notes.items() if steps)
 
 
 def planned(run: Run, status: Status = Status.DONE) -> Outcome:
-    """The outcome of a run of which nothing is known but its scene's settings."""
+    """The outcome of a run of which only its scene's settings are known."""
     return Outcome(status=status, step=run.step, sample_rate=run.sample_rate)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox.samples.merging import merge_contacts
+from sandbox.samples.contacts import merge_contacts
 
 
 def point(normal, tangent=0.0, at=(0.0, 0.0), towards=(0.0, 1.0)):
