@@ -21,7 +21,7 @@ from sandbox.audit.bounds import Bounds
 from sandbox.audit.figures import Figure, figure_data
 from sandbox.elements.arrays import LARGEST, Arrays
 from sandbox.errors import OutputError
-from sandbox.recording import archive, reading, tables
+from sandbox.recording import archive, tables
 from sandbox.recording.new_run import ARCHIVE, CONTACTS, IMPACTS, INCOMPLETE, SUMMARY, writing
 from sandbox.samples.expectations import Verdict
 from sandbox.samples.outcome import Outcome, Status, outcome_data
@@ -110,7 +110,7 @@ def summary(
     """What ``run.json`` says, as plain JSON data (null stands for infinite and for no value)."""
     info, mechanism = outcome_data(run.info), run.mechanism
     content = {
-        "format": reading.FORMAT,
+        "format": archive.FORMAT,
         "run_id": run_id,
         "complete": info["complete"],
         "reason": info["reason"],
@@ -151,7 +151,7 @@ def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]
     folder = Path(directory)
     if not folder.is_dir():
         raise OutputError(f"there is no directory {folder}", code="no-run")
-    mechanism, arrays, outcome, run_id = reading.read(folder / ARCHIVE)
+    mechanism, arrays, outcome, run_id = archive.read(folder / ARCHIVE)
     complete = (folder / SUMMARY).exists()
     path = folder / (SUMMARY if complete else INCOMPLETE)
     if path.exists() and run_id:

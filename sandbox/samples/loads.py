@@ -18,8 +18,7 @@ from sandbox.model.joints import meeting
 from sandbox.model.model import NONE
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.cords import Stretches, piece_tensions, stretches
-from sandbox.samples.frames import Frames
+from sandbox.samples.cords import Frames, Stretches, piece_tensions, stretches
 from sandbox.samples.outcome import Stored
 
 Pair = tuple[Array, Array]

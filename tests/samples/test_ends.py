@@ -10,7 +10,7 @@ import pytest
 
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from sandbox.samples.remarks import MOST, ended
+from sandbox.samples.samples import MOST, ended
 from sandbox.scene.read.load import load_scene
 
 FORCE, LENGTH, STEP = 2.0, 0.09, 1e-3
