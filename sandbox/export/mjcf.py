@@ -122,7 +122,11 @@ def add_bodies(draft: Draft) -> dict[str, list[str]]:
         place = add(places[link.parent], "body", name=draft.body_names[index], pos=(x, y, 0.0),
                     euler=(0.0, 0.0, angle) if angle else None)
         places[index] = place
-        _add_inertia(place, draft.model.bodies, index)
+        bodies = draft.model.bodies
+        if bodies.free[index]:
+            # only the rotation about z matters; three equal values satisfy the triangle inequality
+            add(place, "inertial", pos=(*vec(bodies.centre[index]), 0.0),
+                mass=float(bodies.mass[index]), diaginertia=(float(bodies.inertia[index]),) * 3)
         for move in draft.moves[index]:
             _add_joint(draft, place, move)
         body = draft.mechanism.bodies[index]
@@ -137,15 +141,6 @@ def add_bodies(draft: Draft) -> dict[str, list[str]]:
     for index, place in places.items():
         place.extend(draft.on_body[index])
     return geoms
-
-
-def _add_inertia(place: ET.Element, bodies: Bodies, index: int) -> None:
-    if not bodies.free[index]:
-        return
-    inertia = float(bodies.inertia[index])
-    # only the rotation about z matters; three equal values satisfy the triangle inequality
-    add(place, "inertial", pos=(*vec(bodies.centre[index]), 0.0), mass=float(bodies.mass[index]),
-        diaginertia=(inertia, inertia, inertia))
 
 
 def _add_joint(draft: Draft, place: ET.Element, move: Freedom) -> None:

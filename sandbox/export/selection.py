@@ -77,11 +77,6 @@ def leave_out(
     return left, tuple(name for name in names if name in gone)
 
 
-def materials_of(mechanism: Mechanism) -> list[Material]:
-    """The material of each body; the default one for a body that names none."""
-    return [mechanism.materials.get(body.material or "", Material()) for body in mechanism.bodies]
-
-
 def contact_pairs(model: Model) -> list[tuple[int, int, float]]:
     """The pairs of bodies with shapes that may touch, and their coefficients of friction."""
     solid = np.array([bool(body.shapes) for body in model.mechanism.bodies], dtype=bool)
@@ -210,7 +205,9 @@ def _cross(a: Array, b: Array, c: Array, d: Array) -> bool:
 
 
 def _surfaces(model: Model) -> Iterator[tuple[str, str]]:
-    mechanism, materials = model.mechanism, materials_of(model.mechanism)
+    mechanism = model.mechanism
+    materials = [mechanism.materials.get(body.material or "", Material())
+                 for body in mechanism.bodies]
     meeting: set[str | None] = set()
     bouncing: set[str | None] = set()
     for a, b, _ in contact_pairs(model):

@@ -70,8 +70,6 @@ PIECE = 1 << 20
 AT_ONCE = PIECE
 """Bytes of whole rows of numbers that are checked at a time."""
 ROUNDING = 1e-9
-CHUNK = 1 << 24
-"""Bytes of an array that are written at a time."""
 ALIGN, PADDING, SIZES = 64, "<HHH", 20
 """Alignment of arrays; zip's format of padding; bytes of sizes beyond 4 GB."""
 RARE = ("events", "broke", "stopped", "controllers", "contact_solver")
@@ -92,17 +90,25 @@ def write(run: Samples, file: IO[bytes]) -> None:
         for key, array in sorted(run.with_meters().items()):
             if key in none:
                 continue
-            with archive.open(_aligned(f"{key}.npy", file.tell()), "w", force_zip64=True) as member:
-                _write_array(member, array)
-        text = {MECHANISM: run.mechanism.model_dump_json(by_alias=True),
-                INFO: _info_text(run)}
-        for name, content in text.items():
-            archive.writestr(_member(name), content)
-        archive.comment = _id_of(archive).encode()
+            entry, little = _member(f"{key}.npy"), array.dtype.newbyteorder("<")
+            pad = -(file.tell() + 30 + len(entry.filename) + SIZES + struct.calcsize(PADDING)
+                    ) % ALIGN  # so that the content begins at a multiple of 64 bytes
+            entry.extra = struct.pack(PADDING, 0xD935, pad + 2, ALIGN) + bytes(pad)
+            with archive.open(entry, "w", force_zip64=True) as member:
+                np.lib.format.write_array(
+                    member, array.astype(little, order="C", copy=False), (1, 0))
+        info = {key: value for key, value in outcome_data(run.info).items()
+                if key != "wall_s" and (value or key not in RARE)}
+        info |= {"format": FORMAT, "notes": run.notes}
+        archive.writestr(_member(MECHANISM), run.mechanism.model_dump_json(by_alias=True))
+        archive.writestr(_member(INFO), json.dumps(info, sort_keys=True, indent=1))
+        members = [f"{one.filename} {one.file_size} {one.CRC:08x}\n"
+                   for one in archive.infolist()]
+        archive.comment = hashlib.sha256("".join(members).encode()).hexdigest()[:32].encode()
 
 
 def read_id(path: Path) -> str:
-    """The id of the run in an archive; empty for one of an older version.
+    """The id of the run in an archive; empty in version 0.1.
 
     Raises:
         OutputError: there is no archive.
@@ -114,46 +120,11 @@ def read_id(path: Path) -> str:
         raise OutputError(f"cannot read {path}: {line_of(error)}", code="run-damaged") from None
 
 
-def _id_of(archive: zipfile.ZipFile) -> str:
-    """A digest of the names, sizes and checksums of all members."""
-    members = [f"{one.filename} {one.file_size} {one.CRC:08x}\n" for one in archive.infolist()]
-    return hashlib.sha256("".join(members).encode()).hexdigest()[:32]
-
-
 def _member(name: str) -> zipfile.ZipInfo:
     """A zip entry that depends on nothing but its name."""
     info = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
     info.create_system, info.external_attr = 3, 0o644 << 16
     return info
-
-
-def _aligned(name: str, offset: int) -> zipfile.ZipInfo:
-    """An entry at ``offset`` padded so that its content begins at a multiple of 64 bytes."""
-    member = _member(name)
-    before = offset + 30 + len(member.filename) + SIZES + struct.calcsize(PADDING)
-    pad = -before % ALIGN
-    member.extra = struct.pack(PADDING, 0xD935, pad + 2, ALIGN) + bytes(pad)
-    return member
-
-
-def _write_array(file: IO[bytes], array: NDArray[Any]) -> None:
-    """The ``.npy`` form, in pieces, so that no copy of the whole is made."""
-    little = array.dtype.newbyteorder("<")
-    np.lib.format.write_array_header_1_0(
-        file, {"descr": np.lib.format.dtype_to_descr(little), "fortran_order": False,
-               "shape": array.shape})
-    if not array.size:
-        return
-    step = max(1, CHUNK * len(array) // array.nbytes)
-    for first in range(0, len(array), step):
-        file.write(np.ascontiguousarray(array[first:first + step], dtype=little).tobytes())
-
-
-def _info_text(run: Samples) -> str:
-    info = {key: value for key, value in outcome_data(run.info).items()
-            if key != "wall_s" and (value or key not in RARE)}
-    info |= {"format": FORMAT, "notes": run.notes}
-    return json.dumps(info, sort_keys=True, indent=1)
 
 
 class _Pieces(io.FileIO):

@@ -262,8 +262,10 @@ class Stored:
     ) -> None:
         self.mechanism = mechanism
         self._model = model
-        self.arrays: Arrays = {key: _read_only(key, array)
+        self.arrays: Arrays = {key: np.asarray(array, dtype=dtype_of(key)).view()
                                for key, array in completed(mechanism, arrays).items()}
+        for array in self.arrays.values():
+            array.setflags(write=False)
         if found := faults(mechanism, self.arrays):
             raise ValueError("; ".join(found))
         self.info = info
@@ -293,9 +295,3 @@ class Stored:
     def contacts(self) -> Contacts:
         """The contact rows, for sums by body, pair and group."""
         return Contacts(self.arrays, samples=len(self), bodies=len(self.mechanism.bodies))
-
-
-def _read_only(key: str, array: NDArray[Any]) -> NDArray[Any]:
-    view = np.asarray(array, dtype=dtype_of(key)).view()
-    view.setflags(write=False)
-    return view
