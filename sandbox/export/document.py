@@ -87,18 +87,6 @@ WORLD = "world"
 """MuJoCo's name of the fixed frame."""
 
 
-@dataclasses.dataclass
-class Hinge:
-    """Springs and drives that act in a hinge."""
-
-    springs: list[int] = dataclasses.field(default_factory=list)
-    """Indices of rotary springs."""
-    brake: float | None = None
-    """Torque of its brake [N m], if any."""
-    driven: bool = False
-    """Whether a torque drives it."""
-
-
 class Draft:
     """Sections by name, elements on bodies by index (``NONE`` for the world), and notes."""
 
@@ -116,8 +104,12 @@ class Draft:
         self.on_body: dict[int, list[ET.Element]] = {
             body: [] for body in (NONE, *range(len(model.bodies.name)))}
         """Sites and pulleys, until the bodies are written."""
-        self.hinges: dict[int, Hinge] = defaultdict(Hinge)
-        """By index of the joint."""
+        self.coils: dict[int, list[int]] = defaultdict(list)
+        """Rotary springs of a hinge."""
+        self.brakes: dict[int, float] = {}
+        """Torque of a hinge's brake [N m]."""
+        self.driven: set[int] = set()
+        """Hinges with a torque."""
         self.controls: list[float] = []
         """Value of every actuator at the end of the run."""
         self.notes: list[str] = []
@@ -175,7 +167,7 @@ class Draft:
     def drive_hinge(self, drive: int) -> dict[str, str]:
         """What an actuator of a hinge acts on: a joint, or the tendon of one that closes a loop."""
         joint = self.target(drive)
-        self.hinges[joint].driven = True
+        self.driven.add(joint)
         return {"joint" if self.carried(joint) else "tendon": self.model.joints.name[joint]}
 
     def angle_offset(self, drive: int) -> float:

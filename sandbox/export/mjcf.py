@@ -81,8 +81,7 @@ def _add_settings(draft: Draft, step: float) -> None:
     hard = f"{number(2 * step)} 1"  # the shortest time constant that MuJoCo takes
     defaults = sections["default"]
     # brakes creep, as friction does in MuJoCo: keep it small
-    braked = any(hinge.brake is not None for hinge in draft.hinges.values())
-    friction = {"solreffriction": hard, "solimpfriction": STIFFNESS} if braked else {}
+    friction = {"solreffriction": hard, "solimpfriction": STIFFNESS} if draft.brakes else {}
     add(defaults, "joint", solreflimit=hard, solimplimit=STIFFNESS, **friction)
     add(defaults, "geom", contype="0", conaffinity="0")
     add(defaults, "site", size=0.0008, rgba="0.2 0.2 0.2 1")
@@ -275,16 +274,16 @@ def hinge_law(draft: Draft, joint: int) -> dict[str, float]:
 
     Parallel springs add up: k = sum(k_i), rest = sum(k_i rest_i) / k.
     """
-    hinge, springs = draft.hinges[joint], draft.model.springs
+    springs = draft.model.springs
     laws = [(float(springs.stiffness[i]), float(springs.rest[i]), float(springs.damping[i]))
-            for i in hinge.springs]
+            for i in draft.coils[joint]]
     law: dict[str, float] = {}
     if stiffness := sum(k for k, _, _ in laws):
         law["stiffness"] = stiffness
         law["springref"] = sum(k * rest for k, rest, _ in laws) / stiffness
     if damping := float(draft.model.joints.damping[joint]) + sum(c for _, _, c in laws):
         law["damping"] = damping
-    loss = float(draft.model.joints.friction[joint]) + max(hinge.brake or 0.0, 0.0)
+    loss = float(draft.model.joints.friction[joint]) + max(draft.brakes.get(joint, 0.0), 0.0)
     if loss > 0:
         law["frictionloss"] = loss
     return law
@@ -294,7 +293,7 @@ def _add_closing_angle(draft: Draft, joint: int) -> None:
     """Add a fixed tendon with the spring, damper, brake and stops of a pin that closes a loop."""
     law, limits = hinge_law(draft, joint), stops(draft.model, joint)
     factors, offset = angle_sum(draft.model, joint, draft.tree, draft.moves)
-    if not factors or not (law or draft.hinges[joint].driven or limits):
+    if not factors or not (law or joint in draft.driven or limits):
         return
     rest = law.pop("springref", None)
     cord = add(draft.sections["tendon"], "fixed", name=draft.model.joints.name[joint], **law,
@@ -315,7 +314,7 @@ def add_springs(draft: Draft) -> None:
         if straight:
             _between_points(draft, index)
         else:
-            draft.hinges[int(draft.model.springs.joint[index])].springs.append(index)
+            draft.coils[int(draft.model.springs.joint[index])].append(index)
 
 
 def _between_points(draft: Draft, spring: int) -> None:

@@ -22,7 +22,7 @@ from sandbox.audit.figures import Figure, figure_data
 from sandbox.elements.arrays import LARGEST, Arrays
 from sandbox.errors import OutputError
 from sandbox.recording import archive, tables
-from sandbox.recording.new_run import ARCHIVE, CONTACTS, IMPACTS, INCOMPLETE, SUMMARY, writing
+from sandbox.recording.new_run import ARCHIVE, CONTACTS, IMPACTS, INCOMPLETE, SUMMARY
 from sandbox.samples.expectations import Verdict
 from sandbox.samples.outcome import Outcome, Status, outcome_data
 from sandbox.samples.samples import Samples
@@ -35,24 +35,6 @@ HEAD = 1024
 """Bytes of a summary in which its id stands."""
 MOST_SUMMARY, MOST_WORDS = 64_000_000, 2000
 """Bytes of a summary that is read as a whole, and letters of a text in it."""
-
-
-def save(
-    run: Samples, directory: Path, *, verdicts: Sequence[Verdict], figures: Sequence[Figure],
-    parameters: Mapping[str, float] | None = None,
-) -> None:
-    """Write all files of a run into a directory, which is made if need be.
-
-    An earlier run there stays whole until all of this one is on the disk.
-
-    Raises:
-        OutputError: the directory or a file cannot be written, or another run is being
-            written there.
-    """
-    with writing(directory) as new:
-        save_data(run, new.aside)
-        save_summary(run, new.aside, verdicts=verdicts, figures=figures, parameters=parameters)
-        new.publish()
 
 
 def save_data(run: Samples, directory: Path) -> None:
