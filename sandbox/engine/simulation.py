@@ -55,7 +55,6 @@ from sandbox.samples.outcome import (
     Happened,
     Outcome,
     Stop,
-    status_of,
     step_notes,
 )
 from sandbox.values.closures import Read
@@ -424,7 +423,7 @@ class Simulation:
         events, stopped, controllers = self._steering.info()
         complete = not reason and self.finished and self._failed is None
         return self._builder.finish(clock.force_time(steps), Outcome(
-            status=status_of(complete=complete, reason=reason, stopped=stopped), reason=reason,
+            complete=complete, reason=reason,
             step=clock.step, steps=clock.steps,
             sample_rate=1 / (clock.every * clock.step),
             versions={

@@ -24,7 +24,7 @@ from sandbox.errors import OutputError
 from sandbox.recording import archive, tables
 from sandbox.recording.new_run import ARCHIVE, CONTACTS, IMPACTS, INCOMPLETE, SUMMARY
 from sandbox.samples.expectations import Verdict
-from sandbox.samples.outcome import Outcome, Status, outcome_data
+from sandbox.samples.outcome import Outcome, outcome_data
 from sandbox.samples.samples import Samples
 from sandbox.scene.mechanism import Mechanism
 
@@ -156,7 +156,7 @@ def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]
 def unfinished(outcome: Outcome) -> Outcome:
     """The outcome of a run whose files are not all in place."""
     note = f"{SUMMARY} is missing: the run was stopped before all of its files were in place"
-    return replace(outcome, status=Status.UNFINISHED, notes=(*outcome.notes, note))
+    return replace(outcome, complete=False, notes=(*outcome.notes, note))
 
 
 def saved_audit(directory: Path) -> list[Figure]:

@@ -55,11 +55,6 @@ class Status(Enum):
     UNFINISHED = "stopped"
     """Not at its end, without a reason: its recording was taken during the run."""
 
-    @property
-    def complete(self) -> bool:
-        """Whether the run came to the end that its scene gives it."""
-        return self in (Status.DONE, Status.STOPPED)
-
 
 @dataclass(frozen=True)
 class Happened:
@@ -88,13 +83,10 @@ class Stop:
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """How a run ended, how it was computed, what happened in it.
+    """How a run ended, how it was computed, what happened in it."""
 
-    Raises:
-        ValueError: a status that ``reason`` and ``stopped`` do not say; see :func:`status_of`.
-    """
-
-    status: Status
+    complete: bool = True
+    """Whether the run came to the end that its scene gives it."""
     reason: str = ""
     """Why the run is not complete, in a sentence."""
     step: float
@@ -126,33 +118,23 @@ class Outcome:
     notes: tuple[str, ...] = ()
     """Such as meters without a value."""
 
-    def __post_init__(self) -> None:
-        given_back = status_of(complete=self.complete, reason=self.reason, stopped=self.stopped)
-        if self.status is not given_back:
-            raise ValueError(f"{self.status.name} is not what reason={self.reason!r} and "
-                             f"stopped={self.stopped} say, which is {given_back.name}")
-
     @property
-    def complete(self) -> bool:
-        """Whether the run came to the end that its scene gives it."""
-        return self.status.complete
+    def status(self) -> Status:
+        """How the run ended."""
+        if self.complete:
+            return Status.STOPPED if self.stopped else Status.DONE
+        if not self.reason:
+            return Status.UNFINISHED
+        if self.reason.startswith(FAILED):
+            return Status.FAILED
+        return {INTERRUPTED: Status.INTERRUPTED, LIMITED: Status.LIMITED}.get(
+            self.reason, Status.DIVERGED)
 
     @property
     def marked(self) -> list[Happened]:
         """Events and breaks, as figures and pages mark them, in order of time."""
         return sorted([*self.events, *(Happened(f"{one.event} broke", one.time)
                                        for one in self.broke)], key=lambda one: one.time)
-
-
-def status_of(*, complete: bool, reason: str, stopped: Stop | None) -> Status:
-    """The status of a run from what its files say of it."""
-    if complete:
-        return Status.STOPPED if stopped else Status.DONE
-    if not reason:
-        return Status.UNFINISHED
-    if reason.startswith(FAILED):
-        return Status.FAILED
-    return {INTERRUPTED: Status.INTERRUPTED, LIMITED: Status.LIMITED}.get(reason, Status.DIVERGED)
 
 
 def step_notes(made: int, *, relaxed: int, unordered: int) -> tuple[str, ...]:
@@ -165,9 +147,9 @@ def step_notes(made: int, *, relaxed: int, unordered: int) -> tuple[str, ...]:
     return tuple(note for note, steps in notes.items() if steps)
 
 
-def planned(run: Run, status: Status = Status.DONE) -> Outcome:
+def planned(run: Run, *, complete: bool = True) -> Outcome:
     """The outcome of a run of which only its scene's settings are known."""
-    return Outcome(status=status, step=run.step, sample_rate=run.sample_rate)
+    return Outcome(complete=complete, step=run.step, sample_rate=run.sample_rate)
 
 
 # -- as plain JSON data -------------------------------------------------------------
@@ -197,7 +179,7 @@ def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
     Raises:
         ValueError: a value that no run has; names its key.
     """
-    base = outcome_data(planned(run, Status.UNFINISHED))
+    base = outcome_data(planned(run, complete=False))
     for key, dimension in (("step", "time"), ("sample_rate", "frequency")):
         if fault := size_fault(_taken(data, key, float, base[key]), dimension):
             raise ValueError(f"its {key} is {fault}")
@@ -209,9 +191,8 @@ def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
     stop = _taken(data, "stopped", (dict, type(None)), None)
     stopped = stop and _stop(stop)
     return Outcome(
-        status=status_of(complete=given["complete"], reason=given["reason"], stopped=stopped),
-        reason=given["reason"], step=given["step"], steps=given["steps"],
-        sample_rate=given["sample_rate"], seed=given["seed"],
+        complete=given["complete"], reason=given["reason"], step=given["step"],
+        steps=given["steps"], sample_rate=given["sample_rate"], seed=given["seed"],
         versions=given["versions"], wall=given["wall_s"],
         events=tuple(_happened(event, "event") for event in given["events"]),
         broke=tuple(_happened(one, "name") for one in given["broke"]), stopped=stopped,
