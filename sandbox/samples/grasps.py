@@ -8,7 +8,7 @@ sides press on each other from end to end, and count as both ends.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property, partial
 from typing import NamedTuple
 
@@ -102,10 +102,15 @@ class Grasp:
 
     def of_contacts(self, measure: Callable[..., Array]) -> Array:
         """A measure of the hand's contacts; samples with equally many of them at a time."""
-        result = np.full(len(self.run), np.nan)
-        for samples, rows, points in self._alike():
+        result, (rows, points) = np.full(len(self.run), np.nan), self._pressed
+        few = self.count <= MOST_PRESSING
+        count = np.bincount(self.sample[rows], minlength=len(self.run))
+        begin = np.cumsum(count) - count
+        for m in np.unique(count[(count > 0) & few]).tolist():
+            samples = np.flatnonzero((count == m) & few)
+            at = begin[samples, None] + np.arange(m)
             result[samples] = measure(
-                points, self.normal[rows], self.friction[rows],
+                points[at], self.normal[rows[at]], self.friction[rows[at]],
                 centre=self.centre[samples], length=self.size)
         return result
 
@@ -114,32 +119,18 @@ class Grasp:
         """Contacts of the hand in every sample, [n]."""
         return np.bincount(self.sample[self.of_hand], minlength=len(self.run))
 
-    def _alike(self) -> Iterator[tuple[Integers, Integers, Array]]:
-        """Samples [k] in which the hand presses at m points, rows [k, m], points [k, m, 2] m."""
-        rows, points = self._pressed
-        few = self.count <= MOST_PRESSING
-        count = np.bincount(self.sample[rows], minlength=len(self.run))
-        begin = np.cumsum(count) - count
-        for m in np.unique(count[(count > 0) & few]).tolist():
-            samples = np.flatnonzero((count == m) & few)
-            chosen = begin[samples, None] + np.arange(m)
-            yield samples, rows[chosen], points[chosen]
-
     @cached_property
     def _pressed(self) -> tuple[Integers, Array]:
         """Rows of the hand [p] and the points at which each may press [p, 2]."""
-        rows, count = np.flatnonzero(self.of_hand), np.ones(len(self.of_hand), dtype=np.int64)
-        second = {}
-        point = self.point.copy()
-        for row in rows[self._in_line(rows)].tolist():
-            ends = pressed(self.run, int(self.row[row]), FLAT)
-            if ends is not None and len(ends) == 2:
-                count[row], point[row], second[row] = 2, ends[0], ends[1]
-        twice = np.repeat(rows, count[rows])
-        points = point[twice]
-        again = np.flatnonzero(np.diff(twice, prepend=-1) == 0)
-        if len(again):
-            points[again] = [second[row] for row in twice[again].tolist()]
+        rows = np.flatnonzero(self.of_hand)
+        flat = {row: ends for row in rows[self._in_line(rows)].tolist()
+                if (ends := pressed(self.run, int(self.row[row]), FLAT)) is not None
+                and len(ends) == 2}
+        twice = np.repeat(rows, 1 + np.isin(rows, list(flat)))
+        points = self.point[twice]
+        if flat:
+            first = np.searchsorted(twice, list(flat))
+            points[np.stack([first, first + 1], axis=1)] = list(flat.values())
         return twice, points
 
     def _in_line(self, rows: Integers) -> Flags:
