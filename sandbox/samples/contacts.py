@@ -26,7 +26,7 @@ CANCELLED = 1e-6
 
 
 class Contacts:
-    """The contact rows of a recording, sorted by body when first asked for."""
+    """The contact rows of a recording, sorted by body on first use."""
 
     def __init__(self, arrays: Mapping[str, NDArray[Any]], *, samples: int, bodies: int) -> None:
         self.samples, self.bodies = samples, bodies

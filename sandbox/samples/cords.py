@@ -101,7 +101,7 @@ class Frames:
 
 
 class Stretches(NamedTuple):
-    """Straight pieces of all cords, [m, n], as :class:`sandbox.model.model.Tendons` counts them."""
+    """Straight pieces of all tendons, [m, n], in the order of the model's ``tendons``."""
 
     length: Array
     """[m]"""
@@ -122,12 +122,12 @@ def stretches(frames: Frames) -> Stretches:
 
 
 def off_wheels(arrays: Mapping[str, Array]) -> Flags:
-    """Whether cords are off their wheels, [n, nw]; not in what was recorded before they could."""
+    """Whether tendons are off their wheels, [n, nw]; never in recordings without that array."""
     return np.asarray(arrays["guide_lifted"] > 0)
 
 
 def _past(cords: Stretches, tendons: Tendons, off: Flags) -> Stretches:
-    """The same where cords are off some of their wheels, ``off`` [n, nw], and go straight past."""
+    """The same where tendons are off wheels, ``off`` [n, nw], and go straight past them."""
     for tendon in np.flatnonzero(np.diff(tendons.first)).tolist() if off.any() else ():
         loose = tendons.loose(tendon)
         own, begin = np.flatnonzero(tendons.stretch_tendon == tendon), int(tendons.first[tendon])
@@ -173,20 +173,20 @@ def _straight(start: Places, end: Places, tendons: Tendons) -> Stretches:
 
 
 class Pulls(NamedTuple):
-    """What 1 N in every cord does at t = 0."""
+    """What 1 N in every tendon does at t = 0."""
 
     length: Array
     """Along the path [m], [nt]."""
     does: list[dict[int, Array]]
-    """Of every cord: force x, y and moment about the centre of mass, [3], by body."""
+    """Of every tendon: force x, y and moment about the centre of mass, [3], by body."""
 
     def parts(self, tendon: int) -> list[tuple[int, Array]]:
-        """Bodies that a cord pulls, and how."""
+        """Bodies that a tendon pulls, and how."""
         return list(self.does[tendon].items())
 
 
 def pulls_at_start(model: Model) -> Pulls:
-    """The cords in the scene's poses."""
+    """The tendons in the scene's poses."""
     tendons, first = model.tendons, stretches_at_start(model)
     does: list[dict[int, Array]] = [{} for _ in tendons.name]
     for row, tendon in enumerate(tendons.stretch_tendon.tolist()):

@@ -339,7 +339,7 @@ class Samples(Stored):
         return np.asarray(holds * a["drive_value"][:, drive] * rate)
 
     def _shortening(self, tendon: int) -> Array:
-        """Of a cord between its ends, what wheels there have wound up left out [m], [n]."""
+        """Of a tendon between its ends, what wheels there have wound up left out [m], [n]."""
         less: Array = (self.arrays["tendon_initial"][tendon]
                        - self.arrays["tendon_length"][:, tendon])
         radii = self.model.tendons.guide_radius[self.model.tendons.guides(tendon)]
