@@ -21,7 +21,7 @@ from sandbox.cli.runs import file_option, matching, open_run, run_with
 if TYPE_CHECKING:
     from sandbox.figure.signals import Plotted
     from sandbox.recording.recording import Recording
-    from sandbox.samples.response import Effort, Response
+    from sandbox.samples.targets import Effort, Response
 
 PICTURES = (".png", ".svg", ".pdf")
 """Suffixes of figures."""
@@ -200,8 +200,7 @@ def _compared(
     plotted: Sequence[Plotted], names: Sequence[str], *, with_costs: bool,
 ) -> tuple[list[Answer], list[Cost]]:
     """The responses of quantities, and the effort of controlled drives if wanted."""
-    from sandbox.samples.response import effort, ending
-    from sandbox.samples.targets import controlled, initial, responses
+    from sandbox.samples.targets import controlled, effort, ending, initial, responses
 
     answers, costs = [], []
     drives = dict.fromkeys(name for one in plotted for name in controlled(one.run))

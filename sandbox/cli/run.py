@@ -177,9 +177,9 @@ def _save_summary(
 def _keep_numbers(job: _Job, new: NewRun, recording: Recording, *, interrupted: bool) -> None:
     """Save the numbers of a run that was stopped while drawing, marked incomplete."""
     from sandbox.recording.store import unfinished
-    from sandbox.samples.outcome import INTERRUPTED, Status
+    from sandbox.samples.outcome import INTERRUPTED
 
-    info = dataclasses.replace(recording.info, status=Status.INTERRUPTED, reason=INTERRUPTED) \
+    info = dataclasses.replace(recording.info, complete=False, reason=INTERRUPTED) \
         if interrupted else unfinished(recording.info)
     kept = type(recording)(recording.mechanism, recording.arrays, info)
     job.checks = []

@@ -164,7 +164,7 @@ class BrakeDrive(HingeDrive):
 
     def write_mujoco(self, draft: Draft, index: int) -> None:
         """Add the drive to a MuJoCo model."""
-        draft.hinges[draft.target(index)].brake = draft.final_value(index)
+        draft.brakes[draft.target(index)] = draft.final_value(index)
 
     def write_pymunk(self, draft: PymunkDraft, index: int) -> None:
         """A SimpleMotor that holds still."""

@@ -21,7 +21,7 @@ from sandbox.errors import Problem, SceneError
 from sandbox.numeric import Array
 from sandbox.recording.builder import Latest, RecordingBuilder
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import Outcome, status_of
+from sandbox.samples.outcome import Outcome
 from sandbox.scene.check.control import check_control
 from sandbox.scene.document import Scene
 from sandbox.scene.events import Event
@@ -77,7 +77,7 @@ class Live(Simulation):
         if copied:
             arrays = {key: array.copy() for key, array in arrays.items()}
         return Recording(self.mechanism, arrays, Outcome(
-            status=status_of(complete=False, reason=reason, stopped=None), reason=reason,
+            complete=False, reason=reason,
             step=clock.step, steps=clock.steps, sample_rate=1 / clock.step), model=self._model)
 
     def unit(self, name: str) -> str:

@@ -22,8 +22,8 @@ from sandbox.errors import Interrupted, RecordingFull, SimulationDiverged
 from sandbox.numeric import Array
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
-from sandbox.samples.merging import merge_contacts
-from sandbox.samples.outcome import INTERRUPTED, LIMITED, Outcome, status_of
+from sandbox.samples.contacts import merge_contacts
+from sandbox.samples.outcome import INTERRUPTED, LIMITED, Outcome
 from sandbox.scene.mechanism import Mechanism
 
 FARTHEST = 1e6
@@ -226,7 +226,7 @@ class _PymunkRun:
         self._put(self.samples % CHUNK)
         return self.builder.finish(
             clock.force_time(clock.sample_step(np.arange(self.samples))), Outcome(
-                status=status_of(complete=not reason, reason=reason, stopped=None), reason=reason,
+                complete=not reason, reason=reason,
                 step=clock.step, steps=clock.steps, sample_rate=1 / (clock.every * clock.step),
                 versions={"sandbox": __version__, "pymunk": pymunk.version,
                           "numpy": np.__version__, "python": platform.python_version()},

@@ -19,8 +19,7 @@ from sandbox.engine.world import World
 from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Integers, Records
 from sandbox.recording.builder import RecordingBuilder
-from sandbox.samples.contacts import Contacts
-from sandbox.samples.merging import merge_contacts
+from sandbox.samples.contacts import Contacts, merge_contacts
 
 CHUNK = 512
 LEAST = 4096

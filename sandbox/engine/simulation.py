@@ -53,9 +53,7 @@ from sandbox.samples.outcome import (
     Happened,
     Outcome,
     Stop,
-    relaxed,
-    status_of,
-    unordered,
+    step_notes,
 )
 from sandbox.values.closures import Read
 from sandbox.wording import WrongValueError, listed, near, quoted
@@ -393,7 +391,7 @@ class Simulation:
         events, stopped, controllers = self._steering.info()
         complete = not reason and self.finished and self._failed is None
         return self._builder.finish(clock.force_time(steps), Outcome(
-            status=status_of(complete=complete, reason=reason, stopped=stopped), reason=reason,
+            complete=complete, reason=reason,
             step=clock.step, steps=clock.steps,
             sample_rate=1 / (clock.every * clock.step),
             versions={
@@ -402,8 +400,8 @@ class Simulation:
             },
             wall=dict(self._wall), events=events, broke=tuple(self._broke), stopped=stopped,
             controllers=controllers, contact_solver=self._contact_solver(),
-            notes=(relaxed(int(self._tables.state.standing[0]), self._done)
-                   + unordered(int(self._tables.state.standing[5]), self._done)),
+            notes=step_notes(self._done, relaxed=int(self._tables.state.standing[0]),
+                             unordered=int(self._tables.state.standing[5])),
         ), copied=copied)
 
     def _contact_solver(self) -> dict[str, float]:

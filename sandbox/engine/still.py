@@ -18,7 +18,7 @@ from sandbox.errors import SimulationDiverged
 from sandbox.numeric import Array, Integers
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import Outcome, status_of
+from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
 
 UNDAMPED = 1e-9
@@ -131,7 +131,6 @@ class Still(Simulation):
         self._sampler.write()
         clock = self._clock
         return builder.finish(np.array([float(clock.force_time(clock.steps))]), Outcome(
-            status=status_of(complete=True, reason="", stopped=None), reason="",
             step=clock.step, steps=clock.steps, sample_rate=1 / clock.step))
 
     def _ran_away(self) -> SimulationDiverged:

@@ -10,7 +10,7 @@ from typing import cast
 
 import numpy as np
 
-from sandbox.export.tree import Freedom, Tree, angle_sum, freedoms, pose
+from sandbox.export.tree import Freedom, Tree, angle_sum, freedoms
 from sandbox.model.model import NONE, Model
 from sandbox.scene.geometry import Vec, to_world
 from sandbox.values.signals import Constant, values
@@ -23,24 +23,16 @@ def number(value: float) -> str:
     return f"{value + 0.0:.{DIGITS}g}" if value else "0"
 
 
-def text_of(value: str | bool | float | Sequence[float]) -> str:
-    """The text of an attribute: a word, a truth, a number, or numbers in a row."""
-    if isinstance(value, str):
-        return _plain(value)
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, (int, float)):
-        return number(value)
-    return " ".join(number(v) for v in value)
-
-
-Value = str | bool | float | Sequence[float] | None
+Value = str | float | Sequence[float] | None
+"""Of an attribute: a word, a number, or numbers in a row; None leaves it out."""
 
 
 def element(tag: str, /, **attributes: Value) -> ET.Element:
-    """A new element without the attributes that are None."""
+    """A new element."""
     return ET.Element(tag, {
-        key: text_of(value) for key, value in attributes.items() if value is not None})
+        key: _plain(value) if isinstance(value, str) else
+        number(value) if isinstance(value, int | float) else " ".join(map(number, value))
+        for key, value in attributes.items() if value is not None})
 
 
 def add(parent: ET.Element, tag: str, /, **attributes: Value) -> ET.Element:
@@ -95,26 +87,11 @@ WORLD = "world"
 """MuJoCo's name of the fixed frame."""
 
 
-@dataclasses.dataclass
-class Hinge:
-    """Springs and drives that act in a hinge."""
-
-    springs: list[int] = dataclasses.field(default_factory=list)
-    """Indices of rotary springs."""
-    brake: float | None = None
-    """Torque of its brake [N m], if any."""
-    driven: bool = False
-    """Whether a torque drives it."""
-
-
-MAX_FORCE = 1e6
-"""A force that no tendon reaches [N], as MuJoCo needs closed ranges."""
-
-
 class Draft:
     """Sections by name, elements on bodies by index (``NONE`` for the world), and notes."""
 
-    MAX_FORCE = MAX_FORCE
+    MAX_FORCE = 1e6
+    """A force that no tendon reaches [N], as MuJoCo needs closed ranges."""
 
     def __init__(self, model: Model, tree: Tree) -> None:
         self.model = model
@@ -127,23 +104,23 @@ class Draft:
         self.on_body: dict[int, list[ET.Element]] = {
             body: [] for body in (NONE, *range(len(model.bodies.name)))}
         """Sites and pulleys, until the bodies are written."""
-        self.hinges: dict[int, Hinge] = defaultdict(Hinge)
-        """By index of the joint."""
+        self.coils: dict[int, list[int]] = defaultdict(list)
+        """Rotary springs of a hinge."""
+        self.brakes: dict[int, float] = {}
+        """Torque of a hinge's brake [N m]."""
+        self.driven: set[int] = set()
+        """Hinges with a torque."""
         self.controls: list[float] = []
         """Value of every actuator at the end of the run."""
         self.notes: list[str] = []
         self.body_names = [
             self.names.made("body", name) if name == WORLD else name for name in model.bodies.name]
-        self.moves = {body: self._named(freedoms(model, link))
-                      for body, link in tree.links.items()}
-        self._world_frame = ""
-
-    def _named(self, moves: list[Freedom]) -> list[Freedom]:
-        """Coordinates with unique names."""
-        return [
+        self.moves = {body: [
             dataclasses.replace(move, name=self.names.made("joint", move.name))
-            if move.made else move for move in moves
-        ]
+            if move.made else move for move in freedoms(model, link)
+        ] for body, link in tree.links.items()}
+        """Coordinates of every body, with unique names."""
+        self._world_frame = ""
 
     def coordinates(self) -> list[Freedom]:
         """All coordinates in MuJoCo's order, depth first."""
@@ -179,10 +156,6 @@ class Draft:
         self._world_frame = self._world_frame or self.site(NONE, "frame")
         return self._world_frame
 
-    def world(self, body: int, point: Vec) -> Vec:
-        """A point of a body in the world at t = 0 [m], as in the scene."""
-        return to_world(pose(self.model, body), point)
-
     def sense(self, kind: str, wanted: str, **what: str) -> None:
         """Add a sensor."""
         add(self.sections["sensor"], kind, name=self.names.made("sensor", wanted), **what)
@@ -194,12 +167,12 @@ class Draft:
     def drive_hinge(self, drive: int) -> dict[str, str]:
         """What an actuator of a hinge acts on: a joint, or the tendon of one that closes a loop."""
         joint = self.target(drive)
-        self.hinges[joint].driven = True
+        self.driven.add(joint)
         return {"joint" if self.carried(joint) else "tendon": self.model.joints.name[joint]}
 
     def angle_offset(self, drive: int) -> float:
         """What the coordinate of a hinge that closes a loop lacks of its angle [rad]."""
-        return angle_sum(self.model, self.target(drive), self.tree, self.moves).offset
+        return angle_sum(self.model, self.target(drive), self.tree, self.moves)[1]
 
     def final_value(self, drive: int) -> float:
         """Value of a drive at the end of the run, SI."""

@@ -12,23 +12,17 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 
 import sandbox
+from sandbox.elements.tendons import RIGID
 from sandbox.errors import SceneError
-from sandbox.export.document import Draft, add, comment, document, number
-from sandbox.export.elements import (
-    add_closing_angles,
-    add_drives,
-    add_links,
-    add_springs,
-    add_start,
-    add_tendons,
-    hinge_law,
-)
-from sandbox.export.selection import contact_pairs, leave_out, without_counterpart
-from sandbox.export.tree import Freedom, grow, vec
+from sandbox.export.document import Draft, Value, add, comment, document, element, number
+from sandbox.export.selection import Arc, contact_pairs, leave_out, without_counterpart
+from sandbox.export.tree import Freedom, anchors, angle_sum, grow, pose, stops, vec
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import NONE, Bodies
-from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Polyline, Role, Shape, Solid
-from sandbox.scene.geometry import Vec, corners, count_solids, solids
+from sandbox.numeric import Array
+from sandbox.samples.cords import Stretches, pulls_at_start, rest_lengths, stretches_at_start
+from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Role, Shape, Solid
+from sandbox.scene.geometry import Vec, core, corners, count_solids, solids
 from sandbox.scene.mechanism import Mechanism
 
 STIFFNESS = "0.9999 0.9999 0.001 0.5 2"
@@ -55,7 +49,9 @@ def write_mjcf(
     step = min(kept.run.step, add_tendons(draft))
     add_links(draft)
     add_drives(draft)
-    add_closing_angles(draft)
+    for joint in draft.tree.loops:
+        if model.joints.angle[joint]:
+            _add_closing_angle(draft, joint)
     sense_bodies(draft)
     geoms = add_bodies(draft)
     _add_pairs(draft, geoms)
@@ -85,8 +81,7 @@ def _add_settings(draft: Draft, step: float) -> None:
     hard = f"{number(2 * step)} 1"  # the shortest time constant that MuJoCo takes
     defaults = sections["default"]
     # brakes creep, as friction does in MuJoCo: keep it small
-    braked = any(hinge.brake is not None for hinge in draft.hinges.values())
-    friction = {"solreffriction": hard, "solimpfriction": STIFFNESS} if braked else {}
+    friction = {"solreffriction": hard, "solimpfriction": STIFFNESS} if draft.brakes else {}
     add(defaults, "joint", solreflimit=hard, solimplimit=STIFFNESS, **friction)
     add(defaults, "geom", contype="0", conaffinity="0")
     add(defaults, "site", size=0.0008, rgba="0.2 0.2 0.2 1")
@@ -126,26 +121,25 @@ def add_bodies(draft: Draft) -> dict[str, list[str]]:
         place = add(places[link.parent], "body", name=draft.body_names[index], pos=(x, y, 0.0),
                     euler=(0.0, 0.0, angle) if angle else None)
         places[index] = place
-        _add_inertia(place, draft.model.bodies, index)
+        bodies = draft.model.bodies
+        if bodies.free[index]:
+            # only the rotation about z matters; three equal values satisfy the triangle inequality
+            add(place, "inertial", pos=(*vec(bodies.centre[index]), 0.0),
+                mass=float(bodies.mass[index]), diaginertia=(float(bodies.inertia[index]),) * 3)
         for move in draft.moves[index]:
             _add_joint(draft, place, move)
         body = draft.mechanism.bodies[index]
-        deep = [(solid, depth(shape))
-                for shape in body.shapes for solid, _ in solids(shape)]
-        geoms[body.name] = [_add_shape(draft, place, body, i, solid, half)
-                            for i, (solid, half) in enumerate(deep)]
+        single = count_solids(body) == 1
+        geoms[body.name] = []
+        for i, (solid, half) in enumerate((solid, depth(shape)) for shape in body.shapes
+                                          for solid, _ in solids(shape)):
+            name = body.name if single else draft.names.made("geom", f"{body.name}.{i}")
+            geoms[body.name].append(name)
+            add(place, "geom", name=name, rgba=COLOURS[body.role],
+                **_geom(draft, name, solid, half))
     for index, place in places.items():
         place.extend(draft.on_body[index])
     return geoms
-
-
-def _add_inertia(place: ET.Element, bodies: Bodies, index: int) -> None:
-    if not bodies.free[index]:
-        return
-    inertia = float(bodies.inertia[index])
-    # only the rotation about z matters; three equal values satisfy the triangle inequality
-    add(place, "inertial", pos=(*vec(bodies.centre[index]), 0.0), mass=float(bodies.mass[index]),
-        diaginertia=(inertia, inertia, inertia))
 
 
 def _add_joint(draft: Draft, place: ET.Element, move: Freedom) -> None:
@@ -157,29 +151,25 @@ def _add_joint(draft: Draft, place: ET.Element, move: Freedom) -> None:
         ref=move.start or None, range=move.limits, **law)
 
 
-def _add_shape(
-    draft: Draft, place: ET.Element, body: Body, i: int, shape: Solid, half: float,
-) -> str:
-    wanted = body.name if count_solids(body) == 1 else f"{body.name}.{i}"
-    name = wanted if wanted == body.name else draft.names.made("geom", wanted)
-    colour = COLOURS[body.role]
-    match shape:
+def _geom(draft: Draft, wanted: str, solid: Solid, half: float) -> dict[str, Value]:
+    """The attributes of a shape's geom."""
+    match solid:
         case Circle():
-            add(place, "geom", name=name, type="sphere", size=shape.radius, pos=(*shape.at, 0.0),
-                rgba=colour)
+            return {"type": "sphere", "size": solid.radius, "pos": (*solid.at, 0.0)}
+        case Capsule() if solid.start == solid.end:
+            return {"type": "sphere", "size": solid.radius, "pos": (*solid.end, 0.0)}
         case Capsule():
-            _add_capsule(place, name, shape, colour)
+            return {"type": "capsule", "size": solid.radius,
+                    "fromto": (*solid.start, 0.0, *solid.end, 0.0)}
         case Box():
-            add(place, "geom", name=name, type="box", pos=(*shape.at, 0.0), rgba=colour,
-                size=(shape.size[0] / 2, shape.size[1] / 2, half),
-                euler=(0.0, 0.0, shape.angle) if shape.angle else None)
+            return {"type": "box", "size": (solid.size[0] / 2, solid.size[1] / 2, half),
+                    "pos": (*solid.at, 0.0),
+                    "euler": (0.0, 0.0, solid.angle) if solid.angle else None}
         case Polygon():
-            points = corners(shape)
             mesh = draft.names.made("mesh", wanted)
             add(draft.sections["asset"], "mesh", name=mesh, vertex=[
-                value for z in (-half, half) for x, y in points for value in (x, y, z)])
-            add(place, "geom", name=name, type="mesh", mesh=mesh, rgba=colour)
-    return name
+                value for z in (-half, half) for x, y in corners(solid) for value in (x, y, z)])
+            return {"type": "mesh", "mesh": mesh}
 
 
 def depth(shape: Shape) -> float:
@@ -193,33 +183,14 @@ def depth(shape: Shape) -> float:
     return max(math.dist(p, q) for p in points for q in points) / 2
 
 
-def _add_capsule(place: ET.Element, name: str, shape: Capsule, colour: str) -> None:
-    if shape.start == shape.end:
-        add(place, "geom", name=name, type="sphere", size=shape.radius, pos=(*shape.end, 0.0),
-            rgba=colour)
-    else:
-        add(place, "geom", name=name, type="capsule", size=shape.radius, rgba=colour,
-            fromto=(*shape.start, 0.0, *shape.end, 0.0))
-
-
 def enclosing(body: Body) -> tuple[Vec, float]:
     """Centre and radius [m] of a ball around all shapes of a body, with the depth of prisms."""
-    points: list[tuple[Vec, float]] = []
-    deep = 0.0
-    for shape in body.shapes:
-        match shape:
-            case Circle():
-                points.append((shape.at, shape.radius))
-            case Polyline():
-                points += [(point, shape.radius) for point in shape.points]
-            case Capsule():
-                points += [(shape.start, shape.radius), (shape.end, shape.radius)]
-            case Box() | Polygon():
-                points += [(corner, 0.0) for corner in corners(shape)]
-                deep = max(deep, depth(shape))
+    points = [(point, grown) for shape in body.shapes for solid, _ in solids(shape)
+              for ring, grown in [core(solid)] for point in ring]
     xs, ys = [p[0] for p, _ in points], [p[1] for p, _ in points]
     centre = (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
-    return centre, math.hypot(max(math.dist(centre, p) + r for p, r in points), deep)
+    return centre, math.hypot(max(math.dist(centre, p) + r for p, r in points),
+                              max(map(depth, body.shapes)))
 
 
 def sense_bodies(draft: Draft) -> None:
@@ -245,3 +216,205 @@ def sense_bodies(draft: Draft) -> None:
             draft.sense("jointvel", f"{move.name}.rate", joint=move.name)
             if move.limits is not None:
                 draft.sense("jointlimitfrc", f"{move.name}.stop", joint=move.name)
+
+
+FAR = 1e6
+"""A length that no spring reaches [m], as MuJoCo needs closed ranges."""
+
+
+def add_links(draft: Draft) -> None:
+    """Add rods and ropes, then the joints that close loops."""
+    straight = (joint for joint, kind in enumerate(draft.model.joints.kind) if kind.along_line)
+    for joint in (*straight, *draft.tree.loops):
+        if draft.model.joints.kind[joint].along_line:
+            _distance(draft, joint)
+        else:
+            _close(draft, joint)
+
+
+def route(draft: Draft, cord: ET.Element, name: str, ends: tuple[tuple[int, Vec], ...]) -> None:
+    """Route a spatial tendon through points of bodies."""
+    for i, (body, at) in enumerate(ends):
+        add(cord, "site", site=draft.site(body, f"{name}.{i}", at))
+
+
+def _distance(draft: Draft, joint: int) -> None:
+    """Add a tendon of fixed, limited or free length: a rod, a rope or an actuator."""
+    name = draft.model.joints.name[joint]
+    a, b = draft.model.joints.bodies[joint].tolist()
+    on_a, on_b = anchors(draft.model, joint)
+    low, high = draft.model.joints.reach[joint].tolist()
+    stiff, free = low == high, low == 0.0 and high == math.inf
+    cord = add(draft.sections["tendon"], "spatial", name=name,
+               range=None if stiff or free else (low, min(high, FAR)), width=0.0005)
+    route(draft, cord, name, ((a, on_a), (b, on_b)))
+    draft.sense("tendonpos", f"{name}.length", tendon=name)
+    if stiff:
+        start = math.dist(draft.assembled(a, on_a), draft.assembled(b, on_b))
+        add(draft.sections["equality"], "tendon", name=name, tendon1=name,
+            polycoef=(high - start, 0, 0, 0, 0))
+    elif not free:
+        draft.sense("tendonlimitfrc", f"{name}.reaction", tendon=name)
+
+
+def _close(draft: Draft, joint: int) -> None:
+    """Add an equality constraint of two sites; of a weld that on ``a`` is rotated."""
+    turns = draft.model.joints.turns[joint]
+    name = draft.model.joints.name[joint]
+    a, b = draft.model.joints.bodies[joint].tolist()
+    on_a, on_b = anchors(draft.model, joint)
+    angle = 0.0 if turns else pose(draft.model, b)[2] - pose(draft.model, a)[2]
+    more = {"euler": f"0 0 {angle:.12g}"} if angle else {}
+    add(draft.sections["equality"], "connect" if turns else "weld", name=name,
+        site1=draft.site(a, f"{name}.a", on_a, **more), site2=draft.site(b, f"{name}.b", on_b))
+
+
+def hinge_law(draft: Draft, joint: int) -> dict[str, float]:
+    """Stiffness, rest angle, damping and friction of a pin with its springs and brake.
+
+    Parallel springs add up: k = sum(k_i), rest = sum(k_i rest_i) / k.
+    """
+    springs = draft.model.springs
+    laws = [(float(springs.stiffness[i]), float(springs.rest[i]), float(springs.damping[i]))
+            for i in draft.coils[joint]]
+    law: dict[str, float] = {}
+    if stiffness := sum(k for k, _, _ in laws):
+        law["stiffness"] = stiffness
+        law["springref"] = sum(k * rest for k, rest, _ in laws) / stiffness
+    if damping := float(draft.model.joints.damping[joint]) + sum(c for _, _, c in laws):
+        law["damping"] = damping
+    loss = float(draft.model.joints.friction[joint]) + max(draft.brakes.get(joint, 0.0), 0.0)
+    if loss > 0:
+        law["frictionloss"] = loss
+    return law
+
+
+def _add_closing_angle(draft: Draft, joint: int) -> None:
+    """Add a fixed tendon with the spring, damper, brake and stops of a pin that closes a loop."""
+    law, limits = hinge_law(draft, joint), stops(draft.model, joint)
+    factors, offset = angle_sum(draft.model, joint, draft.tree, draft.moves)
+    if not factors or not (law or joint in draft.driven or limits):
+        return
+    rest = law.pop("springref", None)
+    cord = add(draft.sections["tendon"], "fixed", name=draft.model.joints.name[joint], **law,
+               springlength=None if rest is None else rest - offset,
+               range=None if limits is None else tuple(x - offset for x in limits))
+    for name, factor in factors.items():
+        add(cord, "joint", joint=name, coef=factor)
+
+
+FRACTION = 0.2
+"""Largest time step, relative to 1 / omega of an elastic tendon between its free bodies."""
+WHEEL = "0.45 0.6 0.75 0.4"
+
+
+def add_springs(draft: Draft) -> None:
+    """Add all springs; those of hinges are kept until their hinge is written."""
+    for index, straight in enumerate(draft.model.springs.straight):
+        if straight:
+            _between_points(draft, index)
+        else:
+            draft.coils[int(draft.model.springs.joint[index])].append(index)
+
+
+def _between_points(draft: Draft, spring: int) -> None:
+    springs = draft.model.springs
+    name, (a, b) = springs.name[spring], springs.bodies[spring].tolist()
+    (on_a, on_b), law, rest = springs.anchor[spring], springs.law[spring], springs.rest[spring]
+    free = rest if law is None else (0.0, rest) if law.side > 0 else (rest, FAR)
+    cord = add(draft.sections["tendon"], "spatial", name=name, springlength=free,
+               stiffness=float(springs.stiffness[spring]) or None,
+               damping=float(springs.damping[spring]) or None,
+               rgba="0.6 0.6 0.3 1", width=0.0005)
+    route(draft, cord, name, ((a, vec(on_a)), (b, vec(on_b))))
+    draft.sense("tendonpos", f"{name}.length", tendon=name)
+
+
+def add_tendons(draft: Draft) -> float:
+    """Add all tendons; return the largest time step for the elastic ones [s]."""
+    tendons, step, stiff = draft.model.tendons, math.inf, []
+    rests, pulls = rest_lengths(draft.model).tolist(), pulls_at_start(draft.model)
+    start = stretches_at_start(draft.model)
+    for tendon, name in enumerate(tendons.name):
+        law: dict[str, float | tuple[float, float]] = {}
+        if tendons.drive[tendon] == NONE:
+            rest, stiffness = rests[tendon], float(tendons.stiffness[tendon])
+            if stiffness >= RIGID:  # an inextensible tendon
+                stiff.append(name)
+                law["range"] = (0.0, rest)
+                draft.sense("tendonlimitfrc", f"{name}.tension", tendon=name)
+            else:
+                mobility = _mobility(draft.model.bodies, pulls.does[tendon])
+                step = min(step, FRACTION / math.sqrt(stiffness * mobility))
+                if tendons.damping[tendon]:
+                    _pulling_only(draft, tendon, rest)
+                else:
+                    law["stiffness"], law["springlength"] = stiffness, (0.0, rest)
+        cord = add(draft.sections["tendon"], "spatial", name=name, width=0.0005,
+                   rgba="0.75 0.25 0.2 1", **law)
+        _thread(draft, cord, tendon, start)
+        draft.sense("tendonpos", f"{name}.length", tendon=name)
+    if stiff:
+        draft.notes.append(
+            f"tendons of {RIGID:g} N/m and more do not stretch here: {', '.join(stiff)}")
+    return step
+
+
+def _mobility(bodies: Bodies, pulls: Mapping[int, Array]) -> float:
+    """J M^-1 J^T of a tendon [1/kg], with free bodies."""
+    total = sum(float((x * x + y * y) / bodies.mass[body] + moment**2 / bodies.inertia[body])
+                for body, (x, y, moment) in pulls.items() if bodies.free[body])
+    return total or 1e-12
+
+
+def _pulling_only(draft: Draft, tendon: int, rest: float) -> None:
+    """Add an actuator with T = max(k (L - L0) + c L', 0), which a tendon's own law cannot have.
+
+    Its length is -L, so that its force is T.
+    """
+    name = draft.model.tendons.name[tendon]
+    stiffness, damping = (float(row[tendon]) for row in (
+        draft.model.tendons.stiffness, draft.model.tendons.damping))
+    add(draft.sections["actuator"], "general", name=name, tendon=name, gear=-1.0,
+        gainprm=0.0, biastype="affine", biasprm=(-stiffness * rest, -stiffness, -damping),
+        ctrlrange=(0.0, 1.0), forcerange=(0.0, draft.MAX_FORCE))
+    draft.controls.append(0.0)  # it has no input
+    draft.sense("actuatorfrc", f"{name}.tension", actuator=name)
+
+
+def _thread(draft: Draft, cord: ET.Element, tendon: int, start: Stretches) -> None:
+    tendons = draft.model.tendons
+    path = tendons.guides(tendon)
+    for i, guide in enumerate(range(path.start, path.stop)):
+        body, at = int(tendons.guide_body[guide]), vec(tendons.guide_at[guide])
+        name, radius = f"{tendons.name[tendon]}.{i}", abs(float(tendons.guide_radius[guide]))
+        if not radius:
+            add(cord, "site", site=draft.site(body, name, at))
+            continue
+        middle = Arc(draft.model, start, guide).middle - float(draft.model.bodies.pose[body, 2])
+        beside = (at[0] + 1.5 * radius * math.cos(middle), at[1] + 1.5 * radius * math.sin(middle))
+        wheel = draft.names.made("geom", name)
+        draft.on_body[body].append(element(
+            "geom", name=wheel, type="cylinder", size=(radius, radius / 4),
+            pos=(*at, 0.0), rgba=WHEEL))
+        add(cord, "geom", geom=wheel, sidesite=draft.site(body, f"{name}.side", beside))
+
+
+def add_drives(draft: Draft) -> None:
+    """Add all drives; note every controller and event, which MuJoCo lacks."""
+    for steering in (*draft.mechanism.controllers, *draft.mechanism.events):
+        draft.notes.append(f"{steering.name}: MuJoCo has no controllers and no events; the drives "
+                           "keep their own signals")
+    for i, drive in enumerate(draft.mechanism.drives):
+        drive.write_mujoco(draft, i)
+
+
+def add_start(draft: Draft) -> None:
+    """Add the keyframe ``start``: pose and speeds at t = 0, controls at the end of the run."""
+    moves = draft.coordinates()
+    if not moves and not draft.controls:
+        return
+    add(draft.sections["keyframe"], "key", name="start",
+        qpos=[move.start for move in moves] if moves else None,
+        qvel=[move.rate for move in moves] if any(move.rate for move in moves) else None,
+        ctrl=draft.controls or None)

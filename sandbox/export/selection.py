@@ -10,13 +10,13 @@ import numpy as np
 from sandbox.elements.element import RELEASED, references
 from sandbox.elements.fluids import FLUID
 from sandbox.errors import Problem, SceneError
-from sandbox.export.elements import wrap_round
-from sandbox.export.tree import Tree, pose, vec
+from sandbox.export.tree import Tree
 from sandbox.model.model import Joints, Model, Springs
 from sandbox.model.pairs import allowed_pairs, friction_of
 from sandbox.model.tendons import lifted_at_start
+from sandbox.numeric import Array
+from sandbox.samples.cords import Stretches, stretches_at_start, wraps_at_start
 from sandbox.scene.bodies import Material, Polyline
-from sandbox.scene.geometry import to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import ContactRule
 from sandbox.values.signals import Constant
@@ -75,11 +75,6 @@ def leave_out(
                   for rule in mechanism.contacts)
     left = mechanism.model_copy(update={**kept, "materials": materials, "contacts": rules})
     return left, tuple(name for name in names if name in gone)
-
-
-def materials_of(mechanism: Mechanism) -> list[Material]:
-    """The material of each body; the default one for a body that names none."""
-    return [mechanism.materials.get(body.material or "", Material()) for body in mechanism.bodies]
 
 
 def contact_pairs(model: Model) -> list[tuple[int, int, float]]:
@@ -155,28 +150,64 @@ def _wheel(model: Model, tendon: int) -> str:
     if radii[0] or radii[-1]:
         wound = bodies[0] if radii[0] else bodies[-1]
         return f"a tendon wound on a wheel that it turns, here {model.bodies.name[wound]!r}"
-    points = [to_world(pose(model, body), vec(at))
-              for body, at in zip(bodies, model.tendons.guide_at[path], strict=True)]
-    off = lifted_at_start(model)
-    for i, radius in enumerate(radii.tolist()):
-        if not radius:
-            continue
-        if model.tendons.guide_turns[path.start + i]:
-            return "a tendon with whole turns around a wheel"
-        if radii[i - 1] or radii[i + 1]:
-            return "a tendon from wheel to wheel without a via point between them"
-        wrap = wrap_round(points[i - 1], points[i], points[i + 1], radius,
-                          past=bool(off[path.start + i]))
-        body = model.bodies.name[bodies[i]]
-        if wrap is None:
+    if model.tendons.guide_turns[path].any():
+        return "a tendon with whole turns around a wheel"
+    wheels = [path.start + i for i, radius in enumerate(radii) if radius]
+    if any(model.tendons.guide_radius[wheel - 1] or model.tendons.guide_radius[wheel + 1]
+           for wheel in wheels):
+        return "a tendon from wheel to wheel without a via point between them"
+    start = stretches_at_start(model)
+    for wheel in wheels:
+        body, arc = model.bodies.name[model.tendons.guide_body[wheel]], Arc(model, start, wheel)
+        if arc.inside:
             return f"a tendon with an eye inside its wheel, here {body!r}"
-        if wrap.crosses:
+        if arc.crosses:
             return f"a tendon that crosses itself behind a wheel, here {body!r}"
     return ""
 
 
+class Arc:
+    """The arc of a tendon at t = 0 on a wheel between two eyes.
+
+    Args:
+        model: the mechanism.
+        start: all straight pieces at t = 0.
+        wheel: number of the guide.
+    """
+
+    def __init__(self, model: Model, start: Stretches, wheel: int) -> None:
+        tendons, (one, two) = model.tendons, (
+            int(np.flatnonzero(model.tendons.stretch_first == wheel - k)[0]) for k in (1, 0))
+        radius = float(tendons.guide_radius[wheel])
+        tendon = int(tendons.stretch_tendon[one])
+        off = bool(lifted_at_start(model)[wheel])
+        before, centre, after = (np.array([at.x[row, 0], at.y[row, 0]]) for at, row in (
+            (start.start, one), (start.end, one), (start.end, two)))
+        normals = [np.array([-start.y[row, 0], start.x[row, 0]]) for row in (one, two)]
+        self.inside = not off and min(
+            np.hypot(*(before - centre)), np.hypot(*(after - centre))) <= abs(radius)
+        """Whether an eye lies inside the wheel."""
+        angle = wraps_at_start(model, tendon)[wheel - int(tendons.first[tendon])]
+        x, y = radius * normals[0]
+        self.middle = float(np.arctan2(y, x) - np.sign(radius) * angle / 2)
+        """Direction from the centre to the middle of the arc [rad]."""
+        self.crosses = not off and _cross(
+            before, centre + radius * normals[0], centre + radius * normals[1], after)
+        """Whether the two straight parts cross."""
+
+
+def _cross(a: Array, b: Array, c: Array, d: Array) -> bool:
+    """Whether the segments ab and cd cross."""
+    def side(p: Array, q: Array, r: Array) -> float:
+        return float((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]))
+
+    return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
+
+
 def _surfaces(model: Model) -> Iterator[tuple[str, str]]:
-    mechanism, materials = model.mechanism, materials_of(model.mechanism)
+    mechanism = model.mechanism
+    materials = [mechanism.materials.get(body.material or "", Material())
+                 for body in mechanism.bodies]
     meeting: set[str | None] = set()
     bouncing: set[str | None] = set()
     for a, b, _ in contact_pairs(model):

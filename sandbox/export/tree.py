@@ -19,7 +19,7 @@ from typing import Literal
 
 import numpy as np
 
-from sandbox.model.joints import sliding, turning
+from sandbox.model.joints import place_in_slot, sliding, slot_length, turning
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
 from sandbox.scene.geometry import Pose, Vec, to_body, to_world
@@ -54,21 +54,11 @@ class Tree:
             body = self.links[body].parent
 
 
-def _rank(model: Model, joint: int) -> int | None:
-    """Priority of a joint, low first; None for one that carries no body."""
-    kind = model.joints.kind[joint]
-    if kind.along_line:
-        return None
-    if kind.mujoco_loop:
-        return 0
-    return 2 if model.joints.turns[joint] else 1
-
-
 def grow(model: Model) -> Tree:
     """Build the tree of a mechanism; without fixed bodies the first free one is a root."""
     ends: list[list[int]] = model.joints.bodies.tolist()
-    ranks = {joint: rank for joint in range(len(ends))
-             if (rank := _rank(model, joint)) is not None}
+    ranks = {joint: 0 if kind.mujoco_loop else 2 if model.joints.turns[joint] else 1
+             for joint, kind in enumerate(model.joints.kind) if not kind.along_line}
     links: dict[int, Link] = {}
     used: set[int] = set()
     waiting: list[tuple[int, int]] = []
@@ -125,34 +115,21 @@ def anchors(model: Model, joint: int) -> tuple[Vec, Vec]:
     return vec(on_a), vec(on_b)
 
 
+def groove(model: Model, joint: int) -> tuple[Vec, float]:
+    """Direction of a groove in the frame of ``a``, and the place in it at t = 0 [m]."""
+    place = place_in_slot(model, joint, model.bodies.pose)
+    a = int(model.joints.bodies[joint, 0])
+    along = to_body((0.0, 0.0, pose(model, a)[2]), (float(place.x), float(place.y)))
+    return along, min(max(float(place.along), 0.0), slot_length(model, joint))
+
+
 def meeting_points(model: Model, joint: int) -> tuple[Vec, Vec]:
     """The points of ``a`` and ``b`` that coincide at t = 0, in their frames [m]."""
     on_a, on_b = anchors(model, joint)
     if model.joints.kind[joint].keeps == "groove":
-        (x, y), (along, _) = vec(model.joints.groove[joint, 0]), groove(model, joint)
-        s = displacement(model, joint)
+        (x, y), (along, s) = vec(model.joints.groove[joint, 0]), groove(model, joint)
         on_a = x + s * along[0], y + s * along[1]
     return on_a, on_b
-
-
-def groove(model: Model, joint: int) -> tuple[Vec, float]:
-    """Direction, in the frame of ``a``, and length [m] of a groove."""
-    start, end = (vec(row) for row in model.joints.groove[joint])
-    length = math.dist(start, end)
-    if not length:
-        return (1.0, 0.0), 0.0
-    return ((end[0] - start[0]) / length, (end[1] - start[1]) / length), length
-
-
-def displacement(model: Model, joint: int) -> float:
-    """Distance from the start of a groove at t = 0 [m], within the groove."""
-    along, length = groove(model, joint)
-    start = vec(model.joints.groove[joint, 0])
-    a, b = model.joints.bodies[joint].tolist()
-    _, on_b = anchors(model, joint)
-    x, y = to_body(pose(model, a), to_world(pose(model, b), on_b))
-    s = (x - start[0]) * along[0] + (y - start[1]) * along[1]
-    return min(max(s, 0.0), length)
 
 
 Vec3 = tuple[float, float, float]
@@ -225,7 +202,7 @@ def _slide(model: Model, link: Link) -> list[Freedom]:
     name = model.joints.name[joint]
     a, b = model.joints.bodies[joint].tolist()
     at_a, at_b = pose(model, a), pose(model, b)
-    along, length = groove(model, joint)
+    along, start = groove(model, joint)
     points = meeting_points(model, joint)
     hinge = Freedom(
         f"{name}.turn", "hinge", (0.0, 0.0, -1.0 if backwards else 1.0),
@@ -235,29 +212,21 @@ def _slide(model: Model, link: Link) -> list[Freedom]:
     side = -1.0 if backwards else 1.0
     slide = Freedom(
         name, "slide", (side * ahead[0], side * ahead[1], 0.0),
-        start=displacement(model, joint), limits=(0.0, length),
+        start=start, limits=(0.0, slot_length(model, joint)),
         loss=float(model.joints.friction[joint]), rate=sliding(model, joint))
     if not model.joints.turns[joint]:
         return [slide]
     return [hinge, slide] if backwards else [slide, hinge]
 
 
-@dataclass(frozen=True)
-class AngleSum:
-    """The angle of a pin that closes a loop, as a sum over hinges of the tree.
-
-    ``angle = offset + sum(factor * coordinate)`` [rad].
-    """
-
-    factors: tuple[tuple[str, float], ...]
-    """Names of coordinates with whole factors."""
-    offset: float
-
-
 def angle_sum(
     model: Model, joint: int, tree: Tree, moves: Mapping[int, Sequence[Freedom]],
-) -> AngleSum:
-    """The angle of a pin from the hinges that carry its bodies; ``moves`` are all coordinates."""
+) -> tuple[dict[str, float], float]:
+    """The angle of a pin that closes a loop, offset + sum(factor * coordinate) [rad].
+
+    Returns:
+        Whole factors of hinges that carry its bodies, by the names of ``moves``; the offset.
+    """
     sense = float(model.joints.sense[joint])
     a, b = model.joints.bodies[joint].tolist()
     factors: dict[str, float] = {}
@@ -269,6 +238,5 @@ def angle_sum(
                     start[freedom.name] = freedom.start
                     factors[freedom.name] = factors.get(freedom.name, 0.0) + side * freedom.axis[2]
     factors = {name: factor for name, factor in factors.items() if factor}
-    offset = float(model.joints.start[joint])
-    offset -= sum(factor * start[name] for name, factor in factors.items())
-    return AngleSum(tuple(factors.items()), offset)
+    offset = sum(factor * start[name] for name, factor in factors.items())
+    return factors, float(model.joints.start[joint]) - offset

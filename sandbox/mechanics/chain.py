@@ -1,18 +1,15 @@
 """The chain of phalanges: equation (31) in the plane, for any number of them.
 
-Frame i has its origin at the near hinge C_i of phalanx i, x toward the next
-hinge, and turns clockwise by theta_i against frame i-1 (closing, when the palm
-side is at negative y):
+Frame i has its origin at the near hinge C_i of phalanx i, x toward the next hinge, and turns
+clockwise by theta_i against frame i-1 (closing, when the palm side is at negative y):
 
     A_(i-1,i) = [[ cos theta_i, sin theta_i, L_(i-1)],
                  [-sin theta_i, cos theta_i, 0      ],
                  [ 0,           0,           1      ]]
 
-with theta_i [rad] and L_(i-1) [m] the length of phalanx i-1; L_0 = 0: the base
-frame sits at the first hinge. The product of the first i of them takes points
-(x, y, 1) of phalanx i to the base; for three this is (31), printed right,
-
-    A_(M,d) = A_(M,p) A_(p,m) A_(m,d)                                   (31)
+with theta_i [rad] and L_(i-1) [m] the length of phalanx i-1; L_0 = 0: the base frame is at the
+first hinge. The product of the first i of them takes points (x, y, 1) of phalanx i to the base; for
+three this is (31), printed right: A_(M,d) = A_(M,p) A_(p,m) A_(m,d).
 """
 
 from __future__ import annotations
@@ -20,14 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import (
-    finite,
-    homogeneous,
-    not_negative,
-    per_phalanx,
-    positive,
-    together,
-)
+from sandbox.mechanics.checks import finite, not_negative, per_phalanx, positive, together
 from sandbox.numeric import Array
 
 
@@ -51,89 +41,28 @@ def pose(x: ArrayLike = 0.0, y: ArrayLike = 0.0, angle: ArrayLike = 0.0) -> Arra
     return matrix
 
 
-def link_transform(theta: ArrayLike, length_before: ArrayLike) -> Array:
-    """A_(i-1,i), shape [..., 3, 3].
-
-    Args:
-        theta: joint angle, clockwise [rad], shape [...].
-        length_before: L_(i-1) [m], 0 for the first hinge.
-
-    Raises:
-        ValueError: a length below 0, arrays of unequal length.
-    """
-    angle = finite("theta", theta, "rad")
-    length = not_negative("length_before", length_before, "m")
-    matrix = np.zeros((*together(theta=angle, length_before=length), 3, 3))
-    matrix[..., 0, 0] = matrix[..., 1, 1] = np.cos(angle)
-    matrix[..., 0, 1] = np.sin(angle)
-    matrix[..., 1, 0] = -matrix[..., 0, 1]
-    matrix[..., 0, 2] = length
-    matrix[..., 2, 2] = 1.0
-    return matrix
-
-
-def link_transforms(theta: ArrayLike, lengths: ArrayLike) -> Array:
-    """A_(i-1,i) of every phalanx, shape [..., n, 3, 3].
-
-    Args:
-        theta: joint angles [rad], shape [..., n].
-        lengths: of the phalanges [m], shape [n].
-
-    Raises:
-        ValueError: a length not above 0, another number of angles than phalanges.
-    """
-    phalanges = np.atleast_1d(positive("lengths", lengths, "m"))
-    angles = per_phalanx("theta", theta, len(phalanges), "rad")
-    return link_transform(angles, np.concatenate([[0.0], phalanges[:-1]]))
-
-
 def transforms(theta: ArrayLike, lengths: ArrayLike, base: ArrayLike | None = None) -> Array:
     """From every phalanx's frame to the world, shape [..., n, 3, 3], equation (31).
 
     Args:
         theta: joint angles [rad], shape [..., n].
         lengths: of the phalanges [m], shape [n].
-        base: the palm's frame at the first hinge (:func:`pose`), shape [..., 3, 3];
-            the world by default.
+        base: the palm's frame at the first hinge (:func:`pose`), shape [..., 3, 3]; the world by
+            default.
 
     Raises:
         ValueError: a length not above 0, another number of angles than phalanges.
     """
-    links = link_transforms(theta, lengths)
-    product = np.eye(3) if base is None else homogeneous("base", base)
+    phalanges = np.atleast_1d(positive("lengths", lengths, "m"))
+    angles = per_phalanx("theta", theta, len(phalanges), "rad")
+    product = np.eye(3) if base is None else finite("base", base, "")
+    if product.shape[-2:] != (3, 3):
+        raise ValueError(f"base must be 3x3 matrices, got shape {product.shape}")
     chained = []
-    for i in range(links.shape[-3]):
-        product = product @ links[..., i, :, :]
+    for i, before in enumerate((0.0, *phalanges[:-1])):
+        product = product @ pose(np.full(angles.shape[:-1], before), angle=-angles[..., i])
         chained.append(product)
     return np.stack(chained, axis=-3)
-
-
-def inverse(frames: ArrayLike) -> Array:
-    """From the world to every frame, shape [..., 3, 3]: the turn transposed, no division."""
-    matrix = homogeneous("frames", frames)
-    found = np.zeros_like(matrix)
-    found[..., :2, :2] = np.swapaxes(matrix[..., :2, :2], -1, -2)
-    found[..., :2, 2] = -np.einsum("...ji,...j->...i", matrix[..., :2, :2], matrix[..., :2, 2])
-    found[..., 2, 2] = 1.0
-    return found
-
-
-def links_between(frames: ArrayLike, base: ArrayLike | None = None) -> Array:
-    """A_(i-1,i) from frames in the world, shape [..., n, 3, 3]: (31) undone.
-
-    Args:
-        frames: of the phalanges, from the palm out, shape [..., n, 3, 3].
-        base: the palm's frame, shape [..., 3, 3]; the world by default.
-
-    Raises:
-        ValueError: another shape.
-    """
-    matrix = homogeneous("frames", frames)
-    if matrix.ndim < 3:
-        raise ValueError(f"frames must have shape [..., n, 3, 3], got {matrix.shape}")
-    palm = np.eye(3) if base is None else homogeneous("base", base)
-    first = np.broadcast_to(palm, (*matrix.shape[:-3], 3, 3))[..., None, :, :]
-    return inverse(np.concatenate([first, matrix[..., :-1, :, :]], axis=-3)) @ matrix
 
 
 def to_world(frames: ArrayLike, points: ArrayLike) -> Array:

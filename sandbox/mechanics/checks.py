@@ -6,62 +6,53 @@ allowed, the value and its unit.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Flags
 
 
 def finite(name: str, value: ArrayLike, unit: str) -> Array:
     """Values that are neither nan nor infinite."""
-    return _require(name, value, unit, np.isfinite, "finite")
+    array = np.asarray(value, dtype=np.float64)
+    return _require(name, array, unit, np.isfinite(array), "finite")
 
 
 def positive(name: str, value: ArrayLike, unit: str) -> Array:
     """Finite values above 0."""
-    return _require(name, finite(name, value, unit), unit, lambda v: v > 0, "greater than 0")
+    array = finite(name, value, unit)
+    return _require(name, array, unit, array > 0, "greater than 0")
 
 
 def not_negative(name: str, value: ArrayLike, unit: str) -> Array:
     """Finite values of 0 or more."""
-    return _require(name, finite(name, value, unit), unit, lambda v: v >= 0, "0 or more")
-
-
-def vectors(
-    name: str, value: ArrayLike, unit: str, count: int | None = None, kind: str = "vectors",
-) -> Array:
-    """Finite vectors (x, y), shape [..., 2], or [..., count, 2] with a ``count``."""
     array = finite(name, value, unit)
-    if array.ndim < 1 or array.shape[-1] != 2:
-        raise ValueError(f"{name} must be {kind} (x, y) in {unit}, got shape {array.shape}")
-    if count is not None and (array.ndim < 2 or array.shape[-2] != count):
-        raise ValueError(
-            f"{name} must have {count} {kind} (x, y) in {unit}, got shape {array.shape}")
+    return _require(name, array, unit, array >= 0, "0 or more")
+
+
+def points(name: str, value: ArrayLike, count: int | None = None, *, unit: str = "m") -> Array:
+    """Finite points or vectors (x, y), shape [..., 2], or [..., count, 2] with a ``count``."""
+    array = finite(name, value, unit)
+    if array.shape[-1:] != (2,) or (count is not None and array.shape[-2:-1] != (count,)):
+        many = "" if count is None else f"{count} "
+        raise ValueError(f"{name} must have {many}points (x, y) in {unit}, got shape {array.shape}")
     return array
-
-
-def points(name: str, value: ArrayLike, count: int | None = None) -> Array:
-    """Finite points [m], shape [..., 2], or [..., count, 2] with a ``count``."""
-    return vectors(name, value, "m", count, "points")
 
 
 def per_phalanx(name: str, value: ArrayLike, count: int, unit: str) -> Array:
     """Finite values with one entry per phalanx (or tendon) on the last axis, shape [..., count]."""
     array = finite(name, value, unit)
-    if array.ndim < 1 or array.shape[-1] != count:
+    if array.shape[-1:] != (count,):
         raise ValueError(
             f"{name} must have {count} values in {unit} on its last axis, got shape {array.shape}")
     return array
 
 
-def homogeneous(name: str, value: ArrayLike) -> Array:
-    """Finite matrices of the plane, shape [..., 3, 3]."""
-    array = finite(name, value, "")
-    if array.shape[-2:] != (3, 3):
-        raise ValueError(f"{name} must be 3x3 matrices, got shape {array.shape}")
+def matrix(name: str, value: ArrayLike, unit: str) -> Array:
+    """A finite matrix, shape [m, n]."""
+    array = finite(name, value, unit)
+    if array.ndim != 2:
+        raise ValueError(f"{name} must be a matrix in {unit}, got shape {array.shape}")
     return array
 
 
@@ -75,11 +66,7 @@ def together(**arrays: Array) -> tuple[int, ...]:
         raise ValueError(f"{names} must be of equal length, got shapes {shapes}") from None
 
 
-def _require(name: str, value: ArrayLike, unit: str, test: Callable[[Array], Any],
-             wanted: str) -> Array:
-    array = np.asarray(value, dtype=np.float64)
-    bad = ~np.asarray(test(array))
-    if bad.any():
-        first = float(array[bad].flat[0]) if array.ndim else float(array)
-        raise ValueError(f"{name} must be {wanted}, got {first:.6g} {unit}".rstrip())
+def _require(name: str, array: Array, unit: str, good: Flags, wanted: str) -> Array:
+    if not good.all():
+        raise ValueError(f"{name} must be {wanted}, got {array[~good].flat[0]:.6g} {unit}".rstrip())
     return array

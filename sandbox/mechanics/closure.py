@@ -1,13 +1,12 @@
 """How well contacts hold a body: force closure, Ferrari and Canny's measure, isotropy, spread.
 
-A contact pushes along its normal n and rubs along its tangent t, at most mu times as much. In the
-plane that cone has two edges, n + mu t and n - mu t, so nothing is approximated. With the moment
-about the centre of mass divided by a length rho every edge is a point (fx, fy, m / rho): a wrench.
-Contacts hold whatever comes if the origin lies inside the hull of these points (force closure). The
-radius of the largest ball about the origin in it, epsilon, is what forces whose normal parts sum up
-to 1 can balance of any load, in its worst direction (Ferrari and Canny 1992, their second measure).
-rho is the greatest distance of the outline from the centre of mass, so that epsilon does not hang
-on units or size.
+The friction cone of a contact with normal n, tangent t and coefficient mu has in the plane two
+edges, n + mu t and n - mu t. With the moment about the centre of mass divided by a length rho every
+edge is a wrench (fx, fy, m / rho). There is force closure if the origin lies inside the hull of
+these points. Epsilon, the radius of the largest ball about the origin in it, is the load that
+forces whose normal parts sum up to 1 can balance in its worst direction (Ferrari and Canny 1992,
+their second measure). With rho the greatest distance of the outline from the centre of mass,
+epsilon does not depend on units or size.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import not_negative, points, positive, vectors
+from sandbox.mechanics.checks import not_negative, points, positive
 from sandbox.numeric import Array
 
 CLOSED = 1e-9
@@ -45,7 +44,7 @@ def contact_wrenches(
     Raises:
         ValueError: mu below 0, rho not above 0, arrays of unequal length.
     """
-    at, n = points("contacts", contacts), vectors("normals", normals, "1")
+    at, n = points("contacts", contacts), points("normals", normals, unit="1")
     if at.shape != n.shape:
         raise ValueError(f"normals must be as many as contacts, got shapes {n.shape}, {at.shape}")
     rho = positive("length", length, "m")
@@ -133,7 +132,7 @@ def grasp_isotropy(
     tangents, to the wrench (fx, fy, m / rho) on the body. 0 where some wrench needs none of them.
     The arguments are those of :func:`contact_wrenches`.
     """
-    n = vectors("normals", normals, "1")
+    n = points("normals", normals, unit="1")
     rubs = np.broadcast_to(np.asarray(friction, dtype=np.float64) > 0, n.shape[:-1])
     along = contact_wrenches(contacts, n, 0.0, centre=centre, length=length)
     t = np.stack([-n[..., 1], n[..., 0]], axis=-1)

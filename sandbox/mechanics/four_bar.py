@@ -1,29 +1,27 @@
 """Four-bar linkages of fingers: the angle of one link from the other's, their ratio, joint torques.
 
-Two links of lengths a and c turn about pivots O_1 and O_2, g apart; a coupler b ties
-their ends A and B together. Angles phi [rad] count from the direction O_1 to O_2, all
-in one sense. With d the distance of B from O_1,
+Two links of lengths a and c turn about pivots O_1 and O_2 at a distance g; a coupler b connects
+their ends A and B. Angles phi [rad] count from the direction O_1 to O_2, all in one sense. With d
+the distance of B from O_1,
 
     phi_1 = atan2(c sin phi_2, g + c cos phi_2) +- acos((a^2 + d^2 - b^2) / (2 a d))
 
-with + where A lies on the side of O_1 B to which angles count, - on the other one. A and B
-have the same speed along the coupler, so that with u its direction
+with + where A lies on the side of O_1 B to which angles count, - on the other one. A and B have the
+same speed along the coupler, so that with u its direction
 
     dphi_1 / dphi_2 = (O_2B x u) / (O_1A x u) = h / (h + g)              [1]
 
 h being how far beyond O_2 the coupler's line cuts that of the pivots (Kennedy).
 
-A finger of two phalanges with a crank at its first hinge, a coupler and a horn on the
-distal phalanx is such a linkage on the proximal phalanx, g = l_1. The crank turns by
-d(theta_a) = d(theta_1) + X d(theta_2), X = h / (h + l_1), and the virtual work of a
-torque T_a on it leaves
+A finger of two phalanges with a crank at its first hinge, a coupler and a horn on the distal
+phalanx is such a linkage on the proximal phalanx, g = l_1. The crank turns by d(theta_a) =
+d(theta_1) + X d(theta_2), X = h / (h + l_1), and the virtual work of a torque T_a on it gives
 
     tau_1 = T_a,   tau_2 = X T_a - k (theta_2 - rest)                    [N m]
 
-so that :func:`sandbox.mechanics.transmission.two_phalanx_forces` and the grasp-state
-plane hold for it, with an X that hangs on the pose; without a spring the proximal
-contact holds where k_2 > h cos(theta_2). Birglen, Laliberte and Gosselin, Underactuated
-Robotic Hands (2008).
+With an X that depends on the pose the grasp-state plane holds for it; without a spring the proximal
+contact holds where k_2 > h cos(theta_2). Birglen, Laliberte and Gosselin, Underactuated Robotic
+Hands (2008).
 """
 
 from __future__ import annotations
@@ -35,11 +33,8 @@ from numpy.typing import ArrayLike
 
 from sandbox.mechanics.checks import finite, not_negative, positive
 from sandbox.mechanics.grasp_state import Torques
-from sandbox.mechanics.triangle import corner
+from sandbox.mechanics.tendon import IN_LINE, corner
 from sandbox.numeric import Array
-
-IN_LINE = 1e-12
-"""A sine of the angle between first link and coupler below this [1] is rounding."""
 
 
 @dataclass(frozen=True)
@@ -75,8 +70,8 @@ class FourBar:
         """dphi_1 / dphi_2 = h / (h + g) [1] at phi_2 [rad], shape [...] to [...].
 
         Raises:
-            ValueError: an angle at which the linkage does not close, or at which first
-                link and coupler lie in one line: there the second link turns back.
+            ValueError: an angle at which the linkage does not close, or at which first link and
+                coupler lie in one line: there the second link turns back.
         """
         turned = finite("second_angle", second_angle, "rad")
         x, y = self._end(turned)
@@ -117,8 +112,8 @@ def crank_torques(
 
     Args:
         torque: T_a on the crank by the palm [N m], closing positive.
-        linkage: on the proximal phalanx, the crank its first link, the horn its second;
-            angles count from the phalanx to its back.
+        linkage: on the proximal phalanx, the crank its first link, the horn its second; angles
+            count from the phalanx to its back.
         horn: psi, from the distal phalanx to its horn [rad], towards the back.
         stiffness: k of a spring between the phalanges [N m/rad].
         rest: theta_2 at which that gives no torque [rad]; below 0 it is preloaded.
@@ -131,8 +126,7 @@ def crank_torques(
     k = float(not_negative("stiffness", stiffness, "N m/rad"))
 
     def torques(theta: Array) -> Array:
-        distal = theta[..., 1]
-        second = pull * linkage.ratio(psi - distal) - k * (distal - zero)
+        second = pull * linkage.ratio(psi - theta[..., 1]) - k * (theta[..., 1] - zero)
         return np.stack([np.broadcast_to(pull, second.shape), second], axis=-1)
 
     return torques

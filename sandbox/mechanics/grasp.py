@@ -1,10 +1,9 @@
 """The pose of a finger that embraces a fixed disc with all its phalanges, in closed form.
 
-Without friction only the geometry decides the pose: a capsule phalanx of
-radius rho_i touches a disc of radius r where the disc's centre is r + rho_i
-from the phalanx's axis, on the palm side. In the frame of phalanx i the centre
-is at (k_i, -(r + rho_i)), k_i the distance of the contact from the near hinge.
-The distance D from the next hinge to the centre follows, and with it
+A capsule phalanx of radius rho_i touches a disc of radius r where the disc's centre is r + rho_i
+from its axis, on the palm side. In the frame of phalanx i the centre is at (k_i, -(r + rho_i)), k_i
+the distance of the contact from the near hinge. With the distance D from the next hinge to the
+centre,
 
     k_(i+1) = sqrt(D^2 - (r + rho_(i+1))^2)
     theta_(i+1) = atan2(r + rho_i, k_i - L_i) - atan2(r + rho_(i+1), k_(i+1))
@@ -60,8 +59,7 @@ def disc_grasp(
 ) -> DiscGrasp:
     """The pose in which every phalanx touches a fixed disc, without friction.
 
-    The straight finger lies along +x from its first hinge at the origin, its
-    palm side at negative y.
+    The straight finger lies along +x from its first hinge at the origin, palm side at negative y.
 
     Args:
         centre: of the disc [m], shape [2].
@@ -70,8 +68,8 @@ def disc_grasp(
         radii: rho_i of the capsules [m], shape [n].
 
     Raises:
-        ValueError: a length or radius not above 0; a disc over a hinge; a
-            contact beyond its phalanx's ends.
+        ValueError: a length or radius not above 0; a disc over a hinge; a contact beyond its
+            phalanx's ends.
     """
     phalanges = np.atleast_1d(positive("lengths", lengths, "m"))
     n = len(phalanges)

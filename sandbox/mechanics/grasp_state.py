@@ -1,13 +1,11 @@
 """The grasp-state plane of two phalanges: which contacts hold, which slide, which eject.
 
-A finger of two phalanges touches a fixed object with both; k_2 is the distance
-of the distal contact from hinge 2, theta_2 the angle there. Both contacts push
-where tau_2 > 0 and k_2 lies beyond the equilibrium curve
-(:mod:`sandbox.mechanics.transmission`). Where the distal force outweighs the
-first joint (f_1 < 0), the proximal phalanx parts from the object and the distal
-one slides along it, without friction. With O the object's centre (a point, or
-a disc of radius r), a = r + rho_2 its distance from the distal axis [m] and D [m]
-its distance from hinge 1, both fixed,
+A finger of two phalanges touches a fixed object with both; k_2 is the distance of the distal
+contact from hinge 2, theta_2 the angle there. Both contacts push where tau_2 > 0 and k_2 lies
+beyond the equilibrium curve (:mod:`sandbox.mechanics.transmission`). Where f_1 < 0, the proximal
+phalanx separates and the distal one slides along the object, without friction. With O the object's
+centre (a point, or a disc of radius r), a = r + rho_2 its distance from the distal axis [m] and D
+[m] its distance from hinge 1, both constant,
 
     D^2 = (k_2 + l_1 cos theta_2)^2 + (a - l_1 sin theta_2)^2
 
@@ -19,8 +17,8 @@ while theta_1 opens, until the first of
 
     tau_1 k_2 = (k_2 + l_1 cos theta_2) tau_2   the equilibrium curve: held by one contact
     theta_2 at its upper, theta_1 at its lower stop: held by the stop
-    k_2 = l_2                                    the contact runs off the tip: ejection
-    tau_2 = 0                                    the distal phalanx presses no more
+    k_2 = l_2                                   the contact leaves the tip: ejection
+    tau_2 = 0                                   the distal phalanx presses no more
 
 Birglen, Laliberte and Gosselin, Underactuated Robotic Hands (2008).
 """
@@ -46,11 +44,11 @@ Torques = Callable[[Array], Array]
 """Joint torques [N m], closing positive, of joint angles [rad]; shape [..., n] to [..., n]."""
 
 _SCAN = 97
-"""Poses tried along a slide for its first end, before that is halved down to rounding."""
+"""Poses tried along a slide for its first end, before bisection to rounding."""
 
 
 class GraspState(IntEnum):
-    """What becomes of a pose in which both phalanges touch."""
+    """The outcome of a pose in which both phalanges touch."""
 
     STABLE = 0
     """Both contacts push: f_1 > 0, f_2 > 0."""
@@ -71,14 +69,14 @@ _ENDS = np.array([GraspState.EQUILIBRIUM, GraspState.STOP, GraspState.EJECTS,
 
 @dataclass(frozen=True)
 class TwoPhalanges:
-    """A finger of two phalanges and the size of what it holds."""
+    """A finger of two phalanges and the size of its object."""
 
     lengths: tuple[float, float]
     """l_1, l_2 [m]."""
     torques: Torques
     """Of (theta_1, theta_2), shape [..., 2]; :func:`tendon_torques` makes them."""
     lower: tuple[float, float]
-    """Lower stops [rad]; that of joint 2 is 0 or more, or the slide may end in hinge 2."""
+    """Lower stops [rad]; that of joint 2 is 0 or more."""
     upper: tuple[float, float]
     """Upper stops [rad]."""
     apart: float = 0.0
@@ -114,17 +112,14 @@ def tendon_torques(
     n = len(tendon.rt)
     if springs is None:
         return lambda theta: np.asarray(pull * tendon.arms(theta))
-    if len(springs.rm) != n:
-        raise ValueError(f"springs must be {n}, one a joint, got {len(springs.rm)}")
-    k = not_negative("stiffness", stiffness, "N/m")
-    together(stiffness=k, springs=springs.rm)
-    rates = np.broadcast_to(k, (n,))
+    together(tendon=tendon.rt, springs=springs.rm)
+    k = np.broadcast_to(not_negative("stiffness", stiffness, "N/m"), (n,))
     return lambda theta: joint_torques(
-        pull, tendon.arms(theta), rates, springs.elongations(theta), springs.arms(theta))
+        pull, tendon.arms(theta), k, springs.elongations(theta), springs.arms(theta))
 
 
 class GraspMap(NamedTuple):
-    """What becomes of every pose asked for, and where it ends."""
+    """The outcome of every pose, and where it ends."""
 
     state: Integers
     """Of :class:`GraspState`, shape [...]."""
@@ -140,7 +135,7 @@ def grasp_states(
     finger: TwoPhalanges, *, theta_1: ArrayLike, theta_2: ArrayLike, k_1: ArrayLike,
     k_2: ArrayLike,
 ) -> GraspMap:
-    """The grasp-state map: every pose judged, and those that slide followed to their end.
+    """The grasp-state map: the outcome of every pose; slides are followed to their end.
 
     Args:
         finger: its lengths, torques and stops.
@@ -150,8 +145,8 @@ def grasp_states(
         k_2: distal contact from hinge 2 [m], shape [...].
 
     Raises:
-        ValueError: angles beyond the stops, contacts beyond the phalanges' ends,
-            arrays of unequal length.
+        ValueError: angles beyond the stops, contacts beyond the phalanges' ends, arrays of unequal
+            length.
     """
     angles = _poses(finger, theta_1, theta_2)
     near = _along("k_1", k_1, finger.lengths[0])
@@ -171,10 +166,10 @@ def grasp_states(
 
 
 class EjectionPath(NamedTuple):
-    """How a finger that lost its proximal contact slides, from the pose to its end."""
+    """The slide of a finger that lost its proximal contact, from the pose to its end."""
 
     state: GraspState
-    """What the slide ends in; STABLE, and a path of one pose repeated, if it does not slide."""
+    """At its end; STABLE, and a path of one pose repeated, if it does not slide."""
     theta: Array
     """Joint angles [rad], shape [samples, 2]."""
     k_2: Array
@@ -184,7 +179,7 @@ class EjectionPath(NamedTuple):
 def ejection_path(
     finger: TwoPhalanges, *, theta_1: float, theta_2: float, k_2: float, samples: int = 101,
 ) -> EjectionPath:
-    """The slide of one pose in the grasp-state plane, drawn out.
+    """The slide of one pose in the grasp-state plane.
 
     Args:
         finger: its lengths, torques and stops.
@@ -194,8 +189,8 @@ def ejection_path(
         samples: poses along the path, evenly spaced in theta_2.
 
     Raises:
-        ValueError: an angle beyond the stops, a contact beyond the phalanx's end,
-            fewer than 2 samples.
+        ValueError: an angle beyond the stops, a contact beyond the phalanx's end, fewer than 2
+            samples.
     """
     if samples < 2:
         raise ValueError(f"samples must be 2 or more, got {samples}")
@@ -249,7 +244,6 @@ class _Slide:
         """Which of ``_ENDS`` has happened at angles [..., m], shape [4, ..., m]."""
         theta, k_2 = self.pose(theta_2)
         opened = theta[..., 0] <= self.finger.lower[0]
-        # A slide ends at its stop: beyond it no torques are asked, only a shape is kept.
         theta[..., 0] = np.maximum(theta[..., 0], self.finger.lower[0])
         tau = self.finger.torques(theta)
         reach = k_2 + self.finger.lengths[0] * np.cos(theta_2)

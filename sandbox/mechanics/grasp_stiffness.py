@@ -1,11 +1,9 @@
 """How stiffly compliant fingers hold a body: K = G (1/Kc + J 1/Kq J^T)^-1 G^T.
 
-The body moves by u = (x, y, turn), its contact points by G^T u. Between a point and its finger
-there may be a spring Kc, and the finger gives way in its joints, which springs Kq hold: both in
-series carry the contact's force, and G gathers the forces of all contacts to that on the body
-(Cutkosky and Kao 1989). Contacts hold in both directions, as with friction that does not slip; what
-forces that are there already add as the body turns is left out, so that it is the stiffness of a
-light grasp.
+The body moves by u = (x, y, turn), its contact points by G^T u. The spring Kc of a contact and the
+finger with the springs Kq of its joints carry the contact's force in series; G sums the forces of
+all contacts (Cutkosky and Kao 1989). Contacts hold in both directions, without slip. The change of
+existing forces with the rotation of the body is left out: it is the stiffness of a light grasp.
 """
 
 from __future__ import annotations
@@ -13,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import finite, points, positive
+from sandbox.mechanics.checks import matrix, points, positive
 from sandbox.numeric import Array
 
 SINGULAR = 1e-12
@@ -31,9 +29,7 @@ def grasp_map(contacts: ArrayLike, centre: ArrayLike) -> Array:
         ValueError: another shape.
     """
     at = points("contacts", contacts)
-    if at.ndim != 2:
-        raise ValueError(f"contacts must have shape [m, 2] in m, got {at.shape}")
-    arm = at - points("centre", centre)
+    arm = matrix("contacts", at, "m") - points("centre", centre)
     G = np.zeros((3, 2 * len(at)))
     G[0, 0::2] = G[1, 1::2] = 1.0
     G[2, 0::2], G[2, 1::2] = -arm[:, 1], arm[:, 0]
@@ -65,7 +61,7 @@ def grasp_stiffness(
     grasp: ArrayLike, jacobian: ArrayLike, joint_stiffness: ArrayLike, *,
     contact_stiffness: ArrayLike = np.inf,
 ) -> Array:
-    """K, shape [3, 3] in N/m, N and N m: what a small motion of the body is answered with, -K u.
+    """K, shape [3, 3] in N/m, N and N m: a small motion u of the body gives the wrench -K u.
 
     Args:
         grasp: G, shape [3, 2 m].
@@ -76,14 +72,22 @@ def grasp_stiffness(
             [2 m]; rigid by default.
 
     Raises:
-        ValueError: arrays of unequal length, a stiffness not above 0; contacts that nothing lets
-            give way in some direction: there the grasp is rigid, and its stiffness no number.
+        ValueError: arrays of unequal length, a stiffness not above 0; a grasp that is rigid in
+            some direction.
     """
-    G, J = finite("grasp", grasp, "m"), finite("jacobian", jacobian, "m")
-    if G.ndim != 2 or len(G) != 3 or J.shape[:1] != G.shape[1:] or J.ndim != 2:
+    G, J = matrix("grasp", grasp, "m"), matrix("jacobian", jacobian, "m")
+    if len(G) != 3 or len(J) != G.shape[1]:
         raise ValueError(f"jacobian must have a row for each column of grasp, got shapes "
                          f"{J.shape} and {G.shape}")
-    gives = J @ _compliance(joint_stiffness, J.shape[1]) @ J.T
+    n, Kq = J.shape[1], np.asarray(joint_stiffness, dtype=np.float64)
+    if Kq.shape == (n,):
+        Kq = np.diag(positive("joint_stiffness", Kq, "N m/rad"))
+    elif Kq.shape != (n, n):
+        raise ValueError(f"joint_stiffness must have shape [{n}] or [{n}, {n}] in N m/rad, "
+                         f"got {Kq.shape}")
+    elif not np.allclose(Kq, Kq.T, rtol=1e-9) or np.linalg.eigvalsh(Kq)[0] <= 0:
+        raise ValueError("joint_stiffness must be symmetric and positive definite in N m/rad")
+    gives = J @ np.linalg.inv(Kq) @ J.T
     soft = np.asarray(contact_stiffness, dtype=np.float64)
     if not (soft > 0).all():
         raise ValueError("contact_stiffness must be greater than 0 N/m")
@@ -91,18 +95,5 @@ def grasp_stiffness(
     values = np.linalg.eigvalsh(gives)
     if values[0] <= SINGULAR * values[-1]:
         raise ValueError("contact_stiffness must be finite where no joint lets a contact give way: "
-                         f"got {J.shape[1]} joints for {len(J)} directions of contacts")
+                         f"got {n} joints for {len(J)} directions of contacts")
     return np.asarray(G @ np.linalg.solve(gives, G.T))
-
-
-def _compliance(stiffness: ArrayLike, n: int) -> Array:
-    """Of the hinges [rad/N m], [n, n]."""
-    Kq = np.asarray(stiffness, dtype=np.float64)
-    if Kq.shape == (n,):
-        return np.diag(1 / positive("joint_stiffness", Kq, "N m/rad"))
-    if Kq.shape != (n, n):
-        raise ValueError(f"joint_stiffness must have shape [{n}] or [{n}, {n}] in N m/rad, "
-                         f"got {Kq.shape}")
-    if not np.allclose(Kq, Kq.T, rtol=1e-9) or np.linalg.eigvalsh(Kq)[0] <= 0:
-        raise ValueError("joint_stiffness must be symmetric and positive definite in N m/rad")
-    return np.asarray(np.linalg.inv(Kq))

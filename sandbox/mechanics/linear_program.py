@@ -2,12 +2,11 @@
 
     minimise c x   subject to   A x = b,   x >= 0
 
-by the simplex method: of the m columns of A in the basis the values follow from B x_B = b and the
-prices of the rows from B^T y = c_B; a column whose reduced cost c - A^T y is below 0 comes in, the
-one that falls to 0 first goes out. The inverse of B is led along from round to round and made anew
-now and then, and before an end is believed, so that no error adds up. There c - A^T y >= 0 proves
-the value: whoever balances b + d with x >= 0 has c x >= y (b + d). For mechanisms y is a virtual
-motion.
+by the simplex method: the values of the m columns of A in the basis follow from B x_B = b, the
+prices of the rows from B^T y = c_B; a column with a reduced cost c - A^T y below 0 enters, the one
+whose value falls to 0 first leaves. The inverse of B is updated in every round, and computed anew
+now and then and at the end. There c - A^T y >= 0 proves the value: A x = b + d with x >= 0 implies
+c x >= y (b + d). For mechanisms y is a virtual motion.
 """
 
 from __future__ import annotations

@@ -13,8 +13,8 @@ contacts, one a phalanx, at k_i from the near hinge of phalanx i give the
 closed form J_ij = k_i + sum_(m=j)^(i-1) L_m cos(theta_(m+1) + ... + theta_i):
 Birglen, Laliberte and Gosselin's theory of underactuated hands.
 
-A contact can only push. Where J^-T tau asks one to pull it lets go, and its
-joint moves on or leans on a stop: :func:`unilateral_forces`.
+A contact can only push. Where its force in J^-T tau is negative it separates, and its joint moves
+on or rests on a stop: :func:`unilateral_forces`.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike
 
 from sandbox.mechanics.checks import (
     finite,
+    matrix,
     not_negative,
     per_phalanx,
     points,
@@ -67,8 +68,7 @@ def contact_jacobian(theta: ArrayLike, lengths: ArrayLike, distances: ArrayLike)
     Args:
         theta: joint angles [rad], shape [..., n].
         lengths: L_i of the phalanges [m], shape [n].
-        distances: k_i of the contacts from the near hinges, along the phalanges
-            [m], shape [..., n].
+        distances: k_i of the contacts from the near hinges, along the phalanges [m], [..., n].
 
     Raises:
         ValueError: a length not above 0, arrays of unequal length.
@@ -111,7 +111,7 @@ def point_jacobian(
 
 
 def contact_forces(jacobian: ArrayLike, torques: ArrayLike) -> Array:
-    """F = J^-T tau [N], shape [..., n]; a negative one asks its contact to pull.
+    """F = J^-T tau [N], shape [..., n]; a negative one would have to pull.
 
     Args:
         jacobian: J [m], as many contacts as joints, shape [..., n, n].
@@ -135,7 +135,7 @@ class Unilateral(NamedTuple):
     """What :func:`unilateral_forces` found."""
 
     forces: Array
-    """f_c >= 0 of the contacts [N], shape [m]; 0 for those that let go."""
+    """f_c >= 0 of the contacts [N], shape [m]; 0 for those that separate."""
     stops: Array
     """Torques of the stops [N m], closing positive, shape [n]; 0 where none acts."""
     residual: Array
@@ -148,12 +148,10 @@ def unilateral_forces(
 ) -> Unilateral:
     """Contact forces and stop torques that only push: a complementarity problem.
 
-    From rest, joints accelerate by M^-1 (tau + stops - J^T f), and every contact
-    and stop that may act either pushes or parts: f >= 0, accelerations of
-    parting a >= 0, f a = 0. That is the optimum of min |tau - G f|^2 in the
-    norm of M^-1 over f >= 0, with G the columns of J^T and one for every stop.
-    A zero ``residual`` says that the pose is an equilibrium; then the forces do
-    not depend on M.
+    From rest, joints accelerate by M^-1 (tau + stops - J^T f), and every contact and stop either
+    pushes or separates: f >= 0, accelerations of separation a >= 0, f a = 0. That is the optimum of
+    min |tau - G f|^2 in the norm of M^-1 over f >= 0, with G the columns of J^T and one for every
+    stop. With a zero ``residual`` the pose is an equilibrium, and the forces do not depend on M.
 
     Args:
         jacobian: J of the contacts that touch [m], shape [m, n].
@@ -166,13 +164,11 @@ def unilateral_forces(
     Raises:
         ValueError: arrays of unequal length, an inertia that is not positive definite.
     """
-    J = finite("jacobian", jacobian, "m")
-    if J.ndim != 2:
-        raise ValueError(f"jacobian must have shape [contacts, joints] in m, got {J.shape}")
+    from scipy.optimize import nnls
+
+    J = matrix("jacobian", jacobian, "m")
     m, n = J.shape
     tau = per_phalanx("torques", torques, n, "N m")
-    if tau.ndim != 1:
-        raise ValueError(f"torques must have shape [{n}] in N m, got {tau.shape}")
     stops = _stop_rows(n, lower, upper)
     G = np.concatenate([J, stops]).T
     M = np.eye(n) if inertia is None else finite("inertia", inertia, "kg m^2")
@@ -180,9 +176,11 @@ def unilateral_forces(
         root = np.linalg.cholesky(M)
     except np.linalg.LinAlgError:
         raise ValueError("inertia must be positive definite in kg m^2") from None
-    pushes = _least_squares_not_negative(np.linalg.solve(root, G), np.linalg.solve(root, tau))
-    on_stops = -(stops.T @ pushes[m:]) if len(stops) else np.zeros(n)
-    return Unilateral(pushes[:m], np.asarray(on_stops), np.asarray(tau - G @ pushes))
+    A, b = np.linalg.solve(root, G), np.linalg.solve(root, tau)
+    scale = np.linalg.norm(A, axis=0)
+    scale[scale == 0] = 1.0
+    pushes = nnls(A / scale, b)[0] / scale if A.shape[1] else np.zeros(0)
+    return Unilateral(pushes[:m], np.asarray(-(stops.T @ pushes[m:])), np.asarray(tau - G @ pushes))
 
 
 def determined_forces(
@@ -190,21 +188,18 @@ def determined_forces(
 ) -> Flags:
     """Which contact forces equilibrium alone decides, shape [m] of bool.
 
-    Forces x with G x = 0 may be added at will, G the columns of J^T and one for
-    every acting stop. A contact that takes part in none of them has its force
-    determined; the others share theirs, as stiffness (or a solver) decides.
+    Forces x with G x = 0 may be added, G the columns of J^T and one for every acting stop. The
+    force of a contact that takes part in none of them is determined.
 
     Args:
         jacobian: J of the contacts that push [m], shape [m, n].
-        lower: which joints lean on their lower stop, shape [n] of bool.
-        upper: which joints lean on their upper stop.
+        lower: which joints rest on their lower stop, shape [n] of bool.
+        upper: which joints rest on their upper stop.
 
     Raises:
         ValueError: arrays of unequal length, a value that is not finite.
     """
-    J = finite("jacobian", jacobian, "m")
-    if J.ndim != 2:
-        raise ValueError(f"jacobian must have shape [contacts, joints] in m, got {J.shape}")
+    J = matrix("jacobian", jacobian, "m")
     rows = np.concatenate([J, _stop_rows(J.shape[1], lower, upper)])
     size = np.linalg.norm(rows, axis=1, keepdims=True)
     unit = rows / np.where(size > 0, size, 1.0)
@@ -223,12 +218,3 @@ def _stop_rows(joints: int, lower: ArrayLike | None, upper: ArrayLike | None) ->
                              f"{on.shape}")
         rows.append(sign * np.eye(joints)[on])
     return np.concatenate(rows)
-
-
-def _least_squares_not_negative(A: Array, b: Array) -> Array:
-    """Min |A x - b|, x >= 0; shapes [n, m], [n] -> [m]."""
-    from scipy.optimize import nnls
-
-    scale = np.linalg.norm(A, axis=0)
-    scale[scale == 0] = 1.0
-    return np.asarray(nnls(A / scale, b)[0] / scale) if A.shape[1] else np.zeros(0)

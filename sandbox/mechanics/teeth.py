@@ -1,9 +1,8 @@
-"""Teeth of gears and racks, and circles that roll: where they push, and how they go together.
+"""Lines of action of gears and racks, and the slip of rolling circles.
 
 Involute flanks touch on a common tangent of the base circles, whose radius is r cos(pressure
-angle): a crossed tangent where two gears lie side by side, an open one where one runs inside the
-other; of a rack on a line that turns with it. On that line of action a flank of one gear goes as
-far as one of the other. All functions take numbers or arrays over time.
+angle): a crossed tangent of two gears side by side, an open one of a gear inside another; of a rack
+on a line that turns with it. All functions take numbers or arrays over time.
 """
 
 from __future__ import annotations

@@ -1,13 +1,8 @@
 """How a finger shares out its tendon's pull: ratios, the equilibrium curve, isotropy.
 
-With tendon arms h_i [m] and tension T [N] a springless finger has joint torques
-in the fixed ratios
-
-    X_i = h_i / h_1                                                      [1]
-
-and frictionless contacts press with f = J^-T T h, all in proportion to T. What
-the grasp gets out of the pull is the force transfer ratio sum(f_i) / T. Two
-phalanges, contacts at k_1, k_2 [m] along them, proximal length l_1 [m]:
+With tendon arms h_i [m] and tension T [N] a finger without springs has joint torques in the ratios
+X_i = h_i / h_1, and frictionless contacts have the forces f = J^-T T h. The force transfer ratio is
+sum(f_i) / T. Two phalanges, contacts at k_1, k_2 [m] along them, proximal length l_1 [m]:
 
     f_2 = tau_2 / k_2,   f_1 = (tau_1 - (k_2 + l_1 cos theta_2) f_2) / k_1   [N]
 
@@ -45,8 +40,6 @@ def transmission_ratios(arms: ArrayLike) -> Array:
         ValueError: a first arm that is not above 0 m: the tendon does not close joint 1.
     """
     h = finite("arms", arms, "m")
-    if h.ndim < 1 or h.shape[-1] < 1:
-        raise ValueError(f"arms must have shape [..., n] in m, got {h.shape}")
     return np.asarray(h / positive("arms of joint 1", h[..., :1], "m"))
 
 
@@ -61,10 +54,8 @@ def force_transfer_ratio(forces: ArrayLike, tension: ArrayLike) -> Array:
         ValueError: a force below 0 (contacts only push), a tension not above 0,
             arrays of unequal length.
     """
-    f, pulled = not_negative("forces", forces, "N"), positive("tension", tension, "N")
-    if f.ndim < 1:
-        raise ValueError(f"forces must have shape [..., contacts] in N, got {f.shape}")
-    total = f.sum(axis=-1)
+    pulled = positive("tension", tension, "N")
+    total = not_negative("forces", forces, "N").sum(axis=-1)
     together(forces=total, tension=pulled)
     return np.asarray(total / pulled)
 
@@ -137,8 +128,6 @@ def force_isotropy(forces: ArrayLike) -> Array:
         ValueError: a force below 0; no force above 0 at all.
     """
     f = not_negative("forces", forces, "N")
-    if f.ndim < 1 or f.shape[-1] < 1:
-        raise ValueError(f"forces must have shape [..., contacts] in N, got {f.shape}")
     return np.asarray(f.min(axis=-1) / positive("largest of forces", f.max(axis=-1), "N"))
 
 

@@ -21,7 +21,7 @@ from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
 from sandbox.samples.cords import lengths_at_start
 from sandbox.samples.expectations import Verdict
-from sandbox.samples.outcome import Status, planned
+from sandbox.samples.outcome import planned
 from sandbox.samples.targets import initial
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
@@ -171,7 +171,7 @@ def at_start(mechanism: Mechanism) -> Recording:
     arrays["held"][0] = [not each.released for each in mechanism.holding
                          if each.name in mechanism.releasable]
     builder.put(0, arrays)
-    run = builder.finish(np.zeros(1), planned(mechanism.run, Status.UNFINISHED))
+    run = builder.finish(np.zeros(1), planned(mechanism.run, complete=False))
     values = np.array([[initial(run, drive.name) for drive in mechanism.drives]])
     return Recording(mechanism, {**run.arrays, "drive_value": values.reshape(1, -1)}, run.info,
                      model=model)

@@ -1,13 +1,9 @@
 """The directory of a run while it is written: the old run stays whole until the new one is.
 
-A run that was stopped takes no complete run's place: what was recorded of it is kept in a
-directory of its own, :data:`BESIDE`.
-
-A new run is written into a hidden directory within that of the run, flushed to the disk, and
-moved into place at the end. The directory is locked meanwhile, so a second writer is told at
-once. The last moves are a few renames: before the first, ``run.json`` gives way to a
-``run.incomplete.json`` that says what is going on, after the last it is put in place. Whoever
-is killed in between leaves that mark. Ctrl-C does not stop the moves.
+A new run is written into a hidden directory within that of the run, which is locked, flushed to the
+disk, and moved into place by renames, which Ctrl-C does not stop. Before the first of them a mark
+``run.incomplete.json`` takes the place of ``run.json``, for a process that is killed in between. A
+stopped run does not replace a complete one: it is kept in :data:`BESIDE`.
 """
 
 from __future__ import annotations
@@ -16,8 +12,9 @@ import contextlib
 import errno
 import json
 import os
+import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 from sandbox.atomic_files import (
@@ -33,9 +30,9 @@ from sandbox.errors import OutputError
 SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, IMPACTS, BOUNDS = (
     "run.json", "run.incomplete.json", "run.npz", "contacts.csv", "impacts.csv",
     "contact_bounds.csv")
-FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, IMPACTS, BOUNDS, "tendons.csv", "joints.csv",
-         "bodies.csv", "drives.csv", "springs.csv", "lines.csv", "valves.csv", "loads.csv",
-         "meters.csv")
+FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, IMPACTS, BOUNDS,
+         *(f"{kind}.csv" for kind in ("tendons", "joints", "bodies", "drives", "springs", "lines",
+                                      "valves", "loads", "meters")))
 """The numbers of a run, whatever it records."""
 FILMS = ("animation.gif", "animation.mp4")
 PAGE = "report.html"
@@ -80,20 +77,16 @@ class NewRun:
         here = self.directory / BESIDE if stays else self.directory
         try:
             names = self._ready(here)
-            _to_its_end(lambda: self._move(here, names))
+            with _uninterrupted():
+                self._move(here, names)
         except OSError as error:
+            left, told = self.aside.with_name(self.aside.name.strip(".")), ""
+            with contextlib.suppress(OSError):
+                self.aside.rename(left)
+                told = f"; the new run's files are in {left}"
             raise OutputError(f"cannot write {error.filename or here}: "
-                              f"{error.strerror or error}{self._left()}") from None
+                              f"{error.strerror or error}{told}") from None
         return here
-
-    def _left(self) -> str:
-        """Leave what could not be put in place where it can be seen; says where."""
-        left = self.aside.with_name(self.aside.name.strip("."))
-        try:
-            self.aside.rename(left)
-        except OSError:
-            return ""
-        return f"; the new run's files are in {left}"
 
     def _ready(self, here: Path) -> list[Path]:
         """The new files, relative, all on the disk and with nothing in their way."""
@@ -141,13 +134,18 @@ def writing(directory: Path) -> Iterator[NewRun]:
         OutputError: it cannot be made or written into, or another run is being written there.
     """
     with contextlib.ExitStack() as held:
-        with _into(directory):
+        try:
             directory.mkdir(parents=True, exist_ok=True)
             if held.enter_context(locked(directory)) is False:
                 raise OutputError(f"another run is being written into {directory}: wait for its "
                                   "end, or name another directory", code="runs-in-use")
             remove_stale(directory)
             aside = temporary_path(directory / "run", held, directory=True)
+        except OSError as error:
+            why = str(error.strerror or error)
+            if isinstance(error, FileExistsError):
+                why = "it is a file" if directory.exists() else "it is a broken link"
+            raise OutputError(f"cannot write into {directory}: {why}") from None
         try:
             yield NewRun(directory, aside)
         except OutputError as error:  # of a file aside: where it was to be is what is known outside
@@ -155,48 +153,19 @@ def writing(directory: Path) -> Iterator[NewRun]:
 
 
 @contextlib.contextmanager
-def _into(directory: Path) -> Iterator[None]:
+def _uninterrupted() -> Iterator[None]:
+    """Delay Ctrl-C to the end; it reaches the main thread alone."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    pending: list[int] = []
+    handler = signal.signal(signal.SIGINT, lambda number, _: pending.append(number))
     try:
         yield
-    except OSError as error:
-        why = str(error.strerror or error)
-        if isinstance(error, FileExistsError):
-            why = "it is a file" if directory.exists() else "it is a broken link"
-        raise OutputError(f"cannot write into {directory}: {why}") from None
-
-
-def _to_its_end(work: Callable[[], None]) -> None:
-    """Do something that Ctrl-C may not stop half-way: it is raised afterwards.
-
-    Raises:
-        OSError: what the work raised.
-        KeyboardInterrupt: Ctrl-C meanwhile.
-    """
-    failed: list[BaseException] = []
-    stopped = None
-    begin, done = threading.Event(), threading.Event()
-
-    def beside() -> None:
-        begin.wait()
-        try:
-            work()
-        except BaseException as error:  # raised again where it is waited for
-            failed.append(error)
-        finally:
-            done.set()
-
-    # Ctrl-C reaches the main thread alone; a join that it breaks off takes the thread for ended
-    threading.Thread(target=beside, daemon=True).start()
-    while not done.is_set():
-        try:
-            begin.set()
-            done.wait()
-        except KeyboardInterrupt as error:
-            stopped = error
-    if failed:
-        raise failed[0]
-    if stopped:
-        raise stopped
+    finally:
+        signal.signal(signal.SIGINT, handler or signal.SIG_DFL)
+        if pending:
+            signal.raise_signal(signal.SIGINT)
 
 
 def made(path: Path) -> None:

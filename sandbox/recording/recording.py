@@ -11,6 +11,7 @@ from typing import Any, Self
 from sandbox.atomic_files import output_path
 from sandbox.audit.audit import Figure, audit
 from sandbox.recording import store, tables
+from sandbox.recording.new_run import writing
 from sandbox.samples.expectations import Verdict, verdicts
 from sandbox.samples.samples import Samples
 
@@ -39,8 +40,12 @@ class Recording(Samples):
             OutputError: no path, or it cannot be written, or another run is being written there.
         """
         folder = output_path(directory, "a recording")
-        store.save(self, folder, verdicts=self.verdicts, figures=self.audit,
-                   parameters=parameters)
+        verdicts, figures = self.verdicts, self.audit
+        with writing(folder) as new:
+            store.save_data(self, new.aside)
+            store.save_summary(self, new.aside, verdicts=verdicts, figures=figures,
+                               parameters=parameters)
+            new.publish()
 
     @classmethod
     def load(cls, directory: str | os.PathLike[str]) -> Self:

@@ -1,8 +1,7 @@
 """The files of a run: ``run.npz``, the CSV files, and ``run.json`` last.
 
-``run.json`` means that everything else is there. A run that did not come to its end has
-``run.incomplete.json`` instead. How they get into the directory of a run, and what becomes
-of an earlier one there: :mod:`sandbox.recording.new_run`.
+``run.json`` means that everything else is there. An incomplete run has ``run.incomplete.json``
+instead. :mod:`sandbox.recording.new_run` puts them in place.
 """
 
 from __future__ import annotations
@@ -12,49 +11,30 @@ import math
 import os
 import platform
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
-from functools import partial
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 from sandbox.atomic_files import atomic_file, write_atomic
 from sandbox.audit.bounds import Bounds
 from sandbox.audit.figures import Figure, figure_data
 from sandbox.elements.arrays import LARGEST, Arrays
 from sandbox.errors import OutputError
-from sandbox.recording import archive, reading, tables
-from sandbox.recording.new_run import ARCHIVE, CONTACTS, IMPACTS, INCOMPLETE, SUMMARY, writing
+from sandbox.recording import archive, tables
+from sandbox.recording.new_run import ARCHIVE, CONTACTS, IMPACTS, INCOMPLETE, SUMMARY
 from sandbox.samples.expectations import Verdict
-from sandbox.samples.outcome import Outcome, Status, outcome_data
+from sandbox.samples.outcome import Outcome, outcome_data
 from sandbox.samples.samples import Samples
 from sandbox.scene.mechanism import Mechanism
 
 RUN_ID = re.compile(rb'"run_id": "([0-9a-f]{32})"')
 EDITED = ("was changed: it does not name its run, and its checks are ignored")
-"""What a run notes of a summary that was changed or cut off."""
+"""The note of a run with a summary that was changed or cut off."""
 HEAD = 1024
 """Bytes of a summary in which its id stands."""
 MOST_SUMMARY, MOST_WORDS = 64_000_000, 2000
 """Bytes of a summary that is read as a whole, and letters of a text in it."""
-
-
-def save(
-    run: Samples, directory: Path, *, verdicts: Sequence[Verdict], figures: Sequence[Figure],
-    parameters: Mapping[str, float] | None = None,
-) -> None:
-    """Write all files of a run into a directory, which is made if need be.
-
-    An earlier run there stays whole until all of this one is on the disk.
-
-    Raises:
-        OutputError: the directory or a file cannot be written, or another run is being
-            written there.
-    """
-    with writing(directory) as new:
-        save_data(run, new.aside)
-        save_summary(run, new.aside, verdicts=verdicts, figures=figures, parameters=parameters)
-        new.publish()
 
 
 def save_data(run: Samples, directory: Path) -> None:
@@ -63,12 +43,16 @@ def save_data(run: Samples, directory: Path) -> None:
     Raises:
         OutputError: the directory or a file cannot be written.
     """
-    _write(directory / ARCHIVE, partial(archive.write, run))
-    _write(directory / CONTACTS, partial(_text, tables.contact_rows(run)))
+    with atomic_file(directory / ARCHIVE, durable=False) as part, part.open("wb") as file:
+        archive.write(run, file)
+    texts = {CONTACTS: tables.contact_rows(run)}
     if len(run.arrays["impact_time"]):
-        _write(directory / IMPACTS, partial(_text, tables.impact_rows(run)))
-    for kind in tables.written(run):
-        _write(directory / f"{kind}.csv", partial(_text, tables.rows(run, kind)))
+        texts[IMPACTS] = tables.impact_rows(run)
+    texts |= {f"{kind}.csv": tables.rows(run, kind) for kind in tables.written(run)}
+    for name, pieces in texts.items():
+        with atomic_file(directory / name, durable=False) as part, part.open("wb") as file:
+            for piece in pieces:
+                file.write(piece.encode())
 
 
 def save_summary(
@@ -108,7 +92,7 @@ def summary(
     """What ``run.json`` says, as plain JSON data (null stands for infinite and for no value)."""
     info, mechanism = outcome_data(run.info), run.mechanism
     content = {
-        "format": reading.FORMAT,
+        "format": archive.FORMAT,
         "run_id": run_id,
         "complete": info["complete"],
         "reason": info["reason"],
@@ -149,50 +133,46 @@ def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]
     folder = Path(directory)
     if not folder.is_dir():
         raise OutputError(f"there is no directory {folder}", code="no-run")
-    mechanism, arrays, outcome, run_id = reading.read(folder / ARCHIVE)
+    mechanism, arrays, outcome, run_id = archive.read(folder / ARCHIVE)
     complete = (folder / SUMMARY).exists()
-    summary = SUMMARY if complete else INCOMPLETE
-    said = _said_id(folder / summary) if (folder / summary).exists() else ""
-    if said and said != run_id:
-        raise OutputError(f"{folder} is damaged: {summary} and {ARCHIVE} are of different runs",
-                          code="run-damaged")
-    if run_id and not said and (folder / summary).exists():
-        outcome = replace(outcome, notes=(*outcome.notes, f"{summary} {EDITED}"))
+    path = folder / (SUMMARY if complete else INCOMPLETE)
+    if path.exists() and run_id:
+        try:
+            with path.open("rb") as file:
+                said = RUN_ID.search(file.read(HEAD))
+        except OSError as error:
+            raise OutputError(f"cannot read {path}: {error.strerror or error}",
+                              code="run-damaged") from None
+        if said is None:
+            outcome = replace(outcome, notes=(*outcome.notes, f"{path.name} {EDITED}"))
+        elif said[1].decode() != run_id:
+            raise OutputError(f"{folder} is damaged: {path.name} and {ARCHIVE} are of different "
+                              "runs", code="run-damaged")
     if not complete and outcome.complete:
         outcome = unfinished(outcome)
     return mechanism, arrays, outcome
 
 
 def unfinished(outcome: Outcome) -> Outcome:
-    """The outcome of a run of which not all files came to their place."""
+    """The outcome of a run whose files are not all in place."""
     note = f"{SUMMARY} is missing: the run was stopped before all of its files were in place"
-    return replace(outcome, status=Status.UNFINISHED, notes=(*outcome.notes, note))
-
-
-def _said_id(path: Path) -> str:
-    """The id that a summary says near its top; empty for one of an older version.
-
-    The rest is not looked at: it may be long, and nothing of it is needed.
-    """
-    try:
-        with path.open("rb") as file:
-            found = RUN_ID.search(file.read(HEAD))
-    except OSError as error:
-        raise OutputError(f"cannot read {path}: {error.strerror or error}",
-                          code="run-damaged") from None
-    return found[1].decode() if found else ""
+    return replace(outcome, complete=False, notes=(*outcome.notes, note))
 
 
 def saved_audit(directory: Path) -> list[Figure]:
-    """The audit that was saved with a run; none where it has none, or none that can be read.
-
-    What a summary says is shown as it stands: who doubts it audits the recording again.
-    """
-    rows = _saved(directory, "audit")
+    """The audit that was saved with a run; none where it has none, or none that can be read."""
+    found = []
     try:
-        return [_figure(row) for row in rows] if isinstance(rows, list) else []
+        for row in _saved(directory).get("audit") or []:
+            if row["verdict"] not in ("pass", "look", "not computed"):
+                return []
+            words = {key: str(row[key])[:MOST_WORDS] for key in ("name", "unit", "why", "source")}
+            value, threshold = (math.nan if row[key] is None else float(row[key])
+                                for key in ("value", "threshold"))
+            found.append(Figure(value=value, threshold=threshold, verdict=row["verdict"], **words))
     except (ValueError, TypeError, KeyError):
         return []
+    return found
 
 
 def saved_parameters(directory: Path) -> dict[str, float]:
@@ -200,52 +180,28 @@ def saved_parameters(directory: Path) -> dict[str, float]:
 
     Those that follow from others are left out.
     """
-    found, derived = _saved(directory, "parameters"), _saved(directory, "derived")
-    if not isinstance(found, dict):
-        return {}
+    saved = _saved(directory)
+    found, derived = saved.get("parameters"), saved.get("derived")
     left = derived if isinstance(derived, list) else []
     return {name: float(value) for name, value in found.items()
-            if name not in left and isinstance(value, int | float) and abs(value) <= LARGEST}
+            if name not in left and isinstance(value, int | float) and abs(value) <= LARGEST
+            } if isinstance(found, dict) else {}
 
 
-def _saved(directory: Path, key: str) -> Any:
-    """What a run's summary has under a key; None where there is none that can be read."""
+def _saved(directory: Path) -> dict[str, Any]:
+    """A run's summary; empty where there is none that can be read."""
     for name in (SUMMARY, INCOMPLETE):
         path = directory / name
         try:
             if path.stat().st_size > MOST_SUMMARY:
-                return None
+                return {}
             found = json.loads(path.read_bytes())
-            return found.get(key) if isinstance(found, dict) else None
+            return found if isinstance(found, dict) else {}
         except FileNotFoundError:
             continue
         except (OSError, ValueError, RecursionError):
-            return None
-    return None
-
-
-def _figure(row: Mapping[str, Any]) -> Figure:
-    """A figure as :func:`sandbox.audit.figures.figure_data` wrote it.
-
-    Raises:
-        ValueError, TypeError, KeyError: it did not.
-    """
-    if row["verdict"] not in ("pass", "look", "not computed"):
-        raise ValueError("no verdict of an audit")
-    words = {key: str(row[key])[:MOST_WORDS] for key in ("name", "unit", "why", "source")}
-    value, threshold = (math.nan if row[key] is None else float(row[key])
-                        for key in ("value", "threshold"))
-    return Figure(value=value, threshold=threshold, verdict=row["verdict"], **words)
-
-
-def _write(path: Path, content: Callable[[IO[bytes]], None]) -> None:
-    with atomic_file(path, durable=False) as part, part.open("wb") as file:
-        content(file)
-
-
-def _text(pieces: Iterable[str], file: IO[bytes]) -> None:
-    for piece in pieces:
-        file.write(piece.encode())
+            break
+    return {}
 
 
 def _plain(value: Any) -> Any:

@@ -70,16 +70,16 @@ def rows(run: Samples, kind: str) -> Iterator[str]:
         yield "".join([line % tuple(row) for row in values.tolist()])
 
 
-def contact_head() -> str:
-    """The first line of ``contacts.csv``."""
-    numbers = (column(name, unit) for name, unit in CONTACT_COLUMNS.items())
-    return ",".join(["time_s", "body", "other", *numbers])
+def _pair_head(units: Mapping[str, str]) -> str:
+    """The first line of a table with a row for two bodies at an instant."""
+    return ",".join(["time_s", "body", "other", *(
+        column(name, unit) for name, unit in units.items())]) + "\n"
 
 
 def bound_rows(run: Samples, found: Mapping[int, Sequence[Bounds]]) -> Iterator[str]:
     """The text of ``contact_bounds.csv``: what contact forces could be, by number of the sample."""
-    heads = [f"{kind}{end}" for kind in ("normal", "tangential") for end in ("", "_low", "_high")]
-    yield ",".join(["time_s", "body", "other", *(column(head, "N") for head in heads)]) + "\n"
+    yield _pair_head({f"{kind}{end}": "N" for kind in ("normal", "tangential")
+                      for end in ("", "_low", "_high")})
     names = [body.name for body in run.mechanism.bodies]
     for sample in sorted(found):
         for one in found[sample]:
@@ -91,7 +91,7 @@ def bound_rows(run: Samples, found: Mapping[int, Sequence[Bounds]]) -> Iterator[
 
 def contact_rows(run: Samples) -> Iterator[str]:
     """The text of ``contacts.csv``: the force on ``body`` by ``other``, row by row."""
-    yield contact_head() + "\n"
+    yield _pair_head(CONTACT_COLUMNS)
     for part in run.parts(max(1, BLOCK // 64), rows=BLOCK // 8):
         contacts = part.mean_contacts
         yield _pair_rows(run, part.time[contacts.sample], contacts.body, contacts.other,
@@ -101,8 +101,7 @@ def contact_rows(run: Samples) -> Iterator[str]:
 
 def impact_rows(run: Samples) -> Iterator[str]:
     """The text of ``impacts.csv``: the impulse on ``body`` by ``other``, row by row."""
-    numbers = (column(name, unit) for name, unit in IMPACT_COLUMNS.items())
-    yield ",".join(["time_s", "body", "other", *numbers]) + "\n"
+    yield _pair_head(IMPACT_COLUMNS)
     yield _pair_rows(run, *(run.arrays[key] for key in IMPACT))
 
 

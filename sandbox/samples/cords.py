@@ -1,33 +1,107 @@
-"""Tendons in recorded poses: the stretches between guides, and the length along them.
+"""Points of bodies and tendons in recorded poses: stretches between guides, lengths along them.
 
-A guide is a circle of radius r >= 0. Walking along u with left normal n, a
-wheel whose centre lies right of the path has s = +1, left s = -1; the cord
-touches it at c + s r n, and n . (c2 - c1) = s1 r1 - s2 r2 for a stretch. A plain
-eye has r = 0. On a wheel between two stretches lies r times the angle of wrap;
-one at an end winds the cord up, or pays it out, as it turns.
-
-Where a cord is off a wheel, both stretches beside it are halves of the straight way past it: they
-have one direction, and pull the wheel by nothing.
+A guide is a circle of radius r >= 0, an eye has r = 0. Along a direction u with left normal n, a
+wheel whose centre is right of the path has s = +1, left s = -1; the tendon touches it at c + s r n,
+and n . (c2 - c1) = s1 r1 - s2 r2 for a stretch. On a wheel between two stretches lies r times the
+angle of wrap; one at an end winds the tendon up as it turns. Where a tendon is off a wheel, both
+stretches beside it are halves of the straight way past it.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from sandbox.elements.element import GRAZE
+from sandbox.model.joints import Place, place_in_slot
 from sandbox.model.model import Model, Tendons
 from sandbox.model.tendons import CordSpan, lifted_at_start
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.frames import Frames, Places
+from sandbox.samples.outcome import Stored
 from sandbox.scene.geometry import pose_of, to_world
 
 
+class Places(NamedTuple):
+    """Points of bodies over time, all [k, n] in m."""
+
+    x: Array
+    """In the world."""
+    y: Array
+    arm_x: Array
+    """From the body's centre of mass, along the world's axes."""
+    arm_y: Array
+
+
+class Frames:
+    """Poses of all bodies in some samples of a recording, and points of theirs."""
+
+    def __init__(self, run: Stored) -> None:
+        self.run, self.model = run, run.model
+        self.x, self.y, self.angle = (
+            np.ascontiguousarray(part) for part in run.arrays["body_pose"].transpose(2, 1, 0))
+        """Poses of the bodies' frames in the world, [nb, n] m, m, rad."""
+        self.samples = self.x.shape[1]
+        still = self.model.bodies.fixed
+        self.cos, self.sin = np.empty_like(self.angle), np.empty_like(self.angle)
+        for function, into in ((np.cos, self.cos), (np.sin, self.sin)):
+            into[~still] = function(self.angle[~still])
+            into[still] = function(self.angle[still, :1])
+        centre = run.arrays["body_centre"]
+        self._centre = centre
+        self.centre_x = self.x + self.cos * centre[:, :1] - self.sin * centre[:, 1:]
+        """Centres of mass in the world, [nb, n] m."""
+        self.centre_y = self.y + self.sin * centre[:, :1] + self.cos * centre[:, 1:]
+
+    def places(self, bodies: Integers | Sequence[int], points: Array) -> Places:
+        """Points given in the frames of ``bodies`` [k], as [k, 2] m."""
+        on = np.asarray(bodies, dtype=np.int64)
+        local = points.reshape(-1, 2) - self._centre[on]
+        c, s = self.cos[on], self.sin[on]
+        arm_x = c * local[:, :1] - s * local[:, 1:]
+        arm_y = s * local[:, :1] + c * local[:, 1:]
+        return Places(self.centre_x[on] + arm_x, self.centre_y[on] + arm_y, arm_x, arm_y)
+
+    @cached_property
+    def anchors(self) -> tuple[Places, Places]:
+        """Anchors of all joints, on ``a`` and on ``b``, [nj, n]."""
+        joints = self.model.joints
+        return (self.places(joints.bodies[:, 0], joints.anchor[:, 0]),
+                self.places(joints.bodies[:, 1], joints.anchor[:, 1]))
+
+    def groove_direction(self, joint: int) -> tuple[Array, Array]:
+        """Direction of a slot from its start to its end, in the world, [n] each."""
+        place = self.place_in_slot(joint)
+        return place.x, place.y
+
+    def place_in_slot(self, joint: int) -> Place:
+        """The place of a slot's point along its groove or path, [n] each."""
+        arrays = self.run.arrays
+        return place_in_slot(self.model, joint, arrays["body_pose"],
+                             arrays["joint_length"][:, joint])
+
+    @cached_property
+    def velocity(self) -> Array:
+        """Velocities of the centres of mass, and angular velocities, [3, nb, n]."""
+        return np.ascontiguousarray(self.run.arrays["body_velocity"].transpose(2, 1, 0))
+
+    @cached_property
+    def acceleration(self) -> Array:
+        """Accelerations of the centres of mass, and angular ones, [3, nb, n]."""
+        return np.ascontiguousarray(self.run.arrays["body_acceleration"].transpose(2, 1, 0))
+
+    @cached_property
+    def gaps(self) -> Array:
+        """Between the two anchors of every joint [m], [nj, n]."""
+        a, b = self.anchors
+        return np.hypot(b.x - a.x, b.y - a.y)
+
+
 class Stretches(NamedTuple):
-    """Straight pieces of all cords, [m, n], as :class:`sandbox.model.model.Tendons` counts them."""
+    """Straight pieces of all tendons, [m, n], in the order of the model's ``tendons``."""
 
     length: Array
     """[m]"""
@@ -48,12 +122,12 @@ def stretches(frames: Frames) -> Stretches:
 
 
 def off_wheels(arrays: Mapping[str, Array]) -> Flags:
-    """Whether cords are off their wheels, [n, nw]; not in what was recorded before they could."""
+    """Whether tendons are off their wheels, [n, nw]; never in recordings without that array."""
     return np.asarray(arrays["guide_lifted"] > 0)
 
 
 def _past(cords: Stretches, tendons: Tendons, off: Flags) -> Stretches:
-    """The same where cords are off some of their wheels, ``off`` [n, nw], and go straight past."""
+    """The same where tendons are off wheels, ``off`` [n, nw], and go straight past them."""
     for tendon in np.flatnonzero(np.diff(tendons.first)).tolist() if off.any() else ():
         loose = tendons.loose(tendon)
         own, begin = np.flatnonzero(tendons.stretch_tendon == tendon), int(tendons.first[tendon])
@@ -98,40 +172,22 @@ def _straight(start: Places, end: Places, tendons: Tendons) -> Stretches:
     return Stretches(*_tangent(dx, dy, (radius[first] - radius[first + 1])[:, None]), start, end)
 
 
-def lengths(frames: Frames, cords: Stretches) -> Array:
-    """Length of every tendon along its path [m], [nt, n], as the poses have it.
-
-    How often a cord goes round its wheels is counted from t = 0 through all
-    samples, between which no stretch may turn by half a turn.
-    """
-    tendons = frames.model.tendons
-    total = np.zeros((len(tendons.name), frames.samples))
-    for row, tendon in enumerate(tendons.stretch_tendon):
-        total[tendon] += cords.length[row]
-    if tendons.guide_radius.any():
-        first = _at_start(frames.model)
-        for tendon in range(len(tendons.name)):
-            if tendons.guide_radius[tendons.guides(tendon)].any():
-                total[tendon] += _on_wheels(frames, cords, first, tendon)
-    return total
-
-
 class Pulls(NamedTuple):
-    """What 1 N in every cord does at t = 0."""
+    """What 1 N in every tendon does at t = 0."""
 
     length: Array
     """Along the path [m], [nt]."""
     does: list[dict[int, Array]]
-    """Of every cord: force x, y and moment about the centre of mass, [3], by body."""
+    """Of every tendon: force x, y and moment about the centre of mass, [3], by body."""
 
     def parts(self, tendon: int) -> list[tuple[int, Array]]:
-        """Bodies that a cord pulls, and how."""
+        """Bodies that a tendon pulls, and how."""
         return list(self.does[tendon].items())
 
 
 def pulls_at_start(model: Model) -> Pulls:
-    """The cords in the scene's poses."""
-    tendons, first = model.tendons, _at_start(model)
+    """The tendons in the scene's poses."""
+    tendons, first = model.tendons, stretches_at_start(model)
     does: list[dict[int, Array]] = [{} for _ in tendons.name]
     for row, tendon in enumerate(tendons.stretch_tendon.tolist()):
         u = np.array([first.x[row, 0], first.y[row, 0]])
@@ -146,7 +202,7 @@ def pulls_at_start(model: Model) -> Pulls:
     return Pulls(lengths_at_start(model), does)
 
 
-def _at_start(model: Model) -> Stretches:
+def stretches_at_start(model: Model) -> Stretches:
     """The stretches at t = 0, [m, 1]."""
     bodies, tendons = model.mechanism.bodies, model.tendons
     at = np.array([to_world(pose_of(bodies[body]), (float(x), float(y)))
@@ -159,32 +215,107 @@ def _at_start(model: Model) -> Stretches:
     return _past(_straight(ends[0], ends[1], tendons), tendons, off[None])
 
 
+class _Course:
+    """One tendon at t = 0, and in all samples where ``frames`` and ``cords`` are given.
+
+    Args:
+        model: the mechanism.
+        first: all stretches at t = 0.
+        tendon: its number.
+        frames: poses of the bodies.
+        cords: all stretches in them.
+    """
+
+    def __init__(
+        self, model: Model, first: Stretches, tendon: int, frames: Frames | None = None,
+        cords: Stretches | None = None,
+    ) -> None:
+        self.model, self.frames, tendons = model, frames, model.tendons
+        self.path, self.closed = tendons.guides(tendon), bool(tendons.closed[tendon])
+        self.radii = tendons.guide_radius[self.path].tolist()
+        self.own = np.flatnonzero(tendons.stretch_tendon == tendon)
+        both = [first] if cords is None else [first, cords]
+        self.length = np.concatenate([each.length[self.own] for each in both], axis=1)
+        """Of its stretches [m], [stretches, 1 + n], from t = 0."""
+        self.angle = np.concatenate(
+            [np.arctan2(each.x[self.own], -each.y[self.own]) for each in both], axis=1)
+        """Of their left normals [rad]."""
+
+    def inner(self, place: int) -> bool:
+        """Whether the tendon passes the guide at a place, and does not end there."""
+        return self.closed or 0 < place < len(self.own)
+
+    def wrap(self, place: int) -> Array:
+        """The angle by which the tendon lies on an inner wheel [rad], [1 + n]."""
+        wrap = np.sign(self.radii[place]) * (
+            self.angle[place - 1] - self.angle[place % len(self.angle)])
+        turns = int(self.model.tendons.guide_turns[self.path.start + place])
+        wrap[0] = (wrap[0] + GRAZE) % (2 * np.pi) - GRAZE + 2 * np.pi * turns
+        return np.unwrap(wrap)
+
+    def wound(self, place: int, piece: int, sign: float) -> Array:
+        """Length that a wheel at an end of some pieces has wound up since t = 0 [m], [1 + n]."""
+        frames, body = self.frames, int(self.model.tendons.guide_body[self.path.start + place])
+        angle = np.unwrap(self.angle[piece])
+        if frames is not None:
+            angle -= np.concatenate([self.model.bodies.pose[body, 2:], frames.angle[body]])
+        return np.asarray(sign * self.radii[place] * (angle - angle[0]))
+
+    def on_wheel(self, place: int) -> Array:
+        """Length on the wheel at a place [m], at an end what it wound up, [1 + n]."""
+        if self.inner(place):
+            return np.asarray(abs(self.radii[place]) * self.wrap(place))
+        return self.wound(place, -1 if place else 0, 1.0 if place else -1.0)
+
+
+def _course(frames: Frames, cords: Stretches, tendon: int) -> _Course:
+    return _Course(frames.model, stretches_at_start(frames.model), tendon, frames, cords)
+
+
+def _tendon_of(tendons: Tendons, guide: int) -> int:
+    return int(np.searchsorted(tendons.first, guide, side="right")) - 1
+
+
+def lengths(frames: Frames, cords: Stretches) -> Array:
+    """Length of every tendon along its path [m], [nt, n], as the poses have it.
+
+    How often a tendon goes around its wheels is counted from t = 0 through all samples, between
+    which no stretch may turn by half a turn.
+    """
+    tendons = frames.model.tendons
+    total = np.zeros((len(tendons.name), frames.samples))
+    for row, tendon in enumerate(tendons.stretch_tendon):
+        total[tendon] += cords.length[row]
+    first = stretches_at_start(frames.model) if tendons.guide_radius.any() else cords
+    for tendon in range(len(tendons.name)):
+        places = np.flatnonzero(tendons.guide_radius[tendons.guides(tendon)]).tolist()
+        if not places:
+            continue
+        course = _Course(frames.model, first, tendon, frames, cords)
+        on_wheels = np.zeros(frames.samples)
+        for place in places:
+            if place or not course.closed:  # else it comes last again
+                on_wheels += course.on_wheel(place)[1:]
+        total[tendon] += on_wheels
+    return total
+
+
 def bends(frames: Frames, cords: Stretches, grip: int) -> Array:
-    """By how much a cord bends at a guide that holds it [rad], [n]; below 0 off its wheel."""
+    """By how much a tendon bends at a guide with friction [rad], [n]; below 0 off its wheel."""
     tendons = frames.model.tendons
     guide = int(tendons.grips[grip])
-    tendon = int(np.searchsorted(tendons.first, guide, side="right")) - 1
-    path, place = tendons.guides(tendon), guide - int(tendons.first[tendon])
-    if place == 0:
-        place = path.stop - path.start - 1
+    course = _course(frames, cords, _tendon_of(tendons, guide))
+    place = (guide - course.path.start) or len(course.radii) - 1
     if tendons.guide_radius[guide]:
-        return _wrap(frames, cords, tendon, place)
-    own = np.flatnonzero(tendons.stretch_tendon == tendon)
-    one, two = own[place - 1], own[place % len(own)]
+        return np.asarray(course.wrap(place)[1:])
+    one, two = course.own[place - 1], course.own[place % len(course.own)]
     across = cords.x[one] * cords.y[two] - cords.y[one] * cords.x[two]
     along = cords.x[one] * cords.x[two] + cords.y[one] * cords.y[two]
     return np.asarray(np.abs(np.arctan2(across, along)))
 
 
-def _wrap(frames: Frames, cords: Stretches, tendon: int, place: int) -> Array:
-    """The angle by which a cord lies on the wheel at one of its places [rad], [n]."""
-    radius = float(frames.model.tendons.guide_radius[frames.model.tendons.guides(tendon)][place])
-    angle = _angles(frames, cords, _at_start(frames.model), tendon)
-    return np.asarray(_on_wheel(frames, angle, tendon, place)[1:] / abs(radius))
-
-
 class Lying(NamedTuple):
-    """How a cord lies on, or passes, a wheel that it can lift off."""
+    """How a tendon lies on, or passes, a wheel that it can lift off."""
 
     angle: Array
     """By which it lies on it [rad], [n]; 0 where it is off."""
@@ -199,57 +330,47 @@ def lying(frames: Frames, cords: Stretches, wheel: int) -> Lying:
     """
     tendons, off = frames.model.tendons, off_wheels(frames.run.arrays)
     guide = int(tendons.wheels[wheel])
-    tendon = int(np.searchsorted(tendons.first, guide, side="right")) - 1
-    path, own = tendons.guides(tendon), np.flatnonzero(tendons.stretch_tendon == tendon)
-    place = guide - path.start
-    loose = {int(g): off[:, k] for k, g in enumerate(tendons.wheels)}
-    never = np.zeros(frames.samples, dtype=bool)
+    course = _course(frames, cords, _tendon_of(tendons, guide))
+    place, own = guide - course.path.start, course.own
 
-    def edge(which: int, piece: int, centres: Places) -> Array:
-        """Where the straight piece begins or ends, [2, n], if the cord lies on that guide."""
-        radius = float(tendons.guide_radius[path.start + which])
-        return np.array([centres.x[piece] - radius * cords.y[piece],
-                         centres.y[piece] + radius * cords.x[piece]])
+    def edge(which: int) -> Array:
+        """Where the straight piece begins or ends, [2, n], if the tendon lies on that guide."""
+        piece, at = (own[which], cords.start) if which < place else (own[which - 1], cords.end)
+        return np.array([at.x[piece] - course.radii[which] * cords.y[piece],
+                         at.y[piece] + course.radii[which] * cords.x[piece]])
 
-    begin, end = edge(0, own[0], cords.start), edge(len(own), own[-1], cords.end)
-    for before in range(1, place):
-        passed = loose.get(path.start + before, never)
-        begin = np.where(passed, begin, edge(before, own[before], cords.start))
-    for after in range(len(own) - 1, place, -1):
-        passed = loose.get(path.start + after, never)
-        end = np.where(passed, end, edge(after, own[after - 1], cords.end))
-    u, piece = np.array([cords.x[own[place]], cords.y[own[place]]]), own[place]
-    centre = np.array([cords.start.x[piece], cords.start.y[piece]])
-    radius = float(tendons.guide_radius[guide])
+    ends = [edge(0), edge(len(own))]
+    for side, places in ((0, range(1, place)), (1, range(len(own) - 1, place, -1))):
+        for which in places:
+            passed = off[:, tendons.wheels == course.path.start + which].any(axis=1)
+            ends[side] = np.where(passed, ends[side], edge(which))
+    begin, end = ends
+    u = np.array([cords.x[own[place]], cords.y[own[place]]])
+    centre = np.array([cords.start.x[own[place]], cords.start.y[own[place]]])
+    radius = course.radii[place]
     across = u[0] * (centre - begin)[1] - u[1] * (centre - begin)[0]
     clear = -np.sign(radius) * across - abs(radius)
     beside = ((u * (centre - begin)).sum(axis=0) > 0) & ((u * (end - centre)).sum(axis=0) > 0)
-    return Lying(_wrap(frames, cords, tendon, place), np.where(
+    return Lying(course.wrap(place)[1:], np.where(
         off[:, wheel], np.where(beside, clear, np.inf), np.nan))
 
 
 def span_length(frames: Frames, cords: Stretches, span: CordSpan) -> tuple[Array, Array]:
-    """Length of a span [m], [1 + n], from t = 0: as if it were tied to both its guides, and free.
+    """Length of a span [m], [1 + n], from t = 0: as if fixed to both its guides, and free.
 
     The first counts what wheels there have wound up since t = 0.
     """
-    tendons, first = frames.model.tendons, _at_start(frames.model)
-    begin = int(tendons.first[span.tendon])
-    angle = _angles(frames, cords, first, span.tendon)
-    own = np.flatnonzero(tendons.stretch_tendon == span.tendon)
-    places = [guide - begin for guide in span.guides]
+    course = _course(frames, cords, span.tendon)
+    places = [guide - course.path.start for guide in span.guides]
     total = np.zeros(1 + frames.samples)
     for place in places[:-1]:
-        total += np.concatenate([first.length[own[place]], cords.length[own[place]]])
+        total += course.length[place]
     for place in places[1:-1]:
-        if tendons.guide_radius[begin + place]:
-            total += _on_wheel(frames, angle, span.tendon, place or len(own))
-    wound = np.zeros(1 + frames.samples)
-    for place, piece, sign in ((places[0], places[0], -1.0), (places[-1], places[-1] - 1, 1.0)):
-        body = int(tendons.guide_body[begin + place])
-        radius = sign * float(tendons.guide_radius[begin + place])
-        wound += radius * _turned(frames, angle[piece % len(own)], body)
-    return total + wound, total
+        if course.radii[place]:
+            total += course.on_wheel(place or len(course.own))
+    wound = course.wound(places[0], places[0] % len(course.own), -1.0)
+    return total + (wound + course.wound(
+        places[-1], (places[-1] - 1) % len(course.own), 1.0)), total
 
 
 def piece_tensions(
@@ -257,14 +378,14 @@ def piece_tensions(
 ) -> Array:
     """Tension of every straight piece [N], [m, n]; of some ``pieces`` only, by their numbers.
 
-    Behind a guide that holds its cord by friction it is larger than before it by what is recorded.
+    Behind a guide with friction it is larger than before it by what is recorded.
     """
     tendons = model.tendons
     of = np.arange(len(tendons.stretch_tendon)) if pieces is None else np.asarray(pieces)
     found = arrays["tendon_tension"].T[tendons.stretch_tendon[of]]
     for k, guide in enumerate(tendons.grips.tolist()):
-        tendon = int(np.searchsorted(tendons.first, guide, side="right")) - 1
-        before = (tendons.stretch_tendon[of] == tendon) & (tendons.stretch_first[of] < guide)
+        before = (tendons.stretch_tendon[of] == _tendon_of(tendons, guide)) & (
+            tendons.stretch_first[of] < guide)
         found[before] -= arrays["guide_friction"][:, k]
     return found
 
@@ -272,38 +393,28 @@ def piece_tensions(
 def lengths_at_start(model: Model) -> Array:
     """Length of every tendon at t = 0, as the scene's poses have it [m], [nt]."""
     tendons = model.tendons
-    total, first = np.zeros(len(tendons.name)), _at_start(model)
+    total, first = np.zeros(len(tendons.name)), stretches_at_start(model)
     np.add.at(total, tendons.stretch_tendon, first.length[:, 0])
     for tendon in range(len(tendons.name)):
         radii = np.abs(tendons.guide_radius[tendons.guides(tendon)])
         if radii.any():
-            wraps = _wraps(model, first, tendon)
+            wraps = _wraps(_Course(model, first, tendon))
             total[tendon] += radii[:len(wraps)] @ wraps
     return total
 
 
 def wraps_at_start(model: Model, tendon: int) -> Array:
-    """By how much a cord lies on each of its wheels at t = 0 [rad], 0 on eyes and where it is tied.
+    """By how much a tendon lies on each of its wheels at t = 0 [rad], 0 on eyes and at its ends.
 
     Of a loop its first guide counts, and does not come last again.
     """
-    return _wraps(model, _at_start(model), tendon)
+    return _wraps(_Course(model, stretches_at_start(model), tendon))
 
 
-def _wraps(model: Model, first: Stretches, tendon: int) -> Array:
-    """The same, with all stretches at t = 0 at hand."""
-    tendons = model.tendons
-    guides = tendons.guides(tendon)
-    own = np.flatnonzero(tendons.stretch_tendon == tendon)
-    wraps = np.zeros(len(own) if tendons.closed[tendon] else len(own) + 1)
-    for place in np.flatnonzero(tendons.guide_radius[guides.start:guides.start + len(wraps)]):
-        if tendons.closed[tendon] or 0 < place < len(own):
-            rows = own[[place - 1, place]]
-            angle = np.arctan2(first.x[rows, 0], -first.y[rows, 0])
-            guide = guides.start + place
-            wraps[place] = _first_wrap(np.sign(tendons.guide_radius[guide]) * (
-                angle[0] - angle[1]), int(tendons.guide_turns[guide]))
-    return wraps
+def _wraps(course: _Course) -> Array:
+    count = len(course.own) if course.closed else len(course.own) + 1
+    return np.array([float(course.wrap(place)[0]) if radius and course.inner(place) else 0.0
+                     for place, radius in enumerate(course.radii[:count])])
 
 
 def rest_lengths(model: Model) -> Array:
@@ -316,60 +427,10 @@ def rest_lengths(model: Model) -> Array:
 
 
 def wound_up(frames: Frames, cords: Stretches, tendon: int, *, last: bool = False) -> Array:
-    """Length of cord that the wheels at a tendon's ends have wound up since t = 0 [m], [n].
+    """Length that the wheels at a tendon's ends have wound up since t = 0 [m], [n].
 
     With ``last`` only that at its last guide.
     """
-    end = len(frames.model.tendons.guide_radius[frames.model.tendons.guides(tendon)]) - 1
-    angle = _angles(frames, cords, _at_start(frames.model), tendon)
-    places = (end,) if last else (0, end)
-    return np.asarray(sum(_on_wheel(frames, angle, tendon, place)[1:] for place in places))
-
-
-def _on_wheels(frames: Frames, cords: Stretches, first: Stretches, tendon: int) -> Array:
-    """Length of cord on the wheels of one tendon [m], [n]; of those at its ends what they wound up.
-
-    ``first`` are the stretches at t = 0.
-    """
-    radii = frames.model.tendons.guide_radius[frames.model.tendons.guides(tendon)]
-    angle = _angles(frames, cords, first, tendon)
-    result = np.zeros(frames.samples)
-    for place in np.flatnonzero(radii):
-        if place == 0 and frames.model.tendons.closed[tendon]:
-            continue  # it comes last again
-        result += _on_wheel(frames, angle, tendon, int(place))[1:]
-    return result
-
-
-def _angles(frames: Frames, cords: Stretches, first: Stretches, tendon: int) -> Array:
-    """Angles of the left normals of a tendon's stretches [rad], [stretches, 1 + n], from t = 0."""
-    rows = np.flatnonzero(frames.model.tendons.stretch_tendon == tendon)
-    return np.concatenate([np.arctan2(s.x[rows], -s.y[rows]) for s in (first, cords)], axis=1)
-
-
-def _on_wheel(frames: Frames, angle: Array, tendon: int, place: int) -> Array:
-    """Length of cord on the wheel at one place of a tendon [m], at an end what it wound up.
-
-    [1 + n], from t = 0.
-    """
-    tendons = frames.model.tendons
-    guide = int(tendons.first[tendon]) + place
-    radius, body = float(tendons.guide_radius[guide]), tendons.guide_body[guide]
-    if 0 < place < len(angle) or tendons.closed[tendon]:
-        wrap = np.sign(radius) * (angle[place - 1] - angle[place % len(angle)])
-        wrap[0] = _first_wrap(wrap[0], int(tendons.guide_turns[guide]))
-        return np.asarray(abs(radius) * np.unwrap(wrap))
-    return (-1.0 if place == 0 else 1.0) * radius * _turned(frames, angle[0 if place == 0 else -1],
-                                                            int(body))
-
-
-def _first_wrap(wrap: float, turns: int) -> float:
-    """By how much a cord lies on a wheel at t = 0 [rad], where it turns by ``wrap`` or more."""
-    return float((wrap + GRAZE) % (2 * np.pi) - GRAZE + 2 * np.pi * turns)
-
-
-def _turned(frames: Frames, angle: Array, body: int) -> Array:
-    """How far the point where a cord leaves a body's wheel has gone since t = 0 [rad], [1 + n]."""
-    own = np.concatenate([frames.model.bodies.pose[body, 2:], frames.angle[body]])
-    turned = np.unwrap(angle) - own
-    return np.asarray(turned - turned[0])
+    course = _course(frames, cords, tendon)
+    end = len(course.radii) - 1
+    return np.asarray(sum(course.on_wheel(place)[1:] for place in ((end,) if last else (0, end))))

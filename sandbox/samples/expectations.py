@@ -1,23 +1,22 @@
 """The verdict on a scene's ``expect`` list: one for every quantity that an entry names.
 
-Statistics are taken over the samples of a window, both ends included. ``last
-w`` seconds are counted back from the last sample. The value at an instant lies on the straight
-line of the two samples about it. An expectation holds only if
-there is a number that lies in its range: an unknown quantity, an empty window,
-a sample without a value, or a window that the run did not reach the end of,
-fail with a reason.
+Statistics are taken over the samples of a window, both ends included. ``last w`` seconds are
+counted back from the last sample. The value at an instant is interpolated between two samples. An
+unknown quantity, an empty window, a sample without a value, or a window whose end the run did not
+reach, fail with a reason.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sandbox.elements.quantities import GRASP, NOT_HELD, is_count, is_yes_no
 from sandbox.model.catalogue import Source, UnknownQuantityError
-from sandbox.numeric import Array, Flags
+from sandbox.numeric import Array
 from sandbox.samples.grasps import STIFFNESS
 from sandbox.samples.samples import Samples
 from sandbox.scene.settings import ROUNDING, WITHIN, Expect, Looked
@@ -69,62 +68,54 @@ def verdicts(run: Samples) -> list[Verdict]:
 
     A run that an event stopped ends with that event's verdict.
     """
-    return [*(verdict for expect in run.mechanism.expect for verdict in _judge(run, expect)),
-            *_stopped(run)]
-
-
-def _stopped(run: Samples) -> list[Verdict]:
-    stop = run.info.stopped
-    if stop is None:
-        return []
-    failed = stop.verdict == "fail"
-    return [Verdict(
-        stop.event, "stop", -math.inf, math.inf, stop.time, not failed, unit="s",
-        because=stop.because, reason=stop.because if failed else "")]
-
-
-def _judge(run: Samples, expect: Expect) -> list[Verdict]:
-    low, high, wrong = _range(expect)
-    blank = Verdict(expect.quantity, expect.statistic, low, high, math.nan, False,
-                    because=expect.because, reason=wrong)
-    names = run.match(expect.quantity)
-    if not names:
-        return [replace(blank, reason=_missing(run, expect.quantity))]
-    chosen, unreached = window(run, expect)
-    return [_measure(run, _named(run, blank, name, expect), expect, chosen, unreached)
-            for name in names]
-
-
-def _named(run: Samples, blank: Verdict, name: str, expect: Expect) -> Verdict:
-    """A verdict to come on a quantity; of what is 1 or 0 the default range has no width.
-
-    Nor has that of a count, where it holds no other whole number.
-    """
-    found, source = replace(blank, quantity=name, unit=run.unit(name)), run.catalogue.find(name)
-    if expect.value is None or expect.within != WITHIN:
-        return found
-    alone = found.high - found.low < 1 and expect.statistic in WHOLE and float(
-        expect.value).is_integer()
-    if is_yes_no(source.kind, source.quantity) or (
-            alone and is_count(source.kind, source.quantity)):
-        return replace(found, low=expect.value, high=expect.value)
+    found = [verdict for expect in run.mechanism.expect for verdict in _judge(run, expect)]
+    if stop := run.info.stopped:
+        found.append(Verdict(
+            stop.event, "stop", -math.inf, math.inf, stop.time, stop.verdict == "pass", unit="s",
+            because=stop.because, reason=stop.because if stop.verdict == "fail" else ""))
     return found
 
 
-def _measure(
-    run: Samples, verdict: Verdict, expect: Expect, chosen: slice, unreached: str,
-) -> Verdict:
-    if verdict.reason:
-        return verdict
-    value, reason = measured(run, verdict.quantity, expect, chosen)
-    if reason:
-        return replace(verdict, reason=reason)
-    ok = bool(verdict.low <= value <= verdict.high) and not unreached
-    reason, source = unreached, run.catalogue.find(verdict.quantity)
-    if not reason and value < verdict.low and source.quantity == "held" and (
-            because := _not_held(run, source, _looked_at(run, expect, chosen))):
-        reason = f"{NOT_HELD}{because}"
-    return replace(verdict, value=value, ok=ok, reason=reason)
+def _judge(run: Samples, expect: Expect) -> Iterator[Verdict]:
+    name, wrong = expect.quantity, ""
+    try:
+        low, high = expect.range()
+    except ValueError as error:
+        low, high, wrong = math.nan, math.nan, f"the range cannot be read: {error}"
+    blank = Verdict(name, expect.statistic, low, high, math.nan, False, because=expect.because,
+                    reason=wrong)
+    names = run.match(name)
+    if not names:
+        near = run.catalogue.near(name)
+        yield replace(blank, reason=(
+            "no quantity fits" + (f"; did you mean {near!r}?" if near else "")
+            if is_pattern(name) else
+            str(UnknownQuantityError(name, near, run.catalogue.lacking(name)))))
+        return
+    chosen, unreached = window(run, expect)
+    for name in names:
+        source = run.catalogue.find(name)
+        found = replace(blank, quantity=name, unit=run.unit(name))
+        if expect.value is not None and expect.within == WITHIN and _exact(expect, source, found):
+            found = replace(found, low=expect.value, high=expect.value)
+        if not wrong:
+            value, reason = measured(run, name, expect, chosen)
+            if not reason:
+                reason = unreached
+                if value < found.low and source.quantity == "held" and not reason and (
+                        because := _not_held(run, source, _looked_at(run, expect, chosen))):
+                    reason = f"{NOT_HELD}{because}"
+                found = replace(found, ok=found.low <= value <= found.high and not unreached)
+            found = replace(found, value=value, reason=reason)
+        yield found
+
+
+def _exact(expect: Expect, source: Source, found: Verdict) -> bool:
+    """Whether a default range has no width: of 1 or 0, and of counts if it holds no other."""
+    alone = found.high - found.low < 1 and expect.statistic in WHOLE and float(
+        expect.value or 0.0).is_integer()
+    return is_yes_no(source.kind, source.quantity) or (
+        alone and is_count(source.kind, source.quantity))
 
 
 def measured(run: Samples, quantity: str, asked: Looked, chosen: slice) -> tuple[float, str]:
@@ -137,10 +128,17 @@ def measured(run: Samples, quantity: str, asked: Looked, chosen: slice) -> tuple
     if looked.stop <= looked.start:
         return math.nan, "no sample lies in the window"
     values = run.within(quantity, looked)
-    if np.isnan(values).any():
-        source = run.catalogue.find(quantity)
-        return math.nan, _no_value(run, source, looked, np.isnan(values))
-    return number_of(asked, run.time[looked], values), ""
+    if not (lacking := np.isnan(values)).any():
+        return number_of(asked, run.time[looked], values), ""
+    told = (f"{np.count_nonzero(lacking)} of {len(lacking)} samples have no value"
+            if len(lacking) > 1 else "the last sample has no value")
+    source = run.catalogue.find(quantity)
+    if source.kind != "body" or source.quantity not in GRASP:
+        return math.nan, told
+    because, when = _not_held(run, source, looked), GRASP[source.quantity].nothing
+    if source.quantity in STIFFNESS:
+        when = NOT_HELD if because else run.grasp(source.index).no_stiffness
+    return math.nan, f"{told}: {when} then{because}" if when else told
 
 
 def _looked_at(run: Samples, asked: Looked, chosen: slice) -> slice:
@@ -149,29 +147,14 @@ def _looked_at(run: Samples, asked: Looked, chosen: slice) -> slice:
     return slice(stop - 1, stop) if asked.key == "final" and stop > start else slice(start, stop)
 
 
-def _no_value(run: Samples, source: Source, looked: slice, lacking: Flags) -> str:
-    """How many of the samples that are looked at have no value, and why: ``lacking``, [k]."""
-    told = (f"{np.count_nonzero(lacking)} of {len(lacking)} samples have no value"
-            if len(lacking) > 1 else "the last sample has no value")
-    if source.kind != "body" or source.quantity not in GRASP:
-        return told
-    because = _not_held(run, source, looked)
-    when = GRASP[source.quantity].nothing
-    if source.quantity in STIFFNESS:
-        when = NOT_HELD if because else run.grasp(source.index).no_stiffness
-    return f"{told}: {when} then{because}" if when else told
-
-
-def _not_held(run: Samples, source: Source, chosen: slice) -> str:
+def _not_held(run: Samples, source: Source, looked: slice) -> str:
     """Why an object is not held in the first such sample of a window; empty of other quantities."""
     if source.kind != "body" or source.quantity not in GRASP or not GRASP[source.quantity].of_free:
         return ""
     grasp = run.grasp(source.index)
-    lost = np.flatnonzero(~grasp.held[chosen])
-    if not len(lost):
-        return ""
-    first = int(np.arange(len(run))[chosen][lost[0]])
-    return f", first at {run.time[first]:.6g} s: {grasp.why_not(first)}"
+    lost = looked.start + np.flatnonzero(~grasp.held[looked])
+    return f", first at {run.time[lost[0]]:.6g} s: {grasp.why_not(int(lost[0]))}" \
+        if len(lost) else ""
 
 
 def number_of(asked: Looked, time: Array, values: Array) -> float:
@@ -187,22 +170,8 @@ def number_of(asked: Looked, time: Array, values: Array) -> float:
         return float(getattr(np, asked.key)(values))
 
 
-def _range(expect: Expect) -> tuple[float, float, str]:
-    try:
-        return *expect.range(), ""
-    except ValueError as error:
-        return math.nan, math.nan, f"the range cannot be read: {error}"
-
-
-def _missing(run: Samples, name: str) -> str:
-    if is_pattern(name):
-        near = run.catalogue.near(name)
-        return "no quantity fits" + (f"; did you mean {near!r}?" if near else "")
-    return str(UnknownQuantityError(name, run.catalogue.near(name), run.catalogue.lacking(name)))
-
-
 def window(run: Samples, expect: Looked) -> tuple[slice, str]:
-    """The samples of a window, and a reason if the run stopped short of its end."""
+    """The samples of a window, and a reason if the run stopped before its end."""
     time, end = run.time, expect.over[1] if expect.at is None else expect.at
     if not len(time):
         return slice(0, 0), ""

@@ -8,7 +8,7 @@ sides press on each other from end to end, and count as both ends.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property, partial
 from typing import NamedTuple
 
@@ -88,21 +88,10 @@ class Grasp:
         """One of :data:`sandbox.elements.quantities.GRASP` over time, [n]."""
         return MEASURES[quantity](self)
 
-    # --- closed forms of contacts
-
     @cached_property
     def epsilon(self) -> Array:
-        """Ferrari and Canny's, [n]; nan where no hand presses."""
-        return self._of_contacts(grasp_epsilon)
-
-    def closure(self) -> Array:
-        """1 with force closure, else 0, [n]; nan with too many contacts."""
-        closed = np.where(np.nan_to_num(self.epsilon) > 0, 1.0, 0.0)
-        return np.where(self._count > MOST_PRESSING, np.nan, closed)
-
-    def isotropy(self) -> Array:
-        """Of the grasp map, [n]; nan where no hand presses."""
-        return self._of_contacts(grasp_isotropy)
+        """Ferrari and Canny's measure, [n]; nan where no hand presses."""
+        return self.of_contacts(grasp_epsilon)
 
     @cached_property
     def friction(self) -> Array:
@@ -111,46 +100,37 @@ class Grasp:
         found = [static_friction_of(self.run.mechanism, self.body, int(each)) for each in others]
         return np.array(found, dtype=np.float64)[which]
 
-    def _of_contacts(self, measure: Callable[..., Array]) -> Array:
+    def of_contacts(self, measure: Callable[..., Array]) -> Array:
         """A measure of the hand's contacts; samples with equally many of them at a time."""
-        result = np.full(len(self.run), np.nan)
-        for samples, rows, points in self._alike():
-            result[samples] = measure(
-                points, self.normal[rows], self.friction[rows],
-                centre=self.centre[samples], length=self.size)
-        return result
-
-    @cached_property
-    def _count(self) -> Integers:
-        """Contacts of the hand in every sample, [n]."""
-        return np.bincount(self.sample[self.of_hand], minlength=len(self.run))
-
-    def _alike(self) -> Iterator[tuple[Integers, Integers, Array]]:
-        """Samples [k] in which the hand presses at m points, rows [k, m], points [k, m, 2] m."""
-        rows, points = self._pressed
-        few = self._count <= MOST_PRESSING
+        result, (rows, points) = np.full(len(self.run), np.nan), self._pressed
+        few = self.count <= MOST_PRESSING
         count = np.bincount(self.sample[rows], minlength=len(self.run))
         begin = np.cumsum(count) - count
         for m in np.unique(count[(count > 0) & few]).tolist():
             samples = np.flatnonzero((count == m) & few)
-            chosen = begin[samples, None] + np.arange(m)
-            yield samples, rows[chosen], points[chosen]
+            at = begin[samples, None] + np.arange(m)
+            result[samples] = measure(
+                points[at], self.normal[rows[at]], self.friction[rows[at]],
+                centre=self.centre[samples], length=self.size)
+        return result
+
+    @cached_property
+    def count(self) -> Integers:
+        """Contacts of the hand in every sample, [n]."""
+        return np.bincount(self.sample[self.of_hand], minlength=len(self.run))
 
     @cached_property
     def _pressed(self) -> tuple[Integers, Array]:
         """Rows of the hand [p] and the points at which each may press [p, 2]."""
-        rows, count = np.flatnonzero(self.of_hand), np.ones(len(self.of_hand), dtype=np.int64)
-        second = {}
-        point = self.point.copy()
-        for row in rows[self._in_line(rows)].tolist():
-            ends = pressed(self.run, int(self.row[row]), FLAT)
-            if ends is not None and len(ends) == 2:
-                count[row], point[row], second[row] = 2, ends[0], ends[1]
-        twice = np.repeat(rows, count[rows])
-        points = point[twice]
-        again = np.flatnonzero(np.diff(twice, prepend=-1) == 0)
-        if len(again):
-            points[again] = [second[row] for row in twice[again].tolist()]
+        rows = np.flatnonzero(self.of_hand)
+        flat = {row: ends for row in rows[self._in_line(rows)].tolist()
+                if (ends := pressed(self.run, int(self.row[row]), FLAT)) is not None
+                and len(ends) == 2}
+        twice = np.repeat(rows, 1 + np.isin(rows, list(flat)))
+        points = self.point[twice]
+        if flat:
+            first = np.searchsorted(twice, list(flat))
+            points[np.stack([first, first + 1], axis=1)] = list(flat.values())
         return twice, points
 
     def _in_line(self, rows: Integers) -> Flags:
@@ -199,22 +179,14 @@ class Grasp:
     @property
     def no_stiffness(self) -> str:
         """Why stiffness has no value while the object is held."""
-        rubs = "tendons with friction" if len(self.run.model.tendons.grips) else ""
+        friction = "tendons with friction" if len(self.run.model.tendons.grips) else ""
         return ("stiffness is not defined with "
-                + (without_stiffness(self.run.model) or rubs or "contacts in a notch"))
+                + (without_stiffness(self.run.model) or friction or "contacts in a notch"))
 
     # --- distribution of the force
 
-    def spread(self) -> Array:
-        """Relative deviation of the normal forces of fingers, [n]; nan without any."""
-        return self._spread(self._fingers)
-
-    def spread_bodies(self) -> Array:
-        """The same of bodies, [n]."""
-        return self._spread(np.arange(len(self.run.mechanism.bodies)))
-
     @cached_property
-    def _fingers(self) -> Integers:
+    def fingers(self) -> Integers:
         """The number of every body's finger: its smallest group, else the body."""
         names = {body.name: i for i, body in enumerate(self.run.mechanism.bodies)}
         finger = np.arange(len(names))
@@ -223,8 +195,11 @@ class Grasp:
             finger[[names[name] for name in group.bodies if name in names]] = len(names) + i
         return finger
 
-    def _spread(self, part: Integers) -> Array:
-        """The same of parts of fingers, with the number of each body's part, [n]."""
+    def spread(self, part: Integers) -> Array:
+        """Relative deviation of the normal forces of parts of fingers, [n]; nan without any.
+
+        ``part`` is the number of each body's part.
+        """
         rows = np.flatnonzero(self.on_finger)
         pairs, which = np.unique(
             np.stack([self.sample[rows], part[self.other[rows]]]), axis=1, return_inverse=True)
@@ -281,8 +256,11 @@ class Grasp:
         if moved >= STRAY * self.size:
             told.append(f"it moved by {_mm(moved)} {window}, {most}")
         if slid >= STRAY * self.size:
-            told.append(f"it slid by {_mm(slid)} {window}, {most}"
-                        f"{self._slid_most(int(rest.since[sample]), sample)}")
+            rows = np.flatnonzero(self.of_hand & (self.sample > rest.since[sample])
+                                  & (self.sample <= sample))
+            took = np.diff(self.run.time)[self.sample[rows] - 1]
+            name, way = self._most(rows, self._slips(rows) * took)
+            told.append(f"it slid by {_mm(slid)} {window}, {most}, along {name!r} by {_mm(way)}")
         return "; ".join(told)
 
     def _untouched(self, sample: int) -> str:
@@ -292,13 +270,6 @@ class Grasp:
         if not len(before):
             return "no body of a hand had touched it yet"
         return f"no body of a hand touched it after {self.run.time[before[-1]]:.6g} s"
-
-    def _slid_most(self, since: int, sample: int) -> str:
-        """The body along which it has slid farthest between two samples."""
-        rows = np.flatnonzero(self.of_hand & (self.sample > since) & (self.sample <= sample))
-        took = np.diff(self.run.time)[self.sample[rows] - 1]
-        name, way = self._most(rows, self._slips(rows) * took)
-        return f", along {name!r} by {_mm(way)}"
 
     def _most(self, rows: Integers, amounts: Array) -> tuple[str, float]:
         """The touching body with the largest sum of amounts over contacts, and the sum."""
@@ -338,34 +309,25 @@ class Grasp:
         return rotated(self.centre - palm[:, :2], -palm[:, 2]), angle - palm[:, 2]
 
     def drift(self) -> Array:
-        """Displacement since the first sample in which it is held [m], [n]."""
+        """Largest displacement of its points [m], [n], since the first sample of being held."""
         begins = self.held & ~np.concatenate([np.zeros(1, dtype=bool), self.held[:-1]])
         since = np.maximum.accumulate(np.where(begins, np.arange(len(begins)), 0))
-        return np.where(self.held, self.moved(since), np.nan)
-
-    def moved(self, since: Integers) -> Array:
-        """Largest displacement of its points since some samples [n], [m]; [n]."""
         at, angle = self._seen()
         turned = 2 * self.size * np.abs(np.sin((angle - angle[since]) / 2))
-        return np.asarray(np.hypot(*(at - at[since]).T) + turned)
-
-    def apart(self, other: Grasp) -> Array:
-        """Largest distance of its points from those of another run [m], [n] of the shorter run."""
-        n = min(len(self.run), len(other.run))
-        (at, angle), (there, turned) = self._seen(), other._seen()
-        turn = 2 * self.size * np.abs(np.sin((angle[:n] - turned[:n]) / 2))
-        return np.asarray(np.hypot(*(at[:n] - there[:n]).T) + turn)
+        moved = np.hypot(*(at - at[since]).T) + turned
+        return np.where(self.held, moved, np.nan)
 
 
 MEASURES: Mapping[str, Callable[[Grasp], Array]] = {
     "held": lambda grasp: grasp.held.astype(np.float64),
     "drift": Grasp.drift,
-    "closure": Grasp.closure,
+    "closure": lambda grasp: np.where(grasp.count > MOST_PRESSING, np.nan, np.where(
+        np.nan_to_num(grasp.epsilon) > 0, 1.0, 0.0)),
     "epsilon": lambda grasp: grasp.epsilon,
     **{name: partial(Grasp.stiffness, name=name) for name in STIFFNESS},
-    "isotropy": Grasp.isotropy,
-    "spread": Grasp.spread,
-    "spread_bodies": Grasp.spread_bodies,
+    "isotropy": lambda grasp: grasp.of_contacts(grasp_isotropy),
+    "spread": lambda grasp: grasp.spread(grasp.fingers),
+    "spread_bodies": lambda grasp: grasp.spread(np.arange(len(grasp.run.mechanism.bodies))),
 }
 """The function of each of :data:`sandbox.elements.quantities.GRASP`."""
 

@@ -18,8 +18,7 @@ from sandbox.model.joints import meeting
 from sandbox.model.model import NONE
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.cords import Stretches, piece_tensions, stretches
-from sandbox.samples.frames import Frames
+from sandbox.samples.cords import Frames, Stretches, piece_tensions, stretches
 from sandbox.samples.outcome import Stored
 
 Pair = tuple[Array, Array]
@@ -97,7 +96,11 @@ class Loads:
     @cached_property
     def totals(self) -> Array:
         """Sum of all loads but those of joints: force x, y [N] and moment [N m], [3, nb, n]."""
-        total = self._contact_totals()
+        count, n, sides = len(self.model.bodies.name), self.frames.samples, self.contact_sides
+        slot = sides.body * n + sides.sample
+        total = np.array([np.bincount(slot, weights=column, minlength=count * n)
+                          for column in (*sides.force.T, sides.moment)]
+                         ).astype(float).reshape(3, count, n)
         for batch in self.batches:
             self._add(batch, total)
         return total
@@ -385,10 +388,3 @@ class Loads:
             sides.append((on, force, moment, arm))
         body, force, moment, arm = (np.concatenate(part) for part in zip(*sides, strict=True))
         return ContactSides(np.tile(sample, 2), body, force, moment, np.tile(at, (2, 1)), arm)
-
-    def _contact_totals(self) -> Array:
-        count, n, sides = len(self.model.bodies.name), self.frames.samples, self.contact_sides
-        slot = sides.body * n + sides.sample
-        return np.array([np.bincount(slot, weights=column, minlength=count * n)
-                         for column in (*sides.force.T, sides.moment)]
-                        ).astype(float).reshape(3, count, n)

@@ -163,22 +163,17 @@ def pressed(run: Stored, row: int, near: float) -> Array | None:
 def faces(run: Stored, row: int, near: float) -> tuple[list[Face], list[Face]]:
     """The faces of both bodies on the plane of a contact row, within ``near`` [m]."""
     a = run.arrays
-    point, u, sample = a["contact_point"][row], a["contact_normal"][row], a["contact_sample"][row]
-    one, two = (
-        _faces(run, int(sample), int(a[body][row]), u, sign, float(point @ u), near)
-        for body, sign in (("contact_body", -1.0), ("contact_other", 1.0)))
-    return one, two
-
-
-def _faces(
-    run: Stored, sample: int, body: int, u: Array, sign: float, level: float, near: float,
-) -> list[Face]:
-    """The faces of one body on the plane at ``level`` [m] along the normal u.
-
-    The body lies before the plane for a ``sign`` of -1, beyond it for +1; no shape crosses it.
-    """
-    return [face for piece in pieces_of(run, sample, body)
-            for face in _on_plane(piece.corners, piece.grown, u, sign, level, near)]
+    u, sample = a["contact_normal"][row], int(a["contact_sample"][row])
+    along, level = np.array([-u[1], u[0]]), float(a["contact_point"][row] @ u)
+    found: tuple[list[Face], list[Face]] = [], []
+    # one body lies before the plane, the other beyond it; no shape crosses it
+    for side, body, sign in zip(found, ("contact_body", "contact_other"), (-1.0, 1.0), strict=True):
+        for corners, grown, _ in pieces_of(run, sample, int(a[body][row])):
+            off = sign * (corners @ u - level) + grown
+            if abs(off.max()) <= near:
+                on = (corners @ along)[off >= off.max() - near]
+                side.append(Face(float(on.min()), float(on.max()), grown))
+    return found
 
 
 def flat_sides(body: Body) -> Array:
@@ -191,14 +186,3 @@ def flat_sides(body: Body) -> Array:
             if len(ring) > 1:
                 found += np.arctan2(-along[:, 0], along[:, 1]).tolist()
     return np.array(found)
-
-
-def _on_plane(
-    world: Array, grown: float, u: Array, sign: float, level: float, near: float,
-) -> list[Face]:
-    """The face of a shape with corners [k, 2] in the world and radius ``grown``, if any."""
-    off = sign * (world @ u - level) + grown
-    if abs(off.max()) > near:
-        return []
-    on = (world @ np.array([-u[1], u[0]]))[off >= off.max() - near]
-    return [Face(float(on.min()), float(on.max()), grown)]

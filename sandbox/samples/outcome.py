@@ -1,8 +1,7 @@
-"""What is known of a run besides its samples: how it ended, how it was computed, what happened.
+"""The outcome of a run: how it ended, how it was computed, what happened; and plain recordings.
 
-A run's status is worked out from three things that its files say: whether it
-is complete, for which reason it is not, and which event stopped it. So it is
-in every archive that was ever written, and no key had to be added for it.
+The status follows from three entries of a run's files: whether it is complete, for which reason it
+is not, and which event stopped it.
 """
 
 from __future__ import annotations
@@ -28,51 +27,44 @@ from sandbox.values.units import size_fault
 from sandbox.wording import quoted
 
 MOST = 1e18
-"""No number that tells of a run is larger."""
+"""No number of an outcome is larger."""
 INTERRUPTED = "interrupted"
-"""The reason that a run gives which Ctrl-C ended."""
+"""The reason of a run that Ctrl-C ended."""
 LIMITED = "more was recorded than the limit 'recorded_bytes' allows"
 """The reason of a run that recorded more than it may."""
-
-
 FAILED = "a controller failed: "
-"""What the reason of a run begins with that an exception of a controller ended."""
+"""The reason of a run that an exception of a controller ended begins with this."""
 
 
 class Status(Enum):
-    """How a run ended; the value says it in words, after "the run"."""
+    """How a run ended; the value is the end of a sentence that begins with "the run"."""
 
     DONE = "completed"
     """All planned steps were made."""
     STOPPED = "was stopped on purpose"
-    """One of its own events ended it, as the scene wants it, or a controller in Python that raised
-    ``StopRun``: the run is complete."""
+    """An event of the scene, or a controller in Python that raised ``StopRun``, ended it: the run
+    is complete."""
     INTERRUPTED = "was interrupted"
     """Ctrl-C."""
     DIVERGED = "diverged"
-    """The motion ran away or was no longer a number; ``reason`` names the culprit."""
+    """The motion ran away or was no longer a number; ``reason`` names the body."""
     LIMITED = "was stopped by a limit"
     """More was recorded than allowed."""
     FAILED = "was ended by its controller"
     """A controller in Python raised an exception; ``reason`` names it."""
     UNFINISHED = "stopped"
-    """Not at its end, and no reason is known: its recording was taken on the way."""
-
-    @property
-    def complete(self) -> bool:
-        """Whether the run came to the end that its scene gives it."""
-        return self in (Status.DONE, Status.STOPPED)
+    """Not at its end, without a reason: its recording was taken during the run."""
 
 
 @dataclass(frozen=True)
 class Happened:
-    """An event that happened, or something that broke."""
+    """An event that happened, or an element that broke."""
 
     event: str
     """Its name."""
     time: float
-    """When [s]: of an event the end of the step after which it acted; of what broke the instant
-    within a step at which its load was come to."""
+    """When [s]: of an event the end of the step after which it acted; of an element the instant
+    within a step at which it reached its load."""
 
 
 @dataclass(frozen=True)
@@ -91,35 +83,32 @@ class Stop:
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """How a run ended, how it was computed, what happened in it.
+    """How a run ended, how it was computed, what happened in it."""
 
-    Raises:
-        ValueError: a status that ``reason`` and ``stopped`` do not say; see :func:`status_of`.
-    """
-
-    status: Status
+    complete: bool = True
+    """Whether the run came to the end that its scene gives it."""
     reason: str = ""
-    """Why the run is not complete, in a sentence; empty for one that is."""
+    """Why the run is not complete, in a sentence."""
     step: float
     """Time step h [s]."""
     steps: int = 0
-    """Steps that were planned; 0 where that is not known."""
+    """Steps that were planned; 0 if unknown."""
     sample_rate: float
     """Samples per second of simulated time [Hz], as kept."""
     seed: int = 0
     """Of random numbers; the engine draws none."""
     versions: Mapping[str, str] = field(default_factory=dict)
-    """Of sandbox, of Python and of the libraries that computed the run, by name."""
+    """Of sandbox, Python and the libraries that computed the run, by name."""
     wall: Mapping[str, float] = field(default_factory=dict)
-    """How long each phase of the work took [s], by the phase's name: ``build``, ``simulate``."""
+    """Time that each phase took [s], by name: ``build``, ``simulate``."""
     events: tuple[Happened, ...] = ()
     """The events that happened, in order of time."""
     broke: tuple[Happened, ...] = ()
-    """The joints, springs and tendons that let go at their loads, in order of time."""
+    """The joints, springs and tendons that broke, in order of time."""
     stopped: Stop | None = None
-    """The event that stopped the run, if one did; of several the one whose verdict counts."""
+    """The event that stopped the run; of several the one whose verdict counts."""
     controllers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    """By controller, what its law found out: plain JSON data; only laws that have something."""
+    """Results of laws of controllers, by controller: plain JSON data."""
     contact_solver: Mapping[str, float] = field(default_factory=dict)
     """How contacts, limits and friction were solved; empty where unknown or there are none.
     ``residual``: the largest violation of their laws [m/s, rad/s]; ``time_s``: when;
@@ -127,18 +116,19 @@ class Outcome:
     ``compliant_steps``, ``stiffness`` h^2 k G, ``damping`` ratio, ``tangential`` over normal
     stiffness."""
     notes: tuple[str, ...] = ()
-    """What a reader should know, such as meters without a value."""
-
-    def __post_init__(self) -> None:
-        given_back = status_of(complete=self.complete, reason=self.reason, stopped=self.stopped)
-        if self.status is not given_back:
-            raise ValueError(f"{self.status.name} is not what reason={self.reason!r} and "
-                             f"stopped={self.stopped} say, which is {given_back.name}")
+    """Such as meters without a value."""
 
     @property
-    def complete(self) -> bool:
-        """Whether the run came to the end that its scene gives it."""
-        return self.status.complete
+    def status(self) -> Status:
+        """How the run ended."""
+        if self.complete:
+            return Status.STOPPED if self.stopped else Status.DONE
+        if not self.reason:
+            return Status.UNFINISHED
+        if self.reason.startswith(FAILED):
+            return Status.FAILED
+        return {INTERRUPTED: Status.INTERRUPTED, LIMITED: Status.LIMITED}.get(
+            self.reason, Status.DIVERGED)
 
     @property
     def marked(self) -> list[Happened]:
@@ -147,36 +137,19 @@ class Outcome:
                                        for one in self.broke)], key=lambda one: one.time)
 
 
-def status_of(*, complete: bool, reason: str, stopped: Stop | None) -> Status:
-    """The status of a run from what its files say of it."""
-    if complete:
-        return Status.STOPPED if stopped else Status.DONE
-    if not reason:
-        return Status.UNFINISHED
-    if reason.startswith(FAILED):
-        return Status.FAILED
-    return {INTERRUPTED: Status.INTERRUPTED, LIMITED: Status.LIMITED}.get(reason, Status.DIVERGED)
+def step_notes(made: int, *, relaxed: int, unordered: int) -> tuple[str, ...]:
+    """Notes on steps of those made with approximate forces, or with too many impacts to order."""
+    notes = {
+        f"the forces of contacts, friction and motors are approximate in {relaxed} of {made} "
+        "steps: sticking and sliding were not resolved": relaxed,
+        f"{unordered} of {made} steps have more than 100 impacts in sequence; the rest was solved "
+        "at one instant. Reduce `run.step` to have fewer impacts in each step": unordered}
+    return tuple(note for note, steps in notes.items() if steps)
 
 
-def relaxed(steps: int, made: int) -> tuple[str, ...]:
-    """What a run notes of ``steps`` of those made whose forces are not exact, if there were any."""
-    if not steps:
-        return ()
-    return (f"the forces of contacts, friction and motors are approximate in {steps} of {made} "
-            "steps: sticking and sliding were not resolved",)
-
-
-def unordered(steps: int, made: int) -> tuple[str, ...]:
-    """What a run notes of ``steps`` with too many impacts to put in order, if there were any."""
-    if not steps:
-        return ()
-    return (f"{steps} of {made} steps have more than 100 impacts in sequence; the rest was solved "
-            "at one instant. Reduce `run.step` to have fewer impacts in each step",)
-
-
-def planned(run: Run, status: Status = Status.DONE) -> Outcome:
-    """The outcome of a run of which nothing is known but its scene's settings."""
-    return Outcome(status=status, step=run.step, sample_rate=run.sample_rate)
+def planned(run: Run, *, complete: bool = True) -> Outcome:
+    """The outcome of a run of which only its scene's settings are known."""
+    return Outcome(complete=complete, step=run.step, sample_rate=run.sample_rate)
 
 
 # -- as plain JSON data -------------------------------------------------------------
@@ -206,7 +179,7 @@ def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
     Raises:
         ValueError: a value that no run has; names its key.
     """
-    base = outcome_data(planned(run, Status.UNFINISHED))
+    base = outcome_data(planned(run, complete=False))
     for key, dimension in (("step", "time"), ("sample_rate", "frequency")):
         if fault := size_fault(_taken(data, key, float, base[key]), dimension):
             raise ValueError(f"its {key} is {fault}")
@@ -218,9 +191,8 @@ def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
     stop = _taken(data, "stopped", (dict, type(None)), None)
     stopped = stop and _stop(stop)
     return Outcome(
-        status=status_of(complete=given["complete"], reason=given["reason"], stopped=stopped),
-        reason=given["reason"], step=given["step"], steps=given["steps"],
-        sample_rate=given["sample_rate"], seed=given["seed"],
+        complete=given["complete"], reason=given["reason"], step=given["step"],
+        steps=given["steps"], sample_rate=given["sample_rate"], seed=given["seed"],
         versions=given["versions"], wall=given["wall_s"],
         events=tuple(_happened(event, "event") for event in given["events"]),
         broke=tuple(_happened(one, "name") for one in given["broke"]), stopped=stopped,
@@ -271,8 +243,10 @@ class Stored:
     ) -> None:
         self.mechanism = mechanism
         self._model = model
-        self.arrays: Arrays = {key: _read_only(key, array)
+        self.arrays: Arrays = {key: np.asarray(array, dtype=dtype_of(key)).view()
                                for key, array in completed(mechanism, arrays).items()}
+        for array in self.arrays.values():
+            array.setflags(write=False)
         if found := faults(mechanism, self.arrays):
             raise ValueError("; ".join(found))
         self.info = info
@@ -302,9 +276,3 @@ class Stored:
     def contacts(self) -> Contacts:
         """The contact rows, for sums by body, pair and group."""
         return Contacts(self.arrays, samples=len(self), bodies=len(self.mechanism.bodies))
-
-
-def _read_only(key: str, array: NDArray[Any]) -> NDArray[Any]:
-    view = np.asarray(array, dtype=dtype_of(key)).view()
-    view.setflags(write=False)
-    return view

@@ -21,18 +21,16 @@ from sandbox.elements.arrays import (
 from sandbox.elements.element import NAMED
 from sandbox.elements.quantities import GRASP, QUANTITIES, TIED, numbered
 from sandbox.model import meters
-from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError, unit_of
-from sandbox.model.joints import link_tensions, normal_in_slot, of_wheels
+from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError, near_pattern, unit_of
+from sandbox.model.joints import link_tensions, normal_in_slot, of_wheels, slot_length
 from sandbox.model.model import Model
 from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Integers
-from sandbox.samples.contacts import Contacts
-from sandbox.samples.cords import piece_tensions, stretches, wound_up
-from sandbox.samples.frames import Frames
+from sandbox.samples.contacts import Contacts, mean_arrays, mean_contact_rows
+from sandbox.samples.cords import Frames, piece_tensions, stretches, wound_up
 from sandbox.samples.grasps import STIFFNESS, Grasp
-from sandbox.samples.merging import mean_arrays, mean_contact_rows
+from sandbox.samples.loads import Loads
 from sandbox.samples.outcome import Outcome, Stored
-from sandbox.samples.remarks import broken, ended, stalled
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import is_pattern
 
@@ -75,7 +73,8 @@ class Samples(Stored):
     @property
     def notes(self) -> list[str]:
         """What a reader should know, such as meters without a value."""
-        older = self.reactions.size and not has_numbers(self.reactions)
+        force = self.arrays["joint_force"]
+        older = force.size and not has_numbers(force)
         notes = [*self.info.notes, *broken(self), *ended(self), *stalled(self),
                  *([OLDER] if older else []), *self._meters[1]]
         return list(dict.fromkeys(notes))
@@ -174,34 +173,25 @@ class Samples(Stored):
     def part(self, first: int, last: int) -> Self:
         """Samples ``first`` to ``last - 1`` as a recording of its own; shares the memory."""
         first, last, _ = slice(first, last).indices(len(self))
-        arrays = {**self.arrays, **self._contact_rows(first, last)}
-        arrays[METERS] = self._meters[0]
-        for key in [*PER_SAMPLE, METERS]:
-            arrays[key] = arrays[key][first:last]
-        return type(self)(self.mechanism, arrays, self.info, catalogue=self.catalogue,
-                          model=self._model, scratch=self._scratch)
-
-    def with_contacts(self, rows: Arrays) -> Self:
-        """The same with other contact rows, of all arrays that have one for each contact."""
-        return type(self)(self.mechanism, {**self.arrays, **{key: rows[key] for key in CONTACT}},
-                          self.info, catalogue=self.catalogue, model=self._model)
+        return self._chosen(slice(first, max(first, last)))
 
     def pick(self, samples: Integers) -> Self:
         """Some samples, by rising number, as a recording of its own."""
-        arrays = dict(self.arrays)
-        arrays[METERS] = self._meters[0]
+        return self._chosen(samples)
+
+    def _chosen(self, samples: slice | Integers) -> Self:
+        arrays = {**self.arrays, METERS: self._meters[0]}
         for key in [*PER_SAMPLE, METERS]:
             arrays[key] = arrays[key][samples]
-        for of, *rest in self._row_tables:
-            first, last = (np.searchsorted(arrays[of], samples, side=side)
-                           for side in ("left", "right"))
-            count = last - first
-            kept = np.arange(count.sum()) + np.repeat(last - np.cumsum(count), count)
-            for key in rest:
-                arrays[key] = arrays[key][kept]
-            arrays[of] = np.repeat(np.arange(len(samples)), count)
+        return self._with(arrays | self._contact_rows(samples))
+
+    def with_contacts(self, rows: Arrays) -> Self:
+        """The same with other contact rows, of all arrays that have one for each contact."""
+        return self._with({**self.arrays, **{key: rows[key] for key in CONTACT}})
+
+    def _with(self, arrays: Arrays) -> Self:
         return type(self)(self.mechanism, arrays, self.info, catalogue=self.catalogue,
-                          model=self._model)
+                          model=self._model, scratch=self._scratch)
 
     def parts(self, samples: int, *, rows: int = ROWS) -> Iterator[Self]:
         """The recording in pieces, in order.
@@ -222,13 +212,22 @@ class Samples(Stored):
             yield first, last
             first = last
 
-    def _contact_rows(self, first: int, last: int) -> Arrays:
-        """The contact rows of samples ``first`` to ``last - 1``, which are counted from 0."""
+    def _contact_rows(self, samples: slice | Integers) -> Arrays:
+        """The contact rows of some samples, which are counted from 0."""
         rows: Arrays = {}
-        for of, *rest in self._row_tables:
-            start, end = np.searchsorted(self.arrays[of], [first, last])
-            rows |= {key: self.arrays[key][start:end] for key in rest}
-            rows[of] = self.arrays[of][start:end] - first
+        means = [MEAN, MEAN_CONTACT] if "mean_sample" in self.arrays else []
+        for of, *rest in (CONTACT, *means):  # the sample's number is the first of each
+            numbers, kept = self.arrays[of], samples
+            if isinstance(samples, slice):
+                kept = slice(*np.searchsorted(numbers, [samples.start, samples.stop]))
+                rows[of] = numbers[kept] - samples.start
+            else:
+                first, last = (np.searchsorted(numbers, samples, side=side)
+                               for side in ("left", "right"))
+                count = last - first
+                kept = np.arange(count.sum()) + np.repeat(last - np.cumsum(count), count)
+                rows[of] = np.repeat(np.arange(len(samples)), count)
+            rows |= {key: self.arrays[key][kept] for key in rest}
         return rows
 
     def _of_contacts(self, read: Callable[[Contacts], Array], *, means: bool = True) -> Array:
@@ -240,16 +239,10 @@ class Samples(Stored):
             return read(self.mean_contacts if means else self.contacts)
         found, bodies = [], len(self.mechanism.bodies)
         for first, last in self._spans(ROWS):
-            rows = self._contact_rows(first, last)
+            rows = self._contact_rows(slice(first, last))
             found.append(read(Contacts(mean_contact_rows(rows) if means else rows,
                                        samples=last - first, bodies=bodies)))
         return np.concatenate(found)
-
-    @property
-    def _row_tables(self) -> list[list[str]]:
-        """Arrays with rows that belong to samples; the sample's number is the first of each."""
-        means = [list(MEAN), list(MEAN_CONTACT)] if "mean_sample" in self.arrays else []
-        return [list(CONTACT), *means]
 
     def means(self, *keys: str) -> Arrays:
         """The arrays, those of ``keys`` with means over sample intervals for forces of a step."""
@@ -270,14 +263,6 @@ class Samples(Stored):
         """All arrays, the meters among them as ``meter_value`` [n, meters] if there are any."""
         return {**self.arrays, METERS: self._meters[0]} if self.mechanism.meters else self.arrays
 
-    @property
-    def reactions(self) -> Array:
-        """Force of every joint on its body ``b`` in the world [N], [n, nj, 2].
-
-        nan in recordings from before it was kept; :attr:`notes` says so.
-        """
-        return self.arrays["joint_force"]
-
     @cached_property
     def _meters(self) -> tuple[Array, list[str]]:
         if METERS in self.arrays:
@@ -293,7 +278,9 @@ class Samples(Stored):
         elif kind == "pair":
             result = self._of_contacts(lambda c: c.of_pair(index, source.other, quantity))
         elif kind == "group":
-            members, what = self._members(index), quantity.removeprefix("contact.")
+            found = map(self.catalogue.elements.get, self.mechanism.groups[index].bodies)
+            members = [each.index for each in found if each is not None and each.kind == "body"]
+            what = quantity.removeprefix("contact.")
             result = self._of_contacts(lambda c: c.of_group(members, what), means=what != "count")
         elif quantity.startswith("contact."):
             what = quantity.removeprefix("contact.")
@@ -352,7 +339,7 @@ class Samples(Stored):
         return np.asarray(holds * a["drive_value"][:, drive] * rate)
 
     def _shortening(self, tendon: int) -> Array:
-        """Of a cord between its ends, what wheels there have wound up left out [m], [n]."""
+        """Of a tendon between its ends, what wheels there have wound up left out [m], [n]."""
         less: Array = (self.arrays["tendon_initial"][tendon]
                        - self.arrays["tendon_length"][:, tendon])
         radii = self.model.tendons.guide_radius[self.model.tendons.guides(tendon)]
@@ -361,7 +348,77 @@ class Samples(Stored):
         frames = Frames(self)
         return less + wound_up(frames, stretches(frames), tendon)
 
-    def _members(self, group: int) -> list[int]:
-        elements = self.catalogue.elements
-        found = (elements.get(name) for name in self.mechanism.groups[group].bodies)
-        return [e.index for e in found if e is not None and e.kind == "body"]
+
+MOST = 8
+"""Largest number of notes of one kind."""
+
+
+def broken(run: Stored) -> Iterator[str]:
+    """A note on each joint, spring and tendon that broke, in order of time."""
+    ties, springs = run.model.ties, run.model.springs
+    turning = {ties.name[tie] for tie in ties.spring[~springs.straight].tolist() if tie >= 0}
+    known = {name: float(most) for name, most in zip(ties.name, ties.breaks_at, strict=True)}
+    broke = [one for one in run.info.broke if one.event in known]
+    for one in broke[:MOST]:
+        unit = "N m" if one.event in turning else "N"
+        yield f"{one.event} broke at its load of {known[one.event]:g} {unit}, t = {one.time:.6g} s"
+    if len(broke) > MOST:
+        yield f"{len(broke) - MOST} more broke after that"
+
+
+AT_END = 1e-5
+"""Distance [m] from an end of the groove at which a point that presses on it has reached it."""
+PRESSES = 1e-9
+"""Least force along the groove, relative to the joint's largest force."""
+
+
+def ended(run: Stored) -> Iterator[str]:
+    """A note on each point that reached an end of its groove after the start, in order of time."""
+    joints = run.model.joints
+    slots = joints.keeping("groove").tolist()
+    if not slots or not len(run):
+        return
+    divide = {name for group in run.mechanism.groups if group.tree for name in group.bodies}
+    told, frames = [], Frames(run)
+    for joint in slots:
+        place, length = frames.place_in_slot(joint), slot_length(run.model, joint)
+        force = np.nan_to_num(run.arrays["joint_force"][:, joint])
+        along = np.abs(place.x * force[:, 0] + place.y * force[:, 1])
+        pressed = along > PRESSES * np.abs(force).max()
+        for left in (place.along, length - place.along):
+            there = np.flatnonzero((left < AT_END) & pressed)
+            if len(there) and left[0] >= AT_END:
+                told.append((int(there[0]), joint, float(left[0])))
+    for sample, joint, gone in sorted(told)[:MOST]:
+        name = run.model.bodies.name[int(joints.bodies[joint, 1])]
+        more = ", and divides its pull no longer while it is there" if name in divide else ""
+        yield (f"{joints.name[joint]}: {name} reached the end of its slot, {1000.0 * gone:.4g} mm "
+               f"from its start, t = {run.time[sample]:.6g} s{more}")
+    if len(told) > MOST:
+        yield f"{len(told) - MOST} more reached the ends of their slots later"
+
+
+AT_REST = 1e-6
+"""Largest speed at rest [m/s, rad/s]."""
+AT_MOST = 1e-6
+"""Distance from its limit, relative to it, at which a drive is at its limit."""
+
+
+def stalled(run: Stored) -> Iterator[str]:
+    """A note on each drive at its limit on bodies that are at rest at the end."""
+    drives = run.model.drives
+    if not len(run) or not len(drives.name):
+        return
+    loads = Loads(run)
+    still = np.abs(run.arrays["body_velocity"]).max(axis=2) < AT_REST
+    for i, kind in enumerate(drives.kind):
+        if not kind.limited or not np.isfinite(drives.most[i]):
+            continue
+        a, b = run.model.joints.bodies[drives.target[i]].tolist()
+        rests = still[:, a] & still[:, b] & (
+            np.abs(loads.given[i]) >= (1 - AT_MOST) * drives.most[i])
+        if rests[-1]:
+            since = run.time[len(run) - np.argmin(rests[::-1])] if not rests.all() else run.time[0]
+            unit = "N" if kind.gives == "push" else "N m"
+            yield (f"{drives.name[i]} has stalled: from t = {since:.6g} s on it gives all of its "
+                   f"{drives.most[i]:g} {unit}, and nothing moves")

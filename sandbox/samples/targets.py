@@ -1,24 +1,30 @@
-"""What the controllers of a run lead to what: targets of quantities, drives under control.
+"""Targets of quantities, drives under control, and step responses.
 
-A quantity's target over a run comes from the first of these that there is:
+The target of a quantity over a run is the first of these that there is: one given by hand; that of
+a controller that reads the quantity by its plain name, as events changed it, active controllers
+first; a meter named ``<quantity>.target``, such as ``finger.mcp.angle.target``.
 
-1. one that is given by hand;
-2. the target of a controller that reads the quantity by its plain name, with
-   what events made of it; one that acts from the start before one that does not;
-3. a meter named ``<quantity>.target``, such as ``finger.mcp.angle.target``: how a
-   scene says where a quantity should go that no controller leads.
+Definitions of responses are those of Franklin, Powell and Emami-Naeini, *Feedback Control of
+Dynamic Systems*, section 3.4:
+
+* overshoot: the distance of the peak beyond the last target, as a fraction of the step from the
+  first value to the last target;
+* settling time: the last time outside a band of +-2 % of the target about it, from t = 0;
+* steady error: the mean of value - target over the last 5 % of the run;
+* IAE: the integral of |value - target| over time.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from sandbox.elements.registry import Controller
 from sandbox.numeric import Array
-from sandbox.samples.response import Response, respond
 from sandbox.samples.samples import Samples
 from sandbox.values.signals import values
 
@@ -38,10 +44,7 @@ class Track(NamedTuple):
 
 
 def track(run: Samples, name: str, goal: Array | None = None) -> Track:
-    """A quantity and its target, with the value at t = 0 put before the samples if it is known.
-
-    The first sample belongs to an instant after 0; where a run begins with a
-    jolt it has gone some way by then, and a step is counted from its beginning.
+    """A quantity and its target, with the value at t = 0 before the samples if it is known.
 
     Args:
         run: the recording.
@@ -89,13 +92,18 @@ def targets(run: Samples, given: Mapping[str, float] | None = None) -> dict[str,
     """
     found: dict[str, Array] = {name: np.full(len(run), value)
                                for name, value in (given or {}).items() if name in run.catalogue}
-    for name, target in [*_led(run), *_metered(run)]:
-        found.setdefault(name, target)
+    for controller in sorted(run.mechanism.controllers, key=lambda each: not each.active):
+        for name, target in _led(run, controller):
+            found.setdefault(name, target)
+    for meter in run.mechanism.meters:
+        name = meter.name.removesuffix(SUFFIX)
+        if name != meter.name and name in run:
+            found.setdefault(name, run[meter.name])
     return found
 
 
 def responses(run: Samples, goals: Mapping[str, Array]) -> dict[str, Response]:
-    """How each quantity answers to its target, from t = 0 on.
+    """The response of each quantity to its target, from t = 0 on.
 
     Args:
         run: the recording.
@@ -107,16 +115,15 @@ def responses(run: Samples, goals: Mapping[str, Array]) -> dict[str, Response]:
     found = {}
     for name, goal in goals.items():
         time, value, target = track(run, name, goal)
-        if target is not None:
-            found[name] = respond(time, value, target)
+        assert target is not None
+        found[name] = respond(time, value, target)
     return found
 
 
 def led(run: Samples) -> list[str]:
     """The quantities that controllers lead to targets, in the scene's order."""
-    by_controllers = {name for name, _ in _led(run)}
-    in_order = [name for c in run.mechanism.controllers for name in _plain_readings(c)]
-    return [name for name in dict.fromkeys(in_order) if name in by_controllers]
+    return list(dict.fromkeys(name for controller in run.mechanism.controllers
+                              for name, _ in _led(run, controller)))
 
 
 def controlled(run: Samples) -> list[str]:
@@ -139,22 +146,15 @@ def initial(run: Samples, drive: str) -> float:
         return float(run[f"{drive}.value"][0])
 
 
-def _plain_readings(controller: Controller) -> list[str]:
-    """What a controller reads, without the ``=`` before a lone name."""
-    return [text.removeprefix("=").strip() for text in controller.readings]
-
-
-def _led(run: Samples) -> list[tuple[str, Array]]:
-    found = []
-    for controller in sorted(run.mechanism.controllers, key=lambda c: not c.active):
-        pairs = zip(_plain_readings(controller), controller.signals, strict=False)
-        for i, (name, signal) in enumerate(pairs):
-            if name not in run:
-                continue  # an expression of several quantities
+def _led(run: Samples, controller: Controller) -> Iterator[tuple[str, Array]]:
+    """The quantities that a controller reads by their plain names, and their targets."""
+    for i, (text, signal) in enumerate(zip(
+            controller.readings, controller.signals, strict=False)):
+        name = text.removeprefix("=").strip()
+        if name in run:  # else an expression of several quantities
             target = values(signal, run.time, run.mechanism.functions)
             # events know one target a controller: its first
-            found.append((name, _changed(run, controller.name, target) if i == 0 else target))
-    return found
+            yield name, _changed(run, controller.name, target) if i == 0 else target
 
 
 def _changed(run: Samples, controller: str, target: Array) -> Array:
@@ -173,6 +173,118 @@ def _changed(run: Samples, controller: str, target: Array) -> Array:
     return target
 
 
-def _metered(run: Samples) -> list[tuple[str, Array]]:
-    return [(meter.name.removesuffix(SUFFIX), run[meter.name]) for meter in run.mechanism.meters
-            if meter.name.endswith(SUFFIX) and meter.name.removesuffix(SUFFIX) in run]
+BAND = 0.02
+"""Half the width of the band that counts as settled, as a fraction of the target."""
+LAST = 0.05
+"""The fraction of a run that counts as its end."""
+
+
+@dataclass(frozen=True)
+class Response:
+    """The response of a quantity to its target; SI."""
+
+    start: float
+    """The first value: where the step to the target begins."""
+    final: float
+    """The mean of the end of the run."""
+    target: float
+    """The last one."""
+    overshoot: float
+    """[%] of the step; nan where there was no step to make."""
+    settling: float
+    """[s]; inf where it never settles."""
+    steady_error: float
+    iae: float
+    """In the quantity's unit times seconds."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """The control effort of a drive, in its unit."""
+
+    variation: float
+    """The sum of all changes, up and down."""
+    peak: float
+    """Largest magnitude."""
+    rate: float
+    """Largest change from one sample to the next, per second: a jump counts by the sampling."""
+
+
+def respond(time: Array, value: Array, target: Array) -> Response:
+    """All figures of one response to a target, which may move.
+
+    Raises:
+        ValueError: fewer than two samples, or shapes that differ.
+    """
+    _check(time, value, target)
+    end = ending(time)
+    return Response(
+        start=float(value[0]), final=float(np.mean(value[end])), target=float(target[-1]),
+        overshoot=overshoot(value, target), settling=settling_time(time, value, target),
+        steady_error=float(np.mean(value[end] - target[end])),
+        iae=float(np.trapezoid(np.abs(value - target), time)))
+
+
+def overshoot(value: Array, target: Array) -> float:
+    """Overshoot of the step from the first value to the last target [%]; nan if they are equal."""
+    goal = float(target[-1])
+    step = goal - float(value[0])
+    if step == 0:
+        return math.nan
+    return float(100 * max(0.0, np.max((value - goal) / step)))
+
+
+def settling_time(time: Array, value: Array, target: Array) -> float:
+    """The last time outside the band about the target [s]; 0 if it never was outside.
+
+    Between the last sample outside and the next one the crossing is interpolated, so that the error
+    is of second order in the spacing. Without the last 5 % of the run in the band it is inf. A
+    sample without a value counts as outside. The band refers to the last target, or to the step if
+    that target is 0.
+
+    Raises:
+        ValueError: fewer than two samples, or shapes that differ.
+    """
+    _check(time, value, target)
+    error, band = value - target, BAND * abs(float(target[-1]) or float(value[0]))
+    outside = np.flatnonzero(~(np.abs(error) <= band))
+    if not len(outside):
+        return 0.0
+    last = int(outside[-1])
+    if last >= ending(time).start:
+        return math.inf
+    before, after = float(error[last]), float(error[last + 1])
+    if not math.isfinite(before):
+        return float(time[last])
+    part = (abs(before) - band) / abs(before - after)
+    return float(time[last] + part * (time[last + 1] - time[last]))
+
+
+def effort(time: Array, value: Array, before: float) -> Effort:
+    """The control effort of a drive over a run.
+
+    ``before`` is its value before the first sample; a jump from there counts as one within the time
+    between two samples.
+
+    Raises:
+        ValueError: fewer than two samples, or shapes that differ.
+    """
+    _check(time, value, value)
+    changes = np.abs(np.diff(value, prepend=before))
+    spacing = np.diff(time, prepend=2 * time[0] - time[1])
+    return Effort(variation=float(changes.sum()), peak=float(np.max(np.abs(value))),
+                  rate=float(np.max(changes / spacing)))
+
+
+def ending(time: Array) -> slice:
+    """The samples of the last 5 % of a run, at least one."""
+    since = time[-1] - LAST * (time[-1] - time[0])
+    return slice(int(np.searchsorted(time, since)), len(time))
+
+
+def _check(time: Array, value: Array, target: Array) -> None:
+    if not time.shape == value.shape == target.shape or time.ndim != 1:
+        raise ValueError("time, value and target must have the same length, got shapes "
+                         f"{time.shape}, {value.shape} and {target.shape}")
+    if len(time) < 2:
+        raise ValueError(f"a response needs at least 2 samples, got {len(time)}")

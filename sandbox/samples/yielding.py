@@ -2,10 +2,9 @@
 
 All free bodies move by a small q that keeps the constraints (joints, pressing contacts, stops,
 motors that hold a position): A q = 0, with rows A that are the wrenches of unit forces. All else
-has a stiffness K: springs and tendons k u u^T for the wrench u of a unit effort; every force, of a
-constraint or not, its geometric stiffness lambda du/dq. Contacts may roll: the contact point moves
-according to the radii of both sides. Balance in the allowed motions Z, Z^T K Z z = Z^T w, gives the
-response Z z to a push w.
+has a stiffness K: springs and tendons k u u^T for the wrench u of a unit effort; every force its
+geometric stiffness lambda du/dq. At a contact the radii of both sides move the contact point.
+Balance in the allowed motions Z, Z^T K Z z = Z^T w, gives the response Z z to a push w.
 
 A sliding contact constrains the normal alone, and its friction is mu times the normal force: then
 the forces B differ from the rows A, and their null space from Z.
@@ -25,11 +24,14 @@ from sandbox.model.pairs import friction_of, pair_skins
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH
-from sandbox.samples.frames import RANK, SMALL, Form, Rigid, null_space, wrenches
 from sandbox.samples.loads import Batch, Loads
-from sandbox.samples.nearby import Face, faces, pressed
+from sandbox.samples.nearby import faces, pressed
 from sandbox.samples.outcome import Stored
 
+RANK = 1e-9
+"""Directions with a smaller share than this are rounding."""
+SMALL = 1e-7
+"""Motions [m, and by the size of the object rad] of central differences."""
 NOTHING = 1e-6
 """Least stiffness relative to the largest force over the object's size, which is the order of the
 geometric stiffness."""
@@ -41,6 +43,8 @@ SLIDES = 1e-6
 """Least speed of sliding [m/s]."""
 SOFTLY = 1e-6
 """Least component of an object in a motion without stiffness."""
+Form = tuple[Array, tuple[float, float], Array, int]
+"""The fields of a :class:`Rigid` from ``arms`` to ``turns``."""
 
 
 class Elastic(NamedTuple):
@@ -95,6 +99,23 @@ def without_stiffness(model: Model) -> str:
             if any(kind.teeth for kind in model.joints.kind) else "")
 
 
+class Rigid(NamedTuple):
+    """A force between two bodies that keeps them from moving along it."""
+
+    bodies: tuple[int, int]
+    arms: Array
+    """From the centres of mass to the centre of rounding of either side, or a point, [2, 2]."""
+    radii: tuple[float, float]
+    along: Array
+    """Direction of the force on the first body, [2]."""
+    turns: int
+    """The line turns with body 0 or 1, with the line between both points (2), or not (3)."""
+    force: float
+    """The size of the force [N]."""
+    across: bool = False
+    """Whether it acts across that line, as friction does."""
+
+
 class _KeptRow(NamedTuple):
     """A row of a constraint: given, or that of a rigid force by number."""
 
@@ -113,17 +134,29 @@ class Yielding:
         self.run, self.model, self.sample, self.size = run, run.model, sample, size
         free = np.flatnonzero(self.model.bodies.free)
         self.place = {int(body): 3 * k for k, body in enumerate(free)}
+        self._at = np.full(len(self.model.bodies.name), NONE)
+        self._at[free] = 3 * np.arange(len(free))
         self.count = 3 * len(free)
         self.steps = SMALL * np.tile([size, size, 1.0], len(free))
-        self.loads = Loads(_repeated(run, sample, self._motions()))
+        each = np.arange(self.count)
+        moved = np.zeros((2 * self.count + 1, len(self._at), 3))
+        moved[1 + each, free[each // 3], each % 3] = self.steps
+        moved[1 + self.count + each, free[each // 3], each % 3] = -self.steps
+        self.loads = Loads(_repeated(run, sample, moved))
         """At rest, then with each freedom moved by a step forwards, then with each backwards."""
         frames = self.loads.frames
         self.centre = np.stack([frames.centre_x[:, 0], frames.centre_y[:, 0]], axis=1)
-        self.stiffness = self._turning_loads() + self._elastic()
-        self.largest = 0.0
+        turned = np.zeros((self.count, 2 * self.count))  # of loads of constant magnitude
         for batch in self.loads.batches:
-            self.largest = max(self.largest, float(
-                np.hypot(batch.x[:, 0], batch.y[:, 0]).max(initial=0.0)))
+            self._add_to(turned, batch, slice(1, None))
+        self.stiffness = np.asarray(
+            (turned[:, self.count:] - turned[:, :self.count]) / (2 * self.steps))
+        elastic = np.zeros((self.count, self.count))
+        for one in self.elastic():
+            elastic += one.stiffness * np.outer(one.pull, one.pull)
+        self.stiffness += elastic
+        self.largest = max((float(np.hypot(batch.x[:, 0], batch.y[:, 0]).max(initial=0.0))
+                            for batch in self.loads.batches), default=0.0)
         self._held: list[_KeptRow] = []
         self._rigids: list[Rigid] = []
         self._keep()
@@ -137,6 +170,12 @@ class Yielding:
 
     # --- stiffness
 
+    def _add_to(self, total: Array, batch: Batch, columns: slice | int) -> None:
+        """Add the loads of a batch on free bodies, in some columns, to rows of freedoms."""
+        on = self._at[batch.body] >= 0
+        for k, part in enumerate((batch.x, batch.y, batch.moment)):
+            np.add.at(total, self._at[batch.body[on]] + k, part[on, columns])
+
     def _row(self, bodies: tuple[int, int], wrench: Array) -> Array:
         """Wrenches on two bodies, [6], as one on all free bodies, [3 n]."""
         row = np.zeros(self.count)
@@ -147,39 +186,10 @@ class Yielding:
 
     def _rows(self, efforts: Batch, count: int) -> Array:
         """Wrenches of unit efforts of ``count`` elements on all free bodies, [count, 3 n]."""
-        rows = np.zeros((count, self.count))
-        for k, body in enumerate(efforts.body.tolist()):
-            if body in self.place:
-                at = self.place[body]
-                rows[efforts.element[k], at:at + 3] += (efforts.x[k, 0], efforts.y[k, 0],
-                                                        efforts.moment[k, 0])
+        rows, on = np.zeros((count, self.count)), self._at[efforts.body] >= 0
+        for k, part in enumerate((efforts.x, efforts.y, efforts.moment)):
+            np.add.at(rows, (efforts.element[on], self._at[efforts.body[on]] + k), part[on, 0])
         return rows
-
-    def _motions(self) -> Array:
-        """Motions (x, y, angle) of all bodies, [6 n + 1, nb, 3]: none, then one per freedom."""
-        moved = np.zeros((2 * self.count + 1, len(self.run.mechanism.bodies), 3))
-        for body, at in self.place.items():
-            for k in range(3):
-                moved[1 + at + k, body, k] = self.steps[at + k]
-                moved[1 + self.count + at + k, body, k] = -self.steps[at + k]
-        return moved
-
-    def _turning_loads(self) -> Array:
-        """Geometric stiffness of loads of constant magnitude, [3 n, 3 n]."""
-        total = np.zeros((self.count, 2 * self.count))
-        for batch in self.loads.batches:
-            for k, body in enumerate(batch.body.tolist()):
-                if body in self.place:
-                    at = self.place[body]
-                    total[at:at + 3] += (batch.x[k, 1:], batch.y[k, 1:], batch.moment[k, 1:])
-        return np.asarray((total[:, self.count:] - total[:, :self.count]) / (2 * self.steps))
-
-    def _elastic(self) -> Array:
-        """Stiffness of springs, tendons and elastic servos, sum of k u u^T, [3 n, 3 n]."""
-        found = np.zeros((self.count, self.count))
-        for each in self.elastic():
-            found += each.stiffness * np.outer(each.pull, each.pull)
-        return found
 
     def elastic(self) -> Iterator[Elastic]:
         """Elastic elements: springs, taut tendons, servos with a stiffness."""
@@ -228,7 +238,7 @@ class Yielding:
         a, joints, s = self.run.arrays, self.model.joints, self.sample
         for i, u in self._placing():
             if not np.isfinite(self.model.drives.stiffness[i]):
-                self._hold(u)
+                self._held.append(_KeptRow(u))
         stopped = joints.stopped[a["joint_stop"][s, joints.stopped] != 0.0]
         stuck = joints.rubbed[a["joint_sticks"][s, joints.rubbed] == 1.0]
         for efforts, held in ((self.loads.joint_efforts, stopped),
@@ -237,13 +247,11 @@ class Yielding:
         for j in np.flatnonzero(held_of(self.model.ties.joint, a["held"])[:, s]).tolist():
             if not joints.turns[j]:
                 one, two = joints.bodies[j].tolist()
-                self._hold(self._row((one, two), np.array([0.0, 0.0, -1.0, 0.0, 0.0, 1.0])))
+                self._held.append(_KeptRow(
+                    self._row((one, two), np.array([0.0, 0.0, -1.0, 0.0, 0.0, 1.0]))))
             self._held += [_KeptRow(number=self._add(rigid)) for rigid in self._joint(j)]
         for row in np.flatnonzero(a["contact_sample"] == s).tolist():
             self._touch(row)
-
-    def _hold(self, row: Array) -> None:
-        self._held.append(_KeptRow(row))
 
     def _add(self, rigid: Rigid) -> int:
         """The number of a force whose geometric stiffness counts."""
@@ -255,8 +263,12 @@ class Yielding:
         found = np.zeros((len(self._rigids), self.count))
         if not self._rigids:
             return found
+        # central differences by the motions of both bodies
+        steps = SMALL * np.array([self.size, self.size, 1.0] * 2)
+        all_of = self._wrenches(np.concatenate([np.zeros((1, 6)), np.diag(steps), -np.diag(steps)]))
+        slopes_of = ((all_of[:, 1:7] - all_of[:, 7:]) / (2 * steps[:, None])).transpose(0, 2, 1)
         for i, (rigid, wrench, slopes) in enumerate(zip(
-                self._rigids, *wrenches(self._rigids, self.size), strict=True)):
+                self._rigids, all_of[:, 0], slopes_of, strict=True)):
             self.largest = max(self.largest, abs(rigid.force))
             found[i] = self._row(rigid.bodies, wrench)
             slopes *= -rigid.force
@@ -268,6 +280,26 @@ class Yielding:
                             3 * j:3 * j + 3, 3 * k:3 * k + 3]
         return found
 
+    def _wrenches(self, moved: Array) -> Array:
+        """Wrenches of unit forces on both bodies, moved by x, y and angle each, [k, m, 6]."""
+        bodies, arms, radii, along, turns, _, across = map(
+            np.array, zip(*self._rigids, strict=True))
+        centres = self.centre[bodies]
+        at = [centres[:, None, k] + moved[:, 3 * k:3 * k + 2] for k in (0, 1)]
+        ends = [at[k] + rotated(arms[:, None, k], moved[:, 3 * k + 2]) for k in (0, 1)]
+        way = ends[0] - ends[1]
+        n = np.broadcast_to(along[:, None], way.shape).copy()
+        between = turns == 2
+        n[between] = way[between] / np.hypot(way[between, :, :1], way[between, :, 1:])
+        for k in (0, 1):
+            n[turns == k] = rotated(along[turns == k, None], moved[:, 3 * k + 2])
+        point = np.where(turns[:, None, None] == 0, ends[1] + radii[:, None, 1:] * n,
+                         ends[0] - radii[:, None, :1] * n)
+        f = np.where(across[:, None, None], np.stack([-n[..., 1], n[..., 0]], axis=-1), n)
+        moments = [(point - at[k])[..., 0] * f[..., 1] - (point - at[k])[..., 1] * f[..., 0]
+                   for k in (0, 1)]
+        return np.concatenate([f, moments[0][..., None], -f, -moments[1][..., None]], axis=-1)
+
     def _joint(self, j: int) -> Iterator[Rigid]:
         """The possible forces of a joint on ``b``."""
         joints, frames = self.model.joints, self.loads.frames
@@ -275,40 +307,36 @@ class Yielding:
         f = self.run.arrays["joint_force"][self.sample, j]
         ends = [np.array([end.x[j, 0], end.y[j, 0]]) for end in reversed(frames.anchors)]
         arms = np.array([ends[0] - self.centre[b], ends[1] - self.centre[a]])
-        centres = self.centre[[b, a]]
+
+        def rigid(
+            along: Array, turns: int, radius: float = 0.0, *, across: bool = False,
+        ) -> Rigid:
+            way = np.array([-along[1], along[0]]) if across else along
+            return Rigid((b, a), arms, (radius, 0.0), along, turns, float(f @ way), across)
+
         keeps = joints.kind[j].keeps
         if keeps == "point":
-            for way in np.eye(2):
-                yield Rigid((b, a), centres, arms, (0.0, 0.0), way, 3, float(f @ way))
+            yield from (rigid(way, 3) for way in np.eye(2))
         elif keeps == "groove":
-            place = self.loads.frames.place_in_slot(j)
+            place = frames.place_in_slot(j)
             x, y, bend = (float(v[0]) for v in (place.x, place.y, place.bend))
-            if self._at_end(j, f):
-                yield Rigid((b, a), centres, arms, (0.0, 0.0), np.array([x, y]), 1,
-                            float(f @ (x, y)))
+            rub = abs(float(np.nan_to_num(self.run.arrays["joint_friction"][self.sample, j])))
+            if abs(float(f[0]) * x + float(f[1]) * y) > TOUCH + rub:  # an end pushes the point
+                yield rigid(np.array([x, y]), 1)
             if bend == 0.0:
-                way = np.array([-y, x])
-                yield Rigid((b, a), centres, arms, (0.0, 0.0), way, 1, float(f @ way))
+                yield rigid(np.array([-y, x]), 1)
                 return
             way = np.array([y, -x]) / bend  # from the centre of curvature, as a rod
-            arms[1] -= way
-            n = way * abs(bend)
-            yield Rigid((b, a), centres, arms, (0.0, 0.0), n, 2, float(f @ n))
+            arms = arms - np.array([np.zeros(2), way])
+            yield rigid(way * abs(bend), 2)
         elif keeps in ("distance", "roll") or (keeps == "range" and np.hypot(*f) > TOUCH):
             way = ends[0] - ends[1]
             n = way / max(float(np.hypot(*way)), 1e-300)
-            radius = float(joints.radii[j, 1]) if keeps == "roll" else 0.0
-            radius *= -1.0 if keeps == "roll" and joints.inside[j] else 1.0
-            for across in (False, True) if keeps == "roll" else (False,):
-                along = np.array([-n[1], n[0]]) if across else n
-                yield Rigid((b, a), centres, arms, (radius, 0.0), n, 2, float(f @ along), across)
-
-    def _at_end(self, j: int, force: Array) -> bool:
-        """Whether an end of its groove pushes a slot's point."""
-        x, y = (float(v[0]) for v in self.loads.frames.groove_direction(j))
-        rub = self.run.arrays["joint_friction"][self.sample, j]
-        own = abs(float(force[0]) * x + float(force[1]) * y)
-        return own > TOUCH + (0.0 if np.isnan(rub) else abs(float(rub)))
+            if keeps != "roll":
+                yield rigid(n, 2)
+                return
+            radius = float(joints.radii[j, 1]) * (-1.0 if joints.inside[j] else 1.0)
+            yield from (rigid(n, 2, radius, across=across) for across in (False, True))
 
     def _touch(self, row: int) -> None:
         """A contact that presses: normal and, unless it slides, friction."""
@@ -323,7 +351,7 @@ class Yielding:
         slides = abs(rub) >= mu * normal * (1 - AT_CONE) and self._slip(row) > SLIDES
         for k, (share, form) in enumerate(self._places(row)):
             along, across = (
-                self._add(Rigid(pair, self.centre[list(pair)], *form, part, cross))
+                self._add(Rigid(pair, *form, part, cross))
                 for part, cross in ((share * normal, False), (share * rub, True)))
             if mu and slides:
                 self._held.append(_KeptRow(number=along, across=across, share=np.copysign(mu, rub)))
@@ -357,10 +385,11 @@ class Yielding:
         ends, along = pressed(self.run, row, near), np.array([-u[1], u[0]])
         near += abs(float(a["contact_gap"][row])) / 2
         place = float(point @ along)
-        sides = [_at(found, place, near) for found in faces(self.run, row, near)]
-        if ends is None or None in sides:
+        sides = [side for found in faces(self.run, row, near) for side in [next((
+            each for each in found if each.low - near <= place <= each.high + near), None)] if side]
+        if ends is None or len(sides) < 2:
             raise ArithmeticError("bodies that touch with several normals")
-        one, two = (side for side in sides if side is not None)
+        one, two = sides
         flat = [side.high - side.low > near for side in (one, two)]
         if len(ends) == 2:
             way = ends[1] - ends[0]
@@ -423,11 +452,6 @@ class Yielding:
         return slice(at, at + 3), np.flatnonzero(np.repeat(reached, 3))
 
 
-def _at(found: list[Face], place: float, near: float) -> Face | None:
-    """The face at a position along the plane."""
-    return next((each for each in found if each.low - near <= place <= each.high + near), None)
-
-
 def _repeated(run: Stored, sample: int, moved: Array) -> Stored:
     """Copies of one sample, without contacts, moved by ``moved`` [k, nb, 3].
 
@@ -442,3 +466,27 @@ def _repeated(run: Stored, sample: int, moved: Array) -> Stored:
     pose[..., :2] += before - rotated(centre, pose[..., 2])
     arrays["body_pose"] = pose
     return Stored(run.mechanism, arrays, run.info, model=run.model)
+
+
+def null_space(rows: Array) -> Array:
+    """Orthonormal motions that leave all rows at 0, [n, k].
+
+    Gauss-Jordan elimination with complete pivoting, then QR: faster than an SVD at this size.
+    """
+    size, n = np.linalg.norm(rows, axis=1), rows.shape[1]
+    left, order, rank = rows[size > 0] / size[size > 0, None], np.arange(n), 0
+    while rank < min(left.shape):
+        row, column = divmod(int(np.abs(left[rank:, rank:]).argmax()), n - rank)
+        if abs(left[rank + row, rank + column]) <= RANK:
+            break
+        left[[rank, rank + row]] = left[[rank + row, rank]]
+        for each in (left.T, order):
+            each[[rank, rank + column]] = each[[rank + column, rank]]
+        left[rank] /= left[rank, rank]
+        share = left[:, rank].copy()
+        share[rank] = 0.0
+        left -= share[:, None] * left[rank]
+        rank += 1
+    motions = np.zeros((n, n - rank))
+    motions[order[:rank]], motions[order[rank:]] = -left[:rank, rank:], np.eye(n - rank)
+    return np.linalg.qr(motions).Q

@@ -13,7 +13,6 @@ from sandbox.audit.audit import audit, figure_data
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.recording.store import summary
-from sandbox.samples.outcome import Status
 from tests.engine.machines import G, disc, fixed, mass, mechanism
 from tests.support.mechanisms import finger
 from tests.support.reference import SET_G, SET_G_TABLE
@@ -117,7 +116,7 @@ def test_work_that_is_not_recorded_is_told(more, reason):
 
 
 def test_an_unfinished_run_and_an_empty_one_are_audited(held):
-    cut = replace(held.info, status=Status.UNFINISHED)
+    cut = replace(held.info, complete=False)
     unfinished = Recording(held.mechanism, held.arrays, cut)
     assert "the run stopped early" in figures(unfinished)["rest.moments"].why
     assert {f.verdict for f in audit(held.part(0, 0))} == {"not computed"}

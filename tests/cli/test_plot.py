@@ -12,7 +12,6 @@ import pytest
 from sandbox.cli.plot import PICTURES
 from sandbox.figure.style import SUFFIXES
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import Status
 from tests.samples.controlled import recording
 from tests.samples.controlled import scene as finger
 
@@ -86,7 +85,7 @@ def test_without_quantities_it_lists_them_and_commands_that_work(runs):
 
 
 def test_an_incomplete_run(sandbox):
-    cut = {"status": Status.DIVERGED, "reason": "it ran away"}
+    cut = {"complete": False, "reason": "it ran away"}
     recording(info=cut).save("renders/controlled")
     assert "diverged at 2.9995 s, before its end" in sandbox("plot", "controlled", "k1.value").err
     recording().part(0, 1).save("renders/controlled")

@@ -46,6 +46,11 @@ def test_a_stiff_tendon_does_not_stretch() -> None:
     assert "cord" in export.notes[0]
 
 
+def test_a_pretension_shortens_the_rest_length() -> None:
+    root, _ = write(tendons=[cord(stiffness=100.0, pretension=2.0)])
+    assert has(one(root, "tendon/spatial"), stiffness="100", springlength="0 0.08")
+
+
 def test_an_elastic_tendon_only_pulls_and_takes_its_step() -> None:
     """omega^2 = k / m: 0.2 / sqrt(9e4 / 0.2) is 0.298 ms, below the scene's 0.5 ms."""
     root, export = write(tendons=[cord(stiffness=9e4, rest_length=0.08)])

@@ -7,9 +7,6 @@ from typing import Any
 
 import pytest
 
-from sandbox.engine.simulate import simulate
-from sandbox.export.document import Draft
-from sandbox.export.elements import path_length, wrap_round
 from sandbox.export.tree import Freedom, Link, Tree, freedoms, grow
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import NONE, Model
@@ -83,35 +80,3 @@ def test_a_groove_counts_from_its_start(backwards: bool) -> None:
     assert move.limits == pytest.approx((0.0, 0.2))
     ahead = (-1.0, 0.0) if backwards else (math.cos(0.3), -math.sin(0.3))
     assert move.axis[:2] == pytest.approx(ahead, abs=1e-15)
-
-
-# --- cords round wheels
-
-
-def test_a_point_in_the_wheel_has_no_tangent() -> None:
-    assert wrap_round((0.04, 0.0), (0.0, 0.0), (1.0, 0.0), -0.05) is None
-
-
-def draft_of(mechanism: Mechanism) -> Draft:
-    model = compile_mechanism(mechanism)
-    return Draft(model, grow(model))
-
-
-def cords(*guides: dict[str, Any]) -> Mechanism:
-    return Mechanism.model_validate({
-        "run": {"duration": 1e-3},
-        "bodies": [{"name": "frame", "motion": "fixed"},
-                   {"name": "load", "at": (0.3, -0.1), "angle": 0.4, "mass": 0.2, "inertia": 1e-4,
-                    "centre": (0.01, 0.02)}],
-        "tendons": [{"name": "cord", "stiffness": 100, "guides": guides}]})
-
-
-def test_a_path_is_as_long_as_the_engine_s() -> None:
-    mechanism = cords(
-        {"body": "frame", "at": (-0.1, 0.0)}, {"body": "load", "at": (0.02, 0.0), "radius": 0.03},
-        {"body": "frame", "at": (0.5, 0.1)},
-        {"body": "frame", "at": (0.6, 0.2), "radius": 0.05, "side": "right"},
-        {"body": "frame", "at": (0.7, 0.0)})
-    run = simulate(mechanism)
-    length = path_length(draft_of(mechanism), 0)
-    assert length == pytest.approx(float(run.arrays["tendon_initial"][0]), rel=1e-12)

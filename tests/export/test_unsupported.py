@@ -1,14 +1,19 @@
-"""What has no counterpart is named, and only that."""
+"""What has no counterpart is named, and only that; leaving elements out."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 import sandbox
+from sandbox.elements.drive import DriveSpec
+from sandbox.elements.registry import KINDS
+from sandbox.engine.pymunk_draft import to_pymunk
 from sandbox.errors import SceneError
 from sandbox.export import export_mechanism
+from sandbox.export.mjcf import write_mjcf
 from sandbox.export.selection import leave_out, needs
 from sandbox.scene.bodies import Material
 from sandbox.scene.mechanism import Mechanism
@@ -141,3 +146,40 @@ def test_names_that_fit_nothing_are_all_told(finger: Mechanism) -> None:
         leave_out(finger, ["finger.tendn", "disc", "x*"])
     assert [problem.hint for problem in caught.value.problems] == ["'finger.tendon'", ""]
     assert "x*" in caught.value.problems[1].message
+
+
+@pytest.mark.parametrize("write", [write_mjcf, to_pymunk])
+@pytest.mark.parametrize(("scene", "name"), [("curved_slot", "track"),
+                                             ("soft_grasp", "materials.skin")])
+def test_paths_and_soft_skin_have_no_counterpart(write, scene, name) -> None:
+    with pytest.raises(SceneError) as caught:
+        write(sandbox.expand(sandbox.load_scene(scene)))
+    assert name in {problem.path for problem in caught.value.problems}
+    assert {problem.code for problem in caught.value.problems} == {"no-counterpart"}
+
+
+def test_every_drive_with_a_counterpart_is_written() -> None:
+    drives = KINDS["drives"]
+    assert [tag for tag, kind in drives.items() if issubclass(kind, DriveSpec)
+            and bool(kind.facts.mujoco) == (kind.write_mujoco is not DriveSpec.write_mujoco)] == []
+
+
+SCENE = Mechanism.model_validate({
+    "bodies": [{"name": "frame", "motion": "fixed"},
+               {"name": "load", "at": (0.1, 0.0), "mass": 0.2, "inertia": 1e-4}],
+    "joints": [{"type": "rod", "name": "strut", "a": "frame", "b": "load"}],
+    "drives": [{"type": "force", "name": "jet", "body": "load", "direction": (1, 0), "value": 1}]})
+
+
+@pytest.mark.parametrize(("kinds", "tag", "name"), [
+    ("joints", "rod", "strut"), ("drives", "force", "jet")])
+def test_the_facts_of_a_kind_alone_say_that_it_has_no_counterpart(
+    kinds: str, tag: str, name: str, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    kind = KINDS[kinds][tag]
+    monkeypatch.setattr(kind, "facts", replace(kind.facts, mujoco="a toy"))  # type: ignore[attr-defined]
+    with pytest.raises(SceneError) as caught:
+        export_mechanism(SCENE)
+    assert [problem.path for problem in caught.value.problems] == [name]
+    assert "no counterpart of a toy" in caught.value.problems[0].message
+    assert export_mechanism(SCENE, without=[name]).left_out == (name,)

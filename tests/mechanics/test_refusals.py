@@ -33,15 +33,14 @@ def fixed(tau_1: float, tau_2: float, **changes: object) -> grasp_state.TwoPhala
 
 
 @pytest.mark.parametrize(("call", "message"), [
-    (lambda: tendon.guide_radius([0.0, 0.0]), "guide distance to its hinge .* got 0 m"),
+    (lambda: tendon.route([[0.01, -0.01], [0.0, 0.0]], [0.04]), "guide distance .* got 0 m"),
     (lambda: tendon.segment_length(0.02, 0.02, 0.0), "beta must lie between 0 .* got 0 rad"),
-    (lambda: tendon.segment_arm(0.02, 0.01, np.pi), "passes through the hinge, got 3.14159 rad"),
-    (lambda: tendon.guide_angle_before(0.05, 0.01, 0.01), "must make a triangle, got 0.05 m"),
+    (lambda: tendon.segment_length(0.02, 0.01, np.pi), "through the hinge, got 3.14159 rad"),
     (lambda: tendon.route(SET_G.guides[:3], SET_G.lengths), "guides must have 4 points"),
     (lambda: tendon.route(SET_G.guides, SET_G.lengths).lengths([0.0, 2.6, 0.0]),
      "theta of joint 2 must lie between .* rad, .* got 2.6 rad"),
     (lambda: tendon.guide_tension(1.0, -0.1, 1.0), "friction must be 0 or more, got -0.1"),
-    (lambda: springs.attachment_radius((0.0, 0.0)), "after distance to its hinge .* got 0 m"),
+    (lambda: springs.spring_set([(-0.01, 0.01)], [(0, 0)]), "after distance .* got 0 m"),
     (lambda: springs.spring_set(SET_G.before, SET_G.after[:2]), "after must have 3 points"),
     (lambda: springs.spring_length(0.01, -0.02, 1.0), "rm must be greater than 0, got -0.02 m"),
     (lambda: springs.spring_length([0.01] * 2, [0.02] * 3, 1.0),

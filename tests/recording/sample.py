@@ -6,12 +6,12 @@ import numpy as np
 
 from sandbox.elements.arrays import CONTACT, PER_SAMPLE, STATIC, dtype_of, shape_of, sizes
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import Outcome, Status
+from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
 
 N = 20
 H = 0.01
-INFO = Outcome(status=Status.DONE, step=H, sample_rate=1 / H,
+INFO = Outcome(step=H, sample_rate=1 / H,
                versions={"sandbox": "0"}, wall={"simulate": 0.25})
 BOX = {"type": "box", "size": [0.1, 0.01]}
 PALM, PROXIMAL, DISTAL, DISC, PLATE = range(5)

@@ -128,7 +128,7 @@ def test_ctrl_c_in_the_swap_does_not_stop_it(tmp_path):
     body = ("flush = new_run.flush\n"
             "def slow(path):\n"
             "    time.sleep(0.02)\n"
-            "    if threading.current_thread() is not threading.main_thread():\n"
+            "    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:\n"
             "        os.kill(os.getpid(), signal.SIGINT)\n"
             "    flush(path)\n"
             "new_run.flush = slow\n"

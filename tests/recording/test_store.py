@@ -113,7 +113,7 @@ def test_the_summary_says_what_was_run(tmp_path):
 
 def test_an_incomplete_run_never_looks_complete(tmp_path):
     sample().save(tmp_path)
-    sample(n=5, info={"status": Status.INTERRUPTED, "reason": "interrupted"}).save(tmp_path)
+    sample(n=5, info={"complete": False, "reason": "interrupted"}).save(tmp_path)
     assert files(tmp_path) == ALL - {"run.json"} | {"run.incomplete.json"}
     said = json.loads((tmp_path / "run.incomplete.json").read_text())
     assert said["complete"] is False

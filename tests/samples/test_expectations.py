@@ -17,7 +17,6 @@ from sandbox.samples.outcome import (
     outcome_data,
     planned,
     read_outcome,
-    status_of,
 )
 from sandbox.scene.settings import Run
 from tests.recording.sample import CONTACTS, H, N, mechanism, recording
@@ -109,7 +108,7 @@ def test_nothing_passes_by_silence(expect, options, reason):
 
 
 def test_a_run_that_stopped_early_fails_what_it_did_not_reach():
-    options = {**ramp(), "n": 10, "info": {"status": Status.UNFINISHED}}
+    options = {**ramp(), "n": 10, "info": {"complete": False}}
     [whole] = judge({"max": "r", "below": 99}, **options)
     assert not whole.ok
     assert whole.value == pytest.approx(9.5)
@@ -124,7 +123,7 @@ def test_a_run_that_stopped_early_fails_what_it_did_not_reach():
 
 def test_a_run_that_an_event_stopped_fails_what_it_did_not_reach():
     stop = Stop("far", "pass", 0.1)
-    options = {**ramp(), "n": 10, "info": {"status": Status.STOPPED, "stopped": stop}}
+    options = {**ramp(), "n": 10, "info": {"stopped": stop}}
     beyond, verdict = judge({"max": "r", "over": [0.05, 0.15], "below": 99}, **options)
     assert (beyond.ok, verdict.ok) == (False, True)
     assert beyond.reason == "the event far stopped the run before 0.15 s"
@@ -211,17 +210,15 @@ STOP = Stop("far", "pass", 0.05)
     (Status.UNFINISHED, "", None, False),
 ])
 def test_a_status_is_what_the_files_say(status, reason, stopped, complete):
-    assert status.complete is complete
-    assert status_of(complete=complete, reason=reason, stopped=stopped) is status
-    outcome = replace(planned(RUN), status=status, reason=reason, stopped=stopped)
-    assert outcome.complete is complete
+    outcome = replace(planned(RUN), complete=complete, reason=reason, stopped=stopped)
+    assert outcome.status is status
     again = read_outcome(json.loads(json.dumps(outcome_data(outcome))), RUN)
     assert again == outcome
 
 
 def test_every_field_goes_there_and_back():
     outcome = Outcome(
-        status=Status.STOPPED, step=2e-3, steps=50, sample_rate=250.0, seed=3,
+        step=2e-3, steps=50, sample_rate=250.0, seed=3,
         versions={"python": "3"}, wall={"build": 0.5}, events=(Happened("far", 0.05),),
         broke=(Happened("rod", 0.0425),), stopped=Stop("far", "fail", 0.05, "too far"),
         controllers={"c": {"tuned": False}}, notes=("one", "two"))

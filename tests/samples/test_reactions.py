@@ -35,12 +35,12 @@ def test_supports_that_share_a_load_carry_the_least_and_are_named():
         {"type": "weld", "name": f"end{i}", "a": "wall", "b": "beam", "on_b": (x, 0)}
         for i, x in enumerate((-0.1, 0.1))])
     half = np.array([[0.0, 0.25 * G]] * 2)
-    assert run.reactions[-1] == pytest.approx(half, rel=SHARED, abs=SHARED)
+    assert run.arrays["joint_force"][-1] == pytest.approx(half, rel=SHARED, abs=SHARED)
     pose = run.model.bodies.pose
     assert shared_joints(run.model, pose) == ({0, 1}, True)
     run = run_of(mass("bob", 0.5, (0.0, -0.1)), joints=[
         {"type": "rod", "name": f"rod{i}", "a": "wall", "b": "bob"} for i in range(2)])
-    assert run.reactions[-1, :, 1] == pytest.approx([0.25 * G] * 2, rel=SHARED)
+    assert run.arrays["joint_force"][-1, :, 1] == pytest.approx([0.25 * G] * 2, rel=SHARED)
     assert shared_joints(run.model, run.model.bodies.pose).joints == {0, 1}
 
 

@@ -9,8 +9,18 @@ import pytest
 from scipy.optimize import brentq
 
 from sandbox.samples.outcome import Happened
-from sandbox.samples.response import effort, overshoot, respond, settling_time
-from sandbox.samples.targets import controlled, initial, led, responses, start, targets
+from sandbox.samples.targets import (
+    controlled,
+    effort,
+    initial,
+    led,
+    overshoot,
+    respond,
+    responses,
+    settling_time,
+    start,
+    targets,
+)
 from tests.samples.controlled import STIFFNESS, TARGETS, recording, scene, second_order
 
 ANGLES = [f"finger.{joint}.angle" for joint in ("mcp", "pip", "dip")]

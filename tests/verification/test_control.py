@@ -14,7 +14,7 @@ from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from sandbox.samples.response import BAND, settling_time
+from sandbox.samples.targets import BAND, settling_time
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 from tests.support.reference import SET_A

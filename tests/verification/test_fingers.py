@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sandbox.engine.simulate import simulate
-from sandbox.mechanics.chain import links_between, pose, to_world, transforms
+from sandbox.mechanics.chain import pose, to_world, transforms
 from sandbox.mechanics.grasp import disc_centre, disc_grasp
-from sandbox.mechanics.springs import end_forces, spring_set
+from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.statics import contact_forces, contact_jacobian, joint_torques
-from sandbox.mechanics.tendon import guide_forces, route
+from sandbox.mechanics.tendon import route
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from tests.support.mechanisms import BODIES, HINGES, G, finger
@@ -105,20 +105,27 @@ def test_chain() -> Iterator[Check]:
                 "r ω α h³ + r (ω h)³/6 on either side; 5 % for their change within it")
 
 
+def pulling(along: Array, force: Array) -> Array:
+    """A force [N] along a vector."""
+    return np.asarray((force / np.linalg.norm(along, axis=-1))[..., None] * along)
+
+
 def loads(run: Recording, frames: Array) -> list[tuple[int, Array, Array]]:
     """Forces of tendon and springs: phalanx, point in its frame [m], force in the world [N]."""
     palm = np.broadcast_to(np.eye(3), (len(run), 1, 3, 3))
     carriers, guides = np.concatenate([palm, frames], axis=1), np.array(SET_G.guides)
-    pulls = guide_forces(to_world(carriers, guides),
-                         np.repeat(run["finger.tendon.tension"][:, None], 3, axis=1))
+    tensions = pulling(np.diff(to_world(carriers, guides), axis=1),
+                       run["finger.tendon.tension"][:, None])
+    pulls = np.zeros((len(run), 4, 2))
+    pulls[:, :-1] += tensions
+    pulls[:, 1:] -= tensions
     found = [(i, guides[i + 1], pulls[:, i + 1]) for i in range(3)]
     for i in range(3):
         near = np.add(SET_G.before[i], (0.0 if i == 0 else SET_G.lengths[i - 1], 0.0))
         far = np.array(SET_G.after[i])
-        on_near, on_far = end_forces(
-            to_world(carriers[:, i:i + 1], near[None])[:, 0],
-            to_world(frames[:, i:i + 1], far[None])[:, 0], run[f"finger.spring{i + 1}.force"])
-        found += [(i, far, on_far), *([(i - 1, near, on_near)] if i else [])]
+        on_near = pulling(to_world(frames[:, i:i + 1], far[None])[:, 0] - to_world(
+            carriers[:, i:i + 1], near[None])[:, 0], run[f"finger.spring{i + 1}.force"])
+        found += [(i, far, -on_near), *([(i - 1, near, on_near)] if i else [])]
     return found
 
 
@@ -170,9 +177,9 @@ def test_reactions() -> Iterator[Check]:
     y = m[:, None, None] * p[:, :, None] * p[:, None, :]
     y += inertia[:, None, None] / 2 * np.diag([1.0, 1.0, 0.0])
     phi = applied - w @ y + np.swapaxes(w @ y, -1, -2)
-    links = links_between(frames)
     for i in (1, 0):
-        phi[:, i] += links[:, i + 1] @ phi[:, i + 1] @ np.swapaxes(links[:, i + 1], -1, -2)
+        link = np.linalg.inv(frames[:, i]) @ frames[:, i + 1]
+        phi[:, i] += link @ phi[:, i + 1] @ np.swapaxes(link, -1, -2)
     reaction = -np.einsum("nbij,nbj->nbi", rotate, phi[..., :2, 2])
     beyond = np.cumsum(force[:, ::-1], axis=1)[:, ::-1]
     size, solver = np.linalg.norm(reaction, axis=2), np.stack(

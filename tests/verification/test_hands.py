@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sandbox.engine.simulate import simulate
-from sandbox.mechanics.chain import inverse, pose, to_world, transforms
+from sandbox.mechanics.chain import pose, to_world, transforms
 from sandbox.mechanics.grasp_state import GraspState, TwoPhalanges, grasp_states
 from sandbox.mechanics.statics import contact_forces, contact_jacobian
 from sandbox.mechanics.transmission import two_phalanx_forces
@@ -71,7 +71,7 @@ def disc(name: str, at: ArrayLike, radius: float) -> Json:
 
 def along(run: Recording, centre: ArrayLike) -> Array:
     """Distance k_2 of a point [m] from hinge 2 along phalanx 2, at every sample [m]."""
-    frames = inverse(pose(*(run[f"phalanx2.{key}"] for key in ("x", "y", "angle"))))
+    frames = np.linalg.inv(pose(*(run[f"phalanx2.{key}"] for key in ("x", "y", "angle"))))
     return np.asarray(frames[:, 0, :2] @ centre + frames[:, 0, 2])
 
 

@@ -1,7 +1,8 @@
-"""A point that comes to an end of its groove is told of, at the time free motion takes."""
+"""Notes on a run: ends of slots, stalled drives."""
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Any
 
@@ -10,7 +11,8 @@ import pytest
 
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from sandbox.samples.remarks import MOST, ended
+from sandbox.samples.samples import MOST, ended
+from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
 
 FORCE, LENGTH, STEP = 2.0, 0.09, 1e-3
@@ -63,3 +65,26 @@ def test_of_many_only_the_first_are_told() -> None:
     told = list(ended(slider(count=MOST + 2)))
     assert len(told) == MOST + 1
     assert told[-1] == "2 more reached the ends of their slots later"
+
+
+@pytest.mark.parametrize(("drive", "since"), [
+    # 1 rad/s with all of its torque from the start, 2 N m on 1/3 kg m^2; 60 deg of the stop
+    ({"type": "motor", "value": 1.0, "torque": 2.0}, math.radians(60) + 1 / 12),
+    ({"type": "servo", "value": 2.0, "torque": 2.0, "speed": 1.0}, math.radians(60) + 1 / 12),
+    ({"type": "servo", "value": 0.5, "torque": 2.0}, None),
+])
+def test_a_motor_against_a_stop_has_stalled(drive: dict[str, Any], since: float | None) -> None:
+    run = simulate(Mechanism.model_validate({
+        "run": {"duration": 2.0}, "bodies": [
+            {"name": "frame", "motion": "fixed"},
+            {"name": "arm", "mass": 1.0, "inertia": 1 / 3}],
+        "joints": [{"type": "pin", "name": "p", "a": "frame", "b": "arm", "on_b": [0, 0],
+                    "limits": ["-10 deg", "60 deg"]}],
+        "drives": [{"name": "m", "joint": "p", **drive}]}))
+    if since is None:
+        assert run.notes == []
+        return
+    note, = run.notes
+    assert note.startswith("m has stalled: from t = ")
+    assert note.endswith(" s on it gives all of its 2 N m, and nothing moves")
+    assert float(note.split()[6]) == pytest.approx(since, abs=2e-3)
