@@ -26,9 +26,8 @@ LEFT = 1e-9
 FALLS = 10.0
 """Gap of a contact that a step may leave, per squared step [m/s^2].
 
-A step closes a gap along the normal at its beginning. Rotation and sliding meanwhile are of second
-order, v^2 / R + omega v: this value at 0.3 m/s on a radius of 10 mm. Bodies also fall so far in
-their first step: a contact that is needed there carries within one step.
+Rotation and sliding in a step are of second order, v^2 / R + omega v: this value at 0.3 m/s on a
+radius of 10 mm. Bodies also fall so far in their first step.
 """
 REBOUND = 0.01
 """Change of velocity [m/s, rad/s] in a step that may be an impact."""
@@ -50,7 +49,6 @@ class Evidence:
         self.whole, self.model = run, run.model
         numbers = len(run) * max(1, len(self.model.bodies.name)) + len(run.arrays["contact_gap"])
         stride = max(1, -(-numbers // NUMBERS))
-        self.thinned = stride > 1
         self.run = run.pick(np.arange(stride - 1, len(run), stride)) if stride > 1 else run
         self.h = run.info.step
         self.open = LEFT + ROUNDING + FALLS * self.h**2
@@ -112,20 +110,14 @@ class Evidence:
 
     @cached_property
     def angles(self) -> Array:
-        """Of hinges, from the poses of their bodies [rad], [nj, n].
-
-        Of actuators their lengths [m]; nan of other joints.
-        """
+        """Angles of hinges from the bodies' poses [rad], lengths of actuators [m], [nj, n]."""
         joints, angle = self.model.joints, self.loads.frames.angle
         a, b = joints.bodies.T
         angles = joints.sense[:, None] * (angle[b] - angle[a]) - joints.zero[:, None]
         return np.where(self.loads.actuators[:, None], self.loads.frames.gaps, angles)
 
     def rates_of(self, velocity: Array) -> Array:
-        """Of hinges and actuators as bodies move with ``velocity`` [3, nb, n]; [nj, n].
-
-        nan of other joints.
-        """
+        """Rates of hinges and actuators, nan of other joints, [nj, n]."""
         efforts, count = self.loads.joint_efforts, len(self.model.joints.name)
         rates = efforts.rates(count, velocity)
         rates[np.setdiff1d(np.arange(count), efforts.element)] = np.nan
@@ -173,9 +165,8 @@ class Evidence:
     def one_normal(self) -> Flags:
         """Contact rows with one normal: of one point, or of two convex bodies, [m] of bool.
 
-        Convex shapes touch in one point or along one face. A row of several points between bodies
-        of several shapes has a place and a normal that are none of the points' own. Old recordings
-        without the number of points may have such rows.
+        A row of several points between bodies of several shapes has a place and a normal that are
+        none of the points' own.
         """
         a, bodies = self.run.arrays, self.model.mechanism.bodies
         simple = np.array([count_solids(body) <= 1 for body in bodies], dtype=bool)

@@ -1,4 +1,4 @@
-"""Checks of an audit and their figures: a value, a threshold and a verdict each."""
+"""Checks of an audit: a value, a tolerance and a verdict each, and the distance to a law."""
 
 from __future__ import annotations
 
@@ -91,28 +91,23 @@ class Worst:
     count: int = 0
 
     def add(
-        self, where: str, error: Array, tolerance: Array | float,
-        among: Flags | None = None,
+        self, where: str, error: Array, tolerance: Array | float, among: Flags | None = None,
     ) -> None:
         """Add errors of one element over samples [n] with their tolerances.
 
         ``among`` selects samples. An error that is nan is the worst of all.
         """
+        error, tolerance = np.broadcast_arrays(error, tolerance)
         if among is not None:
-            error = error[among]
-            tolerance = tolerance[among] if isinstance(tolerance, np.ndarray) else tolerance
+            error, tolerance = error[among], tolerance[among]
         if not len(error):
             return
         self.count += 1
-        ratio = error / tolerance
-        at = int(ratio.argmax())  # the first nan, if there is one
-        if np.isnan(ratio[at]):
-            ratio = np.where(np.isnan(ratio), np.inf, ratio)
+        ratio = np.nan_to_num(error / tolerance, nan=np.inf)
+        at = int(ratio.argmax())
         if ratio[at] > self.ratio:
             self.ratio, self.where = float(ratio[at]), where
-            self.value = float(error[at])
-            self.tolerance = float(
-                tolerance[at] if isinstance(tolerance, np.ndarray) else tolerance)
+            self.value, self.tolerance = float(error[at]), float(tolerance[at])
 
     def add_nearest(
         self, where: str, laws: Sequence[tuple[Array, Array | float]],
@@ -131,6 +126,23 @@ class Worst:
         else:
             k, n = ratio.argmin(axis=0), np.arange(error.shape[1])
             self.add(where, error[k, n], tolerance[k, n], among)
+
+    def add_law(
+        self, where: str, force: Array, rate: Array, bounds: tuple[Array | float, Array | float],
+        floors: tuple[Array | float, Array | float], tolerance: Array | float,
+        among: Flags | None = None,
+    ) -> None:
+        """Add the distance of forces and rates [n] from the graph of a law with two bounds.
+
+        The law is f = low and y >= 0, low <= f <= high and y = 0, or f = high and y <= 0. Errors of
+        force and rate count relative to their ``floors``; the distance 1 is the ``tolerance``.
+        """
+        below, above, y = force - bounds[0], force - bounds[1], rate / floors[1]
+        outside = np.maximum(np.maximum(-below, above), 0.0) / floors[0]
+        distance = np.minimum.reduce([
+            np.maximum(np.abs(y), outside),
+            np.maximum(np.abs(below) / floors[0], -y), np.maximum(np.abs(above) / floors[0], y)])
+        self.add(where, distance * tolerance, tolerance, among)
 
     def judge(self, value: float, tolerance: float) -> None:
         """Set the one value of a check."""

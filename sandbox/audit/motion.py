@@ -1,18 +1,34 @@
-"""Motion: times, numbers of the scene, scheduled poses, velocities and hinges."""
+"""Motion and momentum: times, numbers of the scene, poses, velocities, hinges, sums of forces."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import DIGITS, ROUNDING, NotComputed, Worst, check, peak
+from sandbox.audit.figures import (
+    DIGITS,
+    EXACT,
+    ROUNDING,
+    SMALLEST_SCALE,
+    NotComputed,
+    Worst,
+    check,
+    peak,
+    whole,
+)
+from sandbox.model.supports import LARGEST_GROUP, shared_joints
 from sandbox.samples.cords import lengths_at_start, rest_lengths
+from sandbox.samples.samples import OLDER
 from sandbox.values.signals import values
 
 FEW = 8
 """Least number of samples for differences of poses."""
 FAST = 0.1
 """Fraction of its largest velocity above which a body counts as moving."""
+POSES = 5
+"""Number of poses in which a joint has to be redundant: near a dead centre some are in one."""
+UNBALANCED = ("difference between {0} and the sum of all {1} on a body, relative to the largest, "
+              "{{count:body|bodies}}, worst: {{where}}")
 
 
 @check("clock", "step", "t = (k - 1/2) h", asks="do the sample times match the sample rate?")
@@ -37,19 +53,15 @@ def _clock(evidence: Evidence, worst: Worst) -> str:
        none="there is no body")
 def _numbers(evidence: Evidence, worst: Worst) -> None:
     model, a = evidence.model, evidence.run.arrays
-    bodies, tendons = model.bodies, model.tendons
-    for name, of in (("mass", bodies.mass), ("inertia", bodies.inertia)):
-        both = np.stack([a[f"body_{name}"], of])
-        off = np.where(both[0] == both[1], 0.0, np.abs(both[0] / both[1] - 1))
-        for b, one in enumerate(bodies.name):
-            worst.add(f"{name} of {one}", off[b:b + 1], ROUNDING)
-    off = np.hypot(*(a["body_centre"] - bodies.centre).T)
-    for b, one in enumerate(bodies.name):
-        worst.add(f"centre of {one}", off[b:b + 1], ROUNDING)
-    start, rest = lengths_at_start(model), rest_lengths(model)
-    for t, one in enumerate(tendons.name):
-        off = np.array([abs(a["tendon_initial"][t] - start[t]), abs(a["tendon_rest"][t] - rest[t])])
-        worst.add(f"length of {one}", off, ROUNDING)
+    bodies = model.bodies
+    compared = {"centre": (bodies.name, np.hypot(*(a["body_centre"] - bodies.centre).T))} | {
+        what: (bodies.name, np.where(a[f"body_{what}"] == of, 0.0, a[f"body_{what}"] / of - 1))
+        for what, of in (("mass", bodies.mass), ("inertia", bodies.inertia))}
+    compared |= {what: (model.tendons.name, a[f"tendon_{what}"] - of(model)) for what, of in (
+        ("initial", lengths_at_start), ("rest", rest_lengths))}
+    for what, (names, off) in compared.items():
+        for name, error in zip(names, np.abs(off), strict=True):
+            worst.add(f"{what} of {name}", error[None], ROUNDING)
 
 
 @check("schedule", "m", "x(t)", asks="do fixed and scheduled bodies follow the scene?",
@@ -89,10 +101,7 @@ def _velocities(evidence: Evidence, worst: Worst) -> str:
 
 
 def _in_every_step(evidence: Evidence, b: int, worst: Worst) -> None:
-    """A step moves by h v and then changes v by h a: both hold to rounding.
-
-    Except where an impact in the step before displaced the pose.
-    """
+    """A step moves by h v and then changes v by h a, except where an impact displaced the pose."""
     frames, h = evidence.loads.frames, evidence.h
     v, a = evidence.velocity[:, b], frames.acceleration[:, b]
     name = evidence.model.bodies.name[b]
@@ -106,7 +115,7 @@ def _in_every_step(evidence: Evidence, b: int, worst: Worst) -> None:
 
 
 def _between(evidence: Evidence, b: int, worst: Worst) -> None:
-    """Between samples: the mean velocity against the displacement, where the body moves fast.
+    """Compare the mean velocity with the displacement between samples.
 
     The error of the trapezoid rule is a sixth of the second difference of v where samples resolve
     the motion, else the difference between the changes of velocity and the accelerations. Impacts
@@ -138,3 +147,62 @@ def _hinges(evidence: Evidence, worst: Worst) -> None:
             size = 1 + peak(found)
             off = np.abs(found - a[f"joint_{what}"][:, j]) / size
             worst.add(f"{what} of {joints.name[j]}", off, ROUNDING)
+
+
+@check("reaction.size", source="|R|",
+       asks="is each reaction the magnitude of its x and y components?",
+       compared="magnitude of each reaction against its components, relative to the largest of its "
+                "joint, {count:joint}, worst: {where}",
+       none="there is no joint")
+def _reaction_sizes(evidence: Evidence, worst: Worst) -> None:
+    a = evidence.run.arrays
+    if not evidence.vectors:
+        raise NotComputed(OLDER)
+    off = np.abs(np.hypot(*a["joint_force"].transpose(2, 0, 1)) - a["joint_reaction"])
+    for j, name in enumerate(evidence.model.joints.name):
+        worst.add(name, off[:, j] / whole(a["joint_reaction"][:, j]), ROUNDING)
+
+
+@check("reaction.shared", source="rank of J", asks="does statics determine every joint reaction?",
+       compared="joints whose reactions statics does not determine: {note}")
+def _shared(evidence: Evidence, worst: Worst) -> str:
+    """Joints with undetermined reactions in each of a few poses."""
+    model, poses = evidence.model, evidence.run.arrays["body_pose"]
+    if not len(model.joints.name):
+        raise NotComputed("there is no joint")
+    if not evidence.joints_hold.all():
+        raise NotComputed("joints were released: others share the load")
+    few = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), POSES)).astype(int))
+    found = [shared_joints(model, poses[i]) for i in few]
+    if not found[0].asked:
+        raise NotComputed(f"more than {LARGEST_GROUP} forces are connected")
+    shared = [model.joints.name[j] for j in sorted(set.intersection(*(f.joints for f in found)))]
+    worst.judge(len(shared), 0.0)
+    more = f" and {len(shared) - 6} more" if len(shared) > 6 else ""
+    return "; ".join(shared[:6]) + more if shared else "none"
+
+
+@check("momentum.force", source="m a = Σ F", asks="is F = m a for every body?",
+       compared=UNBALANCED.format("m a", "forces"), none="nothing moves freely")
+def _momentum(evidence: Evidence, worst: Worst) -> None:
+    _compare(evidence, worst, 0)
+
+
+@check("momentum.moment", source="I α = Σ M", asks="is M = I alpha for every body?",
+       compared=UNBALANCED.format("I alpha", "moments"), none="nothing moves freely")
+def _angular_momentum(evidence: Evidence, worst: Worst) -> None:
+    _compare(evidence, worst, 1)
+
+
+def _compare(evidence: Evidence, worst: Worst, row: int) -> None:
+    """Compare the residuals of m a - sum F (``row`` 0) or of I alpha - sum M (1)."""
+    if not evidence.vectors:
+        raise NotComputed(OLDER)
+    model, loads = evidence.model, evidence.loads
+    for b in np.flatnonzero(model.bodies.free).tolist():
+        force, moment = loads.largest[:, b].tolist()
+        scale = max(moment, force * ROUNDING / EXACT) if row else force
+        scale = max(scale, SMALLEST_SCALE)
+        left = loads.left[:, b]
+        error = np.abs(left[2]) if row else np.hypot(left[0], left[1])
+        worst.add(model.bodies.name[b], error / scale, evidence.left_allowed[row, b] / scale)
