@@ -28,7 +28,7 @@ from sandbox.values.signals import values
 class StartsAtSpeed(NamedTuple):
     """Effects of motors that start at speed."""
 
-    jumps: tuple[str, ...]
+    jumps: list[str]
     """A description of each."""
     cost: float
     """Energy lost between motors and slower hinges [J]."""
@@ -52,49 +52,53 @@ class _Jump(NamedTuple):
 
 def starts(evidence: Evidence) -> StartsAtSpeed:
     """All starts in a run."""
-    count, texts = len(evidence.run), []
+    a, drives, count, texts = evidence.run.arrays, evidence.model.drives, len(evidence.run), []
     made, within, cost, unsure = np.zeros(count), np.zeros(count, dtype=bool), 0.0, 0.0
     for sample, jumps in sorted(_jumps(evidence).items()):
-        j = evidence.model.drives.target[jumps[0].drive]
-        done = (evidence.rates[j][sample] - jumps[0].rate) / (jumps[0].speed - jumps[0].rate)
-        within[sample] = done < 0.75  # the rate of a sample is the mean of before and after
-        impulses = [_impulse(evidence, sample, jump, bool(within[sample])) for jump in jumps]
-        at = evidence.run.time[sample - 1] if sample else 0.0
-        for jump, impulse in zip(jumps, impulses, strict=True):
-            own = abs(impulse * (jump.speed - jump.rate)) / 2
-            cost += own
-            on_line = evidence.model.drives.kind[jump.drive].gives == "push"
-            what, rate, push = (("actuator", "m/s", "N s") if on_line
+        _, before, speed = jumps[0]
+        rate = evidence.rates[drives.target[jumps[0].drive]][sample]
+        # the rate of a sample is the mean of before and after
+        inside = within[sample] = (rate - before) / (speed - before) < 0.75
+        impulses = []
+        for drive, before, speed in jumps:
+            work = np.diff(a["drive_work"][:, drive], prepend=0.0)[sample]
+            impulse = float(evidence.h * a["drive_torque"][sample, drive] if inside
+                            else work / np.float64((before + speed) / 2))
+            impulses.append(impulse)
+            cost += (lost := abs(impulse * (speed - before)) / 2)
+            what, unit, push = (("actuator", "m/s", "N s") if drives.kind[drive].gives == "push"
                                 else ("hinge", "rad/s", "N m s"))
-            texts.append(f"{evidence.model.drives.name[jump.drive]} accelerates its {what} from "
-                         f"{jump.rate:.4g} to {jump.speed:.4g} {rate} after {at:.4g} s with "
-                         f"{impulse:.3g} {push}, which loses {own:.3g} J")
-        own, off = _of_joints(evidence, sample, jumps, impulses, sample + int(within[sample]))
-        made[sample] += own * (0.5 if within[sample] else 1.0)
-        made[sample + 1:] += own
+            texts.append(f"{drives.name[drive]} accelerates its {what} from {before:.4g} to "
+                         f"{speed:.4g} {unit} after "
+                         f"{evidence.run.time[sample - 1] if sample else 0.0:.4g} s with "
+                         f"{impulse:.3g} {push}, which loses {lost:.3g} J")
+        own, off = _of_joints(evidence, sample, jumps, impulses, sample + int(inside))
+        made[sample:] += own
+        made[sample] -= own / 2 * inside
         unsure += off
-    return StartsAtSpeed(tuple(texts), cost, made, unsure, within)
+    return StartsAtSpeed(texts, cost, made, unsure, within)
 
 
 def _jumps(evidence: Evidence) -> dict[int, list[_Jump]]:
     """Motors that change the rates of their hinges at once, by the first sample after it."""
-    a, drives = evidence.run.arrays, evidence.model.drives
+    a, drives, mechanism = evidence.run.arrays, evidence.model.drives, evidence.model.mechanism
     found: dict[int, list[_Jump]] = defaultdict(list)
+    set_by, times = set_while_running(mechanism), np.array([evidence.h, 2 * evidence.h])
     for i in np.flatnonzero(paced(evidence.model)).tolist():
         # at its limit a motor speeds its hinge up step by step
         holds = np.abs(a["drive_torque"][:, i]) < drives.most[i] * (1 - EXACT)
         value, rates = a["drive_value"][:, i], evidence.rates[drives.target[i]]
-        least = SOLVED * (1 + peak(rates))
-        (speed, change), rate = _first_speed(evidence, i), initial_rate(evidence, i)
-        if holds[0] and abs(speed - rate) > change + least:
-            found[0].append(_Jump(i, rate, speed))
+        least, rate, spec = SOLVED * (1 + peak(rates)), initial_rate(evidence, i), (
+            mechanism.drives[i])
+        one, two = (value[[0, 0]] if spec.name in set_by else
+                    values(spec.signal(mechanism), times, mechanism.functions)).tolist()
+        if holds[0] and abs(2 * one - two - rate) > abs(two - one) + least:
+            found[0].append(_Jump(i, rate, 2 * one - two))
         each = np.abs(np.diff(value))
-        if len(each) < 2:
-            continue
-        before = np.concatenate([each[1:2], each[:-1]])
-        after = np.concatenate([each[1:], each[-2:-1]])
-        for s in np.flatnonzero((each > before + after + least) & holds[1:]).tolist():
-            found[s + 1].append(_Jump(i, float(rates[s]), float(value[s + 1])))
+        if len(each) > 1:
+            beside = np.append(each[1], each[:-1]) + np.append(each[1:], each[-2])
+            for s in np.flatnonzero((each > beside + least) & holds[1:]).tolist():
+                found[s + 1].append(_Jump(i, float(rates[s]), float(value[s + 1])))
     return found
 
 
@@ -103,28 +107,6 @@ def paced(model: Model) -> Flags:
     limited = np.array([kind.limited and kind.timely == "end" for kind in model.drives.kind],
                        dtype=bool)
     return np.asarray(limited & np.isnan(model.drives.slope))
-
-
-def _first_speed(evidence: Evidence, drive: int) -> tuple[float, float]:
-    """A motor's speed at t = 0 and its change in a step [rad/s], from the first two steps."""
-    mechanism, h = evidence.model.mechanism, evidence.h
-    spec = mechanism.drives[drive]
-    if spec.name in set_while_running(mechanism):
-        return float(evidence.run.arrays["drive_value"][0, drive]), 0.0
-    one, two = values(
-        spec.signal(mechanism), np.array([h, 2 * h]), mechanism.functions).tolist()
-    return float(2 * one - two), float(abs(two - one))
-
-
-def _impulse(evidence: Evidence, sample: int, jump: _Jump, within: bool) -> float:
-    """Impulse of a motor [N m s]; from its work if that step is not the sample's."""
-    a = evidence.run.arrays
-    if within:
-        return float(evidence.h * a["drive_torque"][sample, jump.drive])
-    work = a["drive_work"][sample, jump.drive]
-    if sample:
-        work = work - a["drive_work"][sample - 1, jump.drive]
-    return float(work / np.float64((jump.rate + jump.speed) / 2))
 
 
 def _of_joints(
@@ -136,23 +118,24 @@ def _of_joints(
     is the extrapolation. The acceleration before t = 0 is unknown; its effect on joints is at most
     that of the acceleration later.
     """
-    a, time, h, weight = evidence.run.arrays, evidence.run.time, evidence.h, evidence.loads.weights
+    time, h, weight = evidence.run.time, evidence.h, evidence.loads.weights.T
     if after + 1 >= len(time):
         return 0.0, np.inf
+    velocity, acceleration = evidence.velocity, evidence.loads.frames.acceleration
+    target = evidence.model.drives.target[[jump.drive for jump in jumps]]
+    changes = (evidence.rates_after - evidence.rates)[target] / (h / 2)
     if sample:
-        v, acceleration = (a[f"body_{key}"][sample - 1] for key in ("velocity", "acceleration"))
+        v, a, change = velocity[..., sample - 1], acceleration[..., sample - 1], changes[
+            :, sample - 1]
         began, moved = float(time[sample - 1]), 0.0
     else:
-        v = initial_velocity(evidence)
-        acceleration, began, moved = np.zeros_like(v), 0.0, float((v * weight).any())
-    powers = [float(((a["body_velocity"][n] - v) * weight
-                     * (a["body_acceleration"][n] - acceleration)).sum())
-              - sum(impulse * (_change(evidence, jump.drive, n)
-                               - (_change(evidence, jump.drive, sample - 1) if sample else 0.0))
-                    for jump, impulse in zip(jumps, impulses, strict=True))
-              for n in (after, after + 1)]
-    led = (powers[1] - powers[0]) / (time[after + 1] - time[after]) * (time[after] - began)
-    made = h / 4 * (powers[0] - led)
+        v, began = initial_velocity(evidence).T, 0.0
+        a, change, moved = np.zeros_like(v), np.zeros(len(jumps)), float((v * weight).any())
+    one, two = (float(((velocity[..., n] - v) * weight * (acceleration[..., n] - a)).sum()
+                      - np.array(impulses) @ (changes[:, n] - change))
+                for n in (after, after + 1))
+    led = (two - one) / (time[after + 1] - time[after]) * (time[after] - began)
+    made = h / 4 * (one - led)
     return made, h / 4 * abs(led) + moved * abs(made)
 
 
@@ -161,9 +144,3 @@ def initial_velocity(evidence: Evidence) -> Array:
     bodies = evidence.model.mechanism.bodies
     rows = [(*body.velocity, body.angular_velocity) for body in bodies]
     return np.array(rows, dtype=float).reshape(-1, 3)
-
-
-def _change(evidence: Evidence, drive: int, sample: int) -> float:
-    """Angular acceleration of a motor's hinge [rad/s^2]."""
-    j = evidence.model.drives.target[drive]
-    return float((evidence.rates_after[j, sample] - evidence.rates[j, sample]) / (evidence.h / 2))
