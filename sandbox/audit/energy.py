@@ -1,24 +1,24 @@
 """Balances of forces, and of energy: the work of joints and contacts against all other work.
 
 In each step the kinetic energy of a body grows by the work of its forces, to rounding. Ideal joints
-should do no work, but a step leaves them some of second order. An anchor at r from the centre of
-mass moves along chords, so that its mean velocity over two steps differs from that of the middle by
+and closed contacts should do no work, but their reactions R do h R v, since a step keeps the rate v
+of their gaps at 0 to second order only. This work, from the samples, is the error of the step;
+beyond :data:`LARGEST_STEP_ERROR` of the energy the step is too coarse.
 
-    h^2 r (w^3 / 6 across,  w alpha / 2 along)
-
-Times the reaction, added up over the run, this is the work that joints may do. A contact holds its
-gap by the second derivative c of the gap; where c changes by dc in a step, the normal force N does
-h^2 N dc / 2. Both may also move by what is left of a gap. Beyond :data:`LARGEST_STEP_ERROR` of the
-energy the step is too coarse. Motors that start at speed: :mod:`sandbox.audit.starts`.
+A motor whose speed u differs from its hinge's rate q starts with an impact. Its impulse P gives the
+work P (q + u) / 2 to the bodies and takes P u from the motor: P (u - q) / 2 is lost. The gaps of
+joints open at up to h/2 of the acceleration's change da in that step, so that joints do up to
+h/2 dv . M da.
 """
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.audit.driven import SOLVED, initial_rate, set_while_running
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import (
     EXACT,
@@ -31,11 +31,12 @@ from sandbox.audit.figures import (
     peak,
     whole,
 )
-from sandbox.audit.starts import StartsAtSpeed, initial_velocity, paced, starts
 from sandbox.model.joints import placed
+from sandbox.model.model import Model
 from sandbox.model.supports import LARGEST_GROUP, shared_joints
 from sandbox.numeric import Array, Flags
 from sandbox.samples.samples import OLDER
+from sandbox.values.signals import values
 
 LARGEST_STEP_ERROR = 0.01
 """Largest error of the step that is allowed, relative to all energy converted."""
@@ -114,7 +115,7 @@ class _Balance(NamedTuple):
     left: Array
     """Kinetic energy minus the work of all but joints and contacts [J], [n]."""
     by_joints: Array
-    """Known work of joints that start or close [J], [n]."""
+    """Known work of joints that close [J], [n]."""
     least: float
     """Tolerance without the error of the step, relative to the scale."""
     allowed: float
@@ -151,12 +152,10 @@ def _balance(evidence: Evidence) -> _Balance:
     for kind in ("tendon", "spring", "line", "load", "joint_damping", "joint_friction"):
         left = left - np.nan_to_num(a[f"{kind}_work"]).sum(axis=1)
     least = EXACT + _of_gaps(evidence) / scale
-    started, each = starts(evidence), _of_the_step(evidence)
-    smooth = float(each[~started.within].sum()) + _first_half(evidence)
-    blow = not started.cost <= scale * (least + min(smooth / scale, LARGEST_STEP_ERROR))
-    error = smooth + (started.unsure if blow else float(each[started.within].sum()))
-    allowed = least + min(error / scale, LARGEST_STEP_ERROR)
-    return _Balance(scale, left, started.made * blow, least, allowed, started, blow)
+    started, most, error = starts(evidence), scale * LARGEST_STEP_ERROR, _of_the_step(evidence)
+    blow = not started.cost <= scale * least + min(error, most)
+    allowed = least + min(error + started.unsure * blow, most) / scale
+    return _Balance(scale, left, np.zeros(len(left)), least, allowed, started, blow)
 
 
 def _closed_balance(evidence: Evidence) -> _Balance:
@@ -189,9 +188,7 @@ def _started(evidence: Evidence, worst: Worst) -> str:
     if not balance.blow:
         return "every motor starts at the speed of its hinge"
     return (f"{'; '.join(balance.started.jumps[:3])}. This is an impact in one step: its forces "
-            f"grow as 1 / step. The {balance.started.made[-1]:.2g} J of joints in it are not "
-            "counted in energy.created and energy.lost. A signal that starts at the hinge's speed "
-            "avoids it")
+            "grow as 1 / step. A signal that starts at the hinge's speed avoids it")
 
 
 @check("energy.created", source="ΔE = Σ W", asks="is there no more energy than was supplied?",
@@ -336,54 +333,97 @@ def _of_gaps(evidence: Evidence) -> float:
     return float(work.sum() + touch + weight * ROUNDING)
 
 
-def _of_the_step(evidence: Evidence) -> Array:
-    """Work of joints and contacts up to each sample by the error of the step [J], [n].
+def _of_the_step(evidence: Evidence) -> float:
+    """Work by the error of the step, from forces and rates [J].
 
-    A groove that turns at w adds w^2 v to the bending of arms, v the speed along it; a rod of
-    length L, or a path with this radius of curvature, adds as much as an arm that turns at v / L.
+    It is the size of that of each joint, and what contacts and taut ropes supply.
     """
-    loads, sides, v = evidence.loads, evidence.loads.contact_sides, evidence.velocity
-    joints, frames, h, a = evidence.model.joints, loads.frames, evidence.h, evidence.run.arrays
-    omega, alpha = np.abs(v[2]), np.abs(frames.acceleration[2])
-    bend = omega**3 / 6 + omega * alpha / 2
-    force, couple = np.hypot(*a["joint_force"].T), np.abs(a["joint_couple"].T)
-    (one, two), (on_a, on_b), w = joints.bodies.T, frames.anchors, v[2]
-    arms = [np.hypot(end.arm_x, end.arm_y) for end in (on_a, on_b)]
-    arms[0] = arms[0] + frames.gaps  # where a groove or a rod has its other end
-    power = sum((force * arm + couple) * bend[body]
-                for arm, body in zip(arms, (one, two), strict=True))
-    speed = np.hypot(v[0, two] - w[two] * on_b.arm_y - v[0, one] + w[one] * on_a.arm_y,
-                     v[1, two] + w[two] * on_b.arm_x - v[1, one] - w[one] * on_a.arm_x)
-    change = np.hypot(*(frames.acceleration[:2, two] - frames.acceleration[:2, one]))
-    for j, kind in enumerate(joints.kind):
-        if kind.keeps == "groove":
-            power[j] += force[j] * (w[one[j]]**2 * speed[j] + evidence.path_jerk[j])
-        elif kind.keeps == "rack":
-            power[j] += force[j] * w[two[j]]**2 * speed[j]
-        elif kind.keeps in ("distance", "range", "gear", "roll"):
-            along = math.sin(joints.pressure[j]) if kind.keeps == "gear" else 1.0
-            length = np.maximum(frames.gaps[j] * along, 1e-9)
-            power[j] += force[j] * (
-                speed[j]**3 / length**2 / 6 + speed[j] * change[j] / length / 2)
-    own = np.hypot(*sides.force.T) * np.hypot(*sides.arm.T) * bend[sides.body, sides.sample]
-    total = np.nan_to_num(power).sum(axis=0) + _of_curvature(evidence) + np.bincount(
-        sides.sample, weights=own, minlength=frames.samples)
-    steps = 1.0
-    if not evidence.every_step and frames.samples > 1:
-        steps = float(np.median(np.diff(evidence.run.time))) / h
-    return np.asarray(h**3 * steps * total)
+    a, time = evidence.run.arrays, evidence.run.time
+    power = np.nan_to_num(evidence.loads.joints.power(evidence.velocity))
+    power = power.reshape(2, -1, len(time)).sum(axis=0)
+    ropes = evidence.model.joints.keeping("range")
+    power[ropes] = np.maximum(power[ropes], 0.0)
+    rate = evidence.contact_rate(evidence.velocity, a["contact_normal"])
+    contacts = np.maximum(evidence.run.contacts.normal * rate, 0.0).sum()
+    apart = evidence.h if evidence.every_step or len(time) < 2 else np.median(np.diff(time))
+    return float(apart * (np.abs(power).sum() + contacts)) + _first_half(evidence)
 
 
-def _of_curvature(evidence: Evidence) -> Array:
-    """N dc / (2 h dt) of all contacts, where c changes by dc from sample to sample, [n]."""
-    a, frames, time = evidence.run.arrays, evidence.loads.frames, evidence.run.time
-    if len(time) < 2:
-        return np.zeros(len(time))
-    sample = a["contact_sample"]
-    along = evidence.contact_rate(frames.acceleration, a["contact_normal"])
-    pair = a["contact_body"] * len(evidence.model.bodies.name) + a["contact_other"]
-    kind, row = np.unique(pair * (len(time) + 1) + sample, return_inverse=True)
-    mean = np.bincount(row, weights=along) / np.maximum(np.bincount(row), 1)
-    change = np.append(0.0, np.abs(np.diff(mean)) * (np.diff(kind) == 1))
-    own = np.abs(evidence.run.contacts.normal) * change[row] / (2 * np.median(np.diff(time)))
-    return np.asarray(np.bincount(sample, weights=own, minlength=len(time)) / evidence.h)
+# -- motors that start at speed ---------------------------------------------------------------
+
+
+class StartsAtSpeed(NamedTuple):
+    """Effects of motors that start at speed."""
+
+    jumps: list[str]
+    """A description of each."""
+    cost: float
+    """Energy lost between motors and slower hinges [J]."""
+    unsure: float
+    """Largest energy from joints in steps that were not recorded [J]."""
+
+
+def starts(evidence: Evidence) -> StartsAtSpeed:
+    """All starts in a run."""
+    a, drives, texts, cost, unsure = evidence.run.arrays, evidence.model.drives, [], 0.0, 0.0
+    weights, acceleration = evidence.loads.weights.T, evidence.loads.frames.acceleration
+    for drive, sample, before, speed in _jumps(evidence):
+        rate = evidence.rates[drives.target[drive], sample]
+        # the rate of a sample in the step of an impact is the mean of before and after
+        inside = (rate - before) / (speed - before) < 0.75
+        work = np.diff(a["drive_work"][:, drive], prepend=0.0)[sample]
+        impulse = float(evidence.h * a["drive_torque"][sample, drive] if inside
+                        else work / np.float64((before + speed) / 2))
+        lost = abs(impulse * (speed - before)) / 2
+        cost += lost
+        what, unit, push = (("actuator", "m/s", "N s") if drives.kind[drive].gives == "push"
+                            else ("hinge", "rad/s", "N m s"))
+        began = evidence.run.time[sample - 1] if sample else 0.0
+        texts.append(f"{drives.name[drive]} accelerates its {what} from {before:.4g} to "
+                     f"{speed:.4g} {unit} after {began:.4g} s with {impulse:.3g} {push}, "
+                     f"which loses {lost:.3g} J")
+        after = min(sample + int(inside), len(evidence.run) - 1)
+        change = evidence.velocity[..., after] - (
+            evidence.velocity[..., sample - 1] if sample else initial_velocity(evidence).T)
+        bend = acceleration[..., after] - (acceleration[..., sample - 1] if sample else 0.0)
+        unsure += 0.0 if evidence.every_step else float(
+            evidence.h / 2 * np.abs(weights * change * bend).sum())
+    return StartsAtSpeed(texts, cost, unsure)
+
+
+def _jumps(evidence: Evidence) -> Iterator[tuple[int, int, float, float]]:
+    """Motors that change their hinges' rates at once.
+
+    Each has its drive, the first sample after it, and the rates before and after it [rad/s].
+    """
+    a, drives, mechanism = evidence.run.arrays, evidence.model.drives, evidence.model.mechanism
+    set_by, times = set_while_running(mechanism), np.array([evidence.h, 2 * evidence.h])
+    for i in np.flatnonzero(paced(evidence.model)).tolist():
+        # at its limit a motor speeds its hinge up step by step
+        holds = np.abs(a["drive_torque"][:, i]) < drives.most[i] * (1 - EXACT)
+        value, rates = a["drive_value"][:, i], evidence.rates[drives.target[i]]
+        least, rate, spec = SOLVED * (1 + peak(rates)), initial_rate(evidence, i), (
+            mechanism.drives[i])
+        one, two = (value[[0, 0]] if spec.name in set_by else
+                    values(spec.signal(mechanism), times, mechanism.functions)).tolist()
+        if holds[0] and abs(2 * one - two - rate) > abs(two - one) + least:
+            yield i, 0, rate, 2 * one - two
+        each = np.abs(np.diff(value))
+        if len(each) > 1:
+            beside = np.append(each[1], each[:-1]) + np.append(each[1:], each[-2])
+            for s in np.flatnonzero((each > beside + least) & holds[1:]).tolist():
+                yield i, s + 1, float(rates[s]), float(value[s + 1])
+
+
+def paced(model: Model) -> Flags:
+    """Drives that keep a speed of a hinge or actuator, [nd]."""
+    limited = np.array([kind.limited and kind.timely == "end" for kind in model.drives.kind],
+                       dtype=bool)
+    return np.asarray(limited & np.isnan(model.drives.slope))
+
+
+def initial_velocity(evidence: Evidence) -> Array:
+    """Velocities of all bodies at t = 0, from the scene [m/s, m/s, rad/s], [nb, 3]."""
+    bodies = evidence.model.mechanism.bodies
+    rows = [(*body.velocity, body.angular_velocity) for body in bodies]
+    return np.array(rows, dtype=float).reshape(-1, 3)

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from sandbox.audit.audit import audit
+from sandbox.audit.energy import starts
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure
-from sandbox.audit.starts import starts
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from tests.engine.machines import G, fixed, mechanism
