@@ -23,6 +23,7 @@ from sandbox.audit import (
     geometry,
     laws,
     motion,
+    outlines,
     rest,
 )
 from sandbox.audit.evidence import Evidence
@@ -33,7 +34,8 @@ __all__ = ["ADVICE", "ASKS", "CHECKS", "Figure", "advice_on", "audit", "figure_d
 
 CHECKS: Mapping[str, Check] = {
     each.name: each
-    for module in (geometry, motion, laws, friction, fluids, driven, energy, rest, contacts, bounds)
+    for module in (geometry, motion, laws, friction, fluids, driven, energy, rest, outlines,
+                   contacts, bounds)
     for each in vars(module).values() if isinstance(each, Check)}
 """All checks by name, in the order of the docs."""
 ASKS: Mapping[str, str] = {name: each.asks for name, each in CHECKS.items()}

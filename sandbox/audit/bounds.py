@@ -21,7 +21,7 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, SMALLEST_SCALE, NotComputed, Worst, check
-from sandbox.audit.touching import touched
+from sandbox.audit.outlines import touched
 from sandbox.audit.unknowns import Unknown, Unknowns
 from sandbox.mechanics.linear_program import LinearProgram
 from sandbox.model.supports import RANK, components

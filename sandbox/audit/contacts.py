@@ -21,8 +21,7 @@ import numpy as np
 
 from sandbox.audit.evidence import REBOUND, Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, STILL, NotComputed, Worst, check, peak
-from sandbox.audit.outlines import compare_outlines, reach_of
-from sandbox.audit.touching import overlaps
+from sandbox.audit.outlines import overlaps, reach_of
 from sandbox.elements.arrays import Arrays
 from sandbox.model.pairs import (
     friction_of,
@@ -59,14 +58,6 @@ POSES = 20
 """Number of samples in which overlaps without a contact force are searched."""
 NO_IMPACT = ("no impact with restitution is alone in a recorded step; run.sample_rate = "
              "1 / run.step records them all")
-
-
-_places = check("contact.place", "m", "outlines",
-       asks="are contacts on the outlines of both bodies?",
-       compared="points, gaps and normals of contacts against the outlines of the shapes; for "
-                "merged contacts of several shapes, points along the force against the hulls; "
-                "{count:comparison}, worst: {where}",
-       none="nothing touches")(compare_outlines)
 
 
 def used_friction(evidence: Evidence) -> Array:
@@ -314,7 +305,7 @@ def _closes(evidence: Evidence, worst: Worst) -> None:
              + h * rows.unsure + h**2 * bend + 2 * evidence.contact_depth,
              evidence.one_normal & ~rows.struck & (np.abs(rows.normal) > TOUCH))
     for sample in np.unique(np.linspace(0, len(evidence.run) - 1, POSES).astype(int)).tolist():
-        for pair, depth in overlaps(evidence.alone(sample)):
+        for pair, depth in overlaps(evidence.alone(sample)).items():
             worst.add("/".join(rows.names[b] for b in pair), np.array([depth]),
                       evidence.open + DEEP * min(reach_of(evidence, b) for b in pair))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import NotComputed, Worst, check
-from sandbox.audit.touching import touched
+from sandbox.audit.outlines import touched
 from sandbox.mechanics.statics import contact_forces, determined_forces, point_jacobian
 from sandbox.model.model import Model
 from sandbox.model.pairs import friction_of

@@ -19,7 +19,7 @@ from sandbox.audit.contacts import CONE
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, STOPPED
 from sandbox.audit.friction import carried
-from sandbox.audit.touching import pressed
+from sandbox.audit.outlines import pressed
 from sandbox.elements.tendons import RIGID
 from sandbox.model.joints import flank_of, slot_length
 from sandbox.model.model import NONE

@@ -10,7 +10,7 @@ import pytest
 
 from sandbox.audit.bounds import contact_bounds, push_limits
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.touching import touched
+from sandbox.audit.outlines import touched
 from sandbox.engine.simulate import simulate
 from tests.audit.still import H, block, figures, machine, still
 from tests.engine.machines import mechanism
