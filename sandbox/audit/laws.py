@@ -182,5 +182,5 @@ def _loads(evidence: Evidence, worst: Worst) -> None:
         most = whole(force[:2])  # a torque's rounding is that of its force
         size = np.array([[most], [most], [max(whole(force[2]), most * ROUNDING / EXACT)]])
         follow(worst, name, force, lambda *z, i=i: load_at(
-            evidence.model, i, *np.array(z).reshape(3, 3, -1), evidence.run.time), states,
+            evidence.model, i, *np.array(z).reshape(3, 3, -1), time=evidence.run.time), states,
             size=size, throughout=False)
