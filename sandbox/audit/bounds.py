@@ -149,8 +149,9 @@ class Unknowns:
                 yield Unknown(self._pair(b, a, on_b, sign * way))
         for j in joints.stopped.tolist():
             rate = np.abs(evidence.rates[j, 0]) + np.abs(evidence.rates_after[j, 0])
-            for sign in _reached(float(evidence.angles[j, 0]), *joints.stops[j].tolist(),
-                                 STOPPED + h * float(rate)):
+            low, high = joints.stops[j].tolist()
+            near = STOPPED + h * float(rate)
+            for sign in _reached(float(evidence.angles[j, 0]), low, high, near):
                 torque = self.loads.joint_efforts.on_bodies(j)
                 yield Unknown({body: sign * wrench for body, wrench in torque.items()})
 

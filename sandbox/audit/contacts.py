@@ -301,7 +301,8 @@ def _swallowed(evidence: Evidence, worst: Worst) -> None:
     approach, pushes = np.zeros(len(impulse)), np.zeros((2, *rows.before.shape[1:]))
     arms = [np.hypot(*arm.T) for arm in rows.arms]
     for b, arm in zip(rows.sides, arms, strict=True):
-        np.add.at(pushes, (slice(None), b, rows.sample), impulse * np.array([arm**0, arm]))
+        for total, push in zip(pushes, (impulse, impulse * arm), strict=True):
+            np.add.at(total, (b, rows.sample), push)
     for b, arm in zip(rows.sides, arms, strict=True):
         push, turn = pushes[:, b, rows.sample]
         approach += rows.inverse[b, 0] * push + rows.inverse[b, 2] * arm * turn

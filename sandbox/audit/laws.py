@@ -181,6 +181,8 @@ def _loads(evidence: Evidence, worst: Worst) -> None:
                            (*off, *rate, *(2 * r / h for r in rate))))
         most = whole(force[:2])  # a torque's rounding is that of its force
         size = np.array([[most], [most], [max(whole(force[2]), most * ROUNDING / EXACT)]])
-        follow(worst, name, force, lambda *z, i=i: load_at(
-            evidence.model, i, *np.array(z).reshape(3, 3, -1), time=evidence.run.time), states,
-            size=size, throughout=False)
+        def law(*values: Array, load: int = i) -> Array:
+            pose, velocity, acceleration = np.array(values).reshape(3, 3, -1)
+            return load_at(evidence.model, load, pose, velocity, acceleration, evidence.run.time)
+
+        follow(worst, name, force, law, states, size=size, throughout=False)

@@ -88,8 +88,8 @@ class Rest:
         frames, arrays, bodies = self.loads.frames, self.loads.run.arrays, list(beyond)
         cx, cy = (float(part[joint, 0]) for part in (frames.anchors[1].x, frames.anchors[1].y))
         on = np.isin(self.body, bodies)
-        own = np.bincount(self.number[on], self.moment[on] - cx * self.y[on] + cy * self.x[on],
-                          int(self.number.max(initial=-1)) + 1)
+        own = np.zeros(int(self.number.max(initial=-1)) + 1)
+        np.add.at(own, self.number[on], self.moment[on] - cx * self.y[on] + cy * self.x[on])
         first = int(self.contacts.min(initial=len(own)))
         x, y = frames.centre_x[bodies, 0] - cx, frames.centre_y[bodies, 0] - cy
         inertia = arrays["body_inertia"][bodies] + arrays["body_mass"][bodies] * (x * x + y * y)
