@@ -383,23 +383,19 @@ def _span(matrix: Array) -> tuple[Array, int]:
 @check("contact.bounds", "N", "minimum and maximum f with m a = Σ F, |t| <= μ n",
        asks="is each contact force within the range that balance and friction allow?",
        compared="distance of contact forces at the end from the range that balance and friction "
-                "allow, {count:component}, worst: {where}{note}",
+                "allow, {count:component}, worst: {where}",
        none=f"more than {MOST // 3} bodies are connected")
-def _contact_bounds(evidence: Evidence, worst: Worst) -> str:
-    if not len(evidence.last.run.contacts.normal):
+def _contact_bounds(evidence: Evidence, worst: Worst) -> None:
+    count, names = len(evidence.last.run.contacts.normal), evidence.model.bodies.name
+    if not count:
         raise NotComputed("nothing touches at the end")
-    if len(evidence.last.run.contacts.normal) > MANY:
+    if count > MANY:
         raise NotComputed(f"more than {MANY} contacts at the end, which take minutes; "
                           "`sandbox bounds RUN` computes their ranges")
-    widest, note, names = 0.0, "", evidence.model.bodies.name
-    for bounds in contact_bounds(evidence):
-        for kind, part in (("normal", bounds.normal), ("tangential", bounds.tangential)):
-            label = f"{names[bounds.body]}/{names[bounds.other]}.{kind}"
-            worst.add(label, np.array(part.excess), np.maximum(part.allowed, ROUNDING))
-            if part.high - part.low > widest and kind == "normal":
-                widest = part.high - part.low
-                note = f"; widest: {label}, {part.force:.4g} in {part.low:.4g} to {part.high:.4g} N"
-    return note
+    for found in contact_bounds(evidence):
+        for kind, part in (("normal", found.normal), ("tangential", found.tangential)):
+            worst.add(f"{names[found.body]}/{names[found.other]}.{kind}",
+                      np.array(part.excess), np.maximum(part.allowed, ROUNDING))
 
 
 def push_limits(

@@ -34,8 +34,6 @@ from sandbox.samples.contacts import TOUCH
 
 CONE = 1e-6
 """Relative error of the friction limit by sums over the points of a contact."""
-SLIPS = 1e-3
-"""Distance from the limit, relative to it, below which a contact counts as slipping."""
 SLACK = 1e-9
 """Tension [N] of a slack tendon."""
 SOLVED = 2e-9
@@ -73,24 +71,14 @@ def used_friction(evidence: Evidence) -> Array:
 
 
 @check("contact.friction", source="|t| <= μ n", asks="is contact friction at most mu N?",
-       compared="largest ratio of friction to its limit in the whole run; {note}")
-def _friction(evidence: Evidence, worst: Worst) -> str:
+       compared="ratio of friction to its limit, {count:pair}, worst: {where}",
+       none="no contact has one normal")
+def _friction(evidence: Evidence, worst: Worst) -> None:
     """Rows that sum forces along different normals (a disc wedged in a V) have no limit."""
-    a = evidence.run.arrays
-    if not len(a["contact_gap"]):
+    if not len(evidence.run.arrays["contact_gap"]):
         raise NotComputed("nothing touches")
-    used, sure = used_friction(evidence), evidence.one_normal
-    if not sure.any():
-        raise NotComputed("all contacts merge several points with different normals")
-    rows, names, states = evidence.once(_Rows), evidence.model.bodies.name, []
-    for row in np.flatnonzero((rows.sample == len(evidence.run) - 1) & (rows.normal > TOUCH)):
-        mu, static, part = rows.friction[row], rows.static[row], used[row]
-        state = ("has several normals" if not sure[row] else "frictionless" if mu == 0
-                 else "slips" if part > 1 - SLIPS or abs(part * static / mu - 1) < SLIPS
-                 else f"sticks, {100 * (1 - part):.0f} % from the limit")
-        states.append(f"{names[rows.sides[0][row]]}/{names[rows.sides[1][row]]} {state}")
-    worst.judge(used[sure].max(initial=0.0), 1 + CONE)
-    return "at the end: " + "; ".join(states) if states else "nothing touches at the end"
+    rows = evidence.once(_Rows)
+    rows.add(worst, used_friction(evidence), 1 + CONE, evidence.one_normal)
 
 
 class _Rows:
@@ -137,7 +125,9 @@ class _Rows:
         self.landing = np.maximum(-self.h * self.opening[0], 0.0)
         """Approach of the bodies in a step at the rate before it [m]."""
 
-    def add(self, worst: Worst, error: Array, allowed: Array, among: Flags) -> None:
+    def add(
+        self, worst: Worst, error: Array, allowed: Array | float, among: Flags | bool = True,
+    ) -> None:
         """Compare the rows of each pair that are ``among`` the selected ones."""
         for kind in self.kinds.tolist():
             worst.add("/".join(self.names[b] for b in divmod(kind, len(self.names))), error,

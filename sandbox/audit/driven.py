@@ -47,14 +47,11 @@ def _released(evidence: Evidence, worst: Worst) -> str:
     if not ties.name:
         raise NotComputed("nothing can be released")
     for tie, name in enumerate(ties.name):
-        gone, load = held[:, tie] == 0.0, _load(evidence, tie)
+        gone = held[:, tie] == 0.0
         if gone.any():
-            first = int(np.argmax(gone))
-            energy = _energy(evidence, tie, float(load[first - 1])) if first else 0.0
-            told.append(f"{name} at {evidence.run.time[first]:.4g} s" + (
-                f" with {energy:.3g} J, which go with it" if energy > 0 else ""))
+            told.append(f"{name} at {evidence.run.time[np.argmax(gone)]:.4g} s")
         gone[1:] &= gone[:-1].copy()  # in the step of breaking it carries a part of its load
-        most = max(most, peak(load[gone]))
+        most = max(most, peak(_load(evidence, tie)[gone]))
     worst.judge(most, 0.0)
     return "largest load of released elements; released: " + ("; ".join(told[:4]) or "nothing")
 
@@ -83,18 +80,6 @@ def _load(evidence: Evidence, tie: int) -> Array:
     force = np.abs(evidence.loads.spring_forces[i])
     least = 0.0 if model.springs.straight[i] else EXACT * peak(a["spring_force"][:, i])
     return np.asarray(np.where(force > least, force, 0.0))
-
-
-def _energy(evidence: Evidence, tie: int, load: float) -> float:
-    """Energy of a linear spring or tendon under a load [J]; 0 of others."""
-    (kind, i), springs, tendons = (
-        evidence.model.ties.element(tie), evidence.model.springs, evidence.model.tendons)
-    k = 0.0
-    if kind == "springs" and springs.law[i] is None and springs.drive[i] < 0:
-        k = float(springs.stiffness[i])
-    elif kind == "tendons" and max(tendons.drive[i], tendons.stiffener[i]) < 0:
-        k = float(tendons.stiffness[i])
-    return load**2 / (2 * k) if k > 0 else 0.0
 
 
 # -- drives and stops -------------------------------------------------------------------------

@@ -72,24 +72,6 @@ def test_without_friction_any_force_across_is_beyond_the_limit_by_its_share():
     assert quiet["contact.friction"].value == 0.0  # below 1e-6 N nothing is touched
 
 
-def test_which_contacts_stick_or_slip_at_the_end():
-    """Within a thousandth of the limit one counts as slipping; one without push is left out."""
-    def told(*forces, mu=0.4, static=1.0):
-        touches = [touch(2, 0.0, force=(1.0, 9.0)),
-                   *(touch(3, 0.0, force=force) for force in forces)]
-        return figures(still(rough(mu, static), touches=touches))["contact.friction"].why
-    assert "at the end: one/two slips" in told((0.99901 * 2.0, 5.0))
-    assert "at the end: one/two sticks, 0 % from the limit" in told((0.99899 * 2.0, 5.0))
-    assert "one/two sticks" in told((0.999, 4.0), mu=0.25)  # to the bit
-    assert "one/two sticks, 75 % from the limit" in told((0.5, 5.0))
-    assert "one/two slips" in told((2.0, 5.0), static=1.6)  # that of sliding
-    assert "one/two sticks, 6 % from the limit" in told((3.0, 5.0), static=1.6)
-    assert "one/two frictionless" in told((0.0, 5.0), mu=0.0)
-    assert "nothing touches at the end" in told((0.0, 1e-6))
-    assert "one/two" in told((0.0, 1.01e-6))
-    assert "slips; one/two sticks" in told((2.0, 5.0), (0.5, 5.0))
-
-
 # -- slack -----------------------------------------------------------------------------------
 
 

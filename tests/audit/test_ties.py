@@ -34,16 +34,10 @@ def broken():
         events=[{"name": "cut", "at": 0.06, "release": "spring"}]))
 
 
-def test_what_is_let_go_and_what_was_in_it_is_told(broken):
-    """The bob's half: s = 0.5 cos(w t), w^2 = k / m; k s^2 / 2 goes with the spring."""
+def test_what_is_released_carries_nothing(broken):
     figure = figures(broken)["release.force"]
     assert figure.verdict == "pass"
-    in_it = 8 * (0.5 * np.cos(np.sqrt(80) * 0.06)) ** 2 / 2
-    assert f"spring at 0.0605 s with {in_it:.2g}"[:-1] in figure.why
-    assert "rod at 0.0505 s" in figure.why
-
-
-def test_what_is_let_go_may_carry_nothing(broken):
+    assert "rod at 0.0505 s; spring at 0.0605 s" in figure.why
     gone = int(np.argmin(broken["rod.held"])) + 1
     for key, index in (("joint_reaction", (gone, 0)), ("spring_force", (70, 0))):
         figure = figures(spoilt(broken, key, index, 1e-6))["release.force"]
