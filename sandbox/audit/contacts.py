@@ -154,11 +154,7 @@ class _Rows:
         return hit, instant
 
     def _arms(self, a: Arrays) -> tuple[Array, Array]:
-        """From the centres of mass to the contact point, at the instants of impacts, [m, 2] m each.
-
-        The point of an impact is recorded on the first body, moved back to the pose. That on the
-        other body follows from the motion of both, and across the force from the recorded moment.
-        """
+        """From the centres of mass to the contact, at the instants of impacts, [m, 2] m each."""
         (one, two), force, s = self.evidence.contact_arms, a["contact_force"], self.instant
         mean = [(self.before[:2, b, self.sample]
                  + (self.h + s) / 2 * self.others[:2, b, self.sample]).T for b in self.sides]
@@ -280,11 +276,7 @@ def _bounces(evidence: Evidence, worst: Worst) -> None:
                 "that of their approach, worst: {where}",
        none=NO_IMPACT)
 def _swallowed(evidence: Evidence, worst: Worst) -> None:
-    """The approaches of several impacts in one step are not recorded.
-
-    Without friction and joints each is at most the effect of all impulses of the step on its two
-    bodies.
-    """
+    """Approaches of several impacts in one step are at most the effect of all its impulses."""
     rows = evidence.once(_Rows)
     (before, after), alone, count = rows.gap_rates, rows.alone, len(evidence.run)
     impulse, restitution = rows.h * rows.normal, np.where(rows.hit, rows.restitution, 0.0)

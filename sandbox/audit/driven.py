@@ -212,10 +212,7 @@ def held_off(evidence: Evidence, drive: int) -> float:
                 "{count:comparison}, worst: {where}",
        none="no hinge has stops")
 def _stops(evidence: Evidence, worst: Worst) -> None:
-    """A stop acts where its limit is reached in the step: 0 <= f, 0 <= y, f y = 0.
-
-    An overrun is corrected at up to 1 rad/s, and may last.
-    """
+    """A stop acts where its limit is reached in the step; it undoes an overrun at 1 rad/s."""
     joints, h = evidence.model.joints, evidence.h
     for j in joints.stopped.tolist():
         torque, angle = evidence.run.arrays["joint_stop"][:, j], evidence.angles[j]
@@ -245,10 +242,7 @@ def _works(evidence: Evidence, worst: Worst) -> None:
 
 
 def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
-    """Name, power [W] and recorded work [J] of every element that works, [n] each.
-
-    Forces on single bodies are left out.
-    """
+    """Name, power [W] and recorded work [J] of elements between bodies, [n] each."""
     model, a = evidence.model, evidence.run.arrays
     velocity = evidence.velocity + evidence.displacement / evidence.h
     works: dict[str, tuple[str, Any, str]] = {
@@ -300,10 +294,7 @@ def _places(evidence: Evidence, worst: Worst) -> None:
 
 
 def _approach(evidence: Evidence, drive: int) -> tuple[Array, Array]:
-    """Motion of a rigid servo away from its target, and tolerance, relative to its travel, [n - 1].
-
-    A servo of limited speed may fall behind a moving target.
-    """
+    """Motion of a rigid servo away from its target, and tolerance, by its travel, [n - 1]."""
     drives, a, h = evidence.model.drives, evidence.run.arrays, evidence.h
     j, value = int(drives.target[drive]), a["drive_value"][:, drive]
     place, holds = evidence.angles[j], evidence.holds("joint")[j]

@@ -126,11 +126,7 @@ class _Balance(NamedTuple):
 
 
 def _balance(evidence: Evidence) -> _Balance:
-    """The balance, without the work of joints that close gaps.
-
-    Raises:
-        NotComputed: some work is not recorded.
-    """
+    """The balance, without the work of joints that close gaps."""
     a, model, drives = evidence.run.arrays, evidence.model, evidence.model.drives
     if len(moved := np.flatnonzero(model.bodies.scheduled)):
         raise NotComputed(
@@ -159,11 +155,7 @@ def _balance(evidence: Evidence) -> _Balance:
 
 
 def _closed_balance(evidence: Evidence) -> _Balance:
-    """The balance with the work of joints that close gaps, as they do when they are engaged.
-
-    Raises:
-        NotComputed: it is unknown.
-    """
+    """The balance with the work of joints that close gaps, as where they are engaged."""
     found, a, ties = evidence.once(_balance), evidence.run.arrays, evidence.model.ties
     open_ = ~evidence.joints_hold
     if not evidence.every_step:
@@ -200,8 +192,7 @@ def _created(evidence: Evidence, worst: Worst) -> None:
     balance = _closed_balance(evidence)
     made = (balance.left - balance.by_joints)[evidence.known]
     lowest = np.minimum.accumulate(np.minimum(made, 0.0))
-    worst.judge((made - lowest).max(initial=0.0) / balance.scale,
-                balance.allowed + _unseen(evidence) / balance.scale)
+    worst.judge((made - lowest).max(initial=0.0) / balance.scale, balance.allowed)
 
 
 @check("energy.lost", source="ΔE = Σ W",
@@ -243,11 +234,7 @@ def _to_middle(step: Array) -> Array:
 
 
 def _work_of_joints(evidence: Evidence, among: Flags | None = None) -> Array:
-    """Work of reactions up to the middle of each step [J], [n]; ``among`` selects [nj, n].
-
-    Ideal joints do none. An impact turns arms under a joint in the middle of a step, and closing
-    the gap takes work; so does closing a joint that is engaged.
-    """
+    """Work of reactions up to the middle of each step [J], [n]; ``among`` selects [nj, n]."""
     power = np.nan_to_num(evidence.loads.joints.power(evidence.velocity))
     if among is not None:
         power = np.where(np.tile(among, (2, 1)), power, 0.0)
@@ -265,11 +252,7 @@ def _work_of_contacts(evidence: Evidence) -> Array:
 
 
 def _work_of_weight(evidence: Evidence) -> Array:
-    """M g . (c - c_0 + h^2 a / 4) [J], [n]: displacements by mean velocities, as works are summed.
-
-    Half of a known displacement by an impact counts. The first step's mean velocity leads back from
-    its pose to c_0; where it was not recorded c_0 is the scene's (see :func:`_first_half`).
-    """
+    """M g . (c - c_0 + h^2 a / 4) [J], [n], with half of the known displacements by impacts."""
     frames, h, free = evidence.loads.frames, evidence.h, evidence.model.bodies.free
     now, a = np.stack([frames.centre_x, frames.centre_y]), frames.acceleration[:2]
     if evidence.run.time[0] < h:
@@ -281,26 +264,17 @@ def _work_of_weight(evidence: Evidence) -> Array:
     return np.asarray(np.einsum("ab,abn->n", weight, moved[:, free]))
 
 
-def _first_half(evidence: Evidence) -> float:
-    """Largest work of weight in the first half step, before the first sample [J]."""
-    if evidence.run.time[0] < evidence.h:
-        return 0.0
-    free, g = evidence.model.bodies.free, np.hypot(*evidence.model.mechanism.gravity)
-    a = np.hypot(*evidence.loads.frames.acceleration[:2, free])
-    most = np.maximum(a.max(axis=1, initial=0.0), g)
-    return float(evidence.h**2 / 8 * g * (evidence.run.arrays["body_mass"][free] @ most))
-
-
-def _unseen(evidence: Evidence) -> float:
-    """Largest work of weight in half of an unknown displacement by an impact [J].
-
-    A displacement is less than h times the change of velocity.
-    """
-    if evidence.every_step:
-        return 0.0
-    change = np.hypot(*evidence.loads.frames.acceleration[:2]) * evidence.h**2 / 2
+def _unknown_weight(evidence: Evidence) -> float:
+    """Largest work of weight before the first sample, and by unknown displacements [J]."""
     weight = np.hypot(*evidence.model.mechanism.gravity) * evidence.loads.weights[:, 0]
-    return float(np.where(evidence.struck, weight @ change, 0.0).max(initial=0.0))
+    change = evidence.h**2 * np.hypot(*evidence.loads.frames.acceleration[:2])
+    found = 0.0
+    if evidence.run.time[0] >= evidence.h:
+        fall = evidence.h**2 * np.hypot(*evidence.model.mechanism.gravity)
+        found += float(weight @ np.maximum(change.max(axis=1, initial=0.0), fall)) / 8
+    if not evidence.every_step:  # a displacement is less than h times the change of velocity
+        found += float(np.where(evidence.struck, weight @ change, 0.0).max(initial=0.0)) / 2
+    return found
 
 
 def _stretched(evidence: Evidence) -> bool:
@@ -334,10 +308,7 @@ def _of_gaps(evidence: Evidence) -> float:
 
 
 def _of_the_step(evidence: Evidence) -> float:
-    """Work by the error of the step, from forces and rates [J].
-
-    It is the size of that of each joint, and what contacts and taut ropes supply.
-    """
+    """Work of joints, and what contacts and taut ropes supply, by the error of the step [J]."""
     a, time = evidence.run.arrays, evidence.run.time
     power = np.nan_to_num(evidence.loads.joints.power(evidence.velocity))
     power = power.reshape(2, -1, len(time)).sum(axis=0)
@@ -346,7 +317,7 @@ def _of_the_step(evidence: Evidence) -> float:
     rate = evidence.contact_rate(evidence.velocity, a["contact_normal"])
     contacts = np.maximum(evidence.run.contacts.normal * rate, 0.0).sum()
     apart = evidence.h if evidence.every_step or len(time) < 2 else np.median(np.diff(time))
-    return float(apart * (np.abs(power).sum() + contacts)) + _first_half(evidence)
+    return float(apart * (np.abs(power).sum() + contacts)) + _unknown_weight(evidence)
 
 
 # -- motors that start at speed ---------------------------------------------------------------
@@ -392,10 +363,7 @@ def starts(evidence: Evidence) -> StartsAtSpeed:
 
 
 def _jumps(evidence: Evidence) -> Iterator[tuple[int, int, float, float]]:
-    """Motors that change their hinges' rates at once.
-
-    Each has its drive, the first sample after it, and the rates before and after it [rad/s].
-    """
+    """Motors that change a rate at once: drive, sample after it, rates before and after."""
     a, drives, mechanism = evidence.run.arrays, evidence.model.drives, evidence.model.mechanism
     set_by, times = set_while_running(mechanism), np.array([evidence.h, 2 * evidence.h])
     for i in np.flatnonzero(paced(evidence.model)).tolist():

@@ -110,10 +110,7 @@ def _pressures(evidence: Evidence, worst: Worst) -> None:
 def _holds(
     evidence: Evidence, line: int, volume: Array, p: Array, came: Array,
 ) -> tuple[Array, Array | float]:
-    """Content of a line that has grown by ``volume`` at ``p`` [m^3], [n]; error of linearisation.
-
-    ``came`` flowed in meanwhile [m^3], [n].
-    """
+    """Content of a line at ``p`` [m^3], [n], and error of linearisation; ``came`` flowed in."""
     lines, n = evidence.model.lines, float(evidence.model.lines.gas[line])
     if np.isnan(n):
         return volume + lines.compliance[line] * p, 0.0

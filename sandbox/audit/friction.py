@@ -88,11 +88,7 @@ def _tension(evidence: Evidence, span: CordSpan) -> Array:
                 "the largest of each, worst: {where}",
        none="no guide has friction")
 def _spans(evidence: Evidence, worst: Worst) -> None:
-    """T = EA (L - M) / M, with the content M of each span from the recorded sliding.
-
-    A tendon spreads evenly while it is released: then, and where the contents at the end of slack
-    are unknown, it is left out.
-    """
+    """Tendons are left out where they were released, or contents after slack are unknown."""
     tendons = evidence.model.tendons
     for tendon in range(len(tendons.name)):
         spans = spans_of(tendons, tendon)
@@ -108,11 +104,7 @@ def _spans(evidence: Evidence, worst: Worst) -> None:
 def _add_laws(
     evidence: Evidence, spans: list[CordSpan], tension: Array, slack: Flags, worst: Worst,
 ) -> None:
-    """Compare the spans of a tendon with the law at the step's end or at mid-step.
-
-    The content M is that at the step's end. Where not every step was recorded, the rate of sliding
-    is its mean since the last sample.
-    """
+    """Compare spans with the law at the step's end or at mid-step; M is that at its end."""
     loads, tendons, h = evidence.loads, evidence.model.tendons, evidence.h
     tendon, count, slip = spans[0].tendon, len(tension), evidence.run.arrays["guide_slip"]
     damping = float(tendons.damping[tendon] / tendons.stiffness[tendon])

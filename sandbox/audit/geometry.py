@@ -221,11 +221,7 @@ def _compare_rocker(evidence: Evidence, name: str, worst: Worst) -> str:
 
 def _string(evidence: Evidence, tendon: int, place: complex, pull: complex) -> tuple[
         float, Array, Array]:
-    """Arm of a string at its last guide [m], displacement of its far side, and inclination, [n].
-
-    The displacement is that of the guide before the last straight piece along the pull, plus the
-    shortening of the path before.
-    """
+    """Arm of a string at its last guide [m], displacement of its far side, inclination, [n]."""
     loads, tendons = evidence.loads, evidence.model.tendons
     last, cords = int(tendons.first[tendon + 1]) - 1, loads.cords
     near, far = (complex(*to_world(

@@ -54,10 +54,7 @@ def states_of(h: float, place: Array, rates: Sequence[Array], *, turning: bool) 
 
 
 def _as_built(evidence: Evidence, kind: str) -> Flags:
-    """Where elements hold with the scene's rest length, [elements, n].
-
-    An element that is engaged "as is" has another rest length from then on.
-    """
+    """Where elements hold with the scene's rest length, not one of a later engagement, [.., n]."""
     ties, holds = evidence.model.ties, evidence.holds(kind).copy()
     for i, tie in enumerate(ties.of(kind).tolist()):
         if tie >= 0 and ties.as_is[tie]:

@@ -155,11 +155,7 @@ def _places(evidence: Evidence, worst: Worst) -> None:
 def _nearest(
     evidence: Evidence, rows: Integers, body: int, sign: float, allowed: Array,
 ) -> tuple[Array, Array, Flags]:
-    """Distances of points from a body's outline and the gap, of normals, and what is a circle.
-
-    The recorded normal times ``sign`` leads out of the body. Of all sides that fit the one with the
-    nearest normal counts.
-    """
+    """Distances of points and normals from the best sides of a body, and what is a circle."""
     a, half, found = evidence.run.arrays, evidence.run.arrays["contact_gap"][rows] / 2, []
     points, out = _in_frame(evidence, rows, body, sign * a["contact_normal"][rows])
     shapes = evidence.model.mechanism.bodies[body].shapes
@@ -300,10 +296,7 @@ def _near(evidence: Evidence) -> Iterator[tuple[Touch, float]]:
 
 
 def _new(candidates: list[Touch], rows: Arrays, blurred: list[bool], near: float) -> list[Touch]:
-    """Candidates without a row, one for each plane between two bodies.
-
-    A ``blurred`` row has several normals: it covers all candidates between its two bodies.
-    """
+    """Candidates without a row, one for each plane; ``blurred`` rows cover whole pairs."""
     known: dict[tuple[int, int], list[tuple[Array, Array]]] = {}
     found, whole = [], set()
     for row, several in enumerate(blurred):

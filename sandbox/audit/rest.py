@@ -26,11 +26,7 @@ MOMENT = 1e-4
 
 
 def _at_rest(evidence: Evidence) -> Rest:
-    """The last sample, if the run is at rest over its last part.
-
-    Raises:
-        NotComputed: it is not.
-    """
+    """The last sample, if the run is at rest over its last part."""
     run, model = evidence.run, evidence.model
     if not run.complete:
         raise NotComputed("the run stopped early")
