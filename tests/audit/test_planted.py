@@ -142,37 +142,30 @@ def scene(change: Callable[[dict[str, Any], float], None]) -> Plant:
     return plant
 
 
-def grown(kind: str, number: int, key: str) -> Plant:
+def number(change: Callable[[Any, float], Any], *path: Any) -> Plant:
+    """A number of the scene changed by the size of the fault."""
+    def plant(content: dict[str, Any], size: float) -> None:
+        *inner, last = path
+        for key in inner:
+            content = content[key]
+        content[last] = change(content[last], size)
+    return scene(plant)
+
+
+def grown(*path: Any) -> Plant:
     """A number of the scene made larger by a share of itself."""
-    def change(content: dict[str, Any], size: float) -> None:
-        content[kind][number][key] *= 1 + size
-    return scene(change)
+    return number(lambda value, size: value * (1 + size), *path)
+
+
+def longer_by(*path: Any) -> Plant:
+    """A number of the scene with the size of the fault added."""
+    return number(lambda value, size: value + size, *path)
 
 
 def longer(content: dict[str, Any], size: float) -> None:
     """The proximal phalanx: what hangs on its end is further out."""
     x, y = content["bodies"][2]["at"]
     content["joints"][1]["on_a"] = [x + size, y]
-
-
-def wider(content: dict[str, Any], size: float) -> None:
-    content["bodies"][DISC]["shapes"][0]["radius"] += size
-
-
-def moved(content: dict[str, Any], size: float) -> None:
-    content["bodies"][DISC]["at"][0] += size
-
-
-def signal(content: dict[str, Any], size: float) -> None:
-    content["drives"][0]["value"]["to"] *= 1 + size
-
-
-def spun(content: dict[str, Any], size: float) -> None:
-    content["drives"][0]["value"] = f"=3 * (1 + {size}) * sin(9 * t)"
-
-
-def led(content: dict[str, Any], size: float) -> None:
-    content["bodies"][3]["path"]["x"] = f"=0.3 + 0.1 * (1 + {size}) * t"
 
 
 def twice(run: Recording, size: float) -> Recording:
@@ -195,9 +188,10 @@ def further(values: np.ndarray, size: float) -> np.ndarray:
 FINGER: list[tuple[str, Plant, float, set[str]]] = [
     ("stiffness of a spring", grown("springs", 0, "stiffness"), 0.01, {"spring.law"}),
     ("value of a drive", array("drive_value", EVERY, more), 0.01, {"drive.signal", "tendon.law"}),
-    ("signal of a drive", scene(signal), 0.01, {"drive.signal"}),
-    ("radius of a disc", scene(wider), 0.004, {"contact.place"}),
-    ("place of a disc", scene(moved), 5e-4, {"schedule"}),
+    ("signal of a drive", grown("drives", 0, "value", "to"), 0.01, {"drive.signal"}),
+    ("radius of a disc", longer_by("bodies", DISC, "shapes", 0, "radius"), 0.004,
+     {"contact.place"}),
+    ("place of a disc", longer_by("bodies", DISC, "at", 0), 5e-4, {"schedule"}),
     ("length of a phalanx", scene(longer), 5e-4, {"joint.drift", "poses"}),
     ("time", array("time", EVERY, more), 0.01, {"clock"}),
     ("rates of hinges", array("joint_rate", EVERY, more), 0.01, {"hinge"}),
@@ -229,9 +223,11 @@ COILED = [
     ("stiffness of a cord", grown("tendons", 0, "stiffness"), 1.0, {"tendon.law"}),
     ("damping of a cord", grown("tendons", 0, "damping"), 1.0, {"tendon.law"}),
     ("slack of a cord", array("tendon_rest", EVERY, further), 1e-3, {"scene.numbers"}),
-    ("speed of a motor", scene(spun), 0.01, {"drive.signal"}),
+    ("speed of a motor", number(lambda _, size: f"=3 * (1 + {size}) * sin(9 * t)", "drives", 0,
+                                "value"), 0.01, {"drive.signal"}),
     ("torque of a motor", array("drive_torque", EVERY, more), 0.01, {"momentum.moment"}),
-    ("a schedule", scene(led), 0.01, {"schedule"}),
+    ("a schedule", number(lambda _, size: f"=0.3 + 0.1 * (1 + {size}) * t", "bodies", 3, "path",
+                          "x"), 0.01, {"schedule"}),
     ("torque of a stop before it is reached", array("joint_stop", (10, 0), further), 1.0,
      {"stop.law", "momentum.moment"}),
 ]
@@ -241,8 +237,8 @@ STIFF = [
     ("damping of a band", grown("springs", 1, "damping"), 1.0, {"spring.law"}),
     ("stiffness of a cord", grown("tendons", 0, "stiffness"), 0.01, {"tendon.law"}),
     ("damping of a cord", grown("tendons", 0, "damping"), 1.0, {"tendon.law"}),
-    ("length of a cord", scene(lambda content, size: content["tendons"][0].__setitem__(
-        "slack", size)), 1e-6, {"tendon.law", "scene.numbers"}),
+    ("length of a cord", number(lambda _, size: size, "tendons", 0, "slack"), 1e-6,
+     {"tendon.law", "scene.numbers"}),
 ]
 
 
@@ -276,9 +272,9 @@ RUBBING = [
 ]
 
 
-def other_load(number: int, field: str, value: Any) -> Plant:
+def other_load(load: int, field: str, value: Any) -> Plant:
     """A load of the scene that is not the one of the run."""
-    return scene(lambda content, _: content["loads"][number].__setitem__(field, value))
+    return number(lambda *_: value, "loads", load, field)
 
 
 LOADED = [
@@ -293,10 +289,9 @@ LOADED = [
     ("work of loads", array("load_work", (EVERY, 0), more), 0.1, {"energy.lost"}),
 ]
 CORNERED = [
-    ("radius of a disc", scene(lambda content, size: content["bodies"][1]["shapes"][0].__setitem__(
-        "radius", 0.03 + size)), 0.004, {"contact.place"}),
-    ("a floor that lies lower", scene(lambda content, size: content["bodies"][0]["shapes"][0][
-        "at"].__setitem__(1, -0.05 - size)), 5e-4, {"contact.place"}),
+    ("radius of a disc", longer_by("bodies", 1, "shapes", 0, "radius"), 0.004, {"contact.place"}),
+    ("a floor that lies lower", longer_by("bodies", 0, "shapes", 0, "at", 1), -5e-4,
+     {"contact.place"}),
     ("place of contacts", array("contact_point", (EVERY, 1), further), 1e-3, {"contact.place"}),
     ("gap of contacts", array("contact_gap", EVERY, further), 1e-3, {"contact.place"}),
     ("normals of contacts", array("contact_normal", (EVERY, 0), further), 1e-3,
