@@ -149,10 +149,6 @@ class Worst:
         self.value, self.tolerance, self.count = float(value), float(tolerance), 1
 
 
-Compare = Callable[["Evidence", Worst], str | None]
-"""Adds the comparisons of a check; returns a note, or raises :class:`NotComputed`."""
-
-
 class Check(NamedTuple):
     """One check of an audit."""
 
@@ -166,7 +162,8 @@ class Check(NamedTuple):
     """The comparison in words, with ``{where}``, ``{count:noun}`` and ``{note}``."""
     none: str
     """Why it is not computed where nothing is compared."""
-    compare: Compare
+    compare: Callable[[Evidence, Worst], str | None]
+    """Adds the comparisons; returns a note, or raises :class:`NotComputed`."""
 
     def figure(self, evidence: Evidence) -> Figure:
         """The figure of a recording; numbers that cannot be used make it "not computed"."""
@@ -193,6 +190,6 @@ class Check(NamedTuple):
 def check(
     name: str, unit: str = "", source: str = "", *, asks: str, compared: str = "{note}",
     none: str = "",
-) -> Callable[[Compare], Check]:
+) -> Callable[[Callable[[Evidence, Worst], str | None]], Check]:
     """Make a check of a function; arguments as of :class:`Check`."""
     return lambda compare: Check(name, unit, source, asks, compared, none, compare)

@@ -229,38 +229,43 @@ class Touch(NamedTuple):
     other: int
     normal: Array
     """Into the body."""
-    at: Array
+    point: Array
     gap: float
 
 
 def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
-    """A single sample with a row of zero force for each contact without a row.
+    """A single sample with a row of zero force for each plane of contact without a row.
 
-    Rows with a normal force of no more than ``least`` [N] are removed first.
+    Rows with a normal force of no more than ``least`` [N] are removed first. A row with several
+    normals covers all contacts between its two bodies.
     """
-    a = evidence.run.arrays
+    a, found = evidence.run.arrays, list[Touch]()
     kept = np.flatnonzero(evidence.run.contacts.normal > least)
-    rows = {key: a[key][kept] for key in CONTACT}
-    blurred = [pressed(evidence, row) is None for row in kept.tolist()]
-    found = _new(touches(evidence), rows, blurred, evidence.near)
+    known: dict[tuple[int, int], list[tuple[Array, Array, bool]]] = {}
+    for row in kept.tolist():
+        one, two = int(a["contact_body"][row]), int(a["contact_other"][row])
+        known.setdefault((min(one, two), max(one, two)), []).append((
+            (1.0 if one < two else -1.0) * a["contact_normal"][row], a["contact_point"][row],
+            pressed(evidence, row) is None))
+    near = [touch for touch, parts in _near(evidence) if abs(parts) * evidence.h <= evidence.open]
+    for touch in sorted(near, key=lambda touch: (touch.body, touch.other, touch.gap)):
+        planes = known.setdefault((touch.body, touch.other), [])
+        if not any(several or (np.hypot(*(normal - touch.normal)) <= ALIKE
+                               and abs((touch.point - at) @ normal) <= 2 * evidence.near)
+                   for normal, at, several in planes):
+            planes.append((touch.normal, touch.point, False))
+            found.append(touch)
     if not found and len(kept) == len(a["contact_gap"]):
         return evidence
-    more: Arrays = {f"contact_{key}": np.array([getattr(one, of) for one in found])
-                    for key, of in (("body", "body"), ("other", "other"), ("normal", "normal"),
-                                    ("point", "at"), ("gap", "gap"))}
-    more["contact_merged"] = np.ones(len(found))
-    for key, values in rows.items():
-        new = np.zeros((len(found), *values.shape[1:]), dtype=values.dtype)
-        if key in more and found:
-            new[:] = more[key]
-        rows[key] = np.concatenate([values, new])
+    rows: Arrays = {}
+    for key in CONTACT:
+        new = np.zeros((len(found), *a[key].shape[1:]), dtype=a[key].dtype)
+        if key == "contact_merged":
+            new += 1
+        elif found and hasattr(found[0], of := key.removeprefix("contact_")):
+            new[:] = [getattr(touch, of) for touch in found]
+        rows[key] = np.concatenate([a[key][kept], new])
     return Evidence(evidence.run.with_contacts(rows), alone=True, near=evidence.near)
-
-
-def touches(evidence: Evidence) -> list[Touch]:
-    """All outlines that touch in a single sample; the nearest of a pair comes first."""
-    found = [touch for touch, parts in _near(evidence) if abs(parts) * evidence.h <= evidence.open]
-    return sorted(found, key=lambda touch: (touch.body, touch.other, touch.gap))
 
 
 def overlaps(evidence: Evidence) -> dict[tuple[int, int], float]:
@@ -293,28 +298,6 @@ def _near(evidence: Evidence) -> Iterator[tuple[Touch, float]]:
                                                          here.at[0] - frames.centre_x[b, 0]])
             for b in bodies)
         yield (Touch(*bodies, -here.normal, here.at, here.gap), float((two - one) @ here.normal))
-
-
-def _new(candidates: list[Touch], rows: Arrays, blurred: list[bool], near: float) -> list[Touch]:
-    """Candidates without a row, one for each plane; ``blurred`` rows cover whole pairs."""
-    known: dict[tuple[int, int], list[tuple[Array, Array]]] = {}
-    found, whole = [], set()
-    for row, several in enumerate(blurred):
-        one, two = int(rows["contact_body"][row]), int(rows["contact_other"][row])
-        pair = min(one, two), max(one, two)
-        known.setdefault(pair, []).append((
-            (1.0 if one < two else -1.0) * rows["contact_normal"][row], rows["contact_point"][row]))
-        if several:
-            whole.add(pair)
-    for touch in candidates:
-        pair = touch.body, touch.other
-        planes = known.setdefault(pair, [])
-        if pair not in whole and not any(
-                np.hypot(*(normal - touch.normal)) <= ALIKE
-                and abs((touch.at - at) @ normal) <= 2 * near for normal, at in planes):
-            planes.append((touch.normal, touch.at))
-            found.append(touch)
-    return found
 
 
 def _close(
