@@ -113,9 +113,7 @@ class _Balance(NamedTuple):
     scale: float
     """All energy converted [J]."""
     left: Array
-    """Kinetic energy minus the work of all but joints and contacts [J], [n]."""
-    by_joints: Array
-    """Known work of joints that close [J], [n]."""
+    """Kinetic energy minus the work of all but contacts and joints that hold [J], [n]."""
     least: float
     """Tolerance without the error of the step, relative to the scale."""
     allowed: float
@@ -126,7 +124,7 @@ class _Balance(NamedTuple):
 
 
 def _balance(evidence: Evidence) -> _Balance:
-    """The balance, without the work of joints that close gaps."""
+    """The balance of energy; joints that close, as those that are engaged, do work."""
     a, model, drives = evidence.run.arrays, evidence.model, evidence.model.drives
     if len(moved := np.flatnonzero(model.bodies.scheduled)):
         raise NotComputed(
@@ -151,11 +149,13 @@ def _balance(evidence: Evidence) -> _Balance:
     started, most, error = starts(evidence), scale * LARGEST_STEP_ERROR, _of_the_step(evidence)
     blow = not started.cost <= scale * least + min(error, most)
     allowed = least + min(error + started.unsure * blow, most) / scale
-    return _Balance(scale, left, np.zeros(len(left)), least, allowed, started, blow)
+    if not evidence.joints_hold.all():
+        left = left - _work_of_joints(evidence, ~evidence.joints_hold)
+    return _Balance(scale, left, least, allowed, started, blow)
 
 
 def _closed_balance(evidence: Evidence) -> _Balance:
-    """The balance with the work of joints that close gaps, as where they are engaged."""
+    """The balance, if the work of joints that close is known."""
     found, a, ties = evidence.once(_balance), evidence.run.arrays, evidence.model.ties
     open_ = ~evidence.joints_hold
     if not evidence.every_step:
@@ -165,8 +165,6 @@ def _closed_balance(evidence: Evidence) -> _Balance:
         if (breaks & open_.any(axis=1)).any() or carried[open_].any():
             raise NotComputed(
                 f"joints broke or were engaged again, which does work, and {NOT_EVERY_STEP}")
-    if open_.any():
-        found = found._replace(by_joints=found.by_joints + _work_of_joints(evidence, open_))
     return found
 
 
@@ -190,7 +188,7 @@ def _started(evidence: Evidence, worst: Worst) -> str:
 def _created(evidence: Evidence, worst: Worst) -> None:
     """The energy that joints and contacts take never decreases."""
     balance = _closed_balance(evidence)
-    made = (balance.left - balance.by_joints)[evidence.known]
+    made = balance.left[evidence.known]
     lowest = np.minimum.accumulate(np.minimum(made, 0.0))
     worst.judge((made - lowest).max(initial=0.0) / balance.scale, balance.allowed)
 
@@ -207,7 +205,7 @@ def _lost(evidence: Evidence, worst: Worst) -> str:
         raise NotComputed(
             f"contacts, stops and ropes do work in every step, and {NOT_EVERY_STEP}")
     if not touched:
-        worst.judge(peak(balance.left - balance.by_joints) / balance.scale, balance.allowed)
+        worst.judge(peak(balance.left) / balance.scale, balance.allowed)
         return ("energy lost without contacts: kinetic energy minus the work of drives, tendons, "
                 "springs, dampers and weight, relative to all energy converted; the error of the "
                 "step is allowed as in energy.created")
@@ -215,7 +213,8 @@ def _lost(evidence: Evidence, worst: Worst) -> str:
         raise NotComputed(OLDER)
     # contacts do a part of the work of running surfaces, the rest is heat
     running = a["drive_work"][:, evidence.model.drives.giving("surface")].sum(axis=1)
-    left = balance.left + running - _work_of_contacts(evidence) - _work_of_joints(evidence)
+    left = balance.left + running - _work_of_contacts(evidence) - _work_of_joints(
+        evidence, evidence.joints_hold)
     # where impacts displace poses all other loads work besides
     moved = evidence.displacement * evidence.model.bodies.free[:, None]
     left = left + _to_middle(sum((batch.power(moved).sum(axis=0)
@@ -233,11 +232,9 @@ def _to_middle(step: Array) -> Array:
     return np.asarray(np.cumsum(step) - step / 2)
 
 
-def _work_of_joints(evidence: Evidence, among: Flags | None = None) -> Array:
-    """Work of reactions up to the middle of each step [J], [n]; ``among`` selects [nj, n]."""
-    power = np.nan_to_num(evidence.loads.joints.power(evidence.velocity))
-    if among is not None:
-        power = np.where(np.tile(among, (2, 1)), power, 0.0)
+def _work_of_joints(evidence: Evidence, among: Flags) -> Array:
+    """Work of reactions ``among`` [nj, n] up to the middle of each step [J], [n]."""
+    power = np.nan_to_num(evidence.loads.joints.power(evidence.velocity)) * np.tile(among, (2, 1))
     return _to_middle(evidence.h * power.sum(axis=0))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -89,6 +89,8 @@ class Worst:
     where: str = ""
     ratio: float = -1.0
     count: int = 0
+    left_out: list[str] = field(default_factory=list)
+    """Elements that are not compared, with the reason."""
 
     def add(
         self, where: str, error: Array, tolerance: Array | float, among: Flags | None = None,
@@ -175,10 +177,12 @@ class Check(NamedTuple):
         except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
             return self.missing(f"the numbers cannot be used: {error}")
         if not worst.count:
-            return self.missing(self.none)
+            return self.missing("; ".join(worst.left_out[:4]) or self.none)
         passes = math.isfinite(worst.value) and math.isfinite(worst.tolerance) and (
             worst.value <= worst.tolerance)
         why = self.compared.format(where=worst.where, count=Count(worst.count), note=note)
+        if worst.left_out:
+            why += f"; left out: {'; '.join(worst.left_out[:4])}"
         return Figure(self.name, worst.value, self.unit, worst.tolerance,
                       "pass" if passes else "look", why, self.source)
 

@@ -187,10 +187,8 @@ def _differential(evidence: Evidence, worst: Worst) -> None:
     trees = [group.bodies for group in evidence.model.mechanism.groups if group.tree]
     if not trees:
         raise NotComputed("there is no tree of rockers or pulleys")
-    reasons = [f"{name}: {reason}" for names in trees for name in names
-               if (reason := _compare_rocker(evidence, name, worst))]
-    if not worst.count:
-        raise NotComputed("; ".join(reasons[:2]))
+    worst.left_out += [f"{name}: {reason}" for names in trees for name in names
+                       if (reason := _compare_rocker(evidence, name, worst))]
 
 
 def _compare_rocker(evidence: Evidence, name: str, worst: Worst) -> str:

@@ -109,23 +109,19 @@ def beyond_joint(model: Model, joint: int) -> set[int]:
 
 @check("rest.moments", source="Σ M = 0", asks="at rest, do the moments about every hinge balance?",
        compared="sum of moments at the end, relative to the largest, about {count:hinge}: tendons, "
-                "springs, contacts, weight, stops, dampers; worst: {where}{note}",
+                "springs, contacts, weight, stops, dampers; worst: {where}",
        none="there is no hinge that carries a load")
-def _moments(evidence: Evidence, worst: Worst) -> str:
-    rest, left_out, model = _at_rest(evidence), [], evidence.model
+def _moments(evidence: Evidence, worst: Worst) -> None:
+    rest, model = _at_rest(evidence), evidence.model
     for j in model.joints.pivots.tolist():
         name, beyond = model.joints.name[j], beyond_joint(model, j)
         if not beyond:
-            left_out.append(f"{name} is one of several supports")
+            worst.left_out.append(f"{name} is one of several supports")
             continue
         moment = rest.about(j, beyond, LAST * float(evidence.run.time[-1]))
         if moment.largest > moment.idle:
             worst.add(name, np.array([abs(moment.contacts + moment.others) / moment.largest]),
                       MOMENT)
-    text = "; ".join(left_out[:3]) + (f" and {len(left_out) - 3} more" if len(left_out) > 3 else "")
-    if text and not worst.count:
-        raise NotComputed(f"left out: {text}")
-    return f"; left out: {text}" if text else ""
 
 
 # -- fingers ----------------------------------------------------------------------------------
@@ -191,16 +187,16 @@ def _fingers(model: Model) -> list[Group]:
 @check("rest.contacts", source="f = J⁻ᵀ τ",
        asks="at rest, do contact forces balance the tendon tension?",
        compared="contact forces from tensions, springs and geometry against the recorded ones, "
-                "{count:finger}, worst: {where}{note}",
+                "{count:finger}, worst: {where}",
        none="there is no finger")
-def _contacts(evidence: Evidence, worst: Worst) -> str:
+def _contacts(evidence: Evidence, worst: Worst) -> None:
     """Forces f = J^-T tau of fingers with as many frictionless contacts as joints."""
-    rest, left_out = _at_rest(evidence), []
+    rest = _at_rest(evidence)
     for group in _fingers(rest.model):
         grip = grip_of(rest, group)
         reason = _no_closed_form(rest, grip)
         if grip is None or reason:
-            left_out.append(f"{group.name}: {reason}")
+            worst.left_out.append(f"{group.name}: {reason}")
             continue
         about = [rest.about(j, beyond_joint(rest.model, j)) for j in grip.hinges]
         force = contact_forces(grip.jacobian, [-each.others for each in about])
@@ -209,10 +205,6 @@ def _contacts(evidence: Evidence, worst: Worst) -> str:
         error = float(np.abs(force - grip.normal).max())
         worst.add(group.name, np.array([error / scale]),
                   MOMENT * float(inverse) * max(each.largest for each in about) / scale)
-    text = "; ".join(left_out[:4])
-    if text and not worst.count:
-        raise NotComputed(text)
-    return f"; left out: {text}" if text else ""
 
 
 def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
