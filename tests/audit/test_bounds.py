@@ -128,96 +128,68 @@ def test_a_disc_in_a_rough_groove_rubs_up_or_down_on_both_sides():
             assert not one.tangential.outside
 
 
-def resting(normal, *, at=(0.0, 0.0), shape=None, change=None, **more):
-    """A block of 0.2 kg on a smooth floor, and what else holds it."""
-    shape = shape or {"type": "circle", "radius": 0.01}
-    floor = {"name": "floor", "motion": "fixed", "shapes": [
-        {"type": "box", "size": (0.2, 0.02), "at": (-0.1, -0.01)}], "material": "m"}
-    return still(
-        machine({**block("block", (0.0, 0.01)), "shapes": [shape], "material": "m"}, floor,
-                gravity=(0.0, -G), materials={"m": {"friction": 0.0}}, **more),
-        change, n=1, touches=[(0, 1, 2, (0.0, normal), (0.0, 1.0), at, 0.0)])
-
-
 BAR = {"type": "box", "size": (0.1, 0.02)}
-CORD = {"name": "cord", "guides": [{"body": "block", "at": (0.05, 0.0)},
-                                   {"body": "wall", "at": (0.05, 0.3)}]}
+CAPSULE = {"type": "capsule", "start": (-0.05, 0.0), "end": (0.05, 0.0), "radius": 0.01}
 
 
-def pulled(tension):
-    return lambda a: a["tendon_tension"].__setitem__(slice(None), tension)
-
-
-@pytest.mark.parametrize("shape", [BAR, {"type": "capsule", "start": (-0.05, 0.0),
-                                         "end": (0.05, 0.0), "radius": 0.01}])
+@pytest.mark.parametrize("shape", [BAR, CAPSULE])
 def test_a_bar_that_lies_on_half_its_length_and_hangs_at_its_end(shape):
-    """The floor at d left of the middle, 0 to a, the cord at a: N = W / (1 + d / a)."""
-    run = resting(WEIGHT / 1.6, at=(-0.03, 0.0), shape=shape, tendons=[CORD],
-                  change=pulled(WEIGHT * 0.6 / 1.6))
+    """The floor at d left of the middle, 0 to a, the tendon at a: N = W / (1 + d / a)."""
+    floor = {"name": "floor", "motion": "fixed", "shapes": [
+        {"type": "box", "size": (0.2, 0.02), "at": (-0.1, -0.01)}]}
+    run = still(
+        machine({**block("bar", (0.0, 0.01)), "shapes": [shape]}, floor, gravity=(0.0, -G),
+                contacts=[{"between": ("bar", "floor"), "friction": 0.0}],
+                tendons=[{"name": "tendon", "guides": [{"body": "bar", "at": (0.05, 0.0)},
+                                                       {"body": "wall", "at": (0.05, 0.3)}]}]),
+        lambda a: a["tendon_tension"].__setitem__(slice(None), WEIGHT * 0.6 / 1.6), n=1,
+        touches=[(0, 1, 2, (0.0, WEIGHT / 1.6), (0.0, 1.0), (-0.03, 0.0), 0.0)])
     ((normal, rubs),) = between(run)
     assert normal == pytest.approx((WEIGHT / 2, WEIGHT))
     assert rubs == (0.0, 0.0)
     assert figures(run)["contact.bounds"].verdict == "pass"
 
 
-def lever(drive, rate=0.0, arrays=None, **hinge):
-    """What a lever on a smooth disc, 50 mm from its hinge, may press with; it turns down [rad/s].
+@pytest.mark.parametrize(("drive", "hinge", "arrays", "low", "high"), [
+    ({"type": "torque", "value": -0.15}, {"limits": (0.0, 1.0)}, {}, 0.0, 3.0),
+    ({"type": "torque", "value": 0.15}, {"limits": (-1.0, 0.0), "positive": "clockwise"}, {},
+     0.0, 3.0),
+    ({"type": "torque", "value": 0.15}, {"limits": (-1.0, 0.2), "positive": "clockwise"}, {},
+     3.0, 3.0),
+    *(({"type": "torque", "value": -0.15}, hinge,
+       {"joint_sticks": sticks, "joint_friction": 0.0, "joint_force": (0.0, -3.0)},
+       *((low, high) if sticks else (3.0, 3.0)))
+      for hinge, low, high in (
+          ({"friction": 0.1}, 1.0, 5.0), ({"friction": 0.1, "static": 1.2}, 0.6, 5.4),
+          ({"friction_coefficient": 0.5, "pin_radius": 0.04}, 1.8, 4.2)) for sticks in (1.0, 0.0)),
+    ({"type": "motor", "value": 1.0, "torque": 0.3}, {}, {}, 0.0, 6.0),
+    ({"type": "brake", "value": 0.3}, {}, {}, 0.0, 6.0)])
+def test_stops_friction_motors_and_brakes_may_carry_what_a_contact_does_not(
+    drive, hinge, arrays, low, high,
+):
+    """A lever on a smooth disc, 50 mm from its hinge; a torque of 0.15 N m presses it down.
 
-    What a motor or brake is said to have given is not asked.
+    Stops that are reached, friction that sticks under the recorded reaction, motors and brakes act
+    up to their limits, whatever their recorded torque; friction that slips is known.
     """
     def change(a):
         a["drive_value"][:] = drive["value"]
         a["drive_torque"][:] = -0.15
-        a["body_velocity"][:, 1, 2] = -rate
-        for key, value in (arrays or {}).items():
+        for key, value in arrays.items():
             a[key][:] = value
     run = still(machine(
-        {**block("lever"), "shapes": [{"type": "box", "size": (0.1, 0.01), "at": (0.05, 0.005)}],
-         "material": "m"},
-        {"name": "disc", "motion": "fixed", "at": (0.05, -0.02), "material": "m",
+        {**block("lever"), "shapes": [{"type": "box", "size": (0.1, 0.01), "at": (0.05, 0.005)}]},
+        {"name": "disc", "motion": "fixed", "at": (0.05, -0.02),
          "shapes": [{"type": "circle", "radius": 0.02}]},
-        materials={"m": {"friction": 0.0}},
+        contacts=[{"between": ("lever", "disc"), "friction": 0.0}],
         joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "lever", "on_b": (0, 0), **hinge}],
         drives=[{"name": "d", "joint": "pin", **drive}]),
         change, n=1, touches=[(0, 1, 2, (0.0, 3.0), (0.0, 1.0), (0.05, 0.0), 0.0)])
     ((normal, _),) = between(run)
-    return normal
+    assert normal == pytest.approx((low, high), abs=1e-12)
 
 
-@pytest.mark.parametrize(("limits", "low", "positive"), [
-    ((0.0, 1.0), 0.0, "counterclockwise"), ((0.0, 1.0), 0.0, "clockwise"),
-    ((-0.2, 1.0), 3.0, "clockwise")])
-def test_a_stop_that_is_reached_may_carry_what_the_contact_does_not(limits, low, positive):
-    """0.15 N m press it down; a stop may hold it up."""
-    sign = 1 if positive == "counterclockwise" else -1
-    ends = tuple(sorted(sign * limit for limit in limits))
-    found = lever({"type": "torque", "value": -0.15 * sign}, limits=ends, positive=positive)
-    assert found == pytest.approx((low, 3.0), abs=1e-12)
-
-
-@pytest.mark.parametrize(("hinge", "reaction", "low", "high"), [
-    ({"friction": 0.1}, 3.0, 1.0, 5.0), ({"friction": 0.1, "static": 1.2}, 3.0, 0.6, 5.4),
-    ({"friction_coefficient": 0.5, "pin_radius": 0.04}, 3.0, 1.8, 4.2)])
-@pytest.mark.parametrize("holds", [1.0, 0.0])
-def test_friction_that_holds_may_carry_what_the_contact_does_not(
-    hinge, reaction, low, high, holds,
-):
-    """Up to its bound, under the reaction that was recorded; what slips is known."""
-    found = lever({"type": "torque", "value": -0.15}, **hinge, arrays={
-        "joint_sticks": holds, "joint_friction": 0.0, "joint_force": (0.0, -reaction)})
-    assert found == pytest.approx((low, high) if holds else (3.0, 3.0), abs=1e-12)
-
-
-@pytest.mark.parametrize("drive", [
-    {"type": "motor", "value": 1.0, "torque": 0.3}, {"type": "brake", "value": 0.3}])
-def test_motors_and_brakes_give_up_to_their_most_whatever_is_recorded(drive):
-    assert lever(drive) == pytest.approx((0.0, 0.3 / 0.05), abs=1e-12)
-
-
-# -- the figure
-
-
-# --- pushes
+# -- pushes
 
 
 MASS = 0.2
@@ -248,20 +220,6 @@ def test_a_box_slides_or_tips(mu, width, height):
     found = limits(standing(mu, width, height), RIGHT, LEFT, UP, DOWN)
     np.testing.assert_allclose(found[:3], [least, least, WEIGHT], rtol=1e-6)
     assert np.isinf(found[3])
-
-
-def test_steep_pushes_down_on_a_box_jam():
-    """Within the friction cone no push is too large; a degree outside of it one is.
-
-    F cos(a) = mu (W + F sin(a)).
-    """
-    mu = 0.5
-    cone = np.arctan(1 / mu)
-    inside, outside = -cone - np.radians(1), -cone + np.radians(1)
-    found = limits(standing(mu, 0.2, 0.02), inside, outside)
-    assert np.isinf(found[0])
-    assert found[1] == pytest.approx(
-        mu * WEIGHT / (np.cos(outside) + mu * np.sin(outside)), rel=1e-6)
 
 
 def test_what_nothing_touches_and_what_nothing_balances():
