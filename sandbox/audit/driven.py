@@ -185,13 +185,8 @@ def held_off(evidence: Evidence, drive: int) -> float:
     joints; :data:`FADED` of the last impulse is dropped first. Impulses of steps that were not
     recorded follow from the work since the last sample.
     """
-    a, joints = evidence.run.arrays, evidence.model.joints
-    j = int(evidence.model.drives.target[drive])
-    alone = float((1 / a["body_inertia"][joints.bodies[j]]).sum())
-    if joints.kind[j].line:  # a rod of its points' masses at most
-        alone = sum(float(1 / a["body_mass"][n] + max(
-            peak(ends.arm_x[j]), peak(ends.arm_y[j]))**2 * 2 / a["body_inertia"][n])
-            for n, ends in zip(joints.bodies[j], evidence.loads.frames.anchors, strict=True))
+    a, j = evidence.run.arrays, evidence.model.drives.target[drive]
+    alone = peak(evidence.answer(evidence.loads.drive_efforts, drive))
     impulse = evidence.h * peak(a["drive_torque"][:, drive])
     if not evidence.every_step:
         rate = np.concatenate([[initial_rate(evidence, drive)], evidence.rates[j]])

@@ -13,7 +13,7 @@ from sandbox.model.joints import place_in_slot
 from sandbox.model.pairs import pair_skins, restitution_of
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags
-from sandbox.samples.loads import Loads
+from sandbox.samples.loads import Batch, Loads
 from sandbox.samples.samples import Samples
 from sandbox.scene.geometry import count_solids
 
@@ -218,6 +218,16 @@ class Evidence:
     def vectors(self) -> bool:
         """Whether joints' forces were kept as vectors."""
         return not np.isnan(self.run.arrays["joint_force"]).all() or not self.model.joints.name
+
+    def answer(self, efforts: Batch, element: int) -> Array:
+        """Change of an element's rate by an effort of 1 N s or 1 N m s on separate bodies, [n]."""
+        own = efforts.element == element
+        mass, _, inertia = self.loads.weights[efforts.body[own]].T[..., None]
+        free = mass > 0
+        push, turn = (np.divide(size, weight, out=np.zeros_like(size), where=free)
+                      for size, weight in ((efforts.x[own]**2 + efforts.y[own]**2, mass),
+                                           (efforts.moment[own]**2, inertia)))
+        return np.asarray((push + turn).sum(axis=0))
 
     @cached_property
     def last(self) -> Evidence:

@@ -165,7 +165,7 @@ def _joints(evidence: Evidence, worst: Worst) -> None:
         friction, sticks = a["joint_friction"][:, j], a["joint_sticks"][:, j] == 1.0
         sliding = joints.friction[j] + joints.rubbing[j] * carried(evidence, j)
         most, rate, name = joints.static[j] * sliding, rates[j], joints.name[j]
-        largest, fast, alone = whole(most), 1 + peak(rate), _alone(evidence, j)
+        largest, fast, alone = whole(most), 1 + peak(rate), evidence.answer(pushes, j)
         unsure = EXACT + MEASURED / (h * alone.min() * largest)
         begins = np.append(True, sticks[:-1] | (rate[1:] * rate[:-1] < 0))
         some, size = begins * (most - sliding) / 2, np.abs(friction)
@@ -187,18 +187,6 @@ def carried(evidence: Evidence, joint: int) -> Array:
         return np.asarray(np.hypot(force[:, 0], force[:, 1]))
     x, y = evidence.loads.frames.groove_direction(joint)
     return np.asarray(np.abs(x * force[:, 1] - y * force[:, 0]))
-
-
-def _alone(evidence: Evidence, joint: int) -> Array:
-    """Change of the rate of two separate bodies by friction of 1 N s or 1 N m s, [n]."""
-    efforts = evidence.loads.friction_efforts
-    own = efforts.element == joint
-    mass, _, inertia = evidence.loads.weights[efforts.body[own]].T[..., None]
-    free = mass > 0
-    parts = np.divide(efforts.x[own]**2 + efforts.y[own]**2, mass, where=free,
-                      out=np.zeros_like(efforts.x[own]))
-    parts += np.divide(efforts.moment[own]**2, inertia, where=free, out=np.zeros_like(parts))
-    return np.asarray(parts.sum(axis=0))
 
 
 def _bend(evidence: Evidence, joint: int) -> Array | float:
