@@ -118,9 +118,10 @@ class _Balance(NamedTuple):
     """Tolerance without the error of the step, relative to the scale."""
     allowed: float
     """Tolerance with it."""
-    started: StartsAtSpeed
-    blow: bool
-    """Whether motors that start at speed exceed the error of the step."""
+    cost: float
+    """Loss by motors that start at speed [J]."""
+    jumps: list[str]
+    """These motors, if their loss exceeds the error of the step."""
 
 
 def _balance(evidence: Evidence) -> _Balance:
@@ -146,12 +147,14 @@ def _balance(evidence: Evidence) -> _Balance:
     for kind in ("tendon", "spring", "line", "load", "joint_damping", "joint_friction"):
         left = left - np.nan_to_num(a[f"{kind}_work"]).sum(axis=1)
     least = EXACT + _of_gaps(evidence) / scale
-    started, most, error = starts(evidence), scale * LARGEST_STEP_ERROR, _of_the_step(evidence)
-    blow = not started.cost <= scale * least + min(error, most)
-    allowed = least + min(error + started.unsure * blow, most) / scale
+    most, error, (jumps, cost, unsure) = (
+        scale * LARGEST_STEP_ERROR, _of_the_step(evidence), starts(evidence))
+    if cost <= scale * least + min(error, most):
+        jumps, unsure = [], 0.0
+    allowed = least + min(error + unsure, most) / scale
     if not evidence.joints_hold.all():
         left = left - _work_of_joints(evidence, ~evidence.joints_hold)
-    return _Balance(scale, left, least, allowed, started, blow)
+    return _Balance(scale, left, least, allowed, cost, jumps)
 
 
 def _closed_balance(evidence: Evidence) -> _Balance:
@@ -174,10 +177,10 @@ def _started(evidence: Evidence, worst: Worst) -> str:
     balance = evidence.once(_balance)
     if not paced(evidence.model).any():
         raise NotComputed("there is no motor")
-    worst.judge(balance.started.cost / balance.scale, balance.allowed)
-    if not balance.blow:
+    worst.judge(balance.cost / balance.scale, balance.allowed)
+    if not balance.jumps:
         return "every motor starts at the speed of its hinge"
-    return (f"{'; '.join(balance.started.jumps[:3])}. This is an impact in one step: its forces "
+    return (f"{'; '.join(balance.jumps[:3])}. This is an impact in one step: its forces "
             "grow as 1 / step. A signal that starts at the hinge's speed avoids it")
 
 
@@ -320,19 +323,8 @@ def _of_the_step(evidence: Evidence) -> float:
 # -- motors that start at speed ---------------------------------------------------------------
 
 
-class StartsAtSpeed(NamedTuple):
-    """Effects of motors that start at speed."""
-
-    jumps: list[str]
-    """A description of each."""
-    cost: float
-    """Energy lost between motors and slower hinges [J]."""
-    unsure: float
-    """Largest energy from joints in steps that were not recorded [J]."""
-
-
-def starts(evidence: Evidence) -> StartsAtSpeed:
-    """All starts in a run."""
+def starts(evidence: Evidence) -> tuple[list[str], float, float]:
+    """Motors that start at speed, their loss, and the most that joints do besides unseen [J]."""
     a, drives, texts, cost, unsure = evidence.run.arrays, evidence.model.drives, [], 0.0, 0.0
     weights, acceleration = evidence.loads.weights.T, evidence.loads.frames.acceleration
     for drive, sample, before, speed in _jumps(evidence):
@@ -356,7 +348,7 @@ def starts(evidence: Evidence) -> StartsAtSpeed:
         bend = acceleration[..., after] - (acceleration[..., sample - 1] if sample else 0.0)
         unsure += 0.0 if evidence.every_step else float(
             evidence.h / 2 * np.abs(weights * change * bend).sum())
-    return StartsAtSpeed(texts, cost, unsure)
+    return texts, cost, unsure
 
 
 def _jumps(evidence: Evidence) -> Iterator[tuple[int, int, float, float]]:

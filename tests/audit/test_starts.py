@@ -84,7 +84,7 @@ def test_a_motor_that_starts_at_speed_is_told_and_nothing_else(angle, rate):
 @pytest.mark.parametrize("angle", ANGLES)
 def test_it_costs_as_much_again_as_it_gives(angle, rate):
     """J u^2 / 2. Where the first step was not recorded half of the next one's work is in it."""
-    cost = starts(Evidence(crank(angle, rate))).cost
+    _, cost, _ = starts(Evidence(crank(angle, rate)))
     truth = inertia(angle) * U**2 / 2
     later = inertia(angle + 2 * H * U) * U**2 / 2
     assert cost == pytest.approx(truth, abs=abs(later - truth) + (H * U)**2 * truth)
