@@ -12,7 +12,7 @@ from sandbox.audit.outlines import touched
 from sandbox.mechanics.statics import contact_forces, determined_forces, point_jacobian
 from sandbox.model.model import Model
 from sandbox.model.pairs import friction_of
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array
 from sandbox.samples.contacts import TOUCH
 from sandbox.scene.settings import Group
 from sandbox.wording import counted
@@ -62,6 +62,7 @@ class Rest:
 
     def __init__(self, final: Evidence) -> None:
         self.loads, self.model = final.loads, final.model
+        self.fingers = [group for group in self.model.mechanism.groups if group.kind == "finger"]
         frames, sides, parts, count = self.loads.frames, self.loads.contact_sides, [], 0
         for batch in self.loads.batches:
             parts.append((count + batch.element, batch.body, batch.x[:, 0], batch.y[:, 0],
@@ -131,7 +132,6 @@ class Grip(NamedTuple):
     """A finger's hinges, the external contacts on it in one sample, and their Jacobian."""
 
     hinges: list[int]
-    phalanx: Integers
     jacobian: Array
     """Of the normals, counter-clockwise [m], [contacts, hinges]."""
     tangents: Array
@@ -142,16 +142,13 @@ class Grip(NamedTuple):
 
 def _chain(model: Model, group: Group) -> list[int]:
     """The hinges of a finger from the palm out; empty if it is no chain of hinges."""
-    numbers = model.names.body
-    members = [numbers[name] for name in group.bodies if name in numbers]
-    hinges = []
-    for body in members:
-        own = [j for j in model.joints.pivots.tolist() if model.joints.bodies[j, 1] == body]
-        if len(own) != 1:
-            return []
-        hinges.append(own[0])
-    inner = model.joints.bodies[hinges[1:], 0].tolist()
-    return hinges if inner == members[:-1] else []
+    members = [model.names.body[name] for name in group.bodies if name in model.names.body]
+    pivots = model.joints.pivots
+    own = [pivots[model.joints.bodies[pivots, 1] == body].tolist() for body in members]
+    hinges = [each[0] for each in own if len(each) == 1]
+    chained = len(hinges) == len(members) and (
+        model.joints.bodies[hinges[1:], 0].tolist() == members[:-1])
+    return hinges if chained else []
 
 
 def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
@@ -176,12 +173,8 @@ def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
     at = np.column_stack([anchor.x[hinges, 0], anchor.y[hinges, 0]])
     rough = np.array([friction_of(model.mechanism, *both) > 0 for both in pair[:, rows].T.tolist()],
                      dtype=bool)
-    return Grip(hinges, phalanx, point_jacobian(points, normals, at, phalanx),
+    return Grip(hinges, point_jacobian(points, normals, at, phalanx),
                 point_jacobian(points[rough], tangents[rough], at, phalanx[rough]), normal[rows])
-
-
-def _fingers(model: Model) -> list[Group]:
-    return [group for group in model.mechanism.groups if group.kind == "finger"]
 
 
 @check("rest.contacts", source="f = J⁻ᵀ τ",
@@ -192,7 +185,7 @@ def _fingers(model: Model) -> list[Group]:
 def _contacts(evidence: Evidence, worst: Worst) -> None:
     """Forces f = J^-T tau of fingers with as many frictionless contacts as joints."""
     rest = _at_rest(evidence)
-    for group in _fingers(rest.model):
+    for group in rest.fingers:
         grip = grip_of(rest, group)
         reason = _no_closed_form(rest, grip)
         if grip is None or reason:
@@ -229,11 +222,10 @@ def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
 def _determined(evidence: Evidence, worst: Worst) -> str:
     """Contacts without a force count: they may carry one in another set of forces."""
     rest = Rest(touched(evidence.last, least=TOUCH))
-    fingers = _fingers(rest.model)
-    if not fingers:
+    if not rest.fingers:
         raise NotComputed("there is no finger")
     shared, states = 0, []
-    for group in fingers:
+    for group in rest.fingers:
         grip = grip_of(rest, group, least=-np.inf)
         if grip is None:
             states.append(f"{group.name} is no chain of hinges")

@@ -155,7 +155,6 @@ def test_the_normal_counts_from_the_fingers_side_wherever_it_stands_in_the_row(t
     assert grip.jacobian == pytest.approx(np.array([[0.05, 0.0], [0.16, 0.06]]))
     assert grip.normal == pytest.approx([2.0, 5.0])
     assert grip.hinges == [0, 1]
-    assert grip.phalanx.tolist() == [0, 1]
 
 
 @pytest.mark.parametrize(("more", "words"), [
