@@ -97,10 +97,10 @@ def _tendon_wheels(evidence: Evidence, worst: Worst) -> None:
     for k, guide in enumerate(tendons.wheels.tolist()):
         tendon = int(np.searchsorted(tendons.first, guide, side="right")) - 1
         name = f"{tendons.name[tendon]} at guide {guide - int(tendons.first[tendon])}"
-        radius, found = abs(float(tendons.guide_radius[guide])), lying(loads.frames, loads.cords, k)
-        worst.add(name, radius * np.maximum(-found.angle, 0.0), ROUNDING + GRAZE * radius)
-        worst.add(f"{name}, which it is off", np.nan_to_num(np.maximum(-found.clear, 0.0)),
-                  ROUNDING)
+        radius = abs(float(tendons.guide_radius[guide]))
+        angle, clear = lying(loads.frames, loads.cords, k)
+        worst.add(name, radius * np.maximum(-angle, 0.0), ROUNDING + GRAZE * radius)
+        worst.add(f"{name}, which it is off", np.nan_to_num(np.maximum(-clear, 0.0)), ROUNDING)
 
 
 @check("tendon.shortening", "m", "(16)-(19)",

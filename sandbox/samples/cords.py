@@ -183,49 +183,31 @@ def _wrap(frames: Frames, cords: Stretches, tendon: int, place: int) -> Array:
     return np.asarray(_on_wheel(frames, angle, tendon, place)[1:] / abs(radius))
 
 
-class Lying(NamedTuple):
-    """How a cord lies on, or passes, a wheel that it can lift off."""
+def lying(frames: Frames, cords: Stretches, wheel: int) -> tuple[Array, Array]:
+    """How a cord lies on a wheel that it can lift off, or passes it.
 
-    angle: Array
-    """By which it lies on it [rad], [n]; 0 where it is off."""
-    clear: Array
-    """How far it passes it [m], [n]; below 0 if it is in its way, nan where it is on."""
-
-
-def lying(frames: Frames, cords: Stretches, wheel: int) -> Lying:
-    """The same of one of :attr:`sandbox.model.model.Tendons.wheels`.
-
-    A wheel that is beyond an end of the straight piece is not in its way.
+    The angle by which it lies on it [rad], [n], 0 where it is off; and how far it passes it [m],
+    [n]: below 0 if the wheel is in its way, inf beyond an end of the straight piece, nan where it
+    is on. Wheels are those of :attr:`sandbox.model.model.Tendons.wheels`.
     """
     tendons, off = frames.model.tendons, off_wheels(frames.run.arrays)
     guide = int(tendons.wheels[wheel])
     tendon = int(np.searchsorted(tendons.first, guide, side="right")) - 1
     path, own = tendons.guides(tendon), np.flatnonzero(tendons.stretch_tendon == tendon)
-    place = guide - path.start
-    loose = {int(g): off[:, k] for k, g in enumerate(tendons.wheels)}
-    never = np.zeros(frames.samples, dtype=bool)
-
-    def edge(which: int, piece: int, centres: Places) -> Array:
-        """Where the straight piece begins or ends, [2, n], if the cord lies on that guide."""
-        radius = float(tendons.guide_radius[path.start + which])
-        return np.array([centres.x[piece] - radius * cords.y[piece],
-                         centres.y[piece] + radius * cords.x[piece]])
-
-    begin, end = edge(0, own[0], cords.start), edge(len(own), own[-1], cords.end)
-    for before in range(1, place):
-        passed = loose.get(path.start + before, never)
-        begin = np.where(passed, begin, edge(before, own[before], cords.start))
-    for after in range(len(own) - 1, place, -1):
-        passed = loose.get(path.start + after, never)
-        end = np.where(passed, end, edge(after, own[after - 1], cords.end))
-    u, piece = np.array([cords.x[own[place]], cords.y[own[place]]]), own[place]
-    centre = np.array([cords.start.x[piece], cords.start.y[piece]])
-    radius = float(tendons.guide_radius[guide])
-    across = u[0] * (centre - begin)[1] - u[1] * (centre - begin)[0]
-    clear = -np.sign(radius) * across - abs(radius)
-    beside = ((u * (centre - begin)).sum(axis=0) > 0) & ((u * (end - centre)).sum(axis=0) > 0)
-    return Lying(_wrap(frames, cords, tendon, place), np.where(
-        off[:, wheel], np.where(beside, clear, np.inf), np.nan))
+    place, n = guide - path.start, np.arange(frames.samples)
+    u = cords.x[own] + 1j * cords.y[own]
+    start, end = (part.x[own] + 1j * part.y[own] for part in (cords.start, cords.end))
+    radius = tendons.guide_radius[path.start:path.start + len(own) + 1, None]
+    on = np.ones((len(own) + 1, frames.samples), dtype=bool)
+    for k in np.flatnonzero((tendons.wheels >= path.start) & (tendons.wheels < path.stop)):
+        on[tendons.wheels[k] - path.start] = ~off[:, k]
+    # the straight piece is between the nearest guides that the cord lies on
+    begin = (start + 1j * radius[:-1] * u)[place - 1 - on[:place][::-1].argmax(axis=0), n]
+    finish = (end + 1j * radius[1:] * u)[place + on[place + 1:].argmax(axis=0), n]
+    before, after = ((start[place] - begin) / u[place], (finish - start[place]) / u[place])
+    clear = -np.sign(radius[place]) * before.imag - np.abs(radius[place])
+    passes = np.where((before.real > 0) & (after.real > 0), clear, np.inf)
+    return _wrap(frames, cords, tendon, place), np.where(off[:, wheel], passes, np.nan)
 
 
 def span_length(frames: Frames, cords: Stretches, span: CordSpan) -> tuple[Array, Array]:
