@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from sandbox.audit import (
-    balance,
     bounds,
     contacts,
     driven,
@@ -23,7 +22,7 @@ from sandbox.audit import (
     friction,
     geometry,
     laws,
-    motion,
+    outlines,
     rest,
 )
 from sandbox.audit.evidence import Evidence
@@ -34,8 +33,8 @@ __all__ = ["ADVICE", "ASKS", "CHECKS", "Figure", "advice_on", "audit", "figure_d
 
 CHECKS: Mapping[str, Check] = {
     each.name: each
-    for module in (geometry, motion, laws, friction, fluids, driven, balance, energy, rest,
-                   contacts, bounds)
+    for module in (geometry, laws, friction, fluids, driven, energy, rest, outlines, contacts,
+                   bounds)
     for each in vars(module).values() if isinstance(each, Check)}
 """All checks by name, in the order of the docs."""
 ASKS: Mapping[str, str] = {name: each.asks for name, each in CHECKS.items()}

@@ -14,23 +14,195 @@ the largest such force there is no balance at rest in this pose; below it someth
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.audit.contacts import CONE
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import EXACT, ROUNDING, SMALLEST_SCALE, NotComputed, Worst, check
-from sandbox.audit.touching import touched
-from sandbox.audit.unknowns import Unknown, Unknowns
+from sandbox.audit.figures import (
+    EXACT,
+    ROUNDING,
+    SMALLEST_SCALE,
+    STOPPED,
+    NotComputed,
+    Worst,
+    check,
+)
+from sandbox.audit.friction import carried
+from sandbox.audit.outlines import pressed, touched
+from sandbox.elements.tendons import RIGID
 from sandbox.mechanics.linear_program import LinearProgram
-from sandbox.model.supports import RANK, components
-from sandbox.numeric import Array
+from sandbox.model.joints import flank_of, slot_length
+from sandbox.model.model import NONE
+from sandbox.model.pairs import static_friction_of
+from sandbox.model.supports import RANK, about_centre, components, joint_rows
+from sandbox.numeric import Array, Flags
+from sandbox.samples.loads import Batch
 
 MANY = 60
 """Contacts at the end above which the audit leaves their bounds out."""
 MOST = 300
 """Largest number of connected rows of balance, three a body."""
+
+
+class Unknown(NamedTuple):
+    """One force or couple of unknown magnitude."""
+
+    does: dict[int, Array]
+    """Wrench of a unit: force x, y and moment about the centre of mass, by body, [3]."""
+    free: bool = False
+    """Whether it may have either sign."""
+    most: float = np.inf
+    """Largest magnitude [N, N m]."""
+    contact: int = NONE
+    """The contact row that it belongs to."""
+    normal: float = 0.0
+    """Contribution of a unit to that row's normal force, and to its tangential one."""
+    tangential: float = 0.0
+    below: float = 0.0
+    """Rounding error below 0 [N] of the recorded force."""
+
+
+class Unknowns:
+    """The forces of a single sample that only balance determines, and the known ones.
+
+    Joints carry any load; contacts push within their friction cones; stops, ends of grooves and
+    ropes push back where they are reached; rigid tendons pull if they are taut, with one tension
+    along their path; motors and brakes act up to their limits. All others (weight, springs, soft
+    tendons, pulled ones, dampers, forces and torques of drives) are known; other checks compare
+    them with their laws.
+    """
+
+    def __init__(self, evidence: Evidence) -> None:
+        self.evidence, self.model, self.loads = evidence, evidence.model, evidence.loads
+        self.arrays, frames = evidence.run.arrays, evidence.loads.frames
+        self.centre = np.stack([frames.centre_x[:, 0], frames.centre_y[:, 0]], axis=1)
+        tendons, free = self.model.tendons, self.model.bodies.free
+        # with friction at guides tensions depend on the past: they are known
+        self.rigid = (tendons.drive == NONE) & (tendons.stiffness >= RIGID) & np.array(
+            [not len(tendons.gripped(cord)) for cord in range(len(tendons.name))], dtype=bool)
+        found = [*self._joints(), *self._ends(), *self._cords(), *self._motors(), *self._contacts()]
+        found = [one._replace(does={body: wrench for body, wrench in one.does.items()
+                                    if free[body]}) for one in found]
+        self.all = [one for one in found if one.does]
+        """All unknown forces that act on a body that moves freely."""
+        self.target = self.loads.weights * self.arrays["body_acceleration"][0]
+        """Sum of the unknown forces: m a and I alpha minus all known loads, [nb, 3]."""
+        for batch in self.loads.batches:
+            known = self._known(batch)
+            np.subtract.at(self.target, batch.body[known], np.stack(
+                [part[known, 0] for part in (batch.x, batch.y, batch.moment)], axis=1))
+
+    def _known(self, batch: Batch) -> Flags:
+        drives = self.model.drives
+        if batch.kind == "tendon":
+            return np.asarray(~self.rigid[batch.element])
+        if batch.kind == "drive":
+            limited = np.array([kind.limited for kind in drives.kind], dtype=bool)
+            return np.asarray((~limited | ~np.isnan(drives.slope))[batch.element])
+        if batch.kind == "friction":  # slipping friction is at its bound
+            return np.asarray(self.arrays["joint_sticks"][0, batch.element] == 0.0)
+        return np.full(len(batch.body), batch.kind != "stop")
+
+    def _joints(self) -> Iterator[Unknown]:
+        pose, model = self.arrays["body_pose"][0], self.model
+        for j in np.flatnonzero(self.evidence.holds("joint")[:, 0]).tolist():
+            force, flank = self.arrays["joint_force"][0, j], 0
+            if model.joints.kind[j].teeth and force.any():  # the flank that pushed
+                one, other = (flank_of(model, j, pose, side) for side in (1, -1))
+                flank = 1 if (one.x - other.x) * force[0] + (
+                    one.y - other.y) * force[1] >= 0 else -1
+            for row in joint_rows(model, pose, j, flank=flank):
+                yield Unknown({body: about_centre(model, pose, body, wrench)
+                               for body, wrench in row}, free=True)
+
+    def _pair(self, one: int, two: int, at: Array, force: Array, couple: float = 0.0) -> dict[
+            int, Array]:
+        """A force at a position in the world, and a couple, on ``one`` by ``two``."""
+        does = {}
+        for sign, body in ((1.0, one), (-1.0, two)):
+            arm = at - self.centre[body]
+            does[body] = sign * np.array([*force, arm[0] * force[1] - arm[1] * force[0] + couple])
+        return does
+
+    def _ends(self) -> Iterator[Unknown]:
+        """Stops, taut ropes, telescopes at their shortest, points at an end of their groove."""
+        joints, frames, evidence = self.model.joints, self.loads.frames, self.evidence
+        velocity, h = np.abs(evidence.velocity[:, :, 0]), evidence.h
+        for j in joints.keeping("range", "groove").tolist():
+            a, b = joints.bodies[j].tolist()
+            on_a, on_b = (np.array([end.x[j, 0], end.y[j, 0]]) for end in frames.anchors)
+            if joints.kind[j].keeps == "groove":
+                place, high = frames.place_in_slot(j), slot_length(self.model, j)
+                length, way = float(place.along[0]), np.array([place.x[0], place.y[0]])
+                low = -math.inf if math.isinf(high) else 0.0
+            else:
+                low, high = joints.reach[j].tolist()
+                length = float(np.hypot(*(on_b - on_a)))
+                way = (on_b - on_a) / max(length, ROUNDING)
+            moves = sum(velocity[:2, n].sum() + velocity[2, n] * np.hypot(*(on_b - self.centre[n]))
+                        for n in (a, b))
+            for sign in _reached(length, low, high, STOPPED + 2 * h * float(moves)):
+                yield Unknown(self._pair(b, a, on_b, sign * way))
+        for j in joints.stopped.tolist():
+            rate = np.abs(evidence.rates[j, 0]) + np.abs(evidence.rates_after[j, 0])
+            low, high = joints.stops[j].tolist()
+            near = STOPPED + h * float(rate)
+            for sign in _reached(float(evidence.angles[j, 0]), low, high, near):
+                torque = self.loads.joint_efforts.on_bodies(j)
+                yield Unknown({body: sign * wrench for body, wrench in torque.items()})
+
+    def _cords(self) -> Iterator[Unknown]:
+        a = self.arrays
+        for cord in np.flatnonzero(self.rigid).tolist():
+            efforts = self.loads.cord_efforts
+            rates = efforts.rates(len(self.rigid), self.evidence.velocity)
+            stretch = float(a["tendon_length"][0, cord] - a["tendon_rest"][cord])
+            if stretch + 2 * self.evidence.h * abs(float(rates[cord, 0])) >= -ROUNDING:
+                yield Unknown({body: -wrench
+                               for body, wrench in efforts.on_bodies(cord).items()})
+
+    def _motors(self) -> Iterator[Unknown]:
+        """Motors and brakes, and friction of joints that stick, up to their limits."""
+        drives, joints, a = self.model.drives, self.model.joints, self.arrays
+        for i, kind in enumerate(drives.kind):
+            if kind.limited and np.isnan(drives.slope[i]):
+                # the limit of a brake is its value
+                most = a["drive_value"][0, i] if np.isnan(drives.most[i]) else drives.most[i]
+                yield Unknown(self.loads.drive_efforts.on_bodies(i), free=True, most=float(most))
+        for j in joints.rubbed.tolist():
+            if a["joint_sticks"][0, j] == 1.0:
+                most = joints.friction[j] + joints.rubbing[j] * carried(self.evidence, j)[0]
+                yield Unknown(self.loads.friction_efforts.on_bodies(j), free=True,
+                              most=float(joints.static[j] * most))
+
+    def _contacts(self) -> Iterator[Unknown]:
+        a = self.arrays
+        for row, normal in enumerate(self.evidence.run.contacts.normal.tolist()):
+            pair = int(a["contact_body"][row]), int(a["contact_other"][row])
+            u = a["contact_normal"][row]
+            left = np.array([-u[1], u[0]])
+            places = pressed(self.evidence, row)
+            if places is None:  # several normals: any resultant is possible
+                at = a["contact_point"][row]
+                for n, t in ((1.0, 0.0), (0.0, 1.0)):
+                    yield Unknown(self._pair(*pair, at, n * u + t * left), free=True, contact=row,
+                                  normal=n, tangential=t)
+                yield Unknown(self._pair(*pair, at, 0 * u, 1.0), free=True, contact=row)
+                continue
+            mu = static_friction_of(self.model.mechanism, *pair)
+            for at in places:
+                for t in (mu, -mu) if mu else (0.0,):
+                    yield Unknown(self._pair(*pair, at, u + t * left), contact=row, normal=1.0,
+                                  tangential=t, below=CONE * abs(normal))
+
+
+def _reached(place: float, low: float, high: float, near: float) -> list[float]:
+    """Signs of the pushes of the ends that are reached."""
+    return [1.0] * (place <= low + near) + [-1.0] * (place >= high - near)
 
 
 class Interval(NamedTuple):
@@ -46,16 +218,14 @@ class Interval(NamedTuple):
     @property
     def excess(self) -> tuple[float, float]:
         """Distance below the least and above the largest [N]; 0 inside."""
-        return _beyond(self.low - self.force), _beyond(self.force - self.high)
+        below, above = (np.inf if np.isnan(off) else max(off, 0.0)
+                        for off in (self.low - self.force, self.force - self.high))
+        return below, above
 
     @property
     def outside(self) -> bool:
         """Whether it exceeds rounding."""
         return any(off > most for off, most in zip(self.excess, self.allowed, strict=True))
-
-
-def _beyond(off: float) -> float:
-    return np.inf if np.isnan(off) else max(off, 0.0)
 
 
 class Bounds(NamedTuple):
@@ -80,34 +250,23 @@ def contact_bounds(
     Raises:
         ArithmeticError: a linear program does not converge.
     """
-    allowed = evidence.left_allowed
-    alone = touched(evidence.alone(sample % len(evidence.run), near))
-    unknowns = Unknowns(alone)
-    found = [bounds for group in together(unknowns) if 3 * len(group.bodies) <= MOST
-             for bounds in Balance(unknowns, group, allowed).bounds()]
-    return sorted(found)
+    unknowns = Unknowns(touched(evidence.alone(sample % len(evidence.run), near)))
+    return sorted(bounds for bodies, forces in _groups(unknowns) if 3 * len(bodies) <= MOST
+                  for bounds in Balance(unknowns, bodies, forces, evidence.left_allowed).bounds())
 
 
-class Together(NamedTuple):
-    """Free bodies, and all unknown forces that act on them."""
-
-    bodies: list[int]
-    forces: list[Unknown]
-
-
-def together(unknowns: Unknowns) -> list[Together]:
-    """Groups with contacts; forces that act on the same free body are connected."""
-    pairs = [(first, body) for first, *others in (list(one.does) for one in unknowns.all)
-             for body in others]
+def _groups(unknowns: Unknowns) -> list[tuple[list[int], list[Unknown]]]:
+    """Free bodies with contacts that forces connect, and all unknown forces on them."""
     free = unknowns.model.bodies.free
-    group = components(len(free), pairs)
-    found: dict[int, Together] = {}
+    group = components(len(free), [(first, body) for first, *others in (
+        list(one.does) for one in unknowns.all) for body in others])
+    found: dict[int, tuple[list[int], list[Unknown]]] = {}
     for one in unknowns.all:
-        found.setdefault(group[next(iter(one.does))], Together([], [])).forces.append(one)
+        found.setdefault(group[next(iter(one.does))], ([], []))[1].append(one)
     for body in np.flatnonzero(free).tolist():
         if group[body] in found:
-            found[group[body]].bodies.append(body)
-    return [each for each in found.values() if any(one.contact >= 0 for one in each.forces)]
+            found[group[body]][0].append(body)
+    return [each for each in found.values() if any(one.contact >= 0 for one in each[1])]
 
 
 class Balance:
@@ -118,69 +277,57 @@ class Balance:
     have N^T G x = N^T target.
     """
 
-    def __init__(self, unknowns: Unknowns, group: Together, allowed: Array) -> None:
-        self.unknowns, self.group = unknowns, group
-        place = {body: 3 * i for i, body in enumerate(group.bodies)}
-        W = np.zeros((3 * len(group.bodies), len(group.forces)))
-        for k, one in enumerate(group.forces):
+    def __init__(
+        self, unknowns: Unknowns, bodies: list[int], forces: list[Unknown], allowed: Array,
+    ) -> None:
+        self.unknowns, self.forces = unknowns, forces
+        place = {body: 3 * i for i, body in enumerate(bodies)}
+        W = np.zeros((3 * len(bodies), len(forces)))
+        for k, one in enumerate(forces):
             for body, wrench in one.does.items():
                 W[place[body]:place[body] + 3, k] += wrench
-        force = np.hypot(W[0::3], W[1::3])
-        arms = np.abs(W[2::3][force > 0])
-        self.length = max(float(arms.max(initial=0.0)), 1e-6)
-        scale = np.tile([1.0, 1.0, 1 / self.length], len(group.bodies))
-        target = scale * unknowns.target[group.bodies].ravel()
-        self.allowed = scale * np.stack(
-            [allowed[0], allowed[0], allowed[1]], axis=1)[group.bodies].ravel()
+        arms = np.abs(W[2::3][np.hypot(W[0::3], W[1::3]) > 0])
+        scale = np.tile([1.0, 1.0, 1 / max(float(arms.max(initial=0.0)), 1e-6)], len(bodies))
         W *= scale[:, None]
         self.unit = np.maximum(np.linalg.norm(W, axis=0), 1e-300)
         """Unit of every force, by which it is of the order of 1."""
         W /= self.unit
-        self.size = max(float(np.abs(target).max(initial=0.0)), self._largest(), SMALLEST_SCALE)
-        free = np.array([one.free and np.isinf(one.most) for one in group.forces])
-        self.free, self.F, self.G = free, W[:, free], W[:, ~free]
-        self.target = target / self.size
-        self._reduce()
-
-    def _largest(self) -> float:
-        """The largest recorded contact force [N], the unit of all forces."""
-        rows = {one.contact for one in self.group.forces if one.contact >= 0}
-        return max(float(np.hypot(*self.unknowns.arrays["contact_force"][row])) for row in rows)
-
-    def _reduce(self) -> None:
-        left, values, _ = np.linalg.svd(self.F)
-        rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
-        motions = left[:, rank:]
-        limited = [k for k, one in enumerate(np.array(self.group.forces, dtype=object)[~self.free])
-                   if np.isfinite(one.most)]
+        target = scale * unknowns.target[bodies].ravel()
+        rows = [one.contact for one in forces if one.contact >= 0]
+        self.size = max(float(np.abs(target).max()), SMALLEST_SCALE, float(np.hypot(
+            *unknowns.arrays["contact_force"][rows].T).max()))
+        """The largest recorded contact force or known load [N], the unit of all forces."""
+        self.allowed = scale * allowed[[0, 0, 1]].T[bodies].ravel() / self.size
+        most = np.array([one.most for one in forces])
+        self.free = np.array([one.free for one in forces]) & np.isinf(most)
+        self.F, self.G, self.target = W[:, self.free], W[:, ~self.free], target / self.size
         # a force limited either way is p - q with p + q + rest = most
-        self.limited = limited
-        G = np.concatenate([self.G, -self.G[:, limited]], axis=1)
-        left, values, _ = np.linalg.svd(motions.T @ G)
-        rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
+        self.limited = np.flatnonzero(np.isfinite(most[~self.free]))
+        self.most = (most * self.unit)[~self.free][self.limited] / self.size
+        left, rank = _span(self.F)
+        motions = left[:, rank:]
+        G = np.concatenate([self.G, -self.G[:, self.limited]], axis=1)
+        left, rank = _span(motions.T @ G)
         self.motions = motions @ left[:, :rank]
         """Virtual motions on which the one-sided forces work, [rows, m]."""
         idle = motions @ left[:, rank:]
-        self.idle = np.abs(self.target @ idle), np.abs(idle).T @ self.allowed / self.size
-        n, k = G.shape[1], len(limited)
+        self.idle = np.abs(self.target @ idle), np.abs(idle).T @ self.allowed
+        n, k = G.shape[1], len(self.limited)
         A = np.zeros((rank + k, n + k))
         A[:rank, :n] = self.motions.T @ G
-        for row, place in enumerate(limited):
-            A[rank + row, [place, self.G.shape[1] + row, n + row]] = 1.0
-        chosen = np.flatnonzero(~self.free)[limited]
-        most = np.array([self.group.forces[i].most * self.unit[i] for i in chosen]) / self.size
-        self.most = most
-        self.program = LinearProgram(A, np.concatenate([self.motions.T @ self.target, most]))
+        for row, at in enumerate(self.limited):
+            A[rank + row, [at, n - k + row, n + row]] = 1.0
+        self.program = LinearProgram(A, np.concatenate([self.motions.T @ self.target, self.most]))
 
     def bounds(self) -> Iterator[Bounds]:
         """The bounds of every contact row of the group."""
         a, contacts = self.unknowns.arrays, self.unknowns.evidence.run.contacts
         balanced = self.balanced()
-        for row in sorted({one.contact for one in self.group.forces if one.contact >= 0}):
+        for row in sorted({one.contact for one in self.forces if one.contact >= 0}):
             parts = []
             for name in ("normal", "tangential"):
                 weight = np.array([getattr(one, name) if one.contact == row else 0.0
-                                   for one in self.group.forces]) / self.unit
+                                   for one in self.forces]) / self.unit
                 force = float(getattr(contacts, name)[row])
                 if not balanced:
                     parts.append(Interval(force, np.nan, np.nan, (0.0, 0.0)))
@@ -192,7 +339,7 @@ class Balance:
     def balanced(self) -> bool:
         """Whether there are forces that balance the sample, to rounding."""
         program, m = self.program, self.motions.shape[1]
-        against = np.abs(self.motions @ program.against[:m]) @ self.allowed / self.size
+        against = np.abs(self.motions @ program.against[:m]) @ self.allowed
         against += np.abs(program.against[m:]) @ (EXACT * self.most) + EXACT
         return bool(program.missing <= against and (self.idle[0] <= self.idle[1] + EXACT).all())
 
@@ -218,38 +365,37 @@ class Balance:
             return -np.inf, 0.0
         m = self.motions.shape[1]
         y = joined + self.motions @ found.prices[:m]
-        below = np.array([one.below for one in self.group.forces])[~self.free] * self.unit[
-            ~self.free]
-        slack = np.abs(y) @ self.allowed + np.maximum(found.reduced[:n], 0.0) @ below
-        slack += self.size * float(np.abs(found.prices) @ np.abs(
-            self.program.b - self._wanted())) + EXACT * self.size * (1 + float(np.abs(y).sum()))
+        below = (np.array([one.below for one in self.forces]) * self.unit)[~self.free]
+        wanted = np.concatenate([self.motions.T @ self.target, self.most])
+        slack = np.maximum(found.reduced[:n], 0.0) @ below + self.size * (
+            np.abs(y) @ self.allowed + np.abs(found.prices) @ np.abs(self.program.b - wanted)
+            + EXACT * (1 + np.abs(y).sum()))
         return (scale * self.size * (float(joined @ self.target) + found.value),
                 scale * float(slack))
 
-    def _wanted(self) -> Array:
-        return np.concatenate([self.motions.T @ self.target, self.most])
+
+def _span(matrix: Array) -> tuple[Array, int]:
+    """Left singular vectors of a matrix, and its rank."""
+    left, values, _ = np.linalg.svd(matrix)
+    return left, int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
 
 
 @check("contact.bounds", "N", "minimum and maximum f with m a = Σ F, |t| <= μ n",
        asks="is each contact force within the range that balance and friction allow?",
        compared="distance of contact forces at the end from the range that balance and friction "
-                "allow, {count:component}, worst: {where}{note}",
+                "allow, {count:component}, worst: {where}",
        none=f"more than {MOST // 3} bodies are connected")
-def _contact_bounds(evidence: Evidence, worst: Worst) -> str:
-    if not len(evidence.last.run.contacts.normal):
+def _contact_bounds(evidence: Evidence, worst: Worst) -> None:
+    count, names = len(evidence.last.run.contacts.normal), evidence.model.bodies.name
+    if not count:
         raise NotComputed("nothing touches at the end")
-    if len(evidence.last.run.contacts.normal) > MANY:
+    if count > MANY:
         raise NotComputed(f"more than {MANY} contacts at the end, which take minutes; "
                           "`sandbox bounds RUN` computes their ranges")
-    widest, note, names = 0.0, "", evidence.model.bodies.name
-    for bounds in contact_bounds(evidence):
-        for kind, part in (("normal", bounds.normal), ("tangential", bounds.tangential)):
-            label = f"{names[bounds.body]}/{names[bounds.other]}.{kind}"
-            worst.add(label, np.array(part.excess), np.maximum(part.allowed, ROUNDING))
-            if part.high - part.low > widest and kind == "normal":
-                widest = part.high - part.low
-                note = f"; widest: {label}, {part.force:.4g} in {part.low:.4g} to {part.high:.4g} N"
-    return note
+    for found in contact_bounds(evidence):
+        for kind, part in (("normal", found.normal), ("tangential", found.tangential)):
+            worst.add(f"{names[found.body]}/{names[found.other]}.{kind}",
+                      np.array(part.excess), np.maximum(part.allowed, ROUNDING))
 
 
 def push_limits(
@@ -264,21 +410,12 @@ def push_limits(
     Raises:
         ArithmeticError: a linear program fails.
     """
-    (unknowns, group), found = _coupled(evidence, body, sample), []
-    if group is None:
-        return np.zeros(len(directions))
-    for angle in directions:
+    unknowns, found = Unknowns(touched(evidence.alone(sample % len(evidence.run)))), []
+    bodies, forces = next((each for each in _groups(unknowns) if body in each[0]), ([], []))
+    for angle in directions if bodies else ():
         push = Unknown({body: np.array([np.cos(angle), np.sin(angle), 0.0])})
-        balance = Balance(unknowns, Together(group.bodies, [*group.forces, push]),
-                          evidence.left_allowed)
-        weight = np.zeros(len(group.forces) + 1)
-        weight[-1] = -1.0 / balance.unit[-1]
+        balance = Balance(unknowns, bodies, [*forces, push], evidence.left_allowed)
+        weight = np.append(np.zeros(len(forces)), -1.0 / balance.unit[-1])
         least, slack = balance.least(weight) if balance.balanced() else (np.nan, 0.0)
         found.append(0.0 if abs(least) <= slack else -least)
-    return np.array(found)
-
-
-def _coupled(evidence: Evidence, body: int, sample: int) -> tuple[Unknowns, Together | None]:
-    """All unknown forces of a sample, and those coupled to a body; None if nothing touches it."""
-    unknowns = Unknowns(touched(evidence.alone(sample % len(evidence.run))))
-    return unknowns, next((each for each in together(unknowns) if body in each.bodies), None)
+    return np.array(found) if bodies else np.zeros(len(directions))

@@ -21,8 +21,7 @@ import numpy as np
 
 from sandbox.audit.evidence import REBOUND, Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, STILL, NotComputed, Worst, check, peak
-from sandbox.audit.outlines import compare_outlines, reach_of
-from sandbox.audit.touching import overlaps
+from sandbox.audit.outlines import overlaps, reach_of
 from sandbox.elements.arrays import Arrays
 from sandbox.model.pairs import (
     friction_of,
@@ -35,8 +34,6 @@ from sandbox.samples.contacts import TOUCH
 
 CONE = 1e-6
 """Relative error of the friction limit by sums over the points of a contact."""
-SLIPS = 1e-3
-"""Distance from the limit, relative to it, below which a contact counts as slipping."""
 SLACK = 1e-9
 """Tension [N] of a slack tendon."""
 SOLVED = 2e-9
@@ -61,14 +58,6 @@ NO_IMPACT = ("no impact with restitution is alone in a recorded step; run.sample
              "1 / run.step records them all")
 
 
-_places = check("contact.place", "m", "outlines",
-       asks="are contacts on the outlines of both bodies?",
-       compared="points, gaps and normals of contacts against the outlines of the shapes; for "
-                "merged contacts of several shapes, points along the force against the hulls; "
-                "{count:comparison}, worst: {where}",
-       none="nothing touches")(compare_outlines)
-
-
 def used_friction(evidence: Evidence) -> Array:
     """Tangential force of every contact row relative to static friction, [m]; 1 is the limit.
 
@@ -82,29 +71,14 @@ def used_friction(evidence: Evidence) -> Array:
 
 
 @check("contact.friction", source="|t| <= μ n", asks="is contact friction at most mu N?",
-       compared="largest ratio of friction to its limit in the whole run; {note}")
-def _friction(evidence: Evidence, worst: Worst) -> str:
+       compared="ratio of friction to its limit, {count:pair}, worst: {where}",
+       none="no contact has one normal")
+def _friction(evidence: Evidence, worst: Worst) -> None:
     """Rows that sum forces along different normals (a disc wedged in a V) have no limit."""
-    a = evidence.run.arrays
-    if not len(a["contact_gap"]):
+    if not len(evidence.run.arrays["contact_gap"]):
         raise NotComputed("nothing touches")
-    used, sure = used_friction(evidence), evidence.one_normal
-    if not sure.any():
-        raise NotComputed("all contacts merge several points with different normals")
-    last = np.flatnonzero((a["contact_sample"] == len(evidence.run) - 1)
-                          & (evidence.run.contacts.normal > TOUCH))
-    states = []
-    for row in last:
-        one, two = int(a["contact_body"][row]), int(a["contact_other"][row])
-        mu, static = (of(evidence.model.mechanism, one, two)
-                      for of in (friction_of, static_friction_of))
-        state = ("has several normals" if not sure[row] else "frictionless" if mu == 0
-                 else "slips" if used[row] > 1 - SLIPS or abs(used[row] * static / mu - 1) < SLIPS
-                 else f"sticks, {100 * (1 - used[row]):.0f} % from the limit")
-        names = evidence.model.bodies.name
-        states.append(f"{names[one]}/{names[two]} {state}")
-    worst.judge(used[sure].max(initial=0.0), 1 + CONE)
-    return "at the end: " + "; ".join(states) if states else "nothing touches at the end"
+    rows = evidence.once(_Rows)
+    rows.add(worst, used_friction(evidence), 1 + CONE, evidence.one_normal)
 
 
 class _Rows:
@@ -117,22 +91,43 @@ class _Rows:
         self.normal, self.force = evidence.run.contacts.normal, evidence.run.contacts.tangential
         self.out = a["contact_normal"]
         self.along = np.stack([-self.out[:, 1], self.out[:, 0]], axis=1)
-        self.names = evidence.model.bodies.name
+        self.names, loads = evidence.model.bodies.name, evidence.loads
         self.pair = self.sides[0] * len(self.names) + self.sides[1]
         self.kinds, place = np.unique(self.pair, return_inverse=True)
         self.friction, self.static, self.restitution = (
             np.array([of(evidence.model.mechanism, *divmod(kind, len(self.names)))
                       for kind in self.kinds.tolist()], dtype=float)[place]
             for of in (friction_of, static_friction_of, restitution_of))
-        weights = evidence.loads.weights
-        self.inverse = np.divide(1, weights, out=np.zeros_like(weights), where=weights > 0)
-        self.change = self.h * evidence.loads.frames.acceleration
-        self.before = evidence.velocity - self.change / 2
-        self.after = evidence.velocity_after
-        self.hit, self.instant = self._impacts(a)
+        self.inverse = np.divide(1, loads.weights, out=np.zeros_like(loads.weights),
+                                 where=loads.weights > 0)
+        self.change = self.h * loads.frames.acceleration
+        self.before, self.after = evidence.velocity - self.change / 2, evidence.velocity_after
+        # accelerations of free bodies by all forces but contacts and joints
+        total, sides = loads.totals.copy(), loads.contact_sides
+        for axis, push in zip(total, (*sides.force.T, sides.moment), strict=True):
+            np.subtract.at(axis, (sides.body, sides.sample), push)
+        self.others = self.inverse.T[:, :, None] * total
+        self.hit, instant = self._impacts(a)
+        self.instant = np.nan_to_num(instant)
         self.arms = self._arms(a)
+        # rates at which gaps open, and just before and after each impact [m/s]
+        d, share = self.h * self.rate(self.others, self.out), self.instant / self.h
+        self.opening = self.rate(self.before, self.out), self.rate(self.after, self.out)
+        self.gap_rates = (self.opening[0] + (0.5 + share) * d, self.opening[1] - (0.5 - share) * d)
+        self.struck = self.count(self.hit) > 0
+        """Rows of a body that bounces in the step."""
+        self.alone = (self.hit & self.one & ~np.isnan(instant) & (self.count(self.pair >= 0) <= 1)
+                      & (self.gap_rates[0] < -2 * REBOUND))
+        """Impacts at one point of bodies without other contacts, fast enough to be judged."""
+        self.joined = evidence.held_by_others[np.stack(self.sides)].any(axis=0)
+        turning = np.abs(evidence.velocity[2]) + np.abs(self.change[2])
+        self.spins = [turning[b, self.sample] for b in self.sides]
+        self.landing = np.maximum(-self.h * self.opening[0], 0.0)
+        """Approach of the bodies in a step at the rate before it [m]."""
 
-    def add(self, worst: Worst, error: Array, allowed: Array, among: Flags) -> None:
+    def add(
+        self, worst: Worst, error: Array, allowed: Array | float, among: Flags | bool = True,
+    ) -> None:
         """Compare the rows of each pair that are ``among`` the selected ones."""
         for kind in self.kinds.tolist():
             worst.add("/".join(self.names[b] for b in divmod(kind, len(self.names))), error,
@@ -142,18 +137,16 @@ class _Rows:
         """Rows that bounce in their step, and the instants after the pose [s]; nan if unknown."""
         time, count = self.evidence.run.time, len(self.names)
         hit, instant = np.zeros(len(self.pair), dtype=bool), np.full(len(self.pair), np.nan)
-        if not len(hit):
-            return hit, instant
         key = self.sample * count**2 + self.pair
-        order = np.argsort(key)
-        pair, when = a["impact_body"] * count + a["impact_other"], a["impact_time"]
+        order, when = np.argsort(key), a["impact_time"]
         later = np.searchsorted(time, when)
-        for sample in (np.maximum(later - 1, 0), np.minimum(later, len(time) - 1)):
-            after, wanted = when - time[sample], sample * count**2 + pair
+        for sample in (later - 1, later) if len(hit) else ():
+            sample = sample.clip(0, len(time) - 1)
+            wanted = sample * count**2 + a["impact_body"] * count + a["impact_other"]
             row = order[np.searchsorted(key, wanted, sorter=order).clip(max=len(key) - 1)]
+            after, force = when - time[sample], self.h * a["contact_force"][row]
             near = ((np.abs(after) <= self.h * (1 + EXACT)) & (key[row] == wanted)
                     & (self.restitution[row] > 0))
-            force = self.h * a["contact_force"][row]
             own = near & (np.hypot(*(a["impact_impulse"] - force).T)
                           <= EXACT * np.hypot(*force.T))
             hit[row[own | (near & ~self.one[row])]] = True
@@ -161,13 +154,8 @@ class _Rows:
         return hit, instant
 
     def _arms(self, a: Arrays) -> tuple[Array, Array]:
-        """From the centres of mass to the contact point, at the instants of impacts, [m, 2] m each.
-
-        The point of an impact is recorded on the first body, moved back to the pose. That on the
-        other body follows from the motion of both, and across the force from the recorded moment.
-        """
-        (one, two), force = self.evidence.contact_arms, a["contact_force"]
-        s = np.nan_to_num(self.instant)
+        """From the centres of mass to the contact, at the instants of impacts, [m, 2] m each."""
+        (one, two), force, s = self.evidence.contact_arms, a["contact_force"], self.instant
         mean = [(self.before[:2, b, self.sample]
                  + (self.h + s) / 2 * self.others[:2, b, self.sample]).T for b in self.sides]
         moved = s[:, None] * (mean[0] - mean[1])
@@ -175,15 +163,6 @@ class _Rows:
                - moved[:, 1] * force[:, 0]) / np.maximum((force**2).sum(axis=1), ROUNDING**2)
         moved += off[:, None] * np.stack([-force[:, 1], force[:, 0]], axis=1)
         return one, two + np.where(self.inverse[self.sides[1], :1] > 0, moved, 0.0)
-
-    @cached_property
-    def others(self) -> Array:
-        """Accelerations of free bodies by all forces but contacts and joints, [3, nb, n]."""
-        loads = self.evidence.loads
-        total, sides = loads.totals.copy(), loads.contact_sides
-        for axis, push in zip(total, (*sides.force.T, sides.moment), strict=True):
-            np.subtract.at(axis, (sides.body, sides.sample), push)
-        return np.asarray(self.inverse.T[:, :, None] * total)
 
     def rate(self, velocity: Array, along: Array) -> Array:
         """Relative velocity of the first body at the contact ``along`` [m, 2]."""
@@ -198,43 +177,6 @@ class _Rows:
         return np.maximum(*(n[b, self.sample] for b in self.sides))
 
     @cached_property
-    def struck(self) -> Flags:
-        """Rows of a body that bounces in the step."""
-        return np.asarray(self.count(self.hit) > 0)
-
-    @cached_property
-    def alone(self) -> Flags:
-        """Impacts at one point of bodies without other contacts, fast enough to be judged."""
-        known = self.hit & self.one & ~np.isnan(self.instant)
-        fast, others = self.gap_rates[0] < -2 * REBOUND, self.count(np.ones_like(self.hit)) > 1
-        return np.asarray(known & fast & ~others)
-
-    @cached_property
-    def joined(self) -> Flags:
-        """Rows of free bodies that joints, cords or springs act on."""
-        return np.asarray(self.evidence.held_by_others[np.stack(self.sides)].any(axis=0))
-
-    @property
-    def spins(self) -> tuple[Array, Array]:
-        """Largest angular speed of either body in the step [rad/s]."""
-        turning = np.abs(self.evidence.velocity[2]) + np.abs(self.change[2])
-        one, two = (turning[b, self.sample] for b in self.sides)
-        return one, two
-
-    @cached_property
-    def landing(self) -> Array:
-        """Approach of the bodies in a step at the rate before it [m]."""
-        return np.maximum(-self.h * self.rate(self.before, self.out), 0.0)
-
-    @cached_property
-    def gap_rates(self) -> tuple[Array, Array]:
-        """Rates at which gaps open just before and after each impact [m/s]."""
-        d = self.h * self.rate(self.others, self.out)
-        share = np.nan_to_num(self.instant) / self.h
-        return (self.rate(self.before, self.out) + (0.5 + share) * d,
-                self.rate(self.after, self.out) - (0.5 - share) * d)
-
-    @cached_property
     def sliding(self) -> tuple[Array, Array]:
         """Rates of sliding at the beginning and end of the step, or after the impact [m/s]."""
         drives, belt = self.evidence.model.drives, np.zeros(len(self.pair))
@@ -243,11 +185,10 @@ class _Rows:
             value = self.evidence.run.arrays["drive_value"][self.sample, i]
             belt += np.where(on, drives.sense[i] * value, 0.0)
         turn = sum(sign * self.before[2, b, self.sample]**2 * (arm * self.along).sum(axis=1)
-                   for sign, b, arm in zip((-1.0, 1.0), self.sides, self.arms, strict=True))
-        share = np.nan_to_num(self.instant) / self.h
-        change = np.where(self.hit, (share - 0.5) * self.rate(self.others, self.along), turn / 2)
-        return (self.rate(self.before, self.along) - belt,
-                self.rate(self.after, self.along) + self.h * change - belt)
+                   for sign, b, arm in zip((-0.5, 0.5), self.sides, self.arms, strict=True))
+        by_others = (self.instant / self.h - 0.5) * self.rate(self.others, self.along)
+        return (self.rate(self.before, self.along) - belt, self.rate(self.after, self.along) - belt
+                + self.h * np.where(self.hit, by_others, turn))
 
     @cached_property
     def unsure(self) -> Array:
@@ -256,16 +197,15 @@ class _Rows:
         At impacts also the error of arms, which is of second order, and the effect of joints,
         tendons and springs in the step, bounded by that in the samples beside it.
         """
-        h, evidence = self.h, self.evidence
+        h, evidence, spin = self.h, self.evidence, sum(self.spins)
         fast = (np.abs(evidence.velocity) + np.abs(self.change)).max(axis=(0, 1))[self.sample]
-        spin = sum(self.spins)
         answer = sum(self.inverse[b, 0] + self.inverse[b, 2] * (arm**2).sum(axis=1)
                      for b, arm in zip(self.sides, self.arms, strict=True))
         most = peak(np.hypot(self.normal, self.force))
         off = STILL[0] + SOLVED * (1 + fast) + ROUNDING / h + HELD * h * answer * most
         beside = [np.abs(self.rate(np.roll(self.change, k, axis=2), self.out)) for k in (-1, 1)]
-        impact = (fast * (spin * np.nan_to_num(self.instant))**2
-                  + np.where(self.joined, 2 * (np.maximum(*beside) + h * JOINT), 0.0))
+        impact = fast * (spin * self.instant)**2 + self.joined * 2 * (
+            np.maximum(*beside) + h * JOINT)
         return np.asarray(off + np.where(self.hit, impact, 0.0)
                           + np.where(self.one, 0.0, 2 * spin * (evidence.open + self.landing)))
 
@@ -300,8 +240,7 @@ def _slides(evidence: Evidence, worst: Worst) -> None:
        none="nothing touches")
 def _closes(evidence: Evidence, worst: Worst) -> None:
     rows, h = evidence.once(_Rows), evidence.h
-    gap, first, last = (evidence.run.arrays["contact_gap"], rows.rate(rows.before, rows.out),
-                        rows.rate(rows.after, rows.out))
+    gap, (first, last) = evidence.run.arrays["contact_gap"], rows.opening
     # curved surfaces that stay closed have no rate at mid-step, and one at the step's end
     low, high = np.sort([gap + h * last, gap + h * (first + last) / 2], axis=0)
     error = np.maximum(np.maximum(np.minimum(gap, low), np.minimum(gap, 0.0) - high), 0.0)
@@ -314,7 +253,7 @@ def _closes(evidence: Evidence, worst: Worst) -> None:
              + h * rows.unsure + h**2 * bend + 2 * evidence.contact_depth,
              evidence.one_normal & ~rows.struck & (np.abs(rows.normal) > TOUCH))
     for sample in np.unique(np.linspace(0, len(evidence.run) - 1, POSES).astype(int)).tolist():
-        for pair, depth in overlaps(evidence.alone(sample)):
+        for pair, depth in overlaps(evidence.alone(sample)).items():
             worst.add("/".join(rows.names[b] for b in pair), np.array([depth]),
                       evidence.open + DEEP * min(reach_of(evidence, b) for b in pair))
 
@@ -337,20 +276,16 @@ def _bounces(evidence: Evidence, worst: Worst) -> None:
                 "that of their approach, worst: {where}",
        none=NO_IMPACT)
 def _swallowed(evidence: Evidence, worst: Worst) -> None:
-    """The approaches of several impacts in one step are not recorded.
-
-    Without friction and joints each is at most the effect of all impulses of the step on its two
-    bodies.
-    """
+    """Approaches of several impacts in one step are at most the effect of all its impulses."""
     rows = evidence.once(_Rows)
     (before, after), alone, count = rows.gap_rates, rows.alone, len(evidence.run)
     impulse, restitution = rows.h * rows.normal, np.where(rows.hit, rows.restitution, 0.0)
     approach, pushes = np.zeros(len(impulse)), np.zeros((2, *rows.before.shape[1:]))
-    sides = [(b, np.hypot(*arm.T)) for b, arm in zip(rows.sides, rows.arms, strict=True)]
-    for b, arm in sides:
-        np.add.at(pushes[0], (b, rows.sample), impulse)
-        np.add.at(pushes[1], (b, rows.sample), impulse * arm)
-    for b, arm in sides:
+    arms = [np.hypot(*arm.T) for arm in rows.arms]
+    for b, arm in zip(rows.sides, arms, strict=True):
+        for total, push in zip(pushes, (impulse, impulse * arm), strict=True):
+            np.add.at(total, (b, rows.sample), push)
+    for b, arm in zip(rows.sides, arms, strict=True):
         push, turn = pushes[:, b, rows.sample]
         approach += rows.inverse[b, 0] * push + rows.inverse[b, 2] * arm * turn
     approach = np.where(alone, after - before, approach) / (1 + restitution)

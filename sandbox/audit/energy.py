@@ -1,43 +1,110 @@
-"""Energy: the work of joints and contacts, and the balance of all work.
+"""Balances of forces, and of energy: the work of joints and contacts against all other work.
 
 In each step the kinetic energy of a body grows by the work of its forces, to rounding. Ideal joints
-should do no work, but a step leaves them some of second order. An anchor at r from the centre of
-mass moves along chords, so that its mean velocity over two steps differs from that of the middle by
+and closed contacts should do no work, but their reactions R do h R v, since a step keeps the rate v
+of their gaps at 0 to second order only. This work, from the samples, is the error of the step;
+beyond :data:`LARGEST_STEP_ERROR` of the energy the step is too coarse.
 
-    h^2 r (w^3 / 6 across,  w alpha / 2 along)
-
-Times the reaction, added up over the run, this is the work that joints may do. A contact holds its
-gap by the second derivative c of the gap; where c changes by dc in a step, the normal force N does
-h^2 N dc / 2. Both may also move by what is left of a gap. Beyond :data:`LARGEST_STEP_ERROR` of the
-energy the step is too coarse. Motors that start at speed: :mod:`sandbox.audit.starts`.
+A motor whose speed u differs from its hinge's rate q starts with an impact. Its impulse P gives the
+work P (q + u) / 2 to the bodies and takes P u from the motor: P (u - q) / 2 is lost. The gaps of
+joints open at up to h/2 of the acceleration's change da in that step, so that joints do up to
+h/2 dv . M da.
 """
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.audit.driven import SOLVED, initial_rate, set_while_running
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import (
     EXACT,
     NOT_EVERY_STEP,
     ROUNDING,
+    SMALLEST_SCALE,
     NotComputed,
     Worst,
     check,
     peak,
+    whole,
 )
-from sandbox.audit.starts import StartsAtSpeed, initial_velocity, paced, starts
 from sandbox.model.joints import placed
+from sandbox.model.model import Model
+from sandbox.model.supports import LARGEST_GROUP, shared_joints
 from sandbox.numeric import Array, Flags
 from sandbox.samples.samples import OLDER
+from sandbox.values.signals import values
 
 LARGEST_STEP_ERROR = 0.01
 """Largest error of the step that is allowed, relative to all energy converted."""
 LEFT = 1e-8
 """Overlap [m] whose removal does not count as a source of energy."""
+POSES = 5
+"""Number of poses in which a joint has to be redundant: near a dead centre some are in one."""
+UNBALANCED = ("difference between {0} and the sum of all {1} on a body, relative to the largest, "
+              "{{count:body|bodies}}, worst: {{where}}")
+
+
+@check("reaction.size", source="|R|",
+       asks="is each reaction the magnitude of its x and y components?",
+       compared="magnitude of each reaction against its components, relative to the largest of its "
+                "joint, {count:joint}, worst: {where}",
+       none="there is no joint")
+def _reaction_sizes(evidence: Evidence, worst: Worst) -> None:
+    a = evidence.run.arrays
+    if not evidence.vectors:
+        raise NotComputed(OLDER)
+    off = np.abs(np.hypot(*a["joint_force"].transpose(2, 0, 1)) - a["joint_reaction"])
+    for j, name in enumerate(evidence.model.joints.name):
+        worst.add(name, off[:, j] / whole(a["joint_reaction"][:, j]), ROUNDING)
+
+
+@check("reaction.shared", source="rank of J", asks="does statics determine every joint reaction?",
+       compared="joints whose reactions statics does not determine: {note}")
+def _shared(evidence: Evidence, worst: Worst) -> str:
+    """Joints with undetermined reactions in each of a few poses."""
+    model, poses = evidence.model, evidence.run.arrays["body_pose"]
+    if not len(model.joints.name):
+        raise NotComputed("there is no joint")
+    if not evidence.joints_hold.all():
+        raise NotComputed("joints were released: others share the load")
+    few = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), POSES)).astype(int))
+    found = [shared_joints(model, poses[i]) for i in few]
+    if not found[0].asked:
+        raise NotComputed(f"more than {LARGEST_GROUP} forces are connected")
+    shared = [model.joints.name[j] for j in sorted(set.intersection(*(f.joints for f in found)))]
+    worst.judge(len(shared), 0.0)
+    more = f" and {len(shared) - 6} more" if len(shared) > 6 else ""
+    return "; ".join(shared[:6]) + more if shared else "none"
+
+
+@check("momentum.force", source="m a = Σ F", asks="is F = m a for every body?",
+       compared=UNBALANCED.format("m a", "forces"), none="nothing moves freely")
+def _momentum(evidence: Evidence, worst: Worst) -> None:
+    _residuals(evidence, worst, 0)
+
+
+@check("momentum.moment", source="I α = Σ M", asks="is M = I alpha for every body?",
+       compared=UNBALANCED.format("I alpha", "moments"), none="nothing moves freely")
+def _angular_momentum(evidence: Evidence, worst: Worst) -> None:
+    _residuals(evidence, worst, 1)
+
+
+def _residuals(evidence: Evidence, worst: Worst, row: int) -> None:
+    """Compare the residuals of m a - sum F (``row`` 0) or of I alpha - sum M (1)."""
+    if not evidence.vectors:
+        raise NotComputed(OLDER)
+    model, loads = evidence.model, evidence.loads
+    for b in np.flatnonzero(model.bodies.free).tolist():
+        force, moment = loads.largest[:, b].tolist()
+        scale = max(moment, force * ROUNDING / EXACT) if row else force
+        scale = max(scale, SMALLEST_SCALE)
+        left = loads.left[:, b]
+        error = np.abs(left[2]) if row else np.hypot(left[0], left[1])
+        worst.add(model.bodies.name[b], error / scale, evidence.left_allowed[row, b] / scale)
 
 
 class _Balance(NamedTuple):
@@ -46,78 +113,75 @@ class _Balance(NamedTuple):
     scale: float
     """All energy converted [J]."""
     left: Array
-    """Kinetic energy minus the work of all but joints and contacts [J], [n]."""
-    by_joints: Array
-    """Known work of joints that start or close [J], [n]."""
+    """Kinetic energy minus the work of all but contacts and joints that hold [J], [n]."""
     least: float
     """Tolerance without the error of the step, relative to the scale."""
     allowed: float
     """Tolerance with it."""
-    started: StartsAtSpeed
-    blow: bool
-    """Whether motors that start at speed exceed the error of the step."""
+    cost: float
+    """Loss by motors that start at speed [J]."""
+    jumps: list[str]
+    """These motors, if their loss exceeds the error of the step."""
 
 
 def _balance(evidence: Evidence) -> _Balance:
-    a = evidence.run.arrays
-    kinetic = _kinetic_energy(evidence)
-    at_start = (evidence.loads.weights * initial_velocity(evidence)**2).sum() / 2
-    works = sum(np.abs(a[f"{kind}_work"]).sum(axis=1)
-                for kind in ("drive", "spring", "line", "load"))
-    works = works + np.abs(_work_of_weight(evidence))
-    scale = max(float((works + kinetic).max(initial=0.0)), 1e-15)
-    left = kinetic - at_start - _work_of_loads(evidence)
-    least = EXACT + _of_gaps(evidence) / scale
-    started, each = starts(evidence), _of_the_step(evidence)
-    smooth = float(each[~started.within].sum()) + _first_half(evidence)
-    blow = not started.cost <= scale * (least + min(smooth / scale, LARGEST_STEP_ERROR))
-    error = smooth + (started.unsure if blow else float(each[started.within].sum()))
-    allowed = least + min(error / scale, LARGEST_STEP_ERROR)
-    by_joints = started.made if blow else np.zeros(len(left))
-    return _Balance(scale, left, by_joints, least, allowed, started, blow)
-
-
-def _closed_balance(evidence: Evidence) -> _Balance:
-    """The balance with the work of joints that close gaps.
-
-    Raises:
-        NotComputed: it is unknown.
-    """
-    _refuse_unrecorded(evidence)
-    found = evidence.once(_balance)
-    if _closed_gaps(evidence) and not evidence.every_step:
+    """The balance of energy; joints that close, as those that are engaged, do work."""
+    a, model, drives = evidence.run.arrays, evidence.model, evidence.model.drives
+    if len(moved := np.flatnonzero(model.bodies.scheduled)):
         raise NotComputed(
-            f"joints broke or were engaged again, which does work, and {NOT_EVERY_STEP}")
-    closing = ~evidence.joints_hold
-    if closing.any():
-        found = found._replace(by_joints=found.by_joints + _work_of_joints(evidence, closing))
-    return found
-
-
-def _refuse_unrecorded(evidence: Evidence) -> None:
-    bodies, drives = evidence.model.bodies, evidence.model.drives
-    if len(moved := np.flatnonzero(bodies.scheduled)):
-        raise NotComputed(
-            f"the work of {bodies.name[moved[0]]!r}, moved by a schedule, is not recorded")
+            f"the work of {model.bodies.name[moved[0]]!r}, moved by a schedule, is not recorded")
     if len(grown := drives.giving("radius")):
         raise NotComputed(
             f"the work of {drives.name[grown[0]]!r}, which changes a radius, is not recorded")
+    weights, by_weight = evidence.loads.weights.T[:, :, None], _work_of_weight(evidence)
+    # the mean of the kinetic energies before and after the step
+    change = evidence.h / 2 * evidence.loads.frames.acceleration
+    kinetic = (weights * (evidence.velocity**2 + change**2)).sum(axis=(0, 1)) / 2
+    works = np.abs(by_weight) + sum(np.abs(a[f"{kind}_work"]).sum(axis=1)
+                                    for kind in ("drive", "spring", "line", "load"))
+    scale = max(float((works + kinetic).max(initial=0.0)), 1e-15)
+    # the work of a pull is that of its tendon, the work of a pump goes into its line
+    own = np.delete(a["drive_work"], drives.giving("tension", "flow", "pressure"), axis=1)
+    left = kinetic - by_weight - own.sum(axis=1) - (
+        evidence.loads.weights * initial_velocity(evidence)**2).sum() / 2
+    for kind in ("tendon", "spring", "line", "load", "joint_damping", "joint_friction"):
+        left = left - np.nan_to_num(a[f"{kind}_work"]).sum(axis=1)
+    least = EXACT + _of_gaps(evidence) / scale
+    most, error, (jumps, cost, unsure) = (
+        scale * LARGEST_STEP_ERROR, _of_the_step(evidence), starts(evidence))
+    if cost <= scale * least + min(error, most):
+        jumps, unsure = [], 0.0
+    allowed = least + min(error + unsure, most) / scale
+    if not evidence.joints_hold.all():
+        left = left - _work_of_joints(evidence, ~evidence.joints_hold)
+    return _Balance(scale, left, least, allowed, cost, jumps)
+
+
+def _closed_balance(evidence: Evidence) -> _Balance:
+    """The balance, if the work of joints that close is known."""
+    found, a, ties = evidence.once(_balance), evidence.run.arrays, evidence.model.ties
+    open_ = ~evidence.joints_hold
+    if not evidence.every_step:
+        carried = (np.nan_to_num(a["joint_reaction"])
+                   + np.abs(np.nan_to_num(a["joint_couple"]))).T
+        breaks = (ties.joint >= 0) & np.isfinite(np.append(ties.breaks_at, np.inf))[ties.joint]
+        if (breaks & open_.any(axis=1)).any() or carried[open_].any():
+            raise NotComputed(
+                f"joints broke or were engaged again, which does work, and {NOT_EVERY_STEP}")
+    return found
 
 
 @check("energy.start", source="W = P Δω / 2",
        asks="do motors start without a jolt that loses energy?")
 def _started(evidence: Evidence, worst: Worst) -> str:
-    _refuse_unrecorded(evidence)
     balance = evidence.once(_balance)
     if not paced(evidence.model).any():
         raise NotComputed("there is no motor")
-    worst.judge(balance.started.cost / balance.scale, balance.allowed)
-    if not balance.blow:
+    worst.judge(balance.cost / balance.scale, balance.allowed)
+    if not balance.jumps:
         return "every motor starts at the speed of its hinge"
-    return (f"{'; '.join(balance.started.jumps[:3])}. This is an impact in one step: its forces "
-            f"grow as 1 / step. The {balance.started.made[-1]:.2g} J of joints in it are not "
-            "counted in energy.created and energy.lost. A signal that starts at the hinge's speed "
-            "avoids it")
+    return (f"{'; '.join(balance.jumps[:3])}. This is an impact in one step: its forces "
+            "grow as 1 / step. A signal that starts at the hinge's speed avoids it")
 
 
 @check("energy.created", source="ΔE = Σ W", asks="is there no more energy than was supplied?",
@@ -127,10 +191,9 @@ def _started(evidence: Evidence, worst: Worst) -> str:
 def _created(evidence: Evidence, worst: Worst) -> None:
     """The energy that joints and contacts take never decreases."""
     balance = _closed_balance(evidence)
-    made = (balance.left - balance.by_joints)[evidence.known]
-    lowest = np.minimum.accumulate(np.minimum(made, 0.0)) if len(made) else made
-    worst.judge((made - lowest).max(initial=0.0) / balance.scale,
-                balance.allowed + _unseen(evidence) / balance.scale)
+    made = balance.left[evidence.known]
+    lowest = np.minimum.accumulate(np.minimum(made, 0.0))
+    worst.judge((made - lowest).max(initial=0.0) / balance.scale, balance.allowed)
 
 
 @check("energy.lost", source="ΔE = Σ W",
@@ -145,7 +208,7 @@ def _lost(evidence: Evidence, worst: Worst) -> str:
         raise NotComputed(
             f"contacts, stops and ropes do work in every step, and {NOT_EVERY_STEP}")
     if not touched:
-        worst.judge(peak(balance.left - balance.by_joints) / balance.scale, balance.allowed)
+        worst.judge(peak(balance.left) / balance.scale, balance.allowed)
         return ("energy lost without contacts: kinetic energy minus the work of drives, tendons, "
                 "springs, dampers and weight, relative to all energy converted; the error of the "
                 "step is allowed as in energy.created")
@@ -153,37 +216,43 @@ def _lost(evidence: Evidence, worst: Worst) -> str:
         raise NotComputed(OLDER)
     # contacts do a part of the work of running surfaces, the rest is heat
     running = a["drive_work"][:, evidence.model.drives.giving("surface")].sum(axis=1)
-    left = balance.left + running - _work_of_contacts(evidence) - _work_of_joints(evidence)
-    left = left + _work_of_displacements(evidence)
+    left = balance.left + running - _work_of_contacts(evidence) - _work_of_joints(
+        evidence, evidence.joints_hold)
+    # where impacts displace poses all other loads work besides
+    moved = evidence.displacement * evidence.model.bodies.free[:, None]
+    left = left + _to_middle(sum((batch.power(moved).sum(axis=0)
+                                  for batch in evidence.loads.batches), np.zeros(len(run))))
     worst.judge(peak(left[evidence.known]) / balance.scale, balance.least)
     return ("kinetic energy minus all work, including contacts, stops and joints in every step, "
             "relative to all energy converted")
 
 
-def _kinetic_energy(evidence: Evidence) -> Array:
-    """Mean of the kinetic energies before and after the step [J], [n]."""
-    weight = evidence.loads.weights.T[:, :, None]
-    change = evidence.h / 2 * evidence.loads.frames.acceleration
-    return np.asarray((weight * (evidence.velocity**2 + change**2)).sum(axis=(0, 1))) / 2
+# -- works ------------------------------------------------------------------------------------
 
 
-def _work_of_loads(evidence: Evidence) -> Array:
-    """Work of all but joints and contacts [J], [n]."""
-    a, model = evidence.run.arrays, evidence.model
-    # the work of a pull is that of its tendon, the work of a pump goes into its line
-    own = np.delete(a["drive_work"], model.drives.giving("tension", "flow", "pressure"), axis=1)
-    total = own.sum(axis=1) + _work_of_weight(evidence)
-    for kind in ("tendon", "spring", "line", "load", "joint_damping", "joint_friction"):
-        total = total + np.nan_to_num(a[f"{kind}_work"]).sum(axis=1)
-    return np.asarray(total)
+def _to_middle(step: Array) -> Array:
+    """Sums of work per step [n] up to the middle of each [J]."""
+    return np.asarray(np.cumsum(step) - step / 2)
+
+
+def _work_of_joints(evidence: Evidence, among: Flags) -> Array:
+    """Work of reactions ``among`` [nj, n] up to the middle of each step [J], [n]."""
+    power = np.nan_to_num(evidence.loads.joints.power(evidence.velocity)) * np.tile(among, (2, 1))
+    return _to_middle(evidence.h * power.sum(axis=0))
+
+
+def _work_of_contacts(evidence: Evidence) -> Array:
+    """Work of contacts and stops up to the middle of each step [J], [n]."""
+    a, sides = evidence.run.arrays, evidence.loads.contact_sides
+    v = (evidence.velocity * evidence.model.bodies.free[:, None])[:, sides.body, sides.sample]
+    power = sides.force[:, 0] * v[0] + sides.force[:, 1] * v[1] + sides.moment * v[2]
+    step = np.bincount(sides.sample, weights=power, minlength=len(evidence.run))
+    return _to_middle(evidence.h * (
+        step + np.nan_to_num(a["joint_stop"] * a["joint_rate"]).sum(axis=1)))
 
 
 def _work_of_weight(evidence: Evidence) -> Array:
-    """M g . (c - c_0 + h^2 a / 4) [J], [n]: displacements by mean velocities, as works are summed.
-
-    Half of a known displacement by an impact counts. The first step's mean velocity leads back from
-    its pose to c_0; where it was not recorded c_0 is the scene's (see :func:`_first_half`).
-    """
+    """M g . (c - c_0 + h^2 a / 4) [J], [n], with half of the known displacements by impacts."""
     frames, h, free = evidence.loads.frames, evidence.h, evidence.model.bodies.free
     now, a = np.stack([frames.centre_x, frames.centre_y]), frames.acceleration[:2]
     if evidence.run.time[0] < h:
@@ -195,32 +264,39 @@ def _work_of_weight(evidence: Evidence) -> Array:
     return np.asarray(np.einsum("ab,abn->n", weight, moved[:, free]))
 
 
-def _first_half(evidence: Evidence) -> float:
-    """Largest work of weight in the first half step, before the first sample [J]."""
-    if evidence.run.time[0] < evidence.h:
-        return 0.0
-    free, g = evidence.model.bodies.free, np.array(evidence.model.mechanism.gravity)
-    a = np.hypot(*evidence.loads.frames.acceleration[:2, free])
-    most = np.maximum(a.max(axis=1, initial=0.0), np.hypot(*g))
-    return float(evidence.h**2 / 8 * np.hypot(*g) * (evidence.run.arrays["body_mass"][free] @ most))
-
-
-def _unseen(evidence: Evidence) -> float:
-    """Largest work of weight in half of an unknown displacement by an impact [J].
-
-    A displacement is less than h times the change of velocity.
-    """
-    if evidence.every_step:
-        return 0.0
-    change = np.hypot(*evidence.loads.frames.acceleration[:2]) * evidence.h**2 / 2
+def _unknown_weight(evidence: Evidence) -> float:
+    """Largest work of weight before the first sample, and by unknown displacements [J]."""
     weight = np.hypot(*evidence.model.mechanism.gravity) * evidence.loads.weights[:, 0]
-    return float(np.where(evidence.struck, weight @ change, 0.0).max(initial=0.0))
+    change = evidence.h**2 * np.hypot(*evidence.loads.frames.acceleration[:2])
+    found = 0.0
+    if evidence.run.time[0] >= evidence.h:
+        fall = evidence.h**2 * np.hypot(*evidence.model.mechanism.gravity)
+        found += float(weight @ np.maximum(change.max(axis=1, initial=0.0), fall)) / 8
+    if not evidence.every_step:  # a displacement is less than h times the change of velocity
+        found += float(np.where(evidence.struck, weight @ change, 0.0).max(initial=0.0)) / 2
+    return found
+
+
+def _stretched(evidence: Evidence) -> bool:
+    """Whether a rope was taut, a pin pressed on an end of its groove, or loose teeth met."""
+    force = np.nan_to_num(evidence.run.means("joint_force")["joint_force"])
+    joints = evidence.model.joints
+    along = [np.hypot(*force[:, j].T) for j in np.union1d(
+        joints.keeping("range"), np.flatnonzero(joints.play > 0)).astype(int)]
+    for j in joints.keeping("groove").tolist():
+        x, y = evidence.loads.frames.groove_direction(j)
+        pressed = np.abs(force[:, j, 0] * x + force[:, j, 1] * y)
+        along.append(np.where(pressed > EXACT * peak(force[:, j]), pressed, 0.0))
+    return any(each.any() for each in along)
+
+
+# -- tolerances -------------------------------------------------------------------------------
 
 
 def _of_gaps(evidence: Evidence) -> float:
     """Work of joints and contacts that close gaps, and rounding of weights [J]."""
     a, free = evidence.run.arrays, evidence.model.bodies.free
-    force = np.hypot(*np.nan_to_num(a["joint_force"]).transpose(2, 0, 1)).max(axis=0, initial=0.0)
+    work = evidence.closed * np.hypot(*np.nan_to_num(a["joint_force"]).T).max(axis=1, initial=0.0)
     pair = a["contact_body"] * len(free) + a["contact_other"]
     size, touch = np.hypot(*a["contact_force"].T), 0.0
     overlap = np.clip(-a["contact_gap"], 0.0, LEFT + evidence.contact_depth)
@@ -228,130 +304,83 @@ def _of_gaps(evidence: Evidence) -> float:
         own = pair == kind
         touch += float(size[own].max() * (evidence.closed + overlap[own].max()))
     weight = np.hypot(*evidence.model.mechanism.gravity) * a["body_mass"][free].sum()
-    return float(force.sum() * evidence.closed + touch + weight * ROUNDING)
+    return float(work.sum() + touch + weight * ROUNDING)
 
 
-def _of_the_step(evidence: Evidence) -> Array:
-    """Work of joints and contacts up to each sample by the error of the step [J], [n]."""
-    loads, sides, v = evidence.loads, evidence.loads.contact_sides, evidence.velocity
-    joints, frames, h = loads.joints, loads.frames, evidence.h
-    omega, alpha = np.abs(v[2]), np.abs(frames.acceleration[2])
-    bend = omega**3 / 6 + omega * alpha / 2
-    count = len(evidence.model.joints.name)
-    force = np.hypot(joints.x, joints.y)
-    couple = np.abs(evidence.run.arrays["joint_couple"].T)
-    power = np.zeros(frames.samples)
-    for side, (body, end) in enumerate(zip(evidence.model.joints.bodies.T, frames.anchors,
-                                           strict=True)):
-        arm = np.hypot(end.arm_x, end.arm_y)
-        if side == 0:
-            arm = arm + frames.gaps  # where a groove or a rod has its other end
-        power += np.nan_to_num((force[:count] * arm + couple) * bend[body]).sum(axis=0)
-    power += np.nan_to_num(_of_lines(evidence, force[:count])).sum(axis=0)
-    own = np.hypot(*sides.force.T) * np.hypot(*sides.arm.T) * bend[sides.body, sides.sample]
-    power += np.bincount(sides.sample, weights=own, minlength=frames.samples)
-    power += _of_curvature(evidence)
-    steps = 1.0
-    if not evidence.every_step and frames.samples > 1:
-        steps = float(np.median(np.diff(evidence.run.time))) / h
-    return np.asarray(h**3 * steps * power)
+def _of_the_step(evidence: Evidence) -> float:
+    """Work of joints, and what contacts and taut ropes supply, by the error of the step [J]."""
+    a, time = evidence.run.arrays, evidence.run.time
+    power = np.nan_to_num(evidence.loads.joints.power(evidence.velocity))
+    power = power.reshape(2, -1, len(time)).sum(axis=0)
+    ropes = evidence.model.joints.keeping("range")
+    power[ropes] = np.maximum(power[ropes], 0.0)
+    rate = evidence.contact_rate(evidence.velocity, a["contact_normal"])
+    contacts = np.maximum(evidence.run.contacts.normal * rate, 0.0).sum()
+    apart = evidence.h if evidence.every_step or len(time) < 2 else np.median(np.diff(time))
+    return float(apart * (np.abs(power).sum() + contacts)) + _unknown_weight(evidence)
 
 
-def _of_curvature(evidence: Evidence) -> Array:
-    """N dc / (2 h dt) of all contacts, where c changes by dc from sample to sample, [n]."""
-    a, frames, time = evidence.run.arrays, evidence.loads.frames, evidence.run.time
-    if len(time) < 2:
-        return np.zeros(len(time))
-    sample = a["contact_sample"]
-    along = evidence.contact_rate(frames.acceleration, a["contact_normal"])
-    pair = a["contact_body"] * len(evidence.model.bodies.name) + a["contact_other"]
-    kind, row = np.unique(pair * (len(time) + 1) + sample, return_inverse=True)
-    mean = np.bincount(row, weights=along) / np.maximum(np.bincount(row), 1)
-    change = np.append(0.0, np.abs(np.diff(mean)) * (np.diff(kind) == 1))
-    own = np.abs(evidence.run.contacts.normal) * change[row] / (2 * np.median(np.diff(time)))
-    return np.asarray(np.bincount(sample, weights=own, minlength=len(time)) / evidence.h)
+# -- motors that start at speed ---------------------------------------------------------------
 
 
-def _of_lines(evidence: Evidence, force: Array) -> Array:
-    """The same of joints along a line that turns at w, with a speed v along it, [nj, n].
-
-    A groove adds w^2 v, a rod of length L, or a path with this radius of curvature, as much as an
-    arm that turns at v / L.
-    """
-    frames, v = evidence.loads.frames, evidence.velocity
-    one, two = evidence.model.joints.bodies.T
-    (on_a, on_b), w = frames.anchors, v[2]
-    speed = np.hypot(v[0, two] - w[two] * on_b.arm_y - v[0, one] + w[one] * on_a.arm_y,
-                     v[1, two] + w[two] * on_b.arm_x - v[1, one] - w[one] * on_a.arm_x)
-    result = np.zeros_like(force)
-    joints = evidence.model.joints
-    for j in joints.keeping("groove"):
-        result[j] = force[j] * (w[one[j]] ** 2 * speed[j] + evidence.path_jerk[j])
-    for j in joints.keeping("rack"):
-        result[j] = force[j] * w[two[j]] ** 2 * speed[j]
-    for j in joints.keeping("distance", "range", "gear", "roll"):
-        along = math.sin(joints.pressure[j]) if joints.kind[j].keeps == "gear" else 1.0
-        length = np.maximum(frames.gaps[j] * along, 1e-9)
-        change = np.hypot(*(frames.acceleration[k][two[j]] - frames.acceleration[k][one[j]]
-                            for k in (0, 1)))
-        result[j] = force[j] * (speed[j] ** 3 / length**2 / 6 + speed[j] * change / length / 2)
-    return result
-
-
-def _stretched(evidence: Evidence) -> bool:
-    """Whether a rope was taut, a pin pressed on an end of its groove, or loose teeth met."""
-    force = np.nan_to_num(evidence.run.means("joint_force")["joint_force"])
-    joints = evidence.model.joints
-    loose = np.union1d(joints.keeping("range"), np.flatnonzero(joints.play > 0))
-    if force[:, loose].any():
-        return True
-    for j in joints.keeping("groove").tolist():
-        x, y = evidence.loads.frames.groove_direction(j)
-        if peak(force[:, j, 0] * x + force[:, j, 1] * y) > EXACT * peak(force[:, j]):
-            return True
-    return False
+def starts(evidence: Evidence) -> tuple[list[str], float, float]:
+    """Motors that start at speed, their loss, and the most that joints do besides unseen [J]."""
+    a, drives, texts, cost, unsure = evidence.run.arrays, evidence.model.drives, [], 0.0, 0.0
+    weights, acceleration = evidence.loads.weights.T, evidence.loads.frames.acceleration
+    for drive, sample, before, speed in _jumps(evidence):
+        rate = evidence.rates[drives.target[drive], sample]
+        # the rate of a sample in the step of an impact is the mean of before and after
+        inside = (rate - before) / (speed - before) < 0.75
+        work = np.diff(a["drive_work"][:, drive], prepend=0.0)[sample]
+        impulse = float(evidence.h * a["drive_torque"][sample, drive] if inside
+                        else work / np.float64((before + speed) / 2))
+        lost = abs(impulse * (speed - before)) / 2
+        cost += lost
+        what, unit, push = (("actuator", "m/s", "N s") if drives.kind[drive].gives == "push"
+                            else ("hinge", "rad/s", "N m s"))
+        began = evidence.run.time[sample - 1] if sample else 0.0
+        texts.append(f"{drives.name[drive]} accelerates its {what} from {before:.4g} to "
+                     f"{speed:.4g} {unit} after {began:.4g} s with {impulse:.3g} {push}, "
+                     f"which loses {lost:.3g} J")
+        after = min(sample + int(inside), len(evidence.run) - 1)
+        change = evidence.velocity[..., after] - (
+            evidence.velocity[..., sample - 1] if sample else initial_velocity(evidence).T)
+        bend = acceleration[..., after] - (acceleration[..., sample - 1] if sample else 0.0)
+        unsure += 0.0 if evidence.every_step else float(
+            evidence.h / 2 * np.abs(weights * change * bend).sum())
+    return texts, cost, unsure
 
 
-def _closed_gaps(evidence: Evidence) -> bool:
-    """Whether a joint carried a load while it broke, or while it was engaged."""
-    a, ties, holds = evidence.run.arrays, evidence.model.ties, evidence.joints_hold
-    carried = (np.nan_to_num(a["joint_reaction"]) + np.abs(np.nan_to_num(a["joint_couple"]))).T
-    breaks = (ties.joint >= 0) & np.isfinite(np.append(ties.breaks_at, np.inf))[ties.joint]
-    return bool((breaks & ~holds.all(axis=1)).any() or carried[~holds].any())
+def _jumps(evidence: Evidence) -> Iterator[tuple[int, int, float, float]]:
+    """Motors that change a rate at once: drive, sample after it, rates before and after."""
+    a, drives, mechanism = evidence.run.arrays, evidence.model.drives, evidence.model.mechanism
+    set_by, times = set_while_running(mechanism), np.array([evidence.h, 2 * evidence.h])
+    for i in np.flatnonzero(paced(evidence.model)).tolist():
+        # at its limit a motor speeds its hinge up step by step
+        holds = np.abs(a["drive_torque"][:, i]) < drives.most[i] * (1 - EXACT)
+        value, rates = a["drive_value"][:, i], evidence.rates[drives.target[i]]
+        least, rate, spec = SOLVED * (1 + peak(rates)), initial_rate(evidence, i), (
+            mechanism.drives[i])
+        one, two = (value[[0, 0]] if spec.name in set_by else
+                    values(spec.signal(mechanism), times, mechanism.functions)).tolist()
+        if holds[0] and abs(2 * one - two - rate) > abs(two - one) + least:
+            yield i, 0, rate, 2 * one - two
+        each = np.abs(np.diff(value))
+        if len(each) > 1:
+            beside = np.append(each[1], each[:-1]) + np.append(each[1:], each[-2])
+            for s in np.flatnonzero((each > beside + least) & holds[1:]).tolist():
+                yield i, s + 1, float(rates[s]), float(value[s + 1])
 
 
-def _to_middle(step: Array) -> Array:
-    """Sums of work per step [n] up to the middle of each [J]."""
-    return np.asarray(np.cumsum(step) - step / 2)
+def paced(model: Model) -> Flags:
+    """Drives that keep a speed of a hinge or actuator, [nd]."""
+    limited = np.array([kind.limited and kind.timely == "end" for kind in model.drives.kind],
+                       dtype=bool)
+    return np.asarray(limited & np.isnan(model.drives.slope))
 
 
-def _work_of_joints(evidence: Evidence, among: Flags | None = None) -> Array:
-    """Work of reactions up to the middle of each step [J], [n]; ``among`` selects [nj, n].
-
-    Ideal joints do none. An impact turns arms under a joint in the middle of a step, and closing
-    the gap takes work; so does closing a joint that is engaged.
-    """
-    power = evidence.loads.joints.power(evidence.velocity)
-    if among is not None:
-        power = np.where(np.tile(among, (2, 1)), power, 0.0)
-    return _to_middle(evidence.h * np.nan_to_num(power).sum(axis=0))
-
-
-def _work_of_displacements(evidence: Evidence) -> Array:
-    """Work of all but joints and contacts where impacts displace poses [J], [n]."""
-    free = evidence.model.bodies.free[:, None]
-    moved = np.where(free, evidence.displacement, 0.0)
-    work = np.zeros(len(evidence.run))
-    return _to_middle(work + sum(batch.power(moved).sum(axis=0)
-                                 for batch in evidence.loads.batches))
-
-
-def _work_of_contacts(evidence: Evidence) -> Array:
-    """Work of contacts and stops up to the middle of each step [J], [n]."""
-    a, sides = evidence.run.arrays, evidence.loads.contact_sides
-    v = evidence.velocity[:, sides.body, sides.sample]
-    power = (sides.force[:, 0] * v[0] + sides.force[:, 1] * v[1] + sides.moment * v[2])
-    power = np.where(evidence.model.bodies.free[sides.body], power, 0.0)
-    step = np.bincount(sides.sample, weights=power, minlength=len(evidence.run))
-    stops = np.nan_to_num(a["joint_stop"] * a["joint_rate"]).sum(axis=1)
-    return _to_middle(evidence.h * (step + stops))
+def initial_velocity(evidence: Evidence) -> Array:
+    """Velocities of all bodies at t = 0, from the scene [m/s, m/s, rad/s], [nb, 3]."""
+    bodies = evidence.model.mechanism.bodies
+    rows = [(*body.velocity, body.angular_velocity) for body in bodies]
+    return np.array(rows, dtype=float).reshape(-1, 3)

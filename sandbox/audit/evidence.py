@@ -13,23 +13,18 @@ from sandbox.model.joints import place_in_slot
 from sandbox.model.pairs import pair_skins, restitution_of
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags
-from sandbox.samples.loads import Loads
+from sandbox.samples.loads import Batch, Loads
 from sandbox.samples.samples import Samples
 from sandbox.scene.geometry import count_solids
 
 T = TypeVar("T")
 GAP, CLOSES = 1e-10, 1e-6
-"""Gap of a joint that a step may leave each way [m]: rounding between unlike masses; and, per
-squared step [m/s^2], where the engine stops closing it."""
+"""Gap of a joint that a step may leave each way [m], and per squared step [m/s^2]."""
 LEFT = 1e-9
 """Unevenness of a flat contact [m]: gaps close to 1e-13 / h of speed."""
 FALLS = 10.0
-"""Gap of a contact that a step may leave, per squared step [m/s^2].
-
-A step closes a gap along the normal at its beginning. Rotation and sliding meanwhile are of second
-order, v^2 / R + omega v: this value at 0.3 m/s on a radius of 10 mm. Bodies also fall so far in
-their first step: a contact that is needed there carries within one step.
-"""
+"""Gap of a contact that a step may leave, per squared step [m/s^2]: v^2 / R + omega v has it
+at 0.3 m/s on a radius of 10 mm. Bodies also fall so far in their first step."""
 REBOUND = 0.01
 """Change of velocity [m/s, rad/s] in a step that may be an impact."""
 CLOSES_IN = 40.0
@@ -41,8 +36,8 @@ NUMBERS = 500_000
 class Evidence:
     """A recording, its loads, quantities from its poses and velocities, and their accuracy.
 
-    A single sample of a run is ``alone``: there is no step before it. ``near`` is the distance [m]
-    within which outlines count as touching, by default the gap that a step may leave.
+    A single sample is ``alone``: there is no step before it. Outlines count as touching within
+    ``near`` [m], by default the gap that a step may leave.
     """
 
     def __init__(self, run: Samples, *, alone: bool = False, near: float | None = None) -> None:
@@ -50,7 +45,6 @@ class Evidence:
         self.whole, self.model = run, run.model
         numbers = len(run) * max(1, len(self.model.bodies.name)) + len(run.arrays["contact_gap"])
         stride = max(1, -(-numbers // NUMBERS))
-        self.thinned = stride > 1
         self.run = run.pick(np.arange(stride - 1, len(run), stride)) if stride > 1 else run
         self.h = run.info.step
         self.open = LEFT + ROUNDING + FALLS * self.h**2
@@ -77,8 +71,7 @@ class Evidence:
     @cached_property
     def velocity_after(self) -> Array:
         """Velocities of the bodies at the end of each sample's step, [3, nb, n]."""
-        result: Array = self.velocity + self.h / 2 * self.loads.frames.acceleration
-        return result
+        return np.asarray(self.velocity + self.h / 2 * self.loads.frames.acceleration)
 
     @cached_property
     def struck(self) -> Flags:
@@ -87,17 +80,14 @@ class Evidence:
         pair = a["contact_body"] * count + a["contact_other"]
         bounces = [kind for kind in np.unique(pair).tolist()
                    if restitution_of(mechanism, *divmod(kind, count)) > 0]
-        change = self.h * np.abs(self.loads.frames.acceleration).max(axis=(0, 1), initial=0.0)
         result = np.zeros(len(self.run), dtype=bool)
         result[a["contact_sample"][np.isin(pair, bounces)]] = True
-        return np.asarray(result & (change > REBOUND))
+        change = np.abs(self.loads.frames.acceleration).max(axis=(0, 1), initial=0.0)
+        return np.asarray(result & (self.h * change > REBOUND))
 
     @cached_property
     def displacement(self) -> Array:
-        """Displacement of the next pose by impacts in each sample's step, [3, nb, n].
-
-        It is known, and not 0, only if every step was recorded.
-        """
+        """Known displacement of the next pose by impacts in each sample's step, [3, nb, n]."""
         frames = self.loads.frames
         poses = np.stack([frames.centre_x, frames.centre_y, frames.angle])
         moved = np.zeros_like(poses)
@@ -112,20 +102,14 @@ class Evidence:
 
     @cached_property
     def angles(self) -> Array:
-        """Of hinges, from the poses of their bodies [rad], [nj, n].
-
-        Of actuators their lengths [m]; nan of other joints.
-        """
+        """Angles of hinges from the bodies' poses [rad], lengths of actuators [m], [nj, n]."""
         joints, angle = self.model.joints, self.loads.frames.angle
         a, b = joints.bodies.T
         angles = joints.sense[:, None] * (angle[b] - angle[a]) - joints.zero[:, None]
         return np.where(self.loads.actuators[:, None], self.loads.frames.gaps, angles)
 
     def rates_of(self, velocity: Array) -> Array:
-        """Of hinges and actuators as bodies move with ``velocity`` [3, nb, n]; [nj, n].
-
-        nan of other joints.
-        """
+        """Rates of hinges and actuators, nan of other joints, [nj, n]."""
         efforts, count = self.loads.joint_efforts, len(self.model.joints.name)
         rates = efforts.rates(count, velocity)
         rates[np.setdiff1d(np.arange(count), efforts.element)] = np.nan
@@ -157,10 +141,7 @@ class Evidence:
 
     @cached_property
     def joints_hold(self) -> Flags:
-        """Which joints hold and are closed in which samples, [nj, n].
-
-        A joint that was engaged again has time to close.
-        """
+        """Which joints hold and had time to close since they were engaged, [nj, n]."""
         holds = self.holds("joint").copy()
         for j in np.flatnonzero(~holds.all(axis=1)).tolist():
             over = CLOSES_IN * float(self.model.ties.over[self.model.ties.joint[j]])
@@ -173,9 +154,8 @@ class Evidence:
     def one_normal(self) -> Flags:
         """Contact rows with one normal: of one point, or of two convex bodies, [m] of bool.
 
-        Convex shapes touch in one point or along one face. A row of several points between bodies
-        of several shapes has a place and a normal that are none of the points' own. Old recordings
-        without the number of points may have such rows.
+        A row of several points between bodies of several shapes has a place and a normal that are
+        none of the points' own.
         """
         a, bodies = self.run.arrays, self.model.mechanism.bodies
         simple = np.array([count_solids(body) <= 1 for body in bodies], dtype=bool)
@@ -190,25 +170,23 @@ class Evidence:
 
     @cached_property
     def contact_depth(self) -> Array:
-        """How deep soft contacts may be for their forces [m], [m]; 0 of rigid ones.
+        """How deep soft contacts may be for their forces, N / k [m], [m]; 0 of rigid ones.
 
-        N / k of a skin. Contacts of piles are soft, too: their stiffness k follows from the
-        response G of the bodies, h^2 k G being known. A row of several points may have a smaller k.
+        The stiffness k of contacts in piles follows from the response G of the bodies: h^2 k G is
+        known. A row of several points may have a smaller k.
         """
-        a, h, normal = self.run.arrays, self.h, self.run.contacts.normal
+        a, normal = self.run.arrays, self.run.contacts.normal
         one, two = a["contact_body"], a["contact_other"]
         skins = pair_skins(self.model.mechanism)[0]
         stiffness = skins[one, two] if skins.size else np.zeros(len(one))
         if scale := self.run.info.contact_solver.get("stiffness", 0.0):
-            response = np.zeros(len(one))
-            x, y = a["contact_normal"].T
+            response, (x, y) = np.zeros(len(one)), a["contact_normal"].T
             for body, arm in zip((one, two), self.contact_arms, strict=True):
-                mass, _, inertia = self.loads.weights[body].T
-                with np.errstate(divide="ignore"):
-                    response += np.where(self.model.bodies.free[body], 1 / mass + (
-                        arm[:, 0] * y - arm[:, 1] * x)**2 / inertia, 0.0)
+                mass, inertia = a["body_mass"][body], a["body_inertia"][body]
+                response += np.where(self.model.bodies.free[body], 1 / mass + (
+                    arm[:, 0] * y - arm[:, 1] * x)**2 / inertia, 0.0)
             piled = (stiffness == 0) & ~self.held_by_others[one] & ~self.held_by_others[two]
-            stiffness = np.where(piled, scale / (h**2 * response), stiffness)
+            stiffness = np.where(piled, scale / (self.h**2 * response), stiffness)
         stiffness = np.where(a["contact_merged"] == 1, stiffness, stiffness / 8)
         return np.divide(np.abs(normal), stiffness, out=np.zeros_like(normal),
                          where=stiffness > 0)
@@ -241,6 +219,16 @@ class Evidence:
         """Whether joints' forces were kept as vectors."""
         return not np.isnan(self.run.arrays["joint_force"]).all() or not self.model.joints.name
 
+    def answer(self, efforts: Batch, element: int) -> Array:
+        """Change of an element's rate by an effort of 1 N s or 1 N m s on separate bodies, [n]."""
+        own = efforts.element == element
+        mass, _, inertia = self.loads.weights[efforts.body[own]].T[..., None]
+        free = mass > 0
+        push, turn = (np.divide(size, weight, out=np.zeros_like(size), where=free)
+                      for size, weight in ((efforts.x[own]**2 + efforts.y[own]**2, mass),
+                                           (efforts.moment[own]**2, inertia)))
+        return np.asarray((push + turn).sum(axis=0))
+
     @cached_property
     def last(self) -> Evidence:
         """The last sample alone."""
@@ -257,14 +245,12 @@ class Evidence:
 
         Rounding of its largest load, and motion that the engine stops (:data:`STILL`).
         """
-        loads, arrays = self.loads, self.run.arrays
-        v = np.abs(loads.frames.velocity).max(axis=2, initial=0.0)
+        v = np.abs(self.velocity).max(axis=2, initial=0.0)
         speed = np.array([STILL[0] + DIGITS * np.hypot(v[0], v[1]), STILL[1] + DIGITS * v[2]])
-        force, moment = loads.largest
+        force, moment = self.loads.largest
         scale = np.array([force, np.maximum(moment, force * ROUNDING / EXACT)])
-        mass = np.where(self.model.bodies.free, [arrays["body_mass"], arrays["body_inertia"]], 0.0)
-        allowed: Array = EXACT * np.maximum(scale, 1e-12) + mass * speed / self.h
-        return allowed
+        mass = self.loads.weights.T[[0, 2]]
+        return np.asarray(EXACT * np.maximum(scale, 1e-12) + mass * speed / self.h)
 
     @cached_property
     def joint_slack(self) -> Array:
@@ -272,34 +258,22 @@ class Evidence:
 
         A step closes joints along the pose's directions to second order. An arm r that turns leaves
         r h^3 (w^3 / 6 + w alpha / 2) and r h^4 alpha^2 / 8, which later steps close to
-        :attr:`closed`.
+        :attr:`closed`. A path bends away as an arm with its radius of curvature.
         """
-        frames, h = self.loads.frames, self.h
+        joints, frames, h = self.model.joints, self.loads.frames, self.h
         result = np.full(frames.gaps.shape, self.closed)
         alpha = np.abs(frames.acceleration[2])
         omega = np.abs(self.velocity[2]) + h * alpha
         bend = h**3 * (omega**3 / 6 + omega * alpha / 2) + h**4 * alpha**2 / 8
-        for body, end in zip(self.model.joints.bodies.T, frames.anchors, strict=True):
+        for body, end in zip(joints.bodies.T, frames.anchors, strict=True):
             result += (np.hypot(end.arm_x, end.arm_y) + frames.gaps) * bend[body]
-        for j, path in enumerate(self.model.joints.path):
-            if path is not None:  # no scene starts exactly on a curve
-                start = place_in_slot(self.model, j, self.model.bodies.pose)
-                result[j, :1] += abs(float(start.across))
-        return result + h**3 * self.path_jerk
-
-    @cached_property
-    def path_jerk(self) -> Array:
-        """How fast paths of slots bend their points away from them [m/s^3], [nj, n]; 0 of others.
-
-        As of an arm with the radius of curvature that turns at the point's speed.
-        """
-        joints, acceleration = self.model.joints, self.loads.frames.acceleration
-        result = np.zeros((len(joints.name), self.loads.frames.samples))
         for j, path in enumerate(joints.path):
             if path is not None:
+                start = place_in_slot(self.model, j, self.model.bodies.pose)
+                result[j, :1] += abs(float(start.across))  # no scene starts exactly on a curve
                 a, b = joints.bodies[j].tolist()
-                bend = np.abs(self.loads.frames.place_in_slot(j).bend)
-                speed = np.abs(self.run.arrays["joint_speed"][:, j])
-                change = np.hypot(*(acceleration[:2, b] - acceleration[:2, a]))
-                result[j] = speed**3 * bend**2 / 6 + speed * change * bend / 2
+                curve, speed = np.abs(frames.place_in_slot(j).bend), np.abs(
+                    self.run.arrays["joint_speed"][:, j])
+                change = np.hypot(*(frames.acceleration[:2, b] - frames.acceleration[:2, a]))
+                result[j] += h**3 * (speed**3 * curve**2 / 6 + speed * change * curve / 2)
         return result

@@ -1,10 +1,10 @@
-"""Checks of an audit and their figures: a value, a threshold and a verdict each."""
+"""Checks of an audit: a value, a tolerance and a verdict each, and the distance to a law."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -89,30 +89,27 @@ class Worst:
     where: str = ""
     ratio: float = -1.0
     count: int = 0
+    left_out: list[str] = field(default_factory=list)
+    """Elements that are not compared, with the reason."""
 
     def add(
-        self, where: str, error: Array, tolerance: Array | float,
-        among: Flags | None = None,
+        self, where: str, error: Array, tolerance: Array | float, among: Flags | None = None,
     ) -> None:
         """Add errors of one element over samples [n] with their tolerances.
 
         ``among`` selects samples. An error that is nan is the worst of all.
         """
+        error, tolerance = np.broadcast_arrays(error, tolerance)
         if among is not None:
-            error = error[among]
-            tolerance = tolerance[among] if isinstance(tolerance, np.ndarray) else tolerance
+            error, tolerance = error[among], tolerance[among]
         if not len(error):
             return
         self.count += 1
-        ratio = error / tolerance
-        at = int(ratio.argmax())  # the first nan, if there is one
-        if np.isnan(ratio[at]):
-            ratio = np.where(np.isnan(ratio), np.inf, ratio)
+        ratio = np.nan_to_num(error / tolerance, nan=np.inf)
+        at = int(ratio.argmax())
         if ratio[at] > self.ratio:
             self.ratio, self.where = float(ratio[at]), where
-            self.value = float(error[at])
-            self.tolerance = float(
-                tolerance[at] if isinstance(tolerance, np.ndarray) else tolerance)
+            self.value, self.tolerance = float(error[at]), float(tolerance[at])
 
     def add_nearest(
         self, where: str, laws: Sequence[tuple[Array, Array | float]],
@@ -132,13 +129,26 @@ class Worst:
             k, n = ratio.argmin(axis=0), np.arange(error.shape[1])
             self.add(where, error[k, n], tolerance[k, n], among)
 
+    def add_law(
+        self, where: str, force: Array, rate: Array, bounds: tuple[Array | float, Array | float],
+        floors: tuple[Array | float, Array | float], tolerance: Array | float,
+        among: Flags | None = None,
+    ) -> None:
+        """Add the distance of forces and rates [n] from the graph of a law with two bounds.
+
+        The law is f = low and y >= 0, low <= f <= high and y = 0, or f = high and y <= 0. Errors of
+        force and rate count relative to their ``floors``; the distance 1 is the ``tolerance``.
+        """
+        below, above, y = force - bounds[0], force - bounds[1], rate / floors[1]
+        outside = np.maximum(np.maximum(-below, above), 0.0) / floors[0]
+        distance = np.minimum.reduce([
+            np.maximum(np.abs(y), outside),
+            np.maximum(np.abs(below) / floors[0], -y), np.maximum(np.abs(above) / floors[0], y)])
+        self.add(where, distance * tolerance, tolerance, among)
+
     def judge(self, value: float, tolerance: float) -> None:
         """Set the one value of a check."""
         self.value, self.tolerance, self.count = float(value), float(tolerance), 1
-
-
-Compare = Callable[["Evidence", Worst], str | None]
-"""Adds the comparisons of a check; returns a note, or raises :class:`NotComputed`."""
 
 
 class Check(NamedTuple):
@@ -154,7 +164,8 @@ class Check(NamedTuple):
     """The comparison in words, with ``{where}``, ``{count:noun}`` and ``{note}``."""
     none: str
     """Why it is not computed where nothing is compared."""
-    compare: Compare
+    compare: Callable[[Evidence, Worst], str | None]
+    """Adds the comparisons; returns a note, or raises :class:`NotComputed`."""
 
     def figure(self, evidence: Evidence) -> Figure:
         """The figure of a recording; numbers that cannot be used make it "not computed"."""
@@ -166,10 +177,12 @@ class Check(NamedTuple):
         except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
             return self.missing(f"the numbers cannot be used: {error}")
         if not worst.count:
-            return self.missing(self.none)
+            return self.missing("; ".join(worst.left_out[:4]) or self.none)
         passes = math.isfinite(worst.value) and math.isfinite(worst.tolerance) and (
             worst.value <= worst.tolerance)
         why = self.compared.format(where=worst.where, count=Count(worst.count), note=note)
+        if worst.left_out:
+            why += f"; left out: {'; '.join(worst.left_out[:4])}"
         return Figure(self.name, worst.value, self.unit, worst.tolerance,
                       "pass" if passes else "look", why, self.source)
 
@@ -181,6 +194,6 @@ class Check(NamedTuple):
 def check(
     name: str, unit: str = "", source: str = "", *, asks: str, compared: str = "{note}",
     none: str = "",
-) -> Callable[[Compare], Check]:
+) -> Callable[[Callable[[Evidence, Worst], str | None]], Check]:
     """Make a check of a function; arguments as of :class:`Check`."""
     return lambda compare: Check(name, unit, source, asks, compared, none, compare)

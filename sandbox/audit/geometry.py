@@ -1,21 +1,27 @@
-"""Geometry: recorded poses, lengths and gaps against closed forms."""
+"""Geometry and motion: recorded poses, lengths, gaps and velocities against closed forms.
+
+Points are complex numbers.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
+from numpy.typing import NDArray
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import ROUNDING, STOPPED, NotComputed, Worst, check
+from sandbox.audit.figures import DIGITS, ROUNDING, STOPPED, NotComputed, Worst, check, peak
 from sandbox.elements.element import GRAZE
-from sandbox.mechanics.springs import spring_length
-from sandbox.mechanics.tendon import segment_length
 from sandbox.model.joints import flank_gaps, slipped
 from sandbox.numeric import Array
-from sandbox.samples.cords import lengths, lying, wound_up
+from sandbox.samples.cords import lengths, lengths_at_start, lying, rest_lengths, wound_up
 from sandbox.scene.geometry import pose_of, to_world
-from sandbox.scene.settings import Group
+from sandbox.values.signals import values
+
+Point = complex | NDArray[np.complex128]
+FEW = 8
+"""Least number of samples for differences of poses."""
+FAST = 0.1
+"""Fraction of its largest velocity above which a body counts as moving."""
 
 
 @check("poses", "m", "(31)", asks="are the links where their hinge angles put them?",
@@ -23,31 +29,26 @@ from sandbox.scene.settings import Group
                 "worst: {where}; the hinge gaps on the way are allowed",
        none="no chain of hinges starts at a fixed body")
 def _poses(evidence: Evidence, worst: Worst) -> None:
-    model, frames, a = evidence.model, evidence.loads.frames, evidence.run.arrays
-    placed: dict[int, tuple[Array, Array, Array, Array]] = {
-        i: (frames.x[i], frames.y[i], frames.angle[i], np.zeros(frames.samples))
-        for i in np.flatnonzero(~model.bodies.free).tolist()}
+    model, frames = evidence.model, evidence.loads.frames
+    at, angle, joints = frames.x + 1j * frames.y, frames.angle, model.joints
+    placed: dict[int, tuple[Point, Array, Array | float]] = {
+        i: (at[i], angle[i], 0.0) for i in np.flatnonzero(~model.bodies.free).tolist()}
     waiting = _kept_pivots(evidence)
     while ready := [j for j in waiting
-                    if sum(int(body) in placed for body in model.joints.bodies[j]) == 1]:
+                    if sum(int(body) in placed for body in joints.bodies[j]) == 1]:
         j = ready[0]
         waiting.remove(j)
-        inward, outward = (int(body) for body in model.joints.bodies[j])
-        ends, sign = model.joints.anchor[j], 1.0
-        if inward not in placed:
-            inward, outward, ends, sign = outward, inward, ends[::-1], -1.0
-        x, y, angle, allowed = placed[inward]
-        hinged = model.joints.sense[j] * (a["joint_angle"][:, j] + model.joints.zero[j])
-        own = angle + sign * hinged
-        hinge = _moved(x, y, angle, ends[0])
-        back = _moved(np.zeros_like(x), np.zeros_like(y), own, ends[1])
-        found = hinge[0] - back[0], hinge[1] - back[1]
+        sides = [0, 1] if int(joints.bodies[j, 0]) in placed else [1, 0]
+        near, far = joints.bodies[j, sides].tolist()
+        start, turn, allowed = placed[near]
+        own = turn + (sides[1] - sides[0]) * _turned(evidence, j)
+        one, two = (complex(*joints.anchor[j, side]) for side in sides)
+        found = start + np.exp(1j * turn) * one - np.exp(1j * own) * two
         allowed = allowed + evidence.joint_slack[j] + ROUNDING
-        error = np.hypot(found[0] - frames.x[outward], found[1] - frames.y[outward])
-        worst.add(model.bodies.name[outward], error, allowed)
-        error = np.abs(own - frames.angle[outward])
-        worst.add(f"angle of {model.bodies.name[outward]}", error, ROUNDING * (1 + np.abs(own)))
-        placed[outward] = (*found, own, allowed)
+        worst.add(model.bodies.name[far], np.abs(found - at[far]), allowed)
+        worst.add(f"angle of {model.bodies.name[far]}", np.abs(own - angle[far]),
+                  ROUNDING * (1 + np.abs(own)))
+        placed[far] = found, own, allowed
 
 
 def _kept_pivots(evidence: Evidence) -> list[int]:
@@ -55,9 +56,22 @@ def _kept_pivots(evidence: Evidence) -> list[int]:
     return [j for j in evidence.model.joints.pivots.tolist() if evidence.joints_hold[j].all()]
 
 
-def _moved(x: Array, y: Array, angle: Array, point: Array) -> tuple[Array, Array]:
-    c, s = np.cos(angle), np.sin(angle)
-    return x + c * point[0] - s * point[1], y + s * point[0] + c * point[1]
+def _turned(evidence: Evidence, hinge: int) -> Array:
+    """Angle of the second body against the first, from a hinge's recorded angle [rad], [n]."""
+    joints = evidence.model.joints
+    angle = evidence.run.arrays["joint_angle"][:, hinge] + joints.zero[hinge]
+    return np.asarray(joints.sense[hinge] * angle)
+
+
+def _across(evidence: Evidence, bodies: Array, points: Array) -> tuple[Array, int] | None:
+    """Distance of two points [2, 2] on two bodies with a hinge, from its angle, and its number."""
+    joints = evidence.model.joints
+    for j in _kept_pivots(evidence):
+        if set(joints.bodies[j].tolist()) == set(bodies.tolist()) and bodies[0] != bodies[1]:
+            same = 1 if bodies[0] == joints.bodies[j, 0] else -1
+            one, two = (complex(*arm) for arm in points[::same] - joints.anchor[j])
+            return np.abs(one - np.exp(1j * _turned(evidence, j)) * two), j
+    return None
 
 
 @check("tendon.path", "m", "(17), (19)",
@@ -83,10 +97,10 @@ def _tendon_wheels(evidence: Evidence, worst: Worst) -> None:
     for k, guide in enumerate(tendons.wheels.tolist()):
         tendon = int(np.searchsorted(tendons.first, guide, side="right")) - 1
         name = f"{tendons.name[tendon]} at guide {guide - int(tendons.first[tendon])}"
-        radius, found = abs(float(tendons.guide_radius[guide])), lying(loads.frames, loads.cords, k)
-        worst.add(name, radius * np.maximum(-found.angle, 0.0), ROUNDING + GRAZE * radius)
-        worst.add(f"{name}, which it is off", np.nan_to_num(np.maximum(-found.clear, 0.0)),
-                  ROUNDING)
+        radius = abs(float(tendons.guide_radius[guide]))
+        angle, clear = lying(loads.frames, loads.cords, k)
+        worst.add(name, radius * np.maximum(-angle, 0.0), ROUNDING + GRAZE * radius)
+        worst.add(f"{name}, which it is off", np.nan_to_num(np.maximum(-clear, 0.0)), ROUNDING)
 
 
 @check("tendon.shortening", "m", "(16)-(19)",
@@ -95,29 +109,21 @@ def _tendon_wheels(evidence: Evidence, worst: Worst) -> None:
                 "worst: {where}; the gap of each hinge is allowed",
        none="no tendon crosses a hinge between point guides")
 def _tendon_triangles(evidence: Evidence, worst: Worst) -> None:
-    loads, slack = evidence.loads, evidence.joint_slack
-    errors: dict[int, Array] = {}
-    allowed: dict[int, Array] = {}
-    tendons = evidence.model.tendons
-    for row, (tendon, first) in enumerate(zip(tendons.stretch_tendon, tendons.stretch_first,
-                                              strict=True)):
-        if tendons.guide_radius[first] or tendons.guide_radius[first + 1]:
-            continue
-        ends = [(int(tendons.guide_body[k]), tendons.guide_at[k]) for k in (first, first + 1)]
-        hinge = _hinge_between(evidence, ends[0][0], ends[1][0])
-        if hinge is None:
-            continue
-        length = _across(evidence, hinge, ends, tendon=True)
-        error = length - loads.cords.length[row]
-        key = int(tendon)
-        errors[key] = errors.get(key, 0.0) + error
-        allowed[key] = allowed.get(key, ROUNDING) + slack[hinge]
-    if errors:
-        path = lengths(loads.frames, loads.cords)
-        recorded = evidence.run.arrays["tendon_length"].T
-        for key, error in errors.items():
-            total = np.abs(error + path[key] - recorded[key])
-            worst.add(tendons.name[key], total, allowed[key])
+    loads, tendons = evidence.loads, evidence.model.tendons
+    for tendon in range(len(tendons.name)):
+        pieces = np.flatnonzero(tendons.stretch_tendon == tendon)
+        total, allowed, crossed = np.zeros(len(evidence.run)), ROUNDING + np.zeros(1), False
+        for row in pieces.tolist():
+            ends = tendons.stretch_first[row] + np.arange(2)
+            found = None if tendons.guide_radius[ends].any() else _across(
+                evidence, tendons.guide_body[ends], tendons.guide_at[ends])
+            if found:
+                total += found[0] - loads.cords.length[row]
+                allowed, crossed = allowed + evidence.joint_slack[found[1]], True
+        if crossed:
+            path = lengths(loads.frames, loads.cords)[tendon]
+            recorded = evidence.run.arrays["tendon_length"][:, tendon]
+            worst.add(tendons.name[tendon], np.abs(total + path - recorded), allowed)
 
 
 @check("spring.length", "m", "(28)-(30)",
@@ -126,48 +132,13 @@ def _tendon_triangles(evidence: Evidence, worst: Worst) -> None:
                 "{count:spring}, worst: {where}",
        none="there is no straight spring")
 def _spring_triangles(evidence: Evidence, worst: Worst) -> None:
-    springs, recorded = evidence.model.springs, evidence.run.arrays["spring_length"].T
-    for i in np.flatnonzero(springs.straight):
-        ends = list(zip(springs.bodies[i].tolist(), springs.anchor[i], strict=True))
-        hinge = _hinge_between(evidence, ends[0][0], ends[1][0])
-        allowed = ROUNDING
-        if hinge is None:
-            length = evidence.loads.distances(springs.bodies[i:i + 1], springs.anchor[i:i + 1])[0]
-        else:
-            length = _across(evidence, hinge, ends, tendon=False)
-            allowed = allowed + evidence.joint_slack[hinge]
-        worst.add(springs.name[i], np.abs(length - recorded[i]), allowed)
-
-
-def _hinge_between(evidence: Evidence, one: int, two: int) -> int | None:
-    for j in _kept_pivots(evidence):
-        if {one, two} == set(evidence.model.joints.bodies[j].tolist()):
-            return int(j)
-    return None
-
-
-def _across(
-    evidence: Evidence, hinge: int, ends: list[tuple[int, Array]], *, tendon: bool,
-) -> Array:
-    """Distance of two points on either side of a hinge, by the cosine rule from its angle, [n].
-
-    Two sides at the hinge never change; the angle between them changes with the hinge's.
-    """
-    joints = evidence.model.joints
-    a, b = joints.bodies[hinge].tolist()
-    points = dict(ends)
-    one, two = points[a] - joints.anchor[hinge, 0], points[b] - joints.anchor[hinge, 1]
-    angle = evidence.run.arrays["joint_angle"][:, hinge]
-    hinged = joints.sense[hinge] * (angle + joints.zero[hinge])
-    between = np.arctan2(two[1], two[0]) - np.arctan2(one[1], one[0]) + hinged
-    folded = np.arccos(np.cos(between))
-    rule = segment_length if tendon else spring_length
-    lengths_of = float(np.hypot(*one)), float(np.hypot(*two))
-    try:
-        return np.asarray(rule(lengths_of[0], lengths_of[1], folded))
-    except ValueError:  # in line with the hinge, where the closed forms stop
-        square = lengths_of[0]**2 + lengths_of[1]**2
-        return np.asarray(np.sqrt(square - 2 * lengths_of[0] * lengths_of[1] * np.cos(between)))
+    springs = evidence.model.springs
+    for i in np.flatnonzero(springs.straight).tolist():
+        found, allowed = _across(evidence, springs.bodies[i], springs.anchor[i]), ROUNDING
+        length = found[0] if found else evidence.loads.distances(
+            springs.bodies[i:i + 1], springs.anchor[i:i + 1])[0]
+        worst.add(springs.name[i], np.abs(length - evidence.run.arrays["spring_length"][:, i]),
+                  allowed + evidence.joint_slack[found[1]] if found else allowed)
 
 
 @check("joint.drift", "m", "gap = 0", asks="do joints hold their two sides together?",
@@ -178,162 +149,220 @@ def _drift(evidence: Evidence, worst: Worst) -> None:
     joints, free = evidence.model.joints, evidence.model.bodies.free
     for j in joints.keeping("point", "groove", "distance", "gear", "rack", "roll"):
         if free[joints.bodies[j]].any():
-            worst.add(joints.name[j], _gap(evidence, j),
-                      evidence.joint_slack[j] + ROUNDING + _yielded(evidence, j),
-                      evidence.joints_hold[j])
+            worst.add(joints.name[j], *_gap(evidence, j), evidence.joints_hold[j])
 
 
-def _gap(evidence: Evidence, j: int) -> Array:
-    """Distance of the points of a joint from where it keeps them [m], [n]."""
-    joints = evidence.model.joints
+def _gap(evidence: Evidence, j: int) -> tuple[Array, Array]:
+    """Distance of the points of a joint from where it keeps them [m], [n], and its tolerance."""
+    joints, pose = evidence.model.joints, evidence.run.arrays["body_pose"]
+    gap, allowed = evidence.loads.frames.gaps[j], evidence.joint_slack[j] + ROUNDING
     match joints.kind[j].keeps:
         case "groove":
-            return evidence.loads.frames.place_in_slot(j).off
+            gap = evidence.loads.frames.place_in_slot(j).off
         case "distance":
-            return np.asarray(np.abs(evidence.loads.frames.gaps[j] - joints.reach[j, 0]))
+            gap = np.abs(gap - joints.reach[j, 0])
         case "roll":
-            return np.asarray(np.maximum(
-                np.abs(evidence.loads.frames.gaps[j] - _touching(evidence, j)),
-                np.abs(slipped(evidence.model, j, evidence.run.arrays["body_pose"]))))
-        case "gear" | "rack":
-            return _teeth(evidence, j)
-        case "point" | "range":
-            return np.asarray(evidence.loads.frames.gaps[j])
-
-
-def _yielded(evidence: Evidence, j: int) -> float:
-    """Deformation of teeth without backlash under their load [m]; 0 of other joints."""
-    joints = evidence.model.joints
-    if joints.play[j] > 0 or not joints.stiffness[j] > 0:
-        return 0.0
-    most = float(np.nan_to_num(evidence.run.arrays["joint_reaction"][:, j]).max(initial=0.0))
-    return most / float(joints.stiffness[j])
-
-
-def _touching(evidence: Evidence, j: int) -> float:
-    """Distance of the centres of two circles that touch [m]."""
-    joints = evidence.model.joints
-    ra, rb = joints.radii[j].tolist()
-    return abs(ra - rb) if joints.inside[j] else float(ra + rb)
-
-
-def _teeth(evidence: Evidence, j: int) -> Array:
-    """Gap of teeth without backlash where they push; overlap of those with backlash [m]."""
-    joints = evidence.model.joints
-    play = float(joints.play[j] * np.cos(joints.pressure[j]) / 2)
-    gaps = flank_gaps(evidence.model, j, evidence.run.arrays["body_pose"])
-    if play > 0:
-        return np.asarray(np.maximum(-gaps.min(axis=0) - play, 0.0))
-    return np.asarray(np.abs(gaps).min(axis=0))
+            ra, rb = joints.radii[j].tolist()
+            apart = gap - (abs(ra - rb) if joints.inside[j] else ra + rb)
+            gap = np.maximum(np.abs(apart), np.abs(slipped(evidence.model, j, pose)))
+        case "gear" | "rack":  # gap of the flanks that push; with backlash their overlap
+            play = float(joints.play[j] * np.cos(joints.pressure[j]) / 2)
+            gaps = flank_gaps(evidence.model, j, pose)
+            gap = (np.maximum(-gaps.min(axis=0) - play, 0.0) if play > 0
+                   else np.abs(gaps).min(axis=0))
+            if play == 0 and joints.stiffness[j] > 0:
+                reaction = np.nan_to_num(evidence.run.arrays["joint_reaction"][:, j])
+                allowed = allowed + peak(reaction) / float(joints.stiffness[j])
+    return np.asarray(gap), np.asarray(allowed)
 
 
 @check("stop.overrun", "rad", "q <= qmax", asks="does every hinge stay within its stops?",
-       compared="{note}", none="no hinge has stops")
-def _stops(evidence: Evidence, worst: Worst) -> str:
-    a, joints, touched = evidence.run.arrays, evidence.model.joints, []
+       compared="largest overrun of {count:hinge}, worst: {where}", none="no hinge has stops")
+def _stops(evidence: Evidence, worst: Worst) -> None:
+    joints = evidence.model.joints
     for j in joints.stopped:
-        angle, torque = evidence.angles[j], a["joint_stop"][:, j]
-        lowest, highest = joints.stops[j]
-        over = np.maximum(lowest - angle, angle - highest)
+        over = np.maximum(joints.stops[j, 0] - evidence.angles[j],
+                          evidence.angles[j] - joints.stops[j, 1])
         worst.add(joints.name[j], np.maximum(over, 0.0), STOPPED, evidence.joints_hold[j])
-        if (on := np.abs(torque) > 0).any():
-            first, most = int(np.argmax(on)), float(np.abs(torque).max())
-            began = evidence.run.time[first]
-            touched.append(f"{joints.name[j]} from {began:.3g} s, up to {most:.3g} N m")
-    text = "; ".join(touched[:4]) + (f" and {len(touched) - 4} more" if len(touched) > 4 else "")
-    return "touched: " + text if text else "no stop was touched"
 
 
 @check("differential", "m", "(4)-(7)",
        asks="does each rocker or pulley move by the weighted mean of its strings?",
        compared="travel of each pivot against the mean travel of its two strings, weighted by "
                 "their arms, {count:rocker or wheel|rockers or wheels}, worst: {where}; the "
-                "inclination of the strings is allowed{note}")
-def _differential(evidence: Evidence, worst: Worst) -> str:
-    groups = [group for group in evidence.model.mechanism.groups if group.tree]
-    if not groups:
+                "inclination of the strings is allowed")
+def _differential(evidence: Evidence, worst: Worst) -> None:
+    trees = [group.bodies for group in evidence.model.mechanism.groups if group.tree]
+    if not trees:
         raise NotComputed("there is no tree of rockers or pulleys")
-    reasons = ((name, _compare(evidence, group, name, worst))
-               for group in groups for name in group.bodies)
-    left_out = "; ".join([f"{name}: {reason}" for name, reason in reasons if reason][:2])
-    if not worst.count:
-        raise NotComputed(left_out)
-    return f"; left out: {left_out}" if left_out else ""
+    worst.left_out += [f"{name}: {reason}" for names in trees for name in names
+                       if (reason := _compare_rocker(evidence, name, worst))]
 
 
-@dataclass
-class _String:
-    """A string at a rocker or wheel."""
-
-    arm: float
-    """[m]"""
-    displacement: Array
-    """Of its far side [m], [n]."""
-    allowed: Array
-
-
-def _compare(evidence: Evidence, group: Group, name: str, worst: Worst) -> str:
+def _compare_rocker(evidence: Evidence, name: str, worst: Worst) -> str:
     """Add one rocker or wheel; a reason if it cannot be compared."""
     model, frames = evidence.model, evidence.loads.frames
-    joints, body = model.joints, model.names.body[name]
+    joints, tendons, body = model.joints, model.tendons, model.names.body[name]
     slots = [j for j in joints.keeping("groove") if joints.bodies[j, 1] == body]
     if not slots:
         return "its pivot does not slide on a slot"
-    frame = joints.bodies[slots[0], 0]
-    along = joints.groove[slots[0], 1] - joints.groove[slots[0], 0]
-    direction = along / np.hypot(*along)
-    c, s = frames.cos[frame, 0], frames.sin[frame, 0]
-    pull = np.array([c * direction[0] - s * direction[1], s * direction[0] + c * direction[1]])
-    strings = [found for tendon in range(len(model.tendons.name))
-               if (found := _string(evidence, tendon, body, pull)) is not None]
-    if len(strings) != 2:
-        return f"it has {len(strings)} strings that are tendons, not 2"
-    x, y, _ = model.bodies.pose[body]
-    own = pull[0] * (frames.x[body] - x) + pull[1] * (frames.y[body] - y)
-    one, two = strings
+    along = complex(*(joints.groove[slots[0], 1] - joints.groove[slots[0], 0]))
+    pull = along / abs(along) * np.exp(1j * frames.angle[joints.bodies[slots[0], 0], 0])
+    ends = [tendon for tendon, end in enumerate(tendons.first[1:] - 1)
+            if tendons.guide_body[end] == body]
+    if len(ends) != 2:
+        return f"it has {len(ends)} strings that are tendons, not 2"
+    place = complex(*model.bodies.pose[body, :2])
+    (arm, one, allowed), (other, two, more) = (
+        _string(evidence, tendon, place, pull) for tendon in ends)
     # arms count to either side: the pivot's displacement is the mean, weighted by the other's arm
-    total = one.arm - two.arm
-    if abs(total) < 1e-12:
+    if abs(arm - other) < 1e-12:
         return "its strings pull at the same point"
-    mean = (one.arm * two.displacement - two.arm * one.displacement) / total
-    allowed = np.maximum(one.allowed, two.allowed) + evidence.closed + ROUNDING
-    worst.add(name, np.abs(own - mean), allowed)
+    own = ((frames.x[body] + 1j * frames.y[body] - place) * pull.conjugate()).real
+    mean = (arm * two - other * one) / (arm - other)
+    worst.add(name, np.abs(own - mean),
+              np.maximum(allowed, more) + 2 * (evidence.closed + ROUNDING))
     return ""
 
 
-def _string(evidence: Evidence, tendon: int, body: int, pull: Array) -> _String | None:
-    """The string of a tendon that ends on ``body``; None if it does not.
-
-    Its displacement is that of the guide before its last straight piece along the pull, plus the
-    shortening of the path before. The inclination of the piece is allowed.
-    """
+def _string(evidence: Evidence, tendon: int, place: complex, pull: complex) -> tuple[
+        float, Array, Array]:
+    """Arm of a string at its last guide [m], displacement of its far side, inclination, [n]."""
     loads, tendons = evidence.loads, evidence.model.tendons
-    last = int(tendons.first[tendon + 1]) - 1
-    if tendons.guide_body[last] != body:
-        return None
-    place = evidence.model.bodies.pose[body, :2]
-    at0 = _at_start(evidence, last) - place
-    across = np.array([-pull[1], pull[0]])
-    arm = float(across @ at0 + tendons.guide_radius[last])
-    far = last - 1
-    path = lengths(loads.frames, loads.cords)[tendon]
+    last, cords = int(tendons.first[tendon + 1]) - 1, loads.cords
+    near, far = (complex(*to_world(
+        pose_of(evidence.model.mechanism.bodies[tendons.guide_body[guide]]),
+        tuple(tendons.guide_at[guide]))) for guide in (last, last - 1))
+    radius = float(tendons.guide_radius[last])
+    arm = ((near - place) * pull.conjugate()).imag + radius
     row = int(np.flatnonzero(tendons.stretch_tendon == tendon)[-1])
-    straight = loads.cords.length[row]
-    point0, end0 = _at_start(evidence, far), place + at0
-    offset = float(tendons.guide_radius[far] - tendons.guide_radius[last])
-    straight0 = float(np.sqrt(np.sum((end0 - point0)**2) - offset**2))
-    before = path - straight - wound_up(loads.frames, loads.cords, tendon, last=True)
-    moved = (pull[0] * (loads.cords.start.x[row] - point0[0])
-             + pull[1] * (loads.cords.start.y[row] - point0[1]))
+    straight, offset = cords.length[row], float(tendons.guide_radius[last - 1]) - radius
+    before = lengths(loads.frames, cords)[tendon] - straight - wound_up(
+        loads.frames, cords, tendon, last=True)
+    moved = ((cords.start.x[row] + 1j * cords.start.y[row] - far) * pull.conjugate()).real
     # with the present length: the stretch T / k is not an error of the rocker
-    displacement = moved + evidence.run.arrays["tendon_length"][:, tendon] - before - straight0
-    along = np.abs(pull[0] * loads.cords.x[row] + pull[1] * loads.cords.y[row])
-    slant = straight * (1 - along)
-    return _String(arm, displacement, slant + evidence.closed + ROUNDING)
+    displacement = (moved + evidence.run.arrays["tendon_length"][:, tendon] - before
+                    - np.sqrt(abs(near - far)**2 - offset**2))
+    slant = 1 - np.abs(((cords.x[row] + 1j * cords.y[row]) * pull.conjugate()).real)
+    return arm, displacement, straight * slant
 
 
-def _at_start(evidence: Evidence, guide: int) -> Array:
-    """Centre of a guide at t = 0, in the world [m]."""
-    x, y = evidence.model.tendons.guide_at[guide]
-    body = evidence.model.mechanism.bodies[evidence.model.tendons.guide_body[guide]]
-    return np.array(to_world(pose_of(body), (float(x), float(y))))
+# -- motion -----------------------------------------------------------------------------------
+
+
+@check("clock", "step", "t = (k - 1/2) h", asks="do the sample times match the sample rate?")
+def _clock(evidence: Evidence, worst: Worst) -> str:
+    run, settings = evidence.whole, evidence.model.mechanism.run
+    h, time = settings.solver_step, run.time
+    every = max(1, round(1 / (run.info.sample_rate * h)))
+    k = time / h + 0.5
+    off = np.abs(k - np.round(k))
+    if len(time) > 1:
+        off = np.maximum(off, np.abs(np.diff(k, prepend=k[0] - every) - every))
+    step = abs(run.info.step / h - 1)
+    worst.judge(max(peak(off), step),
+                8 * DIGITS * float(np.abs(k).max(initial=1.0)) + ROUNDING)
+    return (f"distance of samples from the middle of a step of {h:g} s, and from a spacing of "
+            f"{every} steps")
+
+
+@check("scene.numbers", asks="are masses and lengths those of the scene?",
+       compared="recorded masses, centres of mass, rest lengths and initial lengths against the "
+                "scene, {count:number}, worst: {where}",
+       none="there is no body")
+def _numbers(evidence: Evidence, worst: Worst) -> None:
+    model, a = evidence.model, evidence.run.arrays
+    bodies = model.bodies
+    compared = {"centre": (bodies.name, np.hypot(*(a["body_centre"] - bodies.centre).T))} | {
+        what: (bodies.name, np.where(a[f"body_{what}"] == of, 0.0, a[f"body_{what}"] / of - 1))
+        for what, of in (("mass", bodies.mass), ("inertia", bodies.inertia))}
+    compared |= {what: (model.tendons.name, a[f"tendon_{what}"] - of(model)) for what, of in (
+        ("initial", lengths_at_start), ("rest", rest_lengths))}
+    for what, (names, off) in compared.items():
+        for name, error in zip(names, np.abs(off), strict=True):
+            worst.add(f"{what} of {name}", error[None], ROUNDING)
+
+
+@check("schedule", "m", "x(t)", asks="do fixed and scheduled bodies follow the scene?",
+       compared="poses of {count:fixed or scheduled body|fixed or scheduled bodies}, worst: "
+                "{where}",
+       none="all bodies move freely")
+def _schedules(evidence: Evidence, worst: Worst) -> None:
+    bodies, frames = evidence.model.bodies, evidence.loads.frames
+    time = evidence.run.time
+    for b in np.flatnonzero(~bodies.free).tolist():
+        body = evidence.model.mechanism.bodies[b]
+        pose = np.tile(np.array([*body.at, body.angle])[:, None], len(time))
+        for axis, signal in enumerate((body.path.x, body.path.y, body.path.angle)
+                                      if body.path is not None else ()):
+            if signal is not None:
+                pose[axis] = values(signal, time, evidence.model.mechanism.functions)
+        off = np.abs(np.stack([frames.x[b], frames.y[b], frames.angle[b]]) - pose).max(axis=0)
+        # a scheduled body moves by h v in every step
+        steps = time / evidence.h if body.path is not None else 1.0
+        worst.add(bodies.name[b], off, ROUNDING + DIGITS * steps * (1 + np.abs(pose).max(axis=0)))
+
+
+@check("velocity", "m/s", "v = dx/dt", asks="are velocities the time derivatives of poses?",
+       compared="velocities and accelerations against the differences of the poses{note}, "
+                "{count:comparison}, worst: {where}",
+       none="there is no body")
+def _velocities(evidence: Evidence, worst: Worst) -> str:
+    bodies = evidence.model.bodies
+    if len(evidence.run) < FEW:
+        raise NotComputed("there are too few samples")
+    for b in np.flatnonzero(~bodies.fixed).tolist():
+        (_in_every_step if evidence.every_step else _between)(evidence, b, worst)
+    for b in np.flatnonzero(bodies.fixed).tolist():
+        v, a = evidence.velocity[:, b], evidence.loads.frames.acceleration[:, b]
+        worst.add(bodies.name[b], np.abs(np.concatenate([v, a])).max(axis=0), ROUNDING)
+    return "" if evidence.every_step else ", where samples are far apart by the trapezoid rule"
+
+
+def _in_every_step(evidence: Evidence, b: int, worst: Worst) -> None:
+    """A step moves by h v and then changes v by h a, except where an impact displaced the pose."""
+    frames, h = evidence.loads.frames, evidence.h
+    v, a = evidence.velocity[:, b], frames.acceleration[:, b]
+    name = evidence.model.bodies.name[b]
+    for axis, pose in enumerate((frames.centre_x[b], frames.centre_y[b], frames.angle[b])):
+        after, top = v[axis] + h / 2 * a[axis], peak(v[axis])
+        lost = 8 * DIGITS * (1 + peak(pose)) / h
+        worst.add(name, np.abs(np.diff(pose) / h - after[:-1])[~evidence.struck[:-1]], lost)
+        before = v[axis] - h / 2 * a[axis]
+        worst.add(name, np.abs(after[:-1] - before[1:]), ROUNDING + 8 * DIGITS * (
+            top + h * peak(a[axis])))
+
+
+def _between(evidence: Evidence, b: int, worst: Worst) -> None:
+    """Compare the mean velocity with the displacement between samples.
+
+    The error of the trapezoid rule is a sixth of the second difference of v where samples resolve
+    the motion, else the difference between the changes of velocity and the accelerations. Impacts
+    are in few samples, so the median is compared with the mean tolerance.
+    """
+    frames, time = evidence.loads.frames, evidence.run.time
+    dt = float(np.median(np.diff(time)))
+    for axis, pose in enumerate((frames.centre_x[b], frames.centre_y[b], frames.angle[b])):
+        v = evidence.velocity[axis, b]
+        a = frames.acceleration[axis, b]
+        bend = (np.abs(v[2:] - 2 * v[1:-1] + v[:-2])
+                + np.abs(v[2:] - v[:-2] - dt / 2 * (a[2:] + 2 * a[1:-1] + a[:-2])))
+        error = np.abs((pose[2:] - pose[:-2]) / (2 * dt) - (v[2:] + 2 * v[1:-1] + v[:-2]) / 4)
+        moving = np.abs(v[1:-1]) >= FAST * peak(v)
+        if np.count_nonzero(moving) < FEW and np.isfinite(error).all():
+            continue
+        allowed = float(np.mean(bend[moving])) + 8 * DIGITS * (1 + np.abs(pose).max()) / dt
+        worst.add(evidence.model.bodies.name[b], np.median(error[moving], keepdims=True), allowed)
+
+
+@check("hinge", "rad", "q = θb - θa", asks="is each hinge angle the angle between its two bodies?",
+       compared="angles and rates of hinges against those of their bodies, {count:hinge}, worst: "
+                "{where}",
+       none="there is no hinge")
+def _hinges(evidence: Evidence, worst: Worst) -> None:
+    joints, a = evidence.model.joints, evidence.run.arrays
+    for j in joints.hinges.tolist():
+        for what, found in (("angle", evidence.angles[j]), ("rate", evidence.rates[j])):
+            size = 1 + peak(found)
+            off = np.abs(found - a[f"joint_{what}"][:, j]) / size
+            worst.add(f"{what} of {joints.name[j]}", off, ROUNDING)

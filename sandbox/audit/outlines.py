@@ -1,10 +1,14 @@
-"""Contacts against the shapes: positions, normals and gaps.
+"""Contacts against the shapes: places, normals and gaps of rows, and contacts without a force.
 
 A row of one point lies in the middle between two outlines, half a gap from each, along the normal.
 So does a row of several points between two convex shapes, which share a face. Between bodies of
-several shapes (a disc in a V) the position of several points is none of them. It is their mean,
-moved perpendicular to the force onto its line of action. The mean lies within the convex hulls of
-both bodies, and so does the position along the force.
+several shapes (a disc in a V) the place of several points is none of them: it is their mean, moved
+perpendicular to the force onto its line of action. The mean lies within the convex hulls of both
+bodies, and so does the place along the force.
+
+A contact without a force has no row, but may carry a force in another set of forces that balances
+the same pose. It is found from poses and shapes: outlines of bodies that may touch, within the gap
+that a step may leave, that neither approach nor separate.
 """
 
 from __future__ import annotations
@@ -16,278 +20,322 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.audit.evidence import LEFT, Evidence
-from sandbox.audit.figures import DIGITS, ROUNDING, Worst
+from sandbox.audit.figures import DIGITS, ROUNDING, Worst, check
+from sandbox.elements.arrays import CONTACT, Arrays
 from sandbox.model.joints import rotated
-from sandbox.model.pairs import restitution_of
+from sandbox.model.pairs import allowed_pairs, restitution_of
 from sandbox.numeric import Array, Flags, Integers
+from sandbox.samples import nearby
 from sandbox.samples.contacts import TOUCH
+from sandbox.samples.nearby import PlacedPiece, apart, pieces_of
 from sandbox.scene import geometry
-from sandbox.scene.bodies import Circle, Polygon, Polyline, Solid
-from sandbox.scene.geometry import core, solids, true_curves
+from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Polyline, Shape
+from sandbox.scene.geometry import corners, true_curves
 from sandbox.scene.outlines.curves import on_spans, spans_of
+from sandbox.scene.outlines.rings import wound
 
-ROWS = 20_000
-"""Number of contacts that are compared with a curve at once."""
+ROWS = 5_000
+"""Number of contacts that are compared with a shape at once."""
 NEWTON = 25
+ASKEW, ALIKE = 1e-6, 1e-3
+"""Angle between a normal and those of a surface; and between normals of the same contact."""
 
 
-class Seen(NamedTuple):
-    """Position of contacts relative to one convex shape, [m] each."""
-
-    distance: Array
-    """Along the normal, from the support point of the shape to the contact point [m]."""
-    aside: Array
-    """Remaining distance of the point from the shape [m]."""
-    turned: Array
-    """Sine of the angle between the normal and the nearest one of the outline there."""
+# -- rows -------------------------------------------------------------------------------------
 
 
-def seen(shape: Solid, points: Array, out: Array, radius: Array | float | None = None) -> Seen:
-    """A shape relative to ``points`` [m, 2] near its outline, with outward normals ``out`` [m, 2].
+class _Outline(NamedTuple):
+    """The outline of one shape in its body's frame."""
 
-    Both in the body's frame; ``radius`` [m] is that of a circle, where a drive sets it.
-    """
-    corner, grown = _core(shape, radius)
-    distance = np.einsum("mi,mi->m", points, out) - _support(shape, out, radius)
-    edges = [np.stack([corner[i], corner[(i + 1) % len(corner)]]) for i in range(len(corner))]
-    off = [_from_line(points, edge) for edge in edges]
-    if len(corner) <= 2:
-        nearest = off[0]
-        length = np.hypot(*nearest.T)
-        turned = np.hypot(*(nearest / np.maximum(length, 1e-300)[:, None] - out).T)
-        return Seen(distance, np.maximum(length - grown - np.maximum(distance, 0.0), 0.0), turned)
-    along = np.array([edge[1] - edge[0] for edge in edges])
-    faces = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.hypot(*along.T)[:, None]
-    beyond = np.einsum("mei,ei->me", points[:, None] - corner, faces).max(axis=1)
-    apart = np.where(beyond > 0, np.min([np.hypot(*one.T) for one in off], axis=0), beyond)
-    turned = np.min([np.hypot(*(face - out).T) for face in faces], axis=0)
-    return Seen(distance, np.maximum(apart - np.maximum(distance, 0.0), 0.0), turned)
-
-
-def _core(shape: Solid, radius: Array | float | None = None) -> tuple[Array, Array | float]:
-    """Corners [k, 2] and the radius about their convex hull [m]."""
-    points, grown = core(shape)
-    return np.array(points), grown if radius is None else radius
-
-
-class TrueCurves(NamedTuple):
-    """The smooth curves of one shape."""
-
-    spans: Array
-    """As :class:`sandbox.scene.outlines.curves.Spans` has them, all together, [n, 12]."""
-    before: Integers
-    """Number of the span before each, [n]; -1 at the end of an open curve."""
-    after: Integers
-    """Number of the span after each, [n]; -1 at the end of an open curve."""
-    closed: bool
+    start: Array
+    """Corners, the material to the left of the sides, and where each side ends [m], [k, 2]."""
+    end: Array
     radius: float
-    """Of the surface about the curve [m]."""
+    """Of the surface about the sides [m]."""
+    flat: bool
+    """Whether normals are those of the sides."""
+    spans: Array
+    """Smooth curves as :class:`sandbox.scene.outlines.curves.Spans` has them, [n, 12]."""
+    beside: Integers
+    """The spans before and after each, [2, n]; -1 at the ends of an open curve."""
 
-    def seen(self, points: Array, out: Array) -> Seen:
-        """As :func:`seen`, by Newton's method from the nearest node."""
-        found = [self._seen(points[i:i + ROWS], out[i:i + ROWS])
-                 for i in range(0, len(points), ROWS)]
-        return Seen(*map(np.concatenate, zip(*found, strict=True)))
+    def seen(self, at: Array, out: Array, radius: Array | float) -> tuple[Array, Array]:
+        """Distances of points [m, 2] from sides [m], and of normals there from ``out``; [m, k]."""
+        if len(self.spans):
+            return self._from_curves(at, out)
+        along = self.end - self.start
+        square = np.maximum((along**2).sum(axis=1), 1e-300)
+        share = np.clip(((at[:, None] - self.start) * along).sum(axis=2) / square, 0.0, 1.0)
+        away = at[:, None] - self.start - share[..., None] * along
+        length = np.hypot(*np.moveaxis(away, 2, 0))
+        normal = away / np.maximum(length, 1e-300)[..., None]
+        if self.flat:
+            normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.sqrt(square)[:, None]
+        turned = np.hypot(*np.moveaxis(normal - out[:, None], 2, 0))
+        return np.abs((length.T - radius).T), turned
 
-    def _seen(self, points: Array, out: Array) -> Seen:
-        x, y = (points[:, None] - self.spans[:, [0, 6]]).transpose(2, 0, 1)
-        k, w = (x**2 + y**2).argmin(axis=1), np.zeros(len(points))
+    def _from_curves(self, at: Array, out: Array) -> tuple[Array, Array]:
+        """The same of curves, by Newton's method from the nearest node."""
+        x, y = (at[:, None] - self.spans[:, [0, 6]]).transpose(2, 0, 1)
+        k, w = (x**2 + y**2).argmin(axis=1), np.zeros(len(at))
         for _ in range(NEWTON):
             place, first, second = on_spans(self.spans[k], w)
-            square = np.einsum("mi,mi->m", first, first)
-            bend = square + np.einsum("mi,mi->m", place - points, second)
-            slope = np.einsum("mi,mi->m", place - points, first)
+            square, slope = (first**2).sum(axis=1), ((place - at) * first).sum(axis=1)
+            bend = square + ((place - at) * second).sum(axis=1)
             w = w - np.clip(slope / np.where(bend > square / 20, bend, square), -1.0, 1.0)
-            there = np.where(w > 1, self.after[k], np.where(w < 0, self.before[k], -1))
+            there = np.where(w > 1, self.beside[1, k], np.where(w < 0, self.beside[0, k], -1))
             w = np.where(there < 0, np.clip(w, 0.0, 1.0), np.where(w > 1, 0.0, 1.0))
             k = np.where(there < 0, k, there)
         place, first, _ = on_spans(self.spans[k], w)
         normal = np.stack([first[:, 1], -first[:, 0]], axis=1) / np.hypot(*first.T)[:, None]
         turned = np.hypot(*(normal - out).T)
-        if not self.closed:
+        if not self.flat:
             turned = np.minimum(turned, np.hypot(*(normal + out).T))
-        distance = np.einsum("mi,mi->m", points - place, out)
-        aside = np.hypot(*(points - place - distance[:, None] * out).T)
-        return Seen(distance - self.radius, aside, turned)
+        off = np.abs(np.hypot(*(at - place).T) - self.radius)
+        return off[:, None], turned[:, None]
 
 
-@lru_cache(maxsize=64)
-def _true_curves(shape: Polygon | Polyline) -> TrueCurves:
-    closed = isinstance(shape, Polygon)
-    spans = [spans_of(nodes, closed=closed).terms for nodes in true_curves(shape)]
+@lru_cache(maxsize=256)
+def _outline(shape: Shape) -> _Outline:
+    radius = 0.0 if isinstance(shape, Box | Polygon) else shape.radius
+    flat = isinstance(shape, Box | Polygon)
+    if isinstance(shape, Box | Polygon):
+        rings = [np.array(corners(shape)),
+                 *(np.array(wound(hole, -1)) for hole in getattr(shape, "holes", ()))]
+        start = np.concatenate(rings)
+        end = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
+    else:
+        points = np.array([shape.at] * 2 if isinstance(shape, Circle) else
+                          [shape.start, shape.end] if isinstance(shape, Capsule) else shape.points)
+        start, end = points[:-1], points[1:]
+    spans = [spans_of(nodes, closed=flat).terms for nodes in true_curves(shape)] if isinstance(
+        shape, Polygon | Polyline) and shape.nodes else [np.zeros((0, 12))]
     numbers = np.split(np.arange(sum(map(len, spans))), np.cumsum([len(each) for each in spans]))
-    before, after = (np.concatenate([np.roll(own, way) for own in numbers]) for way in (1, -1))
-    if not closed:
-        before[0] = after[-1] = -1
-    radius = shape.radius if isinstance(shape, Polyline) else 0.0
-    return TrueCurves(np.concatenate(spans), before, after, closed, radius)
+    beside = np.array([np.concatenate([np.roll(own, by) for own in numbers]) for by in (1, -1)])
+    if not flat and beside.size:
+        beside[0, 0] = beside[1, -1] = -1
+    return _Outline(start, end, radius, flat, np.concatenate(spans), beside)
 
 
-def _support(shape: Solid, way: Array, radius: Array | float | None = None) -> Array:
-    """Support of a shape along ``way`` [m, 2] from the frame's origin [m], [m]."""
-    corner, grown = _core(shape, radius)
-    reach: Array = (way @ corner.T).max(axis=1) + grown
-    return reach
-
-
-def _from_line(points: Array, line: Array) -> Array:
-    """From the nearest of a straight piece [2, 2] to points [m, 2]."""
-    along = line[1] - line[0]
-    square = float(along @ along)
-    share = np.zeros(len(points))
-    if square > 0:
-        share = np.clip((points - line[0]) @ along / square, 0.0, 1.0)
-    off: Array = points - line[0] - share[:, None] * along
-    return off
-
-
-def _surfaces(
-    evidence: Evidence, body: int,
-) -> Iterator[tuple[int, Solid | TrueCurves, Array | None]]:
-    """Surfaces of a body: number of the shape, solid or curves, and arcs of surface normals."""
-    for number, shape in enumerate(evidence.model.mechanism.bodies[body].shapes):
-        if isinstance(shape, Polygon | Polyline) and shape.nodes:
-            yield number, _true_curves(shape), None
-        else:
-            yield from ((number, *piece) for piece in solids(shape))
-
-
-def _solids(evidence: Evidence, body: int) -> Iterator[tuple[int, Solid]]:
-    """The convex pieces of a body, each with the number of its shape."""
-    for number, shape in enumerate(evidence.model.mechanism.bodies[body].shapes):
-        yield from ((number, solid) for solid, _ in solids(shape))
-
-
-def from_faces(out: Array, faces: Array) -> Array:
-    """Sines of the angles between normals [m, 2] and the nearest of arcs [k, 4], within 90 deg."""
-    start, end = faces[:, :2], faces[:, 2:]
-
-    def side(one: Array, other: Array) -> Array:
-        found: Array = one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
-        return found
-
-    n = out[:, None]
-    within = ((side(start, n) >= 0) & (side(n, end) >= 0)
-              & (np.einsum("mij,ij->mi", n, start + end) > 0))
-    ends = np.minimum(np.hypot(*(n - start).T).T, np.hypot(*(n - end).T).T)
-    return np.asarray(np.where(within, 0.0, ends).min(axis=1, initial=2.0))
-
-
-class _Nearest(NamedTuple):
-    """The shape of a body that each contact fits best."""
-
-    off: Array
-    """Distance of the point from that of the outline and the gap [m]."""
-    turned: Array
-    """As in :class:`Seen`, the least of all shapes that fit."""
-    round: Flags
-    """Whether the shape is a circle: two such touch in one point."""
-
-
-def compare_outlines(evidence: Evidence, worst: Worst) -> None:
+@check("contact.place", "m", "outlines",
+       asks="are contacts on the outlines of both bodies?",
+       compared="points, gaps and normals of contacts against the outlines of the shapes; for "
+                "merged contacts of several shapes, points along the force against the hulls; "
+                "{count:comparison}, worst: {where}",
+       none="nothing touches")
+def _places(evidence: Evidence, worst: Worst) -> None:
     """Compare contacts with the outlines; rows of several points with the hulls."""
-    a = evidence.run.arrays
+    a, names = evidence.run.arrays, evidence.model.bodies.name
     rows = np.flatnonzero(np.hypot(*a["contact_force"].T) > TOUCH)
-    count = len(evidence.model.bodies.name)
-    pair = a["contact_body"][rows] * count + a["contact_other"][rows]
+    pair = a["contact_body"][rows] * len(names) + a["contact_other"][rows]
     for kind in np.unique(pair).tolist():
-        two = divmod(kind, count)
-        own = rows[pair == kind]
-        _to_outlines(evidence, own[evidence.one_normal[own]], two, worst)
-        _to_hulls(evidence, own[~evidence.one_normal[own]], two, worst)
-
-
-def _to_outlines(evidence: Evidence, rows: Integers, pair: tuple[int, int], worst: Worst) -> None:
-    """Places, gaps and normals of rows of one point, or of points on one face."""
-    rounding, moving = _allowed(evidence, rows, pair)
-    names = "/".join(evidence.model.bodies.name[b] for b in pair)
-    one, two = (_nearest(evidence, rows, b, sign, moving)
-                for b, sign in zip(pair, (-1.0, 1.0), strict=True))
-    # the point of an impact is that at its instant within the step
-    bounces = restitution_of(evidence.model.mechanism, *pair) > 0
-    moving = moving + bounces * np.abs(evidence.run.arrays["contact_gap"][rows])
-    allowed = np.where((one.round | two.round) & (not bounces), rounding, moving)
-    worst.add(names, np.maximum(one.off, two.off), allowed)
-    # at a corner only the other's outline has a direction
-    reach = min(reach_of(evidence, b) for b in pair)
-    worst.add(f"normal of {names}", np.minimum(one.turned, two.turned) * reach, allowed)
+        two, own = divmod(kind, len(names)), rows[pair == kind]
+        label, blurred = "/".join(names[b] for b in two), own[~evidence.one_normal[own]]
+        # forces that almost cancel have a distant line of action
+        far = 8 * DIGITS * np.hypot(*a["contact_point"][blurred].T)
+        worst.add(label, np.max([_beyond(evidence, blurred, b) for b in two], axis=0),
+                  _allowed(evidence, blurred, two)[1] + far)
+        own = own[evidence.one_normal[own]]
+        rounding, moving = _allowed(evidence, own, two)
+        sides = [[np.concatenate(part) for part in zip(*(
+            _nearest(evidence, own[i:i + ROWS], b, sign, moving[i:i + ROWS])
+            for i in range(0, max(len(own), 1), ROWS)), strict=True)]
+            for b, sign in zip(two, (-1.0, 1.0), strict=True)]
+        off, turned, circle = zip(*sides, strict=True)
+        # the point of an impact is that at its instant within the step
+        bounces = restitution_of(evidence.model.mechanism, *two) > 0
+        moving = moving + bounces * np.abs(a["contact_gap"][own])
+        allowed = np.where((circle[0] | circle[1]) & (not bounces), rounding, moving)
+        worst.add(label, np.maximum(*off), allowed)
+        # at a corner only the other's outline has a direction
+        reach = min(reach_of(evidence, b) for b in two)
+        worst.add(f"normal of {label}", np.minimum(*turned) * reach, allowed)
 
 
 def _nearest(
     evidence: Evidence, rows: Integers, body: int, sign: float, allowed: Array,
-) -> _Nearest:
-    """The best of a body's shapes, out of which the recorded normal times ``sign`` leads."""
-    half = evidence.run.arrays["contact_gap"][rows] / 2
-    least, turned = (np.full(len(rows), np.inf) for _ in range(2))
-    circle = np.zeros(len(rows), dtype=bool)
-    points, out = _in_frame(evidence, rows, body, sign)
-    for number, shape, faces in _surfaces(evidence, body):
-        one = (shape.seen(points, out) if isinstance(shape, TrueCurves) else
-               seen(shape, points, out, _radius(evidence, rows, body, number)))
-        if faces is not None:  # only the surface of the outline counts
-            one = one._replace(turned=np.maximum(one.turned, from_faces(out, faces)))
-        off = np.maximum(np.abs(one.distance - half), one.aside)
-        closer, fit = off < least, np.maximum(off, least) <= allowed
-        turned = np.where(fit, np.minimum(turned, one.turned),
-                          np.where(closer, one.turned, turned))
-        circle = np.where(closer, isinstance(shape, Circle), circle)
-        least = np.minimum(least, off)
-    return _Nearest(least, turned, circle)
+) -> tuple[Array, Array, Flags]:
+    """Distances of points and normals from the best sides of a body, and what is a circle."""
+    a, half, found = evidence.run.arrays, evidence.run.arrays["contact_gap"][rows] / 2, []
+    points, out = _in_frame(evidence, rows, body, sign * a["contact_normal"][rows])
+    shapes = evidence.model.mechanism.bodies[body].shapes
+    for number, shape in enumerate(shapes):
+        radius = _radius(evidence, rows, body, number)
+        found.append(_outline(shape).seen(points - half[:, None] * out, out, radius))
+    off, turned = (np.concatenate(part, axis=1) for part in zip(*found, strict=True))
+    circle = np.repeat([isinstance(shape, Circle) for shape in shapes],
+                       [part.shape[1] for part, _ in found])
+    least = off.min(axis=1)
+    fit = off <= np.maximum(allowed, least)[:, None]
+    return least, np.where(fit, turned, np.inf).min(axis=1), circle[off.argmin(axis=1)]
 
 
-def _to_hulls(evidence: Evidence, rows: Integers, pair: tuple[int, int], worst: Worst) -> None:
-    """Compare rows of several points with the hulls of both bodies along their force."""
-    a, bodies, beyond = evidence.run.arrays, evidence.model.mechanism.bodies, np.zeros(len(rows))
-    force = a["contact_force"][rows]
-    along = force / np.hypot(*force.T)[:, None]
-    for b in pair:
-        for sign in (1.0, -1.0):
-            points, out = _in_frame(evidence, rows, b, sign, along)
-            reach = np.max([_support(shape, out, _radius(evidence, rows, b, number))
-                            for number, shape in _solids(evidence, b)],
-                           axis=0, initial=-np.inf)
-            beyond = np.maximum(beyond, np.einsum("mi,mi->m", points, out) - reach)
-    # forces that almost cancel have a distant line of action
-    far = 8 * DIGITS * np.hypot(*a["contact_point"][rows].T)
-    worst.add("/".join(bodies[b].name for b in pair), beyond,
-              _allowed(evidence, rows, pair)[1] + far)
+def _beyond(evidence: Evidence, rows: Integers, body: int) -> Array:
+    """How far rows are beyond the hull of a body along their forces [m]."""
+    force, beyond = evidence.run.arrays["contact_force"][rows], np.zeros(len(rows))
+    for sign in (1.0, -1.0):
+        points, out = _in_frame(evidence, rows, body, (sign * force.T / np.hypot(*force.T)).T)
+        reach = [(out @ _outline(shape).start.T).max(axis=1)
+                 + _radius(evidence, rows, body, number)
+                 for number, shape in enumerate(evidence.model.mechanism.bodies[body].shapes)]
+        beyond = np.maximum(beyond, (points * out).sum(axis=1) - np.max(reach, axis=0))
+    return beyond
 
 
-def _in_frame(
-    evidence: Evidence, rows: Integers, body: int, sign: float, way: Array | None = None,
-) -> tuple[Array, Array]:
-    """Places [m, 2] and ``sign`` times the normals, or ``way``, [m, 2], in the body's frame."""
+def _in_frame(evidence: Evidence, rows: Integers, body: int, out: Array) -> tuple[Array, Array]:
+    """Places and directions ``out`` of rows in the body's frame, [m, 2] each."""
     a, frames = evidence.run.arrays, evidence.loads.frames
     sample = a["contact_sample"][rows]
     x, y, angle = frames.x[body, sample], frames.y[body, sample], frames.angle[body, sample]
-    out = sign * (a["contact_normal"][rows] if way is None else way)
     return (rotated(a["contact_point"][rows] - np.stack([x, y], axis=1), -angle),
             rotated(out, -angle))
 
 
-def _radius(evidence: Evidence, rows: Integers, body: int, shape: int) -> Array | None:
-    """Radius of a circle that a drive sets, at the instants of the rows [m]."""
+def _radius(evidence: Evidence, rows: Integers, body: int, shape: int) -> Array | float:
+    """Radius about the sides of a shape [m]; of a circle that a drive may set at the rows."""
     a, drives = evidence.run.arrays, evidence.model.drives
     for i in drives.giving("radius").tolist():
         if drives.target[i] == body and drives.shape[i] == shape:
             return np.asarray(a["drive_value"][a["contact_sample"][rows], i])
-    return None
+    return _outline(evidence.model.mechanism.bodies[body].shapes[shape]).radius
 
 
 def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> tuple[Array, Array]:
     """Tolerance by rounding, and by the motion in a step between two points in turn [m]."""
     a, frames, h = evidence.run.arrays, evidence.loads.frames, evidence.h
-    sample = a["contact_sample"][rows]
-    size = sum(np.hypot(frames.x[b, sample], frames.y[b, sample]) + reach_of(evidence, b)
-               for b in pair)
-    rounding = np.asarray(ROUNDING + 8 * DIGITS * size)
-    step = h / 2 * frames.acceleration
-    speed = np.max([sum(np.hypot(v[0, b, sample], v[1, b, sample])
-                        + np.abs(v[2, b, sample]) * reach_of(evidence, b) for b in pair)
-                    for v in (evidence.velocity - step, evidence.velocity + step)], axis=0)
-    return rounding, np.asarray(rounding + LEFT + h * speed + evidence.contact_depth[rows])
+    sample, size, speed = a["contact_sample"][rows], np.zeros(len(rows)), np.zeros((2, len(rows)))
+    for b in pair:
+        reach, step = reach_of(evidence, b), h / 2 * frames.acceleration[:, b, sample]
+        size += np.hypot(frames.x[b, sample], frames.y[b, sample]) + reach
+        for k, sign in enumerate((-1, 1)):
+            vx, vy, turn = evidence.velocity[:, b, sample] + sign * step
+            speed[k] += np.hypot(vx, vy) + np.abs(turn) * reach
+    rounding = ROUNDING + 8 * DIGITS * size
+    return rounding, rounding + LEFT + h * speed.max(axis=0) + evidence.contact_depth[rows]
 
 
 def reach_of(evidence: Evidence, body: int) -> float:
     """From the frame's origin to the furthest of a body's shapes [m]."""
     return geometry.reach_of(evidence.model.mechanism.bodies[body], (0.0, 0.0))
+
+
+# -- contacts without a row -------------------------------------------------------------------
+
+
+class Touch(NamedTuple):
+    """Where two bodies touch, as a contact row has it."""
+
+    body: int
+    other: int
+    normal: Array
+    """Into the body."""
+    point: Array
+    gap: float
+
+
+def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
+    """A single sample with a row of zero force for each plane of contact without a row.
+
+    Rows with a normal force of no more than ``least`` [N] are removed first. A row with several
+    normals covers all contacts between its two bodies.
+    """
+    a, found = evidence.run.arrays, list[Touch]()
+    kept = np.flatnonzero(evidence.run.contacts.normal > least)
+    known: dict[tuple[int, int], list[tuple[Array, Array, bool]]] = {}
+    for row in kept.tolist():
+        one, two = int(a["contact_body"][row]), int(a["contact_other"][row])
+        known.setdefault((min(one, two), max(one, two)), []).append((
+            (1.0 if one < two else -1.0) * a["contact_normal"][row], a["contact_point"][row],
+            pressed(evidence, row) is None))
+    near = [touch for touch, parts in _near(evidence) if abs(parts) * evidence.h <= evidence.open]
+    for touch in sorted(near, key=lambda touch: (touch.body, touch.other, touch.gap)):
+        planes = known.setdefault((touch.body, touch.other), [])
+        if not any(several or (np.hypot(*(normal - touch.normal)) <= ALIKE
+                               and abs((touch.point - at) @ normal) <= 2 * evidence.near)
+                   for normal, at, several in planes):
+            planes.append((touch.normal, touch.point, False))
+            found.append(touch)
+    if not found and len(kept) == len(a["contact_gap"]):
+        return evidence
+    rows: Arrays = {}
+    for key in CONTACT:
+        new = np.zeros((len(found), *a[key].shape[1:]), dtype=a[key].dtype)
+        if key == "contact_merged":
+            new += 1
+        elif found and hasattr(found[0], of := key.removeprefix("contact_")):
+            new[:] = [getattr(touch, of) for touch in found]
+        rows[key] = np.concatenate([a[key][kept], new])
+    return Evidence(evidence.run.with_contacts(rows), alone=True, near=evidence.near)
+
+
+def overlaps(evidence: Evidence) -> dict[tuple[int, int], float]:
+    """Near pairs without a contact row in a single sample.
+
+    With the largest overlap of outlines that still approach [m], or 0.
+    """
+    a, deepest = evidence.run.arrays, dict[tuple[int, int], float]()
+    rows = {tuple(sorted(pair)) for pair in zip(
+        a["contact_body"].tolist(), a["contact_other"].tolist(), strict=True)}
+    for touch, parts in _near(evidence):
+        pair = touch.body, touch.other
+        if pair not in rows:
+            depth = -touch.gap if parts * evidence.h < -evidence.open else 0.0
+            deepest[pair] = max(deepest.get(pair, 0.0), depth)
+    return deepest
+
+
+def _near(evidence: Evidence) -> Iterator[tuple[Touch, float]]:
+    """Where outlines are near or overlap, and their rate of separation there [m/s]."""
+    frames, velocity = evidence.loads.frames, evidence.velocity_after[:, :, 0]
+    for bodies, pieces in _close(evidence):
+        here = apart(*pieces)
+        if here is None or here.gap > evidence.near or not all(
+                _surface(evidence, body, piece, sign * here.normal)
+                for body, piece, sign in zip(bodies, pieces, (1, -1), strict=True)):
+            continue
+        one, two = (
+            velocity[:2, b] + velocity[2, b] * np.array([frames.centre_y[b, 0] - here.at[1],
+                                                         here.at[0] - frames.centre_x[b, 0]])
+            for b in bodies)
+        yield (Touch(*bodies, -here.normal, here.at, here.gap), float((two - one) @ here.normal))
+
+
+def _close(
+    evidence: Evidence,
+) -> Iterator[tuple[tuple[int, int], tuple[PlacedPiece, PlacedPiece]]]:
+    """Pieces of bodies that may touch and whose bounding boxes overlap, the lower body first."""
+    allowed = allowed_pairs(evidence.model)
+    owned = [(body, piece) for body in np.flatnonzero(allowed.any(axis=1)).tolist()
+             for piece in pieces_of(evidence.run, 0, body)]
+    of = np.array([body for body, _ in owned], dtype=np.int64)
+    low, high = (np.array([edge(p.corners, axis=0) + sign * p.grown for _, p in owned]
+                          ).reshape(-1, 2) for edge, sign in ((np.min, -1), (np.max, 1)))
+    reach = evidence.near + 8 * DIGITS * float(np.abs(low).max(initial=0.0))
+    for i in range(len(owned) - 1):
+        beside = ((low[i + 1:] <= high[i] + reach) & (high[i + 1:] >= low[i] - reach)).all(axis=1)
+        for j in (i + 1 + np.flatnonzero(beside & allowed[of[i], of[i + 1:]])).tolist():
+            yield (owned[i][0], owned[j][0]), (owned[i][1], owned[j][1])
+
+
+def _surface(evidence: Evidence, body: int, piece: PlacedPiece, out: Array) -> bool:
+    """Whether ``out`` is within an arc of normals of the outline's surface on this piece."""
+    if piece.faces is None:
+        return True
+    x, y = rotated(out, -evidence.run.arrays["body_pose"][0, body, 2])
+    ax, ay, bx, by = piece.faces.T
+    within = (ax * y - ay * x >= 0) & (x * by - y * bx >= 0) & (x * (ax + bx) + y * (ay + by) > 0)
+    return bool((within | (np.minimum(np.hypot(ax - x, ay - y), np.hypot(bx - x, by - y))
+                           <= ASKEW)).any())
+
+
+def pressed(evidence: Evidence, row: int) -> Array | None:
+    """The points between which a contact row of the single sample may press.
+
+    As :func:`sandbox.samples.nearby.pressed`, with the gap that the engine may leave.
+    """
+    a = evidence.run.arrays
+    pair = int(a["contact_body"][row]), int(a["contact_other"][row])
+    size, speed = np.abs(a["body_pose"][0, pair, :2]).max(), np.hypot(
+        *a["body_velocity"][0, pair, :2].T).sum()
+    return nearby.pressed(evidence.run, row, float(
+        evidence.near + 8 * DIGITS * size + evidence.h * speed))

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import NotComputed, Worst, check
-from sandbox.audit.touching import touched
+from sandbox.audit.figures import NotComputed, Worst, check, peak
+from sandbox.audit.outlines import touched
 from sandbox.mechanics.statics import contact_forces, determined_forces, point_jacobian
 from sandbox.model.model import Model
 from sandbox.model.pairs import friction_of
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array
 from sandbox.samples.contacts import TOUCH
 from sandbox.scene.settings import Group
 from sandbox.wording import counted
@@ -26,11 +26,7 @@ MOMENT = 1e-4
 
 
 def _at_rest(evidence: Evidence) -> Rest:
-    """The last sample, if the run is at rest over its last part.
-
-    Raises:
-        NotComputed: it is not.
-    """
+    """The last sample, if the run is at rest over its last part."""
     run, model = evidence.run, evidence.model
     if not run.complete:
         raise NotComputed("the run stopped early")
@@ -50,129 +46,92 @@ def _at_rest(evidence: Evidence) -> Rest:
                       f"to {speed[at]:.2g} m/s and {omega[at]:.2g} rad/s")
 
 
-@dataclass(frozen=True)
-class _About:
+class _About(NamedTuple):
     """Moments about one hinge of all loads beyond it, counter-clockwise [N m]."""
 
     contacts: float
     others: float
     largest: float
     """Of any single load."""
+    idle: float
+    """A hinge with less carries no load: bodies beyond it may still come to rest."""
 
 
 class Rest:
-    """Statics of the last sample of a run."""
+    """Statics of the last sample of a run: all loads in one list of wrenches."""
 
     def __init__(self, final: Evidence) -> None:
-        self.final = final
-        self.model = final.model
-        self.loads = final.loads
-        frames = self.loads.frames
-        self.itemised = [
-            (batch.element, batch.body, batch.x[:, 0], batch.y[:, 0],
-             batch.moment[:, 0] + frames.centre_x[batch.body, 0] * batch.y[:, 0]
-             - frames.centre_y[batch.body, 0] * batch.x[:, 0])
-            for batch in self.loads.batches]
-        """Element, body, force x, y [N], moment about the origin [N m] of each batch of loads."""
+        self.loads, self.model = final.loads, final.model
+        self.fingers = [group for group in self.model.mechanism.groups if group.kind == "finger"]
+        frames, sides, parts, count = self.loads.frames, self.loads.contact_sides, [], 0
+        for batch in self.loads.batches:
+            parts.append((count + batch.element, batch.body, batch.x[:, 0], batch.y[:, 0],
+                          batch.moment[:, 0]))
+            count += int(batch.element.max(initial=-1)) + 1
+        # both sides of a contact have one number: they cancel between bodies beyond a hinge
+        self.contacts = count + np.tile(np.arange(len(sides.body) // 2), 2)
+        parts.append((self.contacts, sides.body, *sides.force.T, sides.moment))
+        self.number, self.body, self.x, self.y, moment = (
+            np.concatenate(part) for part in zip(*parts, strict=True))
+        self.moment = moment + (frames.centre_x[self.body, 0] * self.y
+                                - frames.centre_y[self.body, 0] * self.x)
+        """About the origin [N m]."""
 
-    def about(self, joint: int, beyond: set[int]) -> _About:
-        """Moments about a joint of the loads on the bodies ``beyond``."""
-        anchor = self.loads.frames.anchors[1]
-        cx, cy = float(anchor.x[joint, 0]), float(anchor.y[joint, 0])
-        inside = np.zeros(len(self.model.bodies.name), dtype=bool)
-        inside[list(beyond)] = True
-        largest = others = 0.0
-        for element, body, fx, fy, about_origin in self.itemised:
-            on = inside[body]
-            if on.any():
-                moment = about_origin[on] - cx * fy[on] + cy * fx[on]
-                own = np.bincount(element[on], weights=moment)
-                others += float(own.sum())
-                largest = max(largest, float(np.abs(own).max()))
-        contacts = 0.0
-        sides = self.loads.contact_sides
-        for row in self._outside(beyond):
-            x, y = sides.at[row] - (cx, cy)
-            moment = float(x * sides.force[row, 1] - y * sides.force[row, 0])
-            contacts, largest = contacts + moment, max(largest, abs(moment))
-        return _About(contacts, others, largest)
+    def about(self, joint: int, beyond: set[int], window: float = np.inf) -> _About:
+        """Moments about a joint of the loads on the bodies ``beyond``.
 
-    def idle(self, joint: int, beyond: set[int], window: float) -> float:
-        """Moment [N m] about a joint of bodies that still come to rest.
-
-        Within :data:`RATE` for ``window`` [s] the mean acceleration is 2 RATE / window at most. A
-        hinge whose loads are all below I times that carries no load.
+        Within :data:`RATE` for ``window`` [s] the mean acceleration is 2 RATE / window at most.
         """
-        arrays, frames = self.loads.run.arrays, self.loads.frames
-        anchor = frames.anchors[1]
-        on = list(beyond)
-        x = frames.centre_x[on, 0] - anchor.x[joint, 0]
-        y = frames.centre_y[on, 0] - anchor.y[joint, 0]
-        inertia = arrays["body_inertia"][on] + arrays["body_mass"][on] * (x * x + y * y)
-        return float(2 * RATE / window * inertia.sum())
-
-    def _outside(self, beyond: set[int]) -> Integers:
-        """Sides of contacts on bodies ``beyond`` by other bodies."""
-        sides, half = self.loads.contact_sides, len(self.loads.contact_sides.body) // 2
-        other = np.concatenate([sides.body[half:], sides.body[:half]])
-        inside = np.zeros(len(self.model.bodies.name), dtype=bool)
-        inside[list(beyond)] = True
-        return np.flatnonzero(inside[sides.body] & ~inside[other])
+        frames, arrays, bodies = self.loads.frames, self.loads.run.arrays, list(beyond)
+        cx, cy = (float(part[joint, 0]) for part in (frames.anchors[1].x, frames.anchors[1].y))
+        on = np.isin(self.body, bodies)
+        own = np.zeros(int(self.number.max(initial=-1)) + 1)
+        np.add.at(own, self.number[on], self.moment[on] - cx * self.y[on] + cy * self.x[on])
+        first = int(self.contacts.min(initial=len(own)))
+        x, y = frames.centre_x[bodies, 0] - cx, frames.centre_y[bodies, 0] - cy
+        inertia = arrays["body_inertia"][bodies] + arrays["body_mass"][bodies] * (x * x + y * y)
+        return _About(float(own[first:].sum()), float(own[:first].sum()), peak(own),
+                      float(2 * RATE / window * inertia.sum()))
 
 
 def beyond_joint(model: Model, joint: int) -> set[int]:
     """Free bodies that only this joint connects to the other bodies; empty in a loop."""
-    pair = set(model.joints.bodies[joint].tolist())
-    for start in model.joints.bodies[joint].tolist()[::-1]:
-        if not model.bodies.free[start]:
-            continue
+    pair = model.joints.bodies[joint].tolist()
+    for start in pair[::-1]:
         found, waiting = {start}, [start]
-        grounded = False
-        while waiting and not grounded:
-            for j, other in model.neighbours[waiting.pop()]:
-                if j == joint or other in found:
-                    continue
-                grounded |= not model.bodies.free[other]
-                found.add(other)
-                waiting.append(other)
-        if not grounded and not pair <= found:
+        while waiting:
+            more = {other for j, other in model.neighbours[waiting.pop()] if j != joint} - found
+            found |= more
+            waiting += more
+        if model.bodies.free[list(found)].all() and not set(pair) <= found:
             return found
     return set()
 
 
 @check("rest.moments", source="Σ M = 0", asks="at rest, do the moments about every hinge balance?",
        compared="sum of moments at the end, relative to the largest, about {count:hinge}: tendons, "
-                "springs, contacts, weight, stops, dampers; worst: {where}{note}",
+                "springs, contacts, weight, stops, dampers; worst: {where}",
        none="there is no hinge that carries a load")
-def _moments(evidence: Evidence, worst: Worst) -> str:
-    rest, left_out, model = _at_rest(evidence), [], evidence.model
+def _moments(evidence: Evidence, worst: Worst) -> None:
+    rest, model = _at_rest(evidence), evidence.model
     for j in model.joints.pivots.tolist():
         name, beyond = model.joints.name[j], beyond_joint(model, j)
         if not beyond:
-            left_out.append(f"{name} is one of several supports")
+            worst.left_out.append(f"{name} is one of several supports")
             continue
-        moment = rest.about(j, beyond)
-        if moment.largest > rest.idle(j, beyond, LAST * float(evidence.run.time[-1])):
+        moment = rest.about(j, beyond, LAST * float(evidence.run.time[-1]))
+        if moment.largest > moment.idle:
             worst.add(name, np.array([abs(moment.contacts + moment.others) / moment.largest]),
                       MOMENT)
-    text = "; ".join(left_out[:3]) + (f" and {len(left_out) - 3} more" if len(left_out) > 3 else "")
-    if text and not worst.count:
-        raise NotComputed(f"left out: {text}")
-    return f"; left out: {text}" if text else ""
 
 
 # -- fingers ----------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Grip:
+class Grip(NamedTuple):
     """A finger's hinges, the external contacts on it in one sample, and their Jacobian."""
 
-    name: str
     hinges: list[int]
-    sides: Integers
-    """Rows of :class:`~sandbox.samples.loads.ContactSides`."""
-    phalanx: Integers
     jacobian: Array
     """Of the normals, counter-clockwise [m], [contacts, hinges]."""
     tangents: Array
@@ -183,18 +142,13 @@ class Grip:
 
 def _chain(model: Model, group: Group) -> list[int]:
     """The hinges of a finger from the palm out; empty if it is no chain of hinges."""
-    numbers = model.names.body
-    members = [numbers[name] for name in group.bodies if name in numbers]
-    hinges = []
-    for body in members:
-        own = [j for j in model.joints.pivots.tolist() if model.joints.bodies[j, 1] == body]
-        if len(own) != 1:
-            return []
-        hinges.append(own[0])
-    for near, far in zip(members, hinges[1:], strict=False):
-        if model.joints.bodies[far, 0] != near:
-            return []
-    return hinges
+    members = [model.names.body[name] for name in group.bodies if name in model.names.body]
+    pivots = model.joints.pivots
+    own = [pivots[model.joints.bodies[pivots, 1] == body].tolist() for body in members]
+    hinges = [each[0] for each in own if len(each) == 1]
+    chained = len(hinges) == len(members) and (
+        model.joints.bodies[hinges[1:], 0].tolist() == members[:-1])
+    return hinges if chained else []
 
 
 def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
@@ -207,43 +161,35 @@ def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
     if not hinges:
         return None
     members = [int(model.joints.bodies[j, 1]) for j in hinges]
-    sides, half = loads.contact_sides, len(loads.contact_sides.body) // 2
-    rows = rest._outside(set(members))
-    contacts = loads.run.contacts
-    rows = rows[contacts.normal[rows % half] > least] if half else rows
-    anchor = loads.frames.anchors[1]
+    a, normal, anchor = loads.run.arrays, loads.run.contacts.normal, loads.frames.anchors[1]
+    pair = np.stack([a["contact_body"], a["contact_other"]])
+    inside = np.isin(pair, members)
+    rows = np.flatnonzero((inside[0] != inside[1]) & (normal > least))
+    rows = np.concatenate([rows[inside[0, rows]], rows[inside[1, rows]]])
+    own = np.where(inside[0, rows], pair[0, rows], pair[1, rows])
+    normals = np.where(inside[0, rows], 1.0, -1.0)[:, None] * a["contact_normal"][rows]
+    tangents, points = np.column_stack([-normals[:, 1], normals[:, 0]]), a["contact_point"][rows]
+    phalanx = np.array([members.index(b) for b in own.tolist()], dtype=np.int64)
     at = np.column_stack([anchor.x[hinges, 0], anchor.y[hinges, 0]])
-    sign = np.where(rows < half, 1.0, -1.0)[:, None]
-    normals = sign * loads.run.arrays["contact_normal"][rows % max(half, 1)]
-    phalanx = np.array([members.index(int(b)) for b in sides.body[rows]], dtype=np.int64)
-    a = loads.run.arrays
-    rough = np.array([friction_of(model.mechanism, int(a["contact_body"][r % half]),
-                                  int(a["contact_other"][r % half])) > 0 for r in rows], dtype=bool)
-    tangents = np.column_stack([-normals[:, 1], normals[:, 0]])
-    points = sides.at[rows]
-    return Grip(
-        group.name, hinges, rows, phalanx, point_jacobian(points, normals, at, phalanx),
-        point_jacobian(points[rough], tangents[rough], at, phalanx[rough]),
-        contacts.normal[rows % max(half, 1)])
-
-
-def _fingers(model: Model) -> list[Group]:
-    return [group for group in model.mechanism.groups if group.kind == "finger"]
+    rough = np.array([friction_of(model.mechanism, *both) > 0 for both in pair[:, rows].T.tolist()],
+                     dtype=bool)
+    return Grip(hinges, point_jacobian(points, normals, at, phalanx),
+                point_jacobian(points[rough], tangents[rough], at, phalanx[rough]), normal[rows])
 
 
 @check("rest.contacts", source="f = J⁻ᵀ τ",
        asks="at rest, do contact forces balance the tendon tension?",
        compared="contact forces from tensions, springs and geometry against the recorded ones, "
-                "{count:finger}, worst: {where}{note}",
+                "{count:finger}, worst: {where}",
        none="there is no finger")
-def _contacts(evidence: Evidence, worst: Worst) -> str:
+def _contacts(evidence: Evidence, worst: Worst) -> None:
     """Forces f = J^-T tau of fingers with as many frictionless contacts as joints."""
-    rest, left_out = _at_rest(evidence), []
-    for group in _fingers(rest.model):
+    rest = _at_rest(evidence)
+    for group in rest.fingers:
         grip = grip_of(rest, group)
         reason = _no_closed_form(rest, grip)
         if grip is None or reason:
-            left_out.append(f"{group.name}: {reason}")
+            worst.left_out.append(f"{group.name}: {reason}")
             continue
         about = [rest.about(j, beyond_joint(rest.model, j)) for j in grip.hinges]
         force = contact_forces(grip.jacobian, [-each.others for each in about])
@@ -252,17 +198,13 @@ def _contacts(evidence: Evidence, worst: Worst) -> str:
         error = float(np.abs(force - grip.normal).max())
         worst.add(group.name, np.array([error / scale]),
                   MOMENT * float(inverse) * max(each.largest for each in about) / scale)
-    text = "; ".join(left_out[:4])
-    if text and not worst.count:
-        raise NotComputed(text)
-    return f"; left out: {text}" if text else ""
 
 
 def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
     """Why f = J^-T tau does not give a finger's contact forces; empty if it does."""
     if grip is None:
         return "not a chain of hinges"
-    count = len(grip.sides)
+    count = len(grip.normal)
     if len(grip.tangents):
         return "its contacts have friction"
     if count != len(grip.hinges):
@@ -280,18 +222,17 @@ def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
 def _determined(evidence: Evidence, worst: Worst) -> str:
     """Contacts without a force count: they may carry one in another set of forces."""
     rest = Rest(touched(evidence.last, least=TOUCH))
-    fingers = _fingers(rest.model)
-    if not fingers:
+    if not rest.fingers:
         raise NotComputed("there is no finger")
     shared, states = 0, []
-    for group in fingers:
+    for group in rest.fingers:
         grip = grip_of(rest, group, least=-np.inf)
         if grip is None:
             states.append(f"{group.name} is no chain of hinges")
             continue
         stop = rest.loads.run.arrays["joint_stop"][-1, grip.hinges]
         rows = np.concatenate([grip.jacobian, grip.tangents])
-        known = determined_forces(rows, upper=np.abs(np.nan_to_num(stop)) > 0)[:len(grip.sides)]
+        known = determined_forces(rows, upper=np.abs(np.nan_to_num(stop)) > 0)[:len(grip.normal)]
         shared += int(np.count_nonzero(~known))
         states.append(f"{group.name} touches nothing" if not len(known) else
                       f"{np.count_nonzero(~known) or 'none'} of {len(known)} on {group.name}")

@@ -21,7 +21,7 @@ from sandbox.elements.arrays import (
 from sandbox.elements.element import NAMED
 from sandbox.elements.quantities import GRASP, QUANTITIES, TIED, numbered
 from sandbox.model import meters
-from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError, near_pattern, unit_of
+from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError, unit_of
 from sandbox.model.joints import link_tensions, normal_in_slot, of_wheels, slot_length
 from sandbox.model.model import Model
 from sandbox.model.ties import held_one

@@ -7,9 +7,10 @@ import pytest
 
 from sandbox.audit.bounds import contact_bounds, push_limits
 from sandbox.audit.evidence import Evidence
+from sandbox.audit.outlines import touched
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
-from tests.audit.still import block, figures, machine, still
+from tests.audit.still import H, block, figures, machine, still
 from tests.engine.machines import mechanism
 
 G = 9.81
@@ -27,36 +28,40 @@ def between(run, sample=-1):
 L1, R, PULL, ARMS = 0.05, 0.018, 10.0, (0.012, 0.006)
 
 
-def grasp(theta, mu):
+def grasp(theta, mu, near=None):
     """Its contacts' distances from the hinges, and the recording of some grasp or other.
 
-    The hinges are at 0 and (L1, 0), the finger bends clockwise round the disc below it.
+    The hinges are at 0 and (L1, 0), the finger bends clockwise round the disc below it. With
+    ``near`` the near phalanx lies so far off the disc [m], the far one carries all, and rubs for
+    it; the largest force of the near one is then the last result.
     """
     theta = np.radians(theta)
+    c, s = np.cos(theta), np.sin(theta)
     k2 = R * np.tan(theta / 2)
-    k1 = L1 - k2
-    along, out = np.array([np.cos(theta), -np.sin(theta)]), np.array([np.sin(theta),
-                                                                     np.cos(theta)])
-    centre = np.array([k1, -R])
-    shape = {"type": "box", "size": (0.05, 0.01), "at": (0.025, 0.005)}
+    k1, f2 = L1 - k2, PULL * ARMS[1] / k2
+    along, out = np.array([c, -s]), np.array([s, c])
+
+    def shape(off):
+        return [{"type": "box", "size": (0.05, 0.01), "at": (0.025, 0.005 + off)}]
     machine_ = machine(
-        {**block("one"), "shapes": [shape], "material": "m"},
-        {**block("two", (L1, 0.0)), "angle": -theta, "shapes": [shape], "material": "m"},
-        {"name": "disc", "motion": "fixed", "at": tuple(centre), "material": "m",
+        {**block("one"), "shapes": shape(near or 0.0), "material": "m"},
+        {**block("two", (L1, 0.0)), "angle": -theta, "shapes": shape(0.0), "material": "m"},
+        {"name": "disc", "motion": "fixed", "at": (k1, -R), "material": "m",
          "shapes": [{"type": "circle", "radius": R}]},
         materials={"m": {"friction": mu}},
+        groups=[{"name": "finger", "kind": "finger", "bodies": ["one", "two"]}],
         joints=[{"type": "pin", "name": "near", "a": "wall", "b": "one", "on_b": (0, 0)},
                 {"type": "pin", "name": "far", "a": "one", "b": "two", "on_b": (0, 0)}],
         drives=[{"type": "torque", "name": f"t{i}", "joint": joint, "value": -PULL * arm}
                 for i, (joint, arm) in enumerate(zip(("near", "far"), ARMS, strict=True))])
-
-    def touch(body, k, origin, way, normal):
-        at = origin + k * way
-        return (0, body, 3, tuple(1.0 * normal), tuple(normal), tuple(at), 0.0)
+    first = (0, 1, 3, (0.0, 1.0), (0.0, 1.0), (k1, 0.0), 0.0)
+    force, n = out, 1
+    if near is not None:
+        force, n = f2 * out - ((k2 + L1 * c) * f2 - PULL * ARMS[0]) / (L1 * s) * along, 200
+    touches = [first] * (near is None) + [
+        (n - 1, 2, 3, tuple(force), tuple(out), tuple((L1, 0.0) + k2 * along), 0.0)]
     run = still(machine_, lambda a: a["drive_value"].__setitem__(
-        slice(None), [-PULL * arm for arm in ARMS]), n=1, touches=[
-            touch(1, k1, np.zeros(2), np.array([1.0, 0.0]), np.array([0.0, 1.0])),
-            touch(2, k2, np.array([L1, 0.0]), along, out)])
+        slice(None), [-PULL * arm for arm in ARMS]), n=n, touches=touches)
     return k1, k2, theta, run
 
 
@@ -92,19 +97,26 @@ def test_without_enough_friction_nothing_holds_the_finger():
 # -- what else may carry
 
 
+def groove(gap=None, **more):
+    """A disc of 20 mm between two walls at 45 degrees, a smooth floor ``gap`` below it."""
+    bodies = [{"name": "disc", "mass": 0.2, "at": (0.0, 0.03 * np.sqrt(2)), "material": "m",
+               "shapes": [{"type": "circle", "radius": 0.02}]},
+              *({"name": name, "motion": "fixed", "material": "m", "shapes": [
+                  {"type": "capsule", "end": (sign * 0.1, 0.1), "radius": 0.01}]}
+                for name, sign in (("left", -1), ("right", 1)))]
+    if gap is not None:
+        bodies.append({"name": "floor", "motion": "fixed", "material": "m", "shapes": [
+            {"type": "box", "size": (0.02, 0.002), "at": (0.0, 0.03 * np.sqrt(2) - 0.021 - gap)}]})
+        more.setdefault("contacts", [{"between": ("disc", "floor"), "friction": 0.0}])
+    return {"bodies": bodies, "materials": {"m": {"friction": 0.5}}, "gravity": (0.0, -G)} | more
+
+
 def test_a_disc_in_a_rough_groove_rubs_up_or_down_on_both_sides():
     """n = W / (2 (cos a + mu sin a)) to W / (2 (cos a - mu sin a)), a from the vertical: 45 deg.
 
     And the engine's choice is between them, while it settles, too.
     """
-    mu, half = 0.5, np.sqrt(0.5)
-    walls = [{"name": name, "motion": "fixed", "material": "m", "shapes": [
-        {"type": "capsule", "end": (sign * 0.1, 0.1), "radius": 0.01}]}
-        for name, sign in (("left", -1), ("right", 1))]
-    run = simulate(mechanism(
-        duration=0.2, gravity=(0.0, -G), materials={"m": {"friction": mu}},
-        bodies=[{"name": "disc", "mass": 0.2, "at": (0.0, 0.03 * np.sqrt(2)), "material": "m",
-                 "shapes": [{"type": "circle", "radius": 0.02}]}, *walls]))
+    mu, half, run = 0.5, np.sqrt(0.5), simulate(mechanism(duration=0.2, **groove()))
     low, high = WEIGHT * half / (1 + mu), WEIGHT * half / (1 - mu)
     for sample in (20, -1):
         sides = contact_bounds(Evidence(run), sample)
@@ -116,96 +128,68 @@ def test_a_disc_in_a_rough_groove_rubs_up_or_down_on_both_sides():
             assert not one.tangential.outside
 
 
-def resting(normal, *, at=(0.0, 0.0), shape=None, change=None, **more):
-    """A block of 0.2 kg on a smooth floor, and what else holds it."""
-    shape = shape or {"type": "circle", "radius": 0.01}
-    floor = {"name": "floor", "motion": "fixed", "shapes": [
-        {"type": "box", "size": (0.2, 0.02), "at": (-0.1, -0.01)}], "material": "m"}
-    return still(
-        machine({**block("block", (0.0, 0.01)), "shapes": [shape], "material": "m"}, floor,
-                gravity=(0.0, -G), materials={"m": {"friction": 0.0}}, **more),
-        change, n=1, touches=[(0, 1, 2, (0.0, normal), (0.0, 1.0), at, 0.0)])
-
-
 BAR = {"type": "box", "size": (0.1, 0.02)}
-CORD = {"name": "cord", "guides": [{"body": "block", "at": (0.05, 0.0)},
-                                   {"body": "wall", "at": (0.05, 0.3)}]}
+CAPSULE = {"type": "capsule", "start": (-0.05, 0.0), "end": (0.05, 0.0), "radius": 0.01}
 
 
-def pulled(tension):
-    return lambda a: a["tendon_tension"].__setitem__(slice(None), tension)
-
-
-@pytest.mark.parametrize("shape", [BAR, {"type": "capsule", "start": (-0.05, 0.0),
-                                         "end": (0.05, 0.0), "radius": 0.01}])
+@pytest.mark.parametrize("shape", [BAR, CAPSULE])
 def test_a_bar_that_lies_on_half_its_length_and_hangs_at_its_end(shape):
-    """The floor at d left of the middle, 0 to a, the cord at a: N = W / (1 + d / a)."""
-    run = resting(WEIGHT / 1.6, at=(-0.03, 0.0), shape=shape, tendons=[CORD],
-                  change=pulled(WEIGHT * 0.6 / 1.6))
+    """The floor at d left of the middle, 0 to a, the tendon at a: N = W / (1 + d / a)."""
+    floor = {"name": "floor", "motion": "fixed", "shapes": [
+        {"type": "box", "size": (0.2, 0.02), "at": (-0.1, -0.01)}]}
+    run = still(
+        machine({**block("bar", (0.0, 0.01)), "shapes": [shape]}, floor, gravity=(0.0, -G),
+                contacts=[{"between": ("bar", "floor"), "friction": 0.0}],
+                tendons=[{"name": "tendon", "guides": [{"body": "bar", "at": (0.05, 0.0)},
+                                                       {"body": "wall", "at": (0.05, 0.3)}]}]),
+        lambda a: a["tendon_tension"].__setitem__(slice(None), WEIGHT * 0.6 / 1.6), n=1,
+        touches=[(0, 1, 2, (0.0, WEIGHT / 1.6), (0.0, 1.0), (-0.03, 0.0), 0.0)])
     ((normal, rubs),) = between(run)
     assert normal == pytest.approx((WEIGHT / 2, WEIGHT))
     assert rubs == (0.0, 0.0)
     assert figures(run)["contact.bounds"].verdict == "pass"
 
 
-def lever(drive, rate=0.0, arrays=None, **hinge):
-    """What a lever on a smooth disc, 50 mm from its hinge, may press with; it turns down [rad/s].
+@pytest.mark.parametrize(("drive", "hinge", "arrays", "low", "high"), [
+    ({"type": "torque", "value": -0.15}, {"limits": (0.0, 1.0)}, {}, 0.0, 3.0),
+    ({"type": "torque", "value": 0.15}, {"limits": (-1.0, 0.0), "positive": "clockwise"}, {},
+     0.0, 3.0),
+    ({"type": "torque", "value": 0.15}, {"limits": (-1.0, 0.2), "positive": "clockwise"}, {},
+     3.0, 3.0),
+    *(({"type": "torque", "value": -0.15}, hinge,
+       {"joint_sticks": sticks, "joint_friction": 0.0, "joint_force": (0.0, -3.0)},
+       *((low, high) if sticks else (3.0, 3.0)))
+      for hinge, low, high in (
+          ({"friction": 0.1}, 1.0, 5.0), ({"friction": 0.1, "static": 1.2}, 0.6, 5.4),
+          ({"friction_coefficient": 0.5, "pin_radius": 0.04}, 1.8, 4.2)) for sticks in (1.0, 0.0)),
+    ({"type": "motor", "value": 1.0, "torque": 0.3}, {}, {}, 0.0, 6.0),
+    ({"type": "brake", "value": 0.3}, {}, {}, 0.0, 6.0)])
+def test_stops_friction_motors_and_brakes_may_carry_what_a_contact_does_not(
+    drive, hinge, arrays, low, high,
+):
+    """A lever on a smooth disc, 50 mm from its hinge; a torque of 0.15 N m presses it down.
 
-    What a motor or brake is said to have given is not asked.
+    Stops that are reached, friction that sticks under the recorded reaction, motors and brakes act
+    up to their limits, whatever their recorded torque; friction that slips is known.
     """
     def change(a):
         a["drive_value"][:] = drive["value"]
         a["drive_torque"][:] = -0.15
-        a["body_velocity"][:, 1, 2] = -rate
-        for key, value in (arrays or {}).items():
+        for key, value in arrays.items():
             a[key][:] = value
     run = still(machine(
-        {**block("lever"), "shapes": [{"type": "box", "size": (0.1, 0.01), "at": (0.05, 0.005)}],
-         "material": "m"},
-        {"name": "disc", "motion": "fixed", "at": (0.05, -0.02), "material": "m",
+        {**block("lever"), "shapes": [{"type": "box", "size": (0.1, 0.01), "at": (0.05, 0.005)}]},
+        {"name": "disc", "motion": "fixed", "at": (0.05, -0.02),
          "shapes": [{"type": "circle", "radius": 0.02}]},
-        materials={"m": {"friction": 0.0}},
+        contacts=[{"between": ("lever", "disc"), "friction": 0.0}],
         joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "lever", "on_b": (0, 0), **hinge}],
         drives=[{"name": "d", "joint": "pin", **drive}]),
         change, n=1, touches=[(0, 1, 2, (0.0, 3.0), (0.0, 1.0), (0.05, 0.0), 0.0)])
     ((normal, _),) = between(run)
-    return normal
+    assert normal == pytest.approx((low, high), abs=1e-12)
 
 
-@pytest.mark.parametrize(("limits", "low", "positive"), [
-    ((0.0, 1.0), 0.0, "counterclockwise"), ((0.0, 1.0), 0.0, "clockwise"),
-    ((-0.2, 1.0), 3.0, "clockwise")])
-def test_a_stop_that_is_reached_may_carry_what_the_contact_does_not(limits, low, positive):
-    """0.15 N m press it down; a stop may hold it up."""
-    sign = 1 if positive == "counterclockwise" else -1
-    ends = tuple(sorted(sign * limit for limit in limits))
-    found = lever({"type": "torque", "value": -0.15 * sign}, limits=ends, positive=positive)
-    assert found == pytest.approx((low, 3.0), abs=1e-12)
-
-
-@pytest.mark.parametrize(("hinge", "reaction", "low", "high"), [
-    ({"friction": 0.1}, 3.0, 1.0, 5.0), ({"friction": 0.1, "static": 1.2}, 3.0, 0.6, 5.4),
-    ({"friction_coefficient": 0.5, "pin_radius": 0.04}, 3.0, 1.8, 4.2)])
-@pytest.mark.parametrize("holds", [1.0, 0.0])
-def test_friction_that_holds_may_carry_what_the_contact_does_not(
-    hinge, reaction, low, high, holds,
-):
-    """Up to its bound, under the reaction that was recorded; what slips is known."""
-    found = lever({"type": "torque", "value": -0.15}, **hinge, arrays={
-        "joint_sticks": holds, "joint_friction": 0.0, "joint_force": (0.0, -reaction)})
-    assert found == pytest.approx((low, high) if holds else (3.0, 3.0), abs=1e-12)
-
-
-@pytest.mark.parametrize("drive", [
-    {"type": "motor", "value": 1.0, "torque": 0.3}, {"type": "brake", "value": 0.3}])
-def test_motors_and_brakes_give_up_to_their_most_whatever_is_recorded(drive):
-    assert lever(drive) == pytest.approx((0.0, 0.3 / 0.05), abs=1e-12)
-
-
-# -- the figure
-
-
-# --- pushes
+# -- pushes
 
 
 MASS = 0.2
@@ -236,20 +220,6 @@ def test_a_box_slides_or_tips(mu, width, height):
     found = limits(standing(mu, width, height), RIGHT, LEFT, UP, DOWN)
     np.testing.assert_allclose(found[:3], [least, least, WEIGHT], rtol=1e-6)
     assert np.isinf(found[3])
-
-
-def test_steep_pushes_down_on_a_box_jam():
-    """Within the friction cone no push is too large; a degree outside of it one is.
-
-    F cos(a) = mu (W + F sin(a)).
-    """
-    mu = 0.5
-    cone = np.arctan(1 / mu)
-    inside, outside = -cone - np.radians(1), -cone + np.radians(1)
-    found = limits(standing(mu, 0.2, 0.02), inside, outside)
-    assert np.isinf(found[0])
-    assert found[1] == pytest.approx(
-        mu * WEIGHT / (np.cos(outside) + mu * np.sin(outside)), rel=1e-6)
 
 
 def test_what_nothing_touches_and_what_nothing_balances():
@@ -283,3 +253,107 @@ def test_what_is_pressed_by_a_hand_that_gives_way():
     found = limits(run, RIGHT, LEFT, UP, DOWN, body="block")
     np.testing.assert_allclose(found[[0, 2, 3]], [P, 2 * mu * P, 2 * mu * P], rtol=1e-6)
     assert np.isinf(found[1])
+
+
+# -- what touches and carries nothing
+
+
+OPEN = 10 * H**2 + 1e-9
+"""What a step may leave open."""
+
+
+def found(run, near=None):
+    """Of every pair by its names the recorded normal force, its low and its high."""
+    names = [body.name for body in run.mechanism.bodies]
+    return {(names[one.body], names[one.other]): (
+        one.normal.force, one.normal.low, one.normal.high)
+        for one in contact_bounds(Evidence(run), near=near)}
+
+
+def test_a_floor_that_carries_nothing_may_carry_all_of_the_weight():
+    """n = (W - f) / (2 (cos 45 +- mu sin 45)) with any f of the floor from 0 to W."""
+    run = simulate(mechanism(duration=0.05, **groove(1e-8)))
+    names = [run.mechanism.bodies[b].name for b in run.arrays["contact_other"]]
+    assert set(names) == {"left", "right"}
+    seen, high = found(run), WEIGHT / (2 * np.sqrt(0.5) * 0.5)
+    assert seen["disc", "floor"] == pytest.approx((0.0, 0.0, WEIGHT), rel=1e-6, abs=1e-9)
+    for side in ("left", "right"):
+        assert seen["disc", side][1:] == pytest.approx((0.0, high), rel=1e-6, abs=1e-9)
+    assert figures(run)["contact.bounds"].verdict == "pass"
+
+
+@pytest.mark.parametrize(("share", "counts"), [(0.999, True), (1.001, False)])
+def test_what_is_further_than_a_step_may_leave_it_does_not_count(share, counts):
+    """100 times that is a millimetre."""
+    content, s = groove(share * OPEN), np.sqrt(0.5)
+    machine_ = machine(*content.pop("bodies"), **content)
+    n = WEIGHT / (2 * s * 1.2)  # with a fifth of it as friction, upward
+    run = still(machine_, n=1, touches=[
+        (0, 1, other, (-sign * 0.8 * n * s, 1.2 * n * s), (-sign * s, s),
+         (sign * 0.02 * s, 0.04 * s), 0.0) for other, sign in ((2, -1), (3, 1))])
+    seen = found(run)
+    assert (("disc", "floor") in seen) is counts
+    low, high = WEIGHT / (2 * s * 1.5), WEIGHT / (2 * s * 0.5)
+    assert seen["disc", "left"] == pytest.approx((n, 0.0 if counts else low, high), abs=1e-9)
+    # whoever measures can say what touching is
+    assert ("disc", "floor") in found(run, near=1.1 * share * OPEN)
+    assert ("disc", "floor") not in found(run, near=0.9 * share * OPEN)
+
+
+@pytest.mark.parametrize("more", [
+    {"contacts": [{"between": ("disc", "floor"), "collide": False}]},
+    {"joints": [{"type": "slot", "name": "rail", "a": "floor", "b": "disc",
+                 "start": (0.0, -1.0), "end": (0.0, 1.0), "on_b": (0.0, 0.0)}]},
+])
+def test_what_may_not_collide_does_not_touch(more):
+    assert ("disc", "floor") not in found(simulate(mechanism(duration=0.01, **groove(0.0, **more))))
+
+
+@pytest.mark.parametrize(("speed", "counts"), [(0.009, True), (0.011, False)])
+def test_what_parts_or_comes_by_does_not_touch(speed, counts):
+    """By 1e-5 m in a step, that is at 1 cm/s."""
+    content = groove(0.0)
+    run = still(machine(*content.pop("bodies"), **content), lambda a: a[
+        "body_velocity"].__setitem__((slice(None), 1, 1), speed), n=1)
+    assert (("disc", "floor") in found(run)) is counts
+
+
+def test_a_near_phalanx_that_touches_without_force_may_press():
+    """f2 = T h2 / k2; f1 = (T h1 - (k2 + l1 c) f2 + l1 s t2) / k1, t2 up to mu f2; here f1 = 0."""
+    k1, k2, theta, run = grasp(75, 0.2, near=4.6e-9)
+    f2 = PULL * ARMS[1] / k2
+    most = (PULL * ARMS[0] - (k2 + L1 * (np.cos(theta) - 0.2 * np.sin(theta))) * f2) / k1
+    seen = found(run)
+    assert seen["two", "disc"] == pytest.approx((f2, f2, f2), rel=1e-9)
+    assert most == pytest.approx(1.264063, abs=1e-6)
+    assert seen["one", "disc"] == pytest.approx((0.0, 0.0, most), rel=1e-6, abs=1e-9)
+    figure = figures(run)["contact.shared"]
+    assert (figure.verdict, figure.value) == ("look", 1.0)
+    assert "1 of 2 on finger" in figure.why
+    assert figures(run)["contact.bounds"].verdict == "pass"
+
+
+def test_a_seam_between_pieces_is_no_surface():
+    """A disc on the notched side of a U: its bottom is two pieces; below the seam nothing lies."""
+    outline = [(-0.04, 0.0), (0.04, 0.0), (0.04, 0.06), (0.03, 0.06), (0.03, 0.02), (-0.03, 0.02),
+               (-0.03, 0.06), (-0.04, 0.06)]
+    cup = {"name": "cup", "motion": "fixed", "shapes": [{"type": "polygon", "points": outline}]}
+    disc = {**block("disc", (0.0, 0.03)), "shapes": [{"type": "circle", "radius": 0.01}]}
+    a = touched(Evidence(still(machine(disc, cup), n=1)).last).run.arrays
+    assert a["contact_normal"] == pytest.approx(np.array([(0.0, 1.0)]))
+    assert a["contact_point"] == pytest.approx(np.array([(0.0, 0.02)]))
+
+
+@pytest.mark.parametrize(("x", "bound"), [(0.03, np.inf), (0.03 + 2 * OPEN, 0.5 * WEIGHT)])
+def test_a_wall_that_is_just_touched_holds_against_a_push(x, bound):
+    floor = {"name": "floor", "motion": "fixed", "material": "m", "shapes": [
+        {"type": "box", "size": (0.2, 0.02), "at": (0.0, -0.01)}]}
+    wall = {"name": "stop", "motion": "fixed", "material": "m", "at": (x, 0.02), "shapes": [
+        {"type": "box", "size": (0.02, 0.04)}]}
+    box = {**block("box", (0.0, 0.02)), "material": "m", "shapes": [
+        {"type": "box", "size": (0.04, 0.04)}]}
+    run = still(machine(box, floor, wall, materials={"m": {"friction": 0.5}}, gravity=(0.0, -G)),
+                n=1, touches=[(0, 1, 2, (0.0, WEIGHT), (0.0, 1.0), (0.0, 0.0), 0.0)])
+    right, left = push_limits(Evidence(run), 1, (0.0, np.pi))
+    assert left == pytest.approx(0.5 * WEIGHT)
+    assert right == pytest.approx(bound)

@@ -142,37 +142,30 @@ def scene(change: Callable[[dict[str, Any], float], None]) -> Plant:
     return plant
 
 
-def grown(kind: str, number: int, key: str) -> Plant:
+def number(change: Callable[[Any, float], Any], *path: Any) -> Plant:
+    """A number of the scene changed by the size of the fault."""
+    def plant(content: dict[str, Any], size: float) -> None:
+        *inner, last = path
+        for key in inner:
+            content = content[key]
+        content[last] = change(content[last], size)
+    return scene(plant)
+
+
+def grown(*path: Any) -> Plant:
     """A number of the scene made larger by a share of itself."""
-    def change(content: dict[str, Any], size: float) -> None:
-        content[kind][number][key] *= 1 + size
-    return scene(change)
+    return number(lambda value, size: value * (1 + size), *path)
+
+
+def longer_by(*path: Any) -> Plant:
+    """A number of the scene with the size of the fault added."""
+    return number(lambda value, size: value + size, *path)
 
 
 def longer(content: dict[str, Any], size: float) -> None:
     """The proximal phalanx: what hangs on its end is further out."""
     x, y = content["bodies"][2]["at"]
     content["joints"][1]["on_a"] = [x + size, y]
-
-
-def wider(content: dict[str, Any], size: float) -> None:
-    content["bodies"][DISC]["shapes"][0]["radius"] += size
-
-
-def moved(content: dict[str, Any], size: float) -> None:
-    content["bodies"][DISC]["at"][0] += size
-
-
-def signal(content: dict[str, Any], size: float) -> None:
-    content["drives"][0]["value"]["to"] *= 1 + size
-
-
-def spun(content: dict[str, Any], size: float) -> None:
-    content["drives"][0]["value"] = f"=3 * (1 + {size}) * sin(9 * t)"
-
-
-def led(content: dict[str, Any], size: float) -> None:
-    content["bodies"][3]["path"]["x"] = f"=0.3 + 0.1 * (1 + {size}) * t"
 
 
 def twice(run: Recording, size: float) -> Recording:
@@ -192,117 +185,93 @@ def further(values: np.ndarray, size: float) -> np.ndarray:
     return values + size
 
 
-FINGER: list[tuple[str, Plant, float, set[str]]] = [
-    ("stiffness of a spring", grown("springs", 0, "stiffness"), 0.01, {"spring.law"}),
-    ("value of a drive", array("drive_value", EVERY, more), 0.01, {"drive.signal", "tendon.law"}),
-    ("signal of a drive", scene(signal), 0.01, {"drive.signal"}),
-    ("radius of a disc", scene(wider), 0.004, {"contact.place"}),
-    ("place of a disc", scene(moved), 5e-4, {"schedule"}),
-    ("length of a phalanx", scene(longer), 5e-4, {"joint.drift", "poses"}),
-    ("time", array("time", EVERY, more), 0.01, {"clock"}),
-    ("rates of hinges", array("joint_rate", EVERY, more), 0.01, {"hinge"}),
-    ("angle of a hinge", array("joint_angle", (EVERY, 1), further), 1e-3, {"hinge"}),
-    ("a contact row twice", twice, 1.0, {"momentum.force"}),
-    ("place of contacts", array("contact_point", (EVERY, 0), further), 1e-3,
-     {"contact.place", "momentum.moment"}),
-    ("gap of contacts", array("contact_gap", EVERY, further), 1e-3, {"contact.place"}),
-    ("a force of one joint in one sample", array("joint_force", (333, 1), more), -1.0,
-     {"reaction.size", "momentum.force"}),
-    ("mass in the saved mechanism", grown("bodies", MIDDLE, "mass"), 0.01, {"scene.numbers"}),
-    ("inertia", array("body_inertia", MIDDLE, more), 0.01, {"scene.numbers", "momentum.moment"}),
-    ("length of a tendon", array("tendon_length", EVERY, more), 0.01, {"tendon.path"}),
-    ("length of a tendon at the start", array("tendon_initial", EVERY, more), 0.01,
-     {"scene.numbers"}),
+FINGER: list[tuple[str, Plant, float]] = [
+    ("spring.law", grown("springs", 0, "stiffness"), 0.01),
+    ("drive.signal tendon.law", array("drive_value", EVERY, more), 0.01),
+    ("drive.signal", grown("drives", 0, "value", "to"), 0.01),
+    ("contact.place", longer_by("bodies", DISC, "shapes", 0, "radius"), 0.004),
+    ("schedule", longer_by("bodies", DISC, "at", 0), 5e-4),
+    ("joint.drift poses", scene(longer), 5e-4),
+    ("clock", array("time", EVERY, more), 0.01),
+    ("hinge", array("joint_rate", EVERY, more), 0.01),
+    ("hinge", array("joint_angle", (EVERY, 1), further), 1e-3),
+    ("momentum.force", twice, 1.0),
+    ("contact.place momentum.moment", array("contact_point", (EVERY, 0), further), 1e-3),
+    ("contact.place", array("contact_gap", EVERY, further), 1e-3),
+    ("momentum.force reaction.size", array("joint_force", (333, 1), more), -1.0),
+    ("scene.numbers", grown("bodies", MIDDLE, "mass"), 0.01),
+    ("momentum.moment scene.numbers", array("body_inertia", MIDDLE, more), 0.01),
+    ("tendon.path", array("tendon_length", EVERY, more), 0.01),
+    ("scene.numbers", array("tendon_initial", EVERY, more), 0.01),
 ]
 EVERY_STEP = [
-    ("velocities", array("body_velocity", EVERY, more), 0.01, {"velocity"}),
-    ("velocity of one sample", array("body_velocity", (700, MIDDLE), further), 0.01, {"velocity"}),
-    ("work of springs", array("spring_work", (EVERY, 0), more), 0.01, {"work"}),
-    ("work of a tendon", array("tendon_work", EVERY, more), 0.01, {"work", "energy.lost"}),
-    ("work of a damper", array("joint_damping_work", (EVERY, 1), more), 0.01, {"work"}),
+    ("velocity", array("body_velocity", EVERY, more), 0.01),
+    ("velocity", array("body_velocity", (700, MIDDLE), further), 0.01),
+    ("work", array("spring_work", (EVERY, 0), more), 0.01),
+    ("energy.lost work", array("tendon_work", EVERY, more), 0.01),
+    ("work", array("joint_damping_work", (EVERY, 1), more), 0.01),
 ]
 COILED = [
-    ("stiffness of a rotary spring", grown("springs", 0, "stiffness"), 0.01, {"spring.torque"}),
-    ("damping of a rotary spring", grown("springs", 0, "damping"), 1.0,
-     {"spring.torque", "damper.law"}),
-    ("damping of a straight spring", grown("springs", 1, "damping"), 1.0, {"spring.law"}),
-    ("stiffness of a cord", grown("tendons", 0, "stiffness"), 1.0, {"tendon.law"}),
-    ("damping of a cord", grown("tendons", 0, "damping"), 1.0, {"tendon.law"}),
-    ("slack of a cord", array("tendon_rest", EVERY, further), 1e-3, {"scene.numbers"}),
-    ("speed of a motor", scene(spun), 0.01, {"drive.signal"}),
-    ("torque of a motor", array("drive_torque", EVERY, more), 0.01, {"momentum.moment"}),
-    ("a schedule", scene(led), 0.01, {"schedule"}),
-    ("torque of a stop before it is reached", array("joint_stop", (10, 0), further), 1.0,
-     {"stop.law", "momentum.moment"}),
+    ("spring.torque", grown("springs", 0, "stiffness"), 0.01),
+    ("damper.law spring.torque", grown("springs", 0, "damping"), 1.0),
+    ("spring.law", grown("springs", 1, "damping"), 1.0),
+    ("tendon.law", grown("tendons", 0, "stiffness"), 1.0),
+    ("tendon.law", grown("tendons", 0, "damping"), 1.0),
+    ("scene.numbers", array("tendon_rest", EVERY, further), 1e-3),
+    ("drive.signal",
+     number(lambda _, size: f"=3 * (1 + {size}) * sin(9 * t)", "drives", 0, "value"), 0.01),
+    ("momentum.moment", array("drive_torque", EVERY, more), 0.01),
+    ("schedule",
+     number(lambda _, size: f"=0.3 + 0.1 * (1 + {size}) * t", "bodies", 3, "path", "x"), 0.01),
+    ("momentum.moment stop.law", array("joint_stop", (10, 0), further), 1.0),
 ]
 STIFF = [
-    ("stiffness of a coil", grown("springs", 0, "stiffness"), 0.01, {"spring.torque"}),
-    ("stiffness of a band", grown("springs", 1, "stiffness"), 0.01, {"spring.law"}),
-    ("damping of a band", grown("springs", 1, "damping"), 1.0, {"spring.law"}),
-    ("stiffness of a cord", grown("tendons", 0, "stiffness"), 0.01, {"tendon.law"}),
-    ("damping of a cord", grown("tendons", 0, "damping"), 1.0, {"tendon.law"}),
-    ("length of a cord", scene(lambda content, size: content["tendons"][0].__setitem__(
-        "slack", size)), 1e-6, {"tendon.law", "scene.numbers"}),
+    ("spring.torque", grown("springs", 0, "stiffness"), 0.01),
+    ("spring.law", grown("springs", 1, "stiffness"), 0.01),
+    ("spring.law", grown("springs", 1, "damping"), 1.0),
+    ("tendon.law", grown("tendons", 0, "stiffness"), 0.01),
+    ("tendon.law", grown("tendons", 0, "damping"), 1.0),
+    ("scene.numbers tendon.law", number(lambda _, size: size, "tendons", 0, "slack"), 1e-6),
 ]
-
-
 HELD, SLIPS, GROOVE = 0, 1, 2
 """Joints of :func:`rubbing`."""
 RUBBING = [
-    ("friction of a pin", array("joint_friction", (EVERY, SLIPS), more), 0.01,
-     {"joint.friction", "momentum.moment"}),
-    ("sense of friction", array("joint_friction", (EVERY, SLIPS), more), -200.0,
-     {"joint.friction", "momentum.moment"}),
-    ("friction that holds", array("joint_friction", (EVERY, HELD), more), 200.0,
-     {"joint.friction", "momentum.moment"}),
-    ("friction of a groove", array("joint_friction", (EVERY, GROOVE), more), 0.01,
-     {"joint.friction", "momentum.force"}),
-    ("a slip called sticking", array("joint_sticks", (EVERY, SLIPS), lambda x, _: x + 1), 1.0,
-     {"joint.friction"}),
-    ("sticking called a slip", array("joint_sticks", (EVERY, HELD), lambda x, _: x - 1), 1.0,
-     {"joint.friction"}),
-    ("work of friction", array("joint_friction_work", (EVERY, SLIPS), more), 0.01, {"work"}),
-    ("work of a groove", array("joint_friction_work", (EVERY, GROOVE), more), 0.01, {"work"}),
-    ("torque of a motor with a line", array("drive_torque", (EVERY, 0), more), 0.01,
-     {"drive.motor", "momentum.moment"}),
-    ("friction of a pin in the scene", grown("joints", SLIPS, "friction_coefficient"), 0.01,
-     {"joint.friction"}),
-    ("radius of a pin in the scene", grown("joints", SLIPS, "pin_radius"), 0.01,
-     {"joint.friction"}),
-    ("friction of a groove in the scene", grown("joints", GROOVE, "friction_coefficient"), 0.01,
-     {"joint.friction"}),
-    ("stall torque", grown("drives", 0, "stall"), 0.01, {"drive.motor"}),
-    ("speed without load", grown("drives", 0, "no_load"), 0.01, {"drive.signal"}),
+    ("joint.friction momentum.moment", array("joint_friction", (EVERY, SLIPS), more), 0.01),
+    ("joint.friction momentum.moment", array("joint_friction", (EVERY, SLIPS), more), -200.0),
+    ("joint.friction momentum.moment", array("joint_friction", (EVERY, HELD), more), 200.0),
+    ("joint.friction momentum.force", array("joint_friction", (EVERY, GROOVE), more), 0.01),
+    ("joint.friction", array("joint_sticks", (EVERY, SLIPS), lambda x, _: x + 1), 1.0),
+    ("joint.friction", array("joint_sticks", (EVERY, HELD), lambda x, _: x - 1), 1.0),
+    ("work", array("joint_friction_work", (EVERY, SLIPS), more), 0.01),
+    ("work", array("joint_friction_work", (EVERY, GROOVE), more), 0.01),
+    ("drive.motor momentum.moment", array("drive_torque", (EVERY, 0), more), 0.01),
+    ("joint.friction", grown("joints", SLIPS, "friction_coefficient"), 0.01),
+    ("joint.friction", grown("joints", SLIPS, "pin_radius"), 0.01),
+    ("joint.friction", grown("joints", GROOVE, "friction_coefficient"), 0.01),
+    ("drive.motor", grown("drives", 0, "stall"), 0.01),
+    ("drive.signal", grown("drives", 0, "no_load"), 0.01),
 ]
-
-
-def other_load(number: int, field: str, value: Any) -> Plant:
-    """A load of the scene that is not the one of the run."""
-    return scene(lambda content, _: content["loads"][number].__setitem__(field, value))
 
 
 LOADED = [
-    *((f"force {i}", array("load_force", (100, i), more), 0.01, {"load.law"}) for i in range(6)),
-    *((f"torque {i}", array("load_torque", (100, i), more), 0.01, {"load.law"})
-      for i in (0, 2, 4)),
-    *((field, other_load(i, field, value), 1.0, {"load.law"}) for i, field, value in (
-        (0, "linear", 0.5005), (0, "turning", 0.01001), (0, "flow", (1e-3, 0.0)),
-        (1, "at", (0.1001, 0.05)), (1, "frame", "world"), (1, "torque", "=0.1 * sin(9.01 * t)"),
-        (2, "acceleration", ("=-0.301 * ax", "=-x")), (3, "density", 1000.5),
-        (3, "level", 1e-4))),
-    ("work of loads", array("load_work", (EVERY, 0), more), 0.1, {"energy.lost"}),
+    *(("load.law", array("load_force", (100, i), more), 0.01) for i in range(6)),
+    *(("load.law", array("load_torque", (100, i), more), 0.01) for i in (0, 2, 4)),
+    *(("load.law", number(lambda *_, value=value: value, "loads", i, field), 1.0)
+      for i, field, value in (
+          (0, "linear", 0.5005), (0, "turning", 0.01001), (0, "flow", (1e-3, 0.0)),
+          (1, "at", (0.1001, 0.05)), (1, "frame", "world"), (1, "torque", "=0.1 * sin(9.01 * t)"),
+          (2, "acceleration", ("=-0.301 * ax", "=-x")), (3, "density", 1000.5),
+          (3, "level", 1e-4))),
+    ("energy.lost", array("load_work", (EVERY, 0), more), 0.1),
 ]
 CORNERED = [
-    ("radius of a disc", scene(lambda content, size: content["bodies"][1]["shapes"][0].__setitem__(
-        "radius", 0.03 + size)), 0.004, {"contact.place"}),
-    ("a floor that lies lower", scene(lambda content, size: content["bodies"][0]["shapes"][0][
-        "at"].__setitem__(1, -0.05 - size)), 5e-4, {"contact.place"}),
-    ("place of contacts", array("contact_point", (EVERY, 1), further), 1e-3, {"contact.place"}),
-    ("gap of contacts", array("contact_gap", EVERY, further), 1e-3, {"contact.place"}),
-    ("normals of contacts", array("contact_normal", (EVERY, 0), further), 1e-3,
-     {"contact.place"}),
-    ("points of rows", array("contact_merged", EVERY, lambda points, size: np.ones_like(points)),
-     1.0, {"contact.place"}),
+    ("contact.place", longer_by("bodies", 1, "shapes", 0, "radius"), 0.004),
+    ("contact.place", longer_by("bodies", 0, "shapes", 0, "at", 1), -5e-4),
+    ("contact.place", array("contact_point", (EVERY, 1), further), 1e-3),
+    ("contact.place", array("contact_gap", EVERY, further), 1e-3),
+    ("contact.place", array("contact_normal", (EVERY, 0), further), 1e-3),
+    ("contact.place",
+     array("contact_merged", EVERY, lambda points, size: np.ones_like(points)), 1.0),
 ]
 
 
@@ -323,13 +292,13 @@ def test_without_a_fault_nothing_is_noticed(run):
     assert not looks(run())
 
 
-@pytest.mark.parametrize(("run", "plant", "size", "figures"), [
-    pytest.param(run, *row[1:], id=row[0]) for run, table in (
+@pytest.mark.parametrize(("run", "figures", "plant", "size"), [
+    (run, *row) for run, table in (
         (lambda: sound(1000.0), FINGER), (lambda: sound(2000.0), EVERY_STEP), (coiled, COILED),
         (stiff, STIFF), (cornered, CORNERED), (rubbing, RUBBING), (loaded, LOADED))
     for row in table])
-def test_a_fault_is_noticed_at_a_hundredth_of_its_size(run, plant, size, figures):
-    assert figures <= looks(plant(run(), 0.01 * size))
+def test_a_fault_is_noticed_at_a_hundredth_of_its_size(run, figures, plant, size):
+    assert set(figures.split()) <= looks(plant(run(), 0.01 * size))
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

@@ -9,7 +9,7 @@ import pytest
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.rest import Rest, grip_of
-from tests.audit.still import H, block, figures, machine, still, turns
+from tests.audit.still import block, figures, machine, still, turns
 
 G = 9.81
 MOMENT = 1e-4
@@ -35,12 +35,11 @@ def holding(moment):
     return change
 
 
-@pytest.mark.parametrize(("speed", "turn", "verdict"), [
-    ((0.6 * SPEED, 0.8 * SPEED), 0.0, "pass"), ((0.6 * SPEED, -0.801 * SPEED), 0.0, ""),
-    ((0.0, 0.0), -1.001 * TURN, ""),
-    ((SPEED, 0.0), TURN, "pass")])
+@pytest.mark.parametrize(("speed", "turn", "passes"), [
+    ((0.6 * SPEED, 0.8 * SPEED), 0.0, True), ((0.6 * SPEED, -0.801 * SPEED), 0.0, False),
+    ((0.0, 0.0), -1.001 * TURN, False), ((SPEED, 0.0), TURN, True)])
 def test_rest_is_below_1_mm_a_second_and_20_mrad_a_second_in_the_last_twentieth(
-        speed, turn, verdict):
+        speed, turn, passes):
     """Of 200 samples, from number 190 on."""
     def change(a):
         holding(WEIGHT)(a)
@@ -48,28 +47,15 @@ def test_rest_is_below_1_mm_a_second_and_20_mrad_a_second_in_the_last_twentieth(
         a["body_velocity"][:190, 1] = 50.0
         a["body_velocity"][:, 0] = 50.0  # what is fixed may hold any number
     figure = figures(still(arm(), change, n=200))["rest.moments"]
-    if verdict:
-        assert figure.verdict == "pass"
-    else:
-        assert figure.why == (
-            "not at rest: in the last 5 % of the run one moves at up to "
-            f"{math.hypot(*speed):.2g} m/s and {abs(turn):.2g} rad/s")
+    assert figure.verdict == ("pass" if passes else "not computed")
+    assert passes or figure.why == (
+        "not at rest: in the last 5 % of the run one moves at up to "
+        f"{math.hypot(*speed):.2g} m/s and {abs(turn):.2g} rad/s")
 
 
 def test_moments_at_rest_may_leave_1e_4_of_the_largest():
     turns("rest.moments", MOMENT, lambda e: still(arm(), holding(WEIGHT / (1 - e)), n=200))
     turns("rest.moments", MOMENT, lambda e: still(arm(), holding(WEIGHT * (1 - e)), n=200))
-
-
-def test_a_hinge_whose_loads_are_what_coming_to_rest_asks_for_is_left_out():
-    """2 TURN / window of (I + m r^2), window a twentieth of the run; about the hinge."""
-    inertia = 3e-4 + 0.2 * 0.3**2 + 3e-4 + 0.2 * ((0.45 - 0.05) ** 2 + (0.32 - 0.02) ** 2)
-    machine_ = arm(block("two", at=(0.45, 0.32)), gravity=(0.0, 0.0), joints=[
-        {"type": "weld", "name": "weld", "a": "one", "b": "two", "on_b": (0, 0)}])
-    idle = 2 * TURN / (0.05 * 199.5 * H) * inertia
-    for share, verdict in ((1 - 1e-6, "not computed"), (1 + 1e-6, "look")):
-        figure = figures(still(machine_, holding(share * idle), n=200))["rest.moments"]
-        assert figure.verdict == verdict
 
 
 FINGER = [{"type": "circle", "radius": 0.1, "at": (0.2, 0.0)}]
@@ -169,7 +155,6 @@ def test_the_normal_counts_from_the_fingers_side_wherever_it_stands_in_the_row(t
     assert grip.jacobian == pytest.approx(np.array([[0.05, 0.0], [0.16, 0.06]]))
     assert grip.normal == pytest.approx([2.0, 5.0])
     assert grip.hinges == [0, 1]
-    assert grip.phalanx.tolist() == [0, 1]
 
 
 @pytest.mark.parametrize(("more", "words"), [
