@@ -24,7 +24,6 @@ from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.sweeps.job import STEP, Override
 from sandbox.sweeps.plan import plan_of
-from sandbox.sweeps.points import make_points
 from sandbox.sweeps.spec import SweepSpec
 from sandbox.sweeps.sweep import study_data
 from sandbox.values.numbers import number_from
@@ -82,7 +81,7 @@ class Task:
         """Random values by path; the same for the same seed."""
         if self.random is None:
             return {}
-        return make_points(self.random.model_copy(update={"seed": seed}))[0]
+        return self.random.model_copy(update={"seed": seed}).points()[0]
 
     def loaded(self, values: Mapping[str, Any]) -> Mechanism:
         """The scene with other values by path.

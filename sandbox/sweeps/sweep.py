@@ -13,8 +13,7 @@ from typing import Any
 from sandbox.atomic_files import output_path
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.read.limits import Limits
-from sandbox.sweeps.job import DONE
-from sandbox.sweeps.log import Log
+from sandbox.sweeps.job import DONE, Log
 from sandbox.sweeps.plan import Plan, plan_of, read_plan
 from sandbox.sweeps.processes import check_workers
 from sandbox.sweeps.spec import parse_result
@@ -72,29 +71,29 @@ def run_plan(
         KeyboardInterrupt: Ctrl-C; all finished runs are in the directory and its table.
     """
     check_workers(workers)  # before anything is written
+    recorded = plan.spec.recordings
     if directory is None:
-        if plan.spec.recordings:
+        if recorded:
             raise SandboxError("whole recordings need a directory to go to: out=", code="bad-study")
         with tempfile.TemporaryDirectory(prefix="sandbox-sweep-") as folder:
             return run_plan(plan, Path(folder), workers=workers, progress=progress)
-    recordings = directory / RECORDINGS
+    recordings = (directory / RECORDINGS).resolve()
+    job = replace(plan.job, recordings=str(recordings)) if recorded else plan.job
     with Log(directory) as log:
         if again:
             log.clear()
-        done = {row.id for row in log.rows() if not plan.spec.recordings or row.status != DONE
+        done = {row.id for row in log.rows() if not recorded or row.status != DONE
                 or (recordings / row.id).is_dir()}
-        first = {id: run for run, id in reversed(list(enumerate(plan.ids)))}
-        missing = sorted(run for id, run in first.items() if id not in done)
-        job = replace(plan.job, recordings=str(recordings.resolve())
-                      if plan.spec.recordings else "")
-        began, at = time.perf_counter(), Advance(len(first), len(first) - len(missing))
+        tasks = dict(zip(plan.ids, range(len(plan)), strict=True))
+        missing = [run for id, run in tasks.items() if id not in done]
+        began, at = time.perf_counter(), Advance(len(tasks), len(tasks) - len(missing))
         ended = "interrupted"
         try:
             with Evaluator(job, log, workers=workers, runs=len(missing)) as evaluator:
                 for row in evaluator.run((plan.ids[run], plan.points[run]) for run in missing) \
                         if missing else ():
-                    at = replace(at, done=at.done + 1, doubtful=at.doubtful + row.doubtful,
-                                 seconds=time.perf_counter() - began)
+                    at = replace(at, done=at.done + 1, seconds=time.perf_counter() - began,
+                                 doubtful=at.doubtful + (row.status != DONE or bool(row.looks)))
                     progress(at)
             ended = "done"
         finally:
@@ -172,25 +171,21 @@ def study_data(
             problems.append(Problem.of(error, path_text(path)))
             return None
 
-    def group(values: Mapping[str, Any]) -> dict[str, Any]:
-        return {path: read(("vary", path), value, parse_values) for path, value in values.items()}
-
+    groups: list[Any] = list(vary or ())
     if isinstance(vary, Mapping):
-        groups: Any = [{"over": group(vary), "design": design, "count": count}]
-    else:
-        groups = [{**each, "over": group(each["over"])} if isinstance(each, Mapping)
-                  and isinstance(each.get("over"), Mapping) else each for each in vary or ()]
-    if isinstance(keep, Mapping):
-        named = dict(keep)
-    else:
+        groups = [{"over": vary, "design": design, "count": count}]
+    groups = [{**group, "over": {path: read(("vary", path), value, parse_values)
+                                 for path, value in group["over"].items()}}
+              if isinstance(group, Mapping) and isinstance(group.get("over"), Mapping) else group
+              for group in groups]
+    if not isinstance(keep, Mapping):
         pairs = [read(("keep", text), text, parse_result) or ("", "") for text in keep or ()]
-        named = dict(pairs)
-        names = [name for name, _ in pairs]
+        keep, names = dict(pairs), [name for name, _ in pairs]
         problems += [Problem("duplicate-name",
                              f"two results have the name {quoted(name)}", "$.keep",
                              allowed="another name for each")
-                     for name in named if name and names.count(name) > 1]
+                     for name in keep if name and names.count(name) > 1]
     if problems:
         raise SceneError(problems)
     where = scene if isinstance(scene, Mapping) else os.fspath(scene)
-    return {"scene": where, "set": dict(set or {}), "vary": groups, "keep": named, **settings}
+    return {"scene": where, "set": dict(set or {}), "vary": groups, "keep": dict(keep), **settings}

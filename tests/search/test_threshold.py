@@ -51,7 +51,7 @@ def test_the_scenes_own_expectations_are_the_condition():
 
 
 def test_an_interrupted_search_resumes(tmp_path, monkeypatch):
-    from sandbox.sweeps.log import Log
+    from sandbox.sweeps.job import Log
 
     words = {"vary": {"parameters.push": "1 N:6 N"}, "out": tmp_path}
     whole = sandbox.search.threshold(PUCK, **{**words, "out": tmp_path / "whole"})
@@ -88,7 +88,7 @@ def test_a_range_without_a_threshold_is_refused_in_a_line():
     ({"vary": {"parameters.psh": "1:2"}}, "Did you mean 'push'"),
     ({"vary": {"parameters.push": "2:2"}}, "from 2 to 2: there is nothing to vary"),
     ({"within": 1e-12}, "no narrower than 1e-09 of the range"),
-    ({"within": -1.0}, "no narrower than"),
+    ({"within": -1.0}, "within: must be greater than 0"),
     ({"where": "nothing > 0", "keep": ["vx=puck.vx", "nothing==vx / 0"]}, "does not decide"),
 ])
 def test_wrong_threshold_requests_are_refused(more, fragment):

@@ -5,15 +5,14 @@ import pytest
 from pydantic import ValidationError
 from scipy import stats
 
-from sandbox.sweeps.points import make_points, number_of
 from sandbox.sweeps.spec import SweepSpec, parse_statistic
-from sandbox.sweeps.vary import parse_values
+from sandbox.sweeps.vary import number_of, parse_values
 from sandbox.wording import WrongValueError
 
 
 def points(vary, **more):
     groups = vary if isinstance(vary, list) else [{"over": vary, **more}]
-    return make_points(SweepSpec.model_validate({"scene": "x", "vary": groups}))
+    return SweepSpec.model_validate({"scene": "x", "vary": groups}).points()
 
 
 def numbers(found, path):
@@ -40,7 +39,7 @@ def test_paired_paths_go_hand_in_hand_and_groups_are_nested():
         (1, "x", 10), (1, "x", 20), (1, "x", 30), (2, "y", 10), (2, "y", 20), (2, "y", 30)]
     assert not found.is_grid
     for path, axis in zip(found.paths, found.axes, strict=True):
-        assert [axis.written[place] for place in found.places(path)] == [
+        assert [axis.written[place] for place in found.places[path]] == [
             found[run][path] for run in range(6)]
 
 

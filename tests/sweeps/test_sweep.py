@@ -13,8 +13,7 @@ import sandbox
 from sandbox.errors import OutputError, SceneError
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import read_scene
-from sandbox.sweeps.job import SweepRow, make_bundle
-from sandbox.sweeps.log import Log, read_rows
+from sandbox.sweeps.job import Log, SweepRow, make_bundle, read_rows
 from sandbox.sweeps.plan import plan_of
 from sandbox.sweeps.sweep import run_plan, study_data
 from sandbox.sweeps.table import draw_table
@@ -250,13 +249,3 @@ def test_wrong_studies_are_refused_before_anything_runs(more, words):
     with pytest.raises(SceneError) as error:
         plan_of(study_data(PUCK, **{"keep": None, **more}))
     assert words in str(error.value)
-
-
-def test_rows_are_spread_over_files(tmp_path, monkeypatch):
-    monkeypatch.setattr("sandbox.sweeps.log.LINES_PER_FILE", 3)
-    for _ in range(2):
-        with Log(tmp_path) as log:
-            for k in range(4):
-                log.add(SweepRow(f"{k:016}", "done"))
-    counts = [path.read_text().count("\n") for path in sorted((tmp_path / "rows").glob("*.jsonl"))]
-    assert counts == [3, 3, 2]
