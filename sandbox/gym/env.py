@@ -85,7 +85,7 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         values: dict[str, Any] = {}
         if self.task.random is not None:
             values |= self.task.draw(int(self.np_random.integers(SEEDS)))
-        values |= _set_of(options)
+        values |= _set_of(options or {})
         if values == self._values:
             self.simulation.restart()
         else:
@@ -111,7 +111,11 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         """
         if self._over:
             raise SandboxError(f"{self._over}: reset() begins one", code="run-ended")
-        simulation, chosen = self.simulation, _numbers(action)
+        simulation = self.simulation
+        try:
+            chosen = np.asarray(action, dtype=np.float64)
+        except (TypeError, ValueError):
+            chosen = np.empty(0)
         if chosen.shape != self._half.shape or not np.isfinite(chosen).all():
             raise SandboxError(f"{quoted(action)} is no action; allowed: {len(self._half)} finite "
                                f"numbers, -1 to 1, for {listed(self._drives)}")
@@ -187,38 +191,23 @@ class SceneEnv(gymnasium.Env[Array, Array]):
                 for k, row in enumerate(self._acted)]}
         return found
 
-    def close(self) -> None:
-        """Do nothing: no resources are open."""
 
-
-def _numbers(action: object) -> Array:
-    """An action as numbers; empty if it has none."""
-    try:
-        return np.asarray(action, dtype=np.float64)
-    except (TypeError, ValueError):
-        return np.empty(0)
-
-
-def _set_of(options: Mapping[str, Any] | None) -> dict[str, Any]:
+def _set_of(options: object) -> dict[str, Any]:
     """The changes in the options of an episode.
 
     Raises:
         SceneError: other options.
     """
-    options = options or {}
     if not isinstance(options, Mapping):
-        raise SceneError([Problem("bad-argument",
-                                  f"{quoted(options)} names no change", "options",
+        raise SceneError([Problem("bad-argument", f"{quoted(options)} names no change", "options",
                                   allowed='{"set": values by path}')])
     if unknown := [name for name in options if name != "set"]:
-        raise SceneError([Problem("bad-argument",
-                                  f"there is no option {quoted(unknown[0])}", "options",
-                                  allowed="'set'")])
+        raise SceneError([Problem("bad-argument", f"there is no option {quoted(unknown[0])}",
+                                  "options", allowed="'set'")])
     values = options.get("set", {})
     if not isinstance(values, Mapping):
-        raise SceneError([Problem("bad-argument",
-                                  f"{quoted(values)} names no change", "options.set",
-                                  allowed="values by path")])
+        raise SceneError([Problem("bad-argument", f"{quoted(values)} names no change",
+                                  "options.set", allowed="values by path")])
     return dict(values)
 
 
