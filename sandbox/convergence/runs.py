@@ -46,11 +46,7 @@ def refined(mechanism: Mechanism, parts: int) -> Mechanism:
 
 
 def simulate_all(mechanism: Mechanism, progress: Progress) -> list[Run]:
-    """Simulate the mechanism at h, h/2 and h/4, each up to where it diverges, and audit the runs.
-
-    Raises:
-        Interrupted: Ctrl-C.
-    """
+    """Simulate at h, h/2 and h/4, each up to where it diverges, and audit the runs."""
     first, *others = (refined(mechanism, parts) for parts in (1, 2, 4))
     began = time.perf_counter()
     found = [_run(first, lambda share: progress(share / 7))]
@@ -88,9 +84,6 @@ def at_instants(time: Array, values: Array, wanted: Array) -> Array:
     common. The cubic through the four nearest samples has an error of fourth order. Where they
     jump, as in an impact (the third difference is then as large as the second), the cubic is
     clipped to their range.
-
-    Raises:
-        ValueError: fewer than four samples.
     """
     if len(time) < 4:
         raise ValueError(f"time must hold at least 4 samples, got {len(time)}")

@@ -35,9 +35,6 @@ class PoseBalance:
         still: the engine after one recorded step from rest.
         run: the one sample of this step.
         size: of the mechanism, the length that is equivalent to 1 rad [m].
-
-    Raises:
-        ArithmeticError: contacts without a definite point, as in a notch.
     """
 
     def __init__(self, still: Still, run: Recording, size: float) -> None:
@@ -141,11 +138,7 @@ class PoseBalance:
 
 
 def look(still: Still, drive: Array, size: float) -> PoseBalance:
-    """The balance at the pose of ``still``, where the bodies are left at rest.
-
-    Raises:
-        ArithmeticError: contacts without a definite point.
-    """
+    """The balance at the pose of ``still``, where the bodies are left at rest."""
     pose = still.pose
     still.put(pose)
     still.move(drive, kept=True)
@@ -159,10 +152,6 @@ def polish(still: Still, drive: Array, size: float, *, most: float) -> tuple[boo
 
     Returns:
         whether it converged, and the balance at the last pose.
-
-    Raises:
-        ArithmeticError: contacts without a definite point.
-        SimulationDiverged: the motion is not finite.
     """
     balance = look(still, drive, size)
     for _ in range(MAX_ITERATIONS):

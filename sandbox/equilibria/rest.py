@@ -10,8 +10,7 @@ import numpy as np
 
 from sandbox.engine.inspect_control import Runnable, checked
 from sandbox.equilibria.balance import PoseBalance
-from sandbox.equilibria.settle import Settler, Unsettled
-from sandbox.equilibria.starts import Start, place_start
+from sandbox.equilibria.settle import Settler, Start, Unsettled, place_start
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
@@ -205,12 +204,7 @@ def rest(
 
 
 def settle(settler: Settler, start: str, before: int) -> AtRest:
-    """The equilibrium near the present pose.
-
-    Raises:
-        Unsettled: it does not come to rest.
-        SimulationDiverged: the motion is not finite.
-    """
+    """The equilibrium near the present pose."""
     balance = settler.settle()
     if balance is None:
         settler.still.move(settler.drive, kept=True)
@@ -229,11 +223,7 @@ def _same(one: AtRest, other: AtRest) -> bool:
 
 
 def known_body(mechanism: Mechanism, body: str) -> None:
-    """Refuse a name that is no body that moves freely, with a suggestion.
-
-    Raises:
-        SceneError: there is none of that name.
-    """
+    """Refuse a name that is no body that moves freely, with a suggestion."""
     free = [each.name for each in mechanism.bodies if each.motion == "dynamic"]
     if body not in free:
         raise SceneError([Problem("name-not-found",
@@ -242,11 +232,7 @@ def known_body(mechanism: Mechanism, body: str) -> None:
 
 
 def check_options(mechanism: Mechanism, at: float | None, stages: int | None) -> None:
-    """Refuse what has no static equilibrium, times beyond the run, and too many stages.
-
-    Raises:
-        SceneError: controllers, events at a time, or wrong options.
-    """
+    """Refuse what has no static equilibrium, times beyond the run, and too many stages."""
     found = [Problem("no-rest",
                      f"the controller {quoted(each.name)} needs time, and an equilibrium has "
                      "none", f"$.controllers[{i}]",
@@ -313,13 +299,13 @@ def quantities(run: Recording) -> dict[str, str]:
     """
     model = run.model
     hinged = set(model.joints.bodies[model.joints.pivots, 1].tolist())
-    free = [i for i in np.flatnonzero(model.bodies.free).tolist() if i not in hinged]
     names = [f"{model.joints.name[j]}.angle" for j in model.joints.hinges.tolist()]
     names += [f"{name}.length" for name in model.joints.name]
-    names += [f"{model.bodies.name[i]}.{part}" for i in free for part in ("x", "y", "angle")]
-    names += [f"{name}.tension" for name in model.tendons.name]
-    names += [f"{name}.{part}" for name in model.springs.name for part in ("force", "torque")]
-    names += [f"{name}.pressure" for name in model.lines.name]
+    names += [f"{model.bodies.name[i]}.{part}" for i in np.flatnonzero(model.bodies.free).tolist()
+              for part in ("x", "y", "angle") if i not in hinged]
+    for of, parts in ((model.tendons, ["tension"]), (model.springs, ["force", "torque"]),
+                      (model.lines, ["pressure"])):
+        names += [f"{name}.{part}" for name in of.name for part in parts]
     contacts, bodies = run.contacts, model.bodies.name
     for row, friction in enumerate(contacts.tangential.tolist()):
         pair = f"{bodies[contacts.body[row]]}/{bodies[contacts.other[row]]}"

@@ -193,11 +193,7 @@ class SceneEnv(gymnasium.Env[Array, Array]):
 
 
 def _set_of(options: object) -> dict[str, Any]:
-    """The changes in the options of an episode.
-
-    Raises:
-        SceneError: other options.
-    """
+    """The changes in the options of an episode."""
     if not isinstance(options, Mapping):
         raise SceneError([Problem("bad-argument", f"{quoted(options)} names no change", "options",
                                   allowed='{"set": values by path}')])

@@ -85,11 +85,7 @@ class Task:
         return self.random.model_copy(update={"seed": seed}).points()[0]
 
     def loaded(self, values: Mapping[str, Any]) -> Mechanism:
-        """The scene with other values by path.
-
-        Raises:
-            SceneError: the values are invalid, or change the time step.
-        """
+        """The scene with other values by path."""
         if not values:
             return self.mechanism
         found = read_scene(self.scene, overrides={**self.set, **values},

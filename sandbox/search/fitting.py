@@ -145,9 +145,6 @@ def read_columns(path: Path) -> tuple[Array, dict[str, Array]]:
     """Times [s] and columns [SI] of a CSV file, [n] each; nan for empty cells.
 
     A name may have a unit in brackets: ``x [mm]``.
-
-    Raises:
-        BadDataError: the file cannot be read, has no times, or a cell is no number.
     """
     try:
         if path.stat().st_size > MAX_BYTES:
@@ -194,12 +191,7 @@ def read_columns(path: Path) -> tuple[Array, dict[str, Array]]:
 def _measurement(
     question: Question, path: Path, match: Mapping[str, str] | None,
 ) -> Measurement:
-    """The numbers of a file that a run predicts.
-
-    Raises:
-        RefusedError: an unknown quantity, or no column with the name of one.
-        BadDataError: a file that cannot be used.
-    """
+    """The numbers of a file that a run predicts."""
     time, columns = read_columns(path)
     catalogue = Catalogue(question.plan.loaded.mechanism)
     pairs = match if match is not None else {name: name for name in columns if name in catalogue}
@@ -264,16 +256,13 @@ def estimate(
         columns: index of the column of each number, [m].
         start: quantiles at which to start, [p].
         noise: standard deviation of each column; estimated by default.
-
-    Raises:
-        SandboxError: no more numbers than parameters, or a run has no values.
     """
     from scipy.optimize import least_squares
 
     freedom = len(data) - len(start)
     if freedom <= 0:
         raise BadDataError(f"{len(data)} measured numbers do not determine {len(start)} parameters")
-    differences = _Differences(model)
+    differences = _differences(model)
     sizes = _spreads(data, columns) if noise is None else noise
     quantiles = start
     for _ in range(MAX_ROUNDS):
@@ -314,24 +303,27 @@ def _uncertainty(jacobian: Array, freedom: float) -> tuple[Array, list[tuple[flo
     return np.sqrt(parts.sum(axis=0)), blind
 
 
-class _Differences:
-    """A model and its Jacobian by central differences, whose runs are made together."""
+def _differences(model: Model) -> Callable[[Array], tuple[Array, Array]]:
+    """A model and its Jacobian by central differences, whose runs are made together.
 
-    def __init__(self, model: Model) -> None:
-        self._model = model
-        self._last: tuple[bytes, tuple[Array, Array]] | None = None
+    Both are needed at the same point one after the other: the last is kept.
+    """
+    last: dict[bytes, tuple[Array, Array]] = {}
 
-    def __call__(self, at: Array) -> tuple[Array, Array]:
-        if self._last is None or self._last[0] != at.tobytes():
+    def differences(at: Array) -> tuple[Array, Array]:
+        if at.tobytes() not in last:
             steps = DIFFERENCE * np.eye(len(at))
             low, high = np.clip(at - steps, 0, 1), np.clip(at + steps, 0, 1)
-            found = self._model(np.concatenate([at[None], low, high]))
+            found = model(np.concatenate([at[None], low, high]))
             if not np.isfinite(found).all():
                 raise SandboxError("a run on the way has no values", code="no-answer")
             middle, low_values, high_values = np.split(found, [1, 1 + len(at)])
             width = np.diagonal(high - low)[:, None]
-            self._last = at.tobytes(), (middle[0], ((high_values - low_values) / width).T)
-        return self._last[1]
+            last.clear()
+            last[at.tobytes()] = middle[0], ((high_values - low_values) / width).T
+        return last[at.tobytes()]
+
+    return differences
 
 
 def _spreads(data: Array, columns: Integers) -> Array:
@@ -357,12 +349,7 @@ def _correlations(residuals: Array, columns: Integers) -> dict[int, float]:
 
 
 def find_fit(session: Session, options: FitSearch) -> Fitted:
-    """The values of paths with which the scene reproduces a measurement, and their uncertainty.
-
-    Raises:
-        RefusedError: paths without ranges, unknown columns or quantities.
-        SandboxError: data that cannot be used, a run without an answer.
-    """
+    """The values of paths with which the scene reproduces a measurement, and their uncertainty."""
     question, noise = session.question, options.noise
     if others := [path for path, each in question.over.items() if not isinstance(each, Range)]:
         raise RefusedError("a fit varies paths with ranges, as in '2 N:8 N'; "

@@ -21,14 +21,13 @@ from sandbox.figure.style import shown_as
 from sandbox.numeric import Array
 from sandbox.search.session import (
     FOUND,
-    TAILS,
     RefusedError,
     Result,
     Session,
     main_failure,
     value_of,
 )
-from sandbox.sweeps.spec import MAX_SEED, SensitivitySearch
+from sandbox.sweeps.spec import MAX_SEED, TAILS, SensitivitySearch
 from sandbox.sweeps.vary import Distribution
 
 MEASURES: dict[str, dict[str, tuple[str, str]]] = {
@@ -92,12 +91,7 @@ class Sensitivity(Result):
 
 
 def find_sensitivity(session: Session, options: SensitivitySearch) -> Sensitivity:
-    """The influence of each path on each result.
-
-    Raises:
-        RefusedError: options that do not fit.
-        SandboxError: too few runs have an answer, or SALib is not installed.
-    """
+    """The influence of each path on each result."""
     question, method, count = session.question, options.method, options.count
     paths, names = question.paths, list(question.kept)
     if len(paths) < 2:

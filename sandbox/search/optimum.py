@@ -102,12 +102,7 @@ class Chosen(Result):
 
 
 def find_best(session: Session, options: BestSearch) -> Chosen:
-    """The best points under conditions.
-
-    Raises:
-        RefusedError: a distribution, an unknown result, or a sampler that does not fit.
-        SandboxError: no run meets the conditions, or a package is not installed.
-    """
+    """The best points under conditions."""
     question = session.question
     if random := question.of_kind(Distribution):
         raise RefusedError(f"{quoted(random[0])} has a distribution: the best is looked for over "
@@ -133,11 +128,7 @@ def find_best(session: Session, options: BestSearch) -> Chosen:
 
 
 def _study(sampler: str, goals: int, seed: int) -> Any:
-    """Optuna's study.
-
-    Raises:
-        SandboxError: optuna, or what the sampler needs, is not installed.
-    """
+    """Optuna's study."""
     try:
         optuna: Any = import_module("optuna")
         if sampler in PACKAGES:
@@ -236,11 +227,7 @@ class _Trials:
                 self._study.tell(trial, cost.tolist())
 
     def chosen(self) -> Chosen:
-        """The best runs, repeated at half the step.
-
-        Raises:
-            SandboxError: no run meets all conditions.
-        """
+        """The best runs, repeated at half the step."""
         sound = np.flatnonzero(self._excess <= 0)
         if not len(sound):
             beyond = float(self._excess.min())

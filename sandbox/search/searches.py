@@ -56,10 +56,6 @@ class Search:
             place: where it runs, and where its files go.
             kind: of the search, for a study without one.
             options: that the file does not give.
-
-        Raises:
-            SceneError: options of the file that do not fit its ranges.
-            SandboxError: as the search itself.
         """
         kind = self.kind or kind
         written = {kind: {name: os.fspath(each) if isinstance(each, os.PathLike) else each
@@ -79,11 +75,7 @@ class Search:
             raise self._wrong([(str(error), ())]) from None
 
     def check(self) -> Search:
-        """Refuse unknown results in the file, and a measurement that is not there.
-
-        Raises:
-            SceneError: every problem.
-        """
+        """Refuse unknown results in the file, and a measurement that is not there."""
         wrong: list[tuple[str, JsonPath]] = []
         options, written = self.options or {}, self.question.source.data["search"][self.kind]
         for name in ("where", "least", "most"):
@@ -104,11 +96,7 @@ class Search:
         return self
 
     def require(self, kind: str) -> None:
-        """Refuse a study whose search is of another kind.
-
-        Raises:
-            SceneError: it is.
-        """
+        """Refuse a study whose search is of another kind."""
         if self.kind not in ("", kind):
             raise self._wrong([(f"the study is a search of the kind {self.kind}, not {kind}", ())],
                               key=True)
@@ -121,11 +109,7 @@ class Search:
 
 
 def read_search(study: Scene, limits: Limits | None = None) -> Search:
-    """The search of a study: a file or data.
-
-    Raises:
-        SceneError: every problem.
-    """
+    """The search of a study: a file or data."""
     question = read_question(study, limits)
     spec = question.plan.spec.search
     if spec is None:

@@ -27,28 +27,15 @@ from sandbox.scene.read.source import SceneSource, read_source
 from sandbox.sweeps.job import DONE, STEP, Keep, Log, Point, SweepRow
 from sandbox.sweeps.plan import Plan, make_plan
 from sandbox.sweeps.processes import check_workers
-from sandbox.sweeps.spec import SweepSpec
 from sandbox.sweeps.sweep import study_data
 from sandbox.sweeps.table import draw_table, make_table
-from sandbox.sweeps.vary import (
-    Axis,
-    Distribution,
-    Points,
-    Range,
-    Values,
-    number_of,
-    parse_values,
-    values_at,
-)
+from sandbox.sweeps.vary import Axis, Distribution, Points, Range, Values, number_of, values_at
 from sandbox.sweeps.workers import Evaluator
-from sandbox.values.paths import parse_path
 from sandbox.values.spec import Spec
 from sandbox.values.units import parse_quantity, unfit
 from sandbox.wording import WrongValueError, listed, or_near, quoted, told_of
 
 RESULT, FIGURE, FOUND = "search.json", "search.png", "found.png"
-TAILS = np.array([0.01, 0.99])
-"""Quantiles of a distribution at which the scene is read before anything runs."""
 DIFFERENCE = 1e-5
 """Of quantiles, by which slopes are computed."""
 Scene = str | os.PathLike[str] | Mapping[str, Any]
@@ -112,7 +99,7 @@ class Question:
     @property
     def study(self) -> dict[str, Any]:
         """The data of a study file with the same scene, paths and results."""
-        return {**self.plan.written, "vary": self.source.data["vary"]}
+        return dict(self.plan.written)
 
     @cached_property
     def over(self) -> dict[str, Values]:
@@ -165,9 +152,6 @@ def make_question(
         keep: results of each run.
         set: further changes of the scene, in all runs.
         limits: of the scene.
-
-    Raises:
-        SceneError: every problem of the study or its scene.
     """
     if vary is None and not isinstance(scene, Mapping):
         return read_question(scene, limits)
@@ -179,68 +163,28 @@ def make_question(
             "bad-study",
             f"{quoted(path)} has a count, {count}, and a search chooses its points itself",
             allowed="the range without its count") for path, count in counts.items()])
-    return _question(SceneSource(data), limits, Path(), "")
+    return _question(SceneSource(data), limits)
 
 
 def read_question(study: Scene, limits: Limits | None = None) -> Question:
-    """The question of a study: a file or data.
-
-    Raises:
-        SceneError: every problem of the study or its scene.
-    """
+    """The question of a study: a file or data."""
     if isinstance(study, Mapping):
-        return _question(SceneSource(dict(study)), limits, Path(), "")
+        return _question(SceneSource(dict(study)), limits)
     file = Path(study)
     return _question(read_source(file, limits=limits), limits, file.parent, file.stem)
 
 
-def _question(source: SceneSource, limits: Limits | None, folder: Path, name: str) -> Question:
-    data, vary = source.data, source.data.get("vary") if isinstance(source.data, dict) else None
-    if isinstance(vary, (dict, list)):
-        data = {"audit": False, **data, "vary": [
-            {"over": {path: _uncounted(each) for path, each in group["over"].items()},
-             "design": "random", "count": 2}
-            if isinstance(group, dict) and isinstance(group.get("over"), dict) else group
-            for group in (vary if isinstance(vary, list) else [{"over": vary}])]}
-    try:
-        plan = make_plan(replace(source, data=data), limits, folder=folder, name=name,
-                         points_of=_ends)
-    except SceneError as error:
-        if not isinstance(vary, dict):
-            raise
-        raise SceneError([_as_written(each, source) for each in error.problems],
-                         source.name) from None
+def _question(
+    source: SceneSource, limits: Limits | None, folder: Path = Path(), name: str = "",
+) -> Question:
+    if isinstance(source.data, dict):
+        source = replace(source, data={"audit": False, **source.data})
+    plan = make_plan(source, limits, folder=folder, name=name, search=True)
     if STEP in plan.points.paths:
         raise SceneError([Problem("bad-search",
                                   f"a search does not vary {STEP}: it is halved to see whether "
                                   "the result depends on it")], source.name)
     return Question(plan, source, folder)
-
-
-def _uncounted(written: Any) -> Any:
-    """The values of a path without the count that a sweep needs."""
-    try:
-        found = parse_values(written) if isinstance(written, str) else written
-    except WrongValueError:
-        return written  # the model of the study reports it
-    return {key: each for key, each in found.items() if key != "count"} \
-        if isinstance(found, dict) else found
-
-
-def _ends(spec: SweepSpec) -> Points:
-    """Two points, at both ends of all ranges and lists, and in the tails of distributions."""
-    return Points([[Axis(path, values_at(values, TAILS if isinstance(values, Distribution)
-                                         else np.array([0.0, 1.0])))
-                    for path, values in spec.over.items()]])
-
-
-def _as_written(problem: Problem, source: SceneSource) -> Problem:
-    """A problem of the group written as ``"vary": {…}``, at the place in the file."""
-    path = problem.path.replace("$.vary[0].over", "$.vary")
-    if path == problem.path or problem.file:
-        return problem
-    line, column = source.where(parse_path(path), key=problem.key)
-    return replace(problem, path=path, line=line, column=column)
 
 
 # -- conditions ----------------------------------------------------------------------
@@ -268,9 +212,6 @@ def parse_conditions(texts: Iterable[str], kept: Mapping[str, str]) -> tuple[Con
     Args:
         texts: the conditions.
         kept: SI units of results by name.
-
-    Raises:
-        RefusedError: no condition, an unknown result, or a unit of another dimension.
     """
     found = []
     for text in texts:

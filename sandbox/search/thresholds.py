@@ -82,9 +82,6 @@ def bisect(ask: Callable[[Sequence[float]], Sequence[bool]], within: float) -> B
 
     The middle and the middles of both halves are evaluated together, so that two halvings take the
     time of one where there are three processors; the answers are those of plain bisection.
-
-    Raises:
-        NoBracketError: the ends have the same answer.
     """
     fractions = [0.0, *QUARTERS, 1.0]
     known = dict(zip(fractions, ask(fractions), strict=True))
@@ -102,13 +99,7 @@ def bisect(ask: Callable[[Sequence[float]], Sequence[bool]], within: float) -> B
 
 
 def find_threshold(session: Session, options: ThresholdSearch) -> ThresholdFound:
-    """The value of one path at which conditions begin or cease to hold.
-
-    Raises:
-        NoBracketError: both ends have the same answer.
-        RefusedError: not one range, or options that do not fit it.
-        SandboxError: a run without an answer.
-    """
+    """The value of one path at which conditions begin or cease to hold."""
     question = session.question
     if len(question.paths) != 1 or not question.of_kind(Range):
         raise RefusedError("a threshold is looked for along one path with a range, as in "

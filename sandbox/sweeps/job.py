@@ -103,9 +103,6 @@ def make_bundle(
         overrides: changes of the scene.
         limits: of the scene.
         also: later values of its paths, which may name further files beside it.
-
-    Raises:
-        SceneError: every problem of the scene.
     """
     loaded = read_scene(scene, overrides=overrides, limits=limits)
     if isinstance(scene, Mapping):
@@ -206,14 +203,7 @@ class SweepRow:
 
 
 class Log:
-    """The rows of a directory, as a context in which no other process adds to them.
-
-    Args:
-        directory: of the sweep.
-
-    Raises:
-        OutputError: the directory cannot be written, or is locked by another process.
-    """
+    """The rows of a directory, as a context in which no other process adds to them."""
 
     def __init__(self, directory: Path) -> None:
         self.folder = directory / FOLDER
@@ -264,11 +254,7 @@ def row_files(folder: Path) -> list[Path]:
 
 
 def read_rows(folder: Path) -> Iterator[SweepRow]:
-    """The rows of a folder, in the order in which they were finished.
-
-    Raises:
-        OutputError: a file cannot be read, or a complete line is no row.
-    """
+    """The rows of a folder, in the order in which they were finished."""
     for path in row_files(folder):
         with output_errors(path), path.open("rb") as file:
             for number, line in enumerate(file, start=1):

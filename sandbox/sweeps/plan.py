@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -26,7 +26,7 @@ from sandbox.values.expressions import parse_expression
 from sandbox.values.messages import explain
 from sandbox.values.paths import parse_path
 from sandbox.values.units import unit_in
-from sandbox.wording import WrongValueError, counted, is_pattern, kind_of, listed, near, quoted
+from sandbox.wording import WrongValueError, is_pattern, kind_of, listed, near, quoted
 
 COLUMNS = ("run", "id", "status", "reason", "met", "holds", "failed", "looks", "seed")
 """Columns of a table besides values and results."""
@@ -54,9 +54,6 @@ class Plan:
 
     def __len__(self) -> int:
         return len(self.points)
-
-    def __repr__(self) -> str:
-        return f"<Plan of {self.name!r}: {counted(len(self), 'run')}, {len(self.job.keep)} kept>"
 
     @cached_property
     def ids(self) -> list[str]:
@@ -93,27 +90,19 @@ def _written_unit(base: Loaded, path: str) -> str:
 
 
 def read_plan(source: str | os.PathLike[str], limits: Limits | None = None) -> Plan:
-    """The plan of a study file.
-
-    Raises:
-        SceneError: every problem of the study or its scene.
-    """
+    """The plan of a study file."""
     path = Path(source)
     return make_plan(read_source(path, limits=limits), limits, folder=path.parent, name=path.stem)
 
 
 def plan_of(data: Mapping[str, Any], limits: Limits | None = None) -> Plan:
-    """The plan of a study given as data; files are relative to the working directory.
-
-    Raises:
-        SceneError: every problem of the study or its scene.
-    """
+    """The plan of a study given as data; files are relative to the working directory."""
     return make_plan(SceneSource(dict(data)), limits)
 
 
 def make_plan(
     found: SceneSource, limits: Limits | None, *, folder: Path = Path(), name: str = "",
-    points_of: Callable[[SweepSpec], Points] = SweepSpec.points,
+    search: bool = False,
 ) -> Plan:
     """The plan of a study.
 
@@ -122,16 +111,13 @@ def make_plan(
         limits: of each run, and of their number.
         folder: to which file names are relative.
         name: of the study, if it has none.
-        points_of: makes the points of the study.
-
-    Raises:
-        SceneError: every problem of the study or its scene.
+        search: whether it is a search, of which only the ends of all values are checked.
     """
     if not isinstance(found.data, dict):
         raise SceneError([Problem("bad-study",
                                   f"a study is an object {{…}}, not {kind_of(found.data)}", "$",
                                   *found.where(()))], found.name)
-    return _Checks(found, limits or Limits()).plan(folder, name, points_of)
+    return _Checks(found, limits or Limits(), search).plan(folder, name)
 
 
 @dataclass
@@ -140,16 +126,17 @@ class _Checks:
 
     found: SceneSource
     limits: Limits
+    search: bool
     problems: list[Problem] = field(default_factory=list)
 
-    def plan(self, folder: Path, name: str, points_of: Callable[[SweepSpec], Points]) -> Plan:
+    def plan(self, folder: Path, name: str) -> Plan:
         data = self.found.data
         scene = self._scene(folder)
         overrides = data.get("set", {})
         base = read_scene(scene, overrides=overrides if isinstance(overrides, dict) else {},
                           limits=self.limits)
         spec = self._spec(base)
-        points = points_of(spec)
+        points = spec.ends() if self.search else spec.points()
         self.problems += over(self.limits, "runs", len(points), "$.vary",
                               "the sweep has {count} runs")
         self._refuse()
@@ -194,7 +181,8 @@ class _Checks:
     def _spec(self, base: Loaded) -> SweepSpec:
         data = self.found.data
         try:
-            return SweepSpec.model_validate(data, context={"parameters": base.scene.parameters})
+            return SweepSpec.model_validate(data, context={
+                "parameters": base.scene.parameters, "search": self.search})
         except ValidationError as error:
             self.problems += explain(error, data, SweepSpec)
             if "search" in data and all(each["type"] == UNCOUNTED for each in error.errors()):
@@ -313,9 +301,6 @@ def study_file(word: str, limits: Limits | None = None) -> Path | None:
 
     A study has a key ``vary`` or ``search``, or its ``scene`` is a name, which no scene has: so a
     file whose ``vary`` is misspelt is read as a study.
-
-    Raises:
-        SceneError: a file that cannot be read.
     """
     path = Path(word)
     if path.suffix != ".json" or not path.is_file():

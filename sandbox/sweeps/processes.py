@@ -24,11 +24,7 @@ def processors() -> int:
 
 
 def check_workers(workers: int | str) -> int | str:
-    """Number of worker processes, 0 replaced by one for each processor; or an address.
-
-    Raises:
-        SandboxError: a negative number, or more than :data:`MAX_PER_PROCESSOR` for each processor.
-    """
+    """Number of worker processes, 0 replaced by one for each processor; or an address."""
     if isinstance(workers, str):
         return workers
     most = MAX_PER_PROCESSOR * processors()

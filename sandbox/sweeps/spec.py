@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self, get_args
 
+import numpy as np
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     Discriminator,
     Field,
     Tag,
+    ValidationInfo,
     field_validator,
     model_validator,
 )
@@ -18,12 +19,14 @@ from pydantic_core import PydanticCustomError
 from sandbox.scene.settings import STATISTICS, Looked
 from sandbox.sweeps.vary import (
     MAX_VALUES,
+    Axis,
     Distribution,
     Given,
     Points,
     Range,
     Values,
     group_points,
+    values_at,
     wrong_study,
 )
 from sandbox.values.expressions import parse_expression
@@ -36,6 +39,8 @@ Design = Literal["grid", "paired", "latin_hypercube", "sobol", "halton", "random
 EXPLICIT = ("grid", "paired")
 """Designs that use the values of lists and ranges; the others choose their own."""
 MAX_PATHS = 50
+TAILS = np.array([0.01, 0.99])
+"""Quantiles of a distribution at which a search reads the scene before anything runs."""
 UNCOUNTED = "missing-key"
 """Error type of a range without a count, which a search can use and a sweep cannot."""
 NAME = r"^[A-Za-z_][A-Za-z0-9_ .:/*?\[\]-]*$"
@@ -48,9 +53,6 @@ def parse_statistic(text: str) -> dict[str, Any]:
     """The object of ``"mean disc.x over last 0.2 s"`` or ``"disc.x at 0.5 s"``.
 
     A quantity alone means its last sample.
-
-    Raises:
-        WrongValueError: an unknown statistic, or no window of time.
     """
     quantity, at, instant = text.strip().partition(" at ")
     if at:
@@ -90,11 +92,7 @@ def statistic_text(statistic: Looked) -> str:
 
 
 def parse_result(text: str) -> tuple[str, str]:
-    """Name and definition of ``"tip = max finger.tip.x"``; without a name, the text is the name.
-
-    Raises:
-        WrongValueError: it is empty, or an expression without a name.
-    """
+    """Name and definition of ``"tip = max finger.tip.x"``; without a name, the text is the name."""
     name, equals, what = (part.strip() for part in text.partition("="))
     if not equals:
         name = what = text.strip()
@@ -142,17 +140,11 @@ def _wrong_search(message: str, **context: str) -> PydanticCustomError:
     return PydanticCustomError("bad-search", message, context)
 
 
-def _positive(value: float) -> float:
-    if value <= 0:
-        raise _wrong_search("must be greater than 0")
-    return value
-
-
 Texts = Annotated[
     tuple[str, ...], Field(max_length=100),
     BeforeValidator(lambda value: [value] if isinstance(value, str) else value,
                     json_schema_input_type=str | tuple[str, ...])]
-Width = Annotated[Quantity, AfterValidator(_positive)]
+Width = Annotated[Quantity, Field(gt=0)]
 Seed = Annotated[int, Field(ge=0, le=MAX_SEED)]
 
 
@@ -278,7 +270,9 @@ class Varying(Spec):
         return "grid" if self.count is None else "latin_hypercube"
 
     @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _check(self, info: ValidationInfo) -> Self:
+        if (info.context or {}).get("search"):  # it chooses its points itself
+            return self
         design = self.chosen_design
         if design in EXPLICIT:
             self._check_explicit(design)
@@ -367,6 +361,12 @@ class SweepSpec(Spec):
     def over(self) -> dict[str, Values]:
         """The values of all varied paths."""
         return {path: values for group in self.vary for path, values in group.over.items()}
+
+    def ends(self) -> Points:
+        """Two points, at both ends of all ranges and lists, and in the tails of distributions."""
+        return Points([[Axis(path, values_at(values, TAILS if isinstance(values, Distribution)
+                                             else np.array([0.0, 1.0])))
+                        for path, values in self.over.items()]])
 
     def points(self) -> Points:
         """The points of all groups, which are nested."""

@@ -157,11 +157,7 @@ def study_data(
     scene: str | os.PathLike[str] | Mapping[str, Any], *, vary: Any, keep: Any = None,
     set: Any = None, design: str | None = None, count: int | None = None, **settings: Any,
 ) -> dict[str, Any]:
-    """The data of a study file from the arguments of :func:`sweep`.
-
-    Raises:
-        SceneError: short texts that cannot be read.
-    """
+    """The data of a study file from the arguments of :func:`sweep`."""
     problems: list[Problem] = []
 
     def read(path: JsonPath, value: Any, reader: Callable[[str], Any]) -> Any:

@@ -140,11 +140,7 @@ class SweepTable:
         return frame
 
     def write(self, directory: Path) -> None:
-        """Write ``table.csv``, and ``table.parquet`` where pyarrow is installed.
-
-        Raises:
-            OutputError: they cannot be written.
-        """
+        """Write ``table.csv``, and ``table.parquet`` where pyarrow is installed."""
         columns = self.columns()
         with atomic_file(directory / CSV) as part, part.open("w", encoding="utf-8",
                                                                newline="") as file:
@@ -235,9 +231,6 @@ def draw_table(
             default of the scene's expectations.
         condition: the condition in words.
         found: result of a search.
-
-    Raises:
-        OutputError: the file cannot be written.
     """
     plan, over = table.plan, table.plan.spec.over
     grid = plan.points.is_grid and not any(

@@ -47,11 +47,7 @@ def wrong_study(message: str, **context: Any) -> PydanticCustomError:
 
 
 def common_unit(values: list[float]) -> str:
-    """The unit in which numbers were written: the first one's, empty where none has one.
-
-    Raises:
-        PydanticCustomError: units of several dimensions, or some with a unit and some without.
-    """
+    """The unit in which numbers were written: the first one's, empty where none has one."""
     units = [value.unit for value in values if isinstance(value, Measured)]
     bare = [value for value in values if not isinstance(value, Measured) and value != 0.0]
     if units and bare:
@@ -300,11 +296,7 @@ def si_unit(unit: str) -> str:
 
 
 def parse_values(text: str) -> Any:
-    """The object of a study file for a short text.
-
-    Raises:
-        WrongValueError: the text is none of :data:`TEXTS`.
-    """
+    """The object of a study file for a short text."""
     text = text.strip()
     if call := _CALL.fullmatch(text):
         return _parse_distribution(call[1], call[2])

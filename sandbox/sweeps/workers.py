@@ -17,6 +17,7 @@ from concurrent.futures import (
 )
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
+from functools import cached_property
 from importlib import import_module
 from itertools import islice
 from multiprocessing.connection import wait as wait_for_sentinel
@@ -48,23 +49,18 @@ class Evaluator:
             scheduler, ``tcp://10.0.0.1:8786``, or its scheduler file.
         runs: number of runs, if known: no more processes than that are started.
         on_row: called with each row that was run.
-
-    Raises:
-        SandboxError: too many workers.
     """
 
     def __init__(
         self, job: SweepJob, log: Log, *, workers: int | str = 0, runs: int = 0,
         on_row: Callable[[SweepRow], None] = lambda row: None,
     ) -> None:
-        self._job, self._log, self._on_row = job, log, on_row
+        self._job, self._log, self._on_row, self._digest = job, log, on_row, job.digest
         self._count = check_workers(workers)
         if runs and isinstance(self._count, int):
             self._count = min(self._count, runs)
-        self._workers: _Workers | None = None
         self._stack = ExitStack()
         self._known: dict[str, SweepRow] = {}
-        self._digest = job.digest
 
     def __enter__(self) -> Self:
         return self
@@ -72,29 +68,21 @@ class Evaluator:
     def __exit__(self, *details: Any) -> None:
         self._stack.__exit__(*details)
 
-    def run(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
-        """Run tasks and log each; their rows as they are finished, in any order.
+    @cached_property
+    def _workers(self) -> Processes | Cluster:
+        if isinstance(self._count, str):
+            return self._stack.enter_context(Cluster(self._job, self._count))
+        return self._stack.enter_context(Processes(self._job, self._count))
 
-        Raises:
-            OutputError: the log cannot be written.
-            SandboxError: workers cannot start, or the cluster cannot be used.
-        """
-        if self._workers is None:
-            workers: _Workers = Cluster(self._job, self._count) if isinstance(self._count, str) \
-                else Processes(self._job, self._count)
-            self._workers = self._stack.enter_context(workers)
+    def run(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
+        """Run tasks and log each; their rows as they are finished, in any order."""
         for row in self._workers.results(tasks):
             self._log.add(row)
             self._on_row(row)
             yield row
 
     def rows(self, points: Sequence[Point]) -> list[SweepRow]:
-        """The rows of points, in their order; only those that the log lacks are run.
-
-        Raises:
-            OutputError: the log cannot be read or written.
-            SandboxError: workers cannot start, or the cluster cannot be used.
-        """
+        """The rows of points, in their order; only those that the log lacks are run."""
         self._known = self._known or {row.id: row for row in self._log.rows()}
         ids = [run_id(self._digest, point) for point in points]
         missing = {id: point for id, point in zip(ids, points, strict=True)
@@ -134,11 +122,7 @@ class _Workers:
         raise NotImplementedError
 
     def results(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
-        """The rows of all tasks as they are finished, in any order.
-
-        Raises:
-            SandboxError: processes end before they can start to work; the cluster lost runs.
-        """
+        """The rows of all tasks as they are finished, in any order."""
         source = iter(tasks)
         pending: dict[Future[SweepRow], Task] = {}
         while True:
@@ -173,10 +157,6 @@ class Processes(_Workers):
     The first one compiles the kernels that the scene needs before the others start. If a process
     dies, the pool is started anew and the runs that were under way are repeated alone, so that one
     that ends its process again is recognised.
-
-    Args:
-        job: the work.
-        count: of processes.
     """
 
     def __init__(self, job: SweepJob, count: int) -> None:
@@ -268,16 +248,7 @@ def _run(id: str, values: Point) -> SweepRow:
 
 
 class Cluster(_Workers):
-    """A Dask cluster, as a context; it repeats the runs of workers that die.
-
-    Args:
-        job: the work.
-        address: of the scheduler, ``tcp://10.0.0.1:8786``, or its scheduler file.
-
-    Raises:
-        SandboxError: ``distributed`` is not installed, the scheduler does not answer, or it has no
-            workers of this version.
-    """
+    """A Dask cluster, as a context; it repeats the runs of workers that die."""
 
     ahead = CLUSTER_TASKS
 
@@ -304,8 +275,8 @@ class Cluster(_Workers):
                 "scheduler with workers, as in tcp://10.0.0.1:8786") from None
         for worker, version in sorted(client.run(_version).items()):
             if version != __version__:
-                raise self._unusable(f"has a worker {worker} with sandbox {version or 'not'}, here "
-                                     f"it is {__version__}; install the same there")
+                raise self._unusable(f"has a worker {worker} with sandbox {version}, here it is "
+                                     f"{__version__}; install the same there")
         self._executor: Executor = client.get_executor(pure=False, retries=ATTEMPTS)
         self._placed = client.scatter(self._job, broadcast=True, hash=False)
 
@@ -335,8 +306,4 @@ def _run_remote(id: str, values: Point, job: SweepJob) -> SweepRow:
 
 
 def _version() -> str:
-    try:
-        import sandbox
-    except ImportError:
-        return ""
-    return sandbox.__version__
+    return __version__

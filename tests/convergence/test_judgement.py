@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 
@@ -77,20 +78,16 @@ def allowed(low: float, high: float, *, value: float = 1.0, own: float = 1.0, sc
                      given=given)
 
 
-def test_a_tolerance_is_half_the_width() -> None:
-    assert allowed(0.98, 1.02) == pytest.approx(0.02)
-    assert allowed(0.98, 1.02, given=True) == pytest.approx(0.02)
-
-
-def test_one_bound_allows_the_distance_from_it() -> None:
-    assert allowed(-math.inf, 1.03) == pytest.approx(0.03)
-    assert allowed(0.96, math.inf) == pytest.approx(0.04)
-    assert allowed(-math.inf, 0.97) == pytest.approx(0.03)  # it fails, and by that much
-
-
-def test_of_a_wide_range_a_tenth_of_the_quantity_counts() -> None:
-    assert allowed(-1e3, 1e3, own=2.0, scene=50.0) == pytest.approx(0.2)
-    assert allowed(-1e3, math.inf, own=2.0, scene=50.0) == pytest.approx(0.2)
+@pytest.mark.parametrize(("low", "high", "more", "expected"), [
+    (0.98, 1.02, {}, 0.02), (0.98, 1.02, {"given": True}, 0.02),
+    (-math.inf, 1.03, {}, 0.03), (0.96, math.inf, {}, 0.04), (-math.inf, 0.97, {}, 0.03),
+    (-1e3, 1e3, {"own": 2.0, "scene": 50.0}, 0.2),
+    (-1e3, math.inf, {"own": 2.0, "scene": 50.0}, 0.2)])
+def test_a_tolerance_is_half_the_width_or_the_distance_from_one_bound(
+    low: float, high: float, more: dict[str, Any], expected: float,
+) -> None:
+    """Of a wide range a tenth of the quantity counts."""
+    assert allowed(low, high, **more) == pytest.approx(expected)
 
 
 # -- what does not settle -------------------------------------------------------------
