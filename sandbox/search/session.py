@@ -155,15 +155,14 @@ def make_question(
     """
     if vary is None and not isinstance(scene, Mapping):
         return read_question(scene, limits)
-    data = study_data(scene, vary=vary or {}, keep=keep, set=set)
-    if counts := {path: each["count"] for group in data["vary"]
-                  for path, each in group["over"].items()
-                  if isinstance(each, Mapping) and each.get("count")}:
-        raise SceneError([Problem(
+    found = _question(SceneSource(study_data(scene, vary=vary or {}, keep=keep, set=set)), limits)
+    if problems := [Problem(
             "bad-study",
-            f"{quoted(path)} has a count, {count}, and a search chooses its points itself",
-            allowed="the range without its count") for path, count in counts.items()])
-    return _question(SceneSource(data), limits)
+            f"{quoted(path)} has a count, {each.count}, and a search chooses its points itself",
+            allowed="the range without its count") for path, each in found.over.items()
+            if isinstance(each, Range) and each.count]:
+        raise SceneError(problems)
+    return found
 
 
 def read_question(study: Scene, limits: Limits | None = None) -> Question:

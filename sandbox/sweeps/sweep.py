@@ -18,9 +18,8 @@ from sandbox.sweeps.plan import Plan, plan_of, read_plan
 from sandbox.sweeps.processes import check_workers
 from sandbox.sweeps.spec import parse_result
 from sandbox.sweeps.table import SweepTable, make_table, write_spec
-from sandbox.sweeps.vary import parse_values
 from sandbox.sweeps.workers import Evaluator
-from sandbox.values.paths import JsonPath, path_text
+from sandbox.values.paths import path_text
 from sandbox.wording import WrongValueError, quoted
 
 RECORDINGS = "runs"
@@ -158,30 +157,21 @@ def study_data(
     set: Any = None, design: str | None = None, count: int | None = None, **settings: Any,
 ) -> dict[str, Any]:
     """The data of a study file from the arguments of :func:`sweep`."""
-    problems: list[Problem] = []
-
-    def read(path: JsonPath, value: Any, reader: Callable[[str], Any]) -> Any:
+    groups = [{"over": dict(vary), "design": design, "count": count}] \
+        if isinstance(vary, Mapping) else list(vary or ())
+    named, problems = dict(keep) if isinstance(keep, Mapping) else {}, []
+    for text in () if isinstance(keep, Mapping) else keep or ():
         try:
-            return reader(value) if isinstance(value, str) else value
+            name, definition = parse_result(text)
         except WrongValueError as error:
-            problems.append(Problem.of(error, path_text(path)))
-            return None
-
-    groups: list[Any] = list(vary or ())
-    if isinstance(vary, Mapping):
-        groups = [{"over": vary, "design": design, "count": count}]
-    groups = [{**group, "over": {path: read(("vary", path), value, parse_values)
-                                 for path, value in group["over"].items()}}
-              if isinstance(group, Mapping) and isinstance(group.get("over"), Mapping) else group
-              for group in groups]
-    if not isinstance(keep, Mapping):
-        pairs = [read(("keep", text), text, parse_result) or ("", "") for text in keep or ()]
-        keep, names = dict(pairs), [name for name, _ in pairs]
-        problems += [Problem("duplicate-name",
-                             f"two results have the name {quoted(name)}", "$.keep",
-                             allowed="another name for each")
-                     for name in keep if name and names.count(name) > 1]
+            problems.append(Problem.of(error, path_text(("keep", text))))
+            continue
+        if name in named:
+            problems.append(Problem("duplicate-name",
+                                    f"two results have the name {quoted(name)}", "$.keep",
+                                    allowed="another name for each"))
+        named[name] = definition
     if problems:
         raise SceneError(problems)
     where = scene if isinstance(scene, Mapping) else os.fspath(scene)
-    return {"scene": where, "set": dict(set or {}), "vary": groups, "keep": dict(keep), **settings}
+    return {"scene": where, "set": dict(set or {}), "vary": groups, "keep": named, **settings}
