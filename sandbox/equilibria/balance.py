@@ -1,4 +1,4 @@
-"""Force balance at a pose: residual forces, free motions and stiffness; Newton's method.
+"""Force balance at a pose: residual forces, free motions and stiffness.
 
 Constraints (joints, pressing contacts, limits, sticking friction) leave motions Z free. One step of
 the engine from rest gives the acceleration a under all forces; the residual along Z is Z^T M a,
@@ -22,10 +22,6 @@ from sandbox.samples.yielding import NOTHING, Elastic, Yielding
 
 RANK = 1e-9
 """Relative size of directions, and of stiffness, that are rounding."""
-MAX_ITERATIONS = 25
-"""Of Newton's method; near an equilibrium four are enough."""
-EXACT = 1e-11
-"""Motion, relative to the size, at which Newton's method ends; gaps close to 1e-13 m."""
 
 
 class PoseBalance:
@@ -53,7 +49,7 @@ class PoseBalance:
         """Motions that no constraint forbids, rotations as lengths, orthonormal [n, k]."""
         self.speed = still.speed[bodies].reshape(-1)
         """Velocities after the step from rest, [n]."""
-        self.whole = self._scaled(self.yielding.stiffness)
+        self.whole = np.asarray(self.scale * self.yielding.stiffness * self.scale[:, None])
         """Stiffness of all motions, [n, n] N/m."""
         self.stiffness = self.free.T @ self.whole @ self.free
         """[k, k] N/m"""
@@ -63,9 +59,6 @@ class PoseBalance:
         """Residual forces, with constraint forces, [n] N."""
         self.left = self.free.T @ self.force
         """Residual forces along free motions, [k] N."""
-
-    def _scaled(self, matrix: Array) -> Array:
-        return np.asarray(self.scale * matrix * self.scale[:, None])
 
     def _motions(self) -> Array:
         n = len(self.mass)
@@ -135,33 +128,6 @@ class PoseBalance:
         half = np.linalg.solve(root, (self.stiffness + self.stiffness.T) / 2)
         values, vectors = np.linalg.eigh(np.linalg.solve(root, half.T))
         return values, self.free @ np.linalg.solve(root.T, vectors)
-
-
-def look(still: Still, drive: Array, size: float) -> PoseBalance:
-    """The balance at the pose of ``still``, where the bodies are left at rest."""
-    pose = still.pose
-    still.put(pose)
-    still.move(drive, kept=True)
-    found = PoseBalance(still, still.recording(), size)
-    still.put(pose)
-    return found
-
-
-def polish(still: Still, drive: Array, size: float, *, most: float) -> tuple[bool, PoseBalance]:
-    """Newton's method to an equilibrium, stable or not, by at most ``most`` [m] in an iteration.
-
-    Returns:
-        whether it converged, and the balance at the last pose.
-    """
-    balance = look(still, drive, size)
-    for _ in range(MAX_ITERATIONS):
-        motion = balance.free @ solve(balance.stiffness, balance.left) + balance.closing()
-        way = float(np.abs(motion).max(initial=0.0))
-        if way <= EXACT * size:
-            return True, balance
-        still.put(balance.pose_after(still.pose, motion * min(1.0, most / way)))
-        balance = look(still, drive, size)
-    return False, balance
 
 
 def solve(stiffness: Array, residual: Array) -> Array:

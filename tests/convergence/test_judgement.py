@@ -48,30 +48,6 @@ def test_rounding_has_no_order() -> None:
 
 # -- what the scene allows ------------------------------------------------------------
 
-EXPLODED = [
-    pytest.param((-3.62438, 11.6082, -28.8975), 3.6, id="angle of a light link under a heavy one"),
-    pytest.param((-0.302777, -0.297622, -0.0688837), 0.2, id="tip of a chain of 20 links"),
-    pytest.param((44.3328, 183.27, 479.904), 5.0, id="reaction at the top of the chain"),
-]
-"""Values at h, h/2, h/4 of runs that were once called converged, since a range of ±1000 is wide,
-and the usual size of the quantity."""
-
-
-@pytest.mark.parametrize(("values", "own"), EXPLODED)
-@pytest.mark.parametrize("given", [False, True], ids=["between", "within"])
-@pytest.mark.parametrize("low", [-1e3, -1e6, -math.inf])
-def test_a_wide_range_excuses_nothing(
-    values: tuple[float, float, float], own: float, given: bool, low: float,
-) -> None:
-    high = 1e3 if given or math.isinf(low) else -low
-    trust = verdict_of(values, -high if given else low, high, own=own, scene=own, given=given)
-    assert trust.kind is Kind.DIVERGES
-    assert not trust.certified
-    assert "the finer the step, the more" in trust.reason
-    first, second = trust.differences
-    assert f"by {first:.2g} N, then by {second:.2g} N" in trust.reason
-
-
 def allowed(low: float, high: float, *, value: float = 1.0, own: float = 1.0, scene: float = 1.0,
             given: bool = False) -> float:
     return tolerance(Verdict("q", "mean", low, high, value, True), value, Sizes(own, own, scene),

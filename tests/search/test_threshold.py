@@ -73,9 +73,7 @@ def test_an_interrupted_search_resumes(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("more", "fragment"), [
     ({"vary": {"parameters.push": "1:2", "parameters.m": "1:2"}}, "one path with a range"),
-    ({"vary": {"parameters.push": "normal(1, 2)"}}, "one path with a range"),
     ({"vary": {"parameters.push": "1:2:7"}}, "has a count, 7, and a search chooses its points"),
-    ({"where": "vxx < 1"}, "no run keeps 'vxx'; did you mean 'vx'"),
     ({"where": "vx = 1"}, "is not a condition"),
     ({"where": "vx < 1 N"}, "is a unit of force"),
     ({"vary": {"run.step": "1 ms:2 ms"}}, "does not vary run.step"),
