@@ -6,7 +6,6 @@ Learning Environments, 2024).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import gymnasium
@@ -82,10 +81,14 @@ class SceneEnv(gymnasium.Env[Array, Array]):
             SceneError: invalid values, or an unknown option.
         """
         super().reset(seed=seed)
+        options = options or {}
+        if unknown := [name for name in options if name != "set"]:
+            raise SceneError([Problem("bad-argument", f"there is no option {quoted(unknown[0])}",
+                                      "options", allowed='{"set": values by path}')])
         values: dict[str, Any] = {}
         if self.task.random is not None:
             values |= self.task.draw(int(self.np_random.integers(SEEDS)))
-        values |= _set_of(options or {})
+        values |= options.get("set", {})
         if values == self._values:
             self.simulation.restart()
         else:
@@ -190,21 +193,6 @@ class SceneEnv(gymnasium.Env[Array, Array]):
                 [(k * self.task.every + first) * clock.step, float(row[column])]
                 for k, row in enumerate(self._acted)]}
         return found
-
-
-def _set_of(options: object) -> dict[str, Any]:
-    """The changes in the options of an episode."""
-    if not isinstance(options, Mapping):
-        raise SceneError([Problem("bad-argument", f"{quoted(options)} names no change", "options",
-                                  allowed='{"set": values by path}')])
-    if unknown := [name for name in options if name != "set"]:
-        raise SceneError([Problem("bad-argument", f"there is no option {quoted(unknown[0])}",
-                                  "options", allowed="'set'")])
-    values = options.get("set", {})
-    if not isinstance(values, Mapping):
-        raise SceneError([Problem("bad-argument", f"{quoted(values)} names no change",
-                                  "options.set", allowed="values by path")])
-    return dict(values)
 
 
 def _fixed_view(mechanism: Mechanism) -> View:

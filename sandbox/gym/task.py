@@ -213,28 +213,25 @@ class _TaskReader:
 
     def every(self, wanted: object) -> int:
         """Time steps for each action."""
-        step = self.mechanism.run.step
-        try:
-            seconds = float(number_from(wanted, "time", {}))
-        except WrongValueError as error:
-            self._wrong(error.message, "every", error.allowed, error.hint)
-            return 1
+        step, duration = self.mechanism.run.step, self.mechanism.run.duration
+        seconds = self.number(wanted, "every", "time", default=step)
         steps = round(seconds / step)
         if steps < 1 or abs(steps * step - seconds) > ROUNDING * step:
             self._wrong(f"{seconds:g} s is no whole number of steps of {step:g} s", "every",
                         f"such as {max(1, steps) * step:g} s")
-        elif seconds > self.mechanism.run.duration:
-            self._wrong(f"{seconds:g} s is longer than the run", "every",
-                        f"at most {self.mechanism.run.duration:g} s")
+        elif seconds > duration:
+            self._wrong(f"{seconds:g} s is longer than the run", "every", f"at most {duration:g} s")
         return max(1, steps)
 
-    def number(self, wanted: object, path: str) -> float:
-        """A finite number."""
+    def number(
+        self, wanted: object, path: str, dimension: str | None = None, default: float = 0.0,
+    ) -> float:
+        """A finite number, SI."""
         try:
-            return float(number_from(wanted, None, {}))
+            return float(number_from(wanted, dimension, {}))
         except WrongValueError as error:
             self._wrong(error.message, path, error.allowed, error.hint)
-            return 0.0
+            return default
 
     def _span(self, given: object, path: str, unit: str) -> Span | None:
         """A range that was given, in an SI unit."""
