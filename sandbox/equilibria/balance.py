@@ -94,8 +94,8 @@ class PoseBalance:
         """The motion across free motions that closes gaps of constraints, [n] scaled."""
         if not len(self._rows):
             return np.zeros_like(self.mass)
-        ask = self._rows @ (self.speed / self.scale) * self.still.step_size
-        return np.asarray(np.linalg.lstsq(self._rows, ask, rcond=RANK)[0])
+        wanted = self._rows @ (self.speed / self.scale) * self.still.step_size
+        return np.asarray(np.linalg.lstsq(self._rows, wanted, rcond=RANK)[0])
 
     def pose_after(self, pose: Array, motion: Array) -> Array:
         """A pose after a motion [n], scaled, [nb, 3]."""

@@ -112,8 +112,8 @@ class Settler:
             at_rest, worst = self._relax(drive, MAX_STEPS // 4, NEAR[0])
             if not at_rest and not self.remark and time < self.time:
                 self.remark = (f"with the drives as at t = {time:.3g} s it does not come to rest, "
-                               f"{self._reason(worst, drive)}: how it goes on from there is not "
-                               "told by a slow load alone")
+                               f"{self._reason(worst, drive)}: what follows depends on more "
+                               "than a slow load")
             last = drive
 
     def start(self, pose: Array) -> None:

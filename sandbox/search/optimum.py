@@ -105,7 +105,7 @@ def find_best(session: Session, options: BestSearch) -> Chosen:
     """The best points under conditions."""
     question = session.question
     if random := question.of_kind(Distribution):
-        raise RefusedError(f"{quoted(random[0])} has a distribution: the best is looked for over "
+        raise RefusedError(f"{quoted(random[0])} has a distribution: an optimisation varies "
                            "ranges and lists")
     goals = {**dict.fromkeys(options.least, "least"), **dict.fromkeys(options.most, "most")}
     for name in goals:
@@ -166,7 +166,7 @@ class _Trials:
             "tpe" if self.wanted or lists or len(question.paths) == 1 else "cmaes")
         self._ranked = sampler == "cmaes"
         if self._ranked and (len(goals) > 1 or lists):
-            raise RefusedError("cmaes looks for one goal over ranges; nsga2, tpe, gp, random take "
+            raise RefusedError("cmaes optimises one goal over ranges; nsga2, tpe, gp, random take "
                                + ("several" if len(goals) > 1 else "lists"))
         self._session, self._question, self._goals = session, question, goals
         self._study = _study(sampler, len(goals), options.seed)

@@ -322,8 +322,8 @@ class Session:
     @cached_property
     def _evaluator(self) -> Evaluator:
         check_workers(self._place.workers)
-        return self._stack.enter_context(Evaluator(
-            self._job, self._log, workers=self._place.workers, on_row=self._place.on_row))
+        return Evaluator(self._job, self._log, self._stack, workers=self._place.workers,
+                         on_row=self._place.on_row)
 
     def rows(self, quantiles: Quantiles, *, halved: bool = False) -> list[SweepRow]:
         """The rows at quantiles of the paths, [n, paths], in their order; or at half the step."""

@@ -77,14 +77,14 @@ class Bracket:
     """All answers, in the order of their fractions."""
 
 
-def bisect(ask: Callable[[Sequence[float]], Sequence[bool]], within: float) -> Bracket:
+def bisect(holds_at: Callable[[Sequence[float]], Sequence[bool]], within: float) -> Bracket:
     """The bracket, no wider than ``within``, to which halving the range from 0 to 1 leads.
 
     The middle and the middles of both halves are evaluated together, so that two halvings take the
     time of one where there are three processors; the answers are those of plain bisection.
     """
     fractions = [0.0, *QUARTERS, 1.0]
-    known = dict(zip(fractions, ask(fractions), strict=True))
+    known = dict(zip(fractions, holds_at(fractions), strict=True))
     if known[0.0] == known[1.0]:
         raise NoBracketError("holds" if known[0.0] else "does not hold")
     low, high = 0.0, 1.0
@@ -95,14 +95,14 @@ def bisect(ask: Callable[[Sequence[float]], Sequence[bool]], within: float) -> B
         if high - low <= within:
             return Bracket(low, high, known[low], tuple(known[at] for at in sorted(known)))
         fractions = [low + quarter * (high - low) for quarter in QUARTERS]
-        known.update(zip(fractions, ask(fractions), strict=True))
+        known.update(zip(fractions, holds_at(fractions), strict=True))
 
 
 def find_threshold(session: Session, options: ThresholdSearch) -> ThresholdFound:
     """The value of one path at which conditions begin or cease to hold."""
     question = session.question
     if len(question.paths) != 1 or not question.of_kind(Range):
-        raise RefusedError("a threshold is looked for along one path with a range, as in "
+        raise RefusedError("a threshold search varies one path with a range, as in "
                            f"'2 N:8 N', not {len(question.paths)} paths with ranges, lists or "
                            "distributions")
     path, = question.paths
@@ -117,7 +117,7 @@ def find_threshold(session: Session, options: ThresholdSearch) -> ThresholdFound
         found: list[float] = question.numbers([[each] for each in fractions])[:, 0].tolist()
         return found
 
-    def ask(fractions: Sequence[float], *, halved: bool = False) -> list[bool]:
+    def holds_at(fractions: Sequence[float], *, halved: bool = False) -> list[bool]:
         """Whether the conditions hold at fractions of the range."""
         quantiles = [[each] for each in fractions]
         found = []
@@ -139,15 +139,16 @@ def find_threshold(session: Session, options: ThresholdSearch) -> ThresholdFound
             raise RefusedError(f"a bracket is no narrower than {NARROWEST:g} of the range, not "
                                f"{options.within:g}")
     try:
-        bracket = bisect(ask, narrow)
+        bracket = bisect(holds_at, narrow)
     except NoBracketError as error:
         raise NoBracketError(f"{path} from {begin:.6g} to {end:.6g} {unit} has no threshold at its "
                              f"ends: {condition} {error} at both") from None
     low, high = numbers(bracket.low, bracket.high)
     same, detail = True, "both ends of the bracket answer as before"
-    if ask([bracket.low, bracket.high], halved=True) != [bracket.low_holds, not bracket.low_holds]:
+    again = holds_at([bracket.low, bracket.high], halved=True)
+    if again != [bracket.low_holds, not bracket.low_holds]:
         try:
-            other = bisect(lambda fractions: ask(fractions, halved=True), narrow)
+            other = bisect(lambda fractions: holds_at(fractions, halved=True), narrow)
         except NoBracketError as error:
             same, detail = False, f"there it {error} at both ends of the range"
         else:

@@ -216,7 +216,7 @@ class Log:
             mark = self.folder / ".lock"
             mark.touch()
             if self._stack.enter_context(locked(mark)) is False:
-                raise OutputError(f"{self.folder.parent}: another process is at these runs",
+                raise OutputError(f"{self.folder.parent}: another process writes to this directory",
                                   code="runs-in-use")
         return self
 

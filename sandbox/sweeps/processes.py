@@ -29,7 +29,7 @@ def check_workers(workers: int | str) -> int | str:
         return workers
     most = MAX_PER_PROCESSOR * processors()
     if not 0 <= workers <= most:
-        raise SandboxError(f"{workers} worker processes are not begun (allowed: 1 to {most}, "
+        raise SandboxError(f"cannot start {workers} worker processes (allowed: 1 to {most}, "
                            f"{MAX_PER_PROCESSOR} for each processor)", code="bad-option")
     return workers or processors()
 

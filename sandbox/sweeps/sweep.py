@@ -6,6 +6,7 @@ import os
 import tempfile
 import time
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -88,7 +89,8 @@ def run_plan(
         began, at = time.perf_counter(), Advance(len(tasks), len(tasks) - len(missing))
         ended = "interrupted"
         try:
-            with Evaluator(job, log, workers=workers, runs=len(missing)) as evaluator:
+            with ExitStack() as stack:
+                evaluator = Evaluator(job, log, stack, workers=workers, runs=len(missing))
                 for row in evaluator.run((plan.ids[run], plan.points[run]) for run in missing) \
                         if missing else ():
                     at = replace(at, done=at.done + 1, seconds=time.perf_counter() - began,

@@ -22,7 +22,7 @@ from importlib import import_module
 from itertools import islice
 from multiprocessing.connection import wait as wait_for_sentinel
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 from sandbox import __version__
 from sandbox.engine.compiling import on_compiling, report_worker_compilation
@@ -40,11 +40,12 @@ CLUSTER_TASKS = 1000
 
 
 class Evaluator:
-    """Runs points of one job and logs their rows, as a context; workers start with the first run.
+    """Runs points of one job and logs their rows; workers start with the first run.
 
     Args:
         job: the work.
         log: of finished runs, open.
+        stack: ends the workers.
         workers: number of processes, 0 for one for each processor; or the address of a Dask
             scheduler, ``tcp://10.0.0.1:8786``, or its scheduler file.
         runs: number of runs, if known: no more processes than that are started.
@@ -52,27 +53,20 @@ class Evaluator:
     """
 
     def __init__(
-        self, job: SweepJob, log: Log, *, workers: int | str = 0, runs: int = 0,
+        self, job: SweepJob, log: Log, stack: ExitStack, *, workers: int | str = 0, runs: int = 0,
         on_row: Callable[[SweepRow], None] = lambda row: None,
     ) -> None:
-        self._job, self._log, self._on_row, self._digest = job, log, on_row, job.digest
-        self._count = check_workers(workers)
+        self._job, self._log, self._stack, self._on_row = job, log, stack, on_row
+        self._digest, self._count = job.digest, check_workers(workers)
         if runs and isinstance(self._count, int):
             self._count = min(self._count, runs)
-        self._stack = ExitStack()
         self._known: dict[str, SweepRow] = {}
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *details: Any) -> None:
-        self._stack.__exit__(*details)
 
     @cached_property
     def _workers(self) -> Processes | Cluster:
         if isinstance(self._count, str):
-            return self._stack.enter_context(Cluster(self._job, self._count))
-        return self._stack.enter_context(Processes(self._job, self._count))
+            return Cluster(self._job, self._count, self._stack)
+        return Processes(self._job, self._count, self._stack)
 
     def run(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
         """Run tasks and log each; their rows as they are finished, in any order."""
@@ -93,23 +87,10 @@ class Evaluator:
 
 
 class _Workers:
-    """Runs points by an executor, as a context."""
+    """Runs points by an executor."""
 
     ahead: int
     """Runs that are submitted at a time."""
-
-    def __init__(self) -> None:
-        self._stack = ExitStack()
-
-    def __enter__(self) -> Self:
-        self._begin()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stack.close()
-
-    def _begin(self) -> None:
-        raise NotImplementedError
 
     def _submit(self, task: Task) -> Future[SweepRow]:
         raise NotImplementedError
@@ -152,24 +133,21 @@ def _broken(future: Future[SweepRow]) -> bool:
 
 
 class Processes(_Workers):
-    """Processes on this machine, as a context.
+    """Processes on this machine.
 
     The first one compiles the kernels that the scene needs before the others start. If a process
     dies, the pool is started anew and the runs that were under way are repeated alone, so that one
     that ends its process again is recognised.
     """
 
-    def __init__(self, job: SweepJob, count: int) -> None:
-        super().__init__()
+    def __init__(self, job: SweepJob, count: int, stack: ExitStack) -> None:
         self._job, self._count, self.ahead = job, count, 2 * count
         self._pool: ProcessPoolExecutor | None = None
-
-    def _begin(self) -> None:
-        self._scene = self._stack.enter_context(self._job.bundle.unpacked())
-        self._stack.callback(self._stop)
+        self._scene = stack.enter_context(job.bundle.unpacked())
+        stack.callback(self._stop)
         self._context: Any = preload()
         self._notices = self._context.SimpleQueue()
-        self._start(self._count)
+        self._start(count)
 
     def _submit(self, task: Task) -> Future[SweepRow]:
         assert self._pool is not None
@@ -248,26 +226,23 @@ def _run(id: str, values: Point) -> SweepRow:
 
 
 class Cluster(_Workers):
-    """A Dask cluster, as a context; it repeats the runs of workers that die."""
+    """A Dask cluster, which repeats the runs of workers that die."""
 
     ahead = CLUSTER_TASKS
 
-    def __init__(self, job: SweepJob, address: str) -> None:
-        super().__init__()
-        self._job, self._address = job, address
-
-    def _begin(self) -> None:
+    def __init__(self, job: SweepJob, address: str, stack: ExitStack) -> None:
+        self._address = address
         try:
             distributed: Any = import_module("distributed")
         except ImportError:
             raise SandboxError("a cluster needs Dask: pip install "
                                "'sandbox-mechanics[cluster]'", code="missing-package") from None
-        key = "scheduler_file" if self._address.endswith(".json") else "address"
+        key = "scheduler_file" if address.endswith(".json") else "address"
         try:
-            if key == "scheduler_file" and not Path(self._address).is_file():
+            if key == "scheduler_file" and not Path(address).is_file():
                 raise FileNotFoundError("there is no such file")  # Dask would wait for it
-            client = self._stack.enter_context(distributed.Client(
-                **{key: self._address}, timeout=CONNECT_TIMEOUT, set_as_default=False))
+            client = stack.enter_context(distributed.Client(
+                **{key: address}, timeout=CONNECT_TIMEOUT, set_as_default=False))
             client.wait_for_workers(1, timeout=CONNECT_TIMEOUT)
         except (OSError, ValueError, TimeoutError) as error:
             raise self._unusable(
@@ -278,7 +253,7 @@ class Cluster(_Workers):
                 raise self._unusable(f"has a worker {worker} with sandbox {version}, here it is "
                                      f"{__version__}; install the same there")
         self._executor: Executor = client.get_executor(pure=False, retries=ATTEMPTS)
-        self._placed = client.scatter(self._job, broadcast=True, hash=False)
+        self._placed = client.scatter(job, broadcast=True, hash=False)
 
     def _unusable(self, why: str) -> SandboxError:
         return SandboxError(f"the cluster {quoted(self._address)} {why}",

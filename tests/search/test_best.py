@@ -72,7 +72,7 @@ def test_a_search_resumes_from_its_results(tmp_path, monkeypatch):
      "no run of 5 has an answer: none: '=sqrt"),
     ({"least": "bowl", "where": "side > 7", "runs": 20}, "no run of 20 meets all conditions"),
     ({"least": "bowl", "sampler": "cmae"}, "sampler: 'cmae' is not"),
-    ({"least": ["bowl", "tilt"], "sampler": "cmaes"}, "cmaes looks for one goal"),
+    ({"least": ["bowl", "tilt"], "sampler": "cmaes"}, "cmaes optimises one goal"),
     ({"least": "bowl", "vary": {"parameters.a": "normal(1, 2)"}}, "has a distribution"),
 ])
 def test_wrong_optimisations_are_refused(more, words):

@@ -23,9 +23,9 @@ def problems(**words):
 def test_more_workers_than_processors_can_do_with(workers, tmp_path: Path):
     words = {"vary": {"parameters.push": "1 N:2 N"}, "keep": ["v=puck.vx"], "workers": workers,
              "out": tmp_path / "out"}
-    with pytest.raises(SandboxError, match=f"{workers} worker processes are not begun .allowed: 1"):
+    with pytest.raises(SandboxError, match=f"cannot start {workers} worker processes .allowed: 1"):
         sandbox.sweep(PUCK, **words, design="random", count=2)
-    with pytest.raises(SandboxError, match=f"{workers} worker processes are not begun .allowed: 1"):
+    with pytest.raises(SandboxError, match=f"cannot start {workers} worker processes .allowed: 1"):
         sandbox.search.threshold(PUCK, **words, where="v > 0.1")
     assert not (tmp_path / "out" / "rows").exists()
 

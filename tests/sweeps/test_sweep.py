@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import subprocess
 import sys
+from contextlib import ExitStack
 
 import numpy as np
 import pytest
@@ -121,8 +122,8 @@ class _Deadly(Processes):
 def test_a_run_that_ends_two_processes_is_given_up_and_the_others_finish():
     plan = plan_of(study("1:6:6"))
     _Deadly.bad = plan.ids[2]
-    with _Deadly(plan.job, 2) as workers:
-        rows = {row.id: row for row in workers.results(
+    with ExitStack() as stack:
+        rows = {row.id: row for row in _Deadly(plan.job, 2, stack).results(
             (plan.ids[k], plan.points[k]) for k in range(6))}
     assert [rows[id].status for id in plan.ids] == ["done", "done", "died", *["done"] * 3]
     assert "2 worker processes" in rows[plan.ids[2]].reason
