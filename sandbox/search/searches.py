@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypedDict, Unpack, cast
@@ -67,8 +68,8 @@ class Search:
                 str(each).removeprefix(f"$.{kind}").lstrip(".: ")
                 for each in explain(error, written, SearchSpec))) from None
         try:
-            with Session(self.question, place) as session:
-                return FINDERS[kind](session, chosen)
+            with ExitStack() as stack:
+                return FINDERS[kind](Session(self.question, place, stack), chosen)
         except RefusedError as error:
             if not self.kind:
                 raise

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import math
 import os
@@ -10,10 +9,11 @@ import re
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -283,20 +283,13 @@ class Where:
 
 
 class Session:
-    """Runs the points of a search, as a context; nothing is written before the first run."""
+    """Runs the points of a search; nothing is written before the first run."""
 
-    def __init__(self, question: Question, place: Where) -> None:
-        self.question, self.out, self._place = question, place.out, place
+    def __init__(self, question: Question, place: Where, stack: ExitStack) -> None:
+        self.question, self.out, self._place, self._stack = question, place.out, place, stack
         self._job = question.plan.job
         self._visited: dict[str, Point] = {}
         self._halved: set[str] = set()
-        self._stack = contextlib.ExitStack()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *details: Any) -> None:
-        self._stack.__exit__(*details)
 
     @property
     def count(self) -> int:
@@ -315,13 +308,13 @@ class Session:
 
     @cached_property
     def _log(self) -> Log:
+        check_workers(self._place.workers)
         folder = self.out or Path(self._stack.enter_context(
             tempfile.TemporaryDirectory(prefix="sandbox-search-")))
         return self._stack.enter_context(Log(folder))
 
     @cached_property
     def _evaluator(self) -> Evaluator:
-        check_workers(self._place.workers)
         return Evaluator(self._job, self._log, self._stack, workers=self._place.workers,
                          on_row=self._place.on_row)
 
