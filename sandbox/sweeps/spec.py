@@ -122,7 +122,7 @@ def _result(value: Any) -> Any:
 Result = Annotated[
     Annotated[Looked, Tag("statistic")] | Annotated[str, Tag("expression")],
     Discriminator(lambda value: "expression" if isinstance(value, str) else "statistic"),
-    BeforeValidator(_result)]
+    BeforeValidator(_result, json_schema_input_type=Looked | str)]
 """A statistic of a quantity in a window of time, or an expression of earlier results."""
 
 
@@ -342,7 +342,8 @@ class SweepSpec(Spec):
     recordings: bool = False
     """Whether the whole recording of each run is kept."""
 
-    @field_validator("vary", mode="before")
+    @field_validator("vary", mode="before",
+                     json_schema_input_type=dict[str, Given] | tuple[Varying, ...])
     @classmethod
     def _one_group(cls, value: Any) -> Any:
         return [{"over": value}] if isinstance(value, dict) else value
@@ -378,19 +379,4 @@ def study_schema() -> dict[str, Any]:
     """The JSON Schema of study files (draft 2020-12), with the short texts that they may hold."""
     from sandbox.scene.schema import DRAFT, described
 
-    schema = described(SweepSpec)
-    own = schema["properties"]
-    over = schema["$defs"]["Varying"]["properties"]["over"]
-    over["additionalProperties"] = {"anyOf": [
-        {key: value for key, value in over["additionalProperties"].items() if key != "default"},
-        {"type": "string", "description": "\"2 N:8 N:7\", \"normal(3 N, 0.2 N)\" or \"1, 2, 5\", "
-                                          "as on the command line."}]}
-    own["vary"] = {"description": own["vary"]["description"], "anyOf": [
-        {key: value for key, value in each.items() if key != "description"}
-        for each in (over, own["vary"])]}
-    own["keep"]["additionalProperties"] = {"anyOf": [
-        {"$ref": "#/$defs/Looked"},
-        {"type": "string", "description": "\"mean disc.x over last 0.2 s\", or an expression such "
-                                          "as \"=tip / pull\"."}]}
-    own["keep"].pop("patternProperties", None)
-    return {"$schema": DRAFT, **schema, "title": "A study of sandbox"}
+    return {"$schema": DRAFT, **described(SweepSpec), "title": "A study of sandbox"}

@@ -277,7 +277,7 @@ Values = Annotated[
     Annotated[Listed, Tag("list")] | Annotated[Distribution, Tag("distribution")]
     | Annotated[Range, Tag("span")], Discriminator(_kind)]
 """The values of a path."""
-Given = Annotated[Values, BeforeValidator(_from_text)]
+Given = Annotated[Values, BeforeValidator(_from_text, json_schema_input_type=Values | str)]
 """The values of a path, as an object or a short text."""
 
 
