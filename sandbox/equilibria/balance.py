@@ -12,6 +12,8 @@ them forces have already dropped by e a, e = h (c + h k) or h c / 2, which is ad
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from sandbox.engine.stiffness import stiff_cords, stiff_servos, too_stiff
@@ -107,27 +109,30 @@ class PoseBalance:
         """The motion from one pose to another, scaled, [n]."""
         return np.asarray((other - one)[self.bodies].reshape(-1) / self.scale)
 
+    @cached_property
+    def soft(self) -> tuple[Array, Array, float]:
+        """Stiffness values in ascending order, their motions, and the value that counts as 0."""
+        stiffness = (self.stiffness + self.stiffness.T) / 2
+        return (*np.linalg.eigh(stiffness), NOTHING * self.largest / self.size)
+
     @property
     def stable(self) -> bool:
         """Whether no motion is unstable, up to rounding."""
-        if not self.free.shape[1]:
-            return True
-        values = np.linalg.eigvalsh((self.stiffness + self.stiffness.T) / 2)
-        return bool(values[0] >= -NOTHING * self.largest / self.size)
+        values, _, zero = self.soft
+        return not len(values) or bool(values[0] >= -zero)
 
     @property
     def largest(self) -> float:
         """The largest force on anything [N]."""
         return self.yielding.largest
 
-    def modes(self) -> tuple[Array, Array]:
-        """w^2 [1/s^2] in ascending order [k], and the motions, scaled, columns [n, k]."""
+    def modes(self) -> Array:
+        """w^2 of small free motions in ascending order [1/s^2]."""
         if not self.free.shape[1]:
-            return np.zeros(0), np.zeros((len(self.mass), 0))
+            return np.zeros(0)
         root = np.linalg.cholesky(self.inertia)
         half = np.linalg.solve(root, (self.stiffness + self.stiffness.T) / 2)
-        values, vectors = np.linalg.eigh(np.linalg.solve(root, half.T))
-        return values, self.free @ np.linalg.solve(root.T, vectors)
+        return np.asarray(np.linalg.eigh(np.linalg.solve(root, half.T))[0])
 
 
 def solve(stiffness: Array, residual: Array) -> Array:

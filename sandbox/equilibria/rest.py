@@ -15,7 +15,7 @@ from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.contacts import TOUCH
-from sandbox.samples.yielding import NOTHING, Yield, Yielding
+from sandbox.samples.yielding import Yield, Yielding
 from sandbox.scene.geometry import centre_of, reach_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
@@ -72,14 +72,7 @@ class AtRest:
         Positive ones are squared angular frequencies; with negative ones motions grow as
         exp(sqrt(-w^2) t).
         """
-        return self.balance.modes()[0] if self.balance is not None else np.zeros(0)
-
-    @cached_property
-    def _soft(self) -> tuple[Array, Array, float]:
-        """Stiffness values in ascending order, their motions, and the value that counts as 0."""
-        assert self.balance is not None
-        stiffness = (self.balance.stiffness + self.balance.stiffness.T) / 2
-        return (*np.linalg.eigh(stiffness), NOTHING * self.balance.largest / self.size)
+        return self.balance.modes() if self.balance is not None else np.zeros(0)
 
     @cached_property
     def stability(self) -> str:
@@ -88,7 +81,7 @@ class AtRest:
             return UNTOLD
         if not len(self.modes):
             return STABLE
-        values, _, zero = self._soft
+        values, _, zero = self.balance.soft
         return STABLE if values[0] > zero else NEUTRAL if values[0] >= -zero else UNSTABLE
 
     @cached_property
@@ -96,7 +89,7 @@ class AtRest:
         """Bodies with a motion without stiffness, as a disc that turns about its centre."""
         if self.balance is None or not len(self.modes):
             return ()
-        values, vectors, zero = self._soft
+        values, vectors, zero = self.balance.soft
         motions = self.balance.free @ vectors[:, np.abs(values) <= zero]
         moved = np.abs(motions).max(axis=1, initial=0.0).reshape(-1, 3).max(axis=1, initial=0.0)
         names = self.recording.model.bodies.name

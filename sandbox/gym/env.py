@@ -52,7 +52,7 @@ class SceneEnv(gymnasium.Env[Array, Array]):
                                "allowed: 'rgb_array', None")
         self.task, self.render_mode = task, render_mode
         self.metadata = {**self.metadata, "render_fps": max(1, round(
-            1 / (task.every * task.clock.step)))}
+            1 / (task.every * task.mechanism.run.step)))}
         self._low, self._high = np.array(list(task.observe.values())).T
         self.observation_space = Box(self._low, self._high, dtype=np.float64)
         self.action_space = Box(-1.0, 1.0, (len(task.act),), dtype=np.float64)
@@ -184,13 +184,13 @@ class SceneEnv(gymnasium.Env[Array, Array]):
 
         A run of the scene with these overrides is bit-identical to the episode.
         """
-        clock, model = self.task.clock, compile_mechanism(self.simulation.mechanism)
+        step, model = self.task.mechanism.run.step, compile_mechanism(self.simulation.mechanism)
         found = {**self.task.set, **self._values}
         for column, name in enumerate(self._drives):
             # between the last step before and the first step after the change
             first = 0.25 + float(model.drives.late[model.names.drive[name]])
             found[f"drives[{name}].value"] = {"between": "step", "table": [
-                [(k * self.task.every + first) * clock.step, float(row[column])]
+                [(k * self.task.every + first) * step, float(row[column])]
                 for k, row in enumerate(self._acted)]}
         return found
 

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from sandbox.elements.quantities import is_yes_no
-from sandbox.engine.clock import Clock, make_clock
 from sandbox.engine.inspect_control import LiveCatalogue, control_problems, unreadable
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
@@ -71,12 +70,6 @@ class Task:
     """Reward of a step in which the simulation diverges."""
     random: SweepSpec | None
     """Distributions of the values that are drawn for each episode."""
-
-    @property
-    def clock(self) -> Clock:
-        """The clock of a run of the scene."""
-        run = self.mechanism.run
-        return make_clock(run.duration, run.step, run.sample_rate)
 
     def draw(self, seed: int) -> dict[str, Override]:
         """Random values by path; the same for the same seed."""
