@@ -70,7 +70,7 @@ def run_plan(
         SandboxError: workers cannot start, or the cluster cannot be used.
         KeyboardInterrupt: Ctrl-C; all finished runs are in the directory and its table.
     """
-    check_workers(workers)  # before anything is written
+    workers = check_workers(workers)  # before anything is written
     recorded = plan.spec.recordings
     if directory is None:
         if recorded:
@@ -86,11 +86,13 @@ def run_plan(
                 or (recordings / row.id).is_dir()}
         tasks = dict(zip(plan.ids, range(len(plan)), strict=True))
         missing = [run for id, run in tasks.items() if id not in done]
+        if isinstance(workers, int):  # no more processes than runs
+            workers = min(workers, len(missing))
         began, at = time.perf_counter(), Advance(len(tasks), len(tasks) - len(missing))
         ended = "interrupted"
         try:
             with ExitStack() as stack:
-                evaluator = Evaluator(job, log, stack, workers=workers, runs=len(missing))
+                evaluator = Evaluator(job, log, stack, workers=workers)
                 for row in evaluator.run((plan.ids[run], plan.points[run]) for run in missing) \
                         if missing else ():
                     at = replace(at, done=at.done + 1, seconds=time.perf_counter() - began,

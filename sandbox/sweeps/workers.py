@@ -48,18 +48,15 @@ class Evaluator:
         stack: ends the workers.
         workers: number of processes, 0 for one for each processor; or the address of a Dask
             scheduler, ``tcp://10.0.0.1:8786``, or its scheduler file.
-        runs: number of runs, if known: no more processes than that are started.
         on_row: called with each row that was run.
     """
 
     def __init__(
-        self, job: SweepJob, log: Log, stack: ExitStack, *, workers: int | str = 0, runs: int = 0,
+        self, job: SweepJob, log: Log, stack: ExitStack, *, workers: int | str = 0,
         on_row: Callable[[SweepRow], None] = lambda row: None,
     ) -> None:
         self._job, self._log, self._stack, self._on_row = job, log, stack, on_row
         self._digest, self._count = job.digest, check_workers(workers)
-        if runs and isinstance(self._count, int):
-            self._count = min(self._count, runs)
         self._known: dict[str, SweepRow] = {}
 
     @cached_property
