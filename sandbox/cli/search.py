@@ -243,7 +243,7 @@ def _run(
 
 def _search(scene: str, kind: str, given: Mapping[str, Any], limits: Limits) -> Search:
     """The search of a study file, or of the options ``--vary``, ``--keep`` and ``--set``."""
-    from sandbox.search.question import make_question
+    from sandbox.search.session import make_question
     from sandbox.search.searches import Search, read_search
     from sandbox.sweeps.plan import study_file
 
@@ -283,7 +283,7 @@ def _own_directory(chosen: Search, kind: str, beside: Mapping[str, Any]) -> Path
     """The first directory of the question's name that has no runs of another question."""
     from sandbox.atomic_files import write_atomic
     from sandbox.search.session import plain_data
-    from sandbox.sweeps.log import FOLDER, row_files
+    from sandbox.sweeps.job import FOLDER, row_files
 
     options = {name: str(option) if isinstance(option, Path) else option
                for name, option in {**beside, **(chosen.options or {})}.items()

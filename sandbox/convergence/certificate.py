@@ -11,7 +11,7 @@ import numpy as np
 
 from sandbox.audit.audit import Figure
 from sandbox.convergence.judgement import Kind, Sizes, Trust, judge
-from sandbox.convergence.runs import LABELS, Progress, Repeat, at_instants, simulate_all
+from sandbox.convergence.runs import LABELS, Progress, at_instants, simulate_all
 from sandbox.engine.inputs import make_clock
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
@@ -83,27 +83,26 @@ class Certificate:
     @property
     def conclusion(self) -> str:
         """A summary in a sentence or two."""
-        if not self.certified:
-            return f"Not certified: {'; '.join(self._objections())}."
         total, settled = len(self.quantities), sum(t.settled for t in self.quantities)
-        also = f" The consistency checks warn of {_names(self.looks)}." if self.looks else ""
-        base = f"Certified at h = {1e3 * self.steps[0]:g} ms:"
-        if settled == total:
-            return f"{base} all {total} expected quantities have converged.{also}"
-        rest = ("one depends on the step but stays in its range" if total - settled == 1 else
-                f"{total - settled} depend on the step but stay in their ranges")
-        return f"{base} {settled} of {total} expected quantities have converged; {rest}.{also}"
-
-    def _objections(self) -> Iterator[str]:
+        if self.certified:
+            also = f" The consistency checks warn of {_names(self.looks)}." if self.looks else ""
+            base = f"Certified at h = {1e3 * self.steps[0]:g} ms:"
+            if settled == total:
+                return f"{base} all {total} expected quantities have converged.{also}"
+            rest = ("one depends on the step but stays in its range" if total - settled == 1 else
+                    f"{total - settled} depend on the step but stay in their ranges")
+            return f"{base} {settled} of {total} expected quantities have converged; {rest}.{also}"
+        why = []
         if self.diverged:
-            yield f"the simulation diverged at {', '.join(each.run for each in self.diverged)}"
+            why.append(f"the simulation diverged at {', '.join(e.run for e in self.diverged)}")
         if self.doubtful:
             named = ", ".join(dict.fromkeys(t.quantity for t in self.doubtful))
-            yield (f"{len(self.doubtful)} of {len(self.quantities)} expectations cannot be relied "
-                   f"on at this step: {named}")
+            why.append(f"{len(self.doubtful)} of {total} expectations cannot be relied on at this "
+                       f"step: {named}")
         if self.objections:
             so_far = "" if self.doubtful else "the expectations would hold, but "
-            yield f"{so_far}the consistency checks at h warn of {_names(self.objections)}"
+            why.append(f"{so_far}the consistency checks at h warn of {_names(self.objections)}")
+        return f"Not certified: {'; '.join(why)}."
 
     @property
     def advice(self) -> tuple[str, ...]:
@@ -136,86 +135,77 @@ def certify(mechanism: Mechanism, *, progress: Progress | None = None) -> Certif
     """
     if reason := unfit(mechanism):
         raise ValueError(reason)
-    found, step = simulate_all(mechanism, progress or (lambda _: None)), mechanism.run.step
-    gone = [repeat for repeat in found if repeat.recording.info.status is Status.DIVERGED]
+    runs, figures = zip(*simulate_all(mechanism, progress or (lambda _: None)), strict=True)
+    step = mechanism.run.step
     return Certificate(
-        (step, step / 2, step / 4), tuple(_Comparison(mechanism, found).judged()),
-        tuple(_looks(found)),
-        tuple(Diverged(repeat.label, float(np.append(0.0, repeat.recording.time)[-1]),
-                       repeat.recording.info.reason.partition("; ")[0]) for repeat in gone))
+        (step, step / 2, step / 4), tuple(_judged(mechanism, runs)), tuple(_looks(figures)),
+        tuple(Diverged(label, float(np.append(0.0, run.time)[-1]),
+                       run.info.reason.partition("; ")[0])
+              for label, run in zip(LABELS, runs, strict=True)
+              if run.info.status is Status.DIVERGED))
 
 
-def _looks(found: Sequence[Repeat]) -> Iterator[Look]:
+def _looks(figures: Sequence[Sequence[Figure]]) -> Iterator[Look]:
     """Each audit figure with a warning: the run where it is worst, and the runs it is in."""
     def excess(figure: Figure) -> float:
         ratio = figure.value / figure.threshold if figure.threshold else math.inf
         return ratio if math.isfinite(ratio) else math.inf
 
-    warned = [(repeat.label, figure) for repeat in found for figure in repeat.figures
-              if figure.verdict == "look"]
-    for name in dict.fromkeys(figure.name for _, figure in warned):
-        same = [each for each in warned if each[1].name == name]
-        yield Look(tuple(label for label, _ in same), max((f for _, f in same), key=excess))
+    warned: dict[str, dict[str, Figure]] = {}
+    for label, each in zip(LABELS, figures, strict=True):
+        for figure in each:
+            if figure.verdict == "look":
+                warned.setdefault(figure.name, {})[label] = figure
+    for by_run in warned.values():
+        yield Look(tuple(by_run), max(by_run.values(), key=excess))
 
 
-class _Comparison:
-    """Expected quantities of three runs of a mechanism, at the instants of the scene's samples."""
+def _judged(mechanism: Mechanism, runs: Sequence[Recording]) -> Iterator[Trust]:
+    """The verdict on each quantity of each expectation, at the instants of the scene's samples."""
+    run, first = mechanism.run, runs[0]
+    clock = make_clock(run.duration, run.step, run.sample_rate)
+    instants = clock.force_time(clock.sample_step(np.arange(clock.samples)))
+    base = first.pick(np.arange(clock.every - 1, len(first), clock.every))
+    largest = cache(lambda unit: scene_size([each for each in runs if each.complete], unit))
 
-    def __init__(self, mechanism: Mechanism, found: Sequence[Repeat]) -> None:
-        self._mechanism = mechanism
-        self._runs = [repeat.recording for repeat in found]
-        self._size = cache(lambda unit: scene_size(
-            [run for run in self._runs if run.complete], unit))
-        run = mechanism.run
-        clock = make_clock(run.duration, run.step, run.sample_rate)
-        self._every = clock.every
-        self._instants = clock.force_time(clock.sample_step(np.arange(clock.samples)))
-        base = self._runs[0]
-        self._base = base.pick(np.arange(self._every - 1, len(base), self._every))
-
-    def judged(self) -> Iterator[Trust]:
-        """The verdict on each quantity of each expectation, in order."""
-        base = self._base
-        for expect in self._mechanism.expect:
-            alone = self._mechanism.model_copy(update={"expect": (expect,)})
-            for verdict in verdicts(Recording(alone, base.arrays, base.info,
-                                              catalogue=base.catalogue)):
-                yield self._trust(verdict, expect)
-
-    def _trust(self, verdict: Verdict, expect: Expect) -> Trust:
-        if verdict.quantity not in self._base or math.isnan(verdict.low):
-            return judge(verdict, (math.nan,) * 3, Sizes(0.0, 0.0, 0.0))
-        series = [self._series(run, verdict, expect) for run in self._runs]
-        time = self._instants[among(self._instants, expect)]
-        a, b, c = (number_of(expect, time, one) if len(one) else math.nan for one in series)
-        own = min((max(abs(value), mean_size(one)) for value, one in zip(
-            (a, b, c), series, strict=True) if math.isfinite(value)), default=0.0)
-        peak = max((float(np.abs(one).max()) for one in series if len(one)), default=0.0)
-        trust = judge(_between_samples(verdict, a), (a, b, c),
-                      Sizes(peak, own, max(own, self._size(verdict.unit))),
-                      given=expect.value is not None)
-        missing = [(label, run.info.status) for label, run, value in zip(
-            LABELS, self._runs, trust.values, strict=True) if not math.isfinite(value)]
-        gone = [label for label, status in missing if status is Status.DIVERGED]
-        if gone:
-            return replace(trust, kind=Kind.DIVERGES, reason=(
-                f"the simulation diverged at {', '.join(gone)}, before the window ended"))
-        if missing and not trust.reason:
-            labels = ", ".join(label for label, _ in missing)
-            return replace(trust, reason=f"it has no value at {labels}")
-        return trust
-
-    def _series(self, run: Recording, verdict: Verdict, expect: Expect) -> Array:
+    def series(run: Recording, verdict: Verdict, expect: Expect) -> Array:
         """The samples of a statistic; none if the run ended before the window did."""
         chosen, unreached = window(run, expect)
         if unreached or not len(run):
             return np.empty(0)
         if verdict.statistic in PEAKS:
             return run.within(verdict.quantity, chosen)
-        values, wanted = run[verdict.quantity], among(self._instants, expect)
-        if run.info.step == self._runs[0].info.step:
-            return values[self._every - 1::self._every][wanted]
-        return at_instants(run.time, values, self._instants[wanted])
+        values, wanted = run[verdict.quantity], among(instants, expect)
+        if run.info.step == first.info.step:
+            return values[clock.every - 1::clock.every][wanted]
+        return at_instants(run.time, values, instants[wanted])
+
+    def trust_of(verdict: Verdict, expect: Expect) -> Trust:
+        if verdict.quantity not in base or math.isnan(verdict.low):
+            return judge(verdict, (math.nan,) * 3, Sizes(0.0, 0.0, 0.0))
+        found = [series(each, verdict, expect) for each in runs]
+        time = instants[among(instants, expect)]
+        a, b, c = (number_of(expect, time, one) if len(one) else math.nan for one in found)
+        own = min((max(abs(value), mean_size(one)) for value, one in zip(
+            (a, b, c), found, strict=True) if math.isfinite(value)), default=0.0)
+        peak = max((float(np.abs(one).max()) for one in found if len(one)), default=0.0)
+        trust = judge(_between_samples(verdict, a), (a, b, c),
+                      Sizes(peak, own, max(own, largest(verdict.unit))),
+                      given=expect.value is not None)
+        missing = {label: each.info.status for label, each, value in zip(
+            LABELS, runs, trust.values, strict=True) if not math.isfinite(value)}
+        if gone := [label for label, status in missing.items() if status is Status.DIVERGED]:
+            return replace(trust, kind=Kind.DIVERGES, reason=(
+                f"the simulation diverged at {', '.join(gone)}, before the window ended"))
+        if missing and not trust.reason:
+            return replace(trust, reason=f"it has no value at {', '.join(missing)}")
+        return trust
+
+    for expect in mechanism.expect:
+        alone = mechanism.model_copy(update={"expect": (expect,)})
+        for verdict in verdicts(Recording(alone, base.arrays, base.info,
+                                          catalogue=base.catalogue)):
+            yield trust_of(verdict, expect)
 
 
 def _between_samples(verdict: Verdict, value: float) -> Verdict:
@@ -258,15 +248,13 @@ def _names(looks: Sequence[Look]) -> str:
 
 
 def _divergence_advice(found: Certificate) -> Iterator[str]:
-    if not found.diverged:
-        return
     times = {each.run: each.time for each in found.diverged}
-    if "h/4" not in times:
+    if times and "h/4" not in times:
         yield f"The run at h/4 is complete: check convergence from there, {_at(found.steps[2])}."
-    elif "h/2" in times and times["h/4"] < times["h/2"] < times.get("h", math.inf):
-        yield (f"Finer steps diverge sooner, so no step converges. Look for {CAUSES}.")
-    else:
-        yield f"Look for {CAUSES}."
+    elif times:
+        sooner = times["h/4"] < times.get("h/2", -math.inf) < times.get("h", math.inf)
+        yield ("Finer steps diverge sooner, so no step converges. " if sooner else "") + \
+            f"Look for {CAUSES}."
 
 
 def _error_advice(found: Certificate) -> Iterator[str]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
 from multiprocessing import get_context
 from typing import Any
 
@@ -25,20 +24,11 @@ from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
 
 Progress = Callable[[float], None]
+Run = tuple[Recording, list[Figure]]
+"""A run and its audit."""
 LABELS = ("h", "h/2", "h/4")
 LONG = 1.0
 """If the run at h takes longer [s], the other two run in processes of their own."""
-
-
-@dataclass(frozen=True)
-class Repeat:
-    """A run at one step."""
-
-    label: str
-    """One of :data:`LABELS`."""
-    recording: Recording
-    figures: tuple[Figure, ...]
-    """Of its audit."""
 
 
 def refined(mechanism: Mechanism, parts: int) -> Mechanism:
@@ -55,12 +45,8 @@ def refined(mechanism: Mechanism, parts: int) -> Mechanism:
         "run": run.model_copy(update={"step": step, "sample_rate": 1 / step}), **rates})
 
 
-def simulate_all(mechanism: Mechanism, progress: Progress) -> list[Repeat]:
-    """Simulate the mechanism at h, h/2 and h/4.
-
-    Raises:
-        Interrupted: Ctrl-C.
-    """
+def simulate_all(mechanism: Mechanism, progress: Progress) -> list[Run]:
+    """Simulate at h, h/2 and h/4, each up to where it diverges, and audit the runs."""
     first, *others = (refined(mechanism, parts) for parts in (1, 2, 4))
     began = time.perf_counter()
     found = [_run(first, lambda share: progress(share / 7))]
@@ -72,12 +58,10 @@ def simulate_all(mechanism: Mechanism, progress: Progress) -> list[Repeat]:
         found += [_run(others[0], lambda share: progress((1 + 2 * share) / 7)),
                   _run(others[1], lambda share: progress((3 + 4 * share) / 7))]
     progress(1.0)
-    return [Repeat(label, recording, tuple(figures))
-            for label, (recording, figures) in zip(LABELS, found, strict=True)]
+    return found
 
 
-def _run(mechanism: Mechanism, progress: Progress | None = None) -> tuple[Recording, list[Figure]]:
-    """A run, up to where it diverged if it did, and its audit."""
+def _run(mechanism: Mechanism, progress: Progress | None = None) -> Run:
     try:
         run = simulate(mechanism, progress=progress)
     except SimulationDiverged as error:
@@ -100,9 +84,6 @@ def at_instants(time: Array, values: Array, wanted: Array) -> Array:
     common. The cubic through the four nearest samples has an error of fourth order. Where they
     jump, as in an impact (the third difference is then as large as the second), the cubic is
     clipped to their range.
-
-    Raises:
-        ValueError: fewer than four samples.
     """
     if len(time) < 4:
         raise ValueError(f"time must hold at least 4 samples, got {len(time)}")

@@ -1,4 +1,4 @@
-"""Force balance at a pose: residual forces, free motions and stiffness; Newton's method.
+"""Force balance at a pose: residual forces, free motions and stiffness.
 
 Constraints (joints, pressing contacts, limits, sticking friction) leave motions Z free. One step of
 the engine from rest gives the acceleration a under all forces; the residual along Z is Z^T M a,
@@ -12,6 +12,8 @@ them forces have already dropped by e a, e = h (c + h k) or h c / 2, which is ad
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from sandbox.engine.stiffness import stiff_cords, stiff_servos, too_stiff
@@ -22,10 +24,6 @@ from sandbox.samples.yielding import NOTHING, Elastic, Yielding
 
 RANK = 1e-9
 """Relative size of directions, and of stiffness, that are rounding."""
-MAX_ITERATIONS = 25
-"""Of Newton's method; near an equilibrium four are enough."""
-EXACT = 1e-11
-"""Motion, relative to the size, at which Newton's method ends; gaps close to 1e-13 m."""
 
 
 class PoseBalance:
@@ -35,9 +33,6 @@ class PoseBalance:
         still: the engine after one recorded step from rest.
         run: the one sample of this step.
         size: of the mechanism, the length that is equivalent to 1 rad [m].
-
-    Raises:
-        ArithmeticError: contacts without a definite point, as in a notch.
     """
 
     def __init__(self, still: Still, run: Recording, size: float) -> None:
@@ -56,7 +51,7 @@ class PoseBalance:
         """Motions that no constraint forbids, rotations as lengths, orthonormal [n, k]."""
         self.speed = still.speed[bodies].reshape(-1)
         """Velocities after the step from rest, [n]."""
-        self.whole = self._scaled(self.yielding.stiffness)
+        self.whole = np.asarray(self.scale * self.yielding.stiffness * self.scale[:, None])
         """Stiffness of all motions, [n, n] N/m."""
         self.stiffness = self.free.T @ self.whole @ self.free
         """[k, k] N/m"""
@@ -66,9 +61,6 @@ class PoseBalance:
         """Residual forces, with constraint forces, [n] N."""
         self.left = self.free.T @ self.force
         """Residual forces along free motions, [k] N."""
-
-    def _scaled(self, matrix: Array) -> Array:
-        return np.asarray(self.scale * matrix * self.scale[:, None])
 
     def _motions(self) -> Array:
         n = len(self.mass)
@@ -104,8 +96,8 @@ class PoseBalance:
         """The motion across free motions that closes gaps of constraints, [n] scaled."""
         if not len(self._rows):
             return np.zeros_like(self.mass)
-        ask = self._rows @ (self.speed / self.scale) * self.still.step_size
-        return np.asarray(np.linalg.lstsq(self._rows, ask, rcond=RANK)[0])
+        wanted = self._rows @ (self.speed / self.scale) * self.still.step_size
+        return np.asarray(np.linalg.lstsq(self._rows, wanted, rcond=RANK)[0])
 
     def pose_after(self, pose: Array, motion: Array) -> Array:
         """A pose after a motion [n], scaled, [nb, 3]."""
@@ -117,62 +109,30 @@ class PoseBalance:
         """The motion from one pose to another, scaled, [n]."""
         return np.asarray((other - one)[self.bodies].reshape(-1) / self.scale)
 
+    @cached_property
+    def soft(self) -> tuple[Array, Array, float]:
+        """Stiffness values in ascending order, their motions, and the value that counts as 0."""
+        stiffness = (self.stiffness + self.stiffness.T) / 2
+        return (*np.linalg.eigh(stiffness), NOTHING * self.largest / self.size)
+
     @property
     def stable(self) -> bool:
         """Whether no motion is unstable, up to rounding."""
-        if not self.free.shape[1]:
-            return True
-        values = np.linalg.eigvalsh((self.stiffness + self.stiffness.T) / 2)
-        return bool(values[0] >= -NOTHING * self.largest / self.size)
+        values, _, zero = self.soft
+        return not len(values) or bool(values[0] >= -zero)
 
     @property
     def largest(self) -> float:
         """The largest force on anything [N]."""
         return self.yielding.largest
 
-    def modes(self) -> tuple[Array, Array]:
-        """w^2 [1/s^2] in ascending order [k], and the motions, scaled, columns [n, k]."""
+    def modes(self) -> Array:
+        """w^2 of small free motions in ascending order [1/s^2]."""
         if not self.free.shape[1]:
-            return np.zeros(0), np.zeros((len(self.mass), 0))
+            return np.zeros(0)
         root = np.linalg.cholesky(self.inertia)
         half = np.linalg.solve(root, (self.stiffness + self.stiffness.T) / 2)
-        values, vectors = np.linalg.eigh(np.linalg.solve(root, half.T))
-        return values, self.free @ np.linalg.solve(root.T, vectors)
-
-
-def look(still: Still, drive: Array, size: float) -> PoseBalance:
-    """The balance at the pose of ``still``, where the bodies are left at rest.
-
-    Raises:
-        ArithmeticError: contacts without a definite point.
-    """
-    pose = still.pose
-    still.put(pose)
-    still.move(drive, kept=True)
-    found = PoseBalance(still, still.recording(), size)
-    still.put(pose)
-    return found
-
-
-def polish(still: Still, drive: Array, size: float, *, most: float) -> tuple[bool, PoseBalance]:
-    """Newton's method to an equilibrium, stable or not, by at most ``most`` [m] in an iteration.
-
-    Returns:
-        whether it converged, and the balance at the last pose.
-
-    Raises:
-        ArithmeticError: contacts without a definite point.
-        SimulationDiverged: the motion is not finite.
-    """
-    balance = look(still, drive, size)
-    for _ in range(MAX_ITERATIONS):
-        motion = balance.free @ solve(balance.stiffness, balance.left) + balance.closing()
-        way = float(np.abs(motion).max(initial=0.0))
-        if way <= EXACT * size:
-            return True, balance
-        still.put(balance.pose_after(still.pose, motion * min(1.0, most / way)))
-        balance = look(still, drive, size)
-    return False, balance
+        return np.asarray(np.linalg.eigh(np.linalg.solve(root, half.T))[0])
 
 
 def solve(stiffness: Array, residual: Array) -> Array:

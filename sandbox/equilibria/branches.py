@@ -16,9 +16,9 @@ from itertools import pairwise
 import numpy as np
 
 from sandbox.engine.inspect_control import checked
-from sandbox.equilibria.balance import EXACT, PoseBalance, solve
+from sandbox.equilibria.balance import PoseBalance, solve
 from sandbox.equilibria.rest import AtRest, check_options, settle
-from sandbox.equilibria.settle import Settler, Unsettled
+from sandbox.equilibria.settle import EXACT, Settler, Unsettled
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.model.joints import placed
 from sandbox.numeric import Array
@@ -103,8 +103,8 @@ def rest_along(
             allowed=f"two different values and a count of 2 to {MAX_VALUES}")])
     for value in (end, begin):  # wrong values are reported before anything runs
         check_options(checked(make(value), ()), at, stages)
-    follower = _Follower(_Family(make, at, abs(end - begin)), begin, end, count, heard)
-    settler = follower.family.at(begin)
+    follower = _Follower(make, at, begin, end, count, heard)
+    settler = follower.at(begin)
     try:
         settler.follow(stages)
         first = settle(settler, "", settler.steps)
@@ -118,9 +118,6 @@ def rest_along(
             f"{first.untold}",
             "along", allowed="--set, value by value")])
     return follower.follow_all(first.balance)
-
-
-# -- points --------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -139,22 +136,38 @@ class _Point:
         """Change of the value along the branch; 0 at a fold."""
         return float(self.way[-1])
 
+    def ahead(self, length: float) -> Array:
+        """The pose at a length along the tangent, [nb, 3]."""
+        return self.balance.pose_after(self.pose, self.way[:-1] * length * self.balance.size)
 
-class _Family:
-    """The mechanisms of all values.
+
+class _Follower:
+    """Follows branches within a range.
 
     Args:
         make: the mechanism of a value.
         time: whose values the drives have [s]; None for the end of each.
-        span: length of the range.
+        begin: the first value.
+        end: the last one.
+        count: number of evenly spaced values that have a point.
+        heard: called at each point with the number of points and its value.
     """
 
-    def __init__(self, make: Make, time: float | None, span: float) -> None:
-        self._make, self._time, self.span = make, time, span
+    def __init__(
+        self, make: Make, time: float | None, begin: float, end: float, count: int,
+        heard: Callable[[int, float], None],
+    ) -> None:
+        self._make, self._time, self._heard = make, time, heard
+        self._begin, self._end, self._count = begin, end, count
+        self._span, self._sense = abs(end - begin), 1.0 if end > begin else -1.0
+        self._grid = np.linspace(begin, end, count)
+        self._length = 1.0 / (count - 1)
         self._made: dict[float, Settler] = {}
+        self._branches: list[Branch] = []
+        self._points = 0
 
     def at(self, value: float) -> Settler:
-        """The mechanism of a value."""
+        """The mechanism of a value; of the last few they are kept."""
         if value not in self._made:
             mechanism = self._make(value)
             while len(self._made) > 2:
@@ -163,15 +176,17 @@ class _Family:
                 mechanism, mechanism.run.duration if self._time is None else self._time)
         return self._made[value]
 
-    def point(self, value: float, balance: PoseBalance, ahead: Array | None) -> _Point:
+    # -- points ----------------------------------------------------------------------
+
+    def _point(self, value: float, balance: PoseBalance, ahead: Array | None) -> _Point:
         """A point, with the direction of its branch along ``ahead``; upwards by default."""
         pose, size = balance.still.pose, balance.size
         slope, closing = self._derivatives(value, pose, balance)
-        rows = np.column_stack([balance.stiffness * size, -slope * self.span])
+        rows = np.column_stack([balance.stiffness * size, -slope * self._span])
         weight = np.abs(rows).max(initial=1e-300)
         null = np.linalg.svd(rows / weight)[2][-1] if len(rows) else np.ones(1)
         dp = float(null[-1])
-        way = np.append(balance.free @ null[:-1] + closing * dp * self.span / size, dp)
+        way = np.append(balance.free @ null[:-1] + closing * dp * self._span / size, dp)
         way /= np.linalg.norm(way)
         if (way @ ahead if ahead is not None and len(ahead) == len(way) else dp) < 0:
             way = -way
@@ -182,7 +197,7 @@ class _Family:
         self, value: float, pose: Array, balance: PoseBalance,
     ) -> tuple[Array, Array]:
         """By the value: forces along free motions, and the motion of joints."""
-        by = NUDGE * self.span
+        by = NUDGE * self._span
         settler = self.at(value + by)
         settler.start(pose)
         more = settler.look()
@@ -190,14 +205,12 @@ class _Family:
         slope = balance.free.T @ ((more.force - balance.force) / by - balance.whole @ closing)
         return slope, closing
 
-    def onto(self, point: _Point, value: float) -> _Point | None:
+    def _onto(self, point: _Point, value: float) -> _Point | None:
         """The point of a value near another; None where there is none on the branch."""
         if not abs(point.turning) > 0:
             return None
-        length = (value - point.value) / self.span / point.turning
-        size = point.balance.size
-        pose = point.balance.pose_after(point.pose, point.way[:-1] * length * size)
-        settler = self.at(value)
+        length = (value - point.value) / self._span / point.turning
+        pose, settler = point.ahead(length), self.at(value)
         settler.start(pose)
         try:
             balance = settler.polished()
@@ -205,17 +218,16 @@ class _Family:
             return None
         if balance is None or len(balance.mass) != len(point.balance.mass):
             return None
-        off = point.balance.motion_between(pose, balance.still.pose) / size
+        off = point.balance.motion_between(pose, balance.still.pose) / point.balance.size
         if np.abs(off).max() > max(0.5 * abs(length), 1e-9):
             return None
-        found = self.point(value, balance, point.way)
+        found = self._point(value, balance, point.way)
         return found if found.way @ point.way > 0.5 else None
 
-    def step(self, point: _Point, length: float) -> _Point | None:
+    def _step(self, point: _Point, length: float) -> _Point | None:
         """The point at a length along the branch; None where Newton's method fails."""
-        size, n = point.balance.size, len(point.balance.mass)
-        value = point.value + length * point.turning * self.span
-        pose = point.balance.pose_after(point.pose, point.way[:-1] * length * size)
+        size, value = point.balance.size, point.value + length * point.turning * self._span
+        pose = point.ahead(length)
         for _ in range(MAX_ITERATIONS):
             settler = self.at(value)
             settler.start(pose)
@@ -223,25 +235,25 @@ class _Family:
                 balance = settler.look()
             except ArithmeticError:
                 return None
-            if len(balance.mass) != n:
+            if len(balance.mass) != len(point.balance.mass):
                 return None
-            missing = length - float(point.way @ self.between(point, value, pose))
             slope, closing = self._derivatives(value, pose, balance)
+            missing = length - float(point.way @ self._between(point, value, pose))
             z, dp = self._correct(point, balance, slope, closing, missing)
             motion = balance.free @ z + balance.closing() + closing * dp
-            if max(np.abs(motion).max(initial=0.0) / size, abs(dp) / self.span) <= 10 * EXACT:
+            if max(np.abs(motion).max(initial=0.0) / size, abs(dp) / self._span) <= 10 * EXACT:
                 settler.start(pose)
-                return self.point(value, settler.look(), point.way)
+                return self._point(value, settler.look(), point.way)
             if np.abs(motion).max() > 4 * abs(length) * size or not np.isfinite(dp):
                 return None
             pose = balance.pose_after(pose, motion)
             value += dp
         return None
 
-    def between(self, point: _Point, value: float, pose: Array) -> Array:
+    def _between(self, point: _Point, value: float, pose: Array) -> Array:
         """The vector from a point to a pose and a value, in the units of ``way``."""
         return np.append(point.balance.motion_between(point.pose, pose) / point.balance.size,
-                         (value - point.value) / self.span)
+                         (value - point.value) / self._span)
 
     def _correct(
         self, point: _Point, balance: PoseBalance, slope: Array, closing: Array, missing: float,
@@ -251,32 +263,15 @@ class _Family:
         system = np.zeros((k + 1, k + 1))
         system[:k, :k], system[:k, k] = balance.stiffness, -slope
         system[k, :k] = balance.free.T @ point.way[:-1] / size
-        system[k, k] = point.turning / self.span + point.way[:-1] @ closing / size
+        system[k, k] = point.turning / self._span + point.way[:-1] @ closing / size
         right = np.append(balance.left, missing - point.way[:-1] @ balance.closing() / size)
         rows = np.abs(system).max(axis=1)
         rows[rows == 0] = 1.0
-        columns = np.append(np.ones(k), self.span / size)
+        columns = np.append(np.ones(k), self._span / size)
         found = columns * solve(system / rows[:, None] * columns, right / rows)
         return found[:k], float(found[k])
 
-
-# -- branches ------------------------------------------------------------------------
-
-
-class _Follower:
-    """Follows branches within a range."""
-
-    def __init__(
-        self, family: _Family, begin: float, end: float, count: int,
-        heard: Callable[[int, float], None],
-    ) -> None:
-        self.family, self._begin, self._end, self._count = family, begin, end, count
-        self._sense = 1.0 if end > begin else -1.0
-        self._grid = np.linspace(begin, end, count)
-        self._length = 1.0 / (count - 1)
-        self._branches: list[Branch] = []
-        self._points = 0
-        self._heard = heard
+    # -- branches --------------------------------------------------------------------
 
     def follow_all(self, first: PoseBalance) -> list[Branch]:
         """All branches, from an equilibrium of the first value."""
@@ -299,10 +294,15 @@ class _Follower:
             whether it leaves the range at its last value, and the branch.
         """
         branch = Branch()
-        point = self.family.point(value, balance, None)
+        point = self._point(value, balance, None)
         if point.turning * sense < 0:
             point = replace(point, way=-point.way)
         self._add(branch, point)
+
+        def edge(value: float) -> float:
+            """The nearer end of the range."""
+            return min((self._begin, self._end), key=lambda end: abs(value - end))
+
         for _ in range(MAX_POINTS * self._count):
             step = self._next(point)
             if step is None:
@@ -310,34 +310,29 @@ class _Follower:
                 return False, branch
             if step.turning * point.turning < 0:
                 self._add(branch, self._fold(point, step), fold=True)
-            edge = self._edge(step.value)
             if (step.value - self._begin) * (step.value - self._end) > 0:
-                step = self.family.onto(point, edge) or point
+                step = self._onto(point, edge(step.value)) or point
             if step is not point:
                 self._add(branch, step)
             point = step
             inward = (self._begin + self._end) / 2 - point.value
-            edge = self._edge(point.value)
-            if abs(point.value - edge) <= WITHIN * self.family.span and point.turning * inward < 0:
-                return edge == self._end, branch
+            near = edge(point.value)
+            if abs(point.value - near) <= WITHIN * self._span and point.turning * inward < 0:
+                return near == self._end, branch
         branch.ends = f"it goes on at {point.value:.6g}"
         return False, branch
-
-    def _edge(self, value: float) -> float:
-        """The nearer end of the range."""
-        return min((self._begin, self._end), key=lambda edge: abs(value - edge))
 
     def _next(self, point: _Point) -> _Point | None:
         """The point of the next value of the grid if that is near, else one at a length."""
         ahead = (self._grid - point.value) * np.sign(point.turning)
-        ahead = np.where(ahead > WITHIN * self.family.span, ahead, np.inf)
+        ahead = np.where(ahead > WITHIN * self._span, ahead, np.inf)
         k = int(np.argmin(ahead))
-        near = ahead[k] / self.family.span <= 2 * self._length * max(abs(point.turning), 1e-12)
-        if near and (found := self.family.onto(point, float(self._grid[k]))) is not None:
+        near = ahead[k] / self._span <= 2 * self._length * max(abs(point.turning), 1e-12)
+        if near and (found := self._onto(point, float(self._grid[k]))) is not None:
             return found
         length = self._length
         while length > SHORTEST * self._length:
-            found = self.family.step(point, length)
+            found = self._step(point, length)
             if found is not None and found.way @ point.way > 0.5:
                 return found
             length /= 4
@@ -351,14 +346,14 @@ class _Follower:
 
         def turning(length: float) -> float:
             nonlocal best
-            point = self.family.step(before, length)
+            point = self._step(before, length)
             if point is None:
                 raise ArithmeticError
             if abs(point.turning) < abs(best.turning):
                 best = point
             return 0.0 if abs(point.turning) <= FLAT else point.turning
 
-        length = float(before.way @ self.family.between(before, after.value, after.pose))
+        length = float(before.way @ self._between(before, after.value, after.pose))
         with suppress(ArithmeticError, ValueError):  # no point between them, or no sign change
             brentq(turning, 0.0, length, xtol=1e-15)
         return best
@@ -366,10 +361,10 @@ class _Follower:
     def _release(self, branch: Branch) -> tuple[float, PoseBalance] | None:
         """An equilibrium beyond a fold or the end of a branch that is on no branch yet."""
         for stop in (*branch.folds, branch.stops[-1]):
-            value = stop.value + BEYOND * self._sense * self.family.span
+            value = stop.value + BEYOND * self._sense * self._span
             if (value - self._end) * self._sense > 0:
                 continue
-            settler = self.family.at(value)
+            settler = self.at(value)
             pose = stop.rest.recording.arrays["body_pose"][0]
             centres = placed(pose, settler.model.bodies.centre)
             settler.start(np.column_stack([centres, pose[:, 2]]))

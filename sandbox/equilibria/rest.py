@@ -10,13 +10,12 @@ import numpy as np
 
 from sandbox.engine.inspect_control import Runnable, checked
 from sandbox.equilibria.balance import PoseBalance
-from sandbox.equilibria.settle import Settler, Unsettled
-from sandbox.equilibria.starts import Start, place_start
+from sandbox.equilibria.settle import Settler, Start, Unsettled, place_start
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.contacts import TOUCH
-from sandbox.samples.yielding import NOTHING, Yield, Yielding
+from sandbox.samples.yielding import Yield, Yielding
 from sandbox.scene.geometry import centre_of, reach_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
@@ -73,14 +72,7 @@ class AtRest:
         Positive ones are squared angular frequencies; with negative ones motions grow as
         exp(sqrt(-w^2) t).
         """
-        return self.balance.modes()[0] if self.balance is not None else np.zeros(0)
-
-    @cached_property
-    def _soft(self) -> tuple[Array, Array, float]:
-        """Stiffness values in ascending order, their motions, and the value that counts as 0."""
-        assert self.balance is not None
-        stiffness = (self.balance.stiffness + self.balance.stiffness.T) / 2
-        return (*np.linalg.eigh(stiffness), NOTHING * self.balance.largest / self.size)
+        return self.balance.modes() if self.balance is not None else np.zeros(0)
 
     @cached_property
     def stability(self) -> str:
@@ -89,7 +81,7 @@ class AtRest:
             return UNTOLD
         if not len(self.modes):
             return STABLE
-        values, _, zero = self._soft
+        values, _, zero = self.balance.soft
         return STABLE if values[0] > zero else NEUTRAL if values[0] >= -zero else UNSTABLE
 
     @cached_property
@@ -97,7 +89,7 @@ class AtRest:
         """Bodies with a motion without stiffness, as a disc that turns about its centre."""
         if self.balance is None or not len(self.modes):
             return ()
-        values, vectors, zero = self._soft
+        values, vectors, zero = self.balance.soft
         motions = self.balance.free @ vectors[:, np.abs(values) <= zero]
         moved = np.abs(motions).max(axis=1, initial=0.0).reshape(-1, 3).max(axis=1, initial=0.0)
         names = self.recording.model.bodies.name
@@ -205,12 +197,7 @@ def rest(
 
 
 def settle(settler: Settler, start: str, before: int) -> AtRest:
-    """The equilibrium near the present pose.
-
-    Raises:
-        Unsettled: it does not come to rest.
-        SimulationDiverged: the motion is not finite.
-    """
+    """The equilibrium near the present pose."""
     balance = settler.settle()
     if balance is None:
         settler.still.move(settler.drive, kept=True)
@@ -229,11 +216,7 @@ def _same(one: AtRest, other: AtRest) -> bool:
 
 
 def known_body(mechanism: Mechanism, body: str) -> None:
-    """Refuse a name that is no body that moves freely, with a suggestion.
-
-    Raises:
-        SceneError: there is none of that name.
-    """
+    """Refuse a name that is no body that moves freely, with a suggestion."""
     free = [each.name for each in mechanism.bodies if each.motion == "dynamic"]
     if body not in free:
         raise SceneError([Problem("name-not-found",
@@ -242,11 +225,7 @@ def known_body(mechanism: Mechanism, body: str) -> None:
 
 
 def check_options(mechanism: Mechanism, at: float | None, stages: int | None) -> None:
-    """Refuse what has no static equilibrium, times beyond the run, and too many stages.
-
-    Raises:
-        SceneError: controllers, events at a time, or wrong options.
-    """
+    """Refuse what has no static equilibrium, times beyond the run, and too many stages."""
     found = [Problem("no-rest",
                      f"the controller {quoted(each.name)} needs time, and an equilibrium has "
                      "none", f"$.controllers[{i}]",
@@ -313,13 +292,13 @@ def quantities(run: Recording) -> dict[str, str]:
     """
     model = run.model
     hinged = set(model.joints.bodies[model.joints.pivots, 1].tolist())
-    free = [i for i in np.flatnonzero(model.bodies.free).tolist() if i not in hinged]
     names = [f"{model.joints.name[j]}.angle" for j in model.joints.hinges.tolist()]
     names += [f"{name}.length" for name in model.joints.name]
-    names += [f"{model.bodies.name[i]}.{part}" for i in free for part in ("x", "y", "angle")]
-    names += [f"{name}.tension" for name in model.tendons.name]
-    names += [f"{name}.{part}" for name in model.springs.name for part in ("force", "torque")]
-    names += [f"{name}.pressure" for name in model.lines.name]
+    names += [f"{model.bodies.name[i]}.{part}" for i in np.flatnonzero(model.bodies.free).tolist()
+              for part in ("x", "y", "angle") if i not in hinged]
+    for of, parts in ((model.tendons, ["tension"]), (model.springs, ["force", "torque"]),
+                      (model.lines, ["pressure"])):
+        names += [f"{name}.{part}" for name in of.name for part in parts]
     contacts, bodies = run.contacts, model.bodies.name
     for row, friction in enumerate(contacts.tangential.tolist()):
         pair = f"{bodies[contacts.body[row]]}/{bodies[contacts.other[row]]}"

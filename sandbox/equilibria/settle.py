@@ -8,18 +8,22 @@ no contact is missed.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
+from sandbox.audit.rest import beyond_joint
 from sandbox.engine.still import Still
-from sandbox.equilibria.balance import PoseBalance, look, polish
+from sandbox.equilibria.balance import PoseBalance, solve
 from sandbox.errors import Problem, SceneError
+from sandbox.model.joints import placed
 from sandbox.model.model import Model
 from sandbox.model.pairs import friction_of
 from sandbox.numeric import Array
 from sandbox.samples.yielding import without_stiffness
 from sandbox.scene.geometry import centre_of, reach_of
 from sandbox.scene.mechanism import Mechanism
-from sandbox.wording import quoted
+from sandbox.wording import listed, near, quoted
 
 STAGES, FRICTION_STAGES = 40, 200
 """Stages of a slow load; the second with dry friction, where the result depends on the path."""
@@ -32,6 +36,10 @@ NEAR = (1e-7, 1e-9)
 BALANCED, CLOSE = 1e-9, 1e-6
 """Residual along free motions, relative to the largest force, of an equilibrium; the second where
 Newton's method does not converge, by rounding or where something just touches."""
+MAX_ITERATIONS = 25
+"""Of Newton's method; near an equilibrium four are enough."""
+EXACT = 1e-11
+"""Motion, relative to the size, at which Newton's method ends; gaps close to 1e-13 m."""
 BLOCK = 4
 """Steps between two evaluations of the energy."""
 MAX_WAY = 0.02
@@ -39,10 +47,15 @@ MAX_WAY = 0.02
 contacts are detected."""
 FAR, TURNS = 10.0, 60.0
 """Motion of a body that nothing holds: times the size, and [rad]."""
-POSITIONS = {"x", "y", "angle"}
-"""Names in the law of a load that has a stiffness."""
 PUSH = 4e-5
 """Step of scheduled bodies [m]: the engine removes an overlap at 0.1 m/s."""
+TURN = 0.02
+"""Rotation of a hinge in one step [rad]."""
+CLOSING = 4
+"""Further steps that close a loop."""
+PARTS = {"x": 0, "y": 1, "angle": 2}
+Start = Mapping[str, float]
+"""``JOINT.angle``, ``BODY.x``, ``BODY.y``, ``BODY.angle`` to values [rad, m]."""
 
 
 class Unsettled(Exception):
@@ -55,9 +68,6 @@ class Settler:
     Args:
         mechanism: the mechanism.
         time: whose values drives and scheduled bodies have [s].
-
-    Raises:
-        SceneError: nothing moves freely; as a :class:`~sandbox.engine.simulation.Simulation`.
     """
 
     def __init__(self, mechanism: Mechanism, time: float) -> None:
@@ -89,9 +99,6 @@ class Settler:
 
         Args:
             stages: number of stages, each at rest; by default more with dry friction.
-
-        Raises:
-            SimulationDiverged: the motion is not finite.
         """
         self.still.put(self.first)
         stages = stages or (FRICTION_STAGES if _has_friction(self.model) else STAGES)
@@ -105,8 +112,8 @@ class Settler:
             at_rest, worst = self._relax(drive, MAX_STEPS // 4, NEAR[0])
             if not at_rest and not self.remark and time < self.time:
                 self.remark = (f"with the drives as at t = {time:.3g} s it does not come to rest, "
-                               f"{self._reason(worst, drive)}: how it goes on from there is not "
-                               "told by a slow load alone")
+                               f"{self._reason(worst, drive)}: what follows depends on more "
+                               "than a slow load")
             last = drive
 
     def start(self, pose: Array) -> None:
@@ -116,14 +123,9 @@ class Settler:
         self.still.put(begin)
 
     def settle(self) -> PoseBalance | None:
-        """Come to rest from the present pose; None where the stiffness is unknown.
-
-        Raises:
-            Unsettled: it does not come to rest.
-            SimulationDiverged: the motion is not finite.
-        """
-        for near in NEAR if not self.untold else ():
-            self._come_to_rest(near)
+        """Come to rest from the present pose; None where the stiffness is unknown."""
+        for rest in NEAR if not self.untold else ():
+            self._come_to_rest(rest)
             pose = self.still.pose
             try:
                 found = self.polished()
@@ -144,17 +146,29 @@ class Settler:
 
     def polished(self) -> PoseBalance | None:
         """Newton's method from the present pose; None, and the pose unchanged, if it fails."""
-        pose = self.still.pose
-        converged, found = polish(self.still, self.drive, self.size, most=self._most)
-        left = np.abs(found.left).max(initial=0.0)
-        if converged and left <= BALANCED * max(found.largest, 1e-9):
-            return found
+        pose, balance = self.still.pose, self.look()
+        for _ in range(MAX_ITERATIONS):
+            motion = balance.free @ solve(balance.stiffness, balance.left) + balance.closing()
+            way = float(np.abs(motion).max(initial=0.0))
+            if way <= EXACT * self.size:
+                left = np.abs(balance.left).max(initial=0.0)
+                if left <= BALANCED * max(balance.largest, 1e-9):
+                    return balance
+                break
+            self.still.put(balance.pose_after(self.still.pose,
+                                              motion * min(1.0, self._most / way)))
+            balance = self.look()
         self.still.put(pose)
         return None
 
     def look(self) -> PoseBalance:
-        """The balance at the present pose."""
-        return look(self.still, self.drive, self.size)
+        """The balance at the present pose, where the bodies are left at rest."""
+        pose = self.still.pose
+        self.still.put(pose)
+        self.still.move(self.drive, kept=True)
+        found = PoseBalance(self.still, self.still.recording(), self.size)
+        self.still.put(pose)
+        return found
 
     def _come_to_rest(self, rest: float) -> None:
         at_rest, worst = self._relax(self.drive, MAX_STEPS, rest)
@@ -171,9 +185,6 @@ class Settler:
 
         Returns:
             whether the mechanism is at rest, and the fastest body.
-
-        Raises:
-            SimulationDiverged: the motion is not finite.
         """
         still, begin = self.still, self.still.pose
         last, fresh, until = 0.0, True, self.steps + steps
@@ -256,7 +267,7 @@ def _no_stiffness(model: Model) -> str:
         return "tendons with friction in their guides"
     why = without_stiffness(model)
     if why == "loads by laws" and not any(
-            law is None or law.names & POSITIONS for law in model.loads.law):
+            law is None or law.names & {*PARTS} for law in model.loads.law):
         return "teeth" if any(kind.teeth for kind in model.joints.kind) else ""
     return why
 
@@ -273,3 +284,78 @@ def _reaches(model: Model) -> Array:
         far = np.nan_to_num(np.hypot(*(at - centre[bodies]).T))
         np.maximum.at(found, bodies, far)
     return found
+
+
+# -- poses to start from -------------------------------------------------------------
+
+
+def place_start(settler: Settler, start: Start) -> Array:
+    """The pose of a start, [nb, 3] of the centres of mass; joined bodies move along."""
+    model, still = settler.model, settler.still
+    known = [*(f"{model.joints.name[j]}.angle" for j in model.joints.pivots.tolist()),
+             *(f"{name}.{part}" for name, free in zip(
+                 model.bodies.name, model.bodies.free, strict=True) if free for part in PARTS)]
+    if wrong := [name for name in start if name not in known]:
+        raise SceneError([Problem("name-not-found",
+                                  f"{quoted(name)} cannot be given at the start", "from",
+                                  allowed=listed(known) or "nothing", hint=near(name, known))
+                          for name in wrong])
+    still.put(settler.first)
+    for name, value in start.items():
+        element, _, part = name.rpartition(".")
+        joint = model.names.joint.get(element)
+        if joint is not None and part == "angle":
+            _turn(settler, joint, value)
+        else:
+            _bring(settler, model.names.body[element], PARTS[part], value)
+    return still.pose
+
+
+def _angle(settler: Settler, joint: int) -> float:
+    joints = settler.model.joints
+    a, b = settler.still.pose[joints.bodies[joint], 2]
+    return float(joints.sense[joint] * (b - a) - joints.zero[joint])
+
+
+def _turn(settler: Settler, joint: int, value: float) -> None:
+    """Turn the bodies beyond a hinge rigidly; in a loop all joints give way."""
+    joints, still = settler.model.joints, settler.still
+    b = int(joints.bodies[joint, 1])
+    beyond = sorted(beyond_joint(settler.model, joint))
+    way = value - _angle(settler, joint)
+    count = max(1, int(np.ceil(abs(way) / TURN)))
+    if not beyond:
+        for k in range(count + CLOSING):
+            _turn_loop(settler, joint, (value - _angle(settler, joint)) / max(1, count - k))
+        return
+    part = float(joints.sense[joint]) * (way if b in beyond else -way) / count
+    c, s = np.cos(part), np.sin(part)
+    for _ in range(count):
+        pose = still.pose
+        pivot = placed(pose[b], joints.anchor[joint, 1] - settler.model.bodies.centre[b])
+        pose[beyond, :2] = pivot + (pose[beyond, :2] - pivot) @ np.array([[c, s], [-s, c]])
+        pose[beyond, 2] += part
+        still.put(pose)
+        still.move(settler.drive)  # tendons update their paths
+        still.put(pose)
+
+
+def _turn_loop(settler: Settler, joint: int, part: float) -> None:
+    joints, balance = settler.model.joints, settler.look()
+    row = np.zeros(len(balance.mass))
+    for body, sign in zip(joints.bodies[joint].tolist(), (-1.0, 1.0), strict=True):
+        row[3 * np.flatnonzero(balance.bodies == body) + 2] += sign * float(joints.sense[joint])
+    row = balance.free.T @ (row * balance.scale)
+    if row @ row > 0:
+        settler.still.put(balance.pose_after(
+            settler.still.pose, balance.free @ (row * part / (row @ row)) + balance.closing()))
+
+
+def _bring(settler: Settler, body: int, part: int, value: float) -> None:
+    """Move a body's frame; joints that this opens close as the mechanism comes to rest."""
+    pose, centre = settler.still.pose, settler.model.bodies.centre[body]
+    frame = pose[body].copy()
+    frame[:2] = placed(pose[body], -centre)
+    frame[part] = value
+    pose[body, :2], pose[body, 2] = placed(frame, centre), frame[2]
+    settler.still.put(pose)

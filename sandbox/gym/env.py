@@ -6,7 +6,6 @@ Learning Environments, 2024).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import gymnasium
@@ -53,7 +52,7 @@ class SceneEnv(gymnasium.Env[Array, Array]):
                                "allowed: 'rgb_array', None")
         self.task, self.render_mode = task, render_mode
         self.metadata = {**self.metadata, "render_fps": max(1, round(
-            1 / (task.every * task.clock.step)))}
+            1 / (task.every * task.mechanism.run.step)))}
         self._low, self._high = np.array(list(task.observe.values())).T
         self.observation_space = Box(self._low, self._high, dtype=np.float64)
         self.action_space = Box(-1.0, 1.0, (len(task.act),), dtype=np.float64)
@@ -82,10 +81,14 @@ class SceneEnv(gymnasium.Env[Array, Array]):
             SceneError: invalid values, or an unknown option.
         """
         super().reset(seed=seed)
+        options = options or {}
+        if unknown := [name for name in options if name != "set"]:
+            raise SceneError([Problem("bad-argument", f"there is no option {quoted(unknown[0])}",
+                                      "options", allowed='{"set": values by path}')])
         values: dict[str, Any] = {}
         if self.task.random is not None:
             values |= self.task.draw(int(self.np_random.integers(SEEDS)))
-        values |= _set_of(options)
+        values |= options.get("set", {})
         if values == self._values:
             self.simulation.restart()
         else:
@@ -111,7 +114,11 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         """
         if self._over:
             raise SandboxError(f"{self._over}: reset() begins one", code="run-ended")
-        simulation, chosen = self.simulation, _numbers(action)
+        simulation = self.simulation
+        try:
+            chosen = np.asarray(action, dtype=np.float64)
+        except (TypeError, ValueError):
+            chosen = np.empty(0)
         if chosen.shape != self._half.shape or not np.isfinite(chosen).all():
             raise SandboxError(f"{quoted(action)} is no action; allowed: {len(self._half)} finite "
                                f"numbers, -1 to 1, for {listed(self._drives)}")
@@ -177,49 +184,15 @@ class SceneEnv(gymnasium.Env[Array, Array]):
 
         A run of the scene with these overrides is bit-identical to the episode.
         """
-        clock, model = self.task.clock, compile_mechanism(self.simulation.mechanism)
+        step, model = self.task.mechanism.run.step, compile_mechanism(self.simulation.mechanism)
         found = {**self.task.set, **self._values}
         for column, name in enumerate(self._drives):
             # between the last step before and the first step after the change
             first = 0.25 + float(model.drives.late[model.names.drive[name]])
             found[f"drives[{name}].value"] = {"between": "step", "table": [
-                [(k * self.task.every + first) * clock.step, float(row[column])]
+                [(k * self.task.every + first) * step, float(row[column])]
                 for k, row in enumerate(self._acted)]}
         return found
-
-    def close(self) -> None:
-        """Do nothing: no resources are open."""
-
-
-def _numbers(action: object) -> Array:
-    """An action as numbers; empty if it has none."""
-    try:
-        return np.asarray(action, dtype=np.float64)
-    except (TypeError, ValueError):
-        return np.empty(0)
-
-
-def _set_of(options: Mapping[str, Any] | None) -> dict[str, Any]:
-    """The changes in the options of an episode.
-
-    Raises:
-        SceneError: other options.
-    """
-    options = options or {}
-    if not isinstance(options, Mapping):
-        raise SceneError([Problem("bad-argument",
-                                  f"{quoted(options)} names no change", "options",
-                                  allowed='{"set": values by path}')])
-    if unknown := [name for name in options if name != "set"]:
-        raise SceneError([Problem("bad-argument",
-                                  f"there is no option {quoted(unknown[0])}", "options",
-                                  allowed="'set'")])
-    values = options.get("set", {})
-    if not isinstance(values, Mapping):
-        raise SceneError([Problem("bad-argument",
-                                  f"{quoted(values)} names no change", "options.set",
-                                  allowed="values by path")])
-    return dict(values)
 
 
 def _fixed_view(mechanism: Mechanism) -> View:

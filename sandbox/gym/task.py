@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
 
 from sandbox.elements.quantities import is_yes_no
-from sandbox.engine.inputs import Clock, make_clock
 from sandbox.engine.inspect_control import LiveCatalogue, control_problems, unreadable
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
-from sandbox.model.catalogue import Catalogue, Source
+from sandbox.model.catalogue import Catalogue
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
 from sandbox.scene.mechanism import Mechanism
@@ -24,7 +24,6 @@ from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.sweeps.job import STEP, Override
 from sandbox.sweeps.plan import plan_of
-from sandbox.sweeps.points import make_points
 from sandbox.sweeps.spec import SweepSpec
 from sandbox.sweeps.sweep import study_data
 from sandbox.values.numbers import number_from
@@ -72,38 +71,24 @@ class Task:
     random: SweepSpec | None
     """Distributions of the values that are drawn for each episode."""
 
-    @property
-    def clock(self) -> Clock:
-        """The clock of a run of the scene."""
-        run = self.mechanism.run
-        return make_clock(run.duration, run.step, run.sample_rate)
-
     def draw(self, seed: int) -> dict[str, Override]:
         """Random values by path; the same for the same seed."""
         if self.random is None:
             return {}
-        return make_points(self.random.model_copy(update={"seed": seed}))[0]
+        return self.random.model_copy(update={"seed": seed}).points()[0]
 
     def loaded(self, values: Mapping[str, Any]) -> Mechanism:
-        """The scene with other values by path.
-
-        Raises:
-            SceneError: the values are invalid, or change the time step.
-        """
+        """The scene with other values by path."""
         if not values:
             return self.mechanism
         found = read_scene(self.scene, overrides={**self.set, **values},
                            limits=self.limits).mechanism
         if found.run.step != self.mechanism.run.step:
-            raise SceneError([same_step()])
+            raise SceneError([Problem(
+                "bad-argument",
+                "all episodes have the same step: an action lasts a number of steps",
+                STEP, allowed=f"set={{{STEP!r}: …}} when the environment is made")])
         return found
-
-
-def same_step() -> Problem:
-    """The problem of an episode with another time step."""
-    return Problem("bad-argument",
-                   "all episodes have the same step: an action lasts a number of steps",
-                   STEP, allowed=f"set={{{STEP!r}: …}} when the environment is made")
 
 
 def read_task(
@@ -132,41 +117,32 @@ def read_task(
     """
     limits = limits or Limits()
     base: Loaded = read_scene(scene, overrides=set, limits=limits)
-    if isinstance(randomise, Mapping) and STEP in randomise:
-        raise SceneError([same_step()])
-    random = _random(scene, randomise, set or {}, limits) if randomise else None
+    random = None if not randomise else _random(scene, randomise, set or {}, limits)
     reading = _TaskReader(base)
+    act_spans = reading.acted(act)
     task = Task(scene, dict(set or {}), limits, base.mechanism,
-                reading.observed(observe, reading.acted(act)), reading.actions,
+                reading.observed(observe, act_spans), act_spans,
                 reading.reward(reward), reading.every(every), reading.number(lost, "lost"), random)
-    reading.refuse()
+    if reading.problems:
+        raise SceneError(reading.problems, base.name)
     return task
 
 
-@dataclass
 class _TaskReader:
     """Reads the arguments and collects all problems."""
 
-    base: Loaded
-    problems: list[Problem] = field(default_factory=list)
-    actions: dict[str, Span] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        self.mechanism = self.base.mechanism
+    def __init__(self, base: Loaded) -> None:
+        self.mechanism = base.mechanism
         self.known = LiveCatalogue(self.mechanism)
         self.model = compile_mechanism(self.mechanism)
-        self.problems += self.base.placed(control_problems(self.mechanism))
+        self.problems = base.placed(control_problems(self.mechanism))
 
-    def refuse(self) -> None:
-        """Raise all problems."""
-        if self.problems:
-            raise SceneError(self.problems, self.base.name)
-
-    def acted(self, wanted: Wanted) -> Mapping[str, Span]:
+    def acted(self, wanted: Wanted) -> dict[str, Span]:
         """Ranges of the drives."""
         drives = [drive.name for drive in self.mechanism.drives]
+        actions: dict[str, Span] = {}
         for path, name, given in self._each(wanted, "act"):
-            found = _fitting(name, drives)
+            found = [drive for drive in drives if fnmatchcase(drive, name)]
             if not found:
                 self._wrong(f"there is no drive named {quoted(name)}", path,
                             listed(drives) or "none: the scene has no drives", near(name, drives))
@@ -179,10 +155,10 @@ class _TaskReader:
                 if span is None and given is None:
                     self._wrong("the scene gives no range for "
                                 f"{quoted(drive)}", path, f"act={{{drive!r}: (lowest, highest)}}")
-                self.actions[drive] = span or (0.0, 1.0)
-        if not self.actions and not self.problems:
+                actions[drive] = span or (0.0, 1.0)
+        if not actions and not self.problems:
             self._wrong("nothing acts", "act", "at least one drive")
-        return self.actions
+        return actions
 
     def observed(self, wanted: Wanted, actions: Mapping[str, Span]) -> dict[str, Span]:
         """Ranges of the observed quantities."""
@@ -208,12 +184,12 @@ class _TaskReader:
         return names
 
     def _readable(self, text: str, path: str) -> bool:
+        before = len(self.problems)
         try:
-            problems = list(unreadable(text, self.known, path))
+            self.problems += unreadable(text, self.known, path)
         except WrongValueError as error:
-            problems = [Problem.of(error, path)]
-        self.problems += problems
-        return not problems
+            self.problems.append(Problem.of(error, path))
+        return len(self.problems) == before
 
     def reward(self, wanted: object) -> str | Reward:
         """The reward: a function, a quantity or an expression."""
@@ -230,28 +206,25 @@ class _TaskReader:
 
     def every(self, wanted: object) -> int:
         """Time steps for each action."""
-        step = self.mechanism.run.step
-        try:
-            seconds = float(number_from(wanted, "time", {}))
-        except WrongValueError as error:
-            self._wrong(error.message, "every", error.allowed, error.hint)
-            return 1
+        step, duration = self.mechanism.run.step, self.mechanism.run.duration
+        seconds = self.number(wanted, "every", "time", default=step)
         steps = round(seconds / step)
         if steps < 1 or abs(steps * step - seconds) > ROUNDING * step:
             self._wrong(f"{seconds:g} s is no whole number of steps of {step:g} s", "every",
                         f"such as {max(1, steps) * step:g} s")
-        elif seconds > self.mechanism.run.duration:
-            self._wrong(f"{seconds:g} s is longer than the run", "every",
-                        f"at most {self.mechanism.run.duration:g} s")
+        elif seconds > duration:
+            self._wrong(f"{seconds:g} s is longer than the run", "every", f"at most {duration:g} s")
         return max(1, steps)
 
-    def number(self, wanted: object, path: str) -> float:
-        """A finite number."""
+    def number(
+        self, wanted: object, path: str, dimension: str | None = None, default: float = 0.0,
+    ) -> float:
+        """A finite number, SI."""
         try:
-            return float(number_from(wanted, None, {}))
+            return float(number_from(wanted, dimension, {}))
         except WrongValueError as error:
             self._wrong(error.message, path, error.allowed, error.hint)
-            return 0.0
+            return default
 
     def _span(self, given: object, path: str, unit: str) -> Span | None:
         """A range that was given, in an SI unit."""
@@ -270,14 +243,12 @@ class _TaskReader:
     def _each(self, wanted: Wanted, what: str) -> Iterator[tuple[str, str, object]]:
         """Path, name and range of each entry."""
         if isinstance(wanted, Mapping):
-            pairs = [(f"{what}[{name!r}]", name, span) for name, span in wanted.items()]
-        elif isinstance(wanted, str):
-            pairs = [(what, wanted, None)]
-        elif isinstance(wanted, Sequence):
-            pairs = [(f"{what}[{i}]", name, None) for i, name in enumerate(wanted)]
+            entries = [(f"{what}[{name!r}]", name, span) for name, span in wanted.items()]
+        elif isinstance(wanted, Sequence) and not isinstance(wanted, str):
+            entries = [(f"{what}[{i}]", name, None) for i, name in enumerate(wanted)]
         else:
-            pairs = [(what, wanted, None)]
-        for path, name, span in pairs:
+            entries = [(what, wanted, None)]
+        for path, name, span in entries:
             if isinstance(name, str):
                 yield path, name, span
             else:
@@ -293,13 +264,8 @@ class _TaskReader:
         self.problems.append(Problem("bad-argument", message, path, allowed=allowed, hint=hint))
 
 
-def _fitting(text: str, names: Sequence[str]) -> list[str]:
-    """The names that match a name or pattern."""
-    return [name for name in names if fnmatchcase(name, text)]
-
-
 def _random(
-    scene: Scene, randomise: object, set: Mapping[str, Any], limits: Limits,
+    scene: Scene, randomise: Mapping[str, Any], set: Mapping[str, Any], limits: Limits,
 ) -> SweepSpec:
     """Check the distributions with :data:`DRAWN` samples of the scene."""
     if not isinstance(randomise, Mapping):
@@ -312,18 +278,11 @@ def _random(
             scene, vary=[{"over": dict(randomise), "design": "random", "count": DRAWN}],
             set=set, keep={"t": "=0"}), limits)
     except SceneError as error:
-        raise SceneError([replace(each, path=_here(each.path)) for each in error.problems],
-                         error.source) from None
+        raise SceneError([replace(each, path=re.sub(
+            r"^\$(\.vary(\[0\](\.over)?)?)?", "randomise", each.path)) for each in error.problems],
+            error.source) from None
     group = plan.spec.vary[0].model_copy(update={"count": 1})
     return plan.spec.model_copy(update={"vary": (group,)})
-
-
-def _here(path: str) -> str:
-    """The path in ``randomise`` for a path of a sweep."""
-    for begin in ("$.vary[0].over", "$.vary[0]", "$.vary"):
-        if path.startswith(begin):
-            return f"randomise{path.removeprefix(begin)}"
-    return "randomise" if path == "$" else path
 
 
 def drive_range(model: Model, drive: str) -> Span | None:
@@ -356,31 +315,20 @@ def quantity_range(model: Model, known: Catalogue, name: str, actions: Mapping[s
     """The range of a quantity in the scene, or else of all numbers with its unit."""
     if name.startswith("=") or name not in known:
         return _any("")
-    source = known.find(name)
-    if is_yes_no(source.kind, source.quantity):
+    source, joints, span = known.find(name), model.joints, None
+    kind, quantity = source.kind, source.quantity
+    if is_yes_no(kind, quantity):
         return 0.0, 1.0
-    if source.kind == "drive" and source.quantity == "value":
+    if (kind, quantity) == ("drive", "value"):
         drive = model.drives.name[source.index]
-        if span := actions.get(drive) or drive_range(model, drive):
-            return span
-    if span := _of_joint(model, source):
-        return span
+        span = actions.get(drive) or drive_range(model, drive)
+    elif kind == "joint" and quantity in ("angle", "length"):
+        ends = joints.stops if quantity == "angle" else joints.reach
+        span = _whole(*ends[source.index].tolist())
+    elif (kind, quantity) == ("spring", "angle"):
+        span = _whole(*joints.stops[int(model.springs.joint[source.index])].tolist())
     low, high = _any(source.unit)
-    return (0.0 if (source.kind, source.quantity) in NOT_NEGATIVE else low), high
-
-
-def _of_joint(model: Model, source: Source) -> Span | None:
-    """Stops of a hinge or ends of a stroke."""
-    if source.kind == "spring" and source.quantity == "angle":
-        joint = int(model.springs.joint[source.index])
-    elif source.kind == "joint":
-        joint = source.index
-    else:
-        return None
-    joints = model.joints
-    if source.quantity == "angle":
-        return _whole(*joints.stops[joint].tolist())
-    return _whole(*joints.reach[joint].tolist()) if source.quantity == "length" else None
+    return span or (0.0 if (kind, quantity) in NOT_NEGATIVE else low, high)
 
 
 def _any(unit: str) -> Span:

@@ -12,7 +12,7 @@ import io
 import math
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -23,20 +23,12 @@ from sandbox.figure import style
 from sandbox.figure.panels import Axis, Curve, Panel, save_panels
 from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array, Integers
-from sandbox.search.question import Question
-from sandbox.search.session import (
-    FOUND,
-    RefusedError,
-    Session,
-    Where,
-    check_unit,
-    open_session,
-    step_check,
-)
-from sandbox.sweeps.job import Keep, ReadAt, SweepRow
+from sandbox.search.session import FOUND, Question, RefusedError, Result, Session, check_unit
+from sandbox.sweeps.job import Keep, ReadAt
+from sandbox.sweeps.spec import FitSearch
 from sandbox.sweeps.vary import Range
 from sandbox.values.units import factor_of
-from sandbox.wording import WrongValueError, listed, or_near, quoted, told_of
+from sandbox.wording import WrongValueError, listed, or_near, quoted
 
 COMPARED = "fit.csv"
 MAX_BYTES = 20_000_000
@@ -88,8 +80,8 @@ class Parameter:
     """The estimate at half the step, SI."""
 
 
-@dataclass(frozen=True)
-class Fitted:
+@dataclass(frozen=True, repr=False)
+class Fitted(Result):
     """Parameters fitted to a measurement."""
 
     parameters: tuple[Parameter, ...]
@@ -111,12 +103,7 @@ class Fitted:
         """The parameter of a path."""
         return next(each for each in self.parameters if each.path == path)
 
-    def __repr__(self) -> str:
-        return told_of(self, self.lines)
-
-    @property
-    def lines(self) -> list[str]:
-        """The result in words."""
+    def _lines(self) -> list[str]:
         lines = [f"{each.path} = {each.value:.6g} {each.unit}".rstrip()
                  + f"  (95 % interval {each.low:.6g} to {each.high:.6g})"
                  + ("  at an end of its range" if each.at_end else "")
@@ -127,18 +114,24 @@ class Fitted:
                                   if abs(part) > 0.1)
             size = f"± {half:.3g} ranges" if math.isfinite(half) else "not at all"
             lines.append(f"the data do not determine: {direction} ({size})")
-        return [*lines, *self.remarks, step_check(self.certified, self.certificate)]
+        return [*lines, *self.remarks]
 
 
 # -- measurements --------------------------------------------------------------------
+
+
+class BadDataError(SandboxError):
+    """A measurement that cannot be used."""
+
+    code = "bad-measurements"
 
 
 @dataclass(frozen=True)
 class Measurement:
     """Measured numbers in a row, [m], and the results of a run that predict them."""
 
-    names: tuple[str, ...]
-    """Of the columns."""
+    units: Mapping[str, str]
+    """SI, by column."""
     keep: Mapping[str, Keep]
     time: Array
     """[s]."""
@@ -152,78 +145,63 @@ def read_columns(path: Path) -> tuple[Array, dict[str, Array]]:
     """Times [s] and columns [SI] of a CSV file, [n] each; nan for empty cells.
 
     A name may have a unit in brackets: ``x [mm]``.
-
-    Raises:
-        SandboxError: the file cannot be read, has no times, or a cell is no number.
     """
     try:
         if path.stat().st_size > MAX_BYTES:
-            raise SandboxError(f"{path} has more than {MAX_BYTES} bytes", code="bad-measurements")
+            raise BadDataError(f"{path} has more than {MAX_BYTES} bytes")
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         why = getattr(error, "strerror", "") or "it is not UTF-8 text"
-        raise SandboxError(f"{path} cannot be read: {why}", code="bad-measurements") from None
-    rows = [row for row in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in row)]
-    if len(rows) < 2:
-        raise SandboxError(f"{path} has no measurements: expected a line of names, then numbers",
-                           code="bad-measurements")
+        raise BadDataError(f"{path} cannot be read: {why}") from None
+    head, *rows = [row for row in csv.reader(io.StringIO(text))
+                   if any(cell.strip() for cell in row)] or [[]]
+    if not rows:
+        raise BadDataError(f"{path} has no measurements: expected a line of names, then numbers")
     names, factors = [], []
-    for head in rows[0]:
-        match = _UNIT.fullmatch(head)
-        names.append(match[1] if match else head.strip())
+    for cell in head:
+        match = _UNIT.fullmatch(cell)
+        names.append(match[1] if match else cell.strip())
         try:
             factors.append(factor_of(match[2].strip(), None) if match else 1.0)
         except WrongValueError as error:
-            raise SandboxError(f"{path}, row 1: {error}", code="bad-measurements") from None
+            raise BadDataError(f"{path}, row 1: {error}") from None
     time = next((k for k, name in enumerate(names) if name.lower() in TIMES), None)
     if time is None:
-        raise SandboxError(f"{path} has no column of times (allowed: {', '.join(TIMES)}; it has "
-                           f"{listed(names)})", code="bad-measurements")
+        raise BadDataError(f"{path} has no column of times (allowed: {', '.join(TIMES)}; it has "
+                           f"{listed(names)})")
     if len(set(names)) < len(names):
-        raise SandboxError(f"{path} has two columns with the same name", code="bad-measurements")
-    cells = np.array([_numbers(row, len(names), f"{path}, row {number}")
-                      for number, row in enumerate(rows[1:], start=2)]) * factors
+        raise BadDataError(f"{path} has two columns with the same name")
+    cells = np.empty((len(rows), len(names)))
+    for number, row in enumerate(rows):
+        if len(row) != len(names):
+            raise BadDataError(f"{path}, row {number + 2}: {len(row)} cells under {len(names)} "
+                               "names")
+        for k, cell in enumerate(row):
+            try:
+                cells[number, k] = factors[k] * (float(cell) if cell.strip() else math.nan)
+            except ValueError:
+                cells[number, k] = math.inf
+            if math.isinf(cells[number, k]):
+                raise BadDataError(f"{path}, row {number + 2}: {quoted(cell)} is no number")
     if np.isnan(cells[:, time]).any():
-        raise SandboxError(f"{path}: a row has no time", code="bad-measurements")
+        raise BadDataError(f"{path}: a row has no time")
     return cells[:, time], {name: cells[:, k] for k, name in enumerate(names) if k != time}
-
-
-def _numbers(row: list[str], count: int, where: str) -> list[float]:
-    if len(row) != count:
-        raise SandboxError(f"{where}: {len(row)} cells under {count} names",
-                           code="bad-measurements")
-    found = []
-    for cell in row:
-        try:
-            found.append(float(cell) if cell.strip() else math.nan)
-        except ValueError:
-            raise SandboxError(f"{where}: {quoted(cell)} is no number",
-                               code="bad-measurements") from None
-        if math.isinf(found[-1]):
-            raise SandboxError(f"{where}: {quoted(cell)} is not finite", code="bad-measurements")
-    return found
 
 
 def _measurement(
     question: Question, path: Path, match: Mapping[str, str] | None,
-) -> tuple[Measurement, dict[str, str]]:
-    """The numbers of a file that a run predicts, and the SI unit of each column.
-
-    Raises:
-        RefusedError: an unknown quantity, or no column with the name of one.
-        SandboxError: a file that cannot be used.
-    """
+) -> Measurement:
+    """The numbers of a file that a run predicts."""
     time, columns = read_columns(path)
     catalogue = Catalogue(question.plan.loaded.mechanism)
-    pairs = dict(match) if match is not None else {name: name for name in columns
-                                                   if name in catalogue}
+    pairs = match if match is not None else {name: name for name in columns if name in catalogue}
     if not pairs:
         raise RefusedError(f"no column of {path} has the name of a quantity: assign one, as in "
                            f"x=puck.x (columns: {listed(list(columns))})")
     for name, quantity in pairs.items():
         if name not in columns:
-            raise SandboxError(f"{path} has no column {quoted(name)}{or_near(name, columns)} (it "
-                               f"has {listed(list(columns))})", code="bad-measurements")
+            raise BadDataError(f"{path} has no column {quoted(name)}{or_near(name, columns)} (it "
+                               f"has {listed(list(columns))})")
         if quantity not in catalogue:
             hint = catalogue.near(quantity)
             raise RefusedError(f"no run has the quantity {quoted(quantity)}"
@@ -232,21 +210,20 @@ def _measurement(
              for k, (name, quantity) in enumerate(pairs.items())
              for row in np.flatnonzero(np.isfinite(columns[name])).tolist()]
     if not found:
-        raise SandboxError(f"{path} has no number in {listed(list(pairs))}",
-                           code="bad-measurements")
+        raise BadDataError(f"{path} has no number in {listed(list(pairs))}")
     if len(found) > MAX_NUMBERS:
-        raise SandboxError(f"{path} has {len(found)} numbers to be compared (allowed: at most "
-                           f"{MAX_NUMBERS}); leave every other line out, or more",
-                           code="bad-measurements")
+        raise BadDataError(f"{path} has {len(found)} numbers to be compared (allowed: at most "
+                           f"{MAX_NUMBERS}); leave every other line out, or more")
     end = question.plan.loaded.mechanism.run.duration
     if not (time.min() >= 0 and time.max() <= end + 1e-9):
-        raise SandboxError(f"{path} has times from {time.min():g} to {time.max():g} s, the run "
-                           f"from 0 to {end:g} s", code="bad-measurements")
-    places, _, _, times, data = zip(*found, strict=True)
-    keep = {name: ReadAt(quantity=quantity, time=at) for _, name, quantity, at, _ in found}
-    return (Measurement(tuple(pairs), keep, np.array(times), np.array(data),
-                        np.array(places, dtype=np.int64)),
-            {name: catalogue.find(quantity).unit for name, quantity in pairs.items()})
+        raise BadDataError(f"{path} has times from {time.min():g} to {time.max():g} s, the run "
+                           f"from 0 to {end:g} s")
+    places, names, quantities, times, data = zip(*found, strict=True)
+    return Measurement(
+        {name: catalogue.find(quantity).unit for name, quantity in pairs.items()},
+        {name: ReadAt(quantity=quantity, time=at)
+         for name, quantity, at in zip(names, quantities, times, strict=True)},
+        np.array(times), np.array(data), np.array(places, dtype=np.int64))
 
 
 # -- estimation ----------------------------------------------------------------------
@@ -279,17 +256,13 @@ def estimate(
         columns: index of the column of each number, [m].
         start: quantiles at which to start, [p].
         noise: standard deviation of each column; estimated by default.
-
-    Raises:
-        SandboxError: no more numbers than parameters, or a run has no values.
     """
     from scipy.optimize import least_squares
 
     freedom = len(data) - len(start)
     if freedom <= 0:
-        raise SandboxError(f"{len(data)} measured numbers do not determine {len(start)} parameters",
-                           code="bad-measurements")
-    differences = _Differences(model)
+        raise BadDataError(f"{len(data)} measured numbers do not determine {len(start)} parameters")
+    differences = _differences(model)
     sizes = _spreads(data, columns) if noise is None else noise
     quantiles = start
     for _ in range(MAX_ROUNDS):
@@ -330,31 +303,34 @@ def _uncertainty(jacobian: Array, freedom: float) -> tuple[Array, list[tuple[flo
     return np.sqrt(parts.sum(axis=0)), blind
 
 
-class _Differences:
-    """A model and its Jacobian by central differences, whose runs are made together."""
+def _differences(model: Model) -> Callable[[Array], tuple[Array, Array]]:
+    """A model and its Jacobian by central differences, whose runs are made together.
 
-    def __init__(self, model: Model) -> None:
-        self._model = model
-        self._last: tuple[bytes, tuple[Array, Array]] | None = None
+    Both are needed at the same point one after the other: the last is kept.
+    """
+    last: dict[bytes, tuple[Array, Array]] = {}
 
-    def __call__(self, at: Array) -> tuple[Array, Array]:
-        if self._last is None or self._last[0] != at.tobytes():
+    def differences(at: Array) -> tuple[Array, Array]:
+        if at.tobytes() not in last:
             steps = DIFFERENCE * np.eye(len(at))
             low, high = np.clip(at - steps, 0, 1), np.clip(at + steps, 0, 1)
-            found = self._model(np.concatenate([at[None], low, high]))
+            found = model(np.concatenate([at[None], low, high]))
             if not np.isfinite(found).all():
                 raise SandboxError("a run on the way has no values", code="no-answer")
             middle, low_values, high_values = np.split(found, [1, 1 + len(at)])
             width = np.diagonal(high - low)[:, None]
-            self._last = at.tobytes(), (middle[0], ((high_values - low_values) / width).T)
-        return self._last[1]
+            last.clear()
+            last[at.tobytes()] = middle[0], ((high_values - low_values) / width).T
+        return last[at.tobytes()]
+
+    return differences
 
 
 def _spreads(data: Array, columns: Integers) -> Array:
     return np.array([np.std(data[columns == k]) or 1.0 for k in range(columns.max() + 1)])
 
 
-def correlations(residuals: Array, columns: Integers) -> dict[int, float]:
+def _correlations(residuals: Array, columns: Integers) -> dict[int, float]:
     """Columns whose neighbouring residuals correlate, and by how much; empty for pure noise.
 
     The correlation of n independent numbers has a standard error of 1 / sqrt(n).
@@ -372,67 +348,40 @@ def correlations(residuals: Array, columns: Integers) -> dict[int, float]:
 # -- the search ----------------------------------------------------------------------
 
 
-def find_fit(
-    question: Question, data: Path, *, match: Mapping[str, str] | None = None,
-    noise: Mapping[str, float] | None = None, place: Where | None = None,
-) -> Fitted:
-    """The values of paths with which the scene reproduces a measurement, and their uncertainty.
-
-    Args:
-        question: paths with ranges.
-        data: a CSV file, see :func:`read_columns`.
-        match: the quantity of each column; by default columns that have a quantity's name.
-        noise: standard deviation of each column [SI]; estimated by default.
-        place: where it runs, and where its files go.
-
-    Raises:
-        RefusedError: paths without ranges, unknown columns or quantities.
-        SandboxError: data that cannot be used, a run without an answer.
-    """
-    space, place = question.space, place or Where()
-    if others := [path for path, each in space.over.items() if not isinstance(each, Range)]:
+def find_fit(session: Session, options: FitSearch) -> Fitted:
+    """The values of paths with which the scene reproduces a measurement, and their uncertainty."""
+    question, noise = session.question, options.noise
+    if others := [path for path, each in question.over.items() if not isinstance(each, Range)]:
         raise RefusedError("a fit varies paths with ranges, as in '2 N:8 N'; "
                            f"{quoted(others[0])} has none")
-    measured, units = _measurement(question, data, match)
-    if noise is not None and set(noise) != set(units):
-        raise RefusedError(f"give the noise of each column, or of none: {listed(list(units))}")
+    measured = _measurement(question, Path(options.data), options.match)
+    if noise is not None and set(noise) != set(measured.units):
+        raise RefusedError("give the noise of each column, or of none: "
+                           f"{listed(list(measured.units))}")
     for name, size in (noise or {}).items():
-        check_unit(size, units[name], f"the noise of {name}")
-        if not size > 0:
-            raise RefusedError(f"the noise of {name} is greater than 0, not {size:g}")
-    sizes = None if noise is None else np.array([noise[name] for name in units])
-    runs = 0
+        check_unit(size, measured.units[name], f"the noise of {name}")
+    sizes = None if noise is None else np.array([noise[name] for name in measured.units])
+    session.keep(measured.keep)
 
-    def count(row: SweepRow) -> None:
-        nonlocal runs
-        runs += 1
-        place.on_row(row)
+    def model(quantiles: Array, *, halved: bool = False) -> Array:
+        return session.values(list(measured.keep), quantiles, halved=halved)
 
-    job = question.plan.job
-    kept = replace(question, plan=replace(question.plan, job=replace(
-        job, keep={**job.keep, **measured.keep})))
-    with open_session(kept, replace(place, on_row=count)) as session:
-        def model(quantiles: Array, *, halved: bool = False) -> Array:
-            return session.values(list(measured.keep), quantiles, halved=halved)
-
-        found = estimate(model, measured.data, measured.columns,
-                         _start(session, model, measured), noise=sizes)
-        again = estimate(lambda quantiles: model(quantiles, halved=True), measured.data,
-                         measured.columns, found.quantiles, noise=found.noise)
-        fitted = _fitted(question, measured, found, again, runs)
-        if place.out:
-            session.write(place.out, "fit", {
-                **vars(fitted), "parameters": [vars(each) for each in fitted.parameters]},
-                data=str(data), match=match, noise=noise)
-            _write_comparison(place.out, measured, units, found.residuals)
+    found = estimate(model, measured.data, measured.columns, _start(model, question, measured),
+                     noise=sizes)
+    again = estimate(lambda quantiles: model(quantiles, halved=True), measured.data,
+                     measured.columns, found.quantiles, noise=found.noise)
+    fitted = _fitted(session, measured, found, again)
+    session.write("fit", options, fitted)
+    if session.out:
+        _write_comparison(session.out, measured, found.residuals)
     return fitted
 
 
-def _start(session: Session, model: Model, measured: Measurement) -> Array:
+def _start(model: Model, question: Question, measured: Measurement) -> Array:
     """The best of some points spread over the ranges."""
     from scipy.stats import qmc
 
-    count = len(session.question.space.paths)
+    count = len(question.paths)
     points = np.vstack([np.full(count, 0.5),
                         qmc.Halton(count, scramble=False).random(STARTS + 1)[1:]])
     spread = _spreads(measured.data, measured.columns)[measured.columns]
@@ -444,36 +393,34 @@ def _start(session: Session, model: Model, measured: Measurement) -> Array:
 
 
 def _fitted(
-    question: Question, measured: Measurement, found: Estimate, again: Estimate, runs: int,
+    session: Session, measured: Measurement, found: Estimate, again: Estimate,
 ) -> Fitted:
-    space = question.space
-    values, halved = space.numbers(np.stack([found.quantiles, again.quantiles])).tolist()
-    halves = np.abs(space.slopes(found.quantiles) * found.halves).tolist()
+    question, names = session.question, list(measured.units)
+    values, halved = question.numbers(np.stack([found.quantiles, again.quantiles])).tolist()
+    halves = np.abs(question.slopes(found.quantiles) * found.halves).tolist()
     parameters = tuple(Parameter(
-        path, space.units[path], values[k], values[k] - halves[k], values[k] + halves[k],
+        path, question.unit(path), values[k], values[k] - halves[k], values[k] + halves[k],
         min(found.quantiles[k], 1 - found.quantiles[k]) < 1e-6, halved[k])
-        for k, path in enumerate(space.paths))
+        for k, path in enumerate(question.paths))
     known = np.isfinite(found.halves)
     moved = np.abs(again.quantiles - found.quantiles)[known] / np.maximum(
         found.halves[known], 1e-300)
     worst = float(moved.max(initial=0.0))
     return Fitted(
-        parameters, dict(zip(measured.names, found.noise.tolist(), strict=True)),
-        tuple((half, dict(zip(space.paths, row.tolist(), strict=True)))
+        parameters, dict(zip(names, found.noise.tolist(), strict=True)),
+        tuple((half, dict(zip(question.paths, row.tolist(), strict=True)))
               for half, row in found.blind),
-        len(measured.data), runs, bool(known.any()) and worst <= SAME,
+        len(measured.data), session.count, bool(known.any()) and worst <= SAME,
         f"no parameter moves by more than {worst:.2g} of half its interval",
-        tuple(f"the residuals of {measured.names[k]} are not random (neighbours correlate by "
+        tuple(f"the residuals of {names[k]} are not random (neighbours correlate by "
               f"{correlation:.2f}): the model is incomplete, and intervals are too narrow"
-              for k, correlation in correlations(found.residuals, measured.columns).items()))
+              for k, correlation in _correlations(found.residuals, measured.columns).items()))
 
 
-def _write_comparison(
-    directory: Path, measured: Measurement, units: Mapping[str, str], residuals: Array,
-) -> None:
+def _write_comparison(directory: Path, measured: Measurement, residuals: Array) -> None:
     """Write measured and fitted numbers as a table and a figure."""
     table = np.stack([measured.time, measured.data, measured.data + residuals], axis=1)
-    columns = {name: table[measured.columns == k] for k, name in enumerate(measured.names)}
+    columns = {name: table[measured.columns == k] for k, name in enumerate(measured.units)}
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([
         ("column", "time_s", "measured", "fitted"),
@@ -482,7 +429,7 @@ def _write_comparison(
     panels = []
     for name, rows in list(columns.items())[:MAX_PANELS]:
         time, data, fitted = rows.T
-        how = style.shown_as(units[name], data, fitted)
+        how = style.shown_as(measured.units[name], data, fitted)
         panels.append(Panel(
             name, Axis("time [s]"), Axis(how.label(name)),
             [Curve("measured", time, how.factor * data, "points"),

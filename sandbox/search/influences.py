@@ -11,7 +11,6 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,21 +19,16 @@ from sandbox.errors import SandboxError
 from sandbox.figure.searches import InfluenceBars, draw_influences
 from sandbox.figure.style import shown_as
 from sandbox.numeric import Array
-from sandbox.search.question import TAILS, Question
 from sandbox.search.session import (
     FOUND,
     RefusedError,
+    Result,
     Session,
-    Where,
-    check_effort,
     main_failure,
-    open_session,
-    step_check,
     value_of,
 )
-from sandbox.sweeps.spec import MAX_SEED, powers_around
+from sandbox.sweeps.spec import MAX_SEED, TAILS, SensitivitySearch
 from sandbox.sweeps.vary import Distribution
-from sandbox.wording import or_near, quoted, told_of
 
 MEASURES: dict[str, dict[str, tuple[str, str]]] = {
     "sobol": {"first": ("S1", "S1_conf"), "total": ("ST", "ST_conf")},
@@ -67,8 +61,8 @@ class Influence:
     """Half of the 95 % interval by bootstrap, where there is one."""
 
 
-@dataclass(frozen=True)
-class Sensitivity:
+@dataclass(frozen=True, repr=False)
+class Sensitivity(Result):
     """The influences of all paths on all results."""
 
     method: str
@@ -82,12 +76,7 @@ class Sensitivity:
     certificate: str
     """Details of this check."""
 
-    def __repr__(self) -> str:
-        return told_of(self, self.lines)
-
-    @property
-    def lines(self) -> list[str]:
-        """The result in words."""
+    def _lines(self) -> list[str]:
         lines = []
         for name, influences in self.influences.items():
             lines.append(f"{name}:" if influences else f"{name} never changes")
@@ -98,105 +87,66 @@ class Sensitivity:
         if self.left_out:
             lines.append(f"{self.left_out} of {self.runs} runs are left out: one of their group "
                          "had no answer")
-        return [*lines, step_check(self.certified, self.certificate)]
+        return lines
 
 
-def find_sensitivity(
-    question: Question, *, method: str = "sobol", count: int = 64, seed: int = 0,
-    place: Where | None = None,
-) -> Sensitivity:
-    """The influence of each path on each result.
-
-    Args:
-        question: two paths or more.
-        method: ``sobol`` or ``morris``.
-        count: base points, a power of 2, or trajectories.
-        seed: of the points.
-        place: where it runs, and where its files go.
-
-    Raises:
-        RefusedError: options that do not fit.
-        SandboxError: too few runs have an answer, or SALib is not installed.
-    """
-    paths, names = question.space.paths, list(question.kept)
-    _check_options(question, method, count)
+def find_sensitivity(session: Session, options: SensitivitySearch) -> Sensitivity:
+    """The influence of each path on each result."""
+    question, method, count = session.question, options.method, options.count
+    paths, names = question.paths, list(question.kept)
+    if len(paths) < 2:
+        raise RefusedError("influences need two paths or more")
+    if not names:
+        raise RefusedError("nothing is kept: add a quantity to keep, as the scene has no "
+                           "expectations")
     size = len(paths) + (2 if method == "sobol" else 1)
-    check_effort(question, count * size, seed)
-    sampler, analyzer = _salib(method)
+    session.check_runs(count * size)
     problem = {"num_vars": len(paths), "names": list(paths), "bounds": [[0.0, 1.0]] * len(paths)}
-    options: dict[str, Any] = {"seed": seed or MAX_SEED}  # SALib takes 0 for none
-    options |= {"calc_second_order": False} if method == "sobol" else {"num_levels": LEVELS}
-    place = place or Where()
+    given: dict[str, Any] = {"seed": options.seed or MAX_SEED}  # SALib takes 0 for none
+    given |= {"calc_second_order": False} if method == "sobol" else {"num_levels": LEVELS}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        sample = sampler.sample(problem, count, **options)
+        try:
+            sampler, analyzer = (import_module(f"SALib.{part}.{method}")
+                                 for part in ("sample", "analyze"))
+        except ImportError:
+            raise SandboxError("influences need SALib: pip install 'sandbox-mechanics[studies]'",
+                               code="missing-package") from None
+        sample = sampler.sample(problem, count, **given)
     quantiles = sample.copy()
     if method == "morris":  # its grid has the ends, where a distribution may be infinite
-        for path in question.space.of_kind(Distribution):
+        for path in question.of_kind(Distribution):
             column = paths.index(path)
             quantiles[:, column] = TAILS[0] + (TAILS[1] - TAILS[0]) * sample[:, column]
-    with open_session(question, place) as session:
-        rows = session.rows(quantiles)
-        values = np.array([[value_of(row, name) for name in names] for row in rows])
-        sound = np.repeat(np.isfinite(values).all(axis=1).reshape(-1, size).all(axis=1), size)
-        if sound.sum() < 4 * size:
-            raise SandboxError(f"too few runs have an answer: {int(sound.sum())} of {len(values)} "
-                               f"can be used{main_failure(rows)}", code="no-answer")
-        influences = {}
-        for k, name in enumerate(names):
-            arrays = [sample[sound]] * (method == "morris") + [values[sound, k]]
-            influences[name] = _analyze(analyzer, problem, method, arrays, options)
-        found = Sensitivity(method, influences, len(values), int((~sound).sum()),
-                            *_check(session, quantiles, values))
-        if place.out:
-            session.write(place.out, "sensitivity", {**vars(found), "influences": {
-                name: [vars(each) for each in many] for name, many in influences.items()}},
-                method=method, count=count, seed=seed)
-            _draw(place.out / FOUND, found, question)
+    rows = session.rows(quantiles)
+    values = np.array([[value_of(row, name) for name in names] for row in rows])
+    sound = np.repeat(np.isfinite(values).all(axis=1).reshape(-1, size).all(axis=1), size)
+    if sound.sum() < 4 * size:
+        raise SandboxError(f"too few runs have an answer: {int(sound.sum())} of {len(values)} "
+                           f"can be used{main_failure(rows)}", code="no-answer")
+    influences: dict[str, tuple[Influence, ...]] = {}
+    for k, name in enumerate(names):
+        influences[name], result = (), values[sound, k]
+        if np.ptp(result) > 1e-12 * np.abs(result).max(initial=0.0):
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                measured = analyzer.analyze(
+                    problem, *[sample[sound]] * (method == "morris"), result, **given)
+            influences[name] = _ranked(paths, method, measured)
+    found = Sensitivity(method, influences, len(values), int((~sound).sum()),
+                        *_check(session, quantiles, values))
+    session.write("sensitivity", options, found)
+    if session.out:
+        _draw(session, found)
     return found
 
 
-def _check_options(question: Question, method: str, count: int) -> None:
-    if method not in MEASURES:
-        raise RefusedError(f"there is no method {quoted(method)}{or_near(method, MEASURES)} "
-                           f"({', '.join(MEASURES)})")
-    if len(question.space.paths) < 2:
-        raise RefusedError("influences need two paths or more")
-    if not question.kept:
-        raise RefusedError("nothing is kept: add a quantity to keep, as the scene has no "
-                           "expectations")
-    if method == "sobol" and (powers := powers_around(count)):
-        raise RefusedError(f"Sobol's points are a power of 2, not {count} (allowed: "
-                           f"{powers[0]}, {powers[1]})")
-    if count < 4:
-        raise RefusedError(f"the count is 4 or more, not {count}")
-
-
-def _salib(method: str) -> tuple[Any, Any]:
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            return (import_module(f"SALib.sample.{method}"),
-                    import_module(f"SALib.analyze.{method}"))
-    except ImportError:
-        raise SandboxError("influences need SALib: pip install 'sandbox-mechanics[studies]'"
-                           , code="missing-package") from None
-
-
-def _analyze(
-    analyzer: Any, problem: Mapping[str, Any], method: str, arrays: list[Array],
-    options: Mapping[str, Any],
-) -> tuple[Influence, ...]:
-    if np.ptp(arrays[-1]) <= 1e-12 * np.abs(arrays[-1]).max(initial=0.0):
-        return ()
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        result = analyzer.analyze(problem, *arrays, **options)
+def _ranked(paths: tuple[str, ...], method: str, measured: Any) -> tuple[Influence, ...]:
     measures = MEASURES[method]
     found = [Influence(
-        path, {word: float(result[value][k]) for word, (value, _) in measures.items()},
-        {word: float(result[half][k]) for word, (_, half) in measures.items() if half})
-        for k, path in enumerate(problem["names"])]
+        path, {word: float(measured[value][k]) for word, (value, _) in measures.items()},
+        {word: float(measured[half][k]) for word, (_, half) in measures.items() if half})
+        for k, path in enumerate(paths)]
     return tuple(sorted(found, key=lambda each: -each.values[RANKED[method]]))
 
 
@@ -215,9 +165,10 @@ def _check(session: Session, quantiles: Array, values: Array) -> tuple[bool, str
         + ("" if alike else ", and some have an answer at one step only"))
 
 
-def _draw(file: Path, found: Sensitivity, question: Question) -> None:
+def _draw(session: Session, found: Sensitivity) -> None:
     """Draw bars with their intervals, a panel for each result."""
-    measures = MEASURES[found.method]
+    assert session.out is not None
+    question, measures = session.question, MEASURES[found.method]
     panels = []
     for name, many in found.influences.items():
         factor, label = 1.0, "share of the variance"
@@ -230,5 +181,5 @@ def _draw(file: Path, found: Sensitivity, question: Question) -> None:
             {word: factor * np.array([each.values[word] for each in many]) for word in measures},
             {word: factor * np.array([each.halves[word] for each in many])
              for word, (_, half) in measures.items() if many and half}, label))
-    draw_influences(file, panels, {word: WORDS[word] for word in measures},
+    draw_influences(session.out / FOUND, panels, {word: WORDS[word] for word in measures},
                     f"{question.name}: what matters")

@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 
@@ -20,29 +20,21 @@ from sandbox.errors import SandboxError
 from sandbox.figure.searches import draw_front
 from sandbox.figure.sweeps import SweepColumn
 from sandbox.numeric import Array
-from sandbox.search.question import Question
 from sandbox.search.session import (
     FOUND,
-    Condition,
     RefusedError,
+    Result,
     Session,
-    Where,
-    check_effort,
     check_result,
     main_failure,
-    open_session,
     parse_conditions,
-    step_check,
     value_of,
 )
 from sandbox.sweeps.job import DONE, SweepRow
-from sandbox.sweeps.points import number_of
-from sandbox.sweeps.spec import Sampler
-from sandbox.sweeps.vary import Distribution
-from sandbox.wording import or_near, quoted, told_of
+from sandbox.sweeps.spec import BestSearch
+from sandbox.sweeps.vary import Distribution, number_of
+from sandbox.wording import quoted
 
-SEVERAL = ("nsga2", "tpe", "gp", "random")
-"""Samplers of several goals."""
 PACKAGES = {"cmaes": "cmaes", "gp": "torch"}
 """What a sampler needs besides optuna."""
 BATCH = 10
@@ -73,8 +65,8 @@ class Choice:
     """The objectives at half the step."""
 
 
-@dataclass(frozen=True)
-class Chosen:
+@dataclass(frozen=True, repr=False)
+class Chosen(Result):
     """The best run, or the Pareto front of several goals."""
 
     best: tuple[Choice, ...]
@@ -93,12 +85,7 @@ class Chosen:
     """Objectives of all runs in their order, [n, objectives]; nan where a condition or a run
     failed."""
 
-    def __repr__(self) -> str:
-        return told_of(self, self.lines)
-
-    @property
-    def lines(self) -> list[str]:
-        """The result in words."""
+    def _lines(self) -> list[str]:
         lines = []
         if len(self.goals) > 1:
             lines.append(f"{len(self.best)} of {self.runs} runs of which none is better in all:")
@@ -106,7 +93,7 @@ class Chosen:
                   for each in self.best]
         if self.failed:
             lines.append(f"{self.failed} of {self.runs} runs had no answer")
-        return [*lines, step_check(self.certified, self.certificate)]
+        return lines
 
     def _text(self, values: Mapping[str, float | str]) -> str:
         return ", ".join(f"{name} = {value:.6g} {self.units.get(name, '')}".rstrip()
@@ -114,98 +101,42 @@ class Chosen:
                          for name, value in values.items())
 
 
-def find_best(
-    question: Question, *, least: Sequence[str] = (), most: Sequence[str] = (),
-    where: Sequence[str] = (), sampler: str | None = None, runs: int = 200, seed: int = 0,
-    place: Where | None = None,
-) -> Chosen:
-    """The best points under conditions.
-
-    Args:
-        question: paths with ranges or lists.
-        least: results to minimise.
-        most: results to maximise.
-        where: conditions such as ``"slip < 1 mm"``.
-        sampler: of Optuna; by default CMA-ES, TPE where there are lists or conditions, NSGA-II
-            for several goals.
-        runs: number of runs.
-        seed: of the sampler.
-        place: where it runs, and where its files go.
-
-    Raises:
-        RefusedError: no goal, or a sampler that does not fit.
-        SandboxError: no run meets the conditions, or a package is not installed.
-    """
-    if random := question.space.of_kind(Distribution):
-        raise RefusedError(f"{quoted(random[0])} has a distribution: the best is looked for over "
+def find_best(session: Session, options: BestSearch) -> Chosen:
+    """The best points under conditions."""
+    question = session.question
+    if random := question.of_kind(Distribution):
+        raise RefusedError(f"{quoted(random[0])} has a distribution: an optimisation varies "
                            "ranges and lists")
-    goals = {**dict.fromkeys(least, "least"), **dict.fromkeys(most, "most")}
-    if not goals:
-        raise RefusedError("give a quantity to minimise or maximise")
-    if both := sorted(set(least) & set(most)):
-        raise RefusedError(f"{quoted(both[0])} cannot be minimised and maximised at once")
+    goals = {**dict.fromkeys(options.least, "least"), **dict.fromkeys(options.most, "most")}
     for name in goals:
         check_result(name, question.kept)
-    wanted = parse_conditions(where, question.kept)
-    check_effort(question, runs, seed)
-    study = _study(question, len(goals), sampler or _default(question, goals, wanted), seed)
-    place = place or Where()
-    with open_session(question, place) as session:
-        trials = _Trials(session, study, goals, wanted)
-        trials.run(runs)
-        found = trials.chosen()
-        if place.out:
-            session.write(place.out, "best", {
-                **vars(found), "best": [vars(each) for each in found.best]}, wanted=wanted,
-                least=least, most=most, where=where, sampler=sampler, runs=runs, seed=seed)
-            if len(goals) > 1:
-                front = np.array([[*each.objectives.values()] for each in found.best])
-                draw_front(
-                    place.out / FOUND,
-                    [SweepColumn(name, question.kept[name], found.history[:, k])
-                     for k, name in enumerate(goals)], goals,
-                    (found.history[:, None] == front[None]).all(axis=2).any(axis=1),
-                    f"{question.name}: {len(found.best)} of {found.runs} runs of which none is "
-                    "better in all")
+    trials = _Trials(session, options, goals)
+    session.check_runs(options.runs)
+    trials.run(options.runs)
+    found = trials.chosen()
+    session.write("best", options, found, wanted=trials.wanted)
+    if session.out and len(goals) > 1:
+        front = np.array([[*each.objectives.values()] for each in found.best])
+        draw_front(
+            session.out / FOUND,
+            [SweepColumn(name, question.kept[name], found.history[:, k])
+             for k, name in enumerate(goals)], goals,
+            (found.history[:, None] == front[None]).all(axis=2).any(axis=1),
+            f"{question.name}: {len(found.best)} of {found.runs} runs of which none is "
+            "better in all")
     return found
 
 
-def _default(
-    question: Question, goals: Mapping[str, str], wanted: tuple[Condition, ...],
-) -> Sampler:
-    """The default sampler.
-
-    CMA-ES only ranks points that violate conditions behind all others: where the best lies at a
-    limit, its distribution collapses too early, as that of TPE does not.
-    """
-    if len(goals) > 1:
-        return "nsga2"
-    single = len(question.space.paths) == 1
-    return "tpe" if wanted or single or question.space.of_kind(tuple) else "cmaes"
-
-
-def _study(question: Question, goals: int, sampler: str, seed: int) -> Any:
-    """Optuna's study.
-
-    Raises:
-        RefusedError: an unknown sampler, or one that does not fit.
-        SandboxError: optuna is not installed.
-    """
-    known = get_args(Sampler)
-    if sampler not in known:
-        raise RefusedError(f"there is no sampler {quoted(sampler)}{or_near(sampler, known)} "
-                           f"({', '.join(known)})")
-    if sampler == "cmaes" and (goals > 1 or question.space.of_kind(tuple)):
-        raise RefusedError("cmaes looks for one goal over ranges; "
-                           f"{', '.join(SEVERAL)} take {'several' if goals > 1 else 'lists'}")
+def _study(sampler: str, goals: int, seed: int) -> Any:
+    """Optuna's study."""
     try:
         optuna: Any = import_module("optuna")
         if sampler in PACKAGES:
             import_module(PACKAGES[sampler])
     except ImportError as error:
         raise SandboxError(f"the sampler {sampler} needs {error.name}: pip install "
-                           + ("torch" if sampler == "gp" else "'sandbox-mechanics[studies]'")
-                           , code="missing-package") from None
+                           + ("torch" if sampler == "gp" else "'sandbox-mechanics[studies]'"),
+                           code="missing-package") from None
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     make: dict[str, Callable[[], Any]] = {
         "cmaes": lambda: optuna.samplers.CmaEsSampler(seed=seed, popsize=BATCH, sigma0=SIGMA),
@@ -219,17 +150,28 @@ def _study(question: Question, goals: int, sampler: str, seed: int) -> Any:
 
 
 class _Trials:
-    """Optuna's trials and their runs; goals to maximise have their sign changed."""
+    """Optuna's trials and their runs; goals to maximise have their sign changed.
 
-    def __init__(
-        self, session: Session, study: Any, goals: Mapping[str, str],
-        wanted: tuple[Condition, ...],
-    ) -> None:
-        self._session, self._study, self._goals, self._wanted = session, study, goals, wanted
-        self._space = session.question.space
+    By default one goal over several ranges has the sampler CMA-ES. It only ranks points that
+    violate conditions behind all others: where the best lies at a limit, its distribution collapses
+    too early, as that of TPE does not.
+    """
+
+    def __init__(self, session: Session, options: BestSearch, goals: Mapping[str, str]) -> None:
+        question = session.question
+        self.wanted = parse_conditions(options.where, question.kept)
+        lists = bool(question.of_kind(tuple))
+        sampler = options.sampler or (
+            "nsga2" if len(goals) > 1 else
+            "tpe" if self.wanted or lists or len(question.paths) == 1 else "cmaes")
+        self._ranked = sampler == "cmaes"
+        if self._ranked and (len(goals) > 1 or lists):
+            raise RefusedError("cmaes optimises one goal over ranges; nsga2, tpe, gp, random take "
+                               + ("several" if len(goals) > 1 else "lists"))
+        self._session, self._question, self._goals = session, question, goals
+        self._study = _study(sampler, len(goals), options.seed)
         self._signs = np.array([1.0 if goal == "least" else -1.0 for goal in goals.values()])
-        self._ranked = type(study.sampler).__name__ == "CmaEsSampler"
-        self._quantiles = np.empty((0, len(self._space.paths)))
+        self._quantiles = np.empty((0, len(question.paths)))
         self._costs = np.empty((0, len(goals)))
         """Less is better; nan for a run without an answer."""
         self._excess = np.empty(0)
@@ -241,7 +183,7 @@ class _Trials:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 trials = [self._study.ask() for _ in range(min(BATCH, runs - len(self._costs)))]
-                quantiles = np.array([[self._suggest(trial, path) for path in self._space.paths]
+                quantiles = np.array([[self._suggest(trial, path) for path in self._question.paths]
                                       for trial in trials])
             rows = self._session.rows(quantiles)
             costs, excess = self._judge(rows)
@@ -253,7 +195,7 @@ class _Trials:
             self._tell(trials, costs, excess)
 
     def _suggest(self, trial: Any, path: str) -> float:
-        values = self._space.over[path]
+        values = self._question.over[path]
         if not isinstance(values, tuple):
             return float(trial.suggest_float(path, 0.0, 1.0))
         place = trial.suggest_categorical(path, list(range(len(values))))
@@ -263,7 +205,7 @@ class _Trials:
         """Costs [n, goals], and relative distances beyond the conditions [n]."""
         costs = np.array([[value_of(row, name) for name in self._goals] for row in rows])
         excess = np.array([max((each.excess(value_of(row, each.name)) / (abs(each.limit) or 1.0)
-                                for each in self._wanted), default=0.0) for row in rows])
+                                for each in self.wanted), default=0.0) for row in rows])
         bad = np.array([row.status != DONE for row in rows]) | np.isnan(costs).any(axis=1) | \
             np.isnan(excess)
         costs[bad], excess[bad] = np.nan, np.inf
@@ -280,16 +222,12 @@ class _Trials:
                 self._study.tell(trial, float(cost[0]) if beyond <= 0 else
                                  float(worst) + 1.0 + float(beyond))
             else:
-                if self._wanted:
+                if self.wanted:
                     trial.set_constraint("conditions", float(beyond))
                 self._study.tell(trial, cost.tolist())
 
     def chosen(self) -> Chosen:
-        """The best runs, repeated at half the step.
-
-        Raises:
-            SandboxError: no run meets all conditions.
-        """
+        """The best runs, repeated at half the step."""
         sound = np.flatnonzero(self._excess <= 0)
         if not len(sound):
             beyond = float(self._excess.min())
@@ -309,7 +247,7 @@ class _Trials:
                             ROUNDING * np.abs(self._costs[sound]).max(axis=0))
         same, detail = _compare(self._costs[again] / np.maximum(spread, 1e-300),
                                 costs / np.maximum(spread, 1e-300), excess, single=single)
-        points = self._space.points(self._quantiles[best])
+        points = self._question.points(self._quantiles[best])
         choices = tuple(Choice(
             {path: value if isinstance(value := number_of(written), float) else str(value)
              for path, written in point.items()},
@@ -319,7 +257,8 @@ class _Trials:
             for run, point, cost in zip(best, points, costs, strict=False))
         history = np.where(self._excess[:, None] <= 0, self._costs * self._signs, np.nan)
         return Chosen(choices, dict(self._goals),
-                      {**self._space.units, **self._session.question.kept}, len(self._costs),
+                      {**{path: self._question.unit(path) for path in self._question.paths},
+                       **self._question.kept}, len(self._costs),
                       len(self._failed), same, detail, history)
 
 

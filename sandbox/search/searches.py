@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict, Unpack, cast
+
+from pydantic import ValidationError
 
 from sandbox.atomic_files import output_path
 from sandbox.errors import Problem, SceneError
@@ -14,18 +17,27 @@ from sandbox.scene.read.limits import Limits
 from sandbox.search.fitting import Fitted, find_fit
 from sandbox.search.influences import Sensitivity, find_sensitivity
 from sandbox.search.optimum import Chosen, find_best
-from sandbox.search.question import Question, Scene, make_question, read_question
-from sandbox.search.session import RefusedError, Where, check_result, parse_conditions
+from sandbox.search.session import (
+    Question,
+    RefusedError,
+    Scene,
+    Session,
+    Where,
+    check_result,
+    make_question,
+    parse_conditions,
+    read_question,
+)
 from sandbox.search.thresholds import ThresholdFound, find_threshold
-from sandbox.values.paths import path_text
+from sandbox.sweeps.spec import SearchSpec
+from sandbox.values.messages import explain
+from sandbox.values.paths import JsonPath, path_text
 
-Keep = Mapping[str, Any] | list[str] | None
-Out = str | os.PathLike[str] | None
 Found = ThresholdFound | Fitted | Chosen | Sensitivity
-FINDERS: Mapping[str, Callable[..., Found]] = {
+FINDERS: Mapping[str, Callable[[Session, Any], Found]] = {
     "threshold": find_threshold, "fit": find_fit, "best": find_best,
     "sensitivity": find_sensitivity}
-"""The function of each search, whose options have the names of a study file."""
+"""The function of each search, by its name in a study file."""
 
 
 @dataclass(frozen=True)
@@ -45,26 +57,27 @@ class Search:
             place: where it runs, and where its files go.
             kind: of the search, for a study without one.
             options: that the file does not give.
-
-        Raises:
-            SceneError: options of the file that do not fit its ranges.
-            SandboxError: as the search itself.
         """
+        kind = self.kind or kind
+        written = {kind: {name: os.fspath(each) if isinstance(each, os.PathLike) else each
+                          for name, each in {**options, **(self.options or {})}.items()}}
         try:
-            return FINDERS[self.kind or kind](self.question, place=place, **options,
-                                              **(self.options or {}))
+            chosen = getattr(SearchSpec.model_validate(written), kind)
+        except ValidationError as error:
+            raise RefusedError("; ".join(
+                str(each).removeprefix(f"$.{kind}").lstrip(".: ")
+                for each in explain(error, written, SearchSpec))) from None
+        try:
+            with ExitStack() as stack:
+                return FINDERS[kind](Session(self.question, place, stack), chosen)
         except RefusedError as error:
             if not self.kind:
                 raise
             raise self._wrong([(str(error), ())]) from None
 
     def check(self) -> Search:
-        """Refuse unknown results in the file, and a measurement that is not there.
-
-        Raises:
-            SceneError: every problem.
-        """
-        wrong: list[tuple[str, tuple[str | int, ...]]] = []
+        """Refuse unknown results in the file, and a measurement that is not there."""
+        wrong: list[tuple[str, JsonPath]] = []
         options, written = self.options or {}, self.question.source.data["search"][self.kind]
         for name in ("where", "least", "most"):
             for number, text in enumerate(options.get(name, ())):
@@ -77,25 +90,19 @@ class Search:
                     wrong.append((str(error), (name, number) if isinstance(written[name], list)
                                   else (name,)))
         data = options.get("data")
-        if data is not None and not data.is_file():
+        if data is not None and not Path(data).is_file():
             wrong.append((f"there is no file {data}", ("data",)))
         if wrong:
             raise self._wrong(wrong)
         return self
 
     def require(self, kind: str) -> None:
-        """Refuse a study whose search is of another kind.
-
-        Raises:
-            SceneError: it is.
-        """
+        """Refuse a study whose search is of another kind."""
         if self.kind not in ("", kind):
             raise self._wrong([(f"the study is a search of the kind {self.kind}, not {kind}", ())],
                               key=True)
 
-    def _wrong(
-        self, problems: list[tuple[str, tuple[str | int, ...]]], *, key: bool = False,
-    ) -> SceneError:
+    def _wrong(self, problems: list[tuple[str, JsonPath]], *, key: bool = False) -> SceneError:
         source = self.question.source
         return SceneError([Problem("bad-search", message, path_text(("search", self.kind, *path)),
                                    *source.where(("search", self.kind, *path), key=key))
@@ -103,30 +110,47 @@ class Search:
 
 
 def read_search(study: Scene, limits: Limits | None = None) -> Search:
-    """The search of a study: a file or data.
-
-    Raises:
-        SceneError: every problem.
-    """
+    """The search of a study: a file or data."""
     question = read_question(study, limits)
     spec = question.plan.spec.search
     if spec is None:
         return Search(question)
-    options = spec.options
-    if spec.kind in ("best", "sensitivity") and "seed" in question.source.data:
+    own = getattr(spec, spec.kind)
+    options = {name: getattr(own, name) for name in own.model_fields_set}
+    if "seed" in type(own).model_fields and "seed" in question.source.data:
         options.setdefault("seed", question.plan.spec.seed)
     if "data" in options:
-        options["data"] = question.folder / options["data"]
+        options["data"] = str(question.folder / options["data"])
     return Search(question, spec.kind, options).check()
 
 
+class Shared(TypedDict, total=False):
+    """Arguments of all searches."""
+
+    vary: Mapping[str, Any]
+    """Ranges, ``"2 N:8 N"``, by path; lists and distributions where the search takes them. Without
+    it, ``scene`` is a study file."""
+    keep: Mapping[str, Any] | list[str]
+    """Results of each run, except for a fit."""
+    set: Mapping[str, Any]
+    """Further changes of the scene, in all runs."""
+    out: str | os.PathLike[str] | None
+    """A directory; runs that are finished in it are not repeated. Nowhere by default."""
+    workers: int | str
+    """Number of processes, by default one for each processor; or the address of a Dask
+    scheduler."""
+    limits: Limits | None
+    """Of the scene."""
+
+
 def study(
-    file: Scene, *, out: Out = None, workers: int | str = 0, limits: Limits | None = None,
+    file: Scene, *, out: str | os.PathLike[str] | None = None, workers: int | str = 0,
+    limits: Limits | None = None,
 ) -> Found:
     """The search in a study file, under its key ``search`` (docs/searches.md).
 
     Args:
-        file: the file, a shipped study's name, or its data.
+        file: the file, or its data.
         out: a directory; runs that are finished in it are not repeated. Nowhere by default.
         workers: number of processes, by default one for each processor; or the address of a Dask
             scheduler.
@@ -144,135 +168,107 @@ def study(
 
 
 def threshold(
-    scene: Scene, *, vary: Mapping[str, Any] | None = None, keep: Keep = None,
-    set: Mapping[str, Any] | None = None, where: Sequence[str] | str = (),
-    within: float | None = None, out: Out = None, workers: int | str = 0,
-    limits: Limits | None = None,
+    scene: Scene, *, where: Sequence[str] | str = (), within: float | str | None = None,
+    **shared: Unpack[Shared],
 ) -> ThresholdFound:
     """The value of one path at which a condition begins or ceases to hold (docs/searches.md).
 
     Args:
-        scene: a scene; without ``vary``, a study file.
-        vary: one path with a range, ``"2 N:8 N"``.
-        keep: results of each run.
-        set: further changes of the scene, in all runs.
+        scene: a scene.
         where: conditions, as ``"moved < 1 mm"``; by default the scene's expectations.
-        within: width of the bracket [SI].
-        out: as of :func:`study`.
-        workers: as of :func:`study`.
-        limits: as of :func:`study`.
+        within: width of the bracket; by default a thousandth of the range.
+        shared: ``vary`` (one path with a range), ``keep``, ``set``, ``out``, ``workers``,
+            ``limits``: see :class:`Shared`.
 
     Raises:
         SceneError: every problem of the study or its scene.
         SandboxError: both ends of the range have the same answer; a run has none.
         OutputError: the directory cannot be written.
     """
-    return find_threshold(_question(scene, vary=vary, keep=keep, set=set, limits=limits),
-                          _texts(where), within=within, place=_where(out, workers))
+    return cast("ThresholdFound", _run(scene, "threshold", shared, where=where, within=within))
 
 
 def fit(
-    scene: Scene, data: str | os.PathLike[str], *, vary: Mapping[str, Any] | None = None,
-    match: Mapping[str, str] | None = None, noise: Mapping[str, float] | None = None,
-    set: Mapping[str, Any] | None = None, out: Out = None, workers: int | str = 0,
-    limits: Limits | None = None,
+    scene: Scene, data: str | os.PathLike[str], *, match: Mapping[str, str] | None = None,
+    noise: Mapping[str, float | str] | None = None, **shared: Unpack[Shared],
 ) -> Fitted:
     """The values of paths with which a scene reproduces a measurement (docs/searches.md).
 
     Args:
-        scene: a scene; without ``vary``, a study file.
+        scene: a scene.
         data: a CSV file with a column ``time`` [s] and columns of quantities, SI or ``x [mm]``.
-        vary: ranges by path, ``"50 N/m:500 N/m"``.
         match: the quantity of each column, ``{"x": "puck.x"}``; by default columns that have a
             quantity's name.
-        noise: standard deviation of each column [SI]; estimated by default.
-        set: further changes of the scene, in all runs.
-        out: as of :func:`study`.
-        workers: as of :func:`study`.
-        limits: as of :func:`study`.
+        noise: standard deviation of each column; estimated by default.
+        shared: ``vary`` (ranges), ``set``, ``out``, ``workers``, ``limits``: see :class:`Shared`.
 
     Raises:
         SceneError: every problem of the study or its scene.
         SandboxError: data that cannot be used, a run without an answer.
         OutputError: the directory cannot be written.
     """
-    return find_fit(_question(scene, vary=vary, keep=[], set=set, limits=limits), Path(data),
-                    match=match, noise=noise, place=_where(out, workers))
+    return cast("Fitted", _run(scene, "fit", {"keep": [], **shared}, data=data,
+                               match=match, noise=noise))
 
 
 def best(
-    scene: Scene, *, vary: Mapping[str, Any] | None = None, keep: Keep = None,
-    least: Sequence[str] | str = (), most: Sequence[str] | str = (),
-    where: Sequence[str] | str = (), set: Mapping[str, Any] | None = None,
-    sampler: str | None = None, runs: int = 200, seed: int = 0,
-    out: Out = None, workers: int | str = 0, limits: Limits | None = None,
+    scene: Scene, *, least: Sequence[str] | str = (), most: Sequence[str] | str = (),
+    where: Sequence[str] | str = (), sampler: str | None = None, runs: int = 200, seed: int = 0,
+    **shared: Unpack[Shared],
 ) -> Chosen:
     """The values of paths that minimise or maximise results (docs/searches.md).
 
     Args:
-        scene: a scene; without ``vary``, a study file.
-        vary: ranges, ``"2 N:8 N"``, and lists by path.
-        keep: results of each run.
+        scene: a scene.
         least: names of results to minimise; several goals have several solutions.
         most: names of results to maximise.
         where: conditions, as ``"slip < 1 mm"``.
-        set: further changes of the scene, in all runs.
         sampler: of Optuna: ``cmaes``, ``tpe``, ``gp``, ``nsga2``, ``random``.
         runs: number of runs.
         seed: of the sampler.
-        out: as of :func:`study`.
-        workers: as of :func:`study`.
-        limits: as of :func:`study`.
+        shared: ``vary`` (ranges and lists), ``keep``, ``set``, ``out``, ``workers``, ``limits``:
+            see :class:`Shared`.
 
     Raises:
         SceneError: every problem of the study or its scene.
         SandboxError: no run meets the conditions; a package is not installed.
         OutputError: the directory cannot be written.
     """
-    return find_best(
-        _question(scene, vary=vary, keep=keep, set=set, limits=limits), least=_texts(least),
-        most=_texts(most), where=_texts(where), sampler=sampler, runs=runs, seed=seed,
-        place=_where(out, workers))
+    return cast("Chosen", _run(scene, "best", shared, least=least, most=most, where=where,
+                               sampler=sampler, runs=runs, seed=seed))
 
 
 def sensitivity(
-    scene: Scene, *, vary: Mapping[str, Any] | None = None, keep: Keep = None,
-    set: Mapping[str, Any] | None = None, method: str = "sobol", count: int = 64, seed: int = 0,
-    out: Out = None, workers: int | str = 0, limits: Limits | None = None,
+    scene: Scene, *, method: str = "sobol", count: int = 64, seed: int = 0,
+    **shared: Unpack[Shared],
 ) -> Sensitivity:
     """The influence of each path on each result (docs/searches.md).
 
     Args:
-        scene: a scene; without ``vary``, a study file.
-        vary: ranges, distributions and lists by path; two or more.
-        keep: results of each run.
-        set: further changes of the scene, in all runs.
+        scene: a scene.
         method: ``sobol`` (shares of the variance) or ``morris`` (screening).
         count: base points, a power of 2, or trajectories.
         seed: of the points.
-        out: as of :func:`study`.
-        workers: as of :func:`study`.
-        limits: as of :func:`study`.
+        shared: ``vary`` (two or more paths), ``keep``, ``set``, ``out``, ``workers``, ``limits``:
+            see :class:`Shared`.
 
     Raises:
         SceneError: every problem of the study or its scene.
         SandboxError: too few runs have an answer; SALib is not installed.
         OutputError: the directory cannot be written.
     """
-    return find_sensitivity(_question(scene, vary=vary, keep=keep, set=set, limits=limits),
-                            method=method, count=count, seed=seed, place=_where(out, workers))
+    return cast("Sensitivity", _run(scene, "sensitivity", shared, method=method, count=count,
+                                    seed=seed))
 
 
-def _question(scene: Scene, **arguments: Any) -> Question:
-    question = make_question(scene, **arguments)
+def _run(scene: Scene, kind: str, shared: Shared, **options: Any) -> Found:
+    given = dict(shared)
+    where = _where(given.pop("out", None), given.pop("workers", 0))
+    question = make_question(scene, **given)  # type: ignore[arg-type]
     if question.plan.spec.search is not None:
         raise RefusedError("the study already defines its search: use sandbox.search.study")
-    return question
+    return Search(question).run(where, kind=kind, **options)
 
 
-def _texts(given: Sequence[str] | str) -> Sequence[str]:
-    return [given] if isinstance(given, str) else given
-
-
-def _where(out: Out, workers: int | str) -> Where:
+def _where(out: Any, workers: Any) -> Where:
     return Where(None if out is None else output_path(out, "a search"), workers)

@@ -1,22 +1,28 @@
 """The work of a sweep as plain data: the scene with its files, the results to keep, and rows.
 
-Nothing here loads the engine.
+Nothing here loads the engine. The rows of a directory are a line of JSON each, appended and never
+rewritten, written at once when a run is finished: a process that is killed loses only the runs that
+were under way. A line that was cut off is removed.
 """
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
+import os
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from sandbox import __version__
+from sandbox.atomic_files import locked, output_errors
 from sandbox.errors import (
     ControllerFailed,
+    OutputError,
     RecordingFull,
     SandboxError,
     SceneError,
@@ -38,10 +44,13 @@ ENDED: dict[type[SandboxError], str] = {
 STATUSES = (DONE, *ENDED.values(), DIED)
 STEP = "run.step"
 """Path of the time step, which searches halve to check their result."""
-DRAWINGS = (".svg", ".dxf")
+FOLDER = "rows"
+"""Folder of the rows in the directory of a sweep."""
 Override = str | float | int | bool | list[Any] | dict[str, Any] | None
 """A value as ``--set`` takes it."""
-Task = tuple[str, Mapping[str, Override]]
+Point = Mapping[str, Override]
+"""The values of the varied paths in a run."""
+Task = tuple[str, Point]
 """Id of a run, and the values of its paths."""
 
 
@@ -94,33 +103,23 @@ def make_bundle(
         overrides: changes of the scene.
         limits: of the scene.
         also: later values of its paths, which may name further files beside it.
-
-    Raises:
-        SceneError: every problem of the scene.
     """
-    also = list(also)
     loaded = read_scene(scene, overrides=overrides, limits=limits)
     if isinstance(scene, Mapping):
         data = json.loads(json.dumps(dict(scene)))
         return Bundle(loaded.mechanism.name, data=data), loaded
-    found = {scene.name: scene.read_bytes()}
-    for path in [*loaded.files, *_named_scenes(scene.parent, also, limits)]:
-        name = path.relative_to(scene.parent) if path.is_relative_to(scene.parent) else path.name
-        found[str(name)] = path.read_bytes()
-    written = [*map(json.loads, found.values()), overrides, also]
-    for text in {text for each in written for text in _texts(each)}:
-        if text.lower().endswith(DRAWINGS) and (scene.parent / text).is_file():
-            found[text] = own_file(scene.parent, text)
-    return Bundle(loaded.mechanism.name, main=scene.name, files=found), loaded
-
-
-def _named_scenes(folder: Path, values: Iterable[Any], limits: Limits) -> Iterator[Path]:
-    """Scene files that values name, and those that they include."""
-    for text in sorted({text for text in _texts(list(values)) if text.isidentifier()}):
+    folder, later = scene.parent, set(_texts(list(also)))
+    paths = [scene, *loaded.files]
+    for text in sorted(filter(str.isidentifier, later)):
         path = folder / f"{text}.json"
         if path.is_file():
-            yield path
-            yield from read_scene(path, limits=limits).files
+            paths += [path, *read_scene(path, limits=limits).files]
+    found = {str(path.relative_to(folder) if path.is_relative_to(folder) else path.name):
+             path.read_bytes() for path in paths}
+    for text in later.union(_texts([*map(json.loads, found.values()), overrides])):
+        if text.lower().endswith((".svg", ".dxf")) and (folder / text).is_file():
+            found[text] = own_file(folder, text)
+    return Bundle(loaded.mechanism.name, main=scene.name, files=found), loaded
 
 
 def _texts(value: Any) -> Iterator[str]:
@@ -170,10 +169,13 @@ class SweepJob:
         return hashlib.sha256(text.encode()).hexdigest()
 
 
-def run_id(digest: str, values: Mapping[str, Override]) -> str:
+def run_id(digest: str, values: Point) -> str:
     """Id of a run, 16 hexadecimal digits: of :attr:`SweepJob.digest` and its paths' values."""
     text = json.dumps([digest, dict(values)], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+# -- rows ----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -195,27 +197,79 @@ class SweepRow:
     looks: tuple[str, ...] | None = None
     """Audit figures with a warning; None where the run was not audited."""
 
-    @property
-    def doubtful(self) -> bool:
-        """Whether it ended early, or its audit has warnings."""
-        return self.status != DONE or bool(self.looks)
-
     def to_json(self) -> bytes:
         """A line of JSON."""
         return json.dumps(asdict(self), allow_nan=False).encode() + b"\n"
 
-    @classmethod
-    def from_json(cls, line: bytes) -> SweepRow:
-        """The row of a line of JSON.
 
-        Raises:
-            KeyError, TypeError, ValueError, AttributeError: the line is no row.
-        """
-        data = json.loads(line)
-        looks = data["looks"]
-        if data["status"] not in STATUSES:
-            raise ValueError(data["status"])
-        return cls(str(data["id"]), data["status"], str(data["reason"]), {
-            str(name): None if value is None else float(value)
-            for name, value in data["kept"].items()}, data["holds"],
-            tuple(map(str, data["failed"])), None if looks is None else tuple(map(str, looks)))
+class Log:
+    """The rows of a directory, as a context in which no other process adds to them."""
+
+    def __init__(self, directory: Path) -> None:
+        self.folder = directory / FOLDER
+        self._stack = contextlib.ExitStack()
+        self._file: IO[bytes] | None = None
+
+    def __enter__(self) -> Log:
+        with output_errors(self.folder):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            mark = self.folder / ".lock"
+            mark.touch()
+            if self._stack.enter_context(locked(mark)) is False:
+                raise OutputError(f"{self.folder.parent}: another process writes to this directory",
+                                  code="runs-in-use")
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._file is not None:
+            with contextlib.suppress(OSError):
+                os.fsync(self._file.fileno())
+            self._file.close()
+        self._stack.close()
+
+    def rows(self) -> Iterator[SweepRow]:
+        """The rows so far, in the order in which they were finished."""
+        return read_rows(self.folder)
+
+    def clear(self) -> None:
+        """Remove all rows, before any is added."""
+        with output_errors(self.folder):
+            for path in row_files(self.folder):
+                path.unlink()
+
+    def add(self, row: SweepRow) -> None:
+        """Append a finished run."""
+        with output_errors(self.folder):
+            if self._file is None:
+                path = next(reversed(row_files(self.folder)), self.folder / "00000.jsonl")
+                if path.is_file():  # remove a line that was cut off
+                    os.truncate(path, path.read_bytes().rfind(b"\n") + 1)
+                self._file = path.open("ab", buffering=0)
+            self._file.write(row.to_json())
+
+
+def row_files(folder: Path) -> list[Path]:
+    """The files of rows, in their order."""
+    return sorted(path for path in folder.glob("*.jsonl") if path.stem.isdigit())
+
+
+def read_rows(folder: Path) -> Iterator[SweepRow]:
+    """The rows of a folder, in the order in which they were finished."""
+    for path in row_files(folder):
+        with output_errors(path), path.open("rb") as file:
+            for number, line in enumerate(file, start=1):
+                if not line.endswith(b"\n"):
+                    break  # being written, or cut off
+                try:
+                    data = json.loads(line)
+                    looks = data["looks"]
+                    row = SweepRow(**data | {
+                        "failed": tuple(data["failed"]),
+                        "looks": None if looks is None else tuple(looks)})
+                    if row.status not in STATUSES:
+                        raise ValueError(row.status)
+                except (KeyError, TypeError, ValueError, AttributeError):
+                    raise OutputError(f"{path}:{number}: this line is no row of a sweep; take it "
+                                      "away, and its run is done again",
+                                      code="run-damaged") from None
+                yield row

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -14,27 +14,25 @@ from pydantic import ValidationError
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue
 from sandbox.samples.samples import TIME
-from sandbox.scene.library import find_scene, shipped_scenes
+from sandbox.scene.library import find_scene
 from sandbox.scene.read.limits import Limits, over
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.read.source import SceneSource, read_source
 from sandbox.scene.settings import Expect, Looked
-from sandbox.sweeps.job import Override, SweepJob, make_bundle, run_id
-from sandbox.sweeps.points import Points, make_points, number_of
+from sandbox.sweeps.job import Point, SweepJob, make_bundle, run_id
 from sandbox.sweeps.spec import UNCOUNTED, SweepSpec
-from sandbox.sweeps.vary import si_unit
+from sandbox.sweeps.vary import Points, number_of, si_unit
 from sandbox.values.expressions import parse_expression
 from sandbox.values.messages import explain
 from sandbox.values.paths import parse_path
 from sandbox.values.units import unit_in
-from sandbox.wording import WrongValueError, counted, is_pattern, kind_of, listed, near, quoted
+from sandbox.wording import WrongValueError, is_pattern, kind_of, listed, near, quoted
 
-COLUMNS = ("run", "id", "status", "reason", "holds", "failed", "looks", "seed")
+COLUMNS = ("run", "id", "status", "reason", "met", "holds", "failed", "looks", "seed")
 """Columns of a table besides values and results."""
 MAX_RESULTS = 2_000
 MAX_TRIED_TEXTS = 20
 """Different texts of one path with which the scene is read before anything runs."""
-DURATION = "run.duration"
 
 
 @dataclass(frozen=True)
@@ -57,9 +55,6 @@ class Plan:
     def __len__(self) -> int:
         return len(self.points)
 
-    def __repr__(self) -> str:
-        return f"<Plan of {self.name!r}: {counted(len(self), 'run')}, {len(self.job.keep)} kept>"
-
     @cached_property
     def ids(self) -> list[str]:
         """The ids of all runs; equal points have equal ids."""
@@ -74,11 +69,9 @@ class Plan:
                  for axis in self.points.axes}
         catalogue = Catalogue(self.loaded.mechanism)
         for name, keep in self.job.keep.items():
-            unit = ""
-            if isinstance(keep, Looked) and keep.quantity in catalogue:
-                unit = catalogue.find(keep.quantity).unit
-            elif isinstance(keep, Looked) and keep.quantity == TIME:
-                unit = "s"
+            quantity = keep.quantity if isinstance(keep, Looked) else ""
+            unit = catalogue.find(quantity).unit if quantity in catalogue else \
+                "s" if quantity == TIME else ""
             found[name] = "" if unit == "1" else unit
         return found
 
@@ -97,27 +90,19 @@ def _written_unit(base: Loaded, path: str) -> str:
 
 
 def read_plan(source: str | os.PathLike[str], limits: Limits | None = None) -> Plan:
-    """The plan of a study file, or of a shipped study by name.
-
-    Raises:
-        SceneError: every problem of the study or its scene.
-    """
-    path = study_file(os.fspath(source), limits) or Path(source)
+    """The plan of a study file."""
+    path = Path(source)
     return make_plan(read_source(path, limits=limits), limits, folder=path.parent, name=path.stem)
 
 
 def plan_of(data: Mapping[str, Any], limits: Limits | None = None) -> Plan:
-    """The plan of a study given as data; files are relative to the working directory.
-
-    Raises:
-        SceneError: every problem of the study or its scene.
-    """
-    return make_plan(SceneSource(dict(data)), limits, folder=Path())
+    """The plan of a study given as data; files are relative to the working directory."""
+    return make_plan(SceneSource(dict(data)), limits)
 
 
 def make_plan(
-    found: SceneSource, limits: Limits | None, *, folder: Path, name: str = "",
-    points_of: Callable[[SweepSpec], Points] = make_points,
+    found: SceneSource, limits: Limits | None, *, folder: Path = Path(), name: str = "",
+    search: bool = False,
 ) -> Plan:
     """The plan of a study.
 
@@ -126,16 +111,13 @@ def make_plan(
         limits: of each run, and of their number.
         folder: to which file names are relative.
         name: of the study, if it has none.
-        points_of: makes the points of the study.
-
-    Raises:
-        SceneError: every problem of the study or its scene.
+        search: whether it is a search, of which only the ends of all values are checked.
     """
     if not isinstance(found.data, dict):
         raise SceneError([Problem("bad-study",
                                   f"a study is an object {{…}}, not {kind_of(found.data)}", "$",
                                   *found.where(()))], found.name)
-    return _Checks(found, limits or Limits(), folder).plan(name, points_of)
+    return _Checks(found, limits or Limits(), search).plan(folder, name)
 
 
 @dataclass
@@ -144,23 +126,25 @@ class _Checks:
 
     found: SceneSource
     limits: Limits
-    folder: Path
+    search: bool
     problems: list[Problem] = field(default_factory=list)
 
-    def plan(self, name: str, points_of: Callable[[SweepSpec], Points]) -> Plan:
+    def plan(self, folder: Path, name: str) -> Plan:
         data = self.found.data
-        scene = self._scene()
+        scene = self._scene(folder)
         overrides = data.get("set", {})
         base = read_scene(scene, overrides=overrides if isinstance(overrides, dict) else {},
                           limits=self.limits)
         spec = self._spec(base)
-        points = points_of(spec)
+        points = spec.ends() if self.search else spec.points()
         self.problems += over(self.limits, "runs", len(points), "$.vary",
                               "the sweep has {count} runs")
         self._refuse()
         durations = self._read_extremes(scene, spec, points)
-        if len(durations) == 1 or DURATION in points.paths:  # otherwise others may be longer
-            self._check_windows(spec, max(durations))
+        if len(durations) == 1 or "run.duration" in points.paths:  # otherwise others may be longer
+            self.problems += [
+                Problem("bad-time", beyond, f'$.keep["{name}"]') for name, each in spec.keep.items()
+                if isinstance(each, Looked) and (beyond := each.past_end(max(durations)))]
         keep = self._results(spec, base, points)
         self._refuse()
         bundle, base = make_bundle(scene, spec.set, self.limits,
@@ -175,7 +159,7 @@ class _Checks:
                 for line, column in [self.found.where(parse_path(each.path), key=each.key)]],
                 self.found.name)
 
-    def _scene(self) -> Path | dict[str, Any]:
+    def _scene(self, folder: Path) -> Path | dict[str, Any]:
         """The file of the scene, or its data."""
         named = self.found.data.get("scene")
         if isinstance(named, dict):
@@ -187,14 +171,8 @@ class _Checks:
                 allowed='"scene": a file in the same folder, the name of a shipped scene, or a '
                         "scene"))
             self._refuse()
-        path = self.folder / str(named)
-        if path.suffix == ".json" and path.is_file():
-            return path
-        shipped = shipped_scenes()
-        if named in shipped:
-            return shipped[str(named)]
         try:
-            return find_scene(path if path.suffix == ".json" else str(named))
+            return find_scene(folder / str(named) if str(named).endswith(".json") else str(named))
         except SceneError as error:
             self.problems += [replace(each, path="$.scene") for each in error.problems]
             self._refuse()
@@ -203,7 +181,8 @@ class _Checks:
     def _spec(self, base: Loaded) -> SweepSpec:
         data = self.found.data
         try:
-            return SweepSpec.model_validate(data, context={"parameters": base.scene.parameters})
+            return SweepSpec.model_validate(data, context={
+                "parameters": base.scene.parameters, "search": self.search})
         except ValidationError as error:
             self.problems += explain(error, data, SweepSpec)
             if "search" in data and all(each["type"] == UNCOUNTED for each in error.errors()):
@@ -223,26 +202,23 @@ class _Checks:
             durations of these runs [s].
         """
         seen, durations = set[str](), set[float]()
-        for run in sorted(set(_extremes(points))):
+        for run in sorted({0, *_extremes(points)}):
             values = points[run]
             try:
                 durations.add(read_scene(scene, overrides={**spec.set, **values},
                                          limits=self.limits).mechanism.run.duration)
             except SceneError as error:
-                for each in error.problems:
-                    if each.message not in seen:
-                        seen.add(each.message)
-                        self.problems.append(self._of_point(each, values, spec))
+                self.problems += [self._of_point(each, values, spec) for each in error.problems
+                                  if each.message not in seen]
+                seen.update(each.message for each in error.problems)
         self._refuse()
         return durations
 
-    def _of_point(
-        self, problem: Problem, values: Mapping[str, Override], spec: SweepSpec,
-    ) -> Problem:
+    def _of_point(self, problem: Problem, values: Point, spec: SweepSpec) -> Problem:
         """A problem of the scene at one point, placed at the path that causes it."""
-        listed_ = isinstance(self.found.data.get("vary"), list)
+        several = isinstance(self.found.data.get("vary"), list)
         place = next((
-            f'{f"$.vary[{k}].over" if listed_ else "$.vary"}["{path}"]'
+            f'{f"$.vary[{k}].over" if several else "$.vary"}["{path}"]'
             for k, group in enumerate(spec.vary) for path in group.over
             if quoted(path) in problem.message or f"$.{path}" == problem.path), "$.vary")
         if not problem.message.startswith("cannot set "):
@@ -250,35 +226,30 @@ class _Checks:
             problem = Problem("bad-study", f"with {here} the scene is wrong: {problem}")
         return replace(problem, path=place, line=0, column=0, file="")
 
-    def _check_windows(self, spec: SweepSpec, duration: float) -> None:
-        """Refuse windows of time beyond the longest run."""
-        for name, each in spec.keep.items():
-            if not isinstance(each, str) and (beyond := each.past_end(duration)):
-                self.problems.append(Problem("bad-time", beyond, f'$.keep["{name}"]'))
-
     def _results(
         self, spec: SweepSpec, base: Loaded, points: Points,
     ) -> dict[str, Looked | str]:
         """Results by name, patterns expanded; by default those of the scene's expectations."""
-        keep: dict[str, Looked | str] = dict(spec.keep) or _expected(base)
         catalogue = Catalogue(base.mechanism)
         found: dict[str, Looked | str] = {}
-        for name, each in keep.items():
+        for name, each in (spec.keep or _expected(base)).items():
             path = f'$.keep["{name}"]'
             if isinstance(each, str):
                 self._check_expression(each, {*base.scene.parameters, *found}, path)
                 found[name] = each
                 continue
-            names = catalogue.match(each.quantity) or [TIME] * (each.quantity == TIME)
+            pattern = each.quantity
+            names = catalogue.match(pattern) or [TIME] * (pattern == TIME)
             if not names:
-                hint = catalogue.near(each.quantity)
+                hint = catalogue.near(pattern)
                 self.problems.append(Problem(
-                    "unknown-quantity",
-                    f"no run has the quantity {quoted(each.quantity)}", path,
-                    allowed=catalogue.lacking(each.quantity) or catalogue.allowed(each.quantity),
+                    "unknown-quantity", f"no run has the quantity {quoted(pattern)}", path,
+                    allowed=catalogue.lacking(pattern) or catalogue.allowed(pattern),
                     hint=quoted(hint) if hint else ""))
             for quantity in names:
-                found[_column(name, each.quantity, quantity)] = Looked.model_validate(
+                column = name if not is_pattern(pattern) else name.replace(pattern, quantity) \
+                    if pattern in name else f"{name} {quantity}"
+                found[column] = Looked.model_validate(
                     each.model_dump(exclude_defaults=True) | {each.key: quantity})
         self.problems += [Problem("duplicate-name",
                                   f"{quoted(name)} is another column of the table", "$.keep",
@@ -305,17 +276,16 @@ class _Checks:
 
 def _extremes(points: Points) -> Iterator[int]:
     """Runs with the least and largest value of each path; of texts, the first of each."""
-    yield 0
     for axis in points.axes:
         numbers = [number_of(value) for value in axis.written]
         if all(isinstance(number, float) for number in numbers):
             order = sorted(range(len(numbers)), key=numbers.__getitem__)
-            wanted = {order[0], order[-1]}
+            wanted = [order[0], order[-1]]
         else:
             first = {str(value): place for place, value in reversed(list(enumerate(axis.written)))}
-            wanted = set(list(first.values())[:MAX_TRIED_TEXTS])
+            wanted = list(first.values())[:MAX_TRIED_TEXTS]
         for place in wanted:
-            yield int((points.places(axis.path) == place).argmax())
+            yield int((points.places[axis.path] == place).argmax())
 
 
 def _expected(base: Loaded) -> dict[str, Looked | str]:
@@ -326,21 +296,11 @@ def _expected(base: Loaded) -> dict[str, Looked | str]:
         if isinstance(each, Expect)}
 
 
-def _column(name: str, pattern: str, quantity: str) -> str:
-    """The column of one of the quantities that a pattern matches."""
-    if not is_pattern(pattern):
-        return name
-    return name.replace(pattern, quantity) if pattern in name else f"{name} {quantity}"
-
-
 def study_file(word: str, limits: Limits | None = None) -> Path | None:
     """The study file that a word names; None for a scene.
 
     A study has a key ``vary`` or ``search``, or its ``scene`` is a name, which no scene has: so a
     file whose ``vary`` is misspelt is read as a study.
-
-    Raises:
-        SceneError: a file that cannot be read.
     """
     path = Path(word)
     if path.suffix != ".json" or not path.is_file():

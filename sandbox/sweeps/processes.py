@@ -24,16 +24,12 @@ def processors() -> int:
 
 
 def check_workers(workers: int | str) -> int | str:
-    """Number of worker processes, 0 replaced by one for each processor; or an address.
-
-    Raises:
-        SandboxError: a negative number, or more than :data:`MAX_PER_PROCESSOR` for each processor.
-    """
+    """Number of worker processes, 0 replaced by one for each processor; or an address."""
     if isinstance(workers, str):
         return workers
     most = MAX_PER_PROCESSOR * processors()
     if not 0 <= workers <= most:
-        raise SandboxError(f"{workers} worker processes are not begun (allowed: 1 to {most}, "
+        raise SandboxError(f"cannot start {workers} worker processes (allowed: 1 to {most}, "
                            f"{MAX_PER_PROCESSOR} for each processor)", code="bad-option")
     return workers or processors()
 

@@ -20,7 +20,7 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import measured, verdicts, window
 from sandbox.scene.composite import load_elements
 from sandbox.scene.read.load import Loaded, read_scene
-from sandbox.sweeps.job import DONE, ENDED, Keep, Override, ReadAt, SweepJob, SweepRow
+from sandbox.sweeps.job import DONE, ENDED, Keep, Point, ReadAt, SweepJob, SweepRow
 from sandbox.values.expressions import parse_expression
 
 MAX_REASON = 500
@@ -38,21 +38,26 @@ class Runner:
     def prepare(self) -> None:
         """Compile the kernels that the scene needs into the cache."""
         with suppress(Exception):  # each run reports the problems of its scene
-            Simulation(_checked(self._load({})))
+            Simulation(self._load({})[1])
 
-    def _load(self, values: Mapping[str, Override]) -> Loaded:
-        return read_scene(self._scene, overrides={**self._job.set, **values},
-                          limits=self._job.limits)
+    def _load(self, values: Point) -> tuple[Loaded, Checked]:
+        """The scene, of which only its controllers need a check after reading."""
+        loaded = read_scene(self._scene, overrides={**self._job.set, **values},
+                            limits=self._job.limits)
+        if problems := control_problems(loaded.mechanism):
+            raise SceneError(loaded.placed(problems), loaded.name)
+        return loaded, Checked(loaded.mechanism)
 
-    def __call__(self, id: str, values: Mapping[str, Override]) -> SweepRow:
+    def __call__(self, id: str, values: Point) -> SweepRow:
         """Run one point; errors of the run are in its row."""
         try:
-            loaded = self._load(values)
-            recording = simulate(_checked(loaded),
-                                 recorded_bytes=self._job.limits.recorded_bytes)
+            loaded, mechanism = self._load(values)
+            recording = simulate(mechanism, recorded_bytes=self._job.limits.recorded_bytes)
         except tuple(ENDED) as error:
             status = next(status for kind, status in ENDED.items() if isinstance(error, kind))
-            return SweepRow(id, status, reason=_reason(error))
+            text = "; ".join(map(str, error.problems)) if isinstance(error, SceneError) \
+                else str(error)
+            return SweepRow(id, status, reason=" ".join(text.split())[:MAX_REASON])
         parameters = loaded.scene.parameters
         if self._job.recordings:
             recording.save(Path(self._job.recordings, id), parameters=parameters)
@@ -64,19 +69,6 @@ class Runner:
             id, DONE, reason="; ".join(missing)[:MAX_REASON], kept=kept,
             holds=all(verdict.ok for verdict in judged) if judged else None,
             failed=tuple(dict.fromkeys(v.quantity for v in judged if not v.ok)), looks=looks)
-
-
-def _checked(loaded: Loaded) -> Checked:
-    """The mechanism of a scene that was just read: only its controllers need a check."""
-    if problems := control_problems(loaded.mechanism):
-        raise SceneError(loaded.placed(problems), loaded.name)
-    return Checked(loaded.mechanism)
-
-
-def _reason(error: SandboxError) -> str:
-    """An error on one line."""
-    text = "; ".join(map(str, error.problems)) if isinstance(error, SceneError) else str(error)
-    return " ".join(text.split())[:MAX_REASON]
 
 
 def read_results(

@@ -2,22 +2,33 @@
 
 from __future__ import annotations
 
-import re
 from typing import Annotated, Any, Literal, Self, get_args
 
+import numpy as np
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     Discriminator,
     Field,
     Tag,
+    ValidationInfo,
     field_validator,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
 
 from sandbox.scene.settings import STATISTICS, Looked
-from sandbox.sweeps.vary import MAX_VALUES, Distribution, Given, Range, Values
+from sandbox.sweeps.vary import (
+    MAX_VALUES,
+    Axis,
+    Distribution,
+    Given,
+    Points,
+    Range,
+    Values,
+    group_points,
+    values_at,
+    wrong_study,
+)
 from sandbox.values.expressions import parse_expression
 from sandbox.values.numbers import Quantity, number_from, refusal
 from sandbox.values.spec import Spec
@@ -28,10 +39,11 @@ Design = Literal["grid", "paired", "latin_hypercube", "sobol", "halton", "random
 EXPLICIT = ("grid", "paired")
 """Designs that use the values of lists and ranges; the others choose their own."""
 MAX_PATHS = 50
+TAILS = np.array([0.01, 0.99])
+"""Quantiles of a distribution at which a search reads the scene before anything runs."""
 UNCOUNTED = "missing-key"
 """Error type of a range without a count, which a search can use and a sweep cannot."""
 NAME = r"^[A-Za-z_][A-Za-z0-9_ .:/*?\[\]-]*$"
-_OVER = re.compile(r"\s+over\s+")
 
 
 # -- short texts ---------------------------------------------------------------------
@@ -41,14 +53,11 @@ def parse_statistic(text: str) -> dict[str, Any]:
     """The object of ``"mean disc.x over last 0.2 s"`` or ``"disc.x at 0.5 s"``.
 
     A quantity alone means its last sample.
-
-    Raises:
-        WrongValueError: an unknown statistic, or no window of time.
     """
     quantity, at, instant = text.strip().partition(" at ")
     if at:
         return {"quantity": quantity.strip(), "at": instant.strip()}
-    what, *windows = _OVER.split(text.strip())
+    what, *windows = text.strip().split(" over ")
     if len(windows) > 1:
         raise WrongValueError("bad-study", f"{quoted(text)} has more than one 'over'")
     statistic, _, quantity = what.partition(" ")
@@ -59,18 +68,14 @@ def parse_statistic(text: str) -> dict[str, Any]:
                               allowed=", ".join(STATISTICS), hint=near(statistic, STATISTICS))
     found: dict[str, Any] = {statistic: quantity.strip()}
     if windows:
-        found["over"] = _parse_window(windows[0].strip())
+        window = windows[0].strip()
+        ends = window.split(":")
+        if len(ends) != 2 and not window.startswith("last "):
+            raise WrongValueError("bad-study", f"{quoted(window)} is no window of time",
+                                  allowed='"last 0.2 s", "0.5 s : 1 s"')
+        found["over"] = window if len(ends) != 2 else [number_from(end.strip(), "time", {})
+                                                       for end in ends]
     return found
-
-
-def _parse_window(text: str) -> Any:
-    if text.startswith("last "):
-        return text
-    ends = [part.strip() for part in text.split(":")]
-    if len(ends) != 2:
-        raise WrongValueError("bad-study", f"{quoted(text)} is no window of time",
-                              allowed='"last 0.2 s", "0.5 s : 1 s"')
-    return [number_from(end, "time", {}) for end in ends]
 
 
 def statistic_text(statistic: Looked) -> str:
@@ -87,11 +92,7 @@ def statistic_text(statistic: Looked) -> str:
 
 
 def parse_result(text: str) -> tuple[str, str]:
-    """Name and definition of ``"tip = max finger.tip.x"``; without a name, the text is the name.
-
-    Raises:
-        WrongValueError: it is empty, or an expression without a name.
-    """
+    """Name and definition of ``"tip = max finger.tip.x"``; without a name, the text is the name."""
     name, equals, what = (part.strip() for part in text.partition("="))
     if not equals:
         name = what = text.strip()
@@ -105,32 +106,23 @@ def parse_result(text: str) -> tuple[str, str]:
     return name, what
 
 
-def _statistic(value: Any) -> Any:
-    if isinstance(value, str) and not value.lstrip().startswith("="):
-        try:
+def _result(value: Any) -> Any:
+    """The object of a text; a text that is an expression is checked."""
+    if not isinstance(value, str):
+        return value
+    try:
+        if not value.lstrip().startswith("="):
             return parse_statistic(value)
-        except ValueError as error:
-            raise refusal(error) from None
+        parse_expression(value)
+    except ValueError as error:
+        raise refusal(error) from None
     return value
 
 
-def _expression(value: Any) -> Any:
-    if isinstance(value, str):
-        try:
-            parse_expression(value)
-        except ValueError as error:
-            raise refusal(error) from None
-    return value
-
-
-def _kind(value: Any) -> str:
-    return "expression" if isinstance(value, str) else "statistic"
-
-
-_Result = Annotated[
-    Annotated[Looked, Tag("statistic")]
-    | Annotated[str, BeforeValidator(_expression), Tag("expression")], Discriminator(_kind)]
-Result = Annotated[_Result, BeforeValidator(_statistic)]
+Result = Annotated[
+    Annotated[Looked, Tag("statistic")] | Annotated[str, Tag("expression")],
+    Discriminator(lambda value: "expression" if isinstance(value, str) else "statistic"),
+    BeforeValidator(_result, json_schema_input_type=Looked | str)]
 """A statistic of a quantity in a window of time, or an expression of earlier results."""
 
 
@@ -140,26 +132,19 @@ Sampler = Literal["cmaes", "tpe", "gp", "nsga2", "random"]
 """Samplers of an optimisation: CMA-ES (Hansen and Ostermeier, Evol. Comput. 9 (2001) 159),
 tree-structured Parzen estimators (Bergstra et al., 2011), a Gaussian process, NSGA-II (Deb et al.,
 IEEE Trans. Evol. Comput. 6 (2002) 182), random."""
-Method = Literal["sobol", "morris"]
-MAX_RUNS = 1_000_000
 MAX_SEED = 2**32 - 1
 """The largest seed that all libraries take."""
 
 
-def _several(value: Any) -> Any:
-    return [value] if isinstance(value, str) else value
-
-
-def _positive(value: float) -> float:
-    if value <= 0:
-        raise PydanticCustomError("bad-search", "must be greater than 0")
-    return value
+def _wrong_search(message: str, **context: str) -> PydanticCustomError:
+    return PydanticCustomError("bad-search", message, context)
 
 
 Texts = Annotated[
     tuple[str, ...], Field(max_length=100),
-    BeforeValidator(_several, json_schema_input_type=str | tuple[str, ...])]
-Width = Annotated[Quantity, AfterValidator(_positive)]
+    BeforeValidator(lambda value: [value] if isinstance(value, str) else value,
+                    json_schema_input_type=str | tuple[str, ...])]
+Width = Annotated[Quantity, Field(gt=0)]
 Seed = Annotated[int, Field(ge=0, le=MAX_SEED)]
 
 
@@ -197,7 +182,7 @@ class BestSearch(Spec):
     sampler: Sampler | None = None
     """``cmaes`` (the default for one goal over ranges), ``tpe`` (with conditions or lists),
     ``gp``, ``nsga2`` (for several goals), ``random``."""
-    runs: Annotated[int, Field(ge=1, le=MAX_RUNS)] = 200
+    runs: Annotated[int, Field(ge=1)] = 200
     """Number of runs; a larger one continues the search."""
     seed: Seed = 0
     """Of the sampler."""
@@ -205,17 +190,20 @@ class BestSearch(Spec):
     @model_validator(mode="after")
     def _check(self) -> Self:
         if not self.least and not self.most:
-            raise PydanticCustomError("bad-search", "give a quantity to minimise or maximise",
-                                      {"allowed": '"least": ["spread"], "most": ["force"]'})
+            raise _wrong_search("give a quantity to minimise or maximise",
+                                allowed='"least": ["spread"], "most": ["force"]')
+        if both := sorted({*self.least} & {*self.most}):
+            raise _wrong_search("{name} cannot be minimised and maximised at once",
+                                name=quoted(both[0]))
         return self
 
 
 class SensitivitySearch(Spec):
     """The influence of each path on each result."""
 
-    method: Method = "sobol"
+    method: Literal["sobol", "morris"] = "sobol"
     """``sobol`` (shares of the variance) or ``morris`` (screening of many paths)."""
-    count: Annotated[int, Field(ge=4, le=MAX_RUNS)] = 64
+    count: Annotated[int, Field(ge=4)] = 64
     """Base points, a power of 2, each with as many runs as there are paths and two more; or
     Morris' trajectories."""
     seed: Seed = 0
@@ -223,16 +211,11 @@ class SensitivitySearch(Spec):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.method == "sobol" and (powers := powers_around(self.count)):
-            raise PydanticCustomError(
-                "bad-search", "Sobol's points are a power of 2, not {count}",
-                {"count": str(self.count), "allowed": ", ".join(map(str, powers))})
+        if self.method == "sobol" and self.count & (self.count - 1):
+            below = 1 << (self.count.bit_length() - 1)
+            raise _wrong_search("Sobol's points are a power of 2, not {count}",
+                                count=str(self.count), allowed=f"{below}, {2 * below}")
         return self
-
-
-def powers_around(count: int) -> tuple[int, ...]:
-    """The powers of 2 below and above a count; none if it is one itself."""
-    return (1 << (count.bit_length() - 1), 1 << count.bit_length()) if count & (count - 1) else ()
 
 
 class SearchSpec(Spec):
@@ -249,27 +232,17 @@ class SearchSpec(Spec):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        given = [name for name in SEARCHES if getattr(self, name) is not None]
+        known = list(type(self).model_fields)
+        given = [name for name in known if getattr(self, name) is not None]
         if len(given) != 1:
-            raise PydanticCustomError(
-                "bad-search", "a study is one search" + (f", not {' and '.join(given)}" if given
-                                                     else ""), {"allowed": ", ".join(SEARCHES)})
+            raise _wrong_search("a study is one search" + (f", not {' and '.join(given)}" if given
+                                                           else ""), allowed=", ".join(known))
         return self
 
     @property
     def kind(self) -> str:
         """Its name."""
-        return next(name for name in SEARCHES if getattr(self, name) is not None)
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """The options that the file gives."""
-        own = getattr(self, self.kind)
-        return {name: getattr(own, name) for name in type(own).model_fields
-                if name in own.model_fields_set}
-
-
-SEARCHES = tuple(SearchSpec.model_fields)
+        return next(name for name in type(self).model_fields if getattr(self, name) is not None)
 
 
 # -- sweeps --------------------------------------------------------------------------
@@ -297,52 +270,43 @@ class Varying(Spec):
         return "grid" if self.count is None else "latin_hypercube"
 
     @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _check(self, info: ValidationInfo) -> Self:
+        if (info.context or {}).get("search"):  # it chooses its points itself
+            return self
         design = self.chosen_design
         if design in EXPLICIT:
             self._check_explicit(design)
         elif self.count is None:
-            raise PydanticCustomError("bad-study", "a design {design} needs a count of points",
-                                      {"design": quoted(design)})
+            raise wrong_study("a design {design} needs a count of points", design=quoted(design))
         for path, each in self.over.items():
             if design not in EXPLICIT and isinstance(each, Range) and each.count is not None:
-                raise PydanticCustomError(
-                    "bad-study", "{path} has its own count {own}, but a design {design} chooses "
-                                 "{count} points for all paths together",
-                    {"path": quoted(path), "own": each.count, "design": quoted(design),
-                     "count": self.count, "allowed": "the range without its count; or a group in a "
-                                                     'study file: "vary": [{"over": {…}}, '
-                                                     '{"over": {…}, "count": …}]'})
+                raise wrong_study(
+                    "{path} has its own count {own}, but a design {design} chooses {count} points "
+                    "for all paths together", path=quoted(path), own=each.count,
+                    design=quoted(design), count=self.count,
+                    allowed='the range without its count; or a group in a study file: '
+                            '"vary": [{"over": {…}}, {"over": {…}, "count": …}]')
         return self
 
     def _check_explicit(self, design: Design) -> None:
         if self.count is not None:
-            raise PydanticCustomError(
-                "bad-study", "a design {design} has no count: its lists and spans give the number "
-                             "of points", {"design": quoted(design)})
+            raise wrong_study("a design {design} has no count: its lists and spans give the number "
+                              "of points", design=quoted(design))
+        lengths = {}
         for path, each in self.over.items():
             if isinstance(each, Distribution):
-                raise PydanticCustomError(
-                    "bad-study", "{path} has a distribution, whose numbers a design {design} "
-                    "cannot choose",
-                    {"path": quoted(path), "design": quoted(design), "allowed": ", ".join(
-                        name for name in get_args(Design) if name not in EXPLICIT)})
+                raise wrong_study(
+                    "{path} has a distribution, whose numbers a design {design} cannot choose",
+                    path=quoted(path), design=quoted(design), allowed=", ".join(
+                        name for name in get_args(Design) if name not in EXPLICIT))
             if isinstance(each, Range) and each.count is None:
                 raise PydanticCustomError(
                     UNCOUNTED, "{path} has no count: give it a count, or give a design and a count "
                                "for all paths", {"path": quoted(path)})
-        lengths = {path: value_count(each) for path, each in self.over.items()}
-        if design == "paired" and len(set(lengths.values())) > 1:
-            raise PydanticCustomError(
-                "bad-study", "paired paths have as many values each: {lengths}",
-                {"lengths": ", ".join(f"{quoted(path)} {n}" for path, n in lengths.items())})
-
-
-def value_count(values: Values) -> int:
-    """Number of values of a list or a range."""
-    if isinstance(values, tuple):
-        return len(values)
-    return values.count or 1 if isinstance(values, Range) else 1
+            lengths[quoted(path)] = each.count if isinstance(each, Range) else len(each)
+        if design == "paired" and len({*lengths.values()}) > 1:
+            raise wrong_study("paired paths have as many values each: {lengths}",
+                              lengths=", ".join(f"{path} {n}" for path, n in lengths.items()))
 
 
 class SweepSpec(Spec):
@@ -378,7 +342,8 @@ class SweepSpec(Spec):
     recordings: bool = False
     """Whether the whole recording of each run is kept."""
 
-    @field_validator("vary", mode="before")
+    @field_validator("vary", mode="before",
+                     json_schema_input_type=dict[str, Given] | tuple[Varying, ...])
     @classmethod
     def _one_group(cls, value: Any) -> Any:
         return [{"over": value}] if isinstance(value, dict) else value
@@ -389,29 +354,29 @@ class SweepSpec(Spec):
         for group in self.vary:
             for path in group.over:
                 if path in seen:
-                    raise PydanticCustomError("bad-study", "{path} is given values twice",
-                                              {"path": quoted(path)})
+                    raise wrong_study("{path} is given values twice", path=quoted(path))
                 seen.add(path)
         return self
+
+    @property
+    def over(self) -> dict[str, Values]:
+        """The values of all varied paths."""
+        return {path: values for group in self.vary for path, values in group.over.items()}
+
+    def ends(self) -> Points:
+        """Two points, at both ends of all ranges and lists, and in the tails of distributions."""
+        return Points([[Axis(path, values_at(values, TAILS if isinstance(values, Distribution)
+                                             else np.array([0.0, 1.0])))
+                        for path, values in self.over.items()]])
+
+    def points(self) -> Points:
+        """The points of all groups, which are nested."""
+        return Points([axes for place, group in enumerate(self.vary) for axes in group_points(
+            group.over, group.chosen_design, group.count or 1, self.seed + place)])
 
 
 def study_schema() -> dict[str, Any]:
     """The JSON Schema of study files (draft 2020-12), with the short texts that they may hold."""
     from sandbox.scene.schema import DRAFT, described
 
-    schema = described(SweepSpec)
-    own = schema["properties"]
-    over = schema["$defs"]["Varying"]["properties"]["over"]
-    over["additionalProperties"] = {"anyOf": [
-        {key: value for key, value in over["additionalProperties"].items() if key != "default"},
-        {"type": "string", "description": "\"2 N:8 N:7\", \"normal(3 N, 0.2 N)\" or \"1, 2, 5\", "
-                                          "as on the command line."}]}
-    own["vary"] = {"description": own["vary"]["description"], "anyOf": [
-        {key: value for key, value in each.items() if key != "description"}
-        for each in (over, own["vary"])]}
-    own["keep"]["additionalProperties"] = {"anyOf": [
-        {"$ref": "#/$defs/Looked"},
-        {"type": "string", "description": "\"mean disc.x over last 0.2 s\", or an expression such "
-                                          "as \"=tip / pull\"."}]}
-    own["keep"].pop("patternProperties", None)
-    return {"$schema": DRAFT, **schema, "title": "A study of sandbox"}
+    return {"$schema": DRAFT, **described(SweepSpec), "title": "A study of sandbox"}

@@ -6,6 +6,7 @@ import os
 import tempfile
 import time
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -13,15 +14,13 @@ from typing import Any
 from sandbox.atomic_files import output_path
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.read.limits import Limits
-from sandbox.sweeps.job import DONE
-from sandbox.sweeps.log import Log
+from sandbox.sweeps.job import DONE, Log
 from sandbox.sweeps.plan import Plan, plan_of, read_plan
 from sandbox.sweeps.processes import check_workers
 from sandbox.sweeps.spec import parse_result
 from sandbox.sweeps.table import SweepTable, make_table, write_spec
-from sandbox.sweeps.vary import parse_values
 from sandbox.sweeps.workers import Evaluator
-from sandbox.values.paths import JsonPath, path_text
+from sandbox.values.paths import path_text
 from sandbox.wording import WrongValueError, quoted
 
 RECORDINGS = "runs"
@@ -71,30 +70,33 @@ def run_plan(
         SandboxError: workers cannot start, or the cluster cannot be used.
         KeyboardInterrupt: Ctrl-C; all finished runs are in the directory and its table.
     """
-    check_workers(workers)  # before anything is written
+    workers = check_workers(workers)  # before anything is written
+    recorded = plan.spec.recordings
     if directory is None:
-        if plan.spec.recordings:
+        if recorded:
             raise SandboxError("whole recordings need a directory to go to: out=", code="bad-study")
         with tempfile.TemporaryDirectory(prefix="sandbox-sweep-") as folder:
             return run_plan(plan, Path(folder), workers=workers, progress=progress)
-    recordings = directory / RECORDINGS
+    recordings = (directory / RECORDINGS).resolve()
+    job = replace(plan.job, recordings=str(recordings)) if recorded else plan.job
     with Log(directory) as log:
         if again:
             log.clear()
-        done = {row.id for row in log.rows() if not plan.spec.recordings or row.status != DONE
+        done = {row.id for row in log.rows() if not recorded or row.status != DONE
                 or (recordings / row.id).is_dir()}
-        first = {id: run for run, id in reversed(list(enumerate(plan.ids)))}
-        missing = sorted(run for id, run in first.items() if id not in done)
-        job = replace(plan.job, recordings=str(recordings.resolve())
-                      if plan.spec.recordings else "")
-        began, at = time.perf_counter(), Advance(len(first), len(first) - len(missing))
+        tasks = dict(zip(plan.ids, range(len(plan)), strict=True))
+        missing = [run for id, run in tasks.items() if id not in done]
+        if isinstance(workers, int):  # no more processes than runs
+            workers = min(workers, len(missing))
+        began, at = time.perf_counter(), Advance(len(tasks), len(tasks) - len(missing))
         ended = "interrupted"
         try:
-            with Evaluator(job, log, workers=workers, runs=len(missing)) as evaluator:
+            with ExitStack() as stack:
+                evaluator = Evaluator(job, log, stack, workers=workers)
                 for row in evaluator.run((plan.ids[run], plan.points[run]) for run in missing) \
                         if missing else ():
-                    at = replace(at, done=at.done + 1, doubtful=at.doubtful + row.doubtful,
-                                 seconds=time.perf_counter() - began)
+                    at = replace(at, done=at.done + 1, seconds=time.perf_counter() - began,
+                                 doubtful=at.doubtful + (row.status != DONE or bool(row.looks)))
                     progress(at)
             ended = "done"
         finally:
@@ -158,38 +160,21 @@ def study_data(
     scene: str | os.PathLike[str] | Mapping[str, Any], *, vary: Any, keep: Any = None,
     set: Any = None, design: str | None = None, count: int | None = None, **settings: Any,
 ) -> dict[str, Any]:
-    """The data of a study file from the arguments of :func:`sweep`.
-
-    Raises:
-        SceneError: short texts that cannot be read.
-    """
-    problems: list[Problem] = []
-
-    def read(path: JsonPath, value: Any, reader: Callable[[str], Any]) -> Any:
+    """The data of a study file from the arguments of :func:`sweep`."""
+    groups = [{"over": dict(vary), "design": design, "count": count}] \
+        if isinstance(vary, Mapping) else list(vary or ())
+    named, problems = dict(keep) if isinstance(keep, Mapping) else {}, []
+    for text in () if isinstance(keep, Mapping) else keep or ():
         try:
-            return reader(value) if isinstance(value, str) else value
+            name, definition = parse_result(text)
         except WrongValueError as error:
-            problems.append(Problem.of(error, path_text(path)))
-            return None
-
-    def group(values: Mapping[str, Any]) -> dict[str, Any]:
-        return {path: read(("vary", path), value, parse_values) for path, value in values.items()}
-
-    if isinstance(vary, Mapping):
-        groups: Any = [{"over": group(vary), "design": design, "count": count}]
-    else:
-        groups = [{**each, "over": group(each["over"])} if isinstance(each, Mapping)
-                  and isinstance(each.get("over"), Mapping) else each for each in vary or ()]
-    if isinstance(keep, Mapping):
-        named = dict(keep)
-    else:
-        pairs = [read(("keep", text), text, parse_result) or ("", "") for text in keep or ()]
-        named = dict(pairs)
-        names = [name for name, _ in pairs]
-        problems += [Problem("duplicate-name",
-                             f"two results have the name {quoted(name)}", "$.keep",
-                             allowed="another name for each")
-                     for name in named if name and names.count(name) > 1]
+            problems.append(Problem.of(error, path_text(("keep", text))))
+            continue
+        if name in named:
+            problems.append(Problem("duplicate-name",
+                                    f"two results have the name {quoted(name)}", "$.keep",
+                                    allowed="another name for each"))
+        named[name] = definition
     if problems:
         raise SceneError(problems)
     where = scene if isinstance(scene, Mapping) else os.fspath(scene)

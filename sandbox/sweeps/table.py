@@ -6,7 +6,7 @@ import csv
 import json
 import math
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -25,9 +25,8 @@ from sandbox.numeric import Array, Flags
 from sandbox.scene.settings import Looked
 from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.sweeps.plan import Plan
-from sandbox.sweeps.points import number_of
 from sandbox.sweeps.spec import statistic_text
-from sandbox.sweeps.vary import Distribution, Range
+from sandbox.sweeps.vary import Distribution, Range, Values, number_of
 from sandbox.wording import counted, listed, or_near
 
 CSV, PARQUET, SPEC, FIGURE = "table.csv", "table.parquet", "sweep.json", "sweep.png"
@@ -37,7 +36,6 @@ MET = "met"
 """Column of a search: whether its condition holds."""
 MISSING = ""
 """Status of a run that was not done yet."""
-EXPECTED, HOLD = "the scene's expectations", "expectations passed"
 
 
 @dataclass
@@ -90,7 +88,7 @@ class SweepTable:
         found: dict[str, list[float | str]] = {}
         for axis in points.axes:
             numbers = [number_of(value) for value in axis.written]
-            found[axis.path] = [numbers[place] for place in points.places(axis.path).tolist()]
+            found[axis.path] = [numbers[place] for place in points.places[axis.path].tolist()]
         return found
 
     def __getitem__(self, name: str) -> Any:
@@ -142,11 +140,7 @@ class SweepTable:
         return frame
 
     def write(self, directory: Path) -> None:
-        """Write ``table.csv``, and ``table.parquet`` where pyarrow is installed.
-
-        Raises:
-            OutputError: they cannot be written.
-        """
+        """Write ``table.csv``, and ``table.parquet`` where pyarrow is installed."""
         columns = self.columns()
         with atomic_file(directory / CSV) as part, part.open("w", encoding="utf-8",
                                                                newline="") as file:
@@ -195,23 +189,18 @@ def make_table(plan: Plan, rows: Iterable[SweepRow]) -> SweepTable:
                        [MISSING] * n, np.full(n, np.nan))
     for row in rows:
         for run in runs.get(row.id, ()):
-            _put(table, run, row)
+            table.status[run] = row.status
+            table.holds[run] = np.nan if row.holds is None else row.holds
+            if row.reason:
+                table.reason[run] = row.reason
+            if row.failed:
+                table.failed[run] = row.failed
+            if row.looks:
+                table.looks[run] = row.looks
+            for name, number in row.kept.items():
+                if number is not None and name in table.kept:
+                    table.kept[name][run] = number
     return table
-
-
-def _put(table: SweepTable, run: int, row: SweepRow) -> None:
-    table.status[run] = row.status
-    if row.holds is not None:
-        table.holds[run] = float(row.holds)
-    if row.reason:
-        table.reason[run] = row.reason
-    if row.failed:
-        table.failed[run] = row.failed
-    if row.looks:
-        table.looks[run] = row.looks
-    for name, value in row.kept.items():
-        if value is not None and name in table.kept:
-            table.kept[name][run] = value
 
 
 def write_spec(plan: Plan, directory: Path, **progress: Any) -> None:
@@ -242,48 +231,37 @@ def draw_table(
             default of the scene's expectations.
         condition: the condition in words.
         found: result of a search.
-
-    Raises:
-        OutputError: the file cannot be written.
     """
-    plan = table.plan
-    groups = [(name, values) for group in plan.spec.vary for name, values in group.over.items()]
+    plan, over = table.plan, table.plan.spec.over
     grid = plan.points.is_grid and not any(
-        isinstance(values, Distribution) for _, values in groups)
-    log = {name for name, values in groups if
-           (isinstance(values, Range) and values.scale == "log") or (isinstance(
-               values, Distribution) and values.distribution in ("log_uniform", "log_normal"))}
+        isinstance(values, Distribution) for values in over.values())
     here = np.array([status != MISSING for status in table.status], dtype=bool)
     kept = [SweepColumn(name, plan.units.get(name, ""), values[here])
             for name, values in table.kept.items()]
-    map_of_holds = grid and len(table.varied) == 2 and {0.0, 1.0} <= {*table.holds.tolist()}
+    map_of_holds = grid and len(over) == 2 and {0.0, 1.0} <= {*table.holds.tolist()}
     if not kept or map_of_holds:
-        kept.insert(0, SweepColumn(HOLD, "", np.nan_to_num(table.holds)[here]))
-    draw_sweep(path, SweepDrawing(
-        [_column(name, plan.units.get(name, ""), values, here, log=name in log)
-         for name, values in table.varied.items()], kept,
-        failed=~table.done[here], doubtful=table.doubtful[here], grid=grid,
-        title=plan.spec.title or f"{plan.name}: {len(table)} runs",
-        held=(table.holds if held is None else held)[here], condition=condition or EXPECTED,
-        meanings=_meanings(plan), found=found))
-
-
-def _meanings(plan: Plan) -> Mapping[str, str]:
-    """Definitions of results whose names do not contain them."""
-    found = {}
+        kept.insert(0, SweepColumn("expectations passed", "", np.nan_to_num(table.holds)[here]))
+    meanings = {}
     for name, keep in plan.job.keep.items():
         if isinstance(keep, str):
-            found[name] = keep.lstrip().removeprefix("=").strip()
+            meanings[name] = keep.lstrip().removeprefix("=").strip()
         elif isinstance(keep, Looked) and keep.quantity not in name:
-            found[name] = statistic_text(keep)
-    return found
+            meanings[name] = statistic_text(keep)
+    draw_sweep(path, SweepDrawing(
+        [_varied_column(table, name, over[name], here) for name in table.varied], kept,
+        failed=~table.done[here], doubtful=table.doubtful[here], grid=grid,
+        title=plan.spec.title or f"{plan.name}: {len(table)} runs",
+        held=(table.holds if held is None else held)[here],
+        condition=condition or "the scene's expectations", meanings=meanings, found=found))
 
 
-def _column(
-    name: str, unit: str, values: list[float | str], here: Flags, *, log: bool,
-) -> SweepColumn:
+def _varied_column(table: SweepTable, name: str, over: Values, here: Flags) -> SweepColumn:
+    values = table.varied[name]
     if all(isinstance(value, float) for value in values):
-        return SweepColumn(name, unit, np.array(values, dtype=float)[here], log=log)
+        log = (over.scale == "log" if isinstance(over, Range) else
+               isinstance(over, Distribution) and over.distribution.startswith("log_"))
+        return SweepColumn(name, table.plan.units.get(name, ""),
+                           np.array(values, dtype=float)[here], log=log)
     texts = tuple(dict.fromkeys(map(str, values)))
     places = {text: float(place) for place, text in enumerate(texts)}
     return SweepColumn(name, "", np.array([places[str(v)] for v in values])[here], texts)

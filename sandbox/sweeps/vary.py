@@ -1,4 +1,4 @@
-"""Values of a varied path: a list, a range or a distribution, as objects or as short texts.
+"""Values of varied paths, as objects or as short texts, and the points that designs make of them.
 
 Ranges and distributions map quantiles from 0 to 1 to values, so every design of points can sample
 them (inverse transform sampling; Devroye, Non-Uniform Random Variate Generation, 1986, II.2).
@@ -9,11 +9,14 @@ from __future__ import annotations
 import json
 import math
 import re
-from typing import Annotated, Any, Literal, Self
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     Discriminator,
     Field,
@@ -23,14 +26,13 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Integers
+from sandbox.sweeps.job import Override
 from sandbox.values.numbers import Number, Quantity, number_from, parameters_of, refusal
 from sandbox.values.spec import Spec
-from sandbox.values.units import Measured, dimension_of, factor_of, units_of
+from sandbox.values.units import Measured, dimension_of, factor_of, parse_quantity, units_of
 from sandbox.wording import WrongValueError, near, quoted
 
-Written = float | int | str | bool | list[Any] | dict[str, Any] | None
-"""A value as a scene file may hold it."""
 MAX_VALUES = 1_000_000
 """Values of one path."""
 TEXTS = ('"2:8:60" (from:to:count), "1:100:20:log", "1, 2, 5", "[1, 2, 5]", '
@@ -39,12 +41,13 @@ TEXTS = ('"2:8:60" (from:to:count), "1:100:20:log", "1, 2, 5", "[1, 2, 5]", '
 _CALL = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*)\s*\(([^()]*)\)\s*")
 
 
-def common_unit(values: list[float]) -> str:
-    """The unit in which numbers were written: the first one's, empty where none has one.
+def wrong_study(message: str, **context: Any) -> PydanticCustomError:
+    """The error of a study that is wrong."""
+    return PydanticCustomError("bad-study", message, context)
 
-    Raises:
-        PydanticCustomError: units of several dimensions, or some with a unit and some without.
-    """
+
+def common_unit(values: list[float]) -> str:
+    """The unit in which numbers were written: the first one's, empty where none has one."""
     units = [value.unit for value in values if isinstance(value, Measured)]
     bare = [value for value in values if not isinstance(value, Measured) and value != 0.0]
     if units and bare:
@@ -73,15 +76,14 @@ class Range(Spec):
     def _check(self) -> Self:
         unit = self.unit
         if self.scale == "log" and not (self.from_ > 0 and self.to > 0):
-            raise PydanticCustomError("bad-study", "a log scale has numbers greater than 0 only")
+            raise wrong_study("a log scale has numbers greater than 0 only")
         if self.count == 1 and self.from_ != self.to:
-            raise PydanticCustomError("bad-study", "one number cannot be at both ends: count is 2 "
-                                      "or more, or a list with this number")
+            raise wrong_study("one number cannot be at both ends: count is 2 or more, or a list "
+                              "with this number")
         if self.count != 1 and self.from_ == self.to:
-            raise PydanticCustomError(
-                "bad-study", "the range goes from {low} to {low}: there is nothing to vary",
-                {"low": f"{in_unit(self.to, unit):g} {unit}".strip(),
-                 "allowed": "two ends that differ, or a list with this one value"})
+            raise wrong_study("the range goes from {low} to {low}: there is nothing to vary",
+                              low=f"{in_unit(self.to, unit):g} {unit}".strip(),
+                              allowed="two ends that differ, or a list with this one value")
         return self
 
     @property
@@ -98,12 +100,6 @@ class Range(Spec):
             numbers = (1 - quantiles) * low + quantiles * high
         return np.asarray(np.where(quantiles == 0, low, np.where(quantiles == 1, high, numbers)),
                           dtype=float)
-
-    @property
-    def even(self) -> Array:
-        """Its ``count`` numbers [unit], [n], rounded to 15 digits."""
-        numbers = self.at(np.linspace(0.0, 1.0, self.count or 1))
-        return np.array([float(f"{number:.15g}") for number in numbers])
 
 
 class Distribution(Spec):
@@ -137,60 +133,44 @@ class Distribution(Spec):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        required, optional = ARGUMENTS[self.distribution]
+        kind = DISTRIBUTIONS[self.distribution]
         given = {key for key in FIELDS if getattr(self, key) not in (None, ())}
-        if missing := [key for key in required if key not in given]:
-            raise PydanticCustomError("bad-study", "a {kind} distribution needs {keys}", {
-                "kind": self.distribution, "keys": " and ".join(map(_shown, missing))})
-        if unknown := sorted(given - {*required, *optional}):
-            raise PydanticCustomError("bad-study", "a {kind} distribution has no {key}", {
-                "kind": self.distribution, "key": _shown(unknown[0]),
-                "allowed": ", ".join(map(_shown, (*required, *optional)))})
+        if missing := [key for key in kind.required if key not in given]:
+            raise wrong_study("a {kind} distribution needs {keys}", kind=self.distribution,
+                              keys=" and ".join(map(_shown, missing)))
+        if unknown := sorted(given - {*kind.required, *kind.optional}):
+            raise wrong_study(
+                "a {kind} distribution has no {key}", kind=self.distribution,
+                key=_shown(unknown[0]),
+                allowed=", ".join(map(_shown, (*kind.required, *kind.optional))))
+        if self.from_ is not None and self.to is not None and self.from_ >= self.to:
+            raise wrong_study("'from' must be less than 'to'")
+        for key in ("std", "sigma", "median", "scale", *kind.positive):
+            if (value := getattr(self, key)) is not None and not value > 0:
+                raise wrong_study("{key} must be greater than 0", key=key.rstrip("_"))
         self._frozen()
         return self
 
     @property
+    def _numbers(self) -> dict[str, float]:
+        """Arguments with a unit."""
+        return {key: value for key in FIELDS if key != "sigma"
+                and isinstance(value := getattr(self, key), float)}
+
+    @property
     def unit(self) -> str:
         """The unit in which it was written; empty for none."""
-        return common_unit([value for key in FIELDS
-                            if isinstance(value := getattr(self, key), float) and key != "sigma"])
+        return common_unit(list(self._numbers.values()))
 
     def _frozen(self) -> Any:
         """The frozen distribution [unit] of scipy.stats."""
         from scipy import stats
 
-        known = {key: in_unit(value, self.unit) for key in FIELDS
-                 if isinstance(value := getattr(self, key), float) and key != "sigma"}
-        low, high = known.get("from_", -math.inf), known.get("to", math.inf)
-        if low >= high:
-            raise PydanticCustomError("bad-study", "'from' must be less than 'to'")
-        for key in ("std", "sigma", "median", "scale") + ("mean",) * (
-                self.distribution == "exponential") + ("from_",) * (
-                self.distribution == "log_uniform"):
-            if (value := getattr(self, key)) is not None and not value > 0:
-                raise PydanticCustomError("bad-study", "{key} must be greater than 0",
-                                          {"key": key.rstrip("_")})
-        match self.distribution:
-            case "uniform":
-                return stats.uniform(low, high - low)
-            case "log_uniform":
-                return stats.loguniform(low, high)
-            case "normal":
-                mean, std = known["mean"], known["std"]
-                if math.isinf(low) and math.isinf(high):
-                    return stats.norm(mean, std)
-                return stats.truncnorm((low - mean) / std, (high - mean) / std, mean, std)
-            case "log_normal":
-                return stats.lognorm(float(self.sigma or 0.0), 0, known["median"])
-            case "triangular":
-                peak = known["peak"]
-                if not low <= peak <= high:
-                    raise PydanticCustomError("bad-study", "'peak' lies from 'from' to 'to'")
-                return stats.triang((peak - low) / (high - low), low, high - low)
-            case "exponential":
-                return stats.expon(0, known["mean"])
-        return _scipy_distribution(str(self.name), self.shapes, known.get("loc", 0.0),
-                                   known.get("scale", 1.0))
+        known: dict[str, Any] = {key: in_unit(value, self.unit)
+                                 for key, value in self._numbers.items()}
+        known |= {key: value for key in ("sigma", "name", "shapes")
+                  if (value := getattr(self, key)) not in (None, ())}
+        return DISTRIBUTIONS[self.distribution].make(stats, **known)
 
     def at(self, quantiles: Array) -> Array:
         """Numbers [unit] at quantiles from 0 to 1, [n]; the ends are moved inside by rounding."""
@@ -198,16 +178,60 @@ class Distribution(Spec):
         return np.asarray(self._frozen().ppf(np.clip(quantiles, least, 1 - least)), dtype=float)
 
 
-ARGUMENTS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    "uniform": (("from_", "to"), ()),
-    "log_uniform": (("from_", "to"), ()),
-    "normal": (("mean", "std"), ("from_", "to")),
-    "log_normal": (("median", "sigma"), ()),
-    "triangular": (("from_", "peak", "to"), ()),
-    "exponential": (("mean",), ()),
-    "scipy": (("name",), ("shapes", "loc", "scale")),
+def _normal(
+    stats: Any, mean: float, std: float, from_: float = -math.inf, to: float = math.inf,
+) -> Any:
+    if math.isinf(from_) and math.isinf(to):
+        return stats.norm(mean, std)
+    return stats.truncnorm((from_ - mean) / std, (to - mean) / std, mean, std)
+
+
+def _triangular(stats: Any, from_: float, peak: float, to: float) -> Any:
+    if not from_ <= peak <= to:
+        raise wrong_study("'peak' lies from 'from' to 'to'")
+    return stats.triang((peak - from_) / (to - from_), from_, to - from_)
+
+
+def _scipy(
+    stats: Any, name: str, shapes: tuple[float, ...] = (), loc: float = 0.0, scale: float = 1.0,
+) -> Any:
+    found = getattr(stats, name, None)
+    if not isinstance(found, stats.rv_continuous):
+        known = [each for each in dir(stats)
+                 if isinstance(getattr(stats, each), stats.rv_continuous)]
+        raise wrong_study("scipy.stats has no continuous distribution {name}", name=quoted(name),
+                          hint=near(name, known))
+    if len(shapes) != found.numargs:
+        raise wrong_study("{name} has {count} shape parameters ({which}), not {given}", name=name,
+                          count=found.numargs, which=found.shapes or "none", given=len(shapes))
+    frozen = found(*shapes, loc=loc, scale=scale)
+    if not math.isfinite(frozen.ppf(0.5)):
+        raise wrong_study("{name} has no values with these shape parameters", name=name)
+    return frozen
+
+
+class _Kind(NamedTuple):
+    """Arguments of a distribution, and what makes it of scipy.stats and these."""
+
+    required: tuple[str, ...]
+    optional: tuple[str, ...]
+    make: Callable[..., Any]
+    positive: tuple[str, ...] = ()
+    """Arguments that must be positive, besides those that always are."""
+
+
+DISTRIBUTIONS = {
+    "uniform": _Kind(("from_", "to"), (),
+                     lambda stats, from_, to: stats.uniform(from_, to - from_)),
+    "log_uniform": _Kind(("from_", "to"), (),
+                         lambda stats, from_, to: stats.loguniform(from_, to), ("from_",)),
+    "normal": _Kind(("mean", "std"), ("from_", "to"), _normal),
+    "log_normal": _Kind(("median", "sigma"), (),
+                        lambda stats, median, sigma: stats.lognorm(sigma, 0, median)),
+    "triangular": _Kind(("from_", "peak", "to"), (), _triangular),
+    "exponential": _Kind(("mean",), (), lambda stats, mean: stats.expon(0, mean), ("mean",)),
+    "scipy": _Kind(("name",), ("shapes", "loc", "scale"), _scipy),
 }
-"""Required and optional arguments of each distribution."""
 FIELDS = tuple(key for key in Distribution.model_fields if key != "distribution")
 
 
@@ -215,43 +239,16 @@ def _shown(key: str) -> str:
     return f"'{key.rstrip('_')}'"
 
 
-def _scipy_distribution(name: str, shapes: tuple[float, ...], loc: float, scale: float) -> Any:
-    from scipy import stats
-
-    found = getattr(stats, name, None)
-    if not isinstance(found, stats.rv_continuous):
-        known = [each for each in dir(stats)
-                 if isinstance(getattr(stats, each), stats.rv_continuous)]
-        raise PydanticCustomError("bad-study", "scipy.stats has no continuous distribution "
-                                  "{name}", {"name": quoted(name), "hint": near(name, known)})
-    if len(shapes) != found.numargs:
-        raise PydanticCustomError(
-            "bad-study", "{name} has {count} shape parameters ({which}), not {given}",
-            {"name": name, "count": found.numargs, "which": found.shapes or "none",
-             "given": len(shapes)})
-    frozen = found(*shapes, loc=loc, scale=scale)
-    if not math.isfinite(frozen.ppf(0.5)):
-        raise PydanticCustomError("bad-study", "{name} has no values with these shape "
-                                  "parameters", {"name": name})
-    return frozen
-
-
-def _check_expressions(values: Any, info: ValidationInfo) -> Any:
-    for value in values:
+def _check_list(values: Any, info: ValidationInfo) -> Any:
+    """Report NaN once, not for each type of a value; and expressions that cannot be computed."""
+    for value in values if isinstance(values, (list, tuple)) else ():
+        if isinstance(value, float) and not math.isfinite(value):
+            raise wrong_study("numbers must be finite (NaN and infinity are not numbers here)")
         if isinstance(value, str) and value.lstrip().startswith("="):
             try:
                 number_from(value, None, parameters_of(info))
             except ValueError as error:
                 raise refusal(error) from None
-    return values
-
-
-def _check_finite(values: Any) -> Any:
-    """Report NaN once, and not once for each type that a value may have."""
-    if isinstance(values, (list, tuple)) and any(
-            isinstance(value, float) and not math.isfinite(value) for value in values):
-        raise PydanticCustomError("bad-study", "numbers must be finite (NaN and infinity are not "
-                                  "numbers here)")
     return values
 
 
@@ -273,15 +270,14 @@ def _from_text(value: Any) -> Any:
     return value
 
 
-Listed = Annotated[tuple[Written, ...], BeforeValidator(_check_finite),
-                   AfterValidator(_check_expressions),
+Listed = Annotated[tuple[Override, ...], BeforeValidator(_check_list),
                    Field(min_length=1, max_length=MAX_VALUES)]
 """Single values, each as a scene file may hold it."""
 Values = Annotated[
     Annotated[Listed, Tag("list")] | Annotated[Distribution, Tag("distribution")]
     | Annotated[Range, Tag("span")], Discriminator(_kind)]
 """The values of a path."""
-Given = Annotated[Values, BeforeValidator(_from_text)]
+Given = Annotated[Values, BeforeValidator(_from_text, json_schema_input_type=Values | str)]
 """The values of a path, as an object or a short text."""
 
 
@@ -296,12 +292,11 @@ def si_unit(unit: str) -> str:
     return "" if found == "%" else found
 
 
-def parse_values(text: str) -> Any:
-    """The object of a study file for a short text.
+# -- short texts ---------------------------------------------------------------------
 
-    Raises:
-        WrongValueError: the text is none of :data:`TEXTS`.
-    """
+
+def parse_values(text: str) -> Any:
+    """The object of a study file for a short text."""
     text = text.strip()
     if call := _CALL.fullmatch(text):
         return _parse_distribution(call[1], call[2])
@@ -335,10 +330,11 @@ def _parse_range(text: str) -> dict[str, Any]:
 
 
 def _parse_distribution(name: str, inside: str) -> dict[str, Any]:
-    if name not in ARGUMENTS:
+    if name not in DISTRIBUTIONS:
         raise WrongValueError("bad-study", f"there is no distribution {quoted(name)}",
-                              allowed=", ".join(ARGUMENTS), hint=near(name, ARGUMENTS))
-    keys = [key.rstrip("_") for part in ARGUMENTS[name] for key in part]
+                              allowed=", ".join(DISTRIBUTIONS), hint=near(name, DISTRIBUTIONS))
+    kind = DISTRIBUTIONS[name]
+    keys = [key.rstrip("_") for key in (*kind.required, *kind.optional)]
     found: dict[str, Any] = {"distribution": name}
     for place, part in enumerate(filter(None, (each.strip() for each in inside.split(",")))):
         key, equals, value = (each.strip() for each in part.partition("="))
@@ -360,3 +356,104 @@ def _parse_value(text: str) -> Any:
 
 def _refuse_constant(word: str) -> float:
     raise ValueError(f"{word} is no number")
+
+
+# -- points --------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A path and its values, as a scene file may hold them."""
+
+    path: str
+    written: Sequence[Override]
+
+
+class Points:
+    """Points that are the product of dimensions, of which the last changes fastest.
+
+    Args:
+        dimensions: axes that vary together, with as many values each.
+    """
+
+    def __init__(self, dimensions: Sequence[Sequence[Axis]]) -> None:
+        self._dimensions = dimensions
+        self._shape = [len(axes[0].written) for axes in dimensions]
+        self.axes = tuple(axis for axes in dimensions for axis in axes)
+        self.paths = tuple(axis.path for axis in self.axes)
+        self.is_grid = all(len(axes) == 1 for axes in dimensions)
+        """Whether every value of each path is combined with every value of the others."""
+
+    def __len__(self) -> int:
+        return math.prod(self._shape)
+
+    @cached_property
+    def places(self) -> dict[str, Integers]:
+        """The index of a path's value in each run, [n], by path."""
+        found = np.unravel_index(np.arange(len(self)), self._shape)
+        return {axis.path: place for axes, place in zip(self._dimensions, found, strict=True)
+                for axis in axes}
+
+    def __getitem__(self, run: int) -> dict[str, Override]:
+        """The values of all paths in a run, from 0."""
+        return {axis.path: axis.written[self.places[axis.path][run]] for axis in self.axes}
+
+
+def group_points(
+    over: Mapping[str, Values], design: str, count: int, seed: int,
+) -> list[list[Axis]]:
+    """The dimensions of a group of paths that vary by one design."""
+    if design in ("grid", "paired"):
+        axes = [Axis(path, _even(values)) for path, values in over.items()]
+        return [[axis] for axis in axes] if design == "grid" else [axes]
+    rng = np.random.default_rng(seed)
+    if design == "random":
+        quantiles = rng.random((count, len(over)))
+    else:
+        from scipy.stats import qmc
+
+        engine = {"latin_hypercube": qmc.LatinHypercube, "sobol": qmc.Sobol,
+                  "halton": qmc.Halton}[design](len(over), rng=rng)
+        with warnings.catch_warnings():  # Sobol's points are balanced for powers of two only
+            warnings.simplefilter("ignore", UserWarning)
+            quantiles = engine.random(count)
+    return [[Axis(path, values_at(values, quantiles[:, k]))
+             for k, (path, values) in enumerate(over.items())]]
+
+
+def _even(values: Values) -> list[Override]:
+    """The values of a list or a range, numbers rounded to 15 digits."""
+    if isinstance(values, tuple):
+        return [_plain(value) for value in values]
+    assert isinstance(values, Range)
+    numbers = values.at(np.linspace(0.0, 1.0, values.count or 1))
+    return _with_unit(np.array([float(f"{number:.15g}") for number in numbers]), values.unit)
+
+
+def values_at(values: Values, quantiles: Array) -> list[Override]:
+    """Values of a path at quantiles from 0 to 1, [n], as a scene file may hold them."""
+    if isinstance(values, tuple):
+        places = np.minimum((quantiles * len(values)).astype(int), len(values) - 1)
+        return [_plain(values[place]) for place in places]
+    return _with_unit(values.at(quantiles), values.unit)
+
+
+def _plain(value: Any) -> Override:
+    """A value of a list as JSON has it: pydantic makes tuples of lists."""
+    return list(map(_plain, value)) if isinstance(value, tuple) else value
+
+
+def _with_unit(numbers: Array, unit: str) -> list[Override]:
+    return [f"{number!r} {unit}" if unit else number for number in numbers.tolist()]
+
+
+def number_of(written: Override) -> float | str:
+    """A value of a path as a table has it: SI where it is a number, else text."""
+    if isinstance(written, bool) or written is None or isinstance(written, (list, dict)):
+        return json.dumps(written)
+    if isinstance(written, str):
+        try:
+            return float(parse_quantity(written, None))
+        except ValueError:
+            return written
+    return float(written)

@@ -6,21 +6,28 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
+from functools import cached_property
 from importlib import import_module
 from itertools import islice
 from multiprocessing.connection import wait as wait_for_sentinel
 from pathlib import Path
-from typing import Any, Protocol, Self
+from typing import Any
 
 from sandbox import __version__
 from sandbox.engine.compiling import on_compiling, report_worker_compilation
 from sandbox.errors import SandboxError
-from sandbox.sweeps.job import DIED, Override, SweepJob, SweepRow, Task, run_id
-from sandbox.sweeps.log import Log
+from sandbox.sweeps.job import DIED, Log, Point, SweepJob, SweepRow, Task, run_id
 from sandbox.sweeps.processes import check_workers, preload
 from sandbox.wording import quoted
 
@@ -29,83 +36,45 @@ ATTEMPTS = 2
 CONNECT_TIMEOUT = 10.0
 """Seconds in which a Dask scheduler must answer, and have a worker."""
 CLUSTER_TASKS = 1000
-"""Runs that are at a cluster at a time; more are sent when half of them are done."""
-RETRIES = 2
-"""Further attempts of a run that fails on a cluster."""
-
-
-class Workers(Protocol):
-    """Runs points."""
-
-    def __enter__(self) -> Self:
-        """Start."""
-
-    def __exit__(self, *_: object) -> None:
-        """End, whatever is still running."""
-
-    def results(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
-        """The rows of all tasks as they are finished, in any order."""
+"""Runs that are at a cluster at a time."""
 
 
 class Evaluator:
-    """Runs points of one job and logs their rows, as a context; workers start with the first run.
+    """Runs points of one job and logs their rows; workers start with the first run.
 
     Args:
         job: the work.
         log: of finished runs, open.
+        stack: ends the workers.
         workers: number of processes, 0 for one for each processor; or the address of a Dask
             scheduler, ``tcp://10.0.0.1:8786``, or its scheduler file.
-        runs: number of runs, if known: no more processes than that are started.
         on_row: called with each row that was run.
-
-    Raises:
-        SandboxError: too many workers.
     """
 
     def __init__(
-        self, job: SweepJob, log: Log, *, workers: int | str = 0, runs: int = 0,
+        self, job: SweepJob, log: Log, stack: ExitStack, *, workers: int | str = 0,
         on_row: Callable[[SweepRow], None] = lambda row: None,
     ) -> None:
-        self._job, self._log, self._on_row = job, log, on_row
-        self._count = check_workers(workers)
-        if runs and isinstance(self._count, int):
-            self._count = min(self._count, runs)
-        self._workers: Workers | None = None
-        self._stack = ExitStack()
-        self._known: dict[str, SweepRow] | None = None
-        self._digest = job.digest
+        self._job, self._log, self._stack, self._on_row = job, log, stack, on_row
+        self._digest, self._count = job.digest, check_workers(workers)
+        self._known: dict[str, SweepRow] = {}
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *details: Any) -> None:
-        self._stack.__exit__(*details)
+    @cached_property
+    def _workers(self) -> Processes | Cluster:
+        if isinstance(self._count, str):
+            return Cluster(self._job, self._count, self._stack)
+        return Processes(self._job, self._count, self._stack)
 
     def run(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
-        """Run tasks and log each; their rows as they are finished, in any order.
-
-        Raises:
-            OutputError: the log cannot be written.
-            SandboxError: workers cannot start, or the cluster cannot be used.
-        """
-        if self._workers is None:
-            workers: Workers = Cluster(self._job, self._count) if isinstance(self._count, str) \
-                else Processes(self._job, self._count)
-            self._workers = self._stack.enter_context(workers)
+        """Run tasks and log each; their rows as they are finished, in any order."""
         for row in self._workers.results(tasks):
             self._log.add(row)
             self._on_row(row)
             yield row
 
-    def rows(self, points: Sequence[Mapping[str, Override]]) -> list[SweepRow]:
-        """The rows of points, in their order; only those that the log lacks are run.
-
-        Raises:
-            OutputError: the log cannot be read or written.
-            SandboxError: workers cannot start, or the cluster cannot be used.
-        """
-        if self._known is None:
-            self._known = {row.id: row for row in self._log.rows()}
+    def rows(self, points: Sequence[Point]) -> list[SweepRow]:
+        """The rows of points, in their order; only those that the log lacks are run."""
+        self._known = self._known or {row.id: row for row in self._log.rows()}
         ids = [run_id(self._digest, point) for point in points]
         missing = {id: point for id, point in zip(ids, points, strict=True)
                    if id not in self._known}
@@ -114,63 +83,68 @@ class Evaluator:
         return [self._known[id] for id in ids]
 
 
+class _Workers:
+    """Runs points by an executor."""
+
+    ahead: int
+    """Runs that are submitted at a time."""
+
+    def _submit(self, task: Task) -> Future[SweepRow]:
+        raise NotImplementedError
+
+    def _row_of(self, task: Task, future: Future[SweepRow]) -> SweepRow:
+        return future.result()
+
+    def _repeat(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
+        """The rows of runs that were under way when a process died."""
+        raise NotImplementedError
+
+    def results(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
+        """The rows of all tasks as they are finished, in any order."""
+        source = iter(tasks)
+        pending: dict[Future[SweepRow], Task] = {}
+        while True:
+            for task in islice(source, self.ahead - len(pending)):
+                pending[self._submit(task)] = task
+            if not pending:
+                return
+            done = wait(pending, return_when=FIRST_COMPLETED).done
+            if any(_broken(future) for future in done):
+                done = wait(pending).done  # a pool breaks as a whole
+            suspects = []
+            for future in done:
+                task = pending.pop(future)
+                if _broken(future):
+                    suspects.append(task)
+                else:
+                    yield self._row_of(task, future)
+            if suspects:
+                yield from self._repeat(suspects)
+
+
+def _broken(future: Future[SweepRow]) -> bool:
+    return not future.cancelled() and isinstance(future.exception(), BrokenProcessPool)
+
+
 # -- processes -----------------------------------------------------------------------
 
 
-class Processes:
+class Processes(_Workers):
     """Processes on this machine.
 
     The first one compiles the kernels that the scene needs before the others start. If a process
     dies, the pool is started anew and the runs that were under way are repeated alone, so that one
     that ends its process again is recognised.
-
-    Args:
-        job: the work.
-        count: of processes.
     """
 
-    def __init__(self, job: SweepJob, count: int) -> None:
-        self._job, self._count = job, count
-        self._stack = ExitStack()
+    def __init__(self, job: SweepJob, count: int, stack: ExitStack) -> None:
+        self._job, self._count, self.ahead = job, count, 2 * count
         self._pool: ProcessPoolExecutor | None = None
-
-    def __enter__(self) -> Self:
-        self._scene = self._stack.enter_context(self._job.bundle.unpacked())
-        self._stack.callback(self._stop)
+        self._scene = stack.enter_context(job.bundle.unpacked())
+        stack.callback(self._stop)
         self._context: Any = preload()
         self._notices = self._context.SimpleQueue()
-        self._pool = self._started(self._count)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stack.close()
-
-    def results(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
-        """The rows of all tasks as they are finished, in any order.
-
-        Raises:
-            SandboxError: processes end before they can start to work.
-        """
-        source = iter(tasks)
-        pending: dict[Future[SweepRow], Task] = {}
-        while True:
-            for task in islice(source, 2 * self._count - len(pending)):
-                pending[self._submit(task)] = task
-            if not pending:
-                return
-            done = wait(pending, return_when=FIRST_COMPLETED).done
-            if any(isinstance(future.exception(), BrokenProcessPool) for future in done):
-                done = wait(pending).done  # a pool breaks as a whole
-            suspects = []
-            for future in done:
-                task = pending.pop(future)
-                if isinstance(future.exception(), BrokenProcessPool):
-                    suspects.append(task)
-                else:
-                    yield future.result()
-            if suspects:
-                yield from self._alone(suspects)
-                self._pool = self._started(self._count)
+        self._start(count)
 
     def _submit(self, task: Task) -> Future[SweepRow]:
         assert self._pool is not None
@@ -181,19 +155,19 @@ class Processes:
             failed.set_exception(error)
             return failed
 
-    def _alone(self, suspects: Iterable[Task]) -> Iterator[SweepRow]:
-        """Repeat runs that were under way when a process died, one after the other."""
-        self._pool = self._started(1)
-        for task in suspects:
+    def _repeat(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
+        self._start(1)
+        for task in tasks:
             try:
                 yield self._submit(task).result()
             except BrokenProcessPool:
                 yield SweepRow(task[0], DIED, reason=f"{ATTEMPTS} worker processes ended in this "
                                                      "run")
-                self._pool = self._started(1)
+                self._start(1)
+        self._start(self._count)
 
-    def _started(self, count: int) -> ProcessPoolExecutor:
-        """A pool whose first process has compiled what the scene needs."""
+    def _start(self, count: int) -> None:
+        """Start a pool whose first process has compiled what the scene needs."""
         for _ in range(ATTEMPTS):
             self._stop()
             self._pool = ProcessPoolExecutor(count, self._context, _start_worker, (
@@ -203,7 +177,7 @@ class Processes:
                 while not self._notices.empty():
                     report_worker_compilation(self._notices.get())
             if not ready.exception():
-                return self._pool
+                return
         raise SandboxError("a worker process ended before it could begin; a script that starts "
                            "workers does so under if __name__ == \"__main__\":",
                            code="worker-failed")
@@ -240,7 +214,7 @@ def _prepare() -> None:
         _worker["run"].prepare()
 
 
-def _run(id: str, values: Mapping[str, Override]) -> SweepRow:
+def _run(id: str, values: Point) -> SweepRow:
     row: SweepRow = _worker["run"](id, values)
     return row
 
@@ -248,91 +222,55 @@ def _run(id: str, values: Mapping[str, Override]) -> SweepRow:
 # -- cluster -------------------------------------------------------------------------
 
 
-class Cluster:
-    """A Dask cluster, which repeats the runs of workers that die.
+class Cluster(_Workers):
+    """A Dask cluster, which repeats the runs of workers that die."""
 
-    Args:
-        job: the work.
-        address: of the scheduler, ``tcp://10.0.0.1:8786``, or its scheduler file.
+    ahead = CLUSTER_TASKS
 
-    Raises:
-        SandboxError: ``distributed`` is not installed, the scheduler does not answer, or it has no
-            workers of this version.
-    """
-
-    def __init__(self, job: SweepJob, address: str) -> None:
-        self._job, self._address = job, address
-        self._client: Any = None
-
-    def __enter__(self) -> Self:
+    def __init__(self, job: SweepJob, address: str, stack: ExitStack) -> None:
+        self._address = address
         try:
             distributed: Any = import_module("distributed")
         except ImportError:
             raise SandboxError("a cluster needs Dask: pip install "
                                "'sandbox-mechanics[cluster]'", code="missing-package") from None
-        key = "scheduler_file" if self._address.endswith(".json") else "address"
-        if key == "scheduler_file" and not Path(self._address).is_file():
-            raise self._unreached("there is no such file")  # Dask would wait for it
+        key = "scheduler_file" if address.endswith(".json") else "address"
         try:
-            self._client = distributed.Client(**{key: self._address}, timeout=CONNECT_TIMEOUT,
-                                              set_as_default=False)
+            if key == "scheduler_file" and not Path(address).is_file():
+                raise FileNotFoundError("there is no such file")  # Dask would wait for it
+            client = stack.enter_context(distributed.Client(
+                **{key: address}, timeout=CONNECT_TIMEOUT, set_as_default=False))
+            client.wait_for_workers(1, timeout=CONNECT_TIMEOUT)
         except (OSError, ValueError, TimeoutError) as error:
-            raise self._unreached(str(error) or type(error).__name__) from None
-        try:
-            self._client.wait_for_workers(1, timeout=CONNECT_TIMEOUT)
-        except TimeoutError:
-            raise SandboxError(f"the cluster {quoted(self._address)} has no workers",
-                               code="cluster-unreachable") from None
-        for worker, version in sorted(self._client.run(_version).items()):
+            raise self._unusable(
+                f"cannot be reached: {error or type(error).__name__}; give the address of a Dask "
+                "scheduler with workers, as in tcp://10.0.0.1:8786") from None
+        for worker, version in sorted(client.run(_version).items()):
             if version != __version__:
-                raise SandboxError(f"worker {worker} of the cluster has sandbox {version or 'not'},"
-                                   f" here it is {__version__}; install the same there",
-                                   code="cluster-unreachable")
-        self._placed = self._client.scatter(self._job, broadcast=True, hash=False)
-        return self
+                raise self._unusable(f"has a worker {worker} with sandbox {version}, here it is "
+                                     f"{__version__}; install the same there")
+        self._executor: Executor = client.get_executor(pure=False, retries=ATTEMPTS)
+        self._placed = client.scatter(job, broadcast=True, hash=False)
 
-    def _unreached(self, why: str) -> SandboxError:
-        return SandboxError(f"the cluster {quoted(self._address)} cannot be reached: {why}; give "
-                            "the address of a Dask scheduler, as in tcp://10.0.0.1:8786",
+    def _unusable(self, why: str) -> SandboxError:
+        return SandboxError(f"the cluster {quoted(self._address)} {why}",
                             code="cluster-unreachable")
 
-    def __exit__(self, *_: object) -> None:
-        if self._client is not None:
-            self._client.close()
+    def _submit(self, task: Task) -> Future[SweepRow]:
+        return self._executor.submit(_run_remote, *task, job=self._placed)
 
-    def results(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
-        """The rows of all tasks as they are finished, in any order.
-
-        Raises:
-            SandboxError: the cluster lost runs.
-        """
-        source = iter(tasks)
-        finished: Any = import_module("distributed").as_completed(loop=self._client.loop)
-        ids: dict[str, str] = {}
-        while True:
-            if 2 * len(ids) <= CLUSTER_TASKS and (
-                    more := list(islice(source, CLUSTER_TASKS - len(ids)))):
-                futures = self._client.map(_run_remote, *zip(*more, strict=True),
-                                           job=self._placed, pure=False, retries=RETRIES)
-                ids.update((future.key, id) for future, (id, _) in zip(futures, more, strict=True))
-                finished.update(futures)
-            if not ids:
-                return
-            future = next(finished)
-            id = ids.pop(future.key)
-            if future.status == "finished":
-                yield future.result()
-            elif future.status == "error":
-                error = future.exception()
-                yield SweepRow(id, DIED, reason="workers of the cluster ended in this run: "
-                                                f"{error or type(error).__name__}")
-            else:
-                raise SandboxError(f"the cluster {quoted(self._address)} lost runs; finished runs "
-                                   "are saved, and the same command resumes",
-                                   code="cluster-unreachable")
+    def _row_of(self, task: Task, future: Future[SweepRow]) -> SweepRow:
+        try:
+            return future.result()
+        except CancelledError:
+            raise self._unusable("lost runs; finished runs are saved, and the same command "
+                                 "resumes") from None
+        except Exception as error:  # whatever ended its workers
+            return SweepRow(task[0], DIED, reason="workers of the cluster ended in this run: "
+                                                  f"{error or type(error).__name__}")
 
 
-def _run_remote(id: str, values: Mapping[str, Override], job: SweepJob) -> SweepRow:
+def _run_remote(id: str, values: Point, job: SweepJob) -> SweepRow:
     from sandbox.sweeps.runner import make_runner  # loads the engine
 
     with make_runner(job) as run:
@@ -340,8 +278,4 @@ def _run_remote(id: str, values: Mapping[str, Override], job: SweepJob) -> Sweep
 
 
 def _version() -> str:
-    try:
-        import sandbox
-    except ImportError:
-        return ""
-    return sandbox.__version__
+    return __version__

@@ -255,15 +255,13 @@ def test_scenes_that_cannot_be_certified_are_refused() -> None:
         certify(spring([{"final": "load.x", "above": 0.0}], duration=2e-3))
 
 
-@pytest.mark.parametrize(("count", "text"), [
-    (1, "1 of 2 expected quantities have converged; one depends on the step but stays in its"),
-    (2, "1 of 3 expected quantities have converged; 2 depend on the step but stay in their")])
-def test_quantities_within_their_range_are_counted(count: int, text: str) -> None:
+def test_quantities_within_their_range_are_counted() -> None:
     """0.1 mm of error after nine periods, where 0.02 mm are allowed, and a range of 0.2 mm."""
     wide = {"mean": "load.x", "over": (0.965, 0.975), "is": "50.9 mm", "within": "0.2 mm"}
-    found = certify(spring([{"max": "load.vx", "below": 1.0}, *[wide] * count], duration=1.0))
+    found = certify(spring([{"max": "load.vx", "below": 1.0}, wide], duration=1.0))
     assert {trust.kind for trust in found.quantities[1:]} == {Kind.WITHIN}
-    assert text in found.conclusion
+    assert ("1 of 2 expected quantities have converged; one depends on the step but stays in its"
+            in found.conclusion)
 
 
 def test_mass_length_and_time_give_a_size_where_all_quantities_are_zero() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 
@@ -47,50 +48,22 @@ def test_rounding_has_no_order() -> None:
 
 # -- what the scene allows ------------------------------------------------------------
 
-EXPLODED = [
-    pytest.param((-3.62438, 11.6082, -28.8975), 3.6, id="angle of a light link under a heavy one"),
-    pytest.param((-0.302777, -0.297622, -0.0688837), 0.2, id="tip of a chain of 20 links"),
-    pytest.param((44.3328, 183.27, 479.904), 5.0, id="reaction at the top of the chain"),
-]
-"""Values at h, h/2, h/4 of runs that were once called converged, since a range of ±1000 is wide,
-and the usual size of the quantity."""
-
-
-@pytest.mark.parametrize(("values", "own"), EXPLODED)
-@pytest.mark.parametrize("given", [False, True], ids=["between", "within"])
-@pytest.mark.parametrize("low", [-1e3, -1e6, -math.inf])
-def test_a_wide_range_excuses_nothing(
-    values: tuple[float, float, float], own: float, given: bool, low: float,
-) -> None:
-    high = 1e3 if given or math.isinf(low) else -low
-    trust = verdict_of(values, -high if given else low, high, own=own, scene=own, given=given)
-    assert trust.kind is Kind.DIVERGES
-    assert not trust.certified
-    assert "the finer the step, the more" in trust.reason
-    first, second = trust.differences
-    assert f"by {first:.2g} N, then by {second:.2g} N" in trust.reason
-
-
 def allowed(low: float, high: float, *, value: float = 1.0, own: float = 1.0, scene: float = 1.0,
             given: bool = False) -> float:
     return tolerance(Verdict("q", "mean", low, high, value, True), value, Sizes(own, own, scene),
                      given=given)
 
 
-def test_a_tolerance_is_half_the_width() -> None:
-    assert allowed(0.98, 1.02) == pytest.approx(0.02)
-    assert allowed(0.98, 1.02, given=True) == pytest.approx(0.02)
-
-
-def test_one_bound_allows_the_distance_from_it() -> None:
-    assert allowed(-math.inf, 1.03) == pytest.approx(0.03)
-    assert allowed(0.96, math.inf) == pytest.approx(0.04)
-    assert allowed(-math.inf, 0.97) == pytest.approx(0.03)  # it fails, and by that much
-
-
-def test_of_a_wide_range_a_tenth_of_the_quantity_counts() -> None:
-    assert allowed(-1e3, 1e3, own=2.0, scene=50.0) == pytest.approx(0.2)
-    assert allowed(-1e3, math.inf, own=2.0, scene=50.0) == pytest.approx(0.2)
+@pytest.mark.parametrize(("low", "high", "more", "expected"), [
+    (0.98, 1.02, {}, 0.02), (0.98, 1.02, {"given": True}, 0.02),
+    (-math.inf, 1.03, {}, 0.03), (0.96, math.inf, {}, 0.04), (-math.inf, 0.97, {}, 0.03),
+    (-1e3, 1e3, {"own": 2.0, "scene": 50.0}, 0.2),
+    (-1e3, math.inf, {"own": 2.0, "scene": 50.0}, 0.2)])
+def test_a_tolerance_is_half_the_width_or_the_distance_from_one_bound(
+    low: float, high: float, more: dict[str, Any], expected: float,
+) -> None:
+    """Of a wide range a tenth of the quantity counts."""
+    assert allowed(low, high, **more) == pytest.approx(expected)
 
 
 # -- what does not settle -------------------------------------------------------------

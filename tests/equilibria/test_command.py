@@ -86,7 +86,6 @@ def test_along_a_value(sandbox):
     (["--along", "parameters.load=0:1"], "is not of the form PATH=FROM:TO:COUNT"),
     (["--along", "parameters.load=0 N:1 mN:3"], "'N' and 'mN' are two units"),
     (["--along", "parameters.load=1:1:3"], "is no range"),
-    (["--along", "parameters.lod=0:1:3"], "Did you mean"),
     (["--along", "parameters.load=0:0.5:2", "--plot", "nod.y"], "'nod.y' is no quantity"),
     (["--along", "parameters.load=0:0.5:2", "--from", "node.y=0"], "omit --from"),
     (["--from", "nod.y=0"], "Did you mean 'node.y'"),
@@ -94,7 +93,6 @@ def test_along_a_value(sandbox):
     (["--body", "nod"], "Did you mean 'node'"),
     (["--along", "parameters.load=0:1:3", "--at", "nan"], "nan s is not within the run"),
     (["--along", "parameters.load=0:1:3", "--body", "node"], "omit --along or --body"),
-    (["--plot", "node.y"], "--plot needs --along"),
     (["--from", "node.y=0", "--from", "node.y=1 mm"], "'node.y' is given twice"),
 ])
 def test_wrong_words(sandbox, words, said):

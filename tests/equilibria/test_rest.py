@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sandbox
-from sandbox.equilibria.branches import Branch, rest_along
+from sandbox.equilibria.branches import rest_along
 from sandbox.equilibria.rest import AtRest, rest
 from sandbox.errors import SceneError
 from sandbox.recording.recording import Recording
@@ -168,24 +168,6 @@ def test_what_a_schedule_has_carried_away(starts: tuple[dict[str, float], ...]):
 
 
 # --- branches
-
-
-HALF, RISE, K = 0.1, 0.03, 1000.0
-LENGTH = math.hypot(HALF, RISE)
-
-
-def load(y: float) -> float:
-    """What von Mises' truss bears."""
-    return 2 * K * (LENGTH / math.hypot(HALF, y) - 1) * y
-
-
-def truss(value: float) -> Mechanism:
-    return read_scene("snap_through", overrides={"parameters.load": value}).mechanism
-
-
-@pytest.fixture(scope="module")
-def branches() -> list[Branch]:
-    return rest_along(truss, 0.0, 1.5, 6)
 
 
 def test_along_a_stiffness_and_not_a_load():

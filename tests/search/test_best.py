@@ -49,7 +49,7 @@ def test_several_goals_have_a_front():
 
 def test_a_search_resumes_from_its_results(tmp_path, monkeypatch):
     heard = []
-    from sandbox.sweeps.log import Log
+    from sandbox.sweeps.job import Log
 
     add = Log.add
     monkeypatch.setattr(Log, "add", lambda self, row: (heard.append(row), add(self, row)))
@@ -66,14 +66,13 @@ def test_a_search_resumes_from_its_results(tmp_path, monkeypatch):
 @pytest.mark.parametrize(("more", "words"), [
     ({}, "to minimise or maximise"),
     ({"least": "bowl", "most": "bowl"}, "'bowl' cannot be minimised and maximised"),
-    ({"least": "bowl", "seed": 2**32}, "not 4294967296"),
+    ({"least": "bowl", "seed": 2**32}, "seed: must be at most"),
     ({"least": "bowl", "runs": 10**12}, "the search has 1 000 000 000 000 runs"),
     ({"least": "none", "keep": ["none==sqrt(a - 99)"], "runs": 5},
      "no run of 5 has an answer: none: '=sqrt"),
-    ({"least": "bowll"}, "did you mean 'bowl'"),
     ({"least": "bowl", "where": "side > 7", "runs": 20}, "no run of 20 meets all conditions"),
-    ({"least": "bowl", "sampler": "cmae"}, "did you mean 'cmaes'"),
-    ({"least": ["bowl", "tilt"], "sampler": "cmaes"}, "cmaes looks for one goal"),
+    ({"least": "bowl", "sampler": "cmae"}, "sampler: 'cmae' is not"),
+    ({"least": ["bowl", "tilt"], "sampler": "cmaes"}, "cmaes optimises one goal"),
     ({"least": "bowl", "vary": {"parameters.a": "normal(1, 2)"}}, "has a distribution"),
 ])
 def test_wrong_optimisations_are_refused(more, words):

@@ -7,7 +7,7 @@ import pytest
 
 import sandbox
 from sandbox.errors import SandboxError
-from sandbox.search.thresholds import NoBracketError, bisect
+from sandbox.search.thresholds import bisect
 from tests.sweeps.scenes import PUCK
 
 LAST = 0.1 - 0.5e-3
@@ -51,7 +51,7 @@ def test_the_scenes_own_expectations_are_the_condition():
 
 
 def test_an_interrupted_search_resumes(tmp_path, monkeypatch):
-    from sandbox.sweeps.log import Log
+    from sandbox.sweeps.job import Log
 
     words = {"vary": {"parameters.push": "1 N:6 N"}, "out": tmp_path}
     whole = sandbox.search.threshold(PUCK, **{**words, "out": tmp_path / "whole"})
@@ -71,24 +71,16 @@ def test_an_interrupted_search_resumes(tmp_path, monkeypatch):
     assert len(heard) == len(set(heard))
 
 
-def test_a_range_without_a_threshold_is_refused_in_a_line():
-    with pytest.raises(NoBracketError, match="from 3 to 6 N has no threshold at its ends: "
-                                             "every expectation holds at both"):
-        sandbox.search.threshold(PUCK, vary={"parameters.push": "3 N:6 N"})
-
-
 @pytest.mark.parametrize(("more", "fragment"), [
     ({"vary": {"parameters.push": "1:2", "parameters.m": "1:2"}}, "one path with a range"),
-    ({"vary": {"parameters.push": "normal(1, 2)"}}, "one path with a range"),
     ({"vary": {"parameters.push": "1:2:7"}}, "has a count, 7, and a search chooses its points"),
-    ({"where": "vxx < 1"}, "no run keeps 'vxx'; did you mean 'vx'"),
     ({"where": "vx = 1"}, "is not a condition"),
     ({"where": "vx < 1 N"}, "is a unit of force"),
     ({"vary": {"run.step": "1 ms:2 ms"}}, "does not vary run.step"),
-    ({"vary": {"parameters.psh": "1:2"}}, "Did you mean 'push'"),
-    ({"vary": {"parameters.push": "2:2"}}, "from 2 to 2: there is nothing to vary"),
+    ({"vary": {"parameters.push": "3 N:6 N"}, "keep": None},
+     "from 3 to 6 N has no threshold at its ends: every expectation holds at both"),
     ({"within": 1e-12}, "no narrower than 1e-09 of the range"),
-    ({"within": -1.0}, "no narrower than"),
+    ({"within": -1.0}, "within: must be greater than 0"),
     ({"where": "nothing > 0", "keep": ["vx=puck.vx", "nothing==vx / 0"]}, "does not decide"),
 ])
 def test_wrong_threshold_requests_are_refused(more, fragment):

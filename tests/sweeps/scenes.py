@@ -16,14 +16,8 @@ PUCK = {
 class InProcess:
     """Workers that are this process, in place of ``sandbox.sweeps.workers.Processes``."""
 
-    def __init__(self, job, workers):
+    def __init__(self, job, workers, stack):
         self._job = job
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        pass
 
     def results(self, tasks):
         with make_runner(self._job) as run:
