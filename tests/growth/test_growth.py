@@ -13,6 +13,8 @@ import pytest
 
 from sandbox import wording
 from sandbox.cli.check import report_of
+from sandbox.cli.console import Console
+from sandbox.cli.options import Source
 from sandbox.engine import inspect_overlaps
 from sandbox.errors import SceneError
 from sandbox.scene.read.limits import Limits
@@ -67,7 +69,7 @@ def test_twice_as_much_takes_twice_as_long(kind: str, tmp_path: Path) -> None:
     file, counts = tmp_path / "scene.json", []
     for n in (24, 24, 48, 96):  # the first to load what is loaded once
         file.write_text(SCENES[kind](n))
-        counts.append(calls(lambda: report_of(str(file), {}, Limits())))
+        counts.append(calls(lambda: report_of(Source(str(file), {}, Limits()), Console(quiet=True))))
     first, second = counts[2] - counts[1], counts[3] - counts[2]
     assert second <= max(FASTEST * first, FEW), counts
 
