@@ -200,10 +200,10 @@ def _find(
         pictures.append(folder / (f"rest_{i}.png" if several else "rest.png"))
         save_picture(_titled(each, i if several else 0), pictures[-1])
     lines = _lines(found)
-    for i, each in enumerate(stiffness, 1):
-        if each is not None:
+    for i, values in enumerate(stiffness, 1):
+        if values is not None:
             x, y, turn, least = ("rigid" if math.isinf(value) else f"{value:.5g} {unit}"
-                                 for value, unit in zip(each, STIFFNESS.values(), strict=True))
+                                 for value, unit in zip(values, STIFFNESS.values(), strict=True))
             of = f" in rest {i}" if several else ""
             lines.append(f"stiffness of {body}{of}: {x} along x, {y} along y, {turn} in turn; "
                          f"{least} at least")

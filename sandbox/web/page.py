@@ -70,12 +70,11 @@ HASHES = {
         "8f989229699b4fe2f1a0432d0e9edc338a8a911e250e2d1b01ecd770a5f5b1bd",
 }
 """SHA-256 of its files, as registry.npmjs.org has them in uplot-1.6.32.tgz."""
-MODULES = ("data.js", "text.js", "stage.js", "plots.js", "shell.js", "report.js", "facts.js")
+MODULES = ("data.js", "stage.js", "plots.js", "shell.js", "report.js")
 """In this order: each uses those before it."""
-LIVE = ("live.js", "controls.js")
+LIVE = ("live.js",)
 """Those that a live view has besides."""
-CONSTANTS = (f"const MANY_MM = {style.MANY_MM}, AS_ONE = {style.NEAR}, CROSSING = {style.SHORT}, "
-             f"TURN = {style.STROKE};")
+CONSTANTS = f"const MANY_MM = {style.MANY_MM}, TURN = {style.STROKE};"
 """Constants that the script shares with figures."""
 
 
