@@ -177,21 +177,20 @@ class LiveFrames:
         self._look_again()
         return None if _alike(self._subject.out.items, self._sent) else self._list()
 
-    def frame(self, numbers: dict[str, float]) -> bytes:
+    def frame(self, numbers: Sequence[float]) -> bytes:
         """The present instant; ``numbers`` are those of :data:`HEAD` but ``trail``.
 
         Call :meth:`relisted` before.
         """
         out = self._subject.out
-        values = [self.live[name] for name in self.watched]
-        head = {**numbers, "trail": self._trail.shape[1]}
         last = len(out.time) - 1
         tables = [rows[rows[:, 0] == last] for rows in out.tables.values()]
-        found = [[head[name] for name in HEAD], out.pose[-1].ravel(),
-                 [column[-1] for column in out.columns], self._drives, values,
-                 [len(rows) for rows in tables], *(rows.ravel() for rows in tables),
-                 self._trail.ravel()]
-        return np.concatenate(found).astype("<f4").tobytes()
+        return np.concatenate([
+            numbers, [self._trail.shape[1]], out.pose[-1].ravel(),
+            [column[-1] for column in out.columns], self._drives,
+            [self.live[name] for name in self.watched],
+            [len(rows) for rows in tables], *(rows.ravel() for rows in tables),
+            self._trail.ravel()]).astype("<f4").tobytes()
 
     def _look_again(self) -> None:
         """List the last samples, if there are new ones or other layers."""

@@ -20,7 +20,7 @@ STEPS = 33
 def told(frames: LiveFrames) -> dict[str, Any]:
     """The present frame."""
     frames.relisted()
-    return decoded(frames.frame(dict.fromkeys(HEAD, 0.0)), frames)
+    return decoded(frames.frame([0.0] * (len(HEAD) - 1)), frames)
 
 
 def decoded(data: bytes, frames: LiveFrames) -> dict[str, Any]:

@@ -21,9 +21,7 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import verdicts
 from sandbox.web.drawing import drawing, listed
 from sandbox.web.page import (
-    HASHES,
     MOST_RUNS,
-    UPLOT,
     FoundOut,
     report,
     safe_json,
@@ -34,6 +32,17 @@ from sandbox.web.page import (
 )
 from tests.draw.conftest import hand, zoo
 
+UPLOT = "1.6.32"
+"""The version of uPlot (https://github.com/leeoniya/uPlot, MIT) in ``script/uplot/``."""
+HASHES = {
+    "uPlot.iife.min.js":
+        "19c8d4c6ad88929a79f4ae49d6f7161566dfd0ba3d15cc495e974f787eb78f1f",
+    "uPlot.min.css":
+        "df630c6a8d6f8eeaff264b50f73ce5b114f646ffd9a0bb74f049b0a00135fa04",
+    "uPlot.LICENSE":
+        "8f989229699b4fe2f1a0432d0e9edc338a8a911e250e2d1b01ecd770a5f5b1bd",
+}
+"""SHA-256 of its files, as registry.npmjs.org has them in uplot-1.6.32.tgz."""
 EVIL = '</script><script>window.pwned=1</script><img src=x onerror="pwned=2">\u2028"\'&{}'
 
 
