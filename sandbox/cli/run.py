@@ -38,7 +38,7 @@ from sandbox.cli.options import (
     takes_scene,
 )
 from sandbox.cli.runs import files_of, write_page
-from sandbox.errors import Interrupted, Problem, RecordingFull, SimulationDiverged
+from sandbox.errors import Problem, RunEnded, SimulationDiverged
 
 if TYPE_CHECKING:
     from sandbox.audit.audit import Figure
@@ -87,7 +87,7 @@ def run(
         job = _Job(scene, loaded, new, console, "" if no_render else animation, writes_page)
         try:
             recording = job.simulate()
-        except (Interrupted, RecordingFull, SimulationDiverged) as error:
+        except RunEnded as error:
             return job.keep(error)
         job.write(recording)
     return _finish(job, recording, problems, lists_checks)
@@ -131,7 +131,7 @@ class _Job:
         self.wall_s |= recording.info.wall
         return recording
 
-    def keep(self, error: Interrupted | RecordingFull | SimulationDiverged) -> int:
+    def keep(self, error: RunEnded) -> int:
         """Save what was recorded before a run ended early, marked incomplete; its exit code."""
         from sandbox.recording.store import save_data
 

@@ -401,7 +401,7 @@ def _number(value: object) -> float:
     raise _wrong(f"{quoted(value)} is no finite number")
 
 
-def _wrong(message: str, *, code: str = "bad-argument", **more: str) -> SceneError:
+def _wrong(message: str, *, code: str = "bad-argument", **more: Any) -> SceneError:
     return SceneError([Problem(code, message, "", **more)])
 
 
