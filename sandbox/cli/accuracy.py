@@ -16,6 +16,7 @@ from sandbox.cli.console import (
     compilation_notices,
     first_of,
     see,
+    shown,
     table,
 )
 from sandbox.cli.options import (
@@ -61,9 +62,9 @@ def converge(scene: Source, console: Console) -> int:
     _refuse(loaded, scene.limits)
     with compilation_notices(console), Progress("Simulating", console) as progress:
         found = certify(loaded.mechanism, progress=progress)
-    rows = [[t.quantity, t.statistic, *(_format(v, ".6g") for v in t.values),
-             "" if t.unit == "1" else t.unit, _format(t.order, ".1f"), _format(t.error, ".1e"),
-             _format(t.allowed, ".1e"), t.kind]
+    rows = [[t.quantity, t.statistic, *(shown(v, ".6g") for v in t.values),
+             "" if t.unit == "1" else t.unit, shown(t.order, ".1f"), shown(t.error, ".1e"),
+             shown(t.allowed, ".1e"), t.kind]
             for t in found.quantities]
     lines = [
         *table(["expectation of", "", f"h = {1e3 * found.steps[0]:.4g} ms", "h/2", "h/4", "unit",
@@ -71,8 +72,8 @@ def converge(scene: Source, console: Console) -> int:
         *(f"{t.kind} {t.statistic} {t.quantity}: {t.reason}"
           for t in found.quantities if t.reason),
         *(f"warning {look.figure.name} ({', '.join(look.runs)}) = "
-          f"{_format(look.figure.value, '.1e')}, at most "
-          f"{_format(look.figure.threshold, '.1e')}: {look.figure.why}"
+          f"{shown(look.figure.value, '.1e')}, at most "
+          f"{shown(look.figure.threshold, '.1e')}: {look.figure.why}"
           for look in found.looks),
         "", found.conclusion, *found.advice]
     if found.diverged and not console.as_json:
@@ -111,10 +112,6 @@ def _refuse(loaded: Loaded, limits: Limits) -> None:
         raise SceneError([dataclasses.replace(
             problem, message=f"{problem.message} (of the run at a quarter of the step)")
             for problem in problems], loaded.name)
-
-
-def _format(value: float, how: str) -> str:
-    return format(value, how) if math.isfinite(value) else "-"
 
 
 @click.command()

@@ -177,6 +177,11 @@ def table(
     ]
 
 
+def shown(value: float, how: str) -> str:
+    """A number as text, ``-`` if it is not finite."""
+    return format(value, how) if math.isfinite(value) else "-"
+
+
 def first_of(names: Sequence[str], most: int) -> str:
     """The first names of a list, and the number of others."""
     more = len(names) - most

@@ -73,20 +73,13 @@ def _read_starts(
     for path, text in read_pairs(ctx, param, words).items():
         dimension = "angle" if path.endswith(".angle") else "length"
         try:
-            given[path] = [number_from(_number(each), dimension, {}) for each in text.split(",")]
+            given[path] = [number_from(each.strip(), dimension, {}) for each in text.split(",")]
         except WrongValueError as error:
             raise click.BadParameter(f"'{path}={text}': {error}", ctx, param) from None
     if math.prod(map(len, given.values())) > MAX_STARTS:
         raise click.BadParameter(f"more than {MAX_STARTS} combinations", ctx, param)
     return [dict(zip(given, each, strict=True))
             for each in itertools.product(*given.values())] if given else []
-
-
-def _number(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text.strip()
 
 
 def _read_range(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import html
-import math
 import os
 import sys
 import tempfile
@@ -26,6 +25,7 @@ from sandbox.cli.console import (
     pages_line,
     report,
     see,
+    shown,
     table,
 )
 from sandbox.cli.options import (
@@ -258,15 +258,15 @@ def _expectation_lines(judged: Sequence[Verdict]) -> list[str]:
     Of more than :data:`MAX_ROWS` only those that failed are listed.
     """
     failed = [v for v in judged if not v.ok]
-    shown = judged if len(judged) <= MAX_ROWS else failed
-    rows = [[v.quantity, v.statistic, "-" if math.isnan(v.value) else f"{v.value:.6g}", v.allowed,
-             "" if v.unit == "1" else v.unit, "pass" if v.ok else "FAIL"] for v in shown]
+    listed = judged if len(judged) <= MAX_ROWS else failed
+    rows = [[v.quantity, v.statistic, shown(v.value, ".6g"), v.allowed,
+             "" if v.unit == "1" else v.unit, "pass" if v.ok else "FAIL"] for v in listed]
     return [
         *(table(["expectation of", "", "value", "range", "unit", ""], rows, right="<<>")
           if rows else ()),
         *(f"FAIL {v.quantity}: {v.reason}" for v in failed if v.reason),
         f"{len(judged) - len(failed)} of {len(judged)} expectations passed"
-        f"{'' if shown is judged else '; run.json lists all'}",
+        f"{'' if listed is judged else '; run.json lists all'}",
         *(see("expectation-failed") if failed else ())]
 
 
@@ -279,7 +279,7 @@ def _check_lines(checks: Sequence[Figure], *, whole: bool) -> list[str]:
     lines = []
     if whole:
         lines += table(["check", "value", "at most", "unit", "", ""], [
-            [f.name, _short(f.value), _short(f.threshold), f.unit,
+            [f.name, shown(f.value, ".2g"), shown(f.threshold, ".2g"), f.unit,
              "pass" if f.verdict == "pass" else "WARNING", ASKS.get(f.name, "")]
             for f in computed], right="<>><<<")
         if without := [f.name for f in checks if f.verdict == "not computed"]:
@@ -290,15 +290,11 @@ def _check_lines(checks: Sequence[Figure], *, whole: bool) -> list[str]:
                  + ("" if whole or warnings else "; --audit lists them"))
     for each in warnings:
         advice = advice_on(each.name)
-        value = f"{_short(each.value)} {each.unit}".rstrip()
-        lines += [f"  {each.name} = {value}, at most {_short(each.threshold)}: {each.why}",
+        value = f"{shown(each.value, '.2g')} {each.unit}".rstrip()
+        lines += [f"  {each.name} = {value}, at most {shown(each.threshold, '.2g')}: {each.why}",
                   f"    meaning: {advice.means}",
                   f"    what to do: {advice.do}"]
     return [*lines, *([f"{AUDIT_PAGE} explains them"] if whole or warnings else [])]
-
-
-def _short(value: float) -> str:
-    return f"{value:.2g}" if math.isfinite(value) else "-"
 
 
 # -- in the browser ------------------------------------------------------------------

@@ -260,7 +260,7 @@ def report_runs(
     renders/. The page works offline in any browser. Nothing is simulated.
     """
     from sandbox.recording.new_run import PAGE
-    from sandbox.recording.store import saved_audit, saved_parameters
+    from sandbox.recording.store import saved_audit
     from sandbox.web.page import MOST_RUNS, FoundOut
 
     if len(runs) > MOST_RUNS:
@@ -277,8 +277,8 @@ def report_runs(
     if path.suffix.lower() not in (".html", ".htm"):
         raise click.BadParameter(f"{str(path)!r} does not end in .html", param_hint="--out")
     size = write_page(recordings, path, [
-        FoundOut(figures=saved_audit(directory), source=str(directory),
-                 parameters=saved_parameters(directory)) for directory in directories],
+        FoundOut(figures=saved_audit(directory), source=str(directory))
+        for directory in directories],
         matching(plots, recordings, option="--plot"))
     return console.finish({"file": path, "bytes": size, "runs": directories},
                           [f"{path}  ({size / 1e6:.1f} MB)"])

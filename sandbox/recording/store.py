@@ -21,7 +21,7 @@ from typing import IO, Any
 from sandbox.atomic_files import atomic_file, write_atomic
 from sandbox.audit.bounds import Bounds
 from sandbox.audit.figures import Figure, figure_data
-from sandbox.elements.arrays import LARGEST, Arrays
+from sandbox.elements.arrays import Arrays
 from sandbox.errors import OutputError
 from sandbox.recording import archive, reading, tables
 from sandbox.recording.new_run import ARCHIVE, CONTACTS, IMPACTS, INCOMPLETE, SUMMARY, writing
@@ -193,19 +193,6 @@ def saved_audit(directory: Path) -> list[Figure]:
         return [_figure(row) for row in rows] if isinstance(rows, list) else []
     except (ValueError, TypeError, KeyError):
         return []
-
-
-def saved_parameters(directory: Path) -> dict[str, float]:
-    """The scene's parameters as a run was made with them, in SI; none as :func:`saved_audit`.
-
-    Those that follow from others are left out.
-    """
-    found, derived = _saved(directory, "parameters"), _saved(directory, "derived")
-    if not isinstance(found, dict):
-        return {}
-    left = derived if isinstance(derived, list) else []
-    return {name: float(value) for name, value in found.items()
-            if name not in left and isinstance(value, int | float) and abs(value) <= LARGEST}
 
 
 def _saved(directory: Path, key: str) -> Any:

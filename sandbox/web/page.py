@@ -21,7 +21,6 @@ from functools import cache
 from importlib.resources import files
 from itertools import chain, repeat
 from numbers import Integral
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -44,8 +43,6 @@ MOST_RUNS = 4
 """Runs that a page shows beside each other."""
 MOST_PAIRS = 64
 """Pairs of bodies whose contact forces can be plotted, the most loaded ones."""
-MAX_PARAMETERS = 3
-"""Parameters in the name of a run."""
 HEIGHT, LOWEST, HIGHEST = 760, 200, 4000
 """Default, smallest and largest height of the frame in a notebook [pixels]."""
 PAGE = """<!doctype html>
@@ -108,8 +105,6 @@ class FoundOut(NamedTuple):
     figures: Sequence[Figure] = ()
     source: str = ""
     """Its directory."""
-    parameters: Mapping[str, float] = MappingProxyType({})
-    """Of its scene, in SI."""
 
 
 def words(run: Samples, told: FoundOut, apart: str = "") -> dict[str, Any]:
@@ -153,34 +148,6 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def told_apart(
-    titles: Sequence[str], parameters: Sequence[Mapping[str, float]], sources: Sequence[str],
-) -> list[str]:
-    """A name of each run: its title; of equal ones the parameters that differ, else its place.
-
-    Args:
-        titles: of the scenes.
-        parameters: of the scenes as they were run, in SI; empty where they are not known.
-        sources: directories of the runs.
-    """
-    def differ(names: Sequence[str]) -> bool:
-        return all(names) and len(set(names)) == len(names)
-
-    if differ(titles):
-        return list(titles)
-    varied = [name for name in dict.fromkeys(chain(*parameters))
-              if all(name in each for each in parameters)
-              and len({each[name] for each in parameters}) > 1]
-    told = [", ".join([*(f"{name} = {each[name]:.4g}" for name in varied[:MAX_PARAMETERS]),
-                       *(["\u2026"] if len(varied) > MAX_PARAMETERS else [])])
-            for each in parameters]
-    told = told if differ(told) else list(sources)
-    if len(set(titles)) == 1:
-        return [text or title for text, title in zip(told, titles, strict=True)]
-    return [f"{title}: {text}" if text else title
-            for title, text in zip(titles, told, strict=True)]
-
-
 def report(
     runs: Sequence[Samples], told: Sequence[FoundOut] = (), plots: Sequence[str] = (),
 ) -> str:
@@ -204,8 +171,8 @@ def report(
     told = [found if found.verdicts else found._replace(verdicts=verdicts(run))
             for run, found in zip(runs, chain(told, repeat(FoundOut())), strict=False)]
     titles = [run.mechanism.title or run.mechanism.name for run in runs]
-    names = told_apart(titles, [found.parameters for found in told],
-                       [found.source for found in told])
+    sources = [found.source for found in told]
+    names = next((each for each in (titles, sources) if len(set(each)) == len(runs)), titles)
     pieces = []
     for run, found, name in zip(runs, told, names, strict=True):
         subject, box = listed(run, [other for other in runs if other is not run])

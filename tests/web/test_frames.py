@@ -25,7 +25,7 @@ def told(frames: LiveFrames) -> dict[str, Any]:
 
 def decoded(data: bytes, frames: LiveFrames) -> dict[str, Any]:
     """A frame by its names."""
-    head, out = frames.drawing(), frames.listing
+    head = frames.drawing()
     numbers = np.frombuffer(data, "<f4").astype(float)
     found: dict[str, Any] = dict(zip(HEAD, numbers, strict=False))
     at = len(HEAD)
@@ -43,7 +43,7 @@ def decoded(data: bytes, frames: LiveFrames) -> dict[str, Any]:
         found[name] = take(width * count).reshape(-1, width)
     trail = int(found["trail"])
     return {**found, "places": numbers[at:].reshape(-1, trail, 2) if trail else None,
-            "items": out.items}
+            "items": head["list"]["items"]}
 
 
 def begun(machine: Any) -> LiveFrames:

@@ -321,15 +321,7 @@ class Live extends Viewer {
 // Sliders, typed values and switches of what can be set while a scene runs.
 
 const HEADINGS = { parameter: "parameters", drive: "drives", target: "targets", switch: "controllers" };
-
-const BEYOND = 10;                                       // times its own span a slider goes for a typed value
-
-// A typed value: a number, or a number with a unit. null where it is neither.
-function typed(text, unitName) {
-  const found = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*)?$/.exec(text.replace("\u2212", "-"));
-  if (!found) return null;
-  return { value: Number(found[1]), unit: (found[2] || unitName).trim() };
-}
+const BEYOND = 10;                                        // times its own span a slider goes for a typed value
 
 class Controls {
   constructor(parent, set) {                              // set(name, value): asks for it
@@ -358,44 +350,14 @@ class Controls {
     this.box.hidden = !list.length;
   }
   toggle({ name }) {
-    const input = el("input", { type: "checkbox" });
+    const input = el("input", { type: "checkbox", onchange: () => this.set(name, input.checked ? 1 : 0) });
     input.dataset.control = name;
-    input.onchange = () => this.set(name, input.checked ? 1 : 0);
-    const box = el("label", { className: "control" }, input);
-    box.append(name.replace(/\.active$/, ""));
+    const box = el("label", { className: "control" }, input, name.replace(/\.active$/, ""));
     return { box, unit: "", take: (c) => { input.checked = c.value !== 0; }, follow: () => {} };
   }
   slider(control) {
     const { name, kind, unit: unitName } = control, label = name.replace(/^parameters\./, "");
-    const range = el("input", { type: "range", step: "any", min: control.low, max: control.high, ariaLabel: label });
-    const text = el("input", { type: "text", inputMode: "decimal", ariaLabel: `${label}, typed`, size: 8, maxLength: 200 });
-    range.dataset.control = name; text.dataset.typed = name;
-    const words = el("span", { className: "name", textContent: label, title: label });
-    const box = el("div", { className: "control" }, words, range, text,
-                   el("span", { className: "unit", textContent: unitName }));
-    const state = { touched: false, typing: false, value: control.value };
-    const most = BEYOND * Math.max(-control.low, control.high);
-    const ask = (value, given = unitName) => {
-      state.value = value;
-      this.set(name, kind === "parameter" && given ? `${value} ${given}` : value);
-    };
-    range.oninput = () => { state.touched = true; const v = +(+range.value).toPrecision(6); text.value = short(v); ask(v); };
-    text.oninput = () => { state.typing = true; };
-    text.onchange = () => {
-      state.typing = false;
-      const found = typed(text.value, unitName);
-      if (!found || (kind !== "parameter" && found.unit !== unitName)) {
-        this.set(name, text.value);                       // which is answered by what is wrong with it, or what it is in SI
-        text.value = short(state.value);
-        if (found) return;
-        text.classList.add("wrong");
-        setTimeout(() => text.classList.remove("wrong"), 900);
-        return;
-      }
-      state.touched = true;
-      if (found.unit === unitName) show(found.value);
-      ask(found.value, found.unit);
-    };
+    const most = BEYOND * Math.max(-control.low, control.high), state = { touched: false, typing: false, value: control.value };
     const show = (value) => {
       state.value = value;
       if (value > +range.max) range.max = Math.min(2 * value, most);
@@ -403,8 +365,26 @@ class Controls {
       if (!state.typing) text.value = short(value);
       range.value = value;
     };
+    const ask = (value) => {
+      Object.assign(state, { touched: true, value });
+      this.set(name, kind === "parameter" && unitName ? `${value} ${unitName}` : value);
+    };
+    const range = el("input", { type: "range", step: "any", min: control.low, max: control.high, ariaLabel: label,
+      oninput: () => { const v = +(+range.value).toPrecision(6); text.value = short(v); ask(v); } });
+    const text = el("input", { type: "text", inputMode: "decimal", ariaLabel: `${label}, typed`, size: 8, maxLength: 200,
+      oninput: () => { state.typing = true; },
+      onchange: () => {                                   // a number; else the answer is the value, or what is wrong
+        const given = text.value.replace("\u2212", "-").trim();
+        state.typing = false;
+        if (given && Number.isFinite(+given)) { show(+given); ask(+given); return; }
+        this.set(name, given);
+        text.value = short(state.value);
+      } });
+    range.dataset.control = name; text.dataset.typed = name;
     return {
-      box, unit: unitName,
+      unit: unitName,
+      box: el("div", { className: "control" }, el("span", { className: "name", textContent: label, title: label }), range, text,
+        el("span", { className: "unit", textContent: unitName })),
       given: (value) => { state.touched = true; show(value); },
       take: (c) => {
         state.drive = c.drive;
