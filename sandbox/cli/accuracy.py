@@ -90,12 +90,7 @@ def converge(scene: Source, console: Console) -> int:
 
 
 def _refuse(loaded: Loaded, limits: Limits) -> None:
-    """Refuse a scene whose convergence cannot be checked, before any run.
-
-    Raises:
-        SceneError: a scene that expects nothing, that an event may stop or that is too
-            short; one whose finest run exceeds a limit.
-    """
+    """Refuse a scene whose convergence cannot be checked, before any run."""
     from sandbox.convergence.certificate import unfit
     from sandbox.convergence.runs import refined
     from sandbox.engine.inspect import look_over
@@ -195,11 +190,7 @@ def _parts(one: Bounds) -> dict[str, Interval]:
 
 
 def _pushes(evidence: Evidence, body: str, sample: int) -> dict[str, Any]:
-    """The largest push of a body in each direction [N] in a sample, as JSON data.
-
-    Raises:
-        BadParameter: no such body, or one that does not move freely.
-    """
+    """The largest push of a body in each direction [N] in a sample, as JSON data."""
     from sandbox.audit.bounds import push_limits
 
     names = [each.name for each in evidence.run.mechanism.bodies]

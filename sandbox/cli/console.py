@@ -140,11 +140,7 @@ def _joined(lines: Sequence[object]) -> str:
 
 
 def _write(text: str, *, to_stderr: bool = False) -> None:
-    """Print text. A closed pipe (``| head``) or an unwritable stderr is ignored.
-
-    Raises:
-        StdoutError: stdout goes to a file on a full disk.
-    """
+    """Print text. A closed pipe (``| head``) or an unwritable stderr is ignored."""
     stream = sys.stderr if to_stderr else sys.stdout
     encoding = getattr(stream, "encoding", None) or "utf-8"
     try:

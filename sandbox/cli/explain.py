@@ -60,11 +60,7 @@ def explain(name: str | None) -> None:
 
 
 def _explained(name: str) -> list[str]:
-    """The text about a name.
-
-    Raises:
-        BadParameter: an unknown name, with a suggestion.
-    """
+    """The text about a name."""
     from sandbox.scene.reference import quantity_rows, summary
 
     word = name.strip().lower()

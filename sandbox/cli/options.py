@@ -83,11 +83,7 @@ def _read_overrides(
 
 
 def _read_limits(ctx: click.Context, param: click.Parameter, words: Sequence[str]) -> Limits:
-    """Read ``name=value`` words as limits of a scene.
-
-    Raises:
-        BadParameter: an unknown limit, with a suggestion, or a value that is no positive integer.
-    """
+    """Read ``name=value`` words as limits of a scene."""
     from dataclasses import fields
 
     from sandbox.scene.read.limits import Limits
@@ -132,11 +128,7 @@ def read_quantity(dimension: str | None) -> Callable[..., float | None]:
 
 
 def _read_elements(ctx: click.Context, param: click.Parameter, paths: Sequence[Path]) -> None:
-    """Register the elements of files while the command runs.
-
-    Raises:
-        SandboxError: a file cannot be read or run, or registers nothing.
-    """
+    """Register the elements of files while the command runs."""
     if paths:
         from sandbox.scene.composite import load_elements
 

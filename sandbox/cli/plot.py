@@ -119,11 +119,7 @@ def plot(
 
 
 def _target_values(texts: dict[str, str], runs: Sequence[Recording]) -> dict[str, float]:
-    """Targets in SI, read in the unit of their quantity.
-
-    Raises:
-        BadParameter: a quantity that no run has, with a suggestion; an unreadable value.
-    """
+    """Targets in SI, read in the unit of their quantity."""
     from sandbox.values.units import UNITS, normal_unit, parse_quantity
 
     found = {}
@@ -146,11 +142,7 @@ def _labels(opened: Sequence[tuple[Path, Recording]]) -> list[str]:
 
 
 def _led(recordings: Sequence[Recording], given: dict[str, float]) -> list[str]:
-    """The quantities with a target, and the drives of the controllers that lead them there.
-
-    Raises:
-        UsageError: there are none.
-    """
+    """The quantities with a target, and the drives of the controllers that lead them there."""
     from sandbox.samples.targets import controlled, led
 
     names = [*(name for run in recordings for name in led(run)), *given]

@@ -94,11 +94,7 @@ def run(
 
 
 def _look_at(scene: Source, loaded: Loaded, console: Console) -> list[Problem]:
-    """Inspect a scene and print the warnings.
-
-    Raises:
-        SceneError: it cannot be simulated.
-    """
+    """Inspect a scene and print the warnings."""
     problems = scene.inspect(loaded).problems
     refuse_blocking(problems, loaded)
     console.warn(*inspection_lines(problems, loaded), *pages_line(problems))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,7 @@ import click
 from sandbox.cli.console import Console, Progress
 from sandbox.cli.options import OUT, RENDERS, console_options, limit_option, safe_name, written
 from sandbox.errors import OutputError
-from sandbox.wording import WrongValueError, is_pattern, listed, or_near
+from sandbox.wording import is_pattern, listed, or_near
 
 if TYPE_CHECKING:
     from sandbox.recording.recording import Recording
@@ -127,36 +128,14 @@ def _read_strip(ctx: click.Context, param: click.Parameter, word: str | None) ->
 def _read_size(
     ctx: click.Context, param: click.Parameter, word: str | None,
 ) -> tuple[int, int] | str | None:
-    """Read ``800x600`` as two integers; ``2x`` and ``85mm`` stay text."""
-    from sandbox.picture.options import paper_of
-
-    try:
-        if word is None or paper_of(word) is not None:
-            return word
-    except OutputError as error:
-        raise click.BadParameter(str(error), ctx, param) from None
-    before, cross, after = word.lower().partition("x")
-    try:
-        if cross and not after.strip():
-            float(before)
-            return word
-        return int(before), int(after)
-    except ValueError:
-        raise click.BadParameter(
-            f"{word!r} is not of the form WIDTHxHEIGHT, as in 800x600, nor a factor, as in 2x, "
-            "nor a size on paper, as in 85mm or 85mmx70mm",
-            ctx, param) from None
-
-
-def _read_layers(ctx: click.Context, param: click.Parameter, word: str | None) -> str | None:
-    """Check the names of layers such as ``traces,-contacts``."""
-    from sandbox.scene.layers import parse_layers
-
-    try:
-        parse_layers(word or "bodies")
-    except WrongValueError as error:
-        raise click.BadParameter(str(error), ctx, param) from None
-    return word
+    """Read ``800x600`` as two integers; other sizes stay text."""
+    if word is None or re.search(r"[\d.]\s*[xX]\s*$|[a-z]{2}", word):
+        return word
+    if found := re.fullmatch(r"\s*(\d+)\s*[xX]\s*(\d+)\s*", word):
+        return int(found[1]), int(found[2])
+    raise click.BadParameter(
+        f"{word!r} is not of the form WIDTHxHEIGHT, as in 800x600, nor a factor, as in 2x, nor a "
+        "size on paper, as in 85mm or 85mmx70mm", ctx, param)
 
 
 @click.command()
@@ -177,7 +156,7 @@ def _read_layers(ctx: click.Context, param: click.Parameter, word: str | None) -
               show_default=True, help="All of title, time and legend, or only scales.")
 @click.option("--transparent", is_flag=True,
               help="Transparent background; of stills, PNG frames and a GIF.")
-@click.option("--show", callback=_read_layers, metavar="LAYERS",
+@click.option("--show", metavar="LAYERS",
               help="Additional layers, as in 'traces,velocity'; '-contacts' hides one, 'all' shows "
                    "every one.")
 @click.option("--follow", metavar="BODY", help="Body that the view follows.")

@@ -82,11 +82,7 @@ def _drawings(scene: Path) -> list[Path]:
 
 
 def _read_format(ctx: click.Context, param: click.Parameter, word: str) -> str:
-    """Check the name of a format.
-
-    Raises:
-        BadParameter: it is unknown; with a suggestion.
-    """
+    """Check the name of a format."""
     from sandbox.export import FORMATS
 
     if word not in FORMATS:

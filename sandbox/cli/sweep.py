@@ -100,11 +100,7 @@ def _takes_study(
 
 
 def _is_study(scene: Source, defined: Collection[str]) -> bool:
-    """Whether a study file is given; options that it ``defined`` are refused.
-
-    Raises:
-        BadParameter: the command line has such an option.
-    """
+    """Whether a study file is given; options that it ``defined`` are refused."""
     from sandbox.sweeps.plan import study_file
 
     if not study_file(scene.word, scene.limits):
@@ -123,11 +119,7 @@ def _is_study(scene: Source, defined: Collection[str]) -> bool:
 def _problems_at_options(
     vary: Mapping[str, str], keep: Sequence[str], example: str,
 ) -> Iterator[None]:
-    """Report problems of a study made of options at these options.
-
-    Raises:
-        SceneError: of a file unchanged; of options with ``--vary pull=2:8:x`` as its path.
-    """
+    """Report problems of a study made of options at these options."""
     if not vary:
         raise click.BadParameter(f"nothing is varied: add --vary '{example}', or give a study "
                                  "file.", param_hint="--vary")

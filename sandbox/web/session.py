@@ -378,11 +378,7 @@ class Session:
 
 
 def _of_pairs(name: str, known: Catalogue) -> list[str]:
-    """The quantities of pairs that match a name or a pattern; other names as they are.
-
-    Raises:
-        UnknownQuantityError: none matches.
-    """
+    """The quantities of pairs that match a name or a pattern; other names as they are."""
     if "/" not in name or is_expression(name):
         return [name]
     if not known.fits(name):
@@ -391,11 +387,7 @@ def _of_pairs(name: str, known: Catalogue) -> list[str]:
 
 
 def _number(value: object) -> float:
-    """A finite number.
-
-    Raises:
-        SceneError: it is none.
-    """
+    """A finite number."""
     if isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value):
         return float(value)
     raise _wrong(f"{quoted(value)} is no finite number")
