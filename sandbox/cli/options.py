@@ -49,11 +49,7 @@ OUT = _Out(path_type=Path)
 def read_pairs(
     ctx: click.Context, param: click.Parameter, words: Sequence[str],
 ) -> dict[str, str]:
-    """Split ``name=value`` words, as the option's metavar names them.
-
-    Raises:
-        BadParameter: a word without a name or a value, or the same name twice.
-    """
+    """Split ``name=value`` words, as the option's metavar names them."""
     found: dict[str, str] = {}
     for word in words:
         name, equals, text = (part.strip() for part in word.partition("="))
@@ -180,11 +176,7 @@ class Source:
     limits: Limits
 
     def load(self, changes: Mapping[str, Any] | None = None) -> Loaded:
-        """Load the scene, with ``changes`` after those of ``--set``.
-
-        Raises:
-            SceneError: with every problem found.
-        """
+        """Load the scene, with ``changes`` after those of ``--set``."""
         from sandbox.scene.library import find_scene
         from sandbox.scene.read.load import read_scene
 
@@ -201,11 +193,7 @@ class Source:
 
 
 def refuse_blocking(problems: Sequence[Problem], loaded: Loaded) -> None:
-    """Refuse a scene that cannot be simulated.
-
-    Raises:
-        SceneError: the problems that block, with their places in the scene's file.
-    """
+    """Refuse a scene that cannot be simulated."""
     if blocking := [problem for problem in problems if problem.blocks]:
         from sandbox.scene.read.source import first_problems
 
@@ -258,11 +246,7 @@ def safe_name(name: str) -> str:
 
 
 def prepare(directory: Path) -> None:
-    """Check that files can be written into a directory, and make it.
-
-    Raises:
-        OutputError: they cannot.
-    """
+    """Check that files can be written into a directory, and make it."""
     try:
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=directory) as trial:

@@ -147,17 +147,31 @@ class _Job:
 
     def write(self, recording: Recording) -> None:
         """Save and draw in parallel, then put all files in place."""
+        from sandbox.recording.new_run import PAGE
         from sandbox.recording.store import save_data
 
+        def save() -> None:
+            with self._timed("save"):
+                save_data(recording, self.new.aside)
+
         with ThreadPoolExecutor(max_workers=1) as beside:
-            saved = beside.submit(self._timed, "save", save_data, recording, self.new.aside)
+            saved = beside.submit(save)
             try:
                 if self.animation:
-                    self._timed("draw", self._draw, recording)
+                    from sandbox.picture.film import render
+
+                    with self._timed("draw"), Progress("Drawing", self.console) as progress:
+                        render(recording, self.new.aside / f"animation.{self.animation}",
+                               progress=progress, most_frames=self.scene.limits.frames)
                 saved.result()
-                self._timed("audit", self._judge, recording)
+                with self._timed("audit"):
+                    self._judge(recording)
                 if self.writes_page:
-                    self._timed("report", self._page, recording)
+                    from sandbox.web.page import FoundOut
+
+                    with self._timed("report"):
+                        write_page([recording], self.new.aside / PAGE, [FoundOut(
+                            self.judged, self.checks, str(self.new.directory))])
                 self._save_summary(recording)
             except BaseException as error:
                 saved.result()
@@ -165,9 +179,10 @@ class _Job:
                 raise
         self.new.publish()
 
-    def _timed(self, phase: str, work: Any, *arguments: Any) -> None:
+    @contextlib.contextmanager
+    def _timed(self, phase: str) -> Iterator[None]:
         began = time.perf_counter()
-        work(*arguments)
+        yield
         self.wall_s[phase] = time.perf_counter() - began
 
     def _judge(self, recording: Recording) -> None:
@@ -176,20 +191,6 @@ class _Job:
 
         self.judged = verdicts(recording)
         self.checks = audit(recording)
-
-    def _draw(self, recording: Recording) -> None:
-        from sandbox.picture.film import render
-
-        with Progress("Drawing", self.console) as progress:
-            render(recording, self.new.aside / f"animation.{self.animation}", progress=progress,
-                   most_frames=self.scene.limits.frames)
-
-    def _page(self, recording: Recording) -> None:
-        from sandbox.recording.new_run import PAGE
-        from sandbox.web.page import FoundOut
-
-        write_page([recording], self.new.aside / PAGE, [FoundOut(
-            verdicts=self.judged, figures=self.checks, source=str(self.new.directory))])
 
     def _save_summary(self, recording: Recording) -> None:
         from sandbox.recording.store import save_summary

@@ -32,11 +32,7 @@ def files_of(directory: Path) -> list[str]:
 
 
 def run_directory(word: str) -> Path:
-    """The directory of a run, given as such or as the name or file of its scene.
-
-    Raises:
-        OutputError: there is none; with a suggestion.
-    """
+    """The directory of a run, given as such or as the name or file of its scene."""
     from sandbox.recording.new_run import ARCHIVE
     from sandbox.sweeps.table import CSV as TABLE
     from sandbox.sweeps.table import SPEC as SWEEP
@@ -57,11 +53,7 @@ def run_directory(word: str) -> Path:
 
 
 def open_run(word: str, console: Console) -> tuple[Path, Recording]:
-    """A run's directory and its recording; warns if the run is incomplete or was edited.
-
-    Raises:
-        OutputError: there is none, it cannot be read, or it has less than two samples.
-    """
+    """A run's directory and its recording; warns if the run is incomplete or was edited."""
     from sandbox.recording.recording import Recording
     from sandbox.recording.store import EDITED
 
@@ -79,11 +71,7 @@ def open_run(word: str, console: Console) -> tuple[Path, Recording]:
 
 
 def run_with(name: str, runs: Sequence[Recording], *, option: str) -> Recording:
-    """The first run that has a quantity.
-
-    Raises:
-        BadParameter: none has; with a suggestion, and what there is.
-    """
+    """The first run that has a quantity."""
     for run in runs:
         if name in run.catalogue:
             return run
@@ -98,11 +86,7 @@ def run_with(name: str, runs: Sequence[Recording], *, option: str) -> Recording:
 
 
 def matching(patterns: Sequence[str], runs: Sequence[Recording], *, option: str) -> list[str]:
-    """The quantities that match any of some patterns in any of the runs, each once.
-
-    Raises:
-        BadParameter: a pattern that matches nothing; with a suggestion.
-    """
+    """The quantities that match any of some patterns in any of the runs, each once."""
     found: dict[str, None] = {}
     for pattern in patterns:
         names = dict.fromkeys(name for run in runs for name in run.match(pattern))
@@ -267,11 +251,7 @@ def write_page(
     recordings: Sequence[Recording], path: Path, found: Sequence[FoundOut],
     plots: Sequence[str] = (),
 ) -> int:
-    """Write the page of some runs; its size in bytes.
-
-    Raises:
-        OutputError: it cannot be written.
-    """
+    """Write the page of some runs; its size in bytes."""
     from sandbox.atomic_files import write_atomic
     from sandbox.recording.new_run import made
     from sandbox.web.page import report as page_of_runs

@@ -55,26 +55,23 @@ NAMES = {"best": "optimize"}
 
 
 def _read_workers(ctx: click.Context, param: click.Parameter, word: str | None) -> int | str:
-    """A number of processes, 0 for one for each processor, or the address of a scheduler.
+    """A number of processes, 0 for one for each processor, or the address of a scheduler."""
+    from sandbox.sweeps.processes import check_workers
 
-    Worker processes begin to load the engine at once, beside this one.
-    """
-    from sandbox.sweeps.processes import check_workers, preload
-
-    if word is not None and ("://" in word or word.endswith(".json")):
+    if word is None:
+        return 0
+    if "://" in word or word.endswith(".json"):
         return word
     try:
-        number = 0 if word is None else int(word)
-        if word is not None:
-            if number < 1:
-                raise ValueError
-            check_workers(number)
+        number = int(word)
+        if number < 1:
+            raise ValueError
+        check_workers(number)
     except ValueError:
         raise click.BadParameter(f"{word!r} is neither a number of processes nor the address of a "
                                  "Dask scheduler, as in tcp://10.0.0.1:8786", ctx, param) from None
     except SandboxError as error:
         raise click.BadParameter(str(error), ctx, param) from None
-    preload()
     return number
 
 
@@ -181,15 +178,19 @@ def sweep(
     run, and sweep.png; of a grid of two paths a map. Finished runs are not
     repeated: the same command resumes an interrupted sweep.
     """
-    from sandbox.sweeps.sweep import run_plan
-    from sandbox.sweeps.table import preload
+    from sandbox.sweeps.processes import preload
 
     began = time.perf_counter()
+    if isinstance(workers, int):
+        preload()
+    from sandbox.sweeps.sweep import run_plan
+    from sandbox.sweeps.table import preload as preload_figures
+
     plan = _plan(scene, options)
     folder = out or SWEEPS / safe_name(plan.name)
     prepare(folder)
     console.say(f"{plan.name}: {len(plan)} runs of {plan.loaded.mechanism.name}")
-    preload()
+    preload_figures()
     beat = Heartbeat(console)
     with many_runs(folder, console), Progress("sweep", console) as bar:
         def advance(at: Advance) -> None:
@@ -383,13 +384,17 @@ def _search(
     out: Path | None, workers: int | str, console: Console, **options: Any,
 ) -> int:
     """Run a search and report the result; the exit code."""
+    from sandbox.sweeps.processes import preload
+
+    began, new, beat = time.perf_counter(), 0, Heartbeat(console)
+    if isinstance(workers, int):
+        preload()
     from sandbox.search.fitting import COMPARED
     from sandbox.search.question import make_question
     from sandbox.search.searches import Search, read_search
     from sandbox.search.session import FIGURE, FOUND, RESULT, Where
     from sandbox.sweeps.table import CSV, PARQUET
 
-    began, new, beat = time.perf_counter(), 0, Heartbeat(console)
     if _is_study(scene, ("vary", "keep", "overrides")):
         chosen = read_search(scene.word, scene.limits)
         chosen.require(kind)
