@@ -36,59 +36,29 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
-    "Composite",
-    "ControllerFailed",
-    "Custom",
-    "Interrupted",
-    "Live",
-    "OutputError",
-    "Recording",
-    "RecordingFull",
-    "SandboxError",
-    "SceneError",
-    "Simulation",
-    "SimulationDiverged",
-    "StopRun",
-    "__version__",
-    "build",
-    "expand",
-    "gym",
-    "load_scene",
-    "register",
-    "render",
-    "rest",
-    "rest_along",
-    "search",
-    "simulate",
-    "sweep",
-    "to_pymunk",
+    "Composite", "ControllerFailed", "Custom", "Interrupted", "Live", "OutputError", "Recording",
+    "RecordingFull", "SandboxError", "SceneError", "Simulation", "SimulationDiverged", "StopRun",
+    "__version__", "build", "expand", "gym", "load_scene", "register", "render", "rest",
+    "rest_along", "search", "simulate", "sweep", "to_pymunk",
 ]
-
 _HOMES = {
-    "Composite": "sandbox.scene.composite",
-    "ControllerFailed": "sandbox.errors",
-    "Custom": "sandbox.elements.controllers.custom",
-    "Interrupted": "sandbox.errors",
-    "Live": "sandbox.engine.live",
-    "OutputError": "sandbox.errors",
-    "Recording": "sandbox.recording.recording",
-    "RecordingFull": "sandbox.errors",
-    "SandboxError": "sandbox.errors",
-    "SceneError": "sandbox.errors",
-    "Simulation": "sandbox.engine.simulation",
-    "SimulationDiverged": "sandbox.errors",
-    "StopRun": "sandbox.elements.controllers.custom",
-    "expand": "sandbox.scene.expand",
-    "load_scene": "sandbox.scene.read.load",
-    "register": "sandbox.scene.composite",
-    "render": "sandbox.picture.film",
-    "rest": "sandbox.equilibria.rest",
-    "rest_along": "sandbox.equilibria.branches",
-    "simulate": "sandbox.engine.simulate",
-    "sweep": "sandbox.sweeps.sweep",
-    "to_pymunk": "sandbox.engine.pymunk_draft",
+    "sandbox.scene.composite": "Composite register",
+    "sandbox.errors": "ControllerFailed Interrupted OutputError RecordingFull "
+                      "SandboxError SceneError SimulationDiverged",
+    "sandbox.elements.controllers.custom": "Custom StopRun",
+    "sandbox.engine.live": "Live",
+    "sandbox.recording.recording": "Recording",
+    "sandbox.engine.simulation": "Simulation",
+    "sandbox.scene.expand": "expand",
+    "sandbox.scene.read.load": "load_scene",
+    "sandbox.picture.film": "render",
+    "sandbox.equilibria.rest": "rest",
+    "sandbox.equilibria.branches": "rest_along",
+    "sandbox.engine.simulate": "simulate",
+    "sandbox.sweeps.sweep": "sweep",
+    "sandbox.engine.pymunk_draft": "to_pymunk",
 }
-"""Where each public name lives."""
+"""The public names by the module that has them."""
 
 
 def __getattr__(name: str) -> object:
@@ -97,9 +67,10 @@ def __getattr__(name: str) -> object:
 
     if name in ("build", "gym", "search"):
         return import_module(f"sandbox.{name}")
-    if name not in _HOMES:
+    home = next((module for module, names in _HOMES.items() if name in names.split()), "")
+    if not home:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value: object = getattr(import_module(_HOMES[name]), name)
+    value: object = getattr(import_module(home), name)
     globals()[name] = value
     return value
 

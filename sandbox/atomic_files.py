@@ -73,11 +73,7 @@ def atomic_file(path: Path, *, durable: bool = True) -> Iterator[Path]:
 
 
 def write_atomic(path: Path, text: str) -> None:
-    """Write a text in UTF-8, with the same bytes on every platform.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
+    """Write a text in UTF-8, with the same bytes on every platform."""
     with atomic_file(path) as temporary:
         temporary.write_bytes(text.encode())
 
@@ -85,11 +81,7 @@ def write_atomic(path: Path, text: str) -> None:
 def temporary_path(
     path: Path, stack: contextlib.ExitStack, *, directory: bool = False,
 ) -> Path:
-    """Make a temporary file or directory beside a path, locked until ``stack`` removes it.
-
-    Raises:
-        OSError: it cannot be made.
-    """
+    """Make a temporary file or directory beside a path, locked until ``stack`` removes it."""
     while True:
         temporary = path.with_name(
             f".{path.stem}.{os.getpid()}-{os.urandom(4).hex()}.part{path.suffix}")
@@ -110,11 +102,7 @@ def _remove(path: Path) -> None:
 
 @contextlib.contextmanager
 def locked(path: Path) -> Iterator[bool | None]:
-    """Lock a file or directory: True, False if it is locked already, None without locks.
-
-    Raises:
-        OSError: it cannot be opened.
-    """
+    """Lock a file or directory: True, False if it is locked already, None without locks."""
     if fcntl is None:
         yield None
         return
@@ -143,30 +131,19 @@ def remove_stale(directory: Path) -> None:
 
 
 def flush(path: Path) -> None:
-    """Flush a file or the names in a directory to the disk.
-
-    Raises:
-        OSError: the file cannot be flushed; not every system can flush directories.
-    """
+    """Flush a file to the disk, or the names in a directory where the system can do so."""
     directory = path.is_dir()
-    try:
+    with contextlib.suppress(OSError) if directory else contextlib.nullcontext():
         handle = os.open(path, os.O_RDONLY if directory else os.O_RDWR)
         try:
             os.fsync(handle)
         finally:
             os.close(handle)
-    except OSError:
-        if not directory:
-            raise
 
 
 @contextlib.contextmanager
 def output_errors(path: Path) -> Iterator[None]:
-    """Replace errors of the operating system by one that names ``path``.
-
-    Raises:
-        OutputError: in place of an OSError.
-    """
+    """Replace an OSError by an OutputError that names ``path``."""
     try:
         yield
     except OSError as error:

@@ -151,17 +151,24 @@ class OutputError(SandboxError):
 
 
 @dataclass(eq=False)
-class SimulationDiverged(SandboxError):
-    """Values of a simulation became infinite, undefined or very large.
+class RunEnded(SandboxError):
+    """Base class of errors that end a run.
 
-    ``recording`` holds the samples until then, marked incomplete.
+    ``time`` is that of the last step [s]; ``recording`` holds the samples until then, marked
+    incomplete.
     """
 
-    code = "diverged"
     time: float
+    recording: Recording | None = field(default=None, repr=False, kw_only=True)
+
+
+@dataclass(eq=False)
+class SimulationDiverged(RunEnded):
+    """Values of a simulation became infinite, undefined or very large."""
+
+    code = "diverged"
     culprit: str
     reason: str
-    recording: Recording | None = field(default=None, repr=False)
 
     def __str__(self) -> str:
         return f"the simulation diverged at t = {self.time:.6g} s: {self.culprit}: {self.reason}"
@@ -178,16 +185,11 @@ class Jammed(SimulationDiverged):
 
 
 @dataclass(eq=False)
-class RecordingFull(SandboxError):
-    """A run exceeds the limit of recorded bytes, contacts included.
-
-    ``recording`` holds the samples until then, marked incomplete.
-    """
+class RecordingFull(RunEnded):
+    """A run exceeds the limit of recorded bytes, contacts included."""
 
     code = "limit-exceeded"
-    time: float
     most: float
-    recording: Recording | None = field(default=None, repr=False)
 
     def __str__(self) -> str:
         most = f"{self.most:,.0f}".replace(",", " ")
@@ -197,32 +199,22 @@ class RecordingFull(SandboxError):
 
 
 @dataclass(eq=False)
-class ControllerFailed(SandboxError):
-    """A Python controller raised an exception or returned invalid values.
-
-    ``recording`` holds the samples until then, marked incomplete; ``__cause__`` is the exception.
-    """
+class ControllerFailed(RunEnded):
+    """A Python controller raised an exception, its ``__cause__``, or returned invalid values."""
 
     code = "controller-failed"
-    time: float
     controller: str
     reason: str
-    recording: Recording | None = field(default=None, repr=False)
 
     def __str__(self) -> str:
         return f"controller {self.controller!r}: act() at t = {self.time:.6g} s {self.reason}"
 
 
 @dataclass(eq=False)
-class Interrupted(SandboxError):
-    """Ctrl-C during a simulation.
-
-    ``recording`` holds the samples until then, marked incomplete.
-    """
+class Interrupted(RunEnded):
+    """Ctrl-C during a simulation."""
 
     code = "interrupted"
-    time: float
-    recording: Recording | None = field(default=None, repr=False)
 
     def __str__(self) -> str:
         return f"interrupted at t = {self.time:.6g} s"

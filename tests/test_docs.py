@@ -24,8 +24,8 @@ from typing import Any
 
 import pytest
 
+from sandbox.cli.console import Exit
 from sandbox.cli.entry import invoke
-from sandbox.cli.failures import Exit
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.schema import descriptions, scene_schema

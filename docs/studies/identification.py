@@ -78,7 +78,7 @@ def main(argv: Sequence[str] | None = None) -> dict[str, float]:
         for seed in range(count if kind == "independent" or not options.quick else 0):
             fit = sandbox.search.fit(STUDY, measure(data, values, ANGLES, TIMES, NOISE, seed,
                                                     correlation))
-            remarks += any("no noise" in line for line in fit.lines)
+            remarks += any("are not random" in line for line in fit.lines)
             for name, cell, one, true in zip(NAMES, axes.flat, fit.parameters, truth, strict=True):
                 held.append(one.low <= true <= one.high)
                 if kind == "independent":

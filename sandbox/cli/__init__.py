@@ -68,13 +68,14 @@ def _exit(code: int) -> NoReturn:
 
 
 def _interrupt(_number: int, frame: FrameType | None) -> None:
-    """Handle Ctrl-C, but not in the middle of an import.
+    """Handle Ctrl-C, but not in the middle of an import or of :func:`_retry`.
 
     Modules that are being imported may turn a ``KeyboardInterrupt`` into another error
     (extensions report an ``ImportError``), and finalizers lose it with a traceback.
     """
     while frame is not None:
-        if frame.f_code.co_filename.startswith("<frozen importlib"):
+        code = frame.f_code
+        if code.co_filename.startswith("<frozen importlib") or code is _retry.__code__:
             _retry()
             return
         frame = frame.f_back

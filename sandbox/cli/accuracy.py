@@ -9,19 +9,31 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.check import refuse_blocking
-from sandbox.cli.console import Console, Progress, compilation_notices, table
-from sandbox.cli.failures import Exit, see
-from sandbox.cli.options import json_option, limit_option, quiet_option, read_length, scene_options
-from sandbox.cli.runs import file_option, open_run
-from sandbox.cli.scenes import load, scene_argument, scene_path
+from sandbox.cli.console import (
+    Console,
+    Exit,
+    Progress,
+    compilation_notices,
+    first_of,
+    see,
+    shown,
+    table,
+)
+from sandbox.cli.options import (
+    Source,
+    console_options,
+    file_option,
+    read_quantity,
+    refuse_blocking,
+    takes_scene,
+)
+from sandbox.cli.runs import open_run
 from sandbox.errors import Problem, SceneError
 from sandbox.wording import or_near
 
 if TYPE_CHECKING:
     from sandbox.audit.bounds import Bounds, Interval
-    from sandbox.convergence.certificate import Certificate
-    from sandbox.recording.recording import Recording
+    from sandbox.audit.evidence import Evidence
     from sandbox.scene.read.limits import Limits
     from sandbox.scene.read.load import Loaded
 
@@ -32,11 +44,9 @@ DIRECTIONS = 12
 
 
 @click.command()
-@scene_argument
-@scene_options
-@json_option
-@limit_option
-def converge(scene: str, overrides: dict[str, Any], as_json: bool, limits: Limits) -> int:
+@takes_scene
+@console_options("json")
+def converge(scene: Source, console: Console) -> int:
     """Check SCENE for convergence: run it at steps h, h/2, h/4.
 
     Prints, for every expected quantity, its value at each step, the order of
@@ -47,33 +57,40 @@ def converge(scene: str, overrides: dict[str, Any], as_json: bool, limits: Limit
     from sandbox.convergence.certificate import certify
     from sandbox.engine.inspect import inspect
 
-    loaded = load(scene_path(scene), overrides=overrides, limits=limits)
-    mechanism = loaded.mechanism
-    refuse_blocking(inspect(mechanism), loaded)
-    _refuse(loaded, limits)
-    console = Console(as_json=as_json)
-    with (compilation_notices(console),
-          Progress("Simulating", shown=console.shows_progress) as progress):
-        found = certify(mechanism, progress=progress)
-    code = (Exit.DIVERGED if found.diverged else Exit.DONE if found.certified else Exit.FAILED)
-    if as_json:
-        console.result_json({"status": code.name.lower(), "exit_code": int(code),
-                             "scene": mechanism.name, **_certificate_data(found)})
-        return code
-    for each in found.diverged:
-        console.error(f"error: {each.run}: {each.reason}")
-    console.warn(*see(["diverged"] if found.diverged else []))
-    console.say(*_certificate_table(found), *_reasons(found), "", found.conclusion, *found.advice)
-    return code
+    loaded = scene.load()
+    refuse_blocking(inspect(loaded.mechanism), loaded)
+    _refuse(loaded, scene.limits)
+    with compilation_notices(console), Progress("Simulating", console) as progress:
+        found = certify(loaded.mechanism, progress=progress)
+    rows = [[t.quantity, t.statistic, *(shown(v, ".6g") for v in t.values),
+             "" if t.unit == "1" else t.unit, shown(t.order, ".1f"), shown(t.error, ".1e"),
+             shown(t.allowed, ".1e"), t.kind]
+            for t in found.quantities]
+    lines = [
+        *table(["expectation of", "", f"h = {1e3 * found.steps[0]:.4g} ms", "h/2", "h/4", "unit",
+                "order", "estimated error", "allowed", "result"], rows, right="<<>>><>>>"),
+        *(f"{t.kind} {t.statistic} {t.quantity}: {t.reason}"
+          for t in found.quantities if t.reason),
+        *(f"warning {look.figure.name} ({', '.join(look.runs)}) = "
+          f"{shown(look.figure.value, '.1e')}, at most "
+          f"{shown(look.figure.threshold, '.1e')}: {look.figure.why}"
+          for look in found.looks),
+        "", found.conclusion, *found.advice]
+    if found.diverged and not console.as_json:
+        console.error(*(f"error: {each.run}: {each.reason}" for each in found.diverged),
+                      *see("diverged"))
+    return console.finish({
+        "scene": loaded.mechanism.name, "steps": found.steps, "certified": found.certified,
+        "conclusion": found.conclusion, "advice": found.advice,
+        "quantities": [{**dataclasses.asdict(trust), "certified": trust.certified}
+                       for trust in found.quantities],
+        "looks": [{"runs": look.runs, **vars(look.figure)} for look in found.looks],
+        "diverged": [dataclasses.asdict(each) for each in found.diverged],
+    }, lines, Exit.DIVERGED if found.diverged else Exit.DONE if found.certified else Exit.FAILED)
 
 
 def _refuse(loaded: Loaded, limits: Limits) -> None:
-    """Refuse a scene whose convergence cannot be checked, before any run.
-
-    Raises:
-        SceneError: a scene that expects nothing, that an event may stop or that is too
-            short; one whose finest run exceeds a limit.
-    """
+    """Refuse a scene whose convergence cannot be checked, before any run."""
     from sandbox.convergence.certificate import unfit
     from sandbox.convergence.runs import refined
     from sandbox.engine.inspect import look_over
@@ -92,57 +109,11 @@ def _refuse(loaded: Loaded, limits: Limits) -> None:
             for problem in problems], loaded.name)
 
 
-def _certificate_table(found: Certificate) -> list[str]:
-    """One row for each expectation."""
-    h = 1e3 * found.steps[0]
-    head = ["expectation of", "", f"h = {h:.4g} ms", "h/2", "h/4", "unit", "order",
-            "estimated error", "allowed", "result"]
-    rows = [[t.quantity, t.statistic, *(_format(v, ".6g") for v in t.values),
-             "" if t.unit == "1" else t.unit, _format(t.order, ".1f"), _format(t.error, ".1e"),
-             _format(t.allowed, ".1e"), t.kind]
-            for t in found.quantities]
-    return table(head, rows, right="<<>>><>>>")
-
-
-def _reasons(found: Certificate) -> list[str]:
-    """The reason for each result, and the warnings of the consistency checks."""
-    return [*(f"{t.kind} {t.statistic} {t.quantity}: {t.reason}"
-              for t in found.quantities if t.reason),
-            *(f"warning {look.figure.name} ({', '.join(look.runs)}) = "
-              f"{_format(look.figure.value, '.1e')}, at most "
-              f"{_format(look.figure.threshold, '.1e')}: {look.figure.why}"
-              for look in found.looks)]
-
-
-def _format(value: float, how: str) -> str:
-    return format(value, how) if math.isfinite(value) else "-"
-
-
-def _certificate_data(found: Certificate) -> dict[str, Any]:
-    """A certificate as JSON data; infinite and missing values are null."""
-    return {
-        "steps": list(found.steps), "certified": found.certified, "conclusion": found.conclusion,
-        "advice": list(found.advice),
-        "quantities": [_plain({**dataclasses.asdict(trust), "certified": trust.certified})
-                       for trust in found.quantities],
-        "looks": [{"runs": list(look.runs), **_plain(vars(look.figure))} for look in found.looks],
-        "diverged": [dataclasses.asdict(each) for each in found.diverged],
-    }
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(entry) for entry in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
 @click.command()
 @click.argument("run")
 @click.option("--at", "instants", multiple=True, type=float, metavar="SECONDS",
               help="Time of the sample; the last one by default. Repeatable.")
-@click.option("--near", metavar="LENGTH", callback=read_length,
+@click.option("--near", metavar="LENGTH", callback=read_quantity("length"),
               help="Maximum gap of a contact, as 10um; by default the gap that a step may leave "
                    "(docs/audit.md).")
 @click.option("--push", "pushed", metavar="BODY",
@@ -150,11 +121,10 @@ def _plain(value: Any) -> Any:
                    "in 12 directions.")
 @file_option((".csv",), "A .csv file; contact_bounds.csv in the run's directory by default. "
              "Repeatable.")
-@json_option
-@quiet_option
+@console_options()
 def bounds(
     run: str, instants: tuple[float, ...], near: float | None, pushed: str | None,
-    files: tuple[Path, ...], as_json: bool, quiet: bool,
+    files: tuple[Path, ...], console: Console,
 ) -> int:
     """Bound indeterminate contact forces of a saved run.
 
@@ -169,70 +139,58 @@ def bounds(
     from sandbox.recording.new_run import BOUNDS, made
     from sandbox.recording.store import save_bounds
 
-    console = Console(as_json=as_json, quiet=quiet)
     directory, recording = open_run(run, console)
     evidence = Evidence(recording)
-    samples = _samples(recording, evidence, instants)
+    time, last = evidence.run.time, float(recording.time[-1])
+    for instant in instants:
+        if not 0 <= instant <= last + recording.info.step:
+            raise click.BadParameter(f"{instant:g} s is not within the run's {last:g} s",
+                                     param_hint="--at")
+    samples = sorted({int(abs(time - t).argmin()) for t in instants} or {len(time) - 1})
     pushes = [] if pushed is None else [_pushes(evidence, pushed, sample) for sample in samples]
     found = {sample: contact_bounds(evidence, sample, near) for sample in samples}
     files = files or (directory / BOUNDS,)
     for file in files:
         save_bounds(evidence.run, found, file)
         made(file)
-    outside = [label for each in found.values() for one in each
-               for label, part in _parts(one, recording) if part.outside]
-    code = Exit.FAILED if outside else Exit.DONE
-    if as_json:
-        console.result_json({
-            "status": code.name.lower(), "exit_code": int(code), "run": str(directory),
-            "files": [str(file) for file in files],
-            "bounds": [_bounds_data(evidence.run.time[sample], one, recording)
-                       for sample, each in found.items() for one in each],
-            "pushes": _plain(pushes)})
-        return code
+    names = [body.name for body in recording.mechanism.bodies]
+    lines, outside, data = list[str](), list[str](), list[dict[str, Any]]()
     for sample, each in found.items():
-        console.say(f"t = {evidence.run.time[sample]:.6g} s"
-                    + ("" if each else ": nothing touches"))
+        lines.append(f"t = {time[sample]:.6g} s" + ("" if each else ": nothing touches"))
+        rows = []
+        for one in each:
+            data.append({"time": float(time[sample]), "body": names[one.body],
+                         "other": names[one.other]})
+            for kind, part in _parts(one).items():
+                decided = part.high - part.low <= sum(part.allowed)
+                data[-1][kind] = {"force": part.force, "low": part.low, "high": part.high,
+                                  "tolerance": max(part.allowed), "decided": decided,
+                                  "outside": part.outside}
+                label = f"{names[one.body]}/{names[one.other]}.{kind}"
+                outside += [label] if part.outside else []
+                rows.append([label, *_shown(part),
+                             "OUTSIDE" if part.outside else "decided" if decided else ""])
         if each:
-            rows = [[label, *shown_numbers(part),
-                     "OUTSIDE" if part.outside else "decided" if _decided(part) else ""]
-                    for one in each for label, part in _parts(one, recording)]
-            console.say(*table(["force of", "N", "interval", ""], rows, right="<>"), "")
+            lines += [*table(["force of", "N", "interval", ""], rows, right="<>"), ""]
     for push in pushes:
-        rows = [[f"{angle:g}", f"{force:.6g}" if math.isfinite(force) else str(force)]
+        rows = [[f"{angle:g}", f"{force:.6g}"]
                 for angle, force in zip(push["direction_deg"], push["force"], strict=True)]
-        console.say(f"largest push of {pushed} at t = {push['time']:.6g} s",
-                    *table(["direction deg", "N"], rows, right=">>"), "")
-    if outside:
-        more = f" and {len(outside) - MAX_NAMED} more" if len(outside) > MAX_NAMED else ""
-        message = "outside the range that mechanics allows"
-        console.error(f"{message}: {', '.join(outside[:MAX_NAMED])}{more}")
-        console.warn(*see(["impossible-forces"]))
-    console.say(*map(str, files))
+        lines += [f"largest push of {pushed} at t = {push['time']:.6g} s",
+                  *table(["direction deg", "N"], rows, right=">>"), ""]
+    code = console.finish({"run": directory, "files": files, "bounds": data, "pushes": pushes},
+                          [*lines, *files], Exit.FAILED if outside else Exit.DONE)
+    if outside and not console.as_json:
+        console.error("outside the range that mechanics allows: " + first_of(outside, MAX_NAMED))
+        console.warn(*see("impossible-forces"))
     return code
 
 
-def _samples(recording: Recording, evidence: Any, instants: tuple[float, ...]) -> list[int]:
-    """Numbers of the samples nearest to some times, the last one by default.
-
-    Raises:
-        BadParameter: a time outside the run.
-    """
-    time = evidence.run.time
-    last = float(recording.time[-1])
-    for instant in instants:
-        if not 0 <= instant <= last + recording.info.step:
-            raise click.BadParameter(f"{instant:g} s is not within the run's {last:g} s",
-                                     param_hint="--at")
-    return sorted({int(abs(time - instant).argmin()) for instant in instants} or {len(time) - 1})
+def _parts(one: Bounds) -> dict[str, Interval]:
+    return {"normal": one.normal, "tangential": one.tangential}
 
 
-def _pushes(evidence: Any, body: str, sample: int) -> dict[str, Any]:
-    """The largest push of a body in each direction [N] in a sample, as JSON data.
-
-    Raises:
-        BadParameter: no such body, or one that does not move freely.
-    """
+def _pushes(evidence: Evidence, body: str, sample: int) -> dict[str, Any]:
+    """The largest push of a body in each direction [N] in a sample, as JSON data."""
     from sandbox.audit.bounds import push_limits
 
     names = [each.name for each in evidence.run.mechanism.bodies]
@@ -249,14 +207,7 @@ def _pushes(evidence: Any, body: str, sample: int) -> dict[str, Any]:
             "force": found.tolist()}
 
 
-def _parts(one: Bounds, recording: Recording) -> list[tuple[str, Interval]]:
-    """The normal and the tangential force of a pair, by name."""
-    first, second = (recording.mechanism.bodies[body].name for body in (one.body, one.other))
-    return [(f"{first}/{second}.normal", one.normal),
-            (f"{first}/{second}.tangential", one.tangential)]
-
-
-def shown_numbers(part: Interval) -> tuple[str, str]:
+def _shown(part: Interval) -> tuple[str, str]:
     """The force and its interval as text, without contradictions by rounding.
 
     Values within the rounding error are 0, and an interval is widened to a force that is outside
@@ -268,22 +219,3 @@ def shown_numbers(part: Interval) -> tuple[str, str]:
     force, low, high = (0.0 if abs(value) <= known else value for value, known in zip(
         (part.force, low, high), (max(part.allowed), *part.allowed), strict=True))
     return f"{force:.6g}", f"{low:.6g} to {high:.6g}"
-
-
-def _decided(part: Interval) -> bool:
-    return part.high - part.low <= sum(part.allowed)
-
-
-def _bounds_data(time: float, one: Bounds, recording: Recording) -> dict[str, Any]:
-    """The bounds of a pair as JSON data [N]; infinite and missing values are null.
-
-    ``tolerance`` is the rounding error.
-    """
-    names = [body.name for body in recording.mechanism.bodies]
-    data: dict[str, Any] = {"time": float(time), "body": names[one.body],
-                            "other": names[one.other]}
-    for kind, part in (("normal", one.normal), ("tangential", one.tangential)):
-        data[kind] = _plain({"force": part.force, "low": part.low, "high": part.high,
-                             "tolerance": max(part.allowed), "decided": _decided(part),
-                             "outside": part.outside})
-    return data

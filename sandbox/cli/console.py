@@ -1,27 +1,35 @@
-"""Output of the commands: results to stdout, notices, progress and errors to stderr.
+"""Output of the commands: results to stdout, notices and errors to stderr; exit codes.
 
 Titles, reasons and file names may come from an untrusted scene. All output is printed line by
 line, and :func:`sandbox.wording.printable` escapes control characters, so that a scene cannot
-move the cursor or forge a line.
+move the cursor or forge a line. Exceptions become messages, never a traceback.
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
+import math
 import os
 import sys
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 import click
 
-from sandbox.errors import OutputError
-from sandbox.wording import printable
+from sandbox.errors import (
+    Interrupted,
+    OutputError,
+    Problem,
+    SandboxError,
+    SceneError,
+    SimulationDiverged,
+)
+from sandbox.wording import WrongValueError, printable
 
 if TYPE_CHECKING:
     from click._termui_impl import ProgressBar
@@ -35,6 +43,25 @@ COMPILE_TIME = "10 to 30 s"
 COMPILING = f"Compiling the solver (first run only, {COMPILE_TIME}) …"
 NOT_CACHED = (f"Compiling the solver ({COMPILE_TIME}) in every run, since neither the installation "
               "nor the user's cache is writable. Set NUMBA_CACHE_DIR to a writable folder.")
+MAX_PAGES = 3
+"""Pages about codes, and pages about fields, that one line names."""
+
+
+class Exit(IntEnum):
+    """Exit codes of every ``sandbox`` command."""
+
+    DONE = 0
+    """Done, and every expectation passed."""
+    FAILED = 1
+    """An expectation failed."""
+    INPUT = 2
+    """The input is wrong: a scene, an option, a file, a directory."""
+    DIVERGED = 3
+    """The simulation diverged."""
+    BUG = 70
+    """Internal error (EX_SOFTWARE of sysexits.h)."""
+    INTERRUPTED = 130
+    """Ctrl-C (128 + SIGINT)."""
 
 
 class StdoutError(OutputError):
@@ -46,7 +73,7 @@ class Console:
     """Output of one command.
 
     ``as_json`` reserves stdout for one JSON object; ``quiet`` suppresses all but errors and
-    requested results.
+    documents.
     """
 
     as_json: bool = False
@@ -57,7 +84,7 @@ class Console:
         """Whether a progress bar may be drawn, because stderr is a terminal."""
         return not self.quiet and sys.stderr.isatty()
 
-    def say(self, *lines: str) -> None:
+    def say(self, *lines: object) -> None:
         """Print lines to stdout; to stderr with ``--json``, nothing with ``--quiet``."""
         if not self.quiet:
             _write(_joined(lines), to_stderr=self.as_json)
@@ -65,42 +92,55 @@ class Console:
     def warn(self, *lines: str) -> None:
         """Print lines to stderr, unless quiet."""
         if lines and not self.quiet:
-            _write(_joined(lines), to_stderr=True)
-
-    def result(self, *lines: str) -> None:
-        """Print requested lines to stdout, even when quiet."""
-        _write(_joined(lines))
-
-    def result_json(self, value: Any) -> None:
-        """Print the JSON object of a command to stdout."""
-        self.document(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
-
-    def document(self, text: str) -> None:
-        """Print a whole file to stdout; characters that cannot be printed are escaped."""
-        try:
-            text.encode(getattr(sys.stdout, "encoding", None) or "utf-8")
-        except UnicodeEncodeError:
-            plain = str.isascii
-        else:
-            plain = str.isprintable
-        _write("".join(char if plain(char) or char in "\n\t" else json.dumps(char)[1:-1]
-                       for char in text))
+            self.error(*lines)
 
     def error(self, *lines: str) -> None:
         """Print errors to stderr."""
         _write(_joined(lines), to_stderr=True)
 
+    def document(self, text: str) -> None:
+        """Print a whole file to stdout; characters that cannot be printed are escaped."""
+        try:
+            text.encode(getattr(sys.stdout, "encoding", None) or "utf-8")
+            plain = str.isprintable
+        except UnicodeEncodeError:
+            plain = str.isascii
+        _write("".join(char if plain(char) or char in "\n\t" else json.dumps(char)[1:-1]
+                       for char in text))
 
-def _joined(lines: Sequence[str]) -> str:
-    return "\n".join(printable(line) for line in lines)
+    def finish(
+        self, data: Mapping[str, Any], lines: Iterable[object] = (), code: Exit = Exit.DONE,
+    ) -> Exit:
+        """Print the result of a command, ``lines`` or with ``--json`` one object; its exit code.
+
+        In the object, infinite and missing numbers are null.
+        """
+        if self.as_json:
+            whole = {"status": code.name.lower(), "exit_code": int(code), **data}
+            self.document(json.dumps(plain_json(whole), indent=2, ensure_ascii=False,
+                                     allow_nan=False))
+        else:
+            self.say(*lines)
+        return code
+
+
+def plain_json(value: Any) -> Any:
+    """A value as JSON data: numbers that are not finite are None, paths are text."""
+    if isinstance(value, Mapping):
+        return {key: plain_json(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain_json(entry) for entry in value]
+    if isinstance(value, Path):
+        return str(value)
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _joined(lines: Sequence[object]) -> str:
+    return "\n".join(printable(str(line)) for line in lines)
 
 
 def _write(text: str, *, to_stderr: bool = False) -> None:
-    """Print text. A closed pipe (``| head``) or an unwritable stderr is ignored.
-
-    Raises:
-        StdoutError: stdout goes to a file on a full disk.
-    """
+    """Print text. A closed pipe (``| head``) or an unwritable stderr is ignored."""
     stream = sys.stderr if to_stderr else sys.stdout
     encoding = getattr(stream, "encoding", None) or "utf-8"
     try:
@@ -123,9 +163,9 @@ def table(
     a     1.5
     long   10
     """
-    lines = [[printable(cell) for cell in line] for line in (head, *rows)]
-    widths = [max(len(line[i]) for line in lines) for i in range(len(head))]
-    sides = right.ljust(len(head), "<")
+    lines = [[printable(cell) for cell in line] for line in ([head] if head else []) + [*rows]]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    sides = right.ljust(len(widths), "<")
     return [
         "  ".join(f"{cell:{side}{width}}" for cell, side, width
                   in zip(line, sides, widths, strict=True)).rstrip()
@@ -133,15 +173,124 @@ def table(
     ]
 
 
+def shown(value: float, how: str) -> str:
+    """A number as text, ``-`` if it is not finite."""
+    return format(value, how) if math.isfinite(value) else "-"
+
+
+def first_of(names: Sequence[str], most: int) -> str:
+    """The first names of a list, and the number of others."""
+    more = len(names) - most
+    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
+
+
+# -- exceptions ----------------------------------------------------------------------
+
+
+def guard(work: Callable[[], int], console: Console) -> int:
+    """Run a command; its exit code, or that of the error it raised.
+
+    An unwritable stdout is reported on stderr, with ``--json`` too.
+    """
+    try:
+        try:
+            return work()
+        except StdoutError:
+            raise
+        except (Exception, KeyboardInterrupt) as error:
+            return report(error, console)
+    except StdoutError as error:
+        return report(error, Console())
+
+
+def report(error: BaseException, console: Console, **more: Any) -> Exit:
+    """Print the problems of an error, one a line, or all in one JSON object; its exit code."""
+    code, problems = _problems(error)
+    source = error.source if isinstance(error, SceneError) else ""
+    if console.as_json:
+        errors = [problem_data(problem, source) for problem in problems]
+        return console.finish({"errors": errors, **more}, code=code)
+    if isinstance(error, click.UsageError) and error.ctx is not None:
+        console.error(*error.ctx.get_usage().splitlines(),
+                      f"Try '{error.ctx.command_path} --help' for help.", "")
+    console.error(*(one_line(problem, source) for problem in problems))
+    if code != Exit.INTERRUPTED:
+        console.warn(*pages_line(problems))
+    return code
+
+
+def _problems(error: BaseException) -> tuple[Exit, list[Problem]]:
+    """The exit code of an error, and its problems."""
+    code = Exit.INPUT
+    match error:
+        case SceneError():
+            return code, error.problems
+        case SandboxError():
+            if isinstance(error, SimulationDiverged):
+                code = Exit.DIVERGED
+            elif isinstance(error, Interrupted):
+                code = Exit.INTERRUPTED
+            return code, [Problem(error.code, line, "") for line in str(error).splitlines() or [""]]
+        case KeyboardInterrupt() | click.Abort():
+            return Exit.INTERRUPTED, [Problem("interrupted", "interrupted", "")]
+        case click.ClickException():
+            cause = error.__cause__ or error.__context__
+            name = cause.code if isinstance(cause, SandboxError | WrongValueError) else "bad-option"
+            found = Problem(name, error.format_message(), "")
+        case MemoryError():
+            found = Problem("out-of-memory", "not enough memory for this", "")
+        case OSError():
+            where = f"{error.filename}: " if error.filename else ""
+            found = Problem("cannot-write", f"{where}{error.strerror or error}", "")
+        case RecursionError():
+            found = Problem("limit-exceeded", "nested too deeply", "")
+        case _:
+            code, first = Exit.BUG, (str(error).splitlines() or [""])[0][:200]
+            found = Problem("internal-error", f"internal error ({type(error).__name__}: {first}); "
+                            "please report it with the scene (SANDBOX_DEBUG=1 shows the traceback)",
+                            "")
+    return code, [found]
+
+
+def pages_line(problems: Sequence[Problem]) -> list[str]:
+    """The line that names the pages of the docs about some problems, or none."""
+    return see(*(each.code for each in problems), fields=[each.fields for each in problems])
+
+
+def see(*codes: str, fields: Iterable[str] = ()) -> list[str]:
+    """The line that names the pages of the docs about some codes and fields, or none."""
+    pages = [f"docs/messages.md#{code}" for code in dict.fromkeys(codes)][:MAX_PAGES]
+    pages += list(filter(None, dict.fromkeys(fields)))[:MAX_PAGES]
+    return [f"see {', '.join(pages)}"] if pages else []
+
+
+def one_line(problem: Problem, source: str = "") -> str:
+    """``file:line:col: path: message``, or ``error: message`` without a place."""
+    source = problem.file or source
+    if not source and not problem.path:
+        return f"error{problem}"  # the place is empty
+    return f"{source}:{problem}" if source else str(problem)
+
+
+def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:
+    """A problem as JSON data, without empty values."""
+    data = {"code": problem.code, "file": problem.file or source, "path": problem.path,
+            "line": problem.line, "column": problem.column, "element": problem.element,
+            "allowed": problem.allowed, "hint": problem.hint, "fields": problem.fields}
+    return {"message": problem.text, **{key: value for key, value in data.items() if value}}
+
+
+# -- progress ------------------------------------------------------------------------
+
+
 class Progress:
     """Progress bar on stderr that appears after a second; call it with the fraction done, 0 to 1.
 
-    Use it as a context. Without a terminal nothing is drawn.
+    Use it as a context. Without a terminal, or with ``--quiet``, nothing is drawn.
     """
 
-    def __init__(self, label: str, *, shown: bool | None = None) -> None:
-        self._label = label
-        self._shown = sys.stderr.isatty() if shown is None else shown
+    def __init__(self, label: str, console: Console) -> None:
+        self._label, self._shown = label, console.shows_progress
         self._start = time.monotonic()
         self._bar: ProgressBar[int] | None = None
 
@@ -163,21 +312,18 @@ class Progress:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         self.clear()
 
 
 class Heartbeat:
-    """Schedule of progress lines for work of unknown length.
+    """Prints a line of progress now and then, for work of unknown length.
 
     On a terminal a line is due after 1, 3, 7, … s, elsewhere every :data:`LINE_EVERY` seconds.
     """
 
-    def __init__(self) -> None:
-        self._start = time.monotonic()
+    def __init__(self, console: Console) -> None:
+        self._console, self._start = console, time.monotonic()
         self._interval = BAR_AFTER if sys.stderr.isatty() else LINE_EVERY
         self._next = self._interval
 
@@ -186,67 +332,50 @@ class Heartbeat:
         """Time since the start [s]."""
         return time.monotonic() - self._start
 
-    def due(self) -> bool:
-        """Whether a line is due; the next one is scheduled."""
-        if self.seconds < self._next:
-            return False
-        self._interval = min(2 * self._interval, LINE_EVERY)
-        self._next = self.seconds + self._interval
-        return True
+    def __call__(self, line: str) -> None:
+        """Print a line if one is due."""
+        if self.seconds >= self._next:
+            self._interval = min(2 * self._interval, LINE_EVERY)
+            self._next = self.seconds + self._interval
+            self._console.warn(line)
 
 
-def format_duration(seconds: float) -> str:
-    """Format a duration.
+@contextlib.contextmanager
+def compilation_notices(console: Console) -> Iterator[None]:
+    """Print a line before and after the solver is compiled, with a progress bar on a terminal."""
+    from sandbox.engine.compiling import on_compiling
 
-    >>> format_duration(7.4), format_duration(75), format_duration(3700)
-    ('7 s', '1 min 15 s', '1 h 01 min')
-    """
-    whole = round(seconds)
-    if whole < 60:
-        return f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60:02d} s"
-    return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
+    def began() -> None:
+        from sandbox.engine.advance import advance
 
+        console.warn(COMPILING if advance.cached else NOT_CACHED)
 
-@contextmanager
-def resume_notice(folder: Path, console: Console) -> Iterator[None]:
-    """After Ctrl-C, print that finished runs are kept and the same command resumes."""
-    try:
+    def ended(seconds: float) -> None:
+        bar.clear()
+        console.warn(_compiled(seconds))
+
+    with (_worker_notices(console), Progress("Compiling", console) as bar,
+          on_compiling(began, ended, bar)):
         yield
+
+
+@contextlib.contextmanager
+def many_runs(folder: Path, console: Console) -> Iterator[None]:
+    """Print notices about compilation in workers, and after Ctrl-C how to resume."""
+    try:
+        with _worker_notices(console):
+            yield
     except KeyboardInterrupt:
         console.warn(f"stopped; finished runs are kept in {folder}, and the same command resumes")
         raise
 
 
-@contextmanager
-def compilation_notices(console: Console) -> Iterator[None]:
-    """Print a line before and after the solver is compiled, with a progress bar on a terminal."""
-    from sandbox.engine.compiling import on_compiling
-
-    with (worker_compilation_notices(console),
-          Progress("Compiling", shown=console.shows_progress) as bar):
-        def began() -> None:
-            from sandbox.engine.advance import advance
-
-            console.warn(COMPILING if advance.cached else NOT_CACHED)
-
-        def ended(seconds: float) -> None:
-            bar.clear()
-            console.warn(_compiled(seconds))
-
-        with on_compiling(began, ended, bar):
-            yield
-
-
-@contextmanager
-def worker_compilation_notices(console: Console) -> Iterator[None]:
+def _worker_notices(console: Console) -> contextlib.AbstractContextManager[None]:
     """Print the same lines for worker processes, without loading the solver here."""
     from sandbox.engine.compiling import on_compiling
 
-    with on_compiling(lambda: console.warn(COMPILING),
-                      lambda seconds: console.warn(_compiled(seconds)), in_workers=True):
-        yield
+    return on_compiling(lambda: console.warn(COMPILING),
+                        lambda seconds: console.warn(_compiled(seconds)), in_workers=True)
 
 
 def _compiled(seconds: float) -> str:

@@ -9,18 +9,17 @@ from importlib import import_module
 import click
 
 import sandbox
-from sandbox.cli.console import Console
-from sandbox.cli.failures import Exit, guard
+from sandbox.cli.console import Console, Exit, guard
 from sandbox.wording import meant
 
 GROUPS = {
     "Start": {"list": "scenes", "new": "scenes", "check": "check", "explain": "explain"},
-    "Simulate": {"run": "run", "view": "view"},
+    "Simulate": {"run": "run", "view": "run"},
     "Results": {"plot": "plot", "render": "runs", "report": "runs"},
     "Questions": {
-        "sweep": "sweep", "search": "search", "equilibrium": "equilibrium", "converge": "accuracy",
+        "sweep": "sweep", "search": "sweep", "equilibrium": "equilibrium", "converge": "accuracy",
         "bounds": "accuracy"},
-    "Exchange": {"export": "export"},
+    "Exchange": {"export": "scenes"},
 }
 """The commands by group, each with its module in this package."""
 COMMANDS = {name: module for group in GROUPS.values() for name, module in group.items()}
@@ -35,9 +34,9 @@ REMOVED = {
     "schema": "Use 'sandbox check --schema'.",
     "study": "Studies are scripts: run 'python docs/studies/guides.py' in a checkout.",
     "verify": "The validation cases are tests: run 'pytest tests/verification' in a checkout.",
-}
-"""Commands of earlier versions, and what replaces each."""
-REMOVED_OPTIONS = {
+    "search best": "Use 'sandbox search optimize SCENE' with --minimize or --maximize.",
+    "search robustness": "Use 'sandbox sweep SCENE' with two --vary: on a grid it draws a map of "
+                         "where the expectations of the scene hold.",
     "--bare": "Use --labels none.",
     "--centre": "Use --fit, or set view.centre in the scene.",
     "--figure": "Name the quantities.",
@@ -48,11 +47,30 @@ REMOVED_OPTIONS = {
     "--show": "Use 'sandbox render RUN --show LAYERS'.",
     "--width": "Use --fit, or set view.width in the scene.",
 }
-"""Options of earlier versions, and what replaces each."""
+"""Commands, searches and options of earlier versions, and what replaces each."""
 
 
-class _Commands(click.Group):
-    """A group that imports its commands on demand and suggests names for unknown ones."""
+class Commands(click.Group):
+    """A group that names the replacement of a former command, and suggests similar names."""
+
+    noun = "command"
+    nouns = "Commands"
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str],
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command that words name; unknown ones are refused."""
+        word, known = args[0], self.list_commands(ctx)
+        if word not in known and not word.startswith("-") and not ctx.resilient_parsing:
+            former = " ".join([*ctx.command_path.split()[1:], word])
+            advice = REMOVED.get(former) or (f"{meant(word, known).lstrip()} "
+                                             f"{self.nouns}: {', '.join(known)}.")
+            raise click.UsageError(f"There is no {self.noun} {word!r}. {advice}", ctx)
+        return super().resolve_command(ctx, args)
+
+
+class _Main(Commands):
+    """The group of all commands, which imports them on demand."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
@@ -63,17 +81,6 @@ class _Commands(click.Group):
         members = vars(import_module(f"sandbox.cli.{COMMANDS[cmd_name]}")).values()
         return next(each for each in members
                     if isinstance(each, click.Command) and each.name == cmd_name)
-
-    def resolve_command(
-        self, ctx: click.Context, args: list[str],
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        name = args[0]
-        if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:
-            known = self.list_commands(ctx)
-            advice = REMOVED.get(name) or \
-                f"{meant(name, known).lstrip()} Commands: {', '.join(known)}."
-            raise click.UsageError(f"No such command {name!r}. {advice}", ctx)
-        return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         width = max(map(len, COMMANDS))
@@ -86,7 +93,7 @@ class _Commands(click.Group):
 
 
 @click.group(
-    cls=_Commands,
+    cls=_Main,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
 @click.version_option(sandbox.__version__, message="sandbox %(version)s")
@@ -115,7 +122,7 @@ def invoke(words: Sequence[str]) -> int:
 
 def _replaced(error: click.NoSuchOption) -> click.UsageError:
     """The error, with the option that replaces the one of an earlier version."""
-    name, advice = error.option_name, REMOVED_OPTIONS.get(error.option_name, "")
+    name, advice = error.option_name, REMOVED.get(error.option_name, "")
     if name.startswith("--max-"):
         limit = name.removeprefix("--max-").replace("-", "_")
         advice = f"Use --limit {limit}=VALUE."

@@ -1,33 +1,52 @@
-"""``sandbox run``: simulate a scene, write results and pictures, check expectations."""
+"""``sandbox run`` and ``sandbox view``: simulate a scene, or play with it in the browser."""
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
-import math
+import html
+import os
+import sys
+import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.check import inspect_scene, inspection_data, inspection_lines, refuse_blocking
-from sandbox.cli.console import Console, Progress, compilation_notices, table
-from sandbox.cli.failures import Exit, pages_line, report, see
-from sandbox.cli.options import OUT, json_option, limit_option, quiet_option, scene_options
-from sandbox.cli.runs import default_directory, write_page, written
-from sandbox.cli.scenes import load, scene_argument, scene_path
-from sandbox.errors import Interrupted, Problem, RecordingFull, SimulationDiverged
+from sandbox.cli.check import inspection_data, inspection_lines
+from sandbox.cli.console import (
+    Console,
+    Exit,
+    Progress,
+    compilation_notices,
+    pages_line,
+    report,
+    see,
+    shown,
+    table,
+)
+from sandbox.cli.options import (
+    OUT,
+    RENDERS,
+    Source,
+    console_options,
+    refuse_blocking,
+    safe_name,
+    takes_scene,
+)
+from sandbox.cli.runs import files_of, write_page
+from sandbox.errors import Problem, RunEnded, SimulationDiverged
 
 if TYPE_CHECKING:
     from sandbox.audit.audit import Figure
     from sandbox.recording.new_run import NewRun
     from sandbox.recording.recording import Recording
     from sandbox.samples.expectations import Verdict
-    from sandbox.scene.read.limits import Limits
     from sandbox.scene.read.load import Loaded
+    from sandbox.web.server import Server
 
 MAX_ROWS = 12
 """Expectations that are all listed; of more, those that passed are only counted."""
@@ -35,29 +54,9 @@ AUDIT_PAGE = "docs/audit.md"
 """Explanation of the consistency checks."""
 
 
-@dataclass
-class _Job:
-    """A run in progress."""
-
-    loaded: Loaded
-    directory: Path
-    console: Console
-    limits: Limits
-    animation: str = ""
-    """``gif``, ``mp4`` or empty."""
-    writes_page: bool = False
-    lists_checks: bool = False
-    problems: list[Problem] = field(default_factory=list)
-    checks: list[Figure] = field(default_factory=list)
-    wall_s: dict[str, float] = field(default_factory=dict)
-    """Duration of each phase [s]."""
-
-
 @click.command()
-@scene_argument
 @click.option("--out", type=OUT, metavar="DIR",
               help="Directory for the files; renders/<scene name> by default.")
-@scene_options
 @click.option("--solver", type=click.Choice(["direct", "pymunk"]),
               help="Solver; that of the scene's run by default.")
 @click.option("--no-render", is_flag=True, help="Numbers only, no pictures.")
@@ -66,13 +65,11 @@ class _Job:
 @click.option("--report", "writes_page", is_flag=True,
               help="Also write report.html, a page that plays the run.")
 @click.option("--audit", "lists_checks", is_flag=True, help="List all consistency checks.")
-@json_option
-@quiet_option
-@limit_option
+@takes_scene
+@console_options()
 def run(
-    scene: str, out: Path | None, overrides: dict[str, Any], solver: str | None, no_render: bool,
-    animation: str, writes_page: bool, lists_checks: bool, as_json: bool, quiet: bool,
-    limits: Limits,
+    scene: Source, out: Path | None, solver: str | None, no_render: bool, animation: str,
+    writes_page: bool, lists_checks: bool, console: Console,
 ) -> int:
     """Simulate SCENE, write results, check expectations.
 
@@ -83,221 +80,194 @@ def run(
     """
     from sandbox.recording.new_run import writing
 
-    if solver is not None:
-        overrides = {**overrides, "run.solver": solver}
-    loaded = load(scene_path(scene), overrides=overrides, limits=limits)
-    job = _Job(
-        loaded=loaded, directory=out or default_directory(loaded.mechanism.name),
-        console=Console(as_json=as_json, quiet=quiet), limits=limits,
-        animation="" if no_render else animation, writes_page=writes_page,
-        lists_checks=lists_checks,
-    )
-    job.problems = inspect_scene(loaded, limits).problems
-    refuse_blocking(job.problems, loaded)
-    job.console.warn(*inspection_lines(job.problems, loaded), *pages_line(job.problems))
-    with writing(job.directory) as new:
+    loaded = scene.load({} if solver is None else {"run.solver": solver})
+    problems = _look_at(scene, loaded, console)
+    directory = out or RENDERS / safe_name(loaded.mechanism.name)
+    with writing(directory) as new:
+        job = _Job(scene, loaded, new, console, "" if no_render else animation, writes_page)
         try:
-            recording = _simulate(job)
-        except (Interrupted, RecordingFull, SimulationDiverged) as error:
-            return _keep(job, new, error)
-        judged = _write(job, new, recording)
-    return _report(job, recording, judged)
+            recording = job.simulate()
+        except RunEnded as error:
+            return job.keep(error)
+        job.write(recording)
+    return _finish(job, recording, problems, lists_checks)
 
 
-def _simulate(job: _Job) -> Recording:
-    from sandbox.engine.inspect_control import Checked
-    from sandbox.engine.simulate import simulate
-
-    with (compilation_notices(job.console),
-          Progress("Simulating", shown=job.console.shows_progress) as progress):
-        recording = simulate(Checked(job.loaded.mechanism), progress=progress,
-                             recorded_bytes=job.limits.recorded_bytes)
-    job.wall_s |= recording.info.wall
-    return recording
+def _look_at(scene: Source, loaded: Loaded, console: Console) -> list[Problem]:
+    """Inspect a scene and print the warnings."""
+    problems = scene.inspect(loaded).problems
+    refuse_blocking(problems, loaded)
+    console.warn(*inspection_lines(problems, loaded), *pages_line(problems))
+    return problems
 
 
-def _keep(
-    job: _Job, new: NewRun, error: Interrupted | RecordingFull | SimulationDiverged,
-) -> int:
-    """Save what was recorded before a run ended early, marked incomplete; its exit code."""
-    from sandbox.recording.store import save_data
-    from sandbox.samples.expectations import verdicts
+@dataclasses.dataclass
+class _Job:
+    """A run in progress."""
 
-    more: dict[str, Any] = {"directory": str(job.directory), "complete": False, "files": []}
-    if error.recording is not None:
-        save_data(error.recording, new.aside)
-        judged: list[Verdict] = []
-        try:
-            judged = verdicts(error.recording)
-            _audit(job, error.recording)
-        except KeyboardInterrupt:  # a second Ctrl-C: leave them out
-            pass
-        finally:
-            _save_summary(job, new, error.recording, judged)
-            stopped = not isinstance(error, SimulationDiverged)
-            more |= {"samples": len(error.recording),
-                     **_publish_incomplete(job, new, error.recording, stopped=stopped)}
-    return report(error, job.console, **more)
+    scene: Source
+    loaded: Loaded
+    new: NewRun
+    console: Console
+    animation: str
+    """``gif``, ``mp4`` or empty."""
+    writes_page: bool
+    judged: Sequence[Verdict] = ()
+    checks: Sequence[Figure] = ()
+    wall_s: dict[str, float] = dataclasses.field(default_factory=dict)
+    """Duration of each phase [s]."""
+
+    def simulate(self) -> Recording:
+        from sandbox.engine.inspect_control import Checked
+        from sandbox.engine.simulate import simulate
+
+        with compilation_notices(self.console), Progress("Simulating", self.console) as progress:
+            recording = simulate(Checked(self.loaded.mechanism), progress=progress,
+                                 recorded_bytes=self.scene.limits.recorded_bytes)
+        self.wall_s |= recording.info.wall
+        return recording
+
+    def keep(self, error: RunEnded) -> int:
+        """Save what was recorded before a run ended early, marked incomplete; its exit code."""
+        from sandbox.recording.store import save_data
+
+        recording = error.recording
+        more: dict[str, Any] = {"directory": str(self.new.directory), "complete": False,
+                                "files": []}
+        if recording is not None:
+            save_data(recording, self.new.aside)
+            try:
+                self._judge(recording)
+            except KeyboardInterrupt:  # a second Ctrl-C: leave it out
+                pass
+            finally:
+                self._save_summary(recording)
+                more |= self._publish(recording, not isinstance(error, SimulationDiverged))
+        return report(error, self.console, **more)
+
+    def write(self, recording: Recording) -> None:
+        """Save and draw in parallel, then put all files in place."""
+        from sandbox.recording.new_run import PAGE
+        from sandbox.recording.store import save_data
+
+        def save() -> None:
+            with self._timed("save"):
+                save_data(recording, self.new.aside)
+
+        with ThreadPoolExecutor(max_workers=1) as beside:
+            saved = beside.submit(save)
+            try:
+                if self.animation:
+                    from sandbox.picture.film import render
+
+                    with self._timed("draw"), Progress("Drawing", self.console) as progress:
+                        render(recording, self.new.aside / f"animation.{self.animation}",
+                               progress=progress, most_frames=self.scene.limits.frames)
+                saved.result()
+                with self._timed("audit"):
+                    self._judge(recording)
+                if self.writes_page:
+                    from sandbox.web.page import FoundOut
+
+                    with self._timed("report"):
+                        write_page([recording], self.new.aside / PAGE, [FoundOut(
+                            self.judged, self.checks, str(self.new.directory))])
+                self._save_summary(recording)
+            except BaseException as error:
+                saved.result()
+                self._keep_numbers(recording, error)
+                raise
+        self.new.publish()
+
+    @contextlib.contextmanager
+    def _timed(self, phase: str) -> Iterator[None]:
+        began = time.perf_counter()
+        yield
+        self.wall_s[phase] = time.perf_counter() - began
+
+    def _judge(self, recording: Recording) -> None:
+        from sandbox.audit.audit import audit
+        from sandbox.samples.expectations import verdicts
+
+        self.judged = verdicts(recording)
+        self.checks = audit(recording)
+
+    def _save_summary(self, recording: Recording) -> None:
+        from sandbox.recording.store import save_summary
+
+        save_summary(recording, self.new.aside, parameters=self.loaded.scene.parameters,
+                     derived=self.loaded.derived, verdicts=self.judged, wall_s=self.wall_s,
+                     figures=self.checks)
+
+    def _keep_numbers(self, recording: Recording, error: BaseException) -> None:
+        """Save the numbers of a run that was stopped while drawing, marked incomplete."""
+        from sandbox.recording.store import unfinished
+        from sandbox.samples.outcome import INTERRUPTED
+
+        info = dataclasses.replace(
+            recording.info, complete=False, reason=INTERRUPTED) \
+            if isinstance(error, KeyboardInterrupt) else unfinished(recording.info)
+        kept = type(recording)(recording.mechanism, recording.arrays, info)
+        self.judged = self.checks = ()
+        self._save_summary(kept)
+        self._publish(kept, stopped=True)
+
+    def _publish(self, recording: Recording, stopped: bool) -> dict[str, Any]:
+        """Put an incomplete run in place and print where; its part of the JSON object."""
+        place = self.new.publish(stopped=stopped)
+        stays = f"; the run that was in {self.new.directory} stays" \
+            if place != self.new.directory else ""
+        self.console.warn(f"kept {len(recording)} samples in {place}, marked incomplete{stays}")
+        return {"directory": str(place), "samples": len(recording), "files": files_of(place)}
 
 
-def _write(job: _Job, new: NewRun, recording: Recording) -> list[Verdict]:
-    """Save and draw in parallel, then put all files in place. Returns the verdicts."""
-    from sandbox.recording.store import save_data
-    from sandbox.samples.expectations import verdicts
-
-    with ThreadPoolExecutor(max_workers=1) as beside:
-        saved = beside.submit(_timed, job, "save", save_data, recording, new.aside)
-        try:
-            if job.animation:
-                _timed(job, "draw", _draw, job, new.aside, recording)
-            saved.result()
-            judged = verdicts(recording)
-            _timed(job, "audit", _audit, job, recording)
-            if job.writes_page:
-                _timed(job, "report", _page, job, new.aside, recording, judged)
-            _save_summary(job, new, recording, judged)
-        except BaseException as error:
-            saved.result()
-            _keep_numbers(job, new, recording, interrupted=isinstance(error, KeyboardInterrupt))
-            raise
-    new.publish()
-    return judged
-
-
-def _save_summary(
-    job: _Job, new: NewRun, recording: Recording, judged: Sequence[Verdict],
-) -> None:
-    from sandbox.recording.store import save_summary
-
-    save_summary(recording, new.aside, parameters=job.loaded.scene.parameters,
-                 derived=job.loaded.derived, verdicts=judged, wall_s=job.wall_s,
-                 figures=job.checks)
-
-
-def _keep_numbers(job: _Job, new: NewRun, recording: Recording, *, interrupted: bool) -> None:
-    """Save the numbers of a run that was stopped while drawing, marked incomplete."""
-    from sandbox.recording.store import unfinished
-    from sandbox.samples.outcome import INTERRUPTED
-
-    info = dataclasses.replace(recording.info, complete=False, reason=INTERRUPTED) \
-        if interrupted else unfinished(recording.info)
-    kept = type(recording)(recording.mechanism, recording.arrays, info)
-    job.checks = []
-    _save_summary(job, new, kept, ())
-    _publish_incomplete(job, new, kept, stopped=True)
-
-
-def _publish_incomplete(
-    job: _Job, new: NewRun, recording: Recording, *, stopped: bool,
-) -> dict[str, Any]:
-    """Put an incomplete run in place and print where; its part of the JSON object."""
-    place = new.publish(stopped=stopped)
-    stays = f"; the run that was in {job.directory} stays" if place != job.directory else ""
-    job.console.warn(f"kept {len(recording)} samples in {place}, marked incomplete{stays}")
-    return {"directory": str(place), "files": written(place)}
-
-
-def _audit(job: _Job, recording: Recording) -> None:
-    from sandbox.audit.audit import audit
-
-    job.checks = audit(recording)
-
-
-def _timed(job: _Job, phase: str, work: Any, *arguments: Any) -> None:
-    began = time.perf_counter()
-    work(*arguments)
-    job.wall_s[phase] = time.perf_counter() - began
-
-
-def _draw(job: _Job, folder: Path, recording: Recording) -> None:
-    from sandbox.picture.film import render
-
-    with Progress("Drawing", shown=job.console.shows_progress) as progress:
-        render(recording, folder / f"animation.{job.animation}", progress=progress,
-               most_frames=job.limits.frames)
-
-
-def _page(job: _Job, folder: Path, recording: Recording, judged: list[Verdict]) -> None:
-    from sandbox.recording.new_run import PAGE
-
-    write_page([recording], folder / PAGE, sources=[str(job.directory)], figures=[job.checks],
-               judged=[judged])
-
-
-def _report(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
+def _finish(job: _Job, recording: Recording, problems: list[Problem], lists_checks: bool) -> int:
     """Print the results of a run; its exit code."""
-    code = Exit.DONE if all(verdict.ok for verdict in judged) else Exit.FAILED
-    console, files = job.console, written(job.directory)
-    if console.as_json:
-        console.result_json(_data(job, recording, judged, code, files))
-        return code
-    for each in recording.info.events:
-        console.say(f"event {each.event} at t = {each.time:.6g} s")
-    for name, found in recording.info.controllers.items():
-        values = ", ".join(f"{key} = {value:.6g}" if isinstance(value, float)
-                           else f"{key} = {value}" for key, value in found.items())
-        console.say(f"controller {name}: {values}")
-    for note in recording.notes:
-        console.warn(f"{job.loaded.name}: note: {note}")
-    if judged:
-        console.say(*expectation_lines(judged))
-    console.say(*check_lines(job.checks, whole=job.lists_checks))
-    phases = ", ".join(f"{phase} {seconds:.1f} s" for phase, seconds in job.wall_s.items())
-    console.say(f"Results in {job.directory}: {', '.join(files)}  ({phases})")
-    return code
-
-
-def _data(
-    job: _Job, recording: Recording, judged: list[Verdict], code: Exit, files: list[str],
-) -> dict[str, Any]:
     from sandbox.audit.audit import figure_data
     from sandbox.samples.outcome import outcome_data
 
-    outcome = outcome_data(recording.info)
-    return {
-        "status": code.name.lower(), "exit_code": int(code),
-        "scene": job.loaded.mechanism.name, "title": job.loaded.mechanism.title,
-        "directory": str(job.directory), "files": files, "complete": recording.complete,
-        "samples": len(recording), "wall_s": job.wall_s,
-        "expectations": [verdict_data(verdict) for verdict in judged],
+    mechanism, info, directory = job.loaded.mechanism, recording.info, job.new.directory
+    files, outcome = files_of(directory), outcome_data(info)
+    lines = [f"event {each.event} at t = {each.time:.6g} s" for each in info.events]
+    for name, found in info.controllers.items():
+        values = ", ".join(f"{key} = {value:.6g}" if isinstance(value, float)
+                           else f"{key} = {value}" for key, value in found.items())
+        lines.append(f"controller {name}: {values}")
+    lines += [*(_expectation_lines(job.judged) if job.judged else ()),
+              *_check_lines(job.checks, whole=lists_checks)]
+    phases = ", ".join(f"{phase} {seconds:.1f} s" for phase, seconds in job.wall_s.items())
+    lines.append(f"Results in {directory}: {', '.join(files)}  ({phases})")
+    if not job.console.as_json:
+        job.console.warn(*(f"{job.loaded.name}: note: {note}" for note in recording.notes))
+    return job.console.finish({
+        "scene": mechanism.name, "title": mechanism.title, "directory": directory, "files": files,
+        "complete": recording.complete, "samples": len(recording), "wall_s": job.wall_s,
+        "expectations": [dataclasses.asdict(verdict) for verdict in job.judged],
         "audit": [figure_data(figure) for figure in job.checks], "audit_page": AUDIT_PAGE,
-        "findings": inspection_data(job.problems, job.loaded),
-        "notes": recording.notes,
+        "findings": inspection_data(problems, job.loaded), "notes": recording.notes,
         **{key: outcome[key] for key in ("events", "broke", "controllers", "stopped")},
-    }
+    }, lines, Exit.DONE if all(verdict.ok for verdict in job.judged) else Exit.FAILED)
 
 
-def verdict_data(verdict: Verdict) -> dict[str, Any]:
-    """A verdict as JSON data; infinite and missing values are null."""
-    return {
-        key: None if isinstance(value, float) and not math.isfinite(value) else value
-        for key, value in dataclasses.asdict(verdict).items()
-    }
-
-
-def expectation_lines(judged: list[Verdict]) -> list[str]:
+def _expectation_lines(judged: Sequence[Verdict]) -> list[str]:
     """A table of expectations, the reasons of failures, and the count.
 
     Of more than :data:`MAX_ROWS` only those that failed are listed.
     """
     failed = [v for v in judged if not v.ok]
-    shown = judged if len(judged) <= MAX_ROWS else failed
-    rows = [
-        [v.quantity, v.statistic, "-" if math.isnan(v.value) else f"{v.value:.6g}", v.allowed,
-         "" if v.unit == "1" else v.unit, "pass" if v.ok else "FAIL"]
-        for v in shown
-    ]
-    lines = table(["expectation of", "", "value", "range", "unit", ""], rows,
-                  right="<<>") if rows else []
-    lines += [f"FAIL {v.quantity}: {v.reason}" for v in failed if v.reason]
-    where = "" if shown is judged else "; run.json lists all"
-    count = f"{len(judged) - len(failed)} of {len(judged)} expectations passed"
-    lines.append(f"{count}{where}")
-    lines += see(["expectation-failed"]) if failed else []
-    return lines
+    listed = judged if len(judged) <= MAX_ROWS else failed
+    rows = [[v.quantity, v.statistic, shown(v.value, ".6g"), v.allowed,
+             "" if v.unit == "1" else v.unit, "pass" if v.ok else "FAIL"] for v in listed]
+    return [
+        *(table(["expectation of", "", "value", "range", "unit", ""], rows, right="<<>")
+          if rows else ()),
+        *(f"FAIL {v.quantity}: {v.reason}" for v in failed if v.reason),
+        f"{len(judged) - len(failed)} of {len(judged)} expectations passed"
+        f"{'' if listed is judged else '; run.json lists all'}",
+        *(see("expectation-failed") if failed else ())]
 
 
-def check_lines(checks: list[Figure], *, whole: bool) -> list[str]:
+def _check_lines(checks: Sequence[Figure], *, whole: bool) -> list[str]:
     """The count of consistency checks that passed, and the warnings; all as a table if wanted."""
     from sandbox.audit.audit import ASKS, advice_on
 
@@ -306,7 +276,7 @@ def check_lines(checks: list[Figure], *, whole: bool) -> list[str]:
     lines = []
     if whole:
         lines += table(["check", "value", "at most", "unit", "", ""], [
-            [f.name, _short(f.value), _short(f.threshold), f.unit,
+            [f.name, shown(f.value, ".2g"), shown(f.threshold, ".2g"), f.unit,
              "pass" if f.verdict == "pass" else "WARNING", ASKS.get(f.name, "")]
             for f in computed], right="<>><<<")
         if without := [f.name for f in checks if f.verdict == "not computed"]:
@@ -317,14 +287,86 @@ def check_lines(checks: list[Figure], *, whole: bool) -> list[str]:
                  + ("" if whole or warnings else "; --audit lists them"))
     for each in warnings:
         advice = advice_on(each.name)
-        value = f"{_short(each.value)} {each.unit}".rstrip()
-        lines += [f"  {each.name} = {value}, at most {_short(each.threshold)}: {each.why}",
+        value = f"{shown(each.value, '.2g')} {each.unit}".rstrip()
+        lines += [f"  {each.name} = {value}, at most {shown(each.threshold, '.2g')}: {each.why}",
                   f"    meaning: {advice.means}",
                   f"    what to do: {advice.do}"]
-    if whole or warnings:
-        lines.append(f"{AUDIT_PAGE} explains them")
-    return lines
+    return [*lines, *([f"{AUDIT_PAGE} explains them"] if whole or warnings else [])]
 
 
-def _short(value: float) -> str:
-    return f"{value:.2g}" if math.isfinite(value) else "-"
+# -- in the browser ------------------------------------------------------------------
+
+
+@click.command()
+@click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N",
+              help="Port to listen on; by default a free one.")
+@click.option("--no-browser", is_flag=True, help="Only print the address.")
+@takes_scene
+def view(scene: Source, port: int, no_browser: bool) -> int:
+    """Open SCENE in the browser: run, pause, pull bodies, move sliders.
+
+    Serves a page on this machine only, until Ctrl-C. The scene is reloaded when
+    its file is saved. A session can be saved as a scene that reproduces it
+    exactly. Needs the extra 'view'.
+    """
+    import getpass
+    import platform
+
+    from sandbox.web.server import Server, needed
+    from sandbox.web.session import Found, Session
+
+    needed()
+    console = Console()
+
+    def read(changed: Mapping[str, Any]) -> Found:
+        loaded = dataclasses.replace(scene, overrides=changed).load()
+        problems = scene.inspect(loaded).problems
+        refuse_blocking(problems, loaded)
+        return Found(loaded, [*inspection_lines(problems, loaded), *pages_line(problems)])
+
+    def session() -> Session:
+        return Session(read, dict(scene.overrides), lambda name: RENDERS / safe_name(name))
+
+    with compilation_notices(console):
+        first = session()
+    console.warn(*first.warnings)
+
+    def ready(server: Server) -> None:
+        console.say(server.address, "from another machine: ssh -N -L "
+                    f"{server.port}:127.0.0.1:{server.port} {getpass.getuser()}@{platform.node()}",
+                    "Ctrl-C ends it")
+        sys.stdout.flush()
+        if not no_browser and _has_browser():
+            import webbrowser
+
+            webbrowser.open(opened.enter_context(redirect_to(server.address)).as_uri())
+
+    with contextlib.ExitStack() as opened:
+        title = first.scene.title or first.scene.name
+        Server(session, first, title=title, port=port).serve(ready)
+    return Exit.INTERRUPTED
+
+
+@contextlib.contextmanager
+def redirect_to(address: str) -> Iterator[Path]:
+    """A temporary file, readable by its owner only, that redirects a browser to an address.
+
+    An address in the browser's own arguments could be read by all who may list processes.
+    """
+    link = html.escape(address, quote=True)
+    with tempfile.TemporaryDirectory(prefix="sandbox-") as folder:
+        file = Path(folder, "view.html")
+        file.touch(0o600)
+        file.write_text(
+            '<!doctype html><meta charset="utf-8"><meta name="referrer" content="no-referrer">'
+            f'<meta http-equiv="refresh" content="0; url={link}"><title>sandbox view</title>'
+            f'<a href="{link}">to the view</a>\n')
+        yield file
+
+
+def _has_browser() -> bool:
+    """Whether a browser window can be opened."""
+    if os.environ.get("SSH_CONNECTION"):
+        return False
+    return sys.platform in ("win32", "darwin") or bool(
+        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

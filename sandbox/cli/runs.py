@@ -3,71 +3,42 @@
 from __future__ import annotations
 
 import re
-import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from sandbox.cli.console import Console, Progress
-from sandbox.cli.failures import Exit
-from sandbox.cli.options import OUT, F, json_option, limit_option, quiet_option
+from sandbox.cli.options import OUT, RENDERS, console_options, limit_option, safe_name, written
 from sandbox.errors import OutputError
 from sandbox.wording import is_pattern, listed, or_near
 
 if TYPE_CHECKING:
-    from sandbox.audit.figures import Figure
     from sandbox.recording.recording import Recording
-    from sandbox.samples.expectations import Verdict
     from sandbox.scene.read.limits import Limits
+    from sandbox.web.page import FoundOut
 
-RENDERS = Path("renders")
-FILM = "animation"
-"""File name of a film in the directory of its run; pictures are ``still_…`` and ``strip``."""
 AUTO = ""
 """Value of ``--strip`` without a number."""
 
 
-def default_directory(name: str) -> Path:
-    """``renders/<scene name>``, without characters that could lead elsewhere."""
-    return RENDERS / (re.sub(r"[^\w.-]+", "_", name).strip("._") or "scene")
-
-
-def prepare(directory: Path) -> None:
-    """Check that files can be written into a directory, and make it.
-
-    Raises:
-        OutputError: they cannot.
-    """
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=directory) as trial:
-            trial.write(b"\0")
-    except OSError as error:
-        raise OutputError(f"cannot write into {directory}: {error.strerror or error}") from None
-
-
-def written(directory: Path) -> list[str]:
+def files_of(directory: Path) -> list[str]:
     """The files of a run that exist, ``run.json`` first."""
     from sandbox.recording.new_run import FILES, FILMS, FRAMES, PAGE
 
-    names = [name for name in (*FILES, *FILMS, PAGE) if (directory / name).is_file()]
+    names = written(directory, (*FILES, *FILMS, PAGE))
     return [*names, f"{FRAMES}/"] if (directory / FRAMES).is_dir() else names
 
 
 def run_directory(word: str) -> Path:
-    """The directory of a run, given as such or as the name or file of its scene.
-
-    Raises:
-        OutputError: there is none; with a suggestion.
-    """
+    """The directory of a run, given as such or as the name or file of its scene."""
     from sandbox.recording.new_run import ARCHIVE
     from sandbox.sweeps.table import CSV as TABLE
     from sandbox.sweeps.table import SPEC as SWEEP
 
     path = Path(word)
-    by_scene = default_directory(path.stem if path.suffix == ".json" else word)
+    by_scene = RENDERS / safe_name(path.stem if path.suffix == ".json" else word)
     for candidate in (path, by_scene):
         if (candidate / ARCHIVE).is_file():
             return candidate
@@ -82,11 +53,7 @@ def run_directory(word: str) -> Path:
 
 
 def open_run(word: str, console: Console) -> tuple[Path, Recording]:
-    """A run's directory and its recording; warns if the run is incomplete or was edited.
-
-    Raises:
-        OutputError: there is none, it cannot be read, or it has less than two samples.
-    """
+    """A run's directory and its recording; warns if the run is incomplete or was edited."""
     from sandbox.recording.recording import Recording
     from sandbox.recording.store import EDITED
 
@@ -98,18 +65,13 @@ def open_run(word: str, console: Console) -> tuple[Path, Recording]:
     if not recording.complete:
         console.warn(f"note: the run in {directory} {recording.info.status.value} at "
                      f"{recording.time[-1]:.6g} s, before its end")
-    for note in recording.info.notes:
-        if note.endswith(EDITED):
-            console.warn(f"note: {directory / note}")
+    console.warn(*(f"note: {directory / note}" for note in recording.info.notes
+                   if note.endswith(EDITED)))
     return directory, recording
 
 
 def run_with(name: str, runs: Sequence[Recording], *, option: str) -> Recording:
-    """The first run that has a quantity.
-
-    Raises:
-        BadParameter: none has; with a suggestion, and what there is.
-    """
+    """The first run that has a quantity."""
     for run in runs:
         if name in run.catalogue:
             return run
@@ -124,11 +86,7 @@ def run_with(name: str, runs: Sequence[Recording], *, option: str) -> Recording:
 
 
 def matching(patterns: Sequence[str], runs: Sequence[Recording], *, option: str) -> list[str]:
-    """The quantities that match any of some patterns in any of the runs, each once.
-
-    Raises:
-        BadParameter: a pattern that matches nothing; with a suggestion.
-    """
+    """The quantities that match any of some patterns in any of the runs, each once."""
     found: dict[str, None] = {}
     for pattern in patterns:
         names = dict.fromkeys(name for run in runs for name in run.match(pattern))
@@ -138,67 +96,30 @@ def matching(patterns: Sequence[str], runs: Sequence[Recording], *, option: str)
     return list(found)
 
 
-def file_option(suffixes: Sequence[str], help_text: str) -> Callable[[F], F]:
-    """A repeatable option ``--out FILE`` that accepts some suffixes."""
-    def read(
-        ctx: click.Context, param: click.Parameter, paths: tuple[Path, ...],
-    ) -> tuple[Path, ...]:
-        for path in paths:
-            if path.suffix.lower() not in suffixes:
-                raise click.BadParameter(f"{str(path)!r} does not end in one of "
-                                         f"{', '.join(suffixes)}", ctx, param)
-        return paths
-
-    return click.option("--out", "files", multiple=True, type=OUT,
-                        metavar="FILE", callback=read, help=help_text)
+# -- pictures ------------------------------------------------------------------------
 
 
-def read_strip(ctx: click.Context, param: click.Parameter, word: str | None) -> bool | int:
+def _read_strip(ctx: click.Context, param: click.Parameter, word: str | None) -> bool | int:
     """Read ``--strip``: an integer, True without one, False without the option."""
-    if word is None:
-        return False
-    if word == AUTO:
-        return True
+    if not word:
+        return word == AUTO
     try:
         return int(word)
     except ValueError:
         raise click.BadParameter(f"{word!r} is not a valid integer", ctx, param) from None
 
 
-def read_size(
+def _read_size(
     ctx: click.Context, param: click.Parameter, word: str | None,
 ) -> tuple[int, int] | str | None:
-    """Read ``800x600`` as two integers; ``2x`` and ``85mm`` stay text."""
-    from sandbox.picture.options import paper_of
-
-    try:
-        if word is None or paper_of(word) is not None:
-            return word
-    except OutputError as error:
-        raise click.BadParameter(str(error), ctx, param) from None
-    before, cross, after = word.lower().partition("x")
-    try:
-        if cross and not after.strip():
-            float(before)
-            return word
-        return int(before), int(after)
-    except ValueError:
-        raise click.BadParameter(
-            f"{word!r} is not of the form WIDTHxHEIGHT, as in 800x600, nor a factor, as in 2x, "
-            "nor a size on paper, as in 85mm or 85mmx70mm",
-            ctx, param) from None
-
-
-def read_layers(ctx: click.Context, param: click.Parameter, word: str | None) -> str | None:
-    """Check the names of layers such as ``traces,-contacts``."""
-    from sandbox.scene.layers import parse_layers
-    from sandbox.wording import WrongValueError
-
-    try:
-        parse_layers(word or "bodies")
-    except WrongValueError as error:
-        raise click.BadParameter(str(error), ctx, param) from None
-    return word
+    """Read ``800x600`` as two integers; other sizes stay text."""
+    if word is None or re.search(r"[\d.]\s*[xX]\s*$|[a-z]{2}", word):
+        return word
+    if found := re.fullmatch(r"\s*(\d+)\s*[xX]\s*(\d+)\s*", word):
+        return int(found[1]), int(found[2])
+    raise click.BadParameter(
+        f"{word!r} is not of the form WIDTHxHEIGHT, as in 800x600, nor a factor, as in 2x, nor a "
+        "size on paper, as in 85mm or 85mmx70mm", ctx, param)
 
 
 @click.command()
@@ -210,16 +131,16 @@ def read_layers(ctx: click.Context, param: click.Parameter, word: str | None) ->
               help="Of the file in RUN that is written without --out.")
 @click.option("--at", multiple=True, metavar="TIME",
               help="Draw a still at a time: '0.8s', 'start' or 'end'. Repeatable.")
-@click.option("--strip", is_flag=False, flag_value=AUTO, callback=read_strip, metavar="[N]",
+@click.option("--strip", is_flag=False, flag_value=AUTO, callback=_read_strip, metavar="[N]",
               help="Draw N moments side by side (5 without N), or those of --at.")
-@click.option("--size", callback=read_size, metavar="WxH",
+@click.option("--size", callback=_read_size, metavar="WxH",
               help="Pixels of the picture; '2x' for twice the size of the scene's view; of a "
                    "still on paper '85mm' or '85mmx70mm'.")
 @click.option("--labels", type=click.Choice(["all", "scales", "none"]), default="all",
               show_default=True, help="All of title, time and legend, or only scales.")
 @click.option("--transparent", is_flag=True,
               help="Transparent background; of stills, PNG frames and a GIF.")
-@click.option("--show", callback=read_layers, metavar="LAYERS",
+@click.option("--show", metavar="LAYERS",
               help="Additional layers, as in 'traces,velocity'; '-contacts' hides one, 'all' shows "
                    "every one.")
 @click.option("--follow", metavar="BODY", help="Body that the view follows.")
@@ -229,11 +150,11 @@ def read_layers(ctx: click.Context, param: click.Parameter, word: str | None) ->
 @click.option("--fps", type=click.Choice(["20", "25", "50"]), help="Frames per second.")
 @click.option("--speed", type=click.FloatRange(min=0, min_open=True), metavar="FACTOR",
               help="Seconds of motion per second of film.")
-@quiet_option
 @limit_option
+@console_options("quiet")
 def render(
     run: str, outs: tuple[Path, ...], ending: str | None, at: tuple[str, ...], strip: bool | int,
-    labels: str, fps: str | None, bodies: tuple[str, ...], quiet: bool, limits: Limits,
+    labels: str, fps: str | None, bodies: tuple[str, ...], limits: Limits, console: Console,
     **view: Any,
 ) -> None:
     """Draw a saved run as an animation or as stills.
@@ -248,7 +169,6 @@ def render(
     if outs and ending is not None:
         raise click.UsageError("give --format or --out FILE, not both: the name of FILE already "
                                "sets the format")
-    console = Console(quiet=quiet)
     directory = run_directory(run)
     recording = Recording.load(directory)
     paths = outs or (directory / _file_name(ending, at, strip),)
@@ -262,14 +182,14 @@ def render(
     if wrong:
         raise OutputError("\n".join(wrong), code="bad-picture")
     for path in paths:
-        with Progress("Drawing", shown=console.shows_progress) as progress:
+        with Progress("Drawing", console) as progress:
             files = draw(recording, path, at=at or None, strip=strip, bare=labels == "none",
                          scales=labels == "scales", fps=None if fps is None else int(fps),
                          bodies=bodies or None, progress=progress, most_frames=limits.frames,
                          **view)
         for file in files:
             made(file)
-            console.say(str(file))
+            console.say(file)
 
 
 def _file_name(ending: str | None, at: tuple[str, ...], strip: bool | int) -> str:
@@ -280,7 +200,10 @@ def _file_name(ending: str | None, at: tuple[str, ...], strip: bool | int) -> st
         return f"still_{''.join(at[0].split())}.{ending or 'png'}"
     if at or ending in ("png", "svg", "pdf"):
         return f"still{'' if at else '_end'}.{ending or 'png'}"
-    return f"{FILM}.{ending or 'gif'}"
+    return f"animation.{ending or 'gif'}"
+
+
+# -- pages ---------------------------------------------------------------------------
 
 
 @click.command("report")
@@ -290,90 +213,50 @@ def _file_name(ending: str | None, at: tuple[str, ...], strip: bool | int) -> st
 @click.option("--plot", "plots", multiple=True, metavar="QUANTITY",
               help="A quantity or pattern to plot first, such as 'finger.*.angle'; by default the "
                    "meters of the view, then the expected quantities. Repeatable.")
-@json_option
-@quiet_option
+@console_options()
 def report_runs(
-    runs: tuple[str, ...], out: Path | None, plots: tuple[str, ...], as_json: bool, quiet: bool,
+    runs: tuple[str, ...], out: Path | None, plots: tuple[str, ...], console: Console,
 ) -> int:
     """Write one HTML page that plays up to four runs.
 
     RUN is the directory of a run, or the name of a scene whose run lies in
     renders/. The page works offline in any browser. Nothing is simulated.
     """
-    from sandbox.recording.store import saved_audit, saved_parameters
-    from sandbox.web.page import MOST_RUNS
+    from sandbox.recording.new_run import PAGE
+    from sandbox.recording.store import saved_audit
+    from sandbox.web.page import MOST_RUNS, FoundOut
 
-    console = Console(as_json=as_json, quiet=quiet)
     if len(runs) > MOST_RUNS:
         raise click.UsageError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given")
     opened = [open_run(word, console) for word in runs]
-    directories = [directory for directory, _ in opened]
-    _refuse_twice(directories)
-    recordings = [recording for _, recording in opened]
-    path = _page_file(out, directories[0])
-    size = write_page(recordings, path, sources=[str(directory) for directory in directories],
-                      plots=matching(plots, recordings, option="--plot"),
-                      figures=[saved_audit(directory) for directory in directories],
-                      parameters=[saved_parameters(directory) for directory in directories])
-    if as_json:
-        console.result_json({"status": "done", "exit_code": int(Exit.DONE), "file": str(path),
-                             "bytes": size, "runs": [str(directory) for directory in directories]})
-    else:
-        console.say(f"{path}  ({size / 1e6:.1f} MB)")
-    return Exit.DONE
-
-
-def _refuse_twice(directories: Sequence[Path]) -> None:
-    """Refuse a run that is given more than once, under whatever name."""
     seen: dict[Path, Path] = {}
-    for directory in directories:
+    for directory, _ in opened:
         if (first := seen.setdefault(directory.resolve(), directory)) is not directory:
             also = "" if first == directory else f", as {str(first)!r} too"
             raise click.UsageError(f"the run in {str(directory)!r} is given twice{also}")
-
-
-def _page_file(out: Path | None, directory: Path) -> Path:
-    """The file of the page; in a directory under its usual name."""
-    from sandbox.recording.new_run import PAGE
-
-    if out is None:
-        return directory / PAGE
-    if out.is_dir():
-        return out / PAGE
-    if out.suffix.lower() not in (".html", ".htm"):
-        raise click.BadParameter(f"{str(out)!r} does not end in .html", param_hint="--out")
-    return out
+    directories, recordings = zip(*opened, strict=True)
+    path = out or directories[0]
+    path = path / PAGE if path.is_dir() else path
+    if path.suffix.lower() not in (".html", ".htm"):
+        raise click.BadParameter(f"{str(path)!r} does not end in .html", param_hint="--out")
+    size = write_page(recordings, path, [
+        FoundOut(figures=saved_audit(directory), source=str(directory))
+        for directory in directories],
+        matching(plots, recordings, option="--plot"))
+    return console.finish({"file": path, "bytes": size, "runs": directories},
+                          [f"{path}  ({size / 1e6:.1f} MB)"])
 
 
 def write_page(
-    recordings: Sequence[Recording], path: Path, *, sources: Sequence[str],
-    plots: Sequence[str] = (), figures: Sequence[Sequence[Figure]],
-    judged: Sequence[Sequence[Verdict]] = (), parameters: Sequence[Mapping[str, float]] = (),
+    recordings: Sequence[Recording], path: Path, found: Sequence[FoundOut],
+    plots: Sequence[str] = (),
 ) -> int:
-    """Write the page of some runs; its size in bytes.
-
-    Args:
-        recordings: the runs.
-        path: of the page.
-        sources: a name of each run, such as its directory.
-        plots: quantities plotted first.
-        figures: the consistency checks of each run.
-        judged: the verdicts of each run, where they are known.
-        parameters: those of each scene, SI.
-
-    Raises:
-        OutputError: it cannot be written.
-    """
+    """Write the page of some runs; its size in bytes."""
     from sandbox.atomic_files import write_atomic
     from sandbox.recording.new_run import made
-    from sandbox.web.page import FoundOut
     from sandbox.web.page import report as page_of_runs
 
-    found = judged or [() for _ in recordings]
-    told = [FoundOut(verdicts=v, figures=f, source=source, parameters=p)
-            for v, f, source, p in zip(found, figures, sources,
-                                       parameters or [{} for _ in found], strict=True)]
-    text = page_of_runs(recordings, told, plots)
+    text = page_of_runs(recordings, found, plots)
     if not path.parent.is_dir():
         raise OutputError(f"there is no directory {path.parent}")
     write_atomic(path, text)

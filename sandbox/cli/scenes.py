@@ -1,156 +1,125 @@
-"""``sandbox list`` and ``sandbox new``: the shipped scenes; and how SCENE arguments are read."""
+"""``sandbox list``, ``sandbox new`` and ``sandbox export``: the shipped scenes, other formats."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
-from click.shell_completion import CompletionItem
 
-from sandbox.atomic_files import output_path, write_atomic
+from sandbox.atomic_files import write_atomic
 from sandbox.cli.console import Console
-from sandbox.cli.options import json_option
-from sandbox.errors import OutputError
-
-if TYPE_CHECKING:
-    from sandbox.scene.read.limits import Limits
-    from sandbox.scene.read.load import Loaded
+from sandbox.cli.options import OUT, Source, complete_scene, console_options, takes_scene, title_of
+from sandbox.errors import OutputError, SceneError
+from sandbox.wording import listed, meant, quoted
 
 
 @click.command("list")
-@json_option
-def list_scenes(as_json: bool) -> None:
+@console_options("json")
+def list_scenes(console: Console) -> int:
     """List the scenes that come with sandbox, by topic."""
     from sandbox.scene.library import folder_of, scene_topics, shipped_scenes
 
-    console, paths = Console(as_json=as_json), shipped_scenes()
-    if as_json:
-        topic = {name: each.title for each in scene_topics() for name in each.scenes}
-        console.result_json({"scenes": [
-            {"name": name, "topic": topic.get(name, ""), "folder": folder_of(path),
-             "title": title_of(path), "path": str(path)} for name, path in paths.items()]})
-        return
-    width = max(map(len, paths))
-    for each in scene_topics():
-        console.result(each.title, *(f"  {name:{width}}  {title_of(paths[name])}"
-                                       for name in each.scenes), "")
-    console.result("'sandbox run NAME' runs one; 'sandbox new NAME' copies it, to change it.")
-
-
-def title_of(path: Path) -> str:
-    """The title in a scene's file, read without validation; empty if it has none."""
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return ""
-    return str(data.get("title", "")) if isinstance(data, dict) else ""
-
-
-def complete_scene(
-    ctx: click.Context, param: click.Parameter, incomplete: str,
-) -> list[CompletionItem]:
-    """Complete the names of shipped scenes, and files."""
-    from sandbox.scene.library import shipped_scenes
-
-    named = [CompletionItem(name, help=title_of(path)) for name, path in shipped_scenes().items()
-             if name.startswith(incomplete)]
-    return [*named, CompletionItem(incomplete, type="file")]
-
-
-scene_argument = click.argument("scene", shell_complete=complete_scene)
-
-
-def scene_path(word: str) -> Path:
-    """The file of a scene given as a path or as the name of a shipped scene.
-
-    Raises:
-        SceneError: neither; with a suggestion.
-    """
-    from sandbox.scene.library import find_scene, shipped_scenes
-
-    shipped = shipped_scenes()
-    if word in shipped and not Path(word).is_file():  # a directory of that name hides no scene
-        return shipped[word]
-    return find_scene(word)
-
-
-def load(path: Path, *, overrides: dict[str, Any], limits: Limits) -> Loaded:
-    """Load a scene, changed by ``--set``, within limits.
-
-    Raises:
-        SceneError: with every problem found.
-    """
-    from sandbox.scene.read.load import read_scene
-
-    return read_scene(path, overrides=overrides, limits=limits)
+    paths, topics = shipped_scenes(), scene_topics()
+    topic = {name: each.title for each in topics for name in each.scenes}
+    width, lines = max(map(len, paths)), []
+    for each in topics:
+        lines += [each.title, *(f"  {name:{width}}  {title_of(paths[name])}"
+                                for name in each.scenes), ""]
+    lines.append("'sandbox run NAME' runs one; 'sandbox new NAME' copies it, to change it.")
+    return console.finish({"scenes": [
+        {"name": name, "topic": topic.get(name, ""), "folder": folder_of(path),
+         "title": title_of(path), "path": path} for name, path in paths.items()]}, lines)
 
 
 @click.command()
 @click.argument("name", shell_complete=complete_scene)
-@click.option("--out", metavar="FILE", help="File or directory to write to; NAME.json by default.")
-def new(name: str, out: str | None) -> None:
+@click.option("--out", type=OUT, metavar="FILE",
+              help="File or directory to write to; NAME.json by default.")
+def new(name: str, out: Path | None) -> None:
     """Copy the shipped scene NAME, to start from.
 
     Included scenes and drawings are copied beside it. Nothing is overwritten.
     """
-    from sandbox.scene.read.load import read_scene
-
-    source = _shipped(name)
-    target = output_path(out, "a scene") if out is not None else Path()
-    target = target / source.name if target.is_dir() else target
-    included = read_scene(source).files
-    beside = [*included, *(path for scene in (source, *included) for path in _drawings(scene))]
-    sources = {target: source} | {target.parent / path.name: path for path in beside}
-    texts = {path: original.read_text(encoding="utf-8").replace(
-        '"$schema": "../scene.schema.json"', '"$schema": "./scene.schema.json"', 1)
-        for path, original in sources.items()}
-    missing = {path: text for path, text in texts.items()
-               if path == target or not _has_text(path, text)}
-    for path in missing:
-        if path.exists() or path.is_symlink():
-            raise OutputError(f"{path} exists already and is not overwritten; "
-                              "--out FILE gives the scene another place")
-    for path, text in reversed(missing.items()):  # the scene last, after all that it includes
-        write_atomic(path, text)
-    console = Console()
-    console.say(*(f"wrote {path}" for path in missing))
-    console.say(f"next: sandbox run {target}")
-
-
-def _shipped(name: str) -> Path:
-    """The file of a shipped scene.
-
-    Raises:
-        BadParameter: there is none of that name; with a suggestion.
-    """
     from sandbox.scene.library import shipped_scenes
-    from sandbox.wording import meant, quoted
+    from sandbox.scene.read.load import read_scene
 
     scenes = shipped_scenes()
     if name not in scenes:
         raise click.BadParameter(
             f"there is no shipped scene {quoted(name)} to start from; 'sandbox list' names them."
             + meant(name.removesuffix(".json"), scenes), param_hint="NAME")
-    return scenes[name]
+    source, target = scenes[name], out or Path()
+    target = target / source.name if target.is_dir() else target
+    whole = [source, *read_scene(source).files]
+    beside = [*whole[1:], *(path for scene in whole for path in _drawings(scene))]
+    missing = {}
+    for path, original in {target: source, **{target.parent / path.name: path
+                                              for path in beside}}.items():
+        text = original.read_text(encoding="utf-8").replace(
+            '"$schema": "../scene.schema.json"', '"$schema": "./scene.schema.json"', 1)
+        if path == target or not path.is_file() or path.read_bytes() != text.encode():
+            missing[path] = text
+    for path in missing:
+        if path.exists() or path.is_symlink():
+            raise OutputError(f"{path} exists already and is not overwritten; "
+                              "--out FILE gives the scene another place")
+    for path, text in reversed(missing.items()):  # the scene last, after all that it includes
+        write_atomic(path, text)
+    Console().say(*(f"wrote {path}" for path in missing), f"next: sandbox run {target}")
 
 
 def _drawings(scene: Path) -> list[Path]:
     """The drawing files that a shipped scene names; they lie beside it."""
-    found, waiting = [], [json.loads(scene.read_text(encoding="utf-8"))]
+    found, waiting = set(), [json.loads(scene.read_text(encoding="utf-8"))]
     while waiting:
         entry = waiting.pop()
         if isinstance(entry, dict) and entry.get("type") == "drawing":
-            found.append(scene.with_name(entry["file"]))
+            found.add(scene.with_name(entry["file"]))
         if isinstance(entry, (dict, list)):
             waiting += entry.values() if isinstance(entry, dict) else entry
-    return sorted(set(found))
+    return sorted(found)
 
 
-def _has_text(path: Path, text: str) -> bool:
-    """Whether a file exists with exactly this text."""
+def _read_format(ctx: click.Context, param: click.Parameter, word: str) -> str:
+    """Check the name of a format."""
+    from sandbox.export import FORMATS
+
+    if word not in FORMATS:
+        raise click.BadParameter(
+            f"{quoted(word)} is no format to export to.{meant(word, FORMATS)} "
+            f"Allowed: {listed(FORMATS)}.", ctx, param)
+    return word
+
+
+@click.command()
+@click.option("--format", "--to", "form", metavar="FORMAT", default="mjcf", show_default=True,
+              callback=_read_format,
+              help="Format: mjcf, a model for MuJoCo, or pymunk, a script in Python.")
+@click.option("--out", type=OUT, metavar="FILE", help="File to write; stdout by default.")
+@click.option("--without", multiple=True, metavar="NAME",
+              help="Leave out an element and all that depends on it; patterns such as 'tree.*' "
+                   "too. Repeatable.")
+@takes_scene
+def export(scene: Source, form: str, out: Path | None, without: tuple[str, ...]) -> None:
+    """Export SCENE as a MuJoCo model (MJCF), or as a Python script for pymunk.
+
+    Elements without a counterpart are named, and nothing is written unless
+    --without leaves them out. Other differences are printed to stderr.
+    """
+    from sandbox.export import export_mechanism
+
+    loaded = scene.load()
     try:
-        return path.is_file() and path.read_text(encoding="utf-8") == text
-    except (OSError, ValueError):
-        return False
+        made = export_mechanism(loaded.mechanism, format=form, without=without)
+    except SceneError as error:
+        raise SceneError(error.problems, loaded.name) from None
+    console = Console()
+    if out is None:
+        console.document(made.text.rstrip("\n"))
+    else:
+        write_atomic(out, made.text)
+        console.say(f"wrote {out}")
+    console.warn(*(f"{loaded.name}: note: {note}" for note in made.notes))
+    if made.left_out:
+        console.warn(f"left out: {', '.join(made.left_out)}")

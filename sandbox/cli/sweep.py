@@ -1,63 +1,61 @@
-"""``sandbox sweep``: runs a scene many times with values of its paths varied, as a table."""
+"""``sandbox sweep`` and ``sandbox search``: many runs of a scene with values varied."""
 
 from __future__ import annotations
 
+import json
 import shlex
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from datetime import timedelta
+from itertools import count as count_from
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.console import (
-    Console,
-    Heartbeat,
-    Progress,
-    format_duration,
-    resume_notice,
-    table,
-    worker_compilation_notices,
+from sandbox.cli.console import Console, Heartbeat, Progress, many_runs, table
+from sandbox.cli.entry import Commands
+from sandbox.cli.options import (
+    OUT,
+    Command,
+    Source,
+    console_options,
+    prepare,
+    read_pairs,
+    read_quantity,
+    safe_name,
+    takes_scene,
+    written,
 )
-from sandbox.cli.failures import Exit
-from sandbox.cli.options import OUT, limit_option, scene_options
-from sandbox.cli.runs import default_directory, prepare
-from sandbox.cli.scenes import complete_scene
+from sandbox.errors import SandboxError, SceneError
 
 if TYPE_CHECKING:
     from sandbox.errors import Problem
-    from sandbox.scene.read.limits import Limits
+    from sandbox.search.searches import Search
     from sandbox.sweeps.plan import Plan
     from sandbox.sweeps.sweep import Advance
     from sandbox.sweeps.table import SweepTable
 
 DESIGNS = ("grid", "paired", "latin_hypercube", "sobol", "halton", "random")
-SWEEPS = Path("sweeps")
+SWEEPS, SEARCHES = Path("sweeps"), Path("searches")
 MAX_REASONS = 5
+QUESTION = "asked.json"
+"""The question of a directory in ``searches/``, which other questions do not use."""
+EXTENT = ("runs", "within", "count")
+"""Options that extend a search, which then continues in the same directory."""
+NAMES = {"best": "optimize"}
+"""Commands whose names differ from those in study files."""
 
 
-def read_varied(
-    ctx: click.Context, param: click.Parameter, words: tuple[str, ...],
-) -> dict[str, str]:
-    """``path=values`` words as a table."""
-    found: dict[str, str] = {}
-    for word in words:
-        path, equals, text = word.partition("=")
-        if not equals or not path.strip():
-            raise click.BadParameter(f"{word!r} is not of the form path=values", ctx, param)
-        if path.strip() in found:
-            raise click.BadParameter(f"{path.strip()!r} is varied twice", ctx, param)
-        found[path.strip()] = text
-    return found
+# -- options -------------------------------------------------------------------------
 
 
-def read_workers(ctx: click.Context, param: click.Parameter, word: str | None) -> int | str:
+def _read_workers(ctx: click.Context, param: click.Parameter, word: str | None) -> int | str:
     """A number of processes, 0 for one for each processor, or the address of a scheduler."""
-    from sandbox.errors import SandboxError
     from sandbox.sweeps.processes import check_workers
 
     if word is None:
@@ -77,21 +75,51 @@ def read_workers(ctx: click.Context, param: click.Parameter, word: str | None) -
     return number
 
 
-workers_option = click.option(
-    "--workers", metavar="N|ADDRESS", callback=read_workers,
-    help="Processes, one for each processor by default; or the address of a Dask scheduler, as in "
-         "tcp://10.0.0.1:8786.")
+def _takes_study(
+    values: str, directory: str, *own: Callable[[Any], Any],
+) -> Callable[[Command], Command]:
+    """Give a command SCENE, ``--vary``, its own options, and those of all sweeps and searches."""
+    def give(command: Command) -> Command:
+        command = console_options()(takes_scene(command))
+        for option in reversed([
+            click.option("--vary", multiple=True, metavar="PATH=VALUES", callback=read_pairs,
+                         help=values),
+            *own,
+            click.option("--out", type=OUT, metavar="DIR", help=directory),
+            click.option("--workers", metavar="N|ADDRESS", callback=_read_workers,
+                         help="Processes, one for each processor by default; or the address of a "
+                              "Dask scheduler, as in tcp://10.0.0.1:8786."),
+        ]):
+            command = option(command)
+        return command
+
+    return give
+
+
+def _is_study(scene: Source, defined: Collection[str]) -> bool:
+    """Whether a study file is given; options that it ``defined`` are refused."""
+    from sandbox.sweeps.plan import study_file
+
+    if not study_file(scene.word, scene.limits):
+        return False
+    context = click.get_current_context()
+    for param in context.command.params:
+        if param.name in defined and context.get_parameter_source(param.name or "") is \
+                click.core.ParameterSource.COMMANDLINE:
+            raise click.BadParameter(
+                f"{scene.word} is a study file and already defines this; change it there.",
+                param_hint=param.opts[0])
+    return True
 
 
 @contextmanager
-def problems_at_options(vary: Mapping[str, str], keep: Sequence[str]) -> Iterator[None]:
-    """Report problems of a study made of options at these options.
-
-    Raises:
-        SceneError: of a file unchanged; of options with ``--vary pull=2:8:x`` as its path.
-    """
-    from sandbox.errors import SceneError
-
+def _problems_at_options(
+    vary: Mapping[str, str], keep: Sequence[str], example: str,
+) -> Iterator[None]:
+    """Report problems of a study made of options at these options."""
+    if not vary:
+        raise click.BadParameter(f"nothing is varied: add --vary '{example}', or give a study "
+                                 "file.", param_hint="--vary")
     try:
         yield
     except SceneError as error:
@@ -116,38 +144,32 @@ def _at_option(problem: Problem, vary: Mapping[str, str], keep: Sequence[str]) -
                    fields="")
 
 
+# -- sweeps --------------------------------------------------------------------------
+
+
 @click.command()
-@click.argument("scene", shell_complete=complete_scene)
-@click.option("--vary", multiple=True, metavar="PATH=VALUES", callback=read_varied,
-              help="Values of a path: from:to:count, as in 'parameters.pull=2 N:8 N:7', ':log' "
-                   "behind it for even ratios; a list, '1,2,5'; a distribution, 'normal(3 N, 0.2 "
-                   "N)'; from:to, of designs with a count. Several make a grid.")
-@click.option("--keep", multiple=True, metavar="RESULT",
-              help="A result of each run: 'max disc.x over last 0.2 s', 'tip=final tip.x', "
-                   "'ratio==tip / pull'; a quantity alone means its last value. By default those "
-                   "of the scene's expectations.")
-@click.option("--design", type=click.Choice(DESIGNS), help="Arrangement of the points; a grid by "
-              "default, random where there is a distribution, else latin_hypercube.")
-@click.option("--count", type=click.IntRange(min=1), metavar="N",
-              help="Number of points, of designs other than grid and paired.")
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True,
-              help="Of random points.")
-@scene_options
-@click.option("--out", type=OUT, metavar="DIR",
-              help="Directory of the table, and of finished runs; sweeps/NAME by default.")
-@workers_option
+@_takes_study(
+    "Values of a path: from:to:count, as in 'parameters.pull=2 N:8 N:7', ':log' behind it for even "
+    "ratios; a list, '1,2,5'; a distribution, 'normal(3 N, 0.2 N)'; from:to, of designs with a "
+    "count. Several make a grid.",
+    "Directory of the table, and of finished runs; sweeps/NAME by default.",
+    click.option("--keep", multiple=True, metavar="RESULT",
+                 help="A result of each run: 'max disc.x over last 0.2 s', 'tip=final tip.x', "
+                      "'ratio==tip / pull'; a quantity alone means its last value. By default "
+                      "those of the scene's expectations."),
+    click.option("--design", type=click.Choice(DESIGNS), help="Arrangement of the points; a grid "
+                 "by default, random where there is a distribution, else latin_hypercube."),
+    click.option("--count", type=click.IntRange(min=1), metavar="N",
+                 help="Number of points, of designs other than grid and paired."),
+    click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True,
+                 help="Of random points."))
 @click.option("--recordings", is_flag=True, help="Keep the whole recording of each run, too.")
 @click.option("--no-audit", is_flag=True, help="Do not audit runs, which takes as long as running "
               "them.")
 @click.option("--again", is_flag=True, help="Repeat finished runs.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
-@click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
-@limit_option
 def sweep(
-    scene: str, vary: dict[str, str], keep: tuple[str, ...], design: str | None,
-    count: int | None, seed: int, overrides: dict[str, Any], out: Path | None,
-    workers: int | str, recordings: bool, no_audit: bool, again: bool, as_json: bool, quiet: bool,
-    limits: Limits,
+    scene: Source, out: Path | None, workers: int | str, again: bool, console: Console,
+    **options: Any,
 ) -> int:
     """Run SCENE many times with values varied.
 
@@ -158,109 +180,270 @@ def sweep(
     """
     from sandbox.sweeps.processes import preload
 
-    console = Console(as_json=as_json, quiet=quiet)
     began = time.perf_counter()
     if isinstance(workers, int):
         preload()
     from sandbox.sweeps.sweep import run_plan
     from sandbox.sweeps.table import preload as preload_figures
 
-    plan = _plan(scene, vary, limits, keep=keep, design=design, count=count,
-                 seed=seed, set=overrides, recordings=recordings, audit=not no_audit)
-    folder = out or SWEEPS / default_directory(plan.name).name
+    plan = _plan(scene, options)
+    folder = out or SWEEPS / safe_name(plan.name)
     prepare(folder)
     console.say(f"{plan.name}: {len(plan)} runs of {plan.loaded.mechanism.name}")
     preload_figures()
-    with (resume_notice(folder, console), worker_compilation_notices(console),
-          Progress("sweep", shown=console.shows_progress) as bar):
-        found = run_plan(plan, folder, workers=workers, again=again,
-                         progress=_SweepProgress(bar, console))
-    return _report(found, folder, console, time.perf_counter() - began)
+    beat = Heartbeat(console)
+    with many_runs(folder, console), Progress("sweep", console) as bar:
+        def advance(at: Advance) -> None:
+            bar(at.fraction)
+            if not sys.stderr.isatty() and at.done:
+                rate = at.done / at.seconds
+                left = timedelta(seconds=round((at.total - at.before - at.done) / rate))
+                beat(f"{at.before + at.done} of {at.total} runs, {rate:.3g} a second, {left} left"
+                     + (f", {at.doubtful} to look at" if at.doubtful else ""))
+
+        found = run_plan(plan, folder, workers=workers, again=again, progress=advance)
+    return _report_sweep(found, folder, console, time.perf_counter() - began)
 
 
-def _plan(scene: str, vary: dict[str, str], limits: Limits, **options: Any) -> Plan:
+def _plan(scene: Source, options: dict[str, Any]) -> Plan:
     """The plan of a study file, or of a scene and the options of the command."""
-    from sandbox.sweeps.plan import plan_of, read_plan, study_file
+    from sandbox.sweeps.plan import plan_of, read_plan
     from sandbox.sweeps.sweep import study_data
 
-    if study_file(scene, limits):
-        given = [f"--{name.replace('_', '-')}" for name, value in
-                 {"vary": vary, **options, "no_audit": not options["audit"]}.items()
-                 if value and name != "audit"]
-        if given:
-            raise click.BadParameter(
-                f"{scene} is a study file and already defines this; change it there.",
-                param_hint=given[0])
-        return read_plan(scene, limits)
-    if not vary:
-        raise click.BadParameter("nothing is varied: add --vary 'parameters.pull=2:8:7', or give a "
-                                 "study file.", param_hint="--vary")
-    with problems_at_options(vary, options["keep"]):
-        return plan_of(study_data(scene, vary=vary, **options), limits)
+    if _is_study(scene, {*options, "overrides"}):
+        return read_plan(scene.word, scene.limits)
+    audit = not options.pop("no_audit")
+    with _problems_at_options(options["vary"], options["keep"], "parameters.pull=2:8:7"):
+        return plan_of(study_data(scene.word, set=scene.overrides, audit=audit, **options),
+                       scene.limits)
 
 
-class _SweepProgress:
-    """A bar on a terminal, a line now and then elsewhere."""
+def _report_sweep(found: SweepTable, folder: Path, console: Console, seconds: float) -> int:
+    import numpy as np
 
-    def __init__(self, bar: Progress, console: Console) -> None:
-        self._bar, self._console, self._when = bar, console, Heartbeat()
-
-    def __call__(self, at: Advance) -> None:
-        self._bar(at.fraction)
-        if sys.stderr.isatty() or not self._when.due():
-            return
-        rate = at.done / at.seconds
-        left = format_duration((at.total - at.before - at.done) / rate)
-        self._console.warn(f"{at.before + at.done} of {at.total} runs, {rate:.3g} a second, "
-                           f"{left} left" + (f", {at.doubtful} to look at" if at.doubtful else ""))
-
-
-def _report(found: SweepTable, folder: Path, console: Console, seconds: float) -> int:
     from sandbox.sweeps.table import CSV, FIGURE, PARQUET, SPEC, draw_table
 
     draw_table(found, folder / FIGURE)
-    files = [name for name in (CSV, PARQUET, FIGURE, SPEC) if (folder / name).is_file()]
+    files = written(folder, (CSV, PARQUET, FIGURE, SPEC))
     counts = Counter(found.status)
     missed = [run for run, holds in enumerate(found.holds.tolist()) if holds == 0]
     looks = int(found.doubtful.sum())
-    if console.as_json:
-        console.result_json({
-            "status": "done", "exit_code": int(Exit.DONE), "directory": str(folder),
-            "files": files, "runs": len(found), "counts": counts,
-            "missed": len(missed), "look": looks, "wall_s": seconds})
-        return Exit.DONE
-    if found.kept:
-        console.say(*table(["kept", "unit", "least", "middle", "largest"], _summary(found),
-                           right="<<>>>"), "")
-    reasons = {status: _most_frequent(reason for run, reason in found.reason.items()
-                                      if found.status[run] == status) for status in counts}
-    for status, runs in counts.items():
-        if status != "done":
-            console.say(f"{runs} of {len(found)} runs {status}: {reasons[status]}")
-    if lacking := sum(found.status[run] == "done" for run in found.reason):
-        console.say(f"{lacking} runs have missing results: {reasons['done']}")
-    if missed:
-        failed = _most_frequent(name for run in missed for name in found.failed.get(run, ()))
-        console.say(f"{len(missed)} of {len(found)} runs miss expectations: {failed}")
-    if looks:
-        names = sorted({name for each in found.looks.values() for name in each})
-        console.say(f"{looks} runs have warnings: {', '.join(names)}")
-    console.say(f"{folder}: {', '.join(files)}  ({seconds:.1f} s)")
-    return Exit.DONE
-
-
-def _summary(found: SweepTable) -> list[list[str]]:
-    import numpy as np
-
-    rows = []
+    rows, lines = [], list[str]()
     for name, values in found.kept.items():
         finite = values[np.isfinite(values)]
         numbers = [f"{value:.6g}" for value in np.quantile(finite, [0, 0.5, 1])] \
             if len(finite) else ["-", "-", "-"]
         rows.append([name, found.plan.units.get(name, ""), *numbers])
-    return rows
+    if rows:
+        lines += [*table(["kept", "unit", "least", "middle", "largest"], rows, right="<<>>>"), ""]
+    reasons = {status: _most_frequent(reason for run, reason in found.reason.items()
+                                      if found.status[run] == status) for status in counts}
+    lines += [f"{runs} of {len(found)} runs {status}: {reasons[status]}"
+              for status, runs in counts.items() if status != "done"]
+    if lacking := sum(found.status[run] == "done" for run in found.reason):
+        lines.append(f"{lacking} runs have missing results: {reasons['done']}")
+    if missed:
+        failed = _most_frequent(name for run in missed for name in found.failed.get(run, ()))
+        lines.append(f"{len(missed)} of {len(found)} runs miss expectations: {failed}")
+    if looks:
+        names = sorted({name for each in found.looks.values() for name in each})
+        lines.append(f"{looks} runs have warnings: {', '.join(names)}")
+    return console.finish({
+        "directory": folder, "files": files, "runs": len(found), "counts": counts,
+        "missed": len(missed), "look": looks, "wall_s": seconds,
+    }, [*lines, f"{folder}: {', '.join(files)}  ({seconds:.1f} s)"])
 
 
-def _most_frequent(words: Iterator[str]) -> str:
+def _most_frequent(words: Iterable[str]) -> str:
     return "; ".join(f"{word} ({count})"
                      for word, count in Counter(words).most_common(MAX_REASONS))
+
+
+# -- searches ------------------------------------------------------------------------
+
+
+class _Searches(Commands):
+    """Runs the search of a study file, too."""
+
+    noun = "search"
+    nouns = "Searches"
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str],
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args[0] not in self.commands and (kind := _kind_of(args[0], ctx)):
+            return kind, self.commands[kind], args
+        return super().resolve_command(ctx, args)
+
+
+def _kind_of(word: str, ctx: click.Context) -> str:
+    """The command of the search in a study file; empty for a word that names no file."""
+    from sandbox.scene.read.source import read_source
+    from sandbox.search.searches import FINDERS, read_search
+    from sandbox.sweeps.plan import study_file
+
+    file = study_file(word)
+    if not word.endswith(".json"):
+        return ""
+    found = read_source(file).data.get("search") if file else None
+    if found is None:
+        raise click.UsageError(
+            f"{word} is not a search: write 'sandbox search optimize {word}', or add a key "
+            f"\"search\" to the study file ({', '.join(search.list_commands(ctx))}).", ctx)
+    kind = next((name for name in FINDERS if isinstance(found, dict) and name in found), "")
+    kind = kind or read_search(word).kind  # reports what is wrong with it
+    return NAMES.get(kind, kind)
+
+
+@click.group(cls=_Searches, invoke_without_command=True)
+@click.pass_context
+def search(ctx: click.Context) -> None:
+    """Find thresholds, fits, optima or sensitivities.
+
+    SCENE is a scene, or a study file that defines what is varied and kept; if it has
+    a key "search", 'sandbox search STUDY.json' runs that. Finished runs are not
+    repeated: the same command resumes an interrupted search. The result is
+    checked by runs at half the time step.
+    """
+    if ctx.invoked_subcommand is None:
+        raise click.UsageError(f"Say which search: {', '.join(search.list_commands(ctx))}.", ctx)
+
+
+def _read_noise(
+    ctx: click.Context, param: click.Parameter, words: tuple[str, ...],
+) -> dict[str, float | None]:
+    read = read_quantity(None)
+    return {name: read(ctx, param, text) for name, text in read_pairs(ctx, param, words).items()}
+
+
+def _add_search(kind: str, about: str, *options: Callable[[Any], Any]) -> None:
+    """Add a search, whose options have the names of a study file."""
+    @_takes_study(
+        "Values of a path: a range, 'parameters.pull=2 N:8 N', with ':log' for even ratios; for a "
+        "fit also a list or a distribution, 'normal(3 N, 0.2 N)'.",
+        "Directory of the results and finished runs; by default searches/KIND/NAME, with a number "
+        "for another question.", *options)
+    def run(**given: Any) -> int:
+        return _search(kind, **given)
+
+    search.command(NAMES.get(kind, kind), help=about)(run)
+
+
+_KEEP = click.option("--keep", multiple=True, metavar="RESULT",
+                     help="A result of each run: 'slip=max disc.x', 'ratio==tip / pull'; as of "
+                          "'sandbox sweep'.")
+_WHERE = click.option("--where", multiple=True, metavar="CONDITION",
+                      help="A condition on results: 'slip < 1 mm'. Several must all hold.")
+_SEED = click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True,
+                     help="Of random points.")
+_add_search(
+    "threshold",
+    "The value at which a condition begins or ceases to hold.\n\n"
+    "The condition is --where, or the expectations of the scene.",
+    _KEEP, _WHERE,
+    click.option("--within", metavar="WIDTH", callback=read_quantity(None),
+                 help="Width of the bracket, as in '0.01 N'; a thousandth of the range by "
+                      "default."))
+_add_search(
+    "fit",
+    "The values with which the scene reproduces a measurement.\n\n"
+    "With 95 % intervals, and the directions that the data do not determine.",
+    click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv",
+                 help="The measurement: a column 'time' [s], and columns of quantities, SI or as "
+                      "in 'x [mm]'."),
+    click.option("--match", multiple=True, metavar="COLUMN=QUANTITY", callback=read_pairs,
+                 help="The quantity of a column, as in 'x=puck.x'; by default columns that have a "
+                      "quantity's name."),
+    click.option("--noise", multiple=True, metavar="COLUMN=SIZE", callback=_read_noise,
+                 help="Standard deviation of a column, as in 'x=0.5 mm'; estimated by default."))
+_add_search(
+    "best",
+    "The values that minimise or maximise results.",
+    _KEEP,
+    click.option("--minimize", "least", multiple=True, metavar="NAME",
+                 help="A result to minimise. Several goals have several solutions."),
+    click.option("--maximize", "most", multiple=True, metavar="NAME",
+                 help="A result to maximise."), _WHERE,
+    click.option("--sampler", metavar="NAME", help="cmaes (the default for one goal over ranges), "
+                 "tpe (with conditions or lists), gp, nsga2 (for several goals), random."),
+    click.option("--runs", type=click.IntRange(min=1), default=200, show_default=True,
+                 help="Number of runs; a larger one continues the search."), _SEED)
+_add_search(
+    "sensitivity",
+    "The influence of each path on each result.",
+    _KEEP,
+    click.option("--method", metavar="NAME", default="sobol", show_default=True,
+                 help="sobol (shares of the variance) or morris (screening of many paths)."),
+    click.option("--count", type=click.IntRange(min=1), default=64, show_default=True,
+                 help="Base points, a power of 2, each with as many runs as there are paths and "
+                      "two more; or Morris' trajectories."), _SEED)
+
+
+def _search(
+    kind: str, scene: Source, *, vary: dict[str, str], keep: tuple[str, ...] = (),
+    out: Path | None, workers: int | str, console: Console, **options: Any,
+) -> int:
+    """Run a search and report the result; the exit code."""
+    from sandbox.sweeps.processes import preload
+
+    began, new, beat = time.perf_counter(), 0, Heartbeat(console)
+    if isinstance(workers, int):
+        preload()
+    from sandbox.search.fitting import COMPARED
+    from sandbox.search.searches import Search, read_search
+    from sandbox.search.session import FIGURE, FOUND, RESULT, Where, make_question
+    from sandbox.sweeps.table import CSV, PARQUET
+
+    if _is_study(scene, ("vary", "keep", "overrides")):
+        chosen = read_search(scene.word, scene.limits)
+        chosen.require(kind)
+        _is_study(scene, chosen.options or {})
+    else:
+        with _problems_at_options(vary, keep, "parameters.pull=2 N:8 N"):
+            chosen = Search(make_question(scene.word, vary=vary, keep=list(keep) or None,
+                                          set=scene.overrides, limits=scene.limits))
+    beside = {name: None if value == {} else value for name, value in options.items()
+              if name not in (chosen.options or {})}
+    if beside.get("data", "") is None:
+        raise click.BadParameter("name the file with the measured data.", param_hint="--data")
+    folder = out or _own_directory(chosen, kind, beside)
+    prepare(folder)
+
+    def count(_row: object) -> None:
+        nonlocal new
+        new += 1
+        beat(f"{new} runs, {new / beat.seconds:.3g} a second")
+
+    with many_runs(folder, console):
+        found = chosen.run(Where(folder, workers, count), kind=kind, **beside)
+    seconds = time.perf_counter() - began
+    files = written(folder, (RESULT, CSV, PARQUET, COMPARED, FIGURE, FOUND))
+    result = json.loads((folder / RESULT).read_text(encoding="utf-8"))["found"]
+    return console.finish({
+        "search": kind, "directory": folder, "files": files, "found": result, "new": new,
+        "wall_s": seconds,
+    }, [*found.lines, f"{folder}: {', '.join(files)}  ({new} new runs, {seconds:.1f} s)"])
+
+
+def _own_directory(chosen: Search, kind: str, beside: Mapping[str, Any]) -> Path:
+    """The first directory of the question's name that has no runs of another question."""
+    from sandbox.atomic_files import write_atomic
+    from sandbox.search.session import plain_data
+    from sandbox.sweeps.job import FOLDER, row_files
+
+    options = {name: str(option) if isinstance(option, Path) else option
+               for name, option in {**beside, **(chosen.options or {})}.items()
+               if name not in EXTENT}
+    question = json.dumps(plain_data([{**chosen.question.study, "search": kind}, options]),
+                          sort_keys=True)
+    name = safe_name(chosen.question.name)
+    for number in count_from(1):
+        folder = SEARCHES / NAMES.get(kind, kind) / (f"{name}-{number}" if number > 1 else name)
+        file = folder / QUESTION
+        if not file.is_file() or not any(row_files(folder / FOLDER)):
+            prepare(folder)
+            write_atomic(file, question + "\n")
+            return folder
+        if file.read_text(encoding="utf-8", errors="replace").strip() == question:
+            return folder
+    raise AssertionError("numbers do not end")

@@ -225,7 +225,7 @@ class Simulation:
         except KeyboardInterrupt:
             recording = self.finish(INTERRUPTED)
             last = float(recording.time[-1]) if len(recording) else 0.0
-            self._failed = Interrupted(last, recording)
+            self._failed = Interrupted(last, recording=recording)
             raise self._failed from None
         except BaseException as error:
             self._failed = SandboxError(f"this simulation ended at t = {self.time:.6g} s: "

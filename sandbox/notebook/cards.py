@@ -1,7 +1,7 @@
-"""Cards of scenes and runs: a picture, a verdict, a table. Plain HTML that needs nothing else.
+"""Cards of scenes and runs: a picture, a verdict, a table, as plain HTML.
 
-All that a scene says is text here and never markup; there is no script. Styles are inline and
-take colours from the page, so that a card looks right on a dark page too.
+Texts of a scene never become markup; there is no script. Styles are inline and take colours from
+the page, so that a card looks right on a dark page too.
 """
 
 from __future__ import annotations
@@ -12,11 +12,10 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from sandbox.audit.audit import Figure
 from sandbox.errors import SandboxError
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.joints import apart, place_in_slot
-from sandbox.notebook.media import Picture, picture
+from sandbox.notebook.media import picture
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
 from sandbox.samples.cords import lengths_at_start
@@ -26,6 +25,7 @@ from sandbox.samples.targets import initial
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
+from sandbox.wording import counted
 
 SIZE = (440, 330)
 """Of the picture [pixels]."""
@@ -42,44 +42,41 @@ GOOD, BAD = "#3d8b5f", "#c8505f"
 
 
 def card_of_run(run: Recording) -> str:
-    """What a notebook shows of a run: its end, its expectations, its audit."""
-    mechanism, judged = run.mechanism, run.verdicts
-    ordered = sorted(judged, key=lambda verdict: verdict.ok)
-    return _card(
-        mechanism, [repr(run)[1:-1].partition(": ")[2], *([run.info.reason] if run.info.reason else
-                                                          [])],
-        _drawn(run), [
-            _verdict(judged), _audited(run.audit),
-            _table(["", "expectation of", "value", "range"],
-                   [_row(verdict) for verdict in ordered[:MOST_ROWS]], len(ordered)),
-            *(_line(html.escape(note), QUIET) for note in run.notes)])
+    """The card of a run: how it ended, its expectations, its audit."""
+    judged, checks = run.verdicts, run.audit
+    rows = [_row(verdict) for verdict in sorted(judged, key=lambda verdict: verdict.ok)]
+    held = sum(verdict.ok for verdict in judged)
+    passed = f"{sum(check.verdict == 'pass' for check in checks)} checks passed"
+    looks = [check.name for check in checks if check.verdict == "look"]
+    warnings = f", {counted(len(looks), 'warning')}: {', '.join(looks)}" if looks else ""
+    ended = repr(run)[1:-1].partition(": ")[2]
+    return _card(run.mechanism, [ended, run.info.reason], _drawn(run), [
+        _line(f"<b>{held} of {len(judged)} expectations passed</b>",
+              f"color:{GOOD if held == len(judged) else BAD}") if judged else
+        _line("the scene expects nothing", QUIET),
+        _line(html.escape(passed + warnings), f"color:{BAD}" if looks else QUIET),
+        _table(["", "expectation of", "value", "range"], rows),
+        *(_line(html.escape(note), QUIET) for note in run.notes)])
 
 
 def card_of_scene(scene: Mechanism) -> str:
-    """What a notebook shows of a scene or a mechanism: how it starts, what is in it."""
-    counted = [scene.counted or "nothing in it"]
+    """The card of a scene or a mechanism: its picture at the start, its elements."""
+    lines = [scene.counted or "nothing in it"]
+    parameters = scene.parameters if isinstance(scene, Scene) else {}
     try:
         mechanism = expand(scene) if isinstance(scene, Scene) else scene
         if isinstance(scene, Scene) and scene.parts:
-            counted.append(f"with its parts spelled out: {mechanism.counted}")
-        drawn = _drawn(at_start(_without_meters(mechanism)))
+            lines.append(f"with its parts spelled out: {mechanism.counted}")
+        # forces are 0 at the start: a meter would show a wrong value
+        view = mechanism.view.model_copy(update={"meters": ()})
+        drawn = _drawn(at_start(mechanism.model_copy(update={"view": view})))
     except (SandboxError, ValueError, KeyError) as error:  # one that is built, and not sound
         drawn = _line(html.escape(f"no picture: {error}"), QUIET)
-    parameters = scene.parameters if isinstance(scene, Scene) else {}
-    run = scene.run
-    counted.append(f"to run for {run.duration:g} s in steps of {1e3 * run.step:g} ms")
-    return _card(scene, counted, drawn, [
-        *([_line(html.escape(scene.about if len(scene.about) <= MOST_LETTERS
-                             else f"{scene.about[:MOST_LETTERS]}…"))] if scene.about else []),
-        _table(["parameter", "value (SI)"],
-               [[html.escape(name), f"{value:.6g}"]
-                for name, value in list(parameters.items())[:MOST_ROWS]], len(parameters))])
-
-
-def _without_meters(mechanism: Mechanism) -> Mechanism:
-    """Nothing acts at the start of :func:`at_start`: a meter of what acts would tell a false 0."""
-    view = mechanism.view.model_copy(update={"meters": ()})
-    return mechanism.model_copy(update={"view": view})
+    lines.append(f"to run for {scene.run.duration:g} s in steps of {1e3 * scene.run.step:g} ms")
+    about = scene.about if len(scene.about) <= MOST_LETTERS else f"{scene.about[:MOST_LETTERS]}…"
+    return _card(scene, lines, drawn, [
+        _line(html.escape(about)), _table(["parameter", "value (SI)"], [
+            [html.escape(name), f"{value:.6g}"] for name, value in parameters.items()])])
 
 
 def _card(
@@ -88,7 +85,7 @@ def _card(
     title = html.escape(mechanism.title or mechanism.name or "A scene without a name")
     name = html.escape(mechanism.name) if mechanism.title else ""
     head = _line(f"<b>{title}</b> <span style=\"{QUIET}\">{name}</span>")
-    told = "".join(_line(html.escape(line), QUIET) for line in lines)
+    told = "".join(_line(html.escape(line), QUIET) for line in lines if line)
     return (f'<div style="max-width:960px;line-height:1.4">{head}{told}'
             f'<div style="display:flex;flex-wrap:wrap;gap:4px 20px">'
             f'<div style="flex:0 1 {SIZE[0]}px;min-width:0">{drawn}</div>'
@@ -103,50 +100,33 @@ def _line(content: str, style: str = "") -> str:
 def _drawn(run: Recording) -> str:
     """The picture of a run's end, or why there is none."""
     try:
-        shown: Picture = picture(run, size=SIZE)
+        return picture(run, size=SIZE).tag(style="max-width:100%;height:auto;border-radius:4px")
     except SandboxError as error:
         return _line(html.escape(f"no picture: {error}"), QUIET)
-    return shown.tag(style="max-width:100%;height:auto;border-radius:4px")
-
-
-def _verdict(judged: Sequence[Verdict]) -> str:
-    if not judged:
-        return _line("the scene expects nothing", QUIET)
-    held = sum(verdict.ok for verdict in judged)
-    colour = GOOD if held == len(judged) else BAD
-    return _line(f"<b>{held} of {len(judged)} expectations passed</b>", f"color:{colour}")
-
-
-def _audited(figures: Sequence[Figure]) -> str:
-    looks = [figure.name for figure in figures if figure.verdict == "look"]
-    passed = sum(figure.verdict == "pass" for figure in figures)
-    text = f"{passed} checks passed"
-    if not looks:
-        return _line(text, QUIET)
-    warnings = f"{len(looks)} warning{'s' if len(looks) > 1 else ''}: {', '.join(looks)}"
-    return _line(html.escape(f"{text}, {warnings}"), f"color:{BAD}")
 
 
 def _row(verdict: Verdict) -> list[str]:
-    unit = "" if verdict.unit == "1" else f" {html.escape(verdict.unit)}"
+    unit = "" if verdict.unit == "1" else f" {verdict.unit}"
     value = f"{verdict.value:.6g}{unit}" if math.isfinite(verdict.value) else "–"
     mark = f'<span style="color:{GOOD}">pass</span>' if verdict.ok else (
         f'<b style="color:{BAD}">FAIL</b>')
     why = "" if verdict.ok else verdict.reason
-    return [mark, html.escape(verdict.quantity), f"{html.escape(verdict.statistic)} {value}",
-            html.escape("; ".join(each for each in (verdict.allowed, why) if each))]
+    return [mark, *(html.escape(text) for text in (
+        verdict.quantity, f"{verdict.statistic} {value}",
+        "; ".join(filter(None, (verdict.allowed, why)))))]
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]], count: int) -> str:
-    """A table of cells that are markup already; ``count`` rows there would be in all."""
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table of cells that are markup already, with the first rows."""
     if not rows:
         return ""
     heads = "".join(f'<th style="{CELL};{QUIET};font-weight:normal">{each}</th>' for each in head)
     body = "".join("<tr>" + "".join(f'<td style="{CELL}">{cell}</td>' for cell in row[:-1])
-                   + f'<td style="{LAST}">{row[-1]}</td></tr>' for row in rows)
-    more = _line(f"and {count - len(rows)} more", QUIET) if count > len(rows) else ""
+                   + f'<td style="{LAST}">{row[-1]}</td></tr>' for row in rows[:MOST_ROWS])
+    more = len(rows) - MOST_ROWS
     return (f'<table style="border-collapse:collapse;margin:6px 0;font:inherit">'
-            f"<thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>{more}")
+            f"<thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>"
+            + (_line(f"and {more} more", QUIET) if more > 0 else ""))
 
 
 def at_start(mechanism: Mechanism) -> Recording:

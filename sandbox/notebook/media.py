@@ -32,12 +32,12 @@ FORMS = {"time": "seconds, or a time such as '0.8 s'",
 
 
 @dataclass(frozen=True, repr=False)
-class _Media:
-    """Bytes of a file, and what they show."""
+class Media:
+    """The bytes of a picture or a film."""
 
     data: bytes
     about: str
-    """In a line, for who cannot see it."""
+    """Alternative text."""
     ENDING: ClassVar[str]
     KIND: ClassVar[str]
 
@@ -58,7 +58,7 @@ class _Media:
         return f"<{type(self).__name__} of {self.about}, {len(self.data) / 1000:.0f} kB>"
 
     def tag(self, *, style: str = "max-width:100%") -> str:
-        """It as an element of HTML that needs no other file."""
+        """An HTML element that needs no other file."""
         return (f'<img style="{style}" alt="{html.escape(self.about)}" '
                 f'src="data:{self.KIND};base64,{base64.b64encode(self.data).decode()}">')
 
@@ -66,13 +66,13 @@ class _Media:
         return self.tag()
 
 
-class Picture(_Media):
+class Picture(Media):
     """A PNG."""
 
     ENDING, KIND = ".png", "image/png"
 
 
-class Film(_Media):
+class Film(Media):
     """A GIF."""
 
     ENDING, KIND = ".gif", "image/gif"
@@ -89,8 +89,10 @@ def picture(
         raise OutputError(f"a picture shows one moment, at={quoted(at)} are {len(found)}; "
                           "sandbox.render draws several", code="bad-picture")
     when = found[0].time
-    data = _written(lambda path: save_picture(run, path, t=when, size=size), "picture.png")
-    return Picture(data, f"{run.mechanism.name or 'a run'} at t = {when:.6g} s")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "picture.png")
+        save_picture(run, path, t=when, size=size)
+        return Picture(path.read_bytes(), f"{run.mechanism.name or 'a run'} at t = {when:.6g} s")
 
 
 def film(run: Recording, options: Mapping[str, Any]) -> Film:
@@ -100,17 +102,11 @@ def film(run: Recording, options: Mapping[str, Any]) -> Film:
         if name not in known:
             raise OutputError(f"film() has no option {quoted(name)}.{meant(name, known)} "
                               f"Allowed: {listed(known, most=len(known))}.", code="bad-picture")
-    chosen = {"size": FILM_SIZE, **options}
-    data = _written(lambda path: render(run, path, **chosen), "film.gif")
-    return Film(data, f"{run.mechanism.name or 'a run'} up to t = {run.time[-1]:.6g} s")
-
-
-def _written(write: Any, name: str) -> bytes:
-    """What a function writes to a file with this name."""
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, name)
-        write(path)
-        return path.read_bytes()
+        path = Path(folder, "film.gif")
+        render(run, path, **{"size": FILM_SIZE, **options})
+        return Film(path.read_bytes(),
+                    f"{run.mechanism.name or 'a run'} up to t = {run.time[-1]:.6g} s")
 
 
 def plot(

@@ -19,7 +19,7 @@ from typing import Any
 from sandbox.atomic_files import atomic_file, write_atomic
 from sandbox.audit.bounds import Bounds
 from sandbox.audit.figures import Figure, figure_data
-from sandbox.elements.arrays import LARGEST, Arrays
+from sandbox.elements.arrays import Arrays
 from sandbox.errors import OutputError
 from sandbox.recording import archive, tables
 from sandbox.recording.new_run import ARCHIVE, CONTACTS, IMPACTS, INCOMPLETE, SUMMARY
@@ -173,19 +173,6 @@ def saved_audit(directory: Path) -> list[Figure]:
     except (ValueError, TypeError, KeyError):
         return []
     return found
-
-
-def saved_parameters(directory: Path) -> dict[str, float]:
-    """The scene's parameters as a run was made with them, in SI; none as :func:`saved_audit`.
-
-    Those that follow from others are left out.
-    """
-    saved = _saved(directory)
-    found, derived = saved.get("parameters"), saved.get("derived")
-    left = derived if isinstance(derived, list) else []
-    return {name: float(value) for name, value in found.items()
-            if name not in left and isinstance(value, int | float) and abs(value) <= LARGEST
-            } if isinstance(found, dict) else {}
 
 
 def _saved(directory: Path) -> dict[str, Any]:

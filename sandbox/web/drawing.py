@@ -1,4 +1,4 @@
-"""What a browser draws of a run: its display list with all layers, the camera, sides of labels."""
+"""Data for drawings in a browser: display lists with all layers, the camera, sides of labels."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ LEGEND = 2.2
 DIGITS = 5
 """Digits of numbers in lists and heads."""
 OWN = ("force", "spring", "drive")
-"""Tokens that the script uses by itself: what is pointed at, loads without colours, the hand."""
+"""Colours that the script uses by itself: under the pointer, loads without colours, the hand."""
 SLIDES = 1e-12
 """Poses that change by less are constant."""
 
@@ -46,7 +46,7 @@ def all_layers(view: View) -> View:
 
 
 class SomeSamples(NamedTuple):
-    """Samples of a run that goes on."""
+    """Samples of a running simulation."""
 
     mechanism: Mechanism
     model: Model
@@ -65,7 +65,7 @@ def listed(
         live: for a live view: list the layers shown at first only, since other lists follow.
 
     Returns:
-        The list, and what the picture holds: x0, y0, x1, y1 [m].
+        The list, and the box of the picture: x0, y0, x1, y1 [m].
     """
     view = run.mechanism.view
     width, height = view.size
@@ -174,7 +174,7 @@ class LiveListing:
 def drawing(
     run: RunData, s: Subject, box: Sequence[float], *, live: bool = False,
 ) -> dict[str, Any]:
-    """All that a ``Stage`` needs to draw frames of a run, but for the numbers that change."""
+    """Data that a ``Stage`` needs to draw frames of a run, without the numbers that change."""
     mechanism, model, out = run.mechanism, run.model, s.out
     view, names = mechanism.view, [body.name for body in mechanism.bodies]
     visible = shown(view.show, traced=bool(view.traces))
@@ -194,7 +194,7 @@ def drawing(
 
 
 def page_list(out: Listing) -> dict[str, Any]:
-    """The display list as the script takes it, without what changes."""
+    """The display list for the script, without the numbers that change."""
     own = {token: out.inks[token] for token in OWN if token in out.inks}
     head = out.head()
     return {"list": rounded({**head, "inks": {**head["inks"], **own}}),

@@ -2,8 +2,8 @@
 
 A frame is float32 numbers: :data:`HEAD`, x, y and angle of each frame of the list, its columns, the
 values of the drives, the watched quantities, the number of rows of each table, the rows, then, for
-each trail in the list, where its point was since the last frame, x and y in turn. Contact forces
-are the mean of the steps since the last frame: those of a single step flicker.
+each trail in the list, the places of its point since the last frame, x and y in turn. Contact
+forces are the mean of the steps since the last frame: those of a single step flicker.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from sandbox.engine.simulation import Simulation
 from sandbox.errors import SceneError, SimulationDiverged
 from sandbox.model.catalogue import PAIR, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
-from sandbox.numeric import Array, Flags, Integers
-from sandbox.picture.listing import Item, Listing
+from sandbox.numeric import Array
+from sandbox.picture.listing import Item
 from sandbox.recording.recording import Recording
 from sandbox.samples.contacts import on_the_other
 from sandbox.web.drawing import (
@@ -38,21 +38,21 @@ from sandbox.web.drawing import (
 
 HEAD = ("seq", "ack", "t", "rate", "hand", "from_x", "from_y", "force_x", "force_y", "trail")
 """The first numbers of a frame: its number; the last message that it answers; the time [s];
-seconds of motion for each second; the body that is held, or -1; where [m] and with which force
-[N]; the number of places of each trail."""
+seconds of motion per second; the body that is held, or -1; the place [m] and the force [N]; the
+number of places of each trail."""
 TRAIL = 8
 """Most places of a trail in a frame."""
 LOOK = 2.0
-"""Seconds that are spent to find out how far a scene moves and how hard it presses."""
+"""Seconds of the trial run that gives the picture its scales."""
 MOST_PAIRS = 200
-"""So many pairs of bodies are offered at most; any can be asked for."""
+"""Pairs of bodies that are offered at most; any can be watched."""
 AT_ONCE = 64
 """Most steps between two looks at the clock."""
 _OF_DRIVES = [each.name for each in ARRAYS if "nd" in each.axes]
 
 
 def looked_at(scene: Checked, seconds: float = LOOK) -> Recording:
-    """The scene run as it is, as far as that is quick: its picture gets its scales from it.
+    """A trial run of the scene, as far as the time allows: it gives the picture its scales.
 
     Raises:
         SceneError: as :class:`Simulation`.
@@ -70,18 +70,18 @@ def looked_at(scene: Checked, seconds: float = LOOK) -> Recording:
 
 
 class Stride:
-    """How many steps fit a time, by what the last ones took."""
+    """The number of steps that fit into a time, from the duration of the last ones."""
 
     def __init__(self) -> None:
         self._cost = math.inf
 
     def fits(self, seconds: float) -> int:
-        """How many, one at least."""
+        """Steps that fit, one at least."""
         return max(1, min(AT_ONCE, int(seconds / self._cost)))
 
     @contextlib.contextmanager
     def of(self, steps: int) -> Iterator[int]:
-        """Look at how long so many steps take, which are made within."""
+        """Measure the duration of some steps, which are made within."""
         began = time.perf_counter()
         yield steps
         self._cost = max((time.perf_counter() - began) / steps, 1e-9)
@@ -102,25 +102,25 @@ class LiveFrames:
         self._shown: set[str] | None = None
         """Those of the last frame."""
         self.watched: list[str] = []
-        """Names of quantities that frames tell."""
+        """Quantities in the frames."""
         self.units = {name: live.unit(name) for name in live.names()}
-        """What frames can tell, and in which unit."""
+        """Quantities that frames can have, with their units."""
         self.left_out: list[str] = []
-        """Why meters of the scene's view cannot be told while it runs, a line each."""
+        """Reasons why meters of the scene's view are left out, a line each."""
         self.meters = list(self._own_meters())
-        """The others of them."""
+        """The other meters."""
         self._model = compile_mechanism(live.scene)
         self._on_other: dict[int, bool] = {}
-        """Of pairs of bodies that have touched, whether the force is shown on the second."""
+        """By pair of bodies that have touched: whether the force is shown on the second."""
         self._listing = LiveListing(look)
         self._sent: list[Item] = []
-        """Items of the list that the page has."""
+        """Items of the page's list."""
         self._told = 0
-        """Steps of which a frame has told."""
+        """Steps up to the last frame."""
         self._gone = np.zeros(len(live.scene.drives))
-        """The integral of each drive's value over these: how far surfaces have gone."""
+        """The integral of each drive's value over these: the travel of surfaces."""
         if not live.steps:
-            live.step()  # before the first one there is nothing to show
+            live.step()  # before the first step there is no sample
         self._look_again()
 
     def _own_meters(self) -> Iterator[dict[str, Any]]:
@@ -138,23 +138,22 @@ class LiveFrames:
                 yield {**meter, "names": names}
 
     def _pairs(self) -> Iterator[dict[str, str]]:
-        """Quantities of the pairs of bodies that touched in the look, as catalogues spell them."""
-        known, arrays = self.look.catalogue, self.look.arrays
-        bodies = self.live.scene.bodies
+        """Quantities of the pairs of bodies that touched in the trial run."""
+        arrays, bodies = self.look.arrays, self.live.scene.bodies
         pairs = np.unique(np.sort(np.stack(
             (arrays["contact_body"], arrays["contact_other"]), axis=1), axis=1), axis=0)
         for a, b in pairs[:MOST_PAIRS].tolist():
             one, other = (b, a) if bodies[a].motion == "fixed" else (a, b)
             for quantity in PAIR:
                 name = f"{bodies[one].name}/{bodies[other].name}.{quantity}"
-                yield {"name": name, "unit": known.find(name).unit}
+                yield {"name": name, "unit": self.look.catalogue.find(name).unit}
 
     def tells(self, name: str) -> bool:
-        """Whether frames can tell a quantity, a meter of the view or a pair's."""
+        """Whether frames can have a quantity, a meter of the view or a pair's."""
         return name in self.units or ("/" in name and name in self.look.catalogue)
 
     def drawing(self) -> dict[str, Any]:
-        """All that a ``Stage`` needs before the first frame."""
+        """Data that a ``Stage`` needs before the first frame."""
         known = self.look.catalogue.units
         return {**drawing(self.look, self._subject, self._listing.box, live=True), **self._list(),
                 "late": [name for name in known if name not in self.units],
@@ -167,31 +166,26 @@ class LiveFrames:
         self._sent = self._subject.out.items
         return page_list(self._subject.out)
 
-    @property
-    def listing(self) -> Listing:
-        """The display list of the last samples."""
-        return self._subject.out
-
     def relisted(self) -> dict[str, Any] | None:
         """The display list if it has other items than the page knows, else None."""
         self._look_again()
-        return None if _alike(self._subject.out.items, self._sent) else self._list()
+        items = self._subject.out.items
+        return None if items is self._sent or items == self._sent else self._list()
 
-    def frame(self, numbers: dict[str, float]) -> bytes:
+    def frame(self, numbers: Sequence[float]) -> bytes:
         """The present instant; ``numbers`` are those of :data:`HEAD` but ``trail``.
 
         Call :meth:`relisted` before.
         """
         out = self._subject.out
-        values = [self.live[name] for name in self.watched]
-        head = {**numbers, "trail": self._trail.shape[1]}
         last = len(out.time) - 1
         tables = [rows[rows[:, 0] == last] for rows in out.tables.values()]
-        found = [[head[name] for name in HEAD], out.pose[-1].ravel(),
-                 [column[-1] for column in out.columns], self._drives, values,
-                 [len(rows) for rows in tables], *(rows.ravel() for rows in tables),
-                 self._trail.ravel()]
-        return np.concatenate(found).astype("<f4").tobytes()
+        return np.concatenate([
+            numbers, [self._trail.shape[1]], out.pose[-1].ravel(),
+            [column[-1] for column in out.columns], self._drives,
+            [self.live[name] for name in self.watched],
+            [len(rows) for rows in tables], *(rows.ravel() for rows in tables),
+            self._trail.ravel()]).astype("<f4").tobytes()
 
     def _look_again(self) -> None:
         """List the last samples, if there are new ones or other layers."""
@@ -218,7 +212,7 @@ class LiveFrames:
         self._told, self._shown = self.live.steps, self.layers
 
     def _places(self, arrays: Arrays) -> Array:
-        """Where the point of each trail was since the last frame, [trails, m, 2] m."""
+        """Places of the point of each trail since the last frame, [trails, m, 2] m."""
         points = [item["at"] for item in self._subject.out.items if item["k"] == "trail"]
         new = min(self.live.steps - self._told, len(arrays["time"]))
         some = np.unique(np.linspace(-new, -1, TRAIL).round().astype(int)) if new > 0 else [-1]
@@ -243,24 +237,20 @@ class LiveFrames:
         (x, y), (fx, fy) = arrays["contact_point"].T, arrays["contact_force"].T
         weight = np.hypot(fx, fy) + 1e-300
         total, samples = summed(weight), len(arrays["time"])
-        swapped = self._shown_on_other(keys, pairs)
-        sign = np.where(swapped, -1.0, 1.0) / samples
-        return np.column_stack([
-            summed(x * weight) / total, summed(y * weight) / total, sign * summed(fx),
-            sign * summed(fy), np.where(swapped[:, None], pairs[:, ::-1], pairs)])
-
-    def _shown_on_other(self, keys: Integers, pairs: Integers) -> Flags:
-        """By the way that bodies go when the scene runs by itself, so that no arrow turns round."""
+        # by the motion of bodies in the trial run, so that no arrow turns round
         known = self._on_other
         new = [k for k, key in enumerate(keys.tolist()) if key not in known]
         if new:
             found = on_the_other(self._model, self.look.arrays, pairs[new, 0], pairs[new, 1])
             known.update(zip(keys[new].tolist(), found.tolist(), strict=True))
-        return np.array([known[key] for key in keys.tolist()], dtype=bool)
-
+        swapped = np.array([known[key] for key in keys.tolist()], dtype=bool)
+        sign = np.where(swapped, -1.0, 1.0) / samples
+        return np.column_stack([
+            summed(x * weight) / total, summed(y * weight) / total, sign * summed(fx),
+            sign * summed(fy), np.where(swapped[:, None], pairs[:, ::-1], pairs)])
 
 def _unreadable(live: Live, word: str) -> str:
-    """Why a quantity or an expression cannot be worked out while a run goes on; empty if it can."""
+    """Why a quantity or an expression cannot be read during a run; empty if it can."""
     try:
         live[word]
     except SceneError as error:
@@ -277,8 +267,3 @@ def _last(arrays: Arrays) -> Arrays:
     found = {name: array if name in STATIC else array[late] if name in CONTACT else array[first:]
              for name, array in arrays.items()}
     return {**found, "contact_sample": found["contact_sample"] - first}
-
-
-def _alike(items: Sequence[Item], others: Sequence[Item]) -> bool:
-    """Whether two lists differ in numbers only that are sent with each frame."""
-    return items is others or items == others

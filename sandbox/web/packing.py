@@ -11,12 +11,12 @@ from __future__ import annotations
 import json
 import zlib
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sandbox.elements.arrays import largest_size
-from sandbox.numeric import Array, Flags, Integers
+from sandbox.numeric import Array, Flags
 from sandbox.picture.listing import Listing
 from sandbox.picture.run_data import read_curve
 from sandbox.samples.samples import Samples
@@ -29,32 +29,31 @@ FRAMES = 4000
 FINEST = 250.0
 """Samples per second [Hz] that are always kept."""
 OFF = 2e-4
-"""Share of the picture's width by which a body may be off between the samples that are kept: a
-fifth of a pixel on a picture of 1000. Where it would be more all samples are kept."""
-BINS = 2000
-"""Of a quantity with more than twice as many samples: the least and the greatest of each."""
-LEAST_BINS = 125
+"""Error of a pose between the samples that are kept, as a fraction of the picture's width: a fifth
+of a pixel in 1000. Where it would be more all samples are kept."""
+BINS, LEAST_BINS = 2000, 125
+"""Of a quantity with more than twice as many samples: the least and the greatest of each bin."""
 LEVEL = 9
 CHUNK = 64
 """Columns worked on at a time."""
 FLAT, NOTHING = 1e-9, 1e-10
-"""What of a quantity changes by less than this share of its size, and what is nowhere larger than
-this share of the largest in its unit, is what rounding leaves: of a body in a slot up to 1e-12
-across it, and 7e-11 of its angular acceleration."""
+"""Changes of a quantity below this fraction of its size, and values below this fraction of the
+largest in its unit, are rounding errors: of a body in a slot up to 1e-12 across it, and 7e-11 of
+its angular acceleration."""
 
 
 @dataclass
 class Blocks:
-    """Blocks on their way into one piece of bytes."""
+    """Blocks of one sequence of bytes."""
 
     heads: list[dict[str, Any]] = field(default_factory=list)
     raw: bytearray = field(default_factory=bytearray)
 
-    def add(self, key: str, columns: Array, *, bits: int = 16, **more: Any) -> None:
-        """Append columns [k, n] under a name, its head with what ``more`` is to be known of it."""
+    def add(self, key: str, columns: Array, *, bits: int = 16) -> None:
+        """Append columns [k, n] under a name."""
         low, step = list[float](), list[float]()
-        head = {"key": key, "n": columns.shape[1], "k": columns.shape[0], "at": len(self.raw),
-                "bytes": bits // 8, "low": low, "step": step, **more}
+        self.heads.append({"key": key, "n": columns.shape[1], "k": columns.shape[0],
+                           "at": len(self.raw), "bytes": bits // 8, "low": low, "step": step})
         planes: list[list[bytes]] = [[] for _ in range(bits // 8)]
         for first in range(0, len(columns), CHUNK):
             q, lowest, steps = quantised(columns[first:first + CHUNK], bits)
@@ -63,13 +62,12 @@ class Blocks:
             d = np.diff(q, axis=1, prepend=np.zeros((len(q), 1), q.dtype))
             for k, plane in enumerate(planes):
                 plane.append(((d >> np.uint32(8 * k)) & np.uint32(0xFF)).astype(np.uint8).tobytes())
-        self.heads.append(head)
         for plane in planes:
             self.raw += b"".join(plane)
 
 
 def quantised(columns: Array, bits: int) -> tuple[Any, Array, Array]:
-    """Columns [k, n] as whole numbers, the value of 0 and that of a step of 1, [k]."""
+    """Columns [k, n] as integers, the value of 0 and that of a step of 1, [k]."""
     none = 2**bits - 1
     known = np.isfinite(columns)
     low = np.where(known, columns, np.inf).min(axis=1, initial=np.inf)
@@ -90,14 +88,11 @@ def quantised(columns: Array, bits: int) -> tuple[Any, Array, Array]:
 
 
 def kept_samples(time: Array, pose: Array, width: float) -> Flags:
-    """Which samples a drawing has, [n].
-
-    Every so many of them, and all where a straight line between those would miss a pose by more
-    than :data:`OFF`; and both ends.
+    """The samples of a drawing, [n]: some, and all where interpolation exceeds :data:`OFF`.
 
     Args:
         time: [n] s.
-        pose: of what moves, x, y [m] and angle [rad] in turn, [n, 3 k].
+        pose: of moving bodies, x, y [m] and angle [rad] in turn, [n, 3 k].
         width: of the picture [m].
     """
     n = len(time)
@@ -125,19 +120,18 @@ def kept_samples(time: Array, pose: Array, width: float) -> Flags:
     return kept
 
 
-@dataclass
-class RunNumbers:
+class RunNumbers(NamedTuple):
     """A run's numbers."""
 
     data: bytes
     """Three compressed parts: JSON with ``list``, ``blocks`` and ``series``, the drawing, plots.
 
-    Of ``series`` each has name and unit, and ``c``, its column of ``plots``, or ``v``, its value.
+    Each of ``series`` has name and unit, and ``c``, its column of ``plots``, or ``v``, its value.
     """
     sizes: list[int]
     """Bytes of the parts."""
     thinned: list[str]
-    """What was left out, in words."""
+    """Descriptions of the samples that are left out."""
 
 
 def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNumbers:
@@ -151,8 +145,15 @@ def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNum
     blocks.add("pose", np.ascontiguousarray(pose[frames].T))
     if out.columns:
         blocks.add("columns", np.array(out.columns)[:, frames])
-    for name, rows in out.tables.items():
-        _add_table(name, rows, frames, len(time), blocks)
+    place = np.full(len(time), -1)
+    place[frames] = np.arange(len(frames))
+    for name, rows in out.tables.items():  # the rows in these samples, those of one key in a row
+        rows = np.column_stack([place[rows[:, 0].astype(int)], rows[:, 1:]])
+        rows = rows[rows[:, 0] >= 0]
+        order = np.lexsort((rows[:, 0], rows[:, 1]))
+        # samples are integers only as long as each has a step of its own
+        blocks.add(f"table {name}", np.ascontiguousarray(rows[order].T),
+                   bits=16 if len(frames) < 1 << 16 else 24)
     if len(frames) < len(time):
         said.append(f"drawing: {len(frames)} of {len(time)} samples, so that nothing is off by "
                     f"more than {1e3 * OFF * width:.2g} mm between them")
@@ -176,43 +177,26 @@ def packed(run: Samples, out: Listing, names: list[str], width: float) -> RunNum
     return RunNumbers(b"".join(parts), [len(part) for part in parts], said)
 
 
-def _add_table(name: str, rows: Array, frames: Integers, count: int, blocks: Blocks) -> None:
-    """The rows of a table in some samples, those of one key one after the other."""
-    place = np.full(count, -1)
-    place[frames] = np.arange(len(frames))
-    rows = np.column_stack([place[rows[:, 0].astype(int)], rows[:, 1:]])
-    rows = rows[rows[:, 0] >= 0]
-    order = np.lexsort((rows[:, 0], rows[:, 1]))
-    # samples are whole numbers only as long as each has a step of its own
-    blocks.add(f"table {name}", np.ascontiguousarray(rows[order].T),
-               bits=16 if len(frames) < 1 << 16 else 24)
-
-
 def _series(run: Samples, names: list[str]) -> tuple[list[dict[str, Any]], Array]:
-    """Quantities that change as columns [k, n]; of the others the value."""
+    """Quantities with their values if constant; those that change as columns [k, n], too."""
     worked = expressions_of(run.mechanism.view)
     found = {name: read_curve(run, name) for name in names}
     units = {name: worked[name] if name in worked else run.unit(name) for name in names}
     largest: dict[str, float] = {}
     for name, values in found.items():
         largest[units[name]] = max(largest.get(units[name], 0.0), largest_size(values))
-    series: list[dict[str, Any]] = []
-    columns: list[Array] = []
+    series, columns = list[dict[str, Any]](), list[Array]()
     for name, values in found.items():
-        if not np.isfinite(values).any():
-            continue
-        one = {"name": name, "unit": units[name]}
-        value = level(values, largest[units[name]])
-        if value is not None:
-            series.append({**one, "v": value})
-        else:
-            series.append({**one, "c": len(columns)})
-            columns.append(values)
+        if np.isfinite(values).any():
+            value = level(values, largest[units[name]])
+            series.append({"name": name, "unit": units[name], **(
+                {"c": len(columns)} if value is None else {"v": value})})
+            columns += [values] if value is None else []
     return series, np.array(columns).reshape(len(columns), len(run))
 
 
 def level(values: Array, largest: float) -> float | None:
-    """The one value of a quantity [n] that is constant but for rounding, none of another.
+    """The value of a quantity [n] that is constant apart from rounding; None of another.
 
     ``largest`` is the largest size of the run's quantities in this unit.
     """

@@ -21,7 +21,6 @@ from functools import cache
 from importlib.resources import files
 from itertools import chain, repeat
 from numbers import Integral
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -44,38 +43,23 @@ MOST_RUNS = 4
 """Runs that a page shows beside each other."""
 MOST_PAIRS = 64
 """Pairs of bodies whose contact forces can be plotted, the most loaded ones."""
-START = ('\nawait report(document.querySelector("main"),'
-         ' [...document.querySelectorAll("script[data-run]")]);\n')
+HEIGHT, LOWEST, HIGHEST = 760, 200, 4000
+"""Default, smallest and largest height of the frame in a notebook [pixels]."""
 PAGE = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{policy}">
+<html lang="en"><head><meta charset="utf-8">{meta}
 <meta name="viewport" content="width=device-width,initial-scale=1">
 <title>{title}</title><link rel="icon" href="data:,">
 <style>{styles}</style></head>
 <body><main><p class="loading">loading&hellip;</p>
 <noscript>This page draws with a script, which is off.</noscript></main>
-{runs}
+{data}
 <script type="module">{script}</script></body></html>
 """
-RUN = ('<script type="application/json" data-run>{head}</script>'
-       '<script type="text/plain">{data}</script>')
-UPLOT = "1.6.32"
-"""The version of uPlot (https://github.com/leeoniya/uPlot, MIT) in ``script/uplot/``."""
-HASHES = {
-    "uPlot.iife.min.js":
-        "19c8d4c6ad88929a79f4ae49d6f7161566dfd0ba3d15cc495e974f787eb78f1f",
-    "uPlot.min.css":
-        "df630c6a8d6f8eeaff264b50f73ce5b114f646ffd9a0bb74f049b0a00135fa04",
-    "uPlot.LICENSE":
-        "8f989229699b4fe2f1a0432d0e9edc338a8a911e250e2d1b01ecd770a5f5b1bd",
-}
-"""SHA-256 of its files, as registry.npmjs.org has them in uplot-1.6.32.tgz."""
-MODULES = ("data.js", "text.js", "stage.js", "plots.js", "shell.js", "report.js", "facts.js")
+START = ('\nawait report(document.querySelector("main"),'
+         ' [...document.querySelectorAll("script[data-run]")]);\n')
+MODULES = ("data.js", "stage.js", "plots.js", "shell.js", "report.js")
 """In this order: each uses those before it."""
-LIVE = ("live.js", "controls.js")
-"""Those that a live view has besides."""
-CONSTANTS = (f"const MANY_MM = {style.MANY_MM}, AS_ONE = {style.NEAR}, CROSSING = {style.SHORT}, "
-             f"TURN = {style.STROKE};")
+CONSTANTS = f"const MANY_MM = {style.MANY_MM}, TURN = {style.STROKE};"
 """Constants that the script shares with figures."""
 
 
@@ -86,10 +70,10 @@ def text_of(name: str) -> str:
 
 
 @cache
-def script(*more: str) -> str:
-    """The whole module: uPlot, constants, :data:`MODULES`, then ``more`` files of ``script/``."""
+def script(start: str, *more: str) -> str:
+    """The whole module: uPlot, :data:`MODULES`, ``more`` files of ``script/``, then ``start``."""
     return "\n".join([text_of("uplot/uPlot.iife.min.js"), CONSTANTS,
-                      *(text_of(name) for name in (*MODULES, *more))])
+                      *(text_of(name) for name in (*MODULES, *more))]) + start
 
 
 @cache
@@ -98,27 +82,35 @@ def styles() -> str:
     return text_of("uplot/uPlot.min.css") + "\n" + text_of("sandbox.css")
 
 
-def source_hash(text: str) -> str:
-    """A source of a Content-Security-Policy that allows just this script or style sheet."""
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+def html_page(title: str, code: str, *, meta: str = "", data: str = "") -> str:
+    """A page that runs one script."""
+    return PAGE.format(title=html.escape(printable(title)), styles=styles(), script=code,
+                       meta=meta, data=data)
+
+
+def policy(code: str) -> str:
+    """A Content-Security-Policy that allows just this script and the style sheet."""
+    script_hash, style_hash = (
+        f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+        for text in (code, styles()))
+    return (f"default-src 'none'; script-src {script_hash}; style-src {style_hash}; "
+            "img-src data: blob:; media-src blob:; base-uri 'none'; form-action 'none'")
 
 
 class FoundOut(NamedTuple):
-    """What was found out of a run besides its samples."""
+    """Data about a run besides its samples."""
 
     verdicts: Sequence[Verdict] = ()
-    """On what its scene expects; a page judges it where there are none."""
+    """On the expectations of its scene; computed where there are none."""
     figures: Sequence[Figure] = ()
     source: str = ""
-    """Where it lies, as it was called."""
-    parameters: Mapping[str, float] = MappingProxyType({})
-    """Of its scene, in SI."""
+    """Its directory."""
 
 
 def words(run: Samples, told: FoundOut, apart: str = "") -> dict[str, Any]:
-    """What the page says of a run in tables and texts; no number in it is infinite or none.
+    """Texts and tables of a run; numbers that are not finite are None.
 
-    ``apart`` is what tells it from others beside it.
+    ``apart`` is a name that distinguishes it from others on the page.
     """
     info = run.info
     return {
@@ -127,23 +119,19 @@ def words(run: Samples, told: FoundOut, apart: str = "") -> dict[str, Any]:
         "samples": len(run), "step": info.step, "rate": info.sample_rate,
         "versions": dict(info.versions),
         "events": [{"name": one.event, "t": one.time} for one in info.marked],
-        "expect": [_verdict(verdict, over) for verdict, over in zip(
-            told.verdicts, chain(windows(run), repeat(None)), strict=False)],
-        "audit": [{"name": f.name, "value": number(f.value), "most": number(f.threshold),
+        "expect": [{"quantity": v.quantity, "statistic": v.statistic, "unit": v.unit,
+                    "low": _finite(v.low), "high": _finite(v.high), "value": _finite(v.value),
+                    "ok": v.ok, "because": v.because, "reason": v.reason, "over": over}
+                   for v, over in zip(told.verdicts, chain(_windows(run), repeat(None)),
+                                      strict=False)],
+        "audit": [{"name": f.name, "value": _finite(f.value), "most": _finite(f.threshold),
                    "unit": f.unit, "verdict": f.verdict, "why": f.why} for f in told.figures],
         "scene": to_json(run.mechanism),
     }
 
 
-def _verdict(verdict: Verdict, over: list[float] | None) -> dict[str, Any]:
-    return {"quantity": verdict.quantity, "statistic": verdict.statistic, "unit": verdict.unit,
-            "low": number(verdict.low), "high": number(verdict.high),
-            "value": number(verdict.value), "ok": verdict.ok, "because": verdict.because,
-            "reason": verdict.reason, "over": over}
-
-
-def windows(run: Samples) -> Iterator[list[float] | None]:
-    """From when to when each verdict on a run's expectations is taken [s], in their order.
+def _windows(run: Samples) -> Iterator[list[float] | None]:
+    """Begin and end of the window of each verdict on a run's expectations [s], in their order.
 
     A last value is taken at the end of its window, one at an instant there.
     """
@@ -156,47 +144,8 @@ def windows(run: Samples) -> Iterator[list[float] | None]:
             yield [float(times[0]), float(times[-1])] if len(times) else None
 
 
-def number(value: float) -> float | None:
-    """A number for JSON; none where it is infinite or has no value."""
+def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
-
-
-MAX_PARAMETERS = 3
-"""Parameters that are named of a run."""
-
-
-def told_apart(
-    titles: Sequence[str], parameters: Sequence[Mapping[str, float]], sources: Sequence[str],
-) -> list[str]:
-    """A name of each run: its title; of equal ones the parameters that differ, else its place.
-
-    Args:
-        titles: of the scenes.
-        parameters: of the scenes as they were run, in SI; empty where they are not known.
-        sources: where the runs lie.
-    """
-    if _differ(titles):
-        return list(titles)
-    names = dict.fromkeys(name for each in parameters for name in each)
-    varied = [name for name in names
-              if all(name in each for each in parameters)
-              and len({each[name] for each in parameters}) > 1]
-    told = [_told(each, varied) for each in parameters]
-    if not _differ(told):
-        told = list(sources)
-    if len(set(titles)) == 1:
-        return [text or title for text, title in zip(told, titles, strict=True)]
-    return [f"{title}: {text}" if text else title
-            for title, text in zip(titles, told, strict=True)]
-
-
-def _told(parameters: Mapping[str, float], varied: Sequence[str]) -> str:
-    return ", ".join(f"{name} = {parameters[name]:.4g}" for name in varied[:MAX_PARAMETERS]) + (
-        ", \u2026" if len(varied) > MAX_PARAMETERS else "")
-
-
-def _differ(names: Sequence[str]) -> bool:
-    return all(names) and len(set(names)) == len(names)
 
 
 def report(
@@ -207,88 +156,70 @@ def report(
     Equal runs give equal pages, to the byte.
 
     Args:
-        runs: what to show.
-        told: of each run what was found out of it, if anything; it is judged without.
+        runs: the runs.
+        told: data about each run, if any; verdicts are computed where there are none.
         plots: quantities that are plotted at once; by default those of the scene's expectations.
 
     Raises:
         OutputError: no runs or too many, or one without samples.
     """
-    if not runs:
-        raise OutputError("there is no run to show; pass at least one", code="bad-picture")
-    if len(runs) > MOST_RUNS:
-        raise OutputError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given",
-                          code="bad-picture")
+    if not 1 <= len(runs) <= MOST_RUNS:
+        raise OutputError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given" if runs
+                          else "there is no run to show; pass at least one", code="bad-picture")
     for run in runs:
         check_run(run)
-    told = [_judged(run, found) for run, found in zip(
-        runs, [*told, *(FoundOut() for _ in runs[len(told):])], strict=True)]
+    told = [found if found.verdicts else found._replace(verdicts=verdicts(run))
+            for run, found in zip(runs, chain(told, repeat(FoundOut())), strict=False)]
     titles = [run.mechanism.title or run.mechanism.name for run in runs]
-    names = told_apart(titles, [found.parameters for found in told],
-                       [found.source for found in told])
-    pieces = [_run(run, [other for other in runs if other is not run], found, name, list(plots))
-              for run, found, name in zip(runs, told, names, strict=True)]
-    code, looks = script(), styles()
-    policy = (f"default-src 'none'; script-src {source_hash(code + START)}; "
-              f"style-src {source_hash(looks)}; img-src data: blob:; media-src blob:; "
-              "base-uri 'none'; form-action 'none'")
-    title = printable(" / ".join(dict.fromkeys(titles)))
-    return PAGE.format(policy=policy, title=html.escape(title), styles=looks,
-                       runs="\n".join(pieces), script=code + START)
-
-
-def _judged(run: Samples, told: FoundOut) -> FoundOut:
-    """With the verdicts on what the scene expects, where they were not given."""
-    return told if told.verdicts else told._replace(verdicts=verdicts(run))
-
-
-def _run(
-    run: Samples, beside: Sequence[Samples], told: FoundOut, name: str, plots: list[str],
-) -> str:
-    subject, box = listed(run, beside)
-    numbers = packed(run, subject.out, quantities(run, plots), subject.width)
-    head = {**drawing(run, subject, box), "words": words(run, told, name),
+    sources = [found.source for found in told]
+    names = next((each for each in (titles, sources) if len(set(each)) == len(runs)), titles)
+    pieces = []
+    for run, found, name in zip(runs, told, names, strict=True):
+        subject, box = listed(run, [other for other in runs if other is not run])
+        numbers = packed(run, subject.out, quantities(run, plots), subject.width)
+        head = safe_json({
+            **drawing(run, subject, box), "words": words(run, found, name),
             "sizes": numbers.sizes, "thinned": numbers.thinned,
             "meters": [] if plots else meters_of(run.mechanism.view, run.catalogue),
-            "plots": plots or _default_plots(run, told)}
-    return RUN.format(head=safe_json(head), data=base64.b64encode(numbers.data).decode())
+            "plots": list(plots) or _default_plots(run, found)})
+        pieces.append(f'<script type="application/json" data-run>{head}</script>'
+                      '<script type="text/plain">'
+                      f"{base64.b64encode(numbers.data).decode()}</script>")
+    code = script(START)
+    return html_page(" / ".join(dict.fromkeys(titles)), code, data="\n".join(pieces), meta=(
+        f'\n<meta http-equiv="Content-Security-Policy" content="{policy(code)}">'))
 
 
 def quantities(run: Samples, plots: Sequence[str] = ()) -> list[str]:
-    """What can be plotted: nearly all, and the forces of the pairs that touch.
+    """Quantities that can be plotted: nearly all, and the forces of the pairs that touch.
 
-    Not how well objects are held, which takes long, unless it is asked for or expected.
+    Grasp measures, which take long, are left out unless they are asked for or expected.
     """
-    elements = run.catalogue.elements
+    bodies, arrays = run.mechanism.bodies, run.arrays
     wanted = {*plots, *(name for expect in run.mechanism.expect
                         for name in run.match(expect.quantity))}
     names = []
-    for head, element in elements.items():
-        fixed = element.kind == "body" and run.mechanism.bodies[element.index].motion == "fixed"
+    for head, element in run.catalogue.elements.items():
+        fixed = element.kind == "body" and bodies[element.index].motion == "fixed"
         for quantity in by_telling(element.quantities):
             name = f"{head}.{quantity}" if quantity else head
             spare = (element.kind == "body" and quantity in GRASP) or (
                 fixed and not quantity.startswith("contact."))
             if name in wanted or not spare:
                 names.append(name)
-    shown = (name for meter in meters_of(run.mechanism.view, run.catalogue)
-             for name in meter["names"])
-    return list(dict.fromkeys([*names, *wanted, *shown, *_pairs(run)]))
-
-
-def _pairs(run: Samples) -> list[str]:
-    """``a/b.normal`` of the pairs that press the most."""
-    arrays, bodies = run.arrays, run.mechanism.bodies
+    shown = [name for meter in meters_of(run.mechanism.view, run.catalogue)
+             for name in meter["names"]]
     keys, which = np.unique(arrays["contact_body"] * len(bodies) + arrays["contact_other"],
                             return_inverse=True)
-    pairs = np.stack((keys // len(bodies), keys % len(bodies)), axis=1)
-    total = np.bincount(which, np.hypot(*arrays["contact_force"].T), minlength=len(pairs))
-    order = np.argsort(-total, kind="stable")[:MOST_PAIRS]
-    return [f"{bodies[a].name}/{bodies[b].name}.normal" for a, b in pairs[np.sort(order)]]
+    total = np.bincount(which, np.hypot(*arrays["contact_force"].T), minlength=len(keys))
+    loaded = np.sort(np.argsort(-total, kind="stable")[:MOST_PAIRS])
+    pairs = [f"{bodies[a].name}/{bodies[b].name}.normal"
+             for a, b in (divmod(key, len(bodies)) for key in keys[loaded].tolist())]
+    return list(dict.fromkeys([*names, *wanted, *shown, *pairs]))
 
 
 def _default_plots(run: Samples, told: FoundOut) -> list[str]:
-    """What the scene says something of: expectations, meters, cords, else what is usual."""
+    """The first of these that change: expectations, meters, tendons, else the usual quantities."""
     usual = run.catalogue.usual
     expected = [verdict.quantity for verdict in told.verdicts if verdict.quantity in run]
     for names in ((*expected, *usual["meter"], *usual["tendon"]),
@@ -305,20 +236,15 @@ def safe_json(data: Mapping[str, Any]) -> str:
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
-HEIGHT = 760
-"""Of the frame [pixels]."""
-LOWEST, HIGHEST = 200, 4000
-
-
 @dataclass(frozen=True, repr=False)
 class RunPage:
     """One HTML file that plays a run."""
 
     text: str
     about: str
-    """In a line, for who cannot see it."""
+    """Alternative text."""
     height: int = HEIGHT
-    """Of the frame that it is shown in [pixels]."""
+    """Of the frame in a notebook [pixels]."""
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write it to a file.

@@ -3,16 +3,15 @@
 It listens on 127.0.0.1 only. The page's address holds a random token; all else is refused, and so
 are requests of other sites (by their Origin and Host). The page may load nothing.
 
-Each tab has a thread of its own, which alone touches its session: a tab that takes long, to step
-back or to read a file again, does not delay other tabs. 60 times a second the thread handles the
-messages of its tab, lets the session's time pass and sends a frame. It sends one only while few
-frames are unanswered: half as many again as the line holds. So there is never a queue.
+Each tab has a thread of its own, which alone touches its session: work that takes long, such as a
+step back, does not delay other tabs. 60 times a second the thread handles the messages of its tab,
+advances the session and sends a frame. It sends one only while few frames are unanswered: half as
+many again as the line holds. So there is never a queue.
 """
 
 from __future__ import annotations
 
 import contextlib
-import html
 import http
 import json
 import math
@@ -24,9 +23,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sandbox.errors import OutputError, SandboxError
-from sandbox.web.page import LIVE, script, source_hash, styles
+from sandbox.web.page import html_page, policy, script
 from sandbox.web.session import FRAME, Answer, Later, Session
-from sandbox.wording import printable
 
 if TYPE_CHECKING:
     from websockets.http11 import Request, Response
@@ -48,22 +46,14 @@ MOST_TABS = 8
 MOST_BYTES = 1 << 16
 """Of a message."""
 START = '\nlive(document.querySelector("main"), socketLink(location.href));\n'
-PAGE = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8">
-<meta name="viewport" content="width=device-width,initial-scale=1">
-<title>{title}</title><link rel="icon" href="data:,">
-<style>{styles}</style></head>
-<body><main><noscript>This page draws with a script, which is off.</noscript></main>
-<script type="module">{script}</script></body></html>
-"""
 
 
 class Server:
-    """Serves a scene until it is told to stop.
+    """Serves a scene until Ctrl-C.
 
     Args:
         session: makes a session; each tab gets its own.
-        first: the session of the first tab, which was made to see whether the scene can be used.
+        first: the session of the first tab, which was made to check the scene.
         title: of the page.
         port: to listen on; 0 for a free one.
     """
@@ -79,9 +69,6 @@ class Server:
     def address(self) -> str:
         """Of the page."""
         return f"http://{HOST}:{self.port}/{self.token}"
-
-    def _hosts(self) -> list[str]:
-        return [f"{HOST}:{self.port}", f"localhost:{self.port}"]
 
     def serve(self, ready: Callable[[Server], None]) -> None:
         """Serve until Ctrl-C; ``ready`` is called when it listens.
@@ -103,7 +90,7 @@ class Server:
         """
         serve = needed()
         try:
-            server = serve(self._tab, HOST, self.port, process_request=self._asked,
+            server = serve(self._tab, HOST, self.port, process_request=self._answer,
                            compression=None, max_size=MOST_BYTES, close_timeout=1)
         except OSError as error:
             raise OutputError(f"cannot listen on port {self.port}: {error.strerror}; "
@@ -118,45 +105,41 @@ class Server:
             server.shutdown()
             thread.join()
 
-    # -- the page ---------------------------------------------------------------------------
+    def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
+        """The page for requests with the token; None accepts a WebSocket."""
+        hosts = [f"{HOST}:{self.port}", f"localhost:{self.port}"]
 
-    def _asked(self, connection: ServerConnection, request: Request) -> Response | None:
-        """The page for who knows the token; None lets a WebSocket in."""
+        def one_of(header: str, known: list[str]) -> bool:
+            """Whether a header was sent once, with a known value."""
+            values = request.headers.get_all(header)
+            return len(values) == 1 and values[0] in known
+
         path = request.path.partition("?")[0].removeprefix("/")
         known = secrets.compare_digest(path.encode(), self.token.encode())
-        if not _is_one_of(request.headers.get_all("Host"), self._hosts()):
+        if not one_of("Host", hosts):
             return connection.respond(http.HTTPStatus.FORBIDDEN, (
-                f"this view answers to {' and '.join(self._hosts())} only: ask for it by one of "
+                f"this view answers to {' and '.join(hosts)} only: ask for it by one of "
                 "these, through SSH with the same port on both sides\n"))
         if not known:
             return connection.respond(http.HTTPStatus.FORBIDDEN, "wrong or missing token\n")
         if request.headers.get("Upgrade", "").lower() == "websocket":
-            if _is_one_of(request.headers.get_all("Origin"),
-                          [f"http://{host}" for host in self._hosts()]):
+            if one_of("Origin", [f"http://{host}" for host in hosts]):
                 return None
             return connection.respond(http.HTTPStatus.FORBIDDEN, "asked for by another page\n")
         answer = connection.respond(http.HTTPStatus.OK, page(self._title))
-        for name, value in self._headers().items():
+        sources = " ".join(f"ws://{host}" for host in hosts)
+        for name, value in {
+                "Content-Type": "text/html; charset=utf-8", "Cache-Control": "no-store",
+                "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff",
+                "Content-Security-Policy":
+                    f"{policy(_code())}; connect-src {sources}; frame-ancestors 'none'"}.items():
             if name in answer.headers:
                 del answer.headers[name]
             answer.headers[name] = value
         return answer
 
-    def _headers(self) -> dict[str, str]:
-        sources = " ".join(f"ws://{host}" for host in self._hosts())
-        return {
-            "Content-Type": "text/html; charset=utf-8", "Cache-Control": "no-store",
-            "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff",
-            "Content-Security-Policy":
-                f"default-src 'none'; script-src {source_hash(code())}; "
-                f"style-src {source_hash(styles())}; img-src data: blob:; media-src blob:; "
-                f"connect-src {sources}; base-uri 'none'; form-action 'none'; "
-                "frame-ancestors 'none'"}
-
-    # -- one tab ----------------------------------------------------------------------------
-
     def _tab(self, connection: ServerConnection) -> None:
-        """Play with a tab until it is closed, in a thread of its own."""
+        """Run the session of a tab until it is closed, in a thread of its own."""
         from websockets.exceptions import ConnectionClosed
 
         with contextlib.suppress(ConnectionClosed):
@@ -165,15 +148,15 @@ class Server:
                                          "one, and load this page again")
                 return
             try:
-                _Tab(connection, self._first.pop() if self._first else self._session()).play(
-                    self._stopping)
+                _Tab(connection, self._first.pop() if self._first else self._session(),
+                     self._stopping).play()
             except SandboxError as error:  # the file has become wrong
                 self._refuse(connection, f"{error}\nmend it, and load this page again")
             finally:
                 self._room.release()
 
     def _refuse(self, connection: ServerConnection, why: str) -> None:
-        """Say why a page does not play, and wait until it is closed."""
+        """Send the reason for a refusal, and wait until the page is closed."""
         connection.send(json.dumps({"error": why}))
         while not self._stopping.is_set():
             with contextlib.suppress(TimeoutError):
@@ -183,13 +166,18 @@ class Server:
 class _Tab:
     """A page that shows one session."""
 
-    def __init__(self, connection: ServerConnection, session: Session) -> None:
-        self.connection, self.session = connection, session
+    def __init__(
+        self, connection: ServerConnection, session: Session, stopping: threading.Event,
+    ) -> None:
+        from websockets.protocol import State
+
+        self.connection, self.session, self.stopping = connection, session, stopping
+        session.closed = lambda: stopping.is_set() or connection.protocol.state is not State.OPEN
         self.sent: dict[int, float] = {}
-        """When the frames that the page has not confirmed were sent."""
+        """Times at which the frames that the page has not confirmed were sent."""
         self.round_trip = 0.0
         self._shown: tuple[int, int] | None = None
-        self._files, self._checked = _stamps(session), 0.0
+        self._files, self._checked = self._stamps(), 0.0
         self._saving: list[threading.Thread] = []
 
     def say(self, *answers: Answer) -> None:
@@ -198,12 +186,15 @@ class _Tab:
 
     @contextlib.contextmanager
     def _busy(self) -> Iterator[None]:
-        """Say so if what is done within takes long."""
+        """Tell the page that the session is busy if the work within takes long."""
+        from websockets.exceptions import ConnectionClosed
+
         told: list[bool] = []
 
         def tell() -> None:
             told.append(True)
-            self.say({"working": True})
+            with contextlib.suppress(ConnectionClosed):
+                self.say({"working": True})
 
         timer = threading.Timer(LONG, tell)
         timer.start()
@@ -215,39 +206,33 @@ class _Tab:
             if told:
                 self.say({"working": False})
 
-    def play(self, stopping: threading.Event) -> None:
+    def play(self) -> None:
         """Answer messages and send frames until the page is closed."""
-        from websockets.protocol import State
-
-        self.session.closed = lambda: (
-            stopping.is_set() or self.connection.protocol.state is not State.OPEN)
         try:
             with self._busy():
                 answers = [self.session.head(), self.session.status()]
             self.say(*answers)
             due = before = time.perf_counter()
-            while not stopping.is_set():
+            while not self.stopping.is_set():
                 due = max(due + FRAME, time.perf_counter() - LATE)
-                self.listen(due)
+                with contextlib.suppress(TimeoutError):
+                    while True:
+                        self._hear(self.connection.recv(
+                            timeout=max(due - time.perf_counter(), SHORTEST_WAIT)))
                 now = time.perf_counter()
-                self.go_on(min(now - before, LATE))
+                self._advance(min(now - before, LATE))
                 before = now
                 if now > self._checked + LOOK_AT_FILES:
                     self._checked = now
-                    self.reload()
+                    self._reload()
         finally:
             for thread in self._saving:
                 thread.join()
 
-    def listen(self, until: float) -> None:
-        """Handle the messages that come until a time of the clock."""
-        with contextlib.suppress(TimeoutError):
-            while True:
-                self.hear(self.connection.recv(
-                    timeout=max(until - time.perf_counter(), SHORTEST_WAIT)))
-
-    def hear(self, message: str | bytes) -> None:
-        if self._seen(message):
+    def _hear(self, message: str | bytes) -> None:
+        if isinstance(message, str) and message.startswith('{"seen":'):
+            with contextlib.suppress(ValueError, TypeError, OverflowError, RecursionError):
+                self._seen(int(json.loads(message)["seen"]))
             return
         with self._busy():
             answers = self.session.hear(message)
@@ -258,6 +243,13 @@ class _Tab:
             else:
                 self.say(answer)
 
+    def _seen(self, seen: int) -> None:
+        """Note that the page has drawn a frame."""
+        if seen in self.sent:
+            took = time.perf_counter() - self.sent[seen]
+            self.round_trip += 0.2 * (took - self.round_trip)
+        self.sent = {seq: at for seq, at in self.sent.items() if seq > seen}
+
     def _save(self, save: Later) -> None:
         """Save a run while the page plays on; also if the page is closed meanwhile."""
         from websockets.exceptions import ConnectionClosed
@@ -266,20 +258,8 @@ class _Tab:
         with contextlib.suppress(ConnectionClosed):
             self.say(answer)
 
-    def _seen(self, message: str | bytes) -> bool:
-        """Whether it only says that a frame was drawn; then that is noted."""
-        if not isinstance(message, str) or not message.startswith('{"seen":'):
-            return False
-        with contextlib.suppress(ValueError, TypeError, OverflowError, RecursionError):
-            seen = int(json.loads(message)["seen"])
-            if seen in self.sent:
-                took = time.perf_counter() - self.sent[seen]
-                self.round_trip += 0.2 * (took - self.round_trip)
-            self.sent = {seq: at for seq, at in self.sent.items() if seq > seen}
-        return True
-
-    def go_on(self, seconds: float) -> None:
-        """Let time pass; send what has changed, and a frame if the line has room for one."""
+    def _advance(self, seconds: float) -> None:
+        """Advance the session; send changes, and a frame if the line has room for one."""
         session = self.session
         if session.playing:
             session.advance(seconds)
@@ -295,48 +275,41 @@ class _Tab:
         self.sent[session.seq] = time.perf_counter()
         self.connection.send(frame)
 
-    def reload(self) -> None:
+    def _reload(self) -> None:
         """Read the scene again if one of its files has changed."""
         session, before = self.session, self._files
-        self._files = _stamps(session)
+        self._files = self._stamps()
         if before == self._files:
             return
         with self._busy():
             answers = [session.head()] if session.reload() else []
-        self._files = _stamps(session)
+        self._files = self._stamps()
         self.say(*answers, session.status())
 
-
-def _is_one_of(said: list[str], known: list[str]) -> bool:
-    """Whether a header was sent once, and says what is known."""
-    return len(said) == 1 and said[0] in known
-
-
-def _stamps(session: Session) -> dict[Path, int]:
-    """When each file of a scene was written last."""
-    source = session.loaded.origins.source.path
-    found = {}
-    for path in [*([source] if source else []), *session.loaded.files]:
-        with contextlib.suppress(OSError):
-            found[path] = path.stat().st_mtime_ns
-    return found
+    def _stamps(self) -> dict[Path, int]:
+        """Times of the last change of the scene's files."""
+        loaded, found = self.session.loaded, {}
+        source = loaded.origins.source.path
+        for path in [*([source] if source else []), *loaded.files]:
+            with contextlib.suppress(OSError):
+                found[path] = path.stat().st_mtime_ns
+        return found
 
 
-def code() -> str:
-    """The script of the page."""
-    return script(*LIVE) + START
+def _code() -> str:
+    return script(START, "live.js")
 
 
 def page(title: str) -> str:
-    """The page; whatever it shows comes by the WebSocket."""
-    return PAGE.format(title=html.escape(printable(title)), styles=styles(), script=code())
+    """The page; all data come by the WebSocket."""
+    return html_page(title, _code())
 
 
 def needed() -> Any:
-    """What serves.
+    """The function that serves.
 
     Raises:
-        OutputError: it is not installed; with how to.
+        OutputError: it is not installed; with the command that installs it.
     """
     try:
         from websockets.sync.server import serve

@@ -235,7 +235,7 @@ def test_a_pattern_fits_what_it_fits_in_python(browser, run):
             "finger[2-3].mcp.angle", "finger[3-2].mcp.angle", "finger[]1].mcp.angle", "finger[1",
             "*/section*.normal", "section1*/finger*.normal", "*.normal", "Finger*", "*.m[c-d]p.*",
             "finger1.mcp.angle", "*", "f*.(x)", "[^f]inger1*", "[", "*[!e]"):
-        found = tab.evaluate(f"([p, names]) => {{ {CONSTANTS} {text_of('text.js')}; "
+        found = tab.evaluate(f"([p, names]) => {{ {CONSTANTS} {text_of('data.js')}; "
                              "return matching(p, names); }", [pattern, names])
         known = set(run.match(pattern))
         assert found == [name for name, other in zip(names, swapped, strict=True)
@@ -309,7 +309,7 @@ def test_a_quantity_has_the_unit_that_figures_and_films_give_it(browser):
     for unit in ("1", "rad", "rad/s", "rad/s^2", "m", "m/s", "N", "N m", "N/m", "Pa", "J", "m^3/s",
                  "C"):
         for most in (0.0, 1e-7, 0.499, 0.5, 12.0):
-            found = tab.evaluate(f"([unit, most]) => {{ {CONSTANTS} {text_of('text.js')} "
+            found = tab.evaluate(f"([unit, most]) => {{ {CONSTANTS} {text_of('data.js')} "
                                  "return shownAs(unit, most); }", [unit, most])
             shown = shown_as(unit, np.array([most, -most / 2]))
             assert found == {"factor": pytest.approx(shown.factor), "unit": shown.unit,

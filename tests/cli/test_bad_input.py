@@ -60,16 +60,6 @@ def test_all_problems_are_reported_with_their_lines(sandbox, scene):
         assert f'"{key}"' in text.splitlines()[number - 1]
 
 
-def test_a_file_of_a_gigabyte_is_not_read(sandbox, tmp_path):
-    path = tmp_path / "huge.json"
-    with path.open("wb") as file:
-        file.truncate(1 << 30)
-    output = sandbox("run", path)
-    assert output.code == 2
-    assert "huge.json" in output.err
-    assert len(output.err.splitlines()) == 1
-
-
 @pytest.mark.parametrize("word", ["nothere.json", "no/such/dir/scene.json", ".", "/dev/null", ""])
 def test_a_file_that_is_no_scene(sandbox, word):
     output = sandbox("run", word)

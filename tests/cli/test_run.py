@@ -10,7 +10,7 @@ import pytest
 
 from sandbox.cli.console import COMPILING, NOT_CACHED, Console, compilation_notices
 from sandbox.cli.entry import invoke
-from sandbox.cli.runs import default_directory
+from sandbox.cli.options import safe_name
 from sandbox.engine.compiling import report_began, report_compiled
 from sandbox.engine.entry_points import CalledFromPython
 from sandbox.engine.simulate import simulate
@@ -56,7 +56,7 @@ def test_a_failed_expectation_exits_1(sandbox, scene):
     ("v1.2-b", "v1.2-b"),
 ])
 def test_a_name_stays_below_renders(name, directory):
-    assert str(default_directory(name)) == f"renders/{directory}"
+    assert safe_name(name) == directory
 
 
 def test_set_changes_the_scene(sandbox, scene, tmp_path):

@@ -117,7 +117,8 @@ def away(*steps: float) -> Callable[[Recording], None]:
         simulation = Simulation(run.mechanism)
         simulation.run(round(0.02 / run.info.step))
         message = "it ran away; a smaller run.step may help"
-        raise SimulationDiverged(0.02, "load", message, simulation.finish(message))
+        raise SimulationDiverged(0.02, "load", message,
+                                 recording=simulation.finish(message))
 
     return change
 

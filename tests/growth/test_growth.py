@@ -13,6 +13,8 @@ import pytest
 
 from sandbox import wording
 from sandbox.cli.check import report_of
+from sandbox.cli.console import Console
+from sandbox.cli.options import Source
 from sandbox.engine import inspect_joints
 from sandbox.errors import SceneError
 from sandbox.scene.read.limits import Limits
@@ -63,10 +65,10 @@ def low_caps(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("kind", [
     kind if kind in DAILY else pytest.param(kind, marks=pytest.mark.nightly) for kind in SCENES])
 def test_twice_as_much_takes_twice_as_long(kind: str, tmp_path: Path) -> None:
-    file, counts = tmp_path / "scene.json", []
+    file, counts, silent = tmp_path / "scene.json", [], Console(quiet=True)
     for n in (24, 24, 48, 96):  # the first to load what is loaded once
         file.write_text(SCENES[kind](n))
-        counts.append(calls(lambda: report_of(str(file), {}, Limits())))
+        counts.append(calls(lambda: report_of(Source(str(file), {}, Limits()), silent)))
     first, second = counts[2] - counts[1], counts[3] - counts[2]
     assert second <= max(FASTEST * first, FEW), counts
 

@@ -20,12 +20,12 @@ STEPS = 33
 def told(frames: LiveFrames) -> dict[str, Any]:
     """The present frame."""
     frames.relisted()
-    return decoded(frames.frame(dict.fromkeys(HEAD, 0.0)), frames)
+    return decoded(frames.frame([0.0] * (len(HEAD) - 1)), frames)
 
 
 def decoded(data: bytes, frames: LiveFrames) -> dict[str, Any]:
     """A frame by its names."""
-    head, out = frames.drawing(), frames.listing
+    head = frames.drawing()
     numbers = np.frombuffer(data, "<f4").astype(float)
     found: dict[str, Any] = dict(zip(HEAD, numbers, strict=False))
     at = len(HEAD)
@@ -43,7 +43,7 @@ def decoded(data: bytes, frames: LiveFrames) -> dict[str, Any]:
         found[name] = take(width * count).reshape(-1, width)
     trail = int(found["trail"])
     return {**found, "places": numbers[at:].reshape(-1, trail, 2) if trail else None,
-            "items": out.items}
+            "items": head["list"]["items"]}
 
 
 def begun(machine: Any) -> LiveFrames:

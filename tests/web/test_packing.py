@@ -9,7 +9,6 @@ import pytest
 from sandbox.picture.listing import Listing
 from sandbox.recording.recording import Recording
 from sandbox.web import packing
-from sandbox.web.drawing import listed
 from sandbox.web.packing import OFF, Blocks, kept_samples, packed
 from tests.draw.conftest import hand, zoo
 
@@ -104,16 +103,6 @@ def test_rows_of_tables_come_with_their_sample_and_their_key():
     truth = truth[np.lexsort((truth[:, 0], truth[:, 1]))]
     assert np.array_equal(rows[:, :2], truth[:, :2])
     assert np.abs(rows - truth).max() <= 0.5 * max(head["step"][2:]) + 1e-9
-
-
-def test_the_page_draws_contacts_on_the_objects_and_knows_their_quantities():
-    run = hand()
-    subject, box = listed(run)
-    [item] = [item for item in subject.out.items if item.get("refs")]
-    assert all(name.startswith("section") for name in item["refs"].values())
-    assert set(map(int, item["labels"])) <= set(item["refs"])
-    assert box[0] < box[2]
-    assert box[1] < box[3]
 
 
 def test_a_budget_is_kept_and_said(monkeypatch):

@@ -415,13 +415,3 @@ def test_pairs_are_found_by_name_and_by_pattern_and_stay_after_a_reset(tmp_path:
     ask(made, do="reset")
     assert made.frames.watched == names
     assert "did you mean 'ball/floor.normal'" in ask(made, watch=["ball/flor.normal"])[0]["error"]
-
-
-def test_it_begins_at_the_speed_of_the_view_and_keeps_what_is_chosen(tmp_path: Path) -> None:
-    made = session(tmp_path, view={"speed": 0.25})
-    assert made.status()["status"]["speed"] == 0.25
-    assert made.head()["head"]["view"]["speed"] == 0.25
-    ask(made, speed=2)
-    ask(made, set="parameters.load", value="300 g")  # which begins it anew
-    assert made.speed == 2
-    assert session(tmp_path, view={"speed": 100}).speed == FASTEST

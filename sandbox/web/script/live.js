@@ -9,7 +9,6 @@ class Meters {
   }
   names() { return this.watched.map((w) => w.name); }
   more(names) { this.ask([...new Set([...this.names(), ...names])]); }
-  forget() { this.back(-Infinity); }
   back(t) {                                               // what was from t on is not any more
     const kept = this.time.findLastIndex((one) => one < t) + 1;
     for (const row of [this.time, ...this.rows]) row.length = kept;
@@ -18,7 +17,7 @@ class Meters {
     const before = new Map(this.watched.map((w, k) => [w.name, this.rows[k]]));
     this.watched = watched;
     this.rows = watched.map((w) => before.get(w.name) || this.time.map(() => null));
-    for (const made of this.plots) { made.quiet = true; made.box.querySelector(".close").click(); }
+    for (const made of this.plots) made.remove();
     const at = new Map(watched.map((w, k) => [w.name, k])), groups = new Map(), taken = new Set();
     const first = this.first.filter((meter) => meter.names.every((name) => at.has(name)));
     this.plots = first.map((meter) => {                   // those of the scene's view
@@ -39,10 +38,9 @@ class Meters {
       title: title || (names.length === 1 ? names[0] : alike.title), range, number, unit: unitName,
       names, short: names.map((n) => (names.length > 1 ? alike.cut(n) : "")),
       least: STILL, time: this.time, rows: of.map((k) => this.rows[k]),
-      close: () => { if (!made.quiet) this.ask(this.names().filter((n) => !names.includes(n))); },
+      close: () => this.ask(this.names().filter((n) => !names.includes(n))),
     });
-    made.of = of;
-    return made;
+    return Object.assign(made, { of });
   }
   keep(t, values) {
     this.time.push(t);
@@ -78,36 +76,31 @@ function socketLink(address) {
 
 class Live extends Viewer {
   constructor(root, link) {
-    super();
-    Object.assign(this, { root, link, ids: 0, sent: new Map(), asked: false, frame: null, ways: [], instants: [],
+    super(root, LIVE_KEYS, PULLING);
+    Object.assign(this, { link, ids: 0, sent: new Map(), asked: false, frame: null, ways: new Map(), instants: [],
                           waiting: new Map(), working: false, stats: { drawn: 0, got: 0, latency: [], costs: [] } });
     link.onmessage = (data) => { if (typeof data === "string") this.hear(JSON.parse(data)); else this.take(data); };
     link.onclose = () => { if (this.head) this.tell("the view has ended; start it again, and open the address that it says", true, this.state); };
-    this.build();
-    this.listen();
-  }
-
-  // -- what is there -------------------------------------------------------------------------------
-  build() {
+    const list = (id, ariaLabel) => el("ul", { id, className: "warned", ariaLabel, hidden: true });
     this.title = el("h1");
     this.state = el("output", { id: "state" }); this.said = el("output", { id: "said" });   // state of the run; result of the last action
-    this.warned = el("ul", { id: "warned", className: "warned", ariaLabel: "what the check of the scene found", hidden: true });
+    this.warned = list("warned", "what the check of the scene found");
+    this.absent = list("absent", "meters that are left out");
     this.sheet = el("div", { className: "sheet" });
     this.layers = el("div");
-    const bench = el("section", { className: "bench", ariaLabel: "motion" },
-      el("div", { className: "sheets" }, this.sheet), this.bar(), this.tools(), this.layers, this.warned);
-    this.side = el("section", { className: "plots", ariaLabel: "controls and meters" });
-    this.controls = new Controls(this.side, (name, value) => this.set(name, value));
-    const plots = el("div", { className: "plots" });
+    const plots = el("div", { className: "plots" }), side = el("section", { className: "plots", ariaLabel: "controls and meters" });
+    this.controls = new Controls(side, (name, value) => this.set(name, value));
     this.meters = new Meters(plots, (names) => this.ask({ watch: names }));
     this.finder = finder("a meter for a quantity", () => [...this.units.keys()], (names) => this.watch(names),
                          (text) => text && this.tell(text, true), () => this.head.late, (text) => this.watch([text]));
-    this.absent = el("ul", { id: "absent", className: "warned", ariaLabel: "meters that are left out", hidden: true });
-    this.side.append(this.finder, this.absent, plots);
-    this.root.replaceChildren(this.title, el("div", { className: "top" }, bench, this.side),
-      el("div", { className: "messages" }, this.state, this.said));
-    this.tip = tooltip(this.root);
-    this.help = keysBox(this.root, LIVE_KEYS, PULLING);
+    side.append(this.finder, this.absent, plots);
+    root.replaceChildren(this.title, el("div", { className: "top" }, el("section", { className: "bench", ariaLabel: "motion" },
+      el("div", { className: "sheets" }, this.sheet), this.bar(), this.tools(), this.layers, this.warned), side),
+      el("div", { className: "messages" }, this.state, this.said), this.tip, this.help);
+    this.listen(this.sheet, () => this.meters.plots, {
+      " ": () => this.toggle(), ArrowRight: () => this.ask({ do: "step" }), ArrowLeft: () => this.ask({ do: "back" }),
+      r: () => this.ask({ do: "reset" }),
+    });
   }
   bar() {
     this.play = button("play", "\u25b6", "run or pause (space)", () => this.toggle());
@@ -154,13 +147,13 @@ class Live extends Viewer {
       const { name } = old.head.bodies[old.follow] || {};
       if (head.view.follow === old.head.view.follow) stage.follow = head.bodies.findIndex((b) => b.name === name);
     }
-    camera(stage, () => this.redraw(), { grab: (pick, x, y) => this.grab(pick, x, y), hover: (pick, e) => this.hover(pick, e),
+    camera(stage, () => this.redraw(), { grab: (pick, x, y) => this.grab(pick, x, y), hover: (pick, e) => this.point(pick, e, this.units, (name) => this.told(name)),
                                          click: (pick) => this.click(pick) });
-    this.instants = []; this.ways = new Map();
-    this.frame = null; this.held = null; this.meters.forget();
-    this.layers.replaceChildren(layerBoxes([this.stage], () => this.layersChosen()));
+    Object.assign(this, { instants: [], ways: new Map(), frame: null, held: null });
+    this.meters.back(-Infinity);
+    this.layers.replaceChildren(this.layerBoxes(() => this.layersChosen()));
     this.layersChosen();
-    this.follow.fill();
+    this.followable();
     this.units = new Map([...head.quantities, ...head.pairs].map((q) => [q.name, q.unit]));
     this.finder.renew();
     this.controls.show(head.controls);
@@ -177,10 +170,10 @@ class Live extends Viewer {
     this.play.ariaLabel = playing ? "pause" : "run";
     this.speeds.take(speed);
     this.tell(trouble || note, !!trouble, this.state);
-    this.warned.replaceChildren(...warnings.map((text) => el("li", { textContent: text })));
-    this.warned.hidden = !warnings.length;
-    this.absent.replaceChildren(...leftOut.map((text) => el("li", { textContent: text })));
-    this.absent.hidden = !leftOut.length;
+    for (const [box, lines] of [[this.warned, warnings], [this.absent, leftOut]]) {
+      box.replaceChildren(...lines.map((text) => el("li", { textContent: text })));
+      box.hidden = !lines.length;
+    }
   }
   busy(working) {
     this.working = working;
@@ -250,7 +243,7 @@ class Live extends Viewer {
     const slow = this.playing && f.rate < 0.9 * +this.speeds.value && f.t > 0.5;
     if (!this.working) this.pace.textContent = slow ? `${f.rate.toFixed(2)} \u00d7 real time` : "";
     this.controls.follow(f.drives);
-    if (this.filming) this.filming.frame(this.stages);
+    if (this.filming) this.filming.frame();
     this.stats.drawn++;
     if (!this.playing || this.stats.drawn % 3 === 0) this.meters.scroll(f.t);
     for (const [id, at] of this.sent) {
@@ -299,7 +292,7 @@ class Live extends Viewer {
     if (!under) return null;
     const body = head.bodies[under.f].name, at = stage.local(under.f, stage.world(x, y));
     let moved = 0, was = [x, y];
-    this.tip(null);
+    this.tip.hidden = true;
     return {
       move: (mx, my) => {
         moved += apart(was, [mx, my]); was = [mx, my];
@@ -317,21 +310,94 @@ class Live extends Viewer {
   click(pick) {
     if (pick && pick.n) this.meters.more(quantitiesOf(pick, this.units).slice(0, 2));
   }
-  hover(pick, e) {
-    const read = (name) => {
-      const row = this.meters.row(name), value = row && row[row.length - 1];
-      if (value === undefined || value === null) return "";
-      const { factor, sign } = shownAs(this.units.get(name), sizeOfRow(row));
-      return `${short(factor * value)}${sign}`;
+  told(name) {                                            // the last value of a watched quantity, as its plot shows it
+    const row = this.meters.row(name), value = row?.at(-1) ?? null;
+    if (value === null) return "";
+    const { factor, sign } = shownAs(this.units.get(name), sizeOfRow(row));
+    return `${short(factor * value)}${sign}`;
+  }
+}
+
+// Sliders, typed values and switches of what can be set while a scene runs.
+
+const HEADINGS = { parameter: "parameters", drive: "drives", target: "targets", switch: "controllers" };
+const BEYOND = 10;                                        // times its own span a slider goes for a typed value
+
+class Controls {
+  constructor(parent, set) {                              // set(name, value): asks for it
+    this.set = set; this.rows = new Map();
+    this.box = el("section", { className: "controls", ariaLabel: "what can be set" });
+    parent.append(this.box);
+  }
+  show(list) {                                            // again with other values, or anew
+    const same = list.length === this.rows.size && list.every((c) => this.rows.has(c.name) && this.rows.get(c.name).unit === c.unit);
+    if (!same) this.build(list);
+    for (const control of list) this.rows.get(control.name).take(control);
+  }
+  build(list) {
+    this.rows.clear();
+    this.box.replaceChildren();
+    let heading = "";
+    for (const control of list) {
+      if (HEADINGS[control.kind] !== heading) {
+        heading = HEADINGS[control.kind];
+        this.box.append(el("h2", { textContent: heading }));
+      }
+      const row = control.kind === "switch" ? this.toggle(control) : this.slider(control);
+      this.rows.set(control.name, row);
+      this.box.append(row.box);
+    }
+    this.box.hidden = !list.length;
+  }
+  toggle({ name }) {
+    const input = el("input", { type: "checkbox", onchange: () => this.set(name, input.checked ? 1 : 0) });
+    input.dataset.control = name;
+    const box = el("label", { className: "control" }, input, name.replace(/\.active$/, ""));
+    return { box, unit: "", take: (c) => { input.checked = c.value !== 0; }, follow: () => {} };
+  }
+  slider(control) {
+    const { name, kind, unit: unitName } = control, label = name.replace(/^parameters\./, "");
+    const most = BEYOND * Math.max(-control.low, control.high), state = { touched: false, typing: false, value: control.value };
+    const show = (value) => {
+      state.value = value;
+      if (value > +range.max) range.max = Math.min(2 * value, most);
+      if (value < +range.min) range.min = Math.max(2 * value, -most);
+      if (!state.typing) text.value = short(value);
+      range.value = value;
     };
-    this.tip(pick && pick.n ? toldOf(pick, this.units, read) : null, e);
+    const ask = (value) => {
+      Object.assign(state, { touched: true, value });
+      this.set(name, kind === "parameter" && unitName ? `${value} ${unitName}` : value);
+    };
+    const range = el("input", { type: "range", step: "any", min: control.low, max: control.high, ariaLabel: label,
+      oninput: () => { const v = +(+range.value).toPrecision(6); text.value = short(v); ask(v); } });
+    const text = el("input", { type: "text", inputMode: "decimal", ariaLabel: `${label}, typed`, size: 8, maxLength: 200,
+      oninput: () => { state.typing = true; },
+      onchange: () => {                                   // a number; else the answer is the value, or what is wrong
+        const given = text.value.replace("\u2212", "-").trim();
+        state.typing = false;
+        if (given && Number.isFinite(+given)) { show(+given); ask(+given); return; }
+        this.set(name, given);
+        text.value = short(state.value);
+      } });
+    range.dataset.control = name; text.dataset.typed = name;
+    return {
+      unit: unitName,
+      box: el("div", { className: "control" }, el("span", { className: "name", textContent: label, title: label }), range, text,
+        el("span", { className: "unit", textContent: unitName })),
+      given: (value) => { state.touched = true; show(value); },
+      take: (c) => {
+        state.drive = c.drive;
+        Object.assign(range, { min: c.low, max: c.high });
+        if (document.activeElement !== range || !state.touched) { show(c.value); state.touched = false; }
+      },
+      follow: (drive) => {                                // a drive that its own signal leads
+        if (state.drive >= 0 && drive && !state.touched && document.activeElement !== range) show(drive[state.drive]);
+      },
+    };
   }
-  listen() {
-    super.listen(this.sheet, () => this.meters.plots, {
-      " ": () => this.toggle(), ArrowRight: () => this.ask({ do: "step" }), ArrowLeft: () => this.ask({ do: "back" }),
-      r: () => this.ask({ do: "reset" }),
-    });
-  }
+  given({ name, value }) { this.rows.get(name).given(value); }
+  follow(drive) { for (const row of this.rows.values()) row.follow(drive); }
 }
 
 function live(root, link) {

@@ -1,76 +1,3 @@
-// Curves that coincide, taken apart as figures take them: each shows its colour by turns where they run as one.
-
-const LOOKED_AT = 4000;                                   // points of a curve, more or less: all of one run's on a page
-
-// Where each of some lines runs alone and where with others. `x` and `lines` are shares of the width and height of
-// the axes; the x rise. A stretch is {first, last, rank, turns}: places, how many lines before it run here, and of how many.
-function strands(x, lines) {
-  const n = x.length, ranks = lines.map(() => new Uint8Array(n)), turns = lines.map(() => new Uint8Array(n).fill(1));
-  for (let i = 0; i < lines.length; i++) {
-    for (let j = i + 1; j < lines.length; j++) {
-      const one = lines[i], other = lines[j];
-      for (let k = 0, first = -1; k <= n; k++) {
-        if (k < n && Math.abs(one[k] - other[k]) < AS_ONE) { if (first < 0) first = k; continue; }
-        if (first >= 0 && x[k - 1] - x[first] >= CROSSING) {
-          for (let m = first; m < k; m++) { turns[i][m]++; turns[j][m]++; ranks[j][m]++; }
-        }
-        first = -1;
-      }
-    }
-  }
-  return lines.map((_, i) => {
-    const found = [], rank = ranks[i], of = turns[i];
-    for (let k = 0, first = 0; k < n; k++) {
-      if (k + 1 < n && rank[k + 1] === rank[k] && of[k + 1] === of[k]) continue;
-      found.push({ first, last: k, rank: rank[k], turns: of[k] });
-      first = k + 1;
-    }
-    return found;
-  });
-}
-
-// The values of a row at some places, straight between those that it has; nan before the first and after the last.
-function filled(row, time, at) {
-  const known = (v) => v !== null && v !== undefined && Number.isFinite(v);
-  let before = -1, after = -1, seen = 0;
-  return at.map((k) => {
-    for (; seen <= k; seen++) if (known(row[seen])) before = seen;
-    if (before === k) return row[k];
-    if (after < k) for (after = k; after < row.length && !known(row[after]); after++);
-    if (before < 0 || after >= row.length) return NaN;
-    return row[before] + (row[after] - row[before]) * (time[k] - time[before]) / (time[after] - time[before]);
-  });
-}
-
-// Draws turns over the curves of a plot. Dashed ones stay as they are: their dashes tell them apart.
-function takeApart(u, inks, dark, width) {
-  const { ctx, bbox, data } = u, [time, ...rows] = data, [from, to] = u.series[0].idxs;
-  const solid = rows.map((_, i) => i).filter((i) => !DASHES[inks[i][1] % DASHES.length]);
-  if (solid.length < 2 || !(to > from) || !(bbox.height > 0)) return;
-  const at = [], step = Math.ceil((to - from) / LOOKED_AT);
-  for (let k = from; k <= to; k += step) at.push(k);
-  const { x: { min: x0, max: x1 }, y: { min: y0, max: y1 } } = u.scales, stroke = TURN * width;
-  const x = at.map((k) => (time[k] - x0) / (x1 - x0));
-  const lines = solid.map((i) => filled(rows[i], time, at).map((v) => (v - y0) / (y1 - y0)));
-  ctx.save();
-  ctx.beginPath(); ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height); ctx.clip();
-  ctx.lineWidth = width; ctx.lineJoin = "round"; ctx.lineCap = "butt";
-  strands(x, lines).forEach((stretches, i) => {
-    ctx.strokeStyle = inkOf(inks[solid[i]][0], dark);
-    for (const { first, last, rank, turns } of stretches) {
-      if (turns < 2) continue;
-      ctx.beginPath();
-      for (let k = first; k <= last; k++) {
-        ctx.lineTo(bbox.left + x[k] * bbox.width, bbox.top + (1 - lines[i][k]) * bbox.height);
-      }
-      ctx.setLineDash([stroke, stroke * (turns - 1)]);
-      ctx.lineDashOffset = stroke * (turns - rank);
-      ctx.stroke();
-    }
-  });
-  ctx.restore();
-}
-
 // Elements of the page, and plots with one time cursor.
 
 const INKS = ["#0e4a9e", "#c1570b", "#2f7d63", "#7a3fb0", "#b01668", "#7a5c00"];
@@ -90,50 +17,22 @@ const isDark = (e) => getComputedStyle(e).getPropertyValue("--dark").trim() === 
 const DASHES = [undefined, [7, 3], [2, 3]];
 const inkOf = (i, dark) => (dark ? mixed(INKS[i % INKS.length], "#ffffff", 0.4) : INKS[i % INKS.length]);
 
-function fitting(ctx, text, room) {
-  if (ctx.measureText(text).width <= room) return text;
-  let cut = text;
-  while (cut.length > 1 && ctx.measureText(`${cut}\u2026`).width > room) cut = cut.slice(0, -1);
-  return `${cut}\u2026`;
-}
-
-// What a curve is called where it ends: labels that would lie on each other move apart.
-function endLabels(u, names, colours) {
-  const { ctx, bbox, data } = u, dpr = devicePixelRatio || 1, found = [];
-  ctx.save();
-  ctx.font = `${11 * dpr}px "DejaVu Sans", system-ui, sans-serif`; ctx.textBaseline = "middle"; ctx.textAlign = "left";
-  names.forEach((name, i) => {
-    const row = data[i + 1];
-    let k = row.length - 1;
-    while (k >= 0 && (row[k] === null || row[k] === undefined || Number.isNaN(row[k]))) k--;
-    if (k >= 0 && name) found.push({ name: fitting(ctx, name, (END_ROOM - 8) * dpr), colour: colours[i], y: u.valToPos(row[k], "y", true) });
+// Curves that coincide show their colours in turn: the n-th is on top in every n-th slice of the plot. uPlot draws the dashed ones.
+function takeTurns({ ctx, bbox, series }, solid, colours, dpr) {
+  const slice = Math.round(TURN * CURVE * dpr), count = solid.length;
+  solid.forEach((_, turn) => {
+    const slices = new Path2D();
+    for (let x = bbox.left + turn * slice; x < bbox.left + bbox.width; x += count * slice) slices.rect(x, bbox.top, slice, bbox.height);
+    ctx.save();
+    ctx.clip(slices);
+    ctx.globalAlpha = 1; ctx.lineWidth = CURVE * dpr; ctx.lineJoin = "round";
+    for (let k = 1; k <= count; k++) {
+      const i = solid[(turn + k) % count], path = series[i + 1]._paths?.stroke;
+      ctx.strokeStyle = colours[i];
+      if (path) ctx.stroke(path);
+    }
+    ctx.restore();
   });
-  found.sort((a, b) => a.y - b.y);
-  const gap = 12 * dpr, room = Math.floor((bbox.height + 8 * dpr) / gap);
-  if (found.length > room) found.length = room;
-  for (let k = 1; k < found.length; k++) found[k].y = Math.max(found[k].y, found[k - 1].y + gap);
-  let least = bbox.top + bbox.height - 4 * dpr;           // what would end below moves up, and what that meets
-  for (const one of [...found].reverse()) { one.y = Math.min(one.y, least); least = one.y - gap; }
-  for (const { name, colour, y } of found) {
-    ctx.fillStyle = colour; ctx.fillText(name, bbox.left + bbox.width + 5 * dpr, y);
-  }
-  ctx.restore();
-}
-
-const END_ROOM = 118;                                     // the most that those words get
-const ROOMS = new WeakMap();                              // of plots in one column: what each needs, and its layout
-function roomIn(parent, box, words, layout) {             // what all of them get: their times lie below each other
-  if (!ROOMS.has(parent)) ROOMS.set(parent, new Map());
-  const all = ROOMS.get(parent), most = () => Math.max(...[...all.values()].map((one) => one.room), 0), before = most();
-  if (words) all.set(box, { room: roomFor(words), layout }); else all.delete(box);
-  if (most() !== before) for (const [other, one] of all) if (other !== box) one.layout();
-  return most;
-}
-function roomFor(words) {
-  const ctx = roomFor.ctx || (roomFor.ctx = new OffscreenCanvas(1, 1).getContext("2d"));
-  ctx.font = PLOT_FONT;
-  const widest = Math.max(...words.map((word) => ctx.measureText(word).width));
-  return widest > 0 ? Math.min(END_ROOM, widest + 10) : 10;
 }
 
 // From where to where an axis goes for values between two. What changes by no more than rounding does is
@@ -154,92 +53,75 @@ function tickTexts(ticks) {
   return ticks.map((v) => short(Math.abs(v) < 1e-6 * step ? 0 : v, digits));
 }
 
-// A value of a plot, after the name of its curve and a piece of its line where there are several.
-function valueCell(parent, word, name, [, dash]) {
-  const number = el("data"), box = el("b", { title: name });
-  if (word) box.append(el("em", { className: `line${dash % DASHES.length}`, textContent: word }));
-  box.append(number); parent.append(box);
-  return { box, number };
-}
-const cellWidth = (words) => clamp(Math.max(...words.map((word) => word.length)) + 11, 14, 40);   // letters, of such cells
-
-// One figure, of values in SI, shown as people read them. `names`, `rows`, and `short`, the words at the ends of curves, belong together, and so
-// do `inks`, numbers of colours and dashes; `least` is that of spanOf(). Returns {u, at(t), dress(), set(time, rows), box}: at(t)
-// moves the cursor.
+// One figure, of values in SI, shown as people read them. `names`, `rows`, `short` (names without what they have in common) and `inks`
+// (numbers of colours and dashes) belong together; `least` is that of spanOf(). at(t) moves the cursor.
 function plot(parent, { title, unit: unitName, names, short: words, time, rows, seek, close, bands = [], least = 0,
                         range, number, inks = names.map((_, i) => [i, 0]) }) {
-  const box = el("figure", { className: number ? "plot number" : "plot" }), caption = el("figcaption"), state = { t: 0, live: true };
+  const box = el("figure", { className: number ? "plot number" : "plot", role: "img", ariaLabel: `plot of ${names.join(", ")}` });
   const what = el("span"), values = el("output"), several = names.length > 1;
-  values.classList.toggle("many", several);               // each after its name, below the title
-  if (several) values.style.gridTemplateColumns = `repeat(auto-fill, minmax(min(100%, ${cellWidth(words)}ch), 1fr))`;
-  const cells = names.map((name, i) => valueCell(values, several ? words[i] || name : "", name, inks[i]));
-  let shown, told;                                        // how values are shown, and as such
+  const dashes = inks.map(([, dash]) => DASHES[dash % DASHES.length]), solid = inks.flatMap((_, i) => (dashes[i] ? [] : [i]));
+  const cells = names.map((name, i) => {                  // the value of a curve, after its name where there are several
+    const cell = el("b", { title: name }), said = el("data");
+    if (several) cell.append(el("em", { className: `line${inks[i][1] % DASHES.length}`, textContent: words[i] || name }));
+    cell.append(said); values.append(cell);
+    return { cell, said };
+  });
+  if (several) {
+    const letters = clamp(Math.max(...words.map((word) => word.length)) + 11, 14, 40);
+    values.classList.add("many");
+    values.style.gridTemplateColumns = `repeat(auto-fill, minmax(min(100%, ${letters}ch), 1fr))`;
+  }
+  box.append(el("figcaption", {}, what, values)); parent.append(box);
+  let shown, told, u, line, dark, colours, now = 0, last = box.clientWidth;   // how values are shown, and as such
   const take = () => {
     shown = shownAs(unitName, range ? sizeOfRow(range) : sizeOfRows(rows));
     told = shown.factor === 1 ? rows : rows.map((row) => row.map((v) => (v && shown.factor * (Math.abs(v) < LEAST ? 0 : v))));
     what.textContent = [title, shown.unit && (title ? `[${shown.unit}]` : shown.unit)].filter(Boolean).join(" ");
   };
-  take();
-  caption.append(what, values);
-  if (close) {
-    const button = el("button", { className: "close", title: "close this plot", textContent: "\u00d7" });
-    button.onclick = () => { watch.disconnect(); u.destroy(); box.remove(); roomIn(parent, box); close(); };
-    caption.append(button);
-  }
-  box.append(caption); parent.append(box);
-  box.role = "img"; box.ariaLabel = `plot of ${names.join(", ")}`;
   const size = () => ({ width: Math.max(180, box.clientWidth - 12), height: 150 });
-  let night = isDark(box);
-  const dark = () => night, colours = () => inks.map(([i]) => inkOf(i, dark()));
-  const axis = () => ({ stroke: dark() ? "#9aa6b2" : "#5b6570", font: PLOT_FONT,
-    grid: { stroke: dark() ? "#232b34" : "#e9ecef", width: 1 }, ticks: { show: false } });
-  let last = box.clientWidth;
-  const wide = () => last >= 400;
-  const make = () => new uPlot({
-    ...size(), legend: { show: false },
-    scales: { x: { time: false }, y: { range: (_, low, high) => (range ? range.map((v) => v * shown.factor) : spanOf(low, high, least)) } },
-    padding: [8, () => (wide() ? room() : 8), 0, 0],
-    cursor: { drag: { x: true, y: false }, sync: { key: "sandbox" }, points: { size: 6 } },
-    axes: [{ ...axis(), size: 26, values: (_, ticks) => ticks.map((v, i) =>
-      `${+v.toPrecision(8)}${i === ticks.length - 1 ? " s" : ""}`) }, { ...axis(), values: (_, ticks) => tickTexts(ticks),
-      size: (_, texts) => Math.max(54, 14 + 7 * Math.max(0, ...(texts || []).map((text) => text.length))) }],
-    series: [{}, ...names.map((name, i) => ({ label: name, stroke: colours()[i], width: CURVE,
-      dash: DASHES[inks[i][1] % DASHES.length], spanGaps: true, pxAlign: 0,      // whole pixels would be stairs
-      points: { show: false } }))],
-    hooks: {
-      drawAxes: [(q) => bandsOn(q, bands, shown.factor, dark())],
-      draw: [(q) => { takeApart(q, inks, dark(), CURVE * (devicePixelRatio || 1)); if (wide()) endLabels(q, words, colours()); if (line) placeCursor(q, line, state.t); }],
-      setCursor: [() => tellValues()],
-    },
-  }, [time, ...told], box);
-  const room = number ? () => 0 : roomIn(parent, box, words, () => u.setSize(size()));
-  let line = null, u = make();
   const tellValues = () => {
     if (!u) return;
-    const { left } = u.cursor, inside = left !== undefined && left >= 0;
-    const at = inside ? u.posToVal(left, "x") : state.t;
-    told.forEach((row, k) => {
-      const v = row[indexNear(time, at, row)], text = short(v === undefined ? null : v), { box: one, number: said } = cells[k];
-      if (said.textContent !== text) said.textContent = text;
-      if (one.dataset.dark !== `${night}`) { one.dataset.dark = `${night}`; one.style.color = inkOf(inks[k][0], night); }
-    });
+    const { left } = u.cursor, at = left >= 0 ? u.posToVal(left, "x") : now;
+    told.forEach((row, k) => { cells[k].said.textContent = short(row[indexNear(time, at, row)] ?? null); });
   };
-  const seekHere = (e) => { if (seek && u.select.width < 3) seek(u.posToVal(e.offsetX, "x")); };
-  const listen = () => {
-    u.over.addEventListener("click", seekHere);
+  const make = () => {
+    dark = isDark(box); colours = inks.map(([i]) => inkOf(i, dark)); line = null;
+    cells.forEach(({ cell }, k) => { cell.style.color = colours[k]; });
+    const axis = { stroke: dark ? "#9aa6b2" : "#5b6570", font: PLOT_FONT, grid: { stroke: dark ? "#232b34" : "#e9ecef", width: 1 },
+                   ticks: { show: false } };
+    u = new uPlot({
+      ...size(), legend: { show: false }, padding: [8, 10, 0, 0],
+      scales: { x: { time: false }, y: { range: (_, low, high) => (range ? range.map((v) => v * shown.factor) : spanOf(low, high, least)) } },
+      cursor: { drag: { x: true, y: false }, sync: { key: "sandbox" }, points: { size: 6 } },
+      axes: [
+        { ...axis, size: 26, values: (_, ticks) => ticks.map((v, i) => `${+v.toPrecision(8)}${i === ticks.length - 1 ? " s" : ""}`) },
+        { ...axis, values: (_, ticks) => tickTexts(ticks),
+          size: (_, texts) => Math.max(54, 14 + 7 * Math.max(0, ...(texts || []).map((text) => text.length))) }],
+      series: [{}, ...names.map((name, i) => ({ label: name, stroke: colours[i], width: CURVE, dash: dashes[i], alpha: dashes[i] ? 1 : 0,
+        spanGaps: true, pxAlign: 0, points: { show: false } }))],   // at whole pixels there would be stairs
+      hooks: {
+        drawAxes: [(q) => bandsOn(q, bands, shown.factor, dark)],
+        draw: [(q) => { takeTurns(q, solid, colours, devicePixelRatio || 1); if (line) placeCursor(q, line, now); }],
+        setCursor: [tellValues],
+      },
+    }, [time, ...told], box);
     line = el("div", { className: "now" });
     u.over.append(line);
-    placeCursor(u, line, state.t);
+    u.over.onclick = (e) => { if (seek && u.select.width < 3) seek(u.posToVal(e.offsetX, "x")); };
+    placeCursor(u, line, now);
   };
-  listen();
   const watch = new ResizeObserver(() => {
     if (Math.abs(box.clientWidth - last) > 2) { last = box.clientWidth; u.setSize(size()); }
   });
+  const remove = () => { watch.disconnect(); u.destroy(); box.remove(); };
+  take();
+  make();
   watch.observe(box);
+  if (close) box.firstChild.append(button("", "\u00d7", "close this plot", () => { remove(); close(); }, "close"));
   return {
-    get u() { return u; }, box, values,
-    at(t) { state.t = t; placeCursor(u, line, t); tellValues(); },
-    dress() { night = isDark(box); line = null; u.destroy(); u = make(); listen(); },
+    get u() { return u; }, box, remove,
+    at(t) { now = t; placeCursor(u, line, t); tellValues(); },
+    dress() { u.destroy(); make(); },
     set(newTime, newRows) { time = newTime; rows = newRows; take(); u.setData([time, ...told]); },
   };
 }
@@ -252,25 +134,22 @@ function placeCursor(u, line, t) {
 }
 
 // What scenes expect, from when to when; that of one run among several in its colour, after its word.
-function bandsOn(q, bands, factor, dark) {
-  const { ctx, bbox } = q;
+function bandsOn({ ctx, bbox, valToPos }, bands, factor, dark) {
+  const dpr = devicePixelRatio || 1, least = 8 * dpr;     // of a band that would be thinner than its curve
+  const colour = (ink, ok) => (ink !== null ? inkOf(ink, dark) : ok ? (dark ? "#7fc8ae" : "#1f5d4a") : (dark ? "#f08aa8" : "#a01848"));
   ctx.save();
   ctx.beginPath(); ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height); ctx.clip();
+  ctx.font = `${11 * dpr}px ${FONT}`; ctx.textAlign = "left";
   for (const { from, to, low, high, ok, ink, word } of bands) {
-    const x0 = q.valToPos(from, "x", true), x1 = q.valToPos(to, "x", true);
-    const y0 = high === null ? bbox.top : q.valToPos(factor * high, "y", true);
-    const y1 = low === null ? bbox.top + bbox.height : q.valToPos(factor * low, "y", true);
-    ctx.fillStyle = ok ? (dark ? "#2f7d6355" : "#2f7d6333") : (dark ? "#d0206055" : "#d0206033");
-    const least = Math.max(8 * (devicePixelRatio || 1) - (y1 - y0), 0);   // seen beside its curve
-    if (ink !== null) ctx.fillStyle = `${inkOf(ink, dark)}33`;
-    const wide = Math.max(x1 - x0, 8 * (devicePixelRatio || 1));   // of a last value up to its instant
-    ctx.fillRect(x1 - wide, y0 - least / 2, wide, y1 - y0 + least);
+    const x0 = valToPos(from, "x", true), x1 = valToPos(to, "x", true), wide = Math.max(x1 - x0, least);   // of a last value up to its instant
+    const y0 = high === null ? bbox.top : valToPos(factor * high, "y", true);
+    const y1 = low === null ? bbox.top + bbox.height : valToPos(factor * low, "y", true), more = Math.max(least - (y1 - y0), 0) / 2;
+    ctx.fillStyle = `${colour(ink, ok)}33`;
+    ctx.fillRect(x1 - wide, y0 - more, wide, y1 - y0 + 2 * more);
     if (!word) continue;
-    ctx.fillStyle = ink === null ? (ok ? (dark ? "#7fc8ae" : "#1f5d4a") : (dark ? "#f08aa8" : "#a01848")) : inkOf(ink, dark);
-    ctx.font = `${11 * (devicePixelRatio || 1)}px "DejaVu Sans", system-ui, sans-serif`;
-    const foot = y1 + least / 2, inside = foot - 2 - 13 * (devicePixelRatio || 1) > bbox.top;   // else below it
-    ctx.textAlign = "left"; ctx.textBaseline = inside ? "bottom" : "top";
-    ctx.fillText(word, Math.max(x0, bbox.left) + 4, foot + (inside ? -2 : 2));
+    const inside = y1 + more - 2 - 13 * dpr > bbox.top;   // else below it
+    ctx.fillStyle = colour(ink, ok); ctx.textBaseline = inside ? "bottom" : "top";
+    ctx.fillText(word, Math.max(x0, bbox.left) + 4, y1 + more + (inside ? -2 : 2));
   }
   ctx.restore();
 }

@@ -8,6 +8,9 @@ const KEYS = [["space", "play or pause"], ["left, right", "one sample back or on
 const POINTER = "Wheel or two fingers zoom, drag moves, double click fits. Point at anything for its values, click it for "
   + "its plot. Click in a plot to go to that time, drag in it to zoom.";
 
+const MOST_CURVES = 8, MOST_PLOTS = 12, AT_FIRST = 2;
+const FLATTENED = 1e-3;                                   // a curve so much lower than another is none beside it
+
 class Series {                                            // quantities of one run by name
   constructor(head, data) {
     this.time = data.ptime[0];
@@ -39,51 +42,36 @@ class Series {                                            // quantities of one r
 
 class Report extends Viewer {
   constructor(root, heads, datas) {
-    super();
-    Object.assign(this, { root, heads, head: heads[0], plots: [], t: 0, playing: false, speed: heads[0].view.speed, loop: true, over: false });
+    super(root, KEYS, POINTER);
+    Object.assign(this, { heads, head: heads[0], plots: [], t: 0, playing: false, speed: heads[0].view.speed, loop: true, over: false });
     this.replays = heads.map((head, i) => new Replay(head, datas[i]));
     this.series = heads.map((head, i) => new Series(head, datas[i]));
     this.first = Math.min(...this.replays.map((r) => r.first));
     this.last = Math.max(...this.replays.map((r) => r.last));
     this.step = Math.min(...heads.map((h) => 1 / h.words.rate));
-    this.drawn = 0;
-    this.build();
-    this.listen();
-    const asked = this.askedTime();
-    this.seek(asked === null ? this.first : asked);
-  }
-  build() {
-    const { root, heads } = this;
     this.sheets = el("div", { className: "sheets" });
+    this.sheets.dataset.runs = heads.length;
     this.meters = el("section", { className: "plots", ariaLabel: "plots" });
     const bench = el("section", { className: "bench", ariaLabel: "motion" }, this.sheets);
-    root.replaceChildren(banner(heads), el("div", { className: "top" }, bench, this.meters), facts(heads));
-    this.tip = tooltip(root);
+    root.replaceChildren(banner(heads), el("div", { className: "top" }, bench, this.meters),
+      el("section", { className: "facts", ariaLabel: "what was found" },
+        ...heads.flatMap((head, i) => factsOf(head, heads.length > 1 ? ` of run ${i + 1}` : ""))), this.tip, this.help);
     this.stages = heads.map((head, i) => this.sheet(head, i));
-    this.sheets.dataset.runs = heads.length;
-    bench.append(this.bar(), this.tools(), layerBoxes(this.stages, () => this.show()));
-    this.meters.append(this.adder());
+    bench.append(this.bar(), this.tools(), this.layerBoxes(() => this.show()));
     this.openFirst();
-    this.help = keysBox(root, KEYS, POINTER);
+    this.listen();
+    this.seek(this.askedTime() ?? this.first);
   }
   sheet(head, i) {
-    const canvas = el("canvas", { tabIndex: 0, role: "img", ariaLabel: `${head.title} in motion` });
-    const sheet = el("div", { className: "sheet" });
-    if (this.heads.length > 1) sheet.append(nameOf(head, i));
-    sheet.append(canvas);
-    this.sheets.append(sheet);
+    const canvas = el("canvas", { tabIndex: 0, role: "img", ariaLabel: `${head.title} in motion` }), of = this.series[i];
     canvas.style.aspectRatio = String(head.view.aspect);
+    this.sheets.append(el("div", { className: "sheet" }, ...(this.heads.length > 1 ? [nameOf(head, i)] : []), canvas));
     const stage = new Stage(canvas, head);
-    stage.sheet = sheet;
     camera(stage, () => this.show(), {
-      hover: (pick, e) => this.tell(i, pick, e),
-      click: (pick) => pick && this.open(quantitiesOf(pick, this.series[i]).slice(0, 3), pick.n),
+      hover: (pick, e) => this.point(pick, e, of, (name) => of.told(name, this.t)),
+      click: (pick) => pick && this.open(quantitiesOf(pick, of).slice(0, 3), pick.n),
     });
     return stage;
-  }
-  tell(i, pick, e) {
-    const of = this.series[i], read = (name) => of.told(name, this.t);
-    this.tip(pick && pick.n ? toldOf(pick, of, read) : null, e);
   }
 
   // -- time ------------------------------------------------------------------------------------------
@@ -104,8 +92,7 @@ class Report extends Viewer {
     this.scrub.value = this.t;
     this.clock.textContent = `${this.t.toFixed(3)} s`;
     for (const one of this.plots) one.at(this.t);
-    this.drawn++;
-    if (this.filming) this.filming.frame(this.stages);
+    if (this.filming) this.filming.frame();
   }
   seek(t) {
     this.t = clamp(t, this.first, this.last);
@@ -159,29 +146,25 @@ class Report extends Viewer {
 
   // -- controls ------------------------------------------------------------------------------------------
   bar() {
-    this.play = el("button", { id: "play", title: "play or pause (space)" });
-    this.play.onclick = () => this.toggle();
+    this.play = button("play", "", "play or pause (space)", () => this.toggle());
     this.clock = el("output", { id: "clock" });
-    this.scrub = el("input", { type: "range", id: "scrub", min: this.first, max: this.last, step: "any",
-                               ariaLabel: "time" });
-    this.scrub.oninput = () => this.hold(+this.scrub.value);
+    this.scrub = el("input", { type: "range", id: "scrub", min: this.first, max: this.last, step: "any", ariaLabel: "time",
+                               oninput: () => this.hold(+this.scrub.value) });
     const track = el("div", { className: "track" }, this.scrub), span = this.last - this.first || 1;
     for (const mark of this.marks()) {
-      const tick = el("i", { className: mark.bad ? "mark bad" : "mark" });
-      tick.title = mark.text;
+      const tick = el("i", { className: mark.bad ? "mark bad" : "mark", title: mark.text });
       tick.style.left = `${100 * clamp((mark.t - this.first) / span, 0, 1)}%`;
       track.append(tick);
     }
     this.speeds = speedBox((speed) => { this.speed = speed; this.speeds.value = String(speed); });
     this.speeds.take(this.speed);
-    this.loops = el("input", { type: "checkbox", checked: true });
-    this.loops.onchange = () => { this.loop = this.loops.checked; };
+    this.loops = el("input", { type: "checkbox", checked: true, onchange: () => { this.loop = this.loops.checked; } });
     return el("div", { className: "bar" }, this.play, track, this.clock, this.speeds,
               el("label", { title: "begin again at the end (l)" }, this.loops, "loop"));
   }
   tools() {
     const box = super.tools();
-    this.follow.fill();
+    this.followable();
     if (this.heads.length > 1) {
       this.layer = button("over", "over each other", "runs side by side or as ghosts (g)", () => this.lay());
       box.prepend(this.layer);
@@ -209,43 +192,31 @@ class Report extends Viewer {
     });
     addEventListener("hashchange", () => { const t = this.askedTime(); if (t !== null) this.hold(t); });
   }
-}
 
-// Plots that a reader opens: quantities of one unit side by side, of all runs at once.
-
-const MOST_CURVES = 8, MOST_PLOTS = 12, AT_FIRST = 2;
-const FLATTENED = 1e-3;                                   // a curve so much lower than another is none beside it
-
-Object.assign(Report.prototype, {
-  // A plot of some quantities for each unit that they have.
+  // -- plots that a reader opens: quantities of one unit and of similar size, of all runs at once ------------
   open(names, title) {
-    const units = new Map();
-    for (const name of names) {
-      const of = this.series.find((s) => s.has(name));
-      if (!of) continue;
-      const unitName = of.unit(name);
-      if (!units.has(unitName)) units.set(unitName, []);
-      units.get(unitName).push(name);
-    }
-    for (const [unitName, some] of [...units].flatMap(([one, all]) => this.bySize(all).map((of) => [one, of]))) {
+    for (const some of this.grouped(names, (name, of) => of.unit(name)).flatMap((all) => this.bySize(all))) {
       const key = some.join(" "), there = this.plots.find((p) => p.key === key);
-      if (there) { there.box.scrollIntoView({ block: "nearest" }); flash(there.box); continue; }
-      this.openOne(some.slice(0, MOST_CURVES), unitName, { title: some.length > 1 ? title : "", key });
+      if (there) { there.box.scrollIntoView({ block: "nearest" }); continue; }
+      this.openOne(some.slice(0, MOST_CURVES), { title: some.length > 1 ? title : "", key });
     }
     this.show();
-  },
-  // Names in groups whose curves can be seen beside each other; what is 0 is with the largest.
-  bySize(names) {
+  }
+  grouped(names, keyOf) {                                 // those that some run has, by key, in order
+    const found = names.flatMap((name) => { const of = this.series.find((s) => s.has(name)); return of ? [[name, keyOf(name, of)]] : []; });
+    return [...new Set(found.map(([, key]) => key))].map((key) => found.filter((one) => one[1] === key).map(([name]) => name));
+  }
+  bySize(names) {                                         // in groups whose curves can be seen beside each other; what is 0 is with the largest
     const sizes = new Map(names.map((name) => [name, sizeOfRows(this.series.filter((s) => s.has(name)).map((s) => s.row(name)))]));
     const groups = [];
     for (const name of [...names].sort((a, b) => sizes.get(b) - sizes.get(a))) {
-      const size = sizes.get(name), last = groups[groups.length - 1];
+      const size = sizes.get(name), last = groups.at(-1);
       if (!last || (size > 0 && size < FLATTENED * sizes.get(last[0]))) groups.push([name]);
       else (size > 0 ? last : groups[0]).push(name);
     }
     return groups.map((group) => names.filter((name) => group.includes(name)));
-  },
-  openOne(names, unitName, { title, key, range, number }) {
+  }
+  openOne(names, { title, key, range, number }) {
     const many = this.heads.length > 1, tables = [], labels = [], words = [], inks = [], alike = common(names);
     this.series.forEach((of, k) => {
       const mine = names.filter((name) => of.has(name));
@@ -259,16 +230,14 @@ Object.assign(Report.prototype, {
       });
     });
     const [time, ...rows] = tables.length > 1 ? uPlot.join(tables, tables.map((t) => t.map(() => 2))) : tables[0];
-    const bands = names.length === 1 ? this.bands(names[0]) : [];
+    const bands = names.length === 1 ? this.bands(names[0]) : [], unit = this.series.find((s) => s.has(names[0])).unit(names[0]);
     const made = plot(this.meters, {
-      title: title || (names.length === 1 ? names[0] : alike.title), unit: unitName, range, number,
+      title: title || (names.length === 1 ? names[0] : alike.title), unit, range, number,
       names: labels, short: words, time: [...time], rows: rows.map((r) => Array.from(r, (v) => (Number.isNaN(v) ? null : v))),
       bands, inks, seek: (t) => this.hold(t), close: () => { this.plots = this.plots.filter((p) => p !== made); } });
-    Object.assign(made, { key, bands });
-    this.plots.push(made);
-  },
-  // What runs expect of a quantity: what all of them do once, else that of each in its colour.
-  bands(name) {
+    this.plots.push(Object.assign(made, { key, bands }));
+  }
+  bands(name) {                                           // what runs expect of a quantity: what all of them do once, else that of each in its colour
     const groups = new Map(), all = this.heads.length;
     this.heads.forEach(({ words }, k) => {
       for (const { quantity, statistic, over, low, high, ok } of words.expect) {
@@ -283,51 +252,140 @@ Object.assign(Report.prototype, {
     return [...groups.values()].flatMap(({ runs, mean, ...band }) => (      // a curve need not lie in the band of its mean
       runs.size === all ? [{ ...band, ink: null, word: mean ? "mean" : "" }]
         : [...runs].map((k) => ({ ...band, ink: k, word: `expected${mean ? " mean" : ""} (${k + 1})` }))));
-  },
+  }
   // At first: the meters of the scene's view; then what else the header names, by unit and last word. The first
   // AT_FIRST are open, the others have a button each.
   openFirst() {
-    const groups = new Map(), { meters, plots } = this.heads[0], shown = new Set(), offers = [];
+    const every = [...new Set(this.series.flatMap((s) => [...s.keys()]))], said = el("output", { className: "said" });
+    const box = finder("plot a quantity", () => every, (names, text) => this.open(names, text), (text) => { said.textContent = text; });
+    box.append(said);
+    this.meters.append(box);
+    const { meters, plots } = this.head, offers = [], closed = el("div", { className: "closed" });
     for (const meter of meters) {
-      const names = meter.names.filter((name) => this.series.some((s) => s.has(name)));
-      if (!names.length) continue;
-      const of = this.series.find((s) => s.has(names[0]));
-      offers.push([meter.title || common(names).title || names[0], () => this.openOne(names, of.unit(names[0]), { ...meter, key: names.join(" ") })]);
-      for (const name of names) shown.add(name);
+      const names = meter.names.filter((name) => every.includes(name));
+      if (names.length) offers.push([meter.title || common(names).title || names[0], () => this.openOne(names, { ...meter, key: names.join(" ") })]);
     }
-    for (const name of plots) {
-      const of = this.series.find((s) => s.has(name));
-      if (!of || shown.has(name)) continue;
-      const last = name.slice(name.lastIndexOf(".") + 1), key = JSON.stringify([of.unit(name), last]);
-      if (!groups.has(key)) groups.set(key, { last, names: [] });
-      groups.get(key).names.push(name);
-    }
-    const most = this.heads.length > 1 ? 2 : MOST_CURVES;
-    for (const { last, names } of groups.values()) {
+    const shown = new Set(meters.flatMap((meter) => meter.names)), most = this.heads.length > 1 ? 2 : MOST_CURVES;
+    const lastWord = (name) => name.slice(name.lastIndexOf(".") + 1);
+    for (const names of this.grouped(plots.filter((name) => !shown.has(name)), (name, of) => `${of.unit(name)} ${lastWord(name)}`)) {
       for (let i = 0; i < names.length; i += most) {
-        const some = names.slice(i, i + most);
-        offers.push([some.length > 1 ? `${last}${i ? ` ${i / most + 1}` : ""}` : some[0], () => this.open(some, some.length > 1 ? last : "")]);
+        const some = names.slice(i, i + most), title = some.length > 1 ? lastWord(some[0]) : "";
+        offers.push([title ? `${title}${i ? ` ${i / most + 1}` : ""}` : some[0], () => this.open(some, title)]);
       }
     }
-    const closed = el("div", { className: "closed" });
     for (const [title, open] of offers.slice(0, MOST_PLOTS)) {
       if (this.plots.length < AT_FIRST) { open(); continue; }
-      const box = button("", `+ ${title}`, "plot this", () => { box.remove(); open(); });
-      closed.append(box);
+      const one = button("", `+ ${title}`, "plot this", () => { one.remove(); open(); });
+      closed.append(one);
     }
     this.meters.append(closed);
-  },
-  adder() {
-    const every = [...new Set(this.series.flatMap((s) => [...s.keys()]))];
-    const said = el("output", { className: "said" });
-    const box = finder("plot a quantity", () => every, (names, text) => this.open(names, text),
-                       (text) => { said.textContent = text; });
-    box.append(said);
-    return box;
-  },
-});
+  }
+}
 
-function flash(box) {
-  box.classList.add("flash");
-  setTimeout(() => box.classList.remove("flash"), 600);
+// What was found of runs, in words and tables; and how the page begins.
+
+const COLUMNS = {
+  expect: [["", (v) => (v.ok ? "pass" : "FAIL")], ["quantity", (v) => v.quantity], ["", (v) => v.statistic], ["value", (v) => short(v.value, 6)],
+    ["range", (v) => rangeText(v.low, v.high)], ["unit", (v) => (v.unit === "1" ? "" : v.unit)],
+    ["because", (v) => (v.ok ? v.because : v.reason || v.because)]],
+  audit: [["", (f) => f.verdict], ["figure", (f) => f.name], ["value", (f) => short(f.value)], ["at most", (f) => short(f.most)],
+    ["unit", (f) => (f.unit === "1" ? "" : f.unit)], ["what was compared", (f) => f.why]],
+};
+
+const rangeText = (low, high) => (low === null && high === null ? "" : low === null
+  ? `at most ${short(high, 6)}` : high === null ? `at least ${short(low, 6)}`
+    : `${short(low, 6)} to ${short(high, 6)}`);
+
+function table(kind, rows) {
+  const columns = COLUMNS[kind];
+  const body = rows.map((row) => {
+    const line = el("tr", {}, ...columns.map(([of, read]) => el("td", { textContent: read(row), "data-of": of })));
+    line.className = row.ok === false ? "bad" : row.verdict || "pass";
+    return line;
+  });
+  return el("div", { className: "wide" }, el("table", {}, el("thead", {}, el("tr", {},
+    ...columns.map(([name]) => el("th", { textContent: name })))), el("tbody", {}, ...body)));
+}
+
+const nameOf = (head, i) => {
+  const h = el("h2", { textContent: `${i + 1}  ${head.words.apart}` });
+  h.style.borderColor = INKS[i];
+  return h;
+};
+
+function verdictOf({ words }) {
+  const held = words.expect.filter((v) => v.ok).length, all = words.expect.length;
+  const looks = words.audit.filter((f) => f.verdict === "look").length, parts = [];
+  if (!words.complete) parts.push(`not complete: the run ${words.status}${words.reason ? `, ${words.reason}` : ""}`);
+  if (all) parts.push(`${held} of ${all} expectations passed`);
+  if (words.audit.length) parts.push(looks ? `${looks} warning${looks > 1 ? "s" : ""}` : "all checks passed");
+  const how = !words.complete || held < all ? "bad" : looks ? "look" : parts.length ? "good" : "";
+  return { text: parts.join("; ") || "nothing was expected of this run", how };
+}
+
+function banner(heads) {
+  const box = el("header", {}, el("h1", { textContent: [...new Set(heads.map((head) => head.title))].join(" / ") }));
+  if (heads[0].words.about) box.append(el("p", { className: "about", textContent: heads[0].words.about }));
+  heads.forEach((head, i) => {
+    const { text, how } = verdictOf(head), many = heads.length > 1;
+    box.append(el("p", { className: `verdict ${how}`, textContent: many ? `${i + 1}: ${text}` : text }));
+  });
+  return box;
+}
+
+function factsOf(head, whose) {
+  const { words } = head, found = [], list = (items) => el("ul", {}, ...items.map((text) =>
+    el("li", { textContent: text })));
+  if (words.expect.length) {
+    found.push(el("h2", { textContent: `expectations${whose}` }), table("expect", words.expect));
+  }
+  if (words.notes.length) found.push(el("h2", { textContent: `notes${whose}` }), list(words.notes));
+  if (words.events.length) {
+    found.push(el("h2", { textContent: `events${whose}` }),
+               list(words.events.map((e) => `${e.name} at ${short(e.t)} s`)));
+  }
+  if (words.audit.length) {
+    const looks = words.audit.filter((f) => f.verdict === "look"), others = words.audit.filter((f) => f.verdict !== "look");
+    if (looks.length) found.push(el("h2", { textContent: `warnings of the consistency checks${whose}` }), table("audit", looks));
+    if (others.length) {
+      found.push(fold(`consistency checks${whose}, as saved with the run: ${others.filter((f) => f.verdict === "pass").length} passed`,
+        table("audit", others)));
+    }
+  }
+  const scene = el("pre"), copy = el("button", { textContent: "save the scene" });
+  copy.onclick = () => save(new Blob([words.scene], { type: "application/json" }), `${fileName(head.name)}.json`);
+  const text = fold(`scene${whose}`, copy, scene);
+  text.ontoggle = () => { if (!scene.textContent) scene.textContent = words.scene; };
+  found.push(text, fold(`how to repeat it${whose}`, ...repeat(head)));
+  if (head.thinned.length) {
+    found.push(el("p", { className: "thinned", textContent: `Thinned on this page${whose}: ${head.thinned.join("; ")}. `
+      + "The run itself has every sample." }));
+  }
+  return found;
+}
+
+function repeat({ name, words, series }) {
+  const file = `${fileName(name)}.json`, versions = Object.entries(words.versions).map(([k, v]) => `${k} ${v}`);
+  return [
+    el("p", { textContent: "Save the scene above and run it; the same versions on the same platform give the same numbers." }),
+    el("pre", { textContent: `sandbox run ${file} --out ${fileName(name)}\nsandbox report ${fileName(name)}` }),
+    el("p", { textContent: `Made with ${versions.join(", ")}; steps of ${short(words.step)} s, `
+      + `${words.samples} samples at ${short(words.rate)} Hz, ${series.length} quantities.` }),
+  ];
+}
+
+// The page: `scripts` hold the header of each run, and after each comes one with its numbers.
+async function report(root, scripts) {
+  try {
+    const heads = scripts.map((s) => JSON.parse(s.textContent));
+    const datas = await Promise.all(scripts.map((s, i) =>
+      unpack(heads[i], fromBase64(s.nextElementSibling.textContent))));
+    globalThis.sandbox = new Report(root, heads, datas);
+    document.documentElement.dataset.ready = "1";
+    performance.mark("ready");
+  } catch (error) {
+    root.replaceChildren(el("p", { className: "verdict bad", textContent:
+      `This page cannot be shown: ${error.message}. It needs a browser of 2023 or newer.` }));
+    throw error;
+  }
 }

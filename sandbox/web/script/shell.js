@@ -53,44 +53,6 @@ function camera(stage, redraw, hooks = {}) {
   canvas.addEventListener("dblclick", () => { stage.fit(); redraw(); });
 }
 
-// A box beside the pointer: the first line is a name.
-function tooltip(root) {
-  const box = el("div", { className: "tip", hidden: true });
-  root.append(box);
-  return (lines, e) => {
-    box.hidden = !lines;
-    if (!lines) return;
-    box.replaceChildren(...lines.map((text) => el("div", { textContent: text })));
-    const w = box.offsetWidth, h = box.offsetHeight;
-    box.style.left = `${clamp(e.clientX + 14, 4, Math.max(4, innerWidth - w - 6))}px`;
-    box.style.top = `${clamp(e.clientY + 16, 4, Math.max(4, innerHeight - h - 6))}px`;
-  };
-}
-
-// Checkboxes of the layers that these stages have, folded where they would be larger than the picture.
-function layerBoxes(stages, redraw) {
-  const head = stages[0].head, box = fold("layers", el("div", { className: "layers" }, ...head.layers.map(({ name, words, about }) => {
-    const tick = el("input", { type: "checkbox", checked: stages[0].layers.has(name) });
-    tick.dataset.layer = name;
-    tick.onchange = () => {
-      for (const s of stages) if (tick.checked) s.layers.add(name); else s.layers.delete(name);
-      redraw();
-    };
-    const label = el("label", { title: about }, tick);
-    label.append(words);
-    return label;
-  })));
-  box.open = innerWidth > 900;
-  return box;
-}
-
-function save(blob, name) {
-  const link = el("a", { href: URL.createObjectURL(blob), download: name });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-}
-const fileName = (text) => text.replace(/[^A-Za-z0-9_.-]+/g, "_").slice(0, 60) || "run";
-
 // Names of the quantities of what was picked, in the order in which they are looked at.
 function quantitiesOf(pick, series) {
   if (pick.n.includes("/")) {
@@ -101,50 +63,24 @@ function quantitiesOf(pick, series) {
     || (name.startsWith(`${pick.n}.`) && !name.slice(pick.n.length + 1).includes("contact.f")));
 }
 
-// What a page and a live view have around their stages: buttons, keys, the field that finds
-// quantities, the body that the camera goes along with.
+function save(blob, name) {
+  const link = el("a", { href: URL.createObjectURL(blob), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+const fileName = (text) => text.replace(/[^A-Za-z0-9_.-]+/g, "_").slice(0, 60) || "run";
 
-function button(id, text, title, act) {
-  const b = el("button", { id, textContent: text, title });
-  b.onclick = act;
-  return b;
+function button(id, textContent, title, onclick, className = "") {
+  return el("button", { id, textContent, title, onclick, className });
 }
 
-// A box that lists the keys, and below them how the pointer is used.
-function keysBox(root, keys, pointer) {
-  const box = el("dialog", { className: "help" }, el("h2", { textContent: "keys" }), el("dl", {},
-    ...keys.flatMap(([key, what]) => [el("dt", { textContent: key }), el("dd", { textContent: what })])),
-    el("p", { textContent: pointer }));
-  box.append(button("", "close", "", () => box.close()));
-  root.append(box);
-  return box;
+function fold(title, ...kids) {
+  return el("details", {}, el("summary", { textContent: title }), ...kids);
 }
 
-// Do what keys ask, but not while something is typed; `free` says whether they count at all.
-function onKeys(acts, free) {
-  const quiet = "input:not([type=range]):not([type=checkbox]), select, textarea";
-  addEventListener("keydown", (e) => {
-    const on = (what) => e.target.matches && e.target.matches(what), slid = on("input[type=range]");
-    if (on(quiet) || e.ctrlKey || e.metaKey || e.altKey || !acts[e.key] || !free()) return;
-    if (e.key === " " && on("button, summary")) return;
-    if (slid && e.target.dataset.control && /^(Arrow|Home|End|Page)/.test(e.key)) return;   // it moves
-    e.preventDefault();
-    acts[e.key](e);
-  });
-}
-
-// Draw anew when the room for some stages changes, or day and night; `dressed` gives what has colours.
-function onLooks(box, dressed, redraw) {
-  new ResizeObserver(redraw).observe(box);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-    for (const one of dressed()) one.dress();
-    redraw();
-  });
-}
-
-// How fast, of SPEEDS or as `speed` says, which then is one of them; set(speed) is asked for it.
+// Which speed, of SPEEDS or as `take` says, which then is one of them; set(speed) is called for it.
 function speedBox(set) {
-  const box = el("select", { title: "speed ([ and ])", ariaLabel: "speed", id: "speed" });
+  const box = el("select", { title: "speed ([ and ])", ariaLabel: "speed", id: "speed", onchange: () => set(+box.value) });
   const every = () => [...box.options].map((one) => +one.value);
   box.take = (speed) => {
     const all = [...new Set([...SPEEDS, speed])].sort((a, b) => a - b);
@@ -152,54 +88,103 @@ function speedBox(set) {
     box.value = String(speed);
   };
   box.faster = (way) => set(every()[clamp(every().indexOf(+box.value) + way, 0, box.options.length - 1)]);
-  box.onchange = () => set(+box.value);
-  return box;
-}
-
-// Which body the camera goes along with; `stages` gives those that do. fill() lists the first one's.
-function followBox(stages, redraw) {
-  const box = el("select", { title: "the camera goes along with a body", ariaLabel: "follow" });
-  box.fill = () => {
-    const [{ head, follow }] = stages();
-    box.replaceChildren(el("option", { value: "-1", textContent: "follow nothing" }),
-      ...head.bodies.flatMap((b, i) => (b.fixed ? [] : [el("option", { value: String(i), textContent: b.name })])));
-    box.value = String(follow);
-  };
-  box.onchange = () => {
-    const all = stages(), { name } = all[0].head.bodies[+box.value] || {};
-    for (const s of all) s.follow = s.head.bodies.findIndex((body) => body.name === name);
-    redraw();
-  };
   return box;
 }
 
 const STEP = 40;                                          // by which a key moves a picture [px]
 class Viewer {                                            // what a report and a live view share: they have stages, head, t and redraw()
+  constructor(root, keys, pointer) {
+    this.root = root;
+    this.tip = el("div", { className: "tip", hidden: true });
+    this.help = el("dialog", { className: "help" }, el("h2", { textContent: "keys" }), el("dl", {},
+      ...keys.flatMap(([key, what]) => [el("dt", { textContent: key }), el("dd", { textContent: what })])),
+      el("p", { textContent: pointer }), button("", "close", "", () => this.help.close()));
+    this.follow = el("select", { title: "the camera goes along with a body", ariaLabel: "follow", onchange: () => {
+      const { name } = this.head.bodies[+this.follow.value] || {};
+      for (const s of this.stages) s.follow = s.head.bodies.findIndex((body) => body.name === name);
+      this.redraw();
+    } });
+  }
   tools(...more) {
-    this.follow = followBox(() => this.stages, () => this.redraw());
     this.film = button("film", "film", "record the motion as a film", () => this.record());
     return el("div", { className: "tools" }, button("fit", "fit", "show all (0)", () => this.fit()), this.follow,
       button("picture", "picture", "save this picture (s)", () => this.picture()), this.film, ...more,
       button("help", "?", "keys", () => this.help.showModal()));
   }
+  followable() {                                          // the bodies of the first stage
+    this.follow.replaceChildren(el("option", { value: "-1", textContent: "follow nothing" }), ...this.head.bodies.flatMap((b, i) => (
+      b.fixed ? [] : [el("option", { value: String(i), textContent: b.name })])));
+    this.follow.value = String(this.stages[0].follow);
+  }
+  layerBoxes(changed) {                                   // folded where they would be larger than the picture
+    const [{ layers }] = this.stages;
+    const box = fold("layers", el("div", { className: "layers" }, ...this.head.layers.map(({ name, words, about }) => {
+      const tick = el("input", { type: "checkbox", checked: layers.has(name), onchange: () => {
+        for (const s of this.stages) if (tick.checked) s.layers.add(name); else s.layers.delete(name);
+        changed();
+      } });
+      tick.dataset.layer = name;
+      return el("label", { title: about }, tick, words);
+    })));
+    box.open = innerWidth > 900;
+    return box;
+  }
+  point(pick, e, series, read) {                          // the box beside the pointer; read(name) gives the text of a value
+    const { tip } = this;
+    tip.hidden = !(pick && pick.n);
+    if (tip.hidden) return;
+    const lines = pick.row ? [`${short(Math.hypot(pick.row[2], pick.row[3]))} N`] : quantitiesOf(pick, series).slice(0, 6).flatMap((name) => {
+      const text = read(name);
+      return text ? [`${name.slice(pick.n.length + 1) || "value"}  ${text}`] : [];
+    });
+    tip.replaceChildren(...[pick.n, ...lines].map((text) => el("div", { textContent: text })));
+    tip.style.left = `${clamp(e.clientX + 14, 4, Math.max(4, innerWidth - tip.offsetWidth - 6))}px`;
+    tip.style.top = `${clamp(e.clientY + 16, 4, Math.max(4, innerHeight - tip.offsetHeight - 6))}px`;
+  }
   fit() { for (const s of this.stages) s.fit(); this.redraw(); }
   zoom(factor) { for (const s of this.stages) s.zoomAt(factor, s.w / 2, (s.h - s.foot) / 2); this.redraw(); }
   move(x, y) { for (const { pan } of this.stages) { pan[0] += x; pan[1] += y; } this.redraw(); }
-  picture() { savePicture(this.stages, this.head.name, this.t); }
+  picture() {
+    const canvas = el("canvas");
+    seenOn(this.stages, canvas);
+    canvas.toBlob((blob) => save(blob, `${fileName(this.head.name)}_${this.t.toFixed(3)}s.png`));
+  }
   record(begin = () => {}) {                              // begin or end a film
     if (this.filming) { this.filming.stop(); return; }
-    if (!Filming.kind()) { this.film.textContent = "no film in this browser"; return; }
+    const type = ["video/mp4;codecs=avc1", "video/webm;codecs=vp9", "video/webm"].find((k) => globalThis.MediaRecorder?.isTypeSupported(k));
+    if (!type) { this.film.textContent = "no film in this browser"; return; }
     begin();
-    this.filming = new Filming(this.stages, this.head.name, () => { this.filming = null; this.film.textContent = "film"; });
+    const canvas = el("canvas"), size = seenOn(this.stages, canvas), pieces = [];
+    const recorder = new MediaRecorder(canvas.captureStream(60), { mimeType: type, videoBitsPerSecond: 8e6 });
+    recorder.ondataavailable = (e) => pieces.push(e.data);
+    recorder.onstop = () => {
+      save(new Blob(pieces, { type }), `${fileName(this.head.name)}.${type.slice(6).split(";")[0]}`);
+      this.filming = null;
+      this.film.textContent = "film";
+    };
+    recorder.start();
+    this.filming = { frame: () => seenOn(this.stages, canvas, size), stop: () => { if (recorder.state !== "inactive") recorder.stop(); } };
     this.film.textContent = "stop the film";
   }
-  listen(box, dressed, acts) {
-    onKeys({
+  listen(box, dressed, more) {                            // to keys, but not while something is typed; to changes of the room, to day and night
+    const acts = {
       "[": () => this.speeds.faster(-1), "]": () => this.speeds.faster(1), "+": () => this.zoom(1.25), "-": () => this.zoom(0.8),
       ",": () => this.move(STEP, 0), ".": () => this.move(-STEP, 0), ArrowUp: () => this.move(0, STEP), ArrowDown: () => this.move(0, -STEP),
-      0: () => this.fit(), s: () => this.picture(), "?": () => this.help.showModal(), ...acts,
-    }, () => this.stages.length && !this.help.open);
-    onLooks(box, () => [...this.stages, ...dressed()], () => this.redraw());
+      0: () => this.fit(), s: () => this.picture(), "?": () => this.help.showModal(), ...more,
+    };
+    addEventListener("keydown", (e) => {
+      const on = (what) => e.target.matches?.(what), act = acts[e.key];
+      if (!act || !this.stages.length || this.help.open || e.ctrlKey || e.metaKey || e.altKey) return;
+      if (on("input:not([type=range]):not([type=checkbox]), select, textarea") || (e.key === " " && on("button, summary"))) return;
+      if (on("input[type=range][data-control]") && /^(Arrow|Home|End|Page)/.test(e.key)) return;   // it moves
+      e.preventDefault();
+      act(e);
+    });
+    new ResizeObserver(() => this.redraw()).observe(box);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+      for (const one of [...this.stages, ...dressed()]) one.dress();
+      this.redraw();
+    });
   }
 }
 
@@ -208,40 +193,27 @@ class Viewer {                                            // what a report and a
 // are not offered, and count where no other fits. Who can look for pairs of bodies is given what none fits, by `pairs`.
 function finder(what, every, found, missed, late = () => [], pairs = null) {
   const list = el("datalist", { id: "quantities" });
-  const input = el("input", { type: "search", id: "add", placeholder: `${what}, or a pattern such as *.tension`,
-                              ariaLabel: what, autocomplete: "off", maxLength: 1000 });
+  const input = el("input", {
+    type: "search", id: "add", placeholder: `${what}, or a pattern such as *.tension`, ariaLabel: what, autocomplete: "off", maxLength: 1000,
+    onfocus: () => { if (!list.children.length) list.append(...every().map((name) => el("option", { value: name }))); },
+    onchange: () => {
+      const text = input.value.trim();
+      if (!text) return;
+      const fitting = matching(text, every()), names = fitting.length ? fitting : matching(text, late());
+      if (!names.length && pairs && text.includes("/")) { pairs(text); input.value = ""; return; }
+      const near = names.length ? "" : nearest(text, [...every(), ...late()]);
+      missed(names.length ? "" : `no quantity fits ${text}${near ? `; did you mean ${near}?` : ""}`);
+      if (names.length) { found(names, text); input.value = ""; }
+    },
+  });
   input.setAttribute("list", "quantities");
-  input.onfocus = () => {
-    if (!list.children.length) list.append(...every().map((name) => el("option", { value: name })));
-  };
-  input.onchange = () => {
-    const text = input.value.trim();
-    if (!text) return;
-    const fitting = matching(text, every()), names = fitting.length ? fitting : matching(text, late());
-    if (!names.length && pairs && text.includes("/")) { pairs(text); input.value = ""; return; }
-    const near = names.length ? "" : nearest(text, [...every(), ...late()]);
-    missed(names.length ? "" : `no quantity fits ${text}${near ? `; did you mean ${near}?` : ""}`);
-    if (names.length) { found(names, text); input.value = ""; }
-  };
   const box = el("div", { className: "adder" }, input, list);
   box.renew = () => list.replaceChildren();
   return box;
 }
 
-// What the box beside the pointer says of what it points at; read(name) tells a quantity's value.
-function toldOf(pick, series, read) {
-  const lines = [pick.n];
-  if (pick.row) return [...lines, `${short(Math.hypot(pick.row[2], pick.row[3]))} N`];
-  for (const name of quantitiesOf(pick, series).slice(0, 6)) {
-    const text = read(name);
-    if (text) lines.push(`${name.slice(pick.n.length + 1) || "value"}  ${text}`);
-  }
-  return lines;
-}
-
-// Pictures and films of what is seen: all stages as they stand beside each other, under their names.
-
-// Draw what is seen on one canvas; of a size that is given, so that the frames of a film are alike.
+// Draw what is seen, all stages beside each other under their names, on one canvas; of a size that is given,
+// so that the frames of a film are alike.
 function seenOn(stages, canvas, size = null) {
   const boxes = stages.map((s) => s.canvas.parentElement.getBoundingClientRect());
   const [left, top] = [Math.min(...boxes.map((b) => b.left)), Math.min(...boxes.map((b) => b.top))];
@@ -252,47 +224,16 @@ function seenOn(stages, canvas, size = null) {
   const ctx = canvas.getContext("2d"), k = Math.min(w / (right - left), h / (bottom - top));
   ctx.setTransform(1, 0, 0, 1, 0, 0);
   ctx.fillStyle = stages[0].back; ctx.fillRect(0, 0, w, h);
-  ctx.setTransform(k, 0, 0, k, 0, 0);
+  ctx.setTransform(k, 0, 0, k, -k * left, -k * top);
   for (const { canvas: one } of stages) {
     const name = one.parentElement.querySelector("h2"), box = one.getBoundingClientRect();
-    if (name) heading(ctx, name, left, top);
-    if (box.width) ctx.drawImage(one, box.left - left, box.top - top, box.width, box.height);
+    if (name) {
+      const at = name.getBoundingClientRect(), style = getComputedStyle(name), bar = parseFloat(style.borderLeftWidth);
+      ctx.fillStyle = style.borderLeftColor; ctx.fillRect(at.left, at.top, bar, at.height);
+      ctx.fillStyle = style.color; ctx.font = `${style.fontWeight} ${style.fontSize} ${style.fontFamily}`; ctx.textBaseline = "middle";
+      ctx.fillText(name.textContent, at.left + bar + 6, at.top + at.height / 2, at.width - bar - 6);
+    }
+    if (box.width) ctx.drawImage(one, box.left, box.top, box.width, box.height);
   }
   return [w, h];
-}
-
-function heading(ctx, name, left, top) {                  // as the page shows it
-  const box = name.getBoundingClientRect(), style = getComputedStyle(name), bar = parseFloat(style.borderLeftWidth);
-  ctx.fillStyle = style.borderLeftColor; ctx.fillRect(box.left - left, box.top - top, bar, box.height);
-  ctx.fillStyle = style.color; ctx.font = `${style.fontWeight} ${style.fontSize} ${style.fontFamily}`;
-  ctx.textBaseline = "middle"; ctx.textAlign = "left";
-  ctx.fillText(fitting(ctx, name.textContent, box.width - bar - 6), box.left - left + bar + 6, box.top - top + box.height / 2);
-}
-
-function savePicture(stages, name, t) {
-  const canvas = el("canvas");
-  seenOn(stages, canvas);
-  canvas.toBlob((blob) => save(blob, `${fileName(name)}_${t.toFixed(3)}s.png`));
-}
-
-// A film that is being made. frame() adds what is seen by now, stop() saves it and calls `ended`.
-class Filming {
-  static kind() {                                         // what this browser makes films of; undefined: none
-    return ["video/mp4;codecs=avc1", "video/webm;codecs=vp9", "video/webm"].find((k) =>
-      globalThis.MediaRecorder && MediaRecorder.isTypeSupported(k));
-  }
-  constructor(stages, name, ended) {
-    this.canvas = el("canvas");
-    this.size = seenOn(stages, this.canvas);
-    const type = Filming.kind(), pieces = [];
-    this.recorder = new MediaRecorder(this.canvas.captureStream(60), { mimeType: type, videoBitsPerSecond: 8e6 });
-    this.recorder.ondataavailable = (e) => pieces.push(e.data);
-    this.recorder.onstop = () => {
-      save(new Blob(pieces, { type }), `${fileName(name)}.${type.slice(6).split(";")[0]}`);
-      ended();
-    };
-    this.recorder.start();
-  }
-  frame(stages) { seenOn(stages, this.canvas, this.size); }
-  stop() { if (this.recorder.state !== "inactive") this.recorder.stop(); }
 }

@@ -104,7 +104,6 @@ class Stage {
     const p = this.pose, a = p[3 * f + 2], k = this.scale * this.dpr, c = k * Math.cos(a), s = k * Math.sin(a);
     const e = this.dpr * (this.ox + this.scale * p[3 * f]), g = this.dpr * (this.oy - this.scale * p[3 * f + 1]);
     this.ctx.setTransform(c, -s, -s, -c, e, g);
-    this.turn = { a: c / k ** 2, b: -s / k ** 2, c: -s / k ** 2, d: -c / k ** 2, e: (s * g - c * e) / k ** 2, f: (s * e + c * g) / k ** 2 };   // its inverse
   }
   plain() { this.ctx.setTransform(this.dpr, 0, 0, this.dpr, 0, 0); }
   zoomAt(factor, x, y) {                                  // the point at (x, y) stays where it is
@@ -190,7 +189,7 @@ class Stage {
       g.stroke();
       this.patterns[edge] = this.ctx.createPattern(c, "repeat");
     }
-    this.patterns[edge].setTransform(this.turn);          // hatches stay on the screen
+    this.patterns[edge].setTransform(this.ctx.getTransform().inverse());   // hatches stay on the screen
     return this.patterns[edge];
   }
   glyph(name, [x, y], turn = 0, k = this.u) {             // a symbol of constant size
