@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.picture.geometry import within
+from sandbox.picture.geometry import XY, within
 from sandbox.picture.instant import Instant
 from sandbox.picture.listing import SIDES, Item
-from sandbox.picture.painter import XY, Painter
+from sandbox.picture.palette import Painter
 
 LOOKED = 48
 """Samples that are looked at."""

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from sandbox.errors import OutputError
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import problems_of
-from sandbox.picture.painter import EM
+from sandbox.picture.palette import EM
 from sandbox.picture.run_data import MeteredRun
 from sandbox.scene.layers import BY_ROLE, EVERY, meant, parse_layers, words_for
 from sandbox.scene.settings import View

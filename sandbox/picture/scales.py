@@ -1,4 +1,4 @@
-"""How long arrows are: one rule for forces, loads, drives, velocities. Nothing here draws.
+"""How long arrows are: one rule for forces, loads, drives, velocities; round numbers and units.
 
 A film shows each instant as long as any other, so sizes are weighed by time: an arrow's scale is
 that of the largest arrow of nearly every picture, not of the largest number of the run. A blow
@@ -23,15 +23,15 @@ larger is seen in one picture of twenty, and cut only beyond :data:`LONGEST` tim
 ENDING = 0.1
 """Share of the run, its end, of which what acts for half of it counts too: an end is looked at
 longest, and a grasp may come as late."""
-REFERENCE = 0.085
-"""Length of the reference force's arrow as a fraction of the picture's width."""
-LONGEST = 1.5
-"""Arrows are cut at this many times the reference and marked with two bars."""
+REFERENCE, LONGEST = 0.085, 1.5
+"""Length of the reference force's arrow as a fraction of the picture's width; arrows are cut at so
+many times the reference and marked with two bars."""
 ROUNDING = 1e-6
 """Acceleration [m/s^2] of all that moves: forces that are no larger than that takes are nothing."""
 MOST_DECIMALS = 9
 NOTHING = 1e-6
 """What is below this fraction of the largest size of a run is what rounding leaves."""
+PRESSURES = ((1e6, "MPa"), (1e5, "bar"), (1e3, "kPa"), (1.0, "Pa"))
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,14 @@ class ForceScale:
     def longest(self) -> float:
         """Arrows of larger sizes are cut."""
         return self.reference * LONGEST
+
+
+NO_SCALE = ForceScale(0.0, 0.0)
+
+
+def scale_of(reference: float, length: float) -> ForceScale:
+    """The scale by which an arrow of the reference size has this length [m]."""
+    return ForceScale(length / reference, reference) if reference > 0 else NO_SCALE
 
 
 def typical(largest: Array, time: Array) -> float:
@@ -94,15 +102,12 @@ def largest_of(samples: Integers, sizes: Array, count: int) -> Array:
 
 def force_scale(run: RunData, width: float, view: View | None = None) -> ForceScale:
     """The scale of contact forces on a picture ``width`` [m] wide, or the one the view asks for."""
-    asked = (view or run.mechanism.view).force_scale
-    arrays = run.arrays
+    given, arrays = (view or run.mechanism.view).force_scale, run.arrays
     sizes = np.hypot(*arrays["contact_force"].T)
     reference = typical(largest_of(arrays["contact_sample"], sizes, len(run.time)), run.time)
     if reference <= rounding(run):
-        return ForceScale(0.0, 0.0)
-    if asked > 0:
-        return ForceScale(asked, reference)
-    return ForceScale(REFERENCE * width / reference, reference)
+        return NO_SCALE
+    return ForceScale(given, reference) if given > 0 else scale_of(reference, REFERENCE * width)
 
 
 def shared(scales: Iterable[ForceScale]) -> ForceScale:
@@ -117,10 +122,9 @@ def decimals(reference: float) -> int:
     return 2 if reference < 10 else 1 if reference < 100 else 0
 
 
-def number(value: float, reference: float) -> str:
-    """A value with as many :func:`decimals` as its scale deserves."""
-    text = f"{value:.{decimals(reference)}f}"
-    return text if float(text) else text.removeprefix("-")  # no negative nothing
+def pressure_unit(largest: float) -> tuple[float, str]:
+    """The unit of pressures up to ``largest`` [Pa]: its size [Pa] and its name."""
+    return next(((f, u) for f, u in PRESSURES if largest >= 0.9995 * f), PRESSURES[-1])
 
 
 def prefixed(reference: float, unit: str) -> tuple[float, str, int]:
@@ -131,7 +135,12 @@ def prefixed(reference: float, unit: str) -> tuple[float, str, int]:
     """
     size = abs(reference)
     factor, prefix = 1.0, ""
-    if 0 < size < 1e-4:
+    if unit == "Pa":
+        pascals, unit = pressure_unit(size)
+        return 1 / pascals, unit, decimals(size / pascals)
+    if unit == "m^3/s":
+        factor, unit = 1e6, "ml/s"
+    elif 0 < size < 1e-4:
         factor, prefix = 1e6, "µ"
     elif 0 < size < (1.0 if unit == "N m" else 0.1):
         factor, prefix = 1e3, "m"
@@ -144,3 +153,22 @@ def written(value: float, factor: float, places: int) -> str:
     """A value times a factor with decimals, without a negative 0."""
     text = f"{factor * value:.{places}f}"
     return text if float(text) else text.removeprefix("-")
+
+
+def round_length(largest: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above ``largest``, which is > 0."""
+    power = 10.0 ** np.floor(np.log10(largest))
+    step = max(s for s in (1.0, 2.0, 5.0) if s * power <= largest * (1 + 1e-9) or s == 1.0)
+    return float(step * power)
+
+
+def round_up(value: float) -> float:
+    """The smallest of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten not below ``value``.
+
+    1 for nothing, and for numbers so small that no power of ten is.
+    """
+    if not value > 1e-300:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(value))
+    steps = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+    return float(power * next(s for s in steps if s * power >= value * (1 - 1e-9)))

@@ -9,10 +9,9 @@ import numpy as np
 
 from sandbox.model.joints import link_tensions
 from sandbox.numeric import Array, Integers
-from sandbox.picture.camera import round_up
 from sandbox.picture.palette import PUSH, TENSION, Colour
 from sandbox.picture.run_data import RunData
-from sandbox.picture.scales import rounding
+from sandbox.picture.scales import round_up, rounding
 from sandbox.samples.cords import piece_tensions
 
 XY = tuple[float, float]
