@@ -332,7 +332,7 @@ def _branch_files(
     import numpy as np
 
     from sandbox.equilibria.rest import quantities
-    from sandbox.figure.searches import BranchCurve, save_branches
+    from sandbox.figure.sweeps import BranchCurve, save_branches
 
     stops = [stop for branch in branches for stop in branch.stops]
     quantity = quantity or _moving_most([stop.rest for stop in stops])

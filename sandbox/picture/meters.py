@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -100,7 +99,7 @@ def _as_drawn(unit: str, *rows: Array) -> Shown:
         size, name = pressure_unit(round_up(largest) if largest > 0 else 0.0)
         return Shown(1 / size, name, f" {name}")
     shown = shown_as(unit, *rows)
-    return replace(shown, unit=_raised(shown.unit), sign=_raised(shown.sign))
+    return shown._replace(unit=_raised(shown.unit), sign=_raised(shown.sign))
 
 
 def _raised(unit: str) -> str:

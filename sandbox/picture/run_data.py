@@ -1,4 +1,4 @@
-"""What pictures are drawn from."""
+"""What pictures need of a recording."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from sandbox.scene.mechanism import Mechanism
 
 
 class RunData(Protocol):
-    """What pictures need of a recording."""
+    """What pictures are drawn from."""
 
     @property
     def mechanism(self) -> Mechanism:

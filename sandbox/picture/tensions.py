@@ -1,4 +1,4 @@
-"""What cords, rods and ropes carry, on one scale of colours."""
+"""What tendons, rods and ropes carry, on one scale of colours."""
 
 from __future__ import annotations
 
@@ -14,39 +14,43 @@ from sandbox.picture.run_data import RunData
 from sandbox.picture.scales import round_up, rounding
 from sandbox.samples.cords import piece_tensions
 
-XY = tuple[float, float]
 SAME = 1e-9
 """Pins of a body that are no farther apart are one [m]."""
+UNLOADED = 1e-3
+"""Of the scale's top: a link that carries no more is drawn as one that carries nothing."""
+USUAL, SPIKE = 0.75, 2.0
+"""The share of the samples that carry anything, above which they are rare; how many times as large
+as the others the scale's top may be for the sake of these."""
+SLACK_FRACTION, UNSEEN = 1e-6, 1e-5
+"""Tensions below the first fraction of the scale count as slack; the second has no colour yet."""
 
 
 class PinnedBar(NamedTuple):
     """A body with pins in two places."""
 
     body: int
-    ends: tuple[XY, XY]
-    """In its frame [m]."""
-    joints: tuple[tuple[int, ...], tuple[int, ...]]
+    ends: list[tuple[float, float]]
+    """In its frame [m], two."""
+    joints: list[list[int]]
     """Those at either end."""
 
 
 def bars_of(run: RunData, bodies: Sequence[int]) -> list[PinnedBar]:
     """Those of ``bodies`` that move and that pins hold in exactly two places."""
-    joints = run.model.joints
-    found: dict[int, list[tuple[XY, list[int]]]] = {}
+    joints, found = run.model.joints, dict[int, PinnedBar]()
     for k, kind in enumerate(joints.kind):
-        for end in (0, 1) if kind.keeps == "point" else ():
-            x, y = (float(v) for v in joints.anchor[k, end])
-            places = found.setdefault(int(joints.bodies[k, end]), [])
-            near = next((each for at, each in places
+        for body, (x, y) in zip(joints.bodies[k].tolist(), joints.anchor[k].tolist(),
+                                strict=True) if kind.keeps == "point" else ():
+            bar = found.setdefault(body, PinnedBar(body, [], []))
+            near = next((own for at, own in zip(bar.ends, bar.joints, strict=True)
                          if abs(at[0] - x) + abs(at[1] - y) <= SAME), None)
             if near is None:
-                places.append(((x, y), [k]))
+                bar.ends.append((x, y))
+                bar.joints.append([k])
             else:
                 near.append(k)
-    wanted = {body for body in bodies if not run.model.bodies.fixed[body]}
-    return [PinnedBar(body, (one[0], two[0]), (tuple(one[1]), tuple(two[1])))
-            for body, (one, two) in sorted((body, places) for body, places in found.items()
-                                           if len(places) == 2 and body in wanted)]
+    return [bar for body, bar in sorted(found.items()) if len(bar.ends) == 2
+            and body in bodies and not run.model.bodies.fixed[body]]
 
 
 def bar_tensions(run: RunData, bars: Sequence[PinnedBar]) -> Array:
@@ -60,34 +64,20 @@ def bar_tensions(run: RunData, bars: Sequence[PinnedBar]) -> Array:
     for k, bar in enumerate(bars):
         (x0, y0), (x1, y1) = bar.ends
         way = angle[:, bar.body] + np.arctan2(y1 - y0, x1 - x0)
-        on_start, on_end = (_on(run, bar.body, joints, force) for joints in bar.joints)
-        carried = on_end - on_start
+        sides = [np.where(run.model.joints.bodies[own, 1] == bar.body, 1.0, -1.0)
+                 for own in bar.joints]
+        start, end = (np.einsum("nki,k->ni", force[:, own], side)
+                      for own, side in zip(bar.joints, sides, strict=True))
+        carried = end - start
         tension[:, k] = (carried[:, 0] * np.cos(way) + carried[:, 1] * np.sin(way)) / 2
     return np.nan_to_num(tension)
-
-
-def _on(run: RunData, body: int, joints: Sequence[int], force: Array) -> Array:
-    """What these joints push a body with [N], [n, 2]."""
-    total = np.zeros((len(force), 2))
-    for k in joints:
-        total += force[:, k] if run.model.joints.bodies[k, 1] == body else -force[:, k]
-    return total
-
-
-UNLOADED = 1e-3
-"""Of the scale's top: a link that carries no more is drawn as one that carries nothing."""
-USUAL, SPIKE = 0.75, 2.0
-"""The share of the samples that carry anything, above which they are rare; how many times as large
-as the others the scale's top may be for the sake of these."""
-SLACK_FRACTION, UNSEEN = 1e-6, 1e-5
-"""Tensions below the first fraction of the scale count as slack; the second has no colour yet."""
 
 
 class Tensions(NamedTuple):
     """Tensions of a run, negative where a link pushes, and the scale that shows them."""
 
     pieces: Array
-    """Of all straight pieces of cords [N], [n, m]."""
+    """Of all straight pieces of tendons [N], [n, m]."""
     links: Array
     """Of all joints along a line [N], [n, nj]; 0 of others."""
     bars: Array
@@ -115,7 +105,7 @@ class Tensions(NamedTuple):
                              pushing=self.pushing.union(*(each.pushing for each in every)))
 
     def hidden(self) -> Tensions:
-        """The same where no colours are shown: cords are grey, those that hang still dashed.
+        """The same where no colours are shown: tendons are grey, slack ones dashed.
 
         Bars, which are nothing else, keep theirs.
         """
@@ -125,7 +115,7 @@ class Tensions(NamedTuple):
 
 
 def tensions_of(run: RunData, bars: Sequence[PinnedBar] = ()) -> Tensions:
-    """Those of a run; the ``bars`` are measured by the same scale as cords, rods and ropes."""
+    """Those of a run; the ``bars`` are measured by the same scale as tendons, rods and ropes."""
     pieces = piece_tensions(run.model, run.arrays).T
     links = np.zeros(run.arrays["joint_reaction"].shape)
     lines = [k for k, joint in enumerate(run.mechanism.joints)
@@ -145,7 +135,7 @@ def largest_tension(tension: Array) -> float:
     """The top of the scale [N] of tensions [n, m]: a round number above nearly all of the run.
 
     The sharpest 0.5 % of samples may lie above it, and more where they are so large that what
-    cords carry else would have no colour.
+    tendons carry else would have no colour.
     """
     if not tension.size:
         return 0.0
