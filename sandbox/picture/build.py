@@ -29,13 +29,21 @@ from sandbox.picture.elements.notes import (
     round_interval,
 )
 from sandbox.picture.elements.tendons import add_cords, add_fluids, largest_pressure
-from sandbox.picture.glyphs import glyph
 from sandbox.picture.listing import Listing
-from sandbox.picture.palette import DRIVE, PUSH, SLACK, SPRING, TENSION, css, mixed
+from sandbox.picture.palette import DRIVE, PUSH, SLACK, SPRING, TENSION, css, glyph, mixed
 from sandbox.picture.run_data import RunData
-from sandbox.picture.scales import ForceScale, force_scale, prefixed, pressure_unit, shared
+from sandbox.picture.scales import (
+    SLACK_FRACTION,
+    ForceScale,
+    Tensions,
+    bars_of,
+    force_scale,
+    prefixed,
+    pressure_unit,
+    shared,
+    tensions_of,
+)
 from sandbox.picture.subject import Subject, VisibleLayers
-from sandbox.picture.tensions import SLACK_FRACTION, Tensions, bars_of, tensions_of
 from sandbox.scene.settings import View
 
 

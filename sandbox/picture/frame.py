@@ -8,9 +8,16 @@ from typing import NamedTuple
 import numpy as np
 import pygame
 
-from sandbox.picture.bounds import body_box, whole_box
+from sandbox.picture.bounds import (
+    MARGIN,
+    Camera,
+    Stage,
+    body_box,
+    place_camera,
+    whole_box,
+    width_shown,
+)
 from sandbox.picture.build import subject_of
-from sandbox.picture.camera import MARGIN, Camera, Stage, place_camera, width_shown
 from sandbox.picture.elements.notes import grid
 from sandbox.picture.geometry import arrow
 from sandbox.picture.instant import Instant

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.numeric import Array
-from sandbox.picture.camera import Camera
+from sandbox.picture.bounds import Camera
 from sandbox.picture.geometry import (
     XY,
     Edges,
@@ -304,9 +304,12 @@ class Instant(Moment):
             path: list[XY] = []
             for i, (_, _, _, r, _, *turn) in zip(at, item["p"], strict=True):
                 x, y = self.points[i]
-                meets, leaves = (self.value(angle) for angle in turn or (0.0, 0.0))
+                if not turn:
+                    path.append((x, y))
+                    continue
+                meets, leaves = self.value(turn[0]), self.value(turn[1])
                 if math.isfinite(meets + leaves):
-                    size = self.value(r) * self.scale if turn else 0.0
+                    size = self.value(r) * self.scale
                     count = max(1, math.ceil(abs(leaves - meets) / ROUND)) if size else 0
                     for k in range(count + 1):
                         angle = meets + (leaves - meets) * k / max(count, 1)

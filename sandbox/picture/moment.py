@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from sandbox.numeric import Array
-from sandbox.picture.camera import Camera
+from sandbox.picture.bounds import Camera
 from sandbox.picture.geometry import XY, Edges
 from sandbox.picture.listing import Item, Listing
 from sandbox.picture.palette import Colour, from_css
@@ -69,8 +69,9 @@ class Moment:
         sizes = [len(points) for _, points, _ in self._pooled]
         self._frame = np.repeat([frame for frame, _, _ in self._pooled] or [0], sizes or [0])
         self._local = np.concatenate([np.zeros((0, 2)), *(each for _, each, _ in self._pooled)])
-        self._offset = np.repeat(np.array([at for *_, at in self._pooled]).reshape(-1, 2), sizes,
-                                 axis=0) if sizes else np.zeros((0, 2))
+        offsets = np.array([at for *_, at in self._pooled]).reshape(-1, 2)
+        self._offset = np.repeat(offsets, sizes, axis=0) if offsets.any() else None
+        self._starts, self._reach = np.array(self._extents).reshape(-1, 2).T
 
     def _pool(self, frame: int, points: Any, offset: XY = (0.0, 0.0)) -> slice:
         points = np.asarray(points, dtype=float).reshape(-1, 2)
@@ -115,7 +116,8 @@ class Moment:
         self.px = np.empty((len(p), 2))
         self.px[:, 0] = px + self.scale * (p[:, 0] + c * x - s * y - cx)
         self.px[:, 1] = py - self.scale * (p[:, 1] + s * x + c * y - cy)
-        self.px += self._offset * (self.point, -self.point)
+        if self._offset is not None:
+            self.px += self._offset * (self.point, -self.point)
         self.points = []
         left, top, right, bottom = self.edges
         self.wild = bool(len(self.px)) and not (
@@ -139,10 +141,10 @@ class Moment:
         reach = np.full(len(boxes), TOUCHED)
         if self._extents:
             px = np.nan_to_num(self.px, nan=-1e6, posinf=1e6, neginf=-1e6)
-            starts = [start for start, _ in self._extents]
-            low, high = (each.reduceat(px, starts, axis=0) for each in (np.minimum, np.maximum))
+            low, high = (each.reduceat(px, self._starts.astype(int), axis=0)
+                         for each in (np.minimum, np.maximum))
             boxes = np.concatenate([np.hstack((low, high)), boxes])
-            reach = np.concatenate([[reach for _, reach in self._extents], reach])
+            reach = np.concatenate([self._reach, reach])
         return np.asarray(boxes + self.point * reach[:, None] * (-1.0, -1.0, 1.0, 1.0))
 
     def touch(self, *points: Any) -> None:
@@ -180,7 +182,7 @@ class Moment:
 
     def _list_points(self) -> None:
         """Make ``points`` of the pixels, which painters take; times that look equal need none."""
-        self.points = self.points or [(x, y) for x, y in self.px.tolist()]
+        self.points = self.points or cast("list[XY]", self.px.tolist())
 
     def arrows(self, item: Item) -> tuple[Array, Array, Array, Array]:
         """Rows with an arrow in sight, its tails and tips [k, 2] pixels, sizes; small ones first.

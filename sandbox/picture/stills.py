@@ -13,9 +13,8 @@ import pygame
 
 from sandbox.atomic_files import output_path
 from sandbox.errors import OutputError
-from sandbox.picture.bounds import body_box, whole_box
+from sandbox.picture.bounds import Rectangle, body_box, whole_box, width_shown
 from sandbox.picture.build import subject_of
-from sandbox.picture.camera import Rectangle, width_shown
 from sandbox.picture.frame import (
     LEAST_TYPE,
     TYPE,

@@ -9,12 +9,10 @@ from typing import Any
 
 from sandbox.model.model import NONE
 from sandbox.numeric import Array, Flags
-from sandbox.picture.glyphs import glyph
 from sandbox.picture.listing import Item, Listing, Number, Point, short
-from sandbox.picture.palette import TOKENS, Colour, css
+from sandbox.picture.palette import TOKENS, Colour, css, glyph
 from sandbox.picture.run_data import RunData
-from sandbox.picture.scales import NO_SCALE, ForceScale, prefixed
-from sandbox.picture.tensions import Tensions
+from sandbox.picture.scales import NO_SCALE, ForceScale, Tensions, prefixed
 from sandbox.scene.layers import LAYERS, PASSES, Show, meant, shown
 from sandbox.scene.settings import View
 from sandbox.values.planes import depth

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.picture.camera import Rectangle, Stage, place_camera
+from sandbox.picture.bounds import Rectangle, Stage, place_camera
 from sandbox.picture.frames import new_surface
 from sandbox.picture.geometry import large_circle
 from sandbox.picture.scales import round_length, round_up

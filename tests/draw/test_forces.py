@@ -10,8 +10,14 @@ from sandbox.picture.elements.forces import (
     reactions,
 )
 from sandbox.picture.elements.notes import fingertip, traced
-from sandbox.picture.scales import quantile, typical
-from sandbox.picture.tensions import bar_tensions, bars_of, largest_tension, tensions_of
+from sandbox.picture.scales import (
+    bar_tensions,
+    bars_of,
+    largest_tension,
+    quantile,
+    tensions_of,
+    typical,
+)
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import hand, recording

@@ -16,8 +16,8 @@ from sandbox.picture.elements.bodies import beside, far_feet, joined_points
 from sandbox.picture.geometry import XY
 from sandbox.picture.listing import Point, flat, short
 from sandbox.picture.run_data import RunData
+from sandbox.picture.scales import UNLOADED, bars_of
 from sandbox.picture.subject import Subject
-from sandbox.picture.tensions import UNLOADED, bars_of
 
 GAUGE = 13.0
 """Distance of the two lines of a groove in the ground [points]."""

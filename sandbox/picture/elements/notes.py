@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sandbox.model.model import Model
-from sandbox.picture.camera import Camera, Stage
+from sandbox.picture.bounds import Camera, Stage
 from sandbox.picture.elements.bodies import colour_of
 from sandbox.picture.geometry import XY, shape_points
 from sandbox.picture.listing import Item, Listing, flat

@@ -15,9 +15,8 @@ from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture.elements.joints import made_stiffer
 from sandbox.picture.listing import Between, Number, Point, flat, short
 from sandbox.picture.run_data import RunData
-from sandbox.picture.scales import round_up
+from sandbox.picture.scales import SLACK_FRACTION, round_up
 from sandbox.picture.subject import Subject
-from sandbox.picture.tensions import SLACK_FRACTION
 from sandbox.samples.cords import off_wheels
 
 CORD = 2.4
