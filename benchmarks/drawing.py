@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from benchmarks.measure import Figure, interleaved, mechanism, seconds
 from sandbox.engine.simulate import simulate
-from sandbox.picture.film import GifWriter, shared_palette, side_by_side
+from sandbox.picture.film import GifWriter, frame_times, shared_palette, side_by_side
 from sandbox.picture.frame import Picture
 from sandbox.picture.frames import Frames
-from sandbox.picture.run_data import frame_times
 
 SIZE = (800, 600)
 Frame = NDArray[np.uint32]

@@ -289,7 +289,7 @@ def _follow(
     import numpy as np
 
     from sandbox.equilibria.branches import rest_along
-    from sandbox.figure.searches import BranchCurve, save_branches
+    from sandbox.figure.sweeps import BranchCurve, save_branches
     from sandbox.model.catalogue import Catalogue
 
     path, begin, end, unit, count = along

@@ -195,8 +195,7 @@ def _responses(plotted: Sequence[Plotted], names: Sequence[str]) -> Records:
 
 def _efforts(plotted: Sequence[Plotted]) -> Records:
     """The effort of controlled drives in each run."""
-    from sandbox.samples.targets import effort
-    from sandbox.samples.targets import controlled, initial
+    from sandbox.samples.targets import controlled, effort, initial
 
     drives = dict.fromkeys(name for one in plotted for name in controlled(one.run))
     return [{"run": one.label, "drive": drive, "unit": one.run.unit(f"{drive}.value"),

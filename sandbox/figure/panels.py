@@ -11,7 +11,7 @@ import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -64,8 +64,7 @@ class Axis:
     limits: tuple[float, float] | None = None
 
 
-@dataclass(frozen=True)
-class Curve:
+class Curve(NamedTuple):
     """Points (x, y), shape [n] each."""
 
     label: str
@@ -74,45 +73,26 @@ class Curve:
     y: Array
     kind: Literal["line", "dashed", "points", "dots", "rug", "joined"] = "line"
     """A ``rug`` is strokes at the bottom of the panel."""
-    look: Mapping[str, Any] = field(default_factory=dict)
+    look: Mapping[str, Any] = {}
     """Properties of the line that differ from those of the kind; with a colour, all is given."""
 
 
-@dataclass(frozen=True)
-class Band:
-    """A shaded range of x."""
-
-    low: float
-    high: float
-
-    def draw(self, axes: Any) -> None:
-        """Draw it into axes."""
-        axes.axvspan(self.low, self.high, color=style.BAND, linewidth=0, zorder=0)
-
-
-@dataclass(frozen=True)
-class Upright:
+class Upright(NamedTuple):
     """A vertical line, with a name at the top of the panel."""
 
     x: float
     name: str = ""
-    look: Mapping[str, Any] = field(default_factory=lambda: {
-        "color": style.GREY, "linewidth": 0.8, "zorder": 1.5})
-
-    def draw(self, axes: Any) -> None:
-        """Draw it into axes."""
-        axes.axvline(self.x, **self.look)
+    look: Mapping[str, Any] = {"color": style.GREY, "linewidth": 0.8, "zorder": 1.5}
 
 
-@dataclass(frozen=True)
-class Custom:
+class Custom(NamedTuple):
     """A mark that matplotlib draws in one call, such as a histogram."""
 
     draw: Callable[[Any], object]
     """Called with the axes."""
 
 
-Mark = Curve | Band | Upright | Custom
+Mark = Curve | Upright | Custom
 
 
 @dataclass(frozen=True)
@@ -153,11 +133,6 @@ class _Drawn:
     """Labels at the right, and the values at the ends of their curves."""
     events: list[Any] = field(default_factory=list)
     """Names of vertical lines."""
-
-    @property
-    def height(self) -> float:
-        """Wanted height of the axes [mm]."""
-        return max(self.panel.height, ROW * len(self.beside))
 
 
 def save_panels(
@@ -204,38 +179,36 @@ def draw(
             _dress(axes, panel, bottom=not shared or row is rows[-1])
             drawn, names = _fill(axes, panel)
             words = [name for name, _ in names]
-            if names and (panel.names == "above" or words != first):
-                _name_above(axes, names, width)
+            if names and (panel.names == "above" or words != first):  # above, below its title
+                head = axes.get_title(loc="left")
+                axes.set_title("", loc="left")
+                style.legend(axes, names, width - 12.0, loc="lower left", title=head,
+                             bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1,
+                             title_fontsize=style.PLAIN)
             first = words if first is None else first  # these names are not repeated below
             cells.append(drawn)
-    head = _lines(title, width, style.HEAD, style.BOLD)
+    head = style.in_lines(title, width, style.HEAD, style.BOLD)
     if key:
         artists = [(name, Patch(color=look["facecolor"]) if "facecolor" in look else
                     Line2D([], [], **look)) for name, look in key]
-        style.legend(figure, artists, loc="outside upper left", borderaxespad=0.3, title=head,
-                     title_fontproperties={"size": style.HEAD, "weight": "bold"},
-                     ncols=style.columns([name for name, _ in artists], width - 6, style.SMALL))
+        style.legend(figure, artists, width - 6, loc="outside upper left", borderaxespad=0.3,
+                     title=head, title_fontproperties={"size": style.HEAD, "weight": "bold"})
     elif head:
         figure.suptitle(head, x=0.01, ha="left", fontsize=style.HEAD, color=style.INK,
                         fontweight="bold")
     if notes:
-        figure.supxlabel("\n".join(_lines(note, width, style.SMALL) for note in notes),
+        figure.supxlabel("\n".join(style.in_lines(note, width, style.SMALL) for note in notes),
                          x=0.01, ha="left", fontsize=style.SMALL, color=style.QUIET)
     _fit(figure, grid, cells)
     return figure
 
 
-def _lines(text: str, width: float, size: float, letter: float = style.LETTER) -> str:
-    """A text for matplotlib, in lines of a width [mm]."""
-    return style.wrapped(style.plain(text), width - 4.0, size, letter)
-
-
 def _dress(axes: Any, panel: Panel, *, bottom: bool) -> None:
     """Set the title, the labels, the grid and the frame of a panel."""
-    if panel.title:
-        axes.set_title(style.plain(panel.title), fontsize=style.PLAIN, color=style.INK,
-                       loc="left", pad=5)
     text = {"fontsize": style.SMALL, "color": style.INK}
+    if panel.title:
+        axes.set_title(style.plain(panel.title), loc="left", pad=5,
+                       **{**text, "fontsize": style.PLAIN})
     axes.set_ylabel(style.plain(panel.y.label), **text)
     axes.set_xlabel(style.plain(panel.x.label) if bottom else "", **text)
     axes.tick_params(labelsize=style.SMALL, colors=style.INK, which="both", length=2.5)
@@ -245,18 +218,19 @@ def _dress(axes: Any, panel: Panel, *, bottom: bool) -> None:
         axes.grid(color=style.FAINT, linewidth=0.6, axis=panel.grid)
     axes.spines[["top", "right"]].set_visible(False)
     axes.yaxis.set_offset_position("right")
-    axes.yaxis.offsetText.set(fontsize=style.SMALL, color=style.INK)
+    axes.yaxis.offsetText.set(**text)
 
 
 def _fill(axes: Any, panel: Panel) -> tuple[_Drawn, list[tuple[str, Any]]]:
     """Draw the marks of a panel; its texts to be placed, and the names left for a legend."""
-    looks, lines, drawn = _looks(panel.curves), [], _Drawn(panel, axes)
-    for curve, look in zip(panel.curves, looks, strict=True):
-        lines.append(_plot(axes, curve, look.how))
+    looks, drawn = _looks(panel.curves), _Drawn(panel, axes)
+    lines = [_plot(axes, *each) for each in zip(panel.curves, looks, strict=True)]
     for mark in panel.marks:
-        if not isinstance(mark, Curve):
+        if isinstance(mark, Custom):
             mark.draw(axes)
-            if isinstance(mark, Upright) and mark.name:
+        elif isinstance(mark, Upright):
+            axes.axvline(mark.x, **mark.look)
+            if mark.name:
                 drawn.events.append(axes.annotate(
                     style.plain(mark.name), (mark.x, 1.0), xycoords=("data", "axes fraction"),
                     textcoords="offset points", xytext=(2, 0), va="top", fontsize=style.TINY,
@@ -264,36 +238,35 @@ def _fill(axes: Any, panel: Panel) -> tuple[_Drawn, list[tuple[str, Any]]]:
                                              "pad": 0.5}))
                 drawn.events[-1].set_in_layout(False)
     _scale(axes, panel)
-    named = [look for look in looks if look.head]
     drawn.beside = _beside(axes, panel, looks) if panel.names in ("auto", "side") else []
     take_apart(axes, [line for line, curve in zip(lines, panel.curves, strict=True)
                       if curve.kind == "line"])
     if drawn.beside and panel.names == "auto":
         axes.set_xlim(right=max(np.nanmax(curve.x) for curve in panel.curves))
         _whole_markers(axes, lines, looks)
-    left = _key(named, {text.get_text() for text, _ in drawn.beside})
+    left = _key([look for look in looks if look.head],
+                {text.get_text() for text, _ in drawn.beside})
     if panel.names == "inside":
         style.legend(axes, left, loc="best")
     return drawn, left if panel.names in ("auto", "above") else []
 
 
-def _plot(axes: Any, curve: Curve, how: Mapping[str, Any]) -> Any:
-    few = {"markevery": APART} if curve.kind == "points" and len(curve.x) > MANY_POINTS and \
-        np.isfinite(curve.x + curve.y).all() else {}
-    if curve.kind == "rug":
-        few = {"transform": axes.get_xaxis_transform()}
-    y = np.full(len(curve.x), 0.02) if curve.kind == "rug" else curve.y
-    return axes.plot(curve.x, y, **how, **few)[0]
-
-
-@dataclass(frozen=True)
-class _Look:
+class _Look(NamedTuple):
     """Name and line properties of a curve."""
 
     head: str
     tail: str
     """The part of the name behind the comma, if curves share the part before it."""
     how: Mapping[str, Any]
+
+
+def _plot(axes: Any, curve: Curve, look: _Look) -> Any:
+    few = {"markevery": APART} if curve.kind == "points" and len(curve.x) > MANY_POINTS and \
+        np.isfinite(curve.x + curve.y).all() else {}
+    if curve.kind == "rug":
+        few = {"transform": axes.get_xaxis_transform()}
+    y = np.full(len(curve.x), 0.02) if curve.kind == "rug" else curve.y
+    return axes.plot(curve.x, y, **look.how, **few)[0]
 
 
 def _looks(curves: Sequence[Curve]) -> list[_Look]:
@@ -347,15 +320,15 @@ def _beside(axes: Any, panel: Panel, looks: Sequence[_Look]) -> list[tuple[Any, 
     found: dict[str, tuple[float, Any]] = {}
     for curve, look in zip(panel.curves, looks, strict=True):
         finite = np.flatnonzero(np.isfinite(curve.x + curve.y))
-        side = panel.names == "side"
-        if not look.head or look.head in found or (not side and (
-                curve.kind == "points" or not len(finite))):
-            continue
-        if not side and np.ptp(curve.x[finite]) == 0:  # vertical: ends at no particular height
+        if not look.head or look.head in found:
             continue
         end = (curve.x[finite[-1]], curve.y[finite[-1]]) if len(finite) else (0.0, 0.0)
-        if not side and to_axes.transform(end)[0] < AT_THE_RIGHT:
-            return []
+        if panel.names == "auto":
+            # one that is vertical ends at no particular height
+            if curve.kind == "points" or not len(finite) or np.ptp(curve.x[finite]) == 0:
+                continue
+            if to_axes.transform(end)[0] < AT_THE_RIGHT:
+                return []
         found[look.head] = (float(end[1]), look.how["color"])
     if panel.names == "auto" and len(found) < 2:
         return []
@@ -376,19 +349,10 @@ def _whole_markers(axes: Any, lines: Sequence[Any], looks: Sequence[_Look]) -> N
                 **look.how, "linestyle": ""})
 
 
-def _name_above(axes: Any, names: Sequence[tuple[str, Any]], width: float) -> None:
-    """Names above a panel, below its title."""
-    title = axes.get_title(loc="left")
-    axes.set_title("", loc="left")
-    style.legend(axes, names, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1,
-                 ncols=style.columns([name for name, _ in names], width - 12.0), title=title,
-                 title_fontsize=style.PLAIN)
-
-
 def _scale(axes: Any, panel: Panel) -> None:
     """Set scales, limits and ticks."""
-    for along, axis, one in (("x", axes.xaxis, panel.x), ("y", axes.yaxis, panel.y)):
-        values = panel.values("x" if along == "x" else "y")
+    for along, axis, one, values in (("x", axes.xaxis, panel.x, panel.values("x")),
+                                     ("y", axes.yaxis, panel.y, panel.values("y"))):
         if one.log:
             getattr(axes, f"set_{along}scale")("log")
             _log_numbers(axis, values)
@@ -410,12 +374,11 @@ def _scale(axes: Any, panel: Panel) -> None:
 
 def _log_numbers(axis: Any, values: Array) -> None:
     """Numbers of a logarithmic axis, as powers of ten only where they are hard to read else."""
-    if not len(values) or not ((values > READABLE[0]) & (values < READABLE[1])).all():
-        return
-    axis.set_major_formatter(lambda value, _: style.number(value))
-    leading = "25" if values.max() <= NARROW_RANGE * values.min() else ""
-    axis.set_minor_formatter(
-        lambda value, _: style.number(value) if f"{value:e}"[0] in leading else "")
+    if len(values) and ((values > READABLE[0]) & (values < READABLE[1])).all():
+        leading = "25" if values.max() <= NARROW_RANGE * values.min() else ""
+        axis.set_major_formatter(lambda value, _: style.number(value))
+        axis.set_minor_formatter(
+            lambda value, _: style.number(value) if f"{value:e}"[0] in leading else "")
 
 
 def roomy(values: Array) -> tuple[float, float]:
@@ -432,11 +395,20 @@ def _fit(figure: Any, grid: Any, cells: Sequence[_Drawn]) -> None:
     columns, planes = grid.shape[1], [cell for cell in cells if cell.panel.plane]
     figure.draw_without_rendering()
     sizes = [cell.axes.get_window_extent() for cell in cells]
-    heights = {id(cell): cell.height for cell in cells}
-    if planes:
-        heights |= _plane_heights(planes, sizes[0].width / figure.dpi / style.MM)
-    wanted = [max(heights[id(cell)] for cell in cells[i:i + columns])
-              for i in range(0, len(cells), columns)]
+    heights = [max(cell.panel.height, ROW * len(cell.beside)) for cell in cells]
+    if planes:  # limits of x so that all have one scale
+        width = sizes[0].width / figure.dpi / style.MM
+        x = np.concatenate([cell.panel.values("x") for cell in planes])
+        spans = [float(np.ptp(cell.panel.values("y"))) if cell.panel.plane else 0.0
+                 for cell in cells]
+        scale = PLANE_MARGIN * max(float(np.ptp(x)) / width, max(spans) / MAX_PLANE)
+        middle, half = 0.5 * float(x.min() + x.max()), 0.5 * scale * width
+        for cell in planes:
+            cell.axes.set_xlim(middle - half, middle + half)
+        heights = [min(max(PLANE_MARGIN * span / scale, MIN_PLANE), MAX_PLANE)
+                   if cell.panel.plane else high
+                   for cell, span, high in zip(cells, spans, heights, strict=True)]
+    wanted = [max(heights[i:i + columns]) for i in range(0, len(cells), columns)]
     missing = sum(wanted) * style.MM - sum(size.height for size in sizes[::columns]) / figure.dpi
     figure.set_figheight(figure.get_figheight() + missing)
     grid[0, 0].get_gridspec().set_height_ratios(wanted)
@@ -449,25 +421,12 @@ def _fit(figure: Any, grid: Any, cells: Sequence[_Drawn]) -> None:
             cell.axes.set_ylim(centre - high, centre + high)
     for i, (cell, size) in enumerate(zip(cells, sizes, strict=True)):
         _place_events(cell, wanted[i // columns] * style.MM * figure.dpi, size.width)
-        _place_beside(cell, wanted[i // columns])
-
-
-def _plane_heights(planes: Sequence[_Drawn], width: float) -> dict[int, float]:
-    """Set limits of x so that panels of a width [mm] in the plane have one scale; their heights."""
-    x = np.concatenate([cell.panel.values("x") for cell in planes])
-    spans = {id(cell): float(np.ptp(cell.panel.values("y"))) for cell in planes}
-    scale = PLANE_MARGIN * max(float(np.ptp(x)) / width, max(spans.values()) / MAX_PLANE)
-    middle, half = 0.5 * float(x.min() + x.max()), 0.5 * scale * width
-    for cell in planes:
-        cell.axes.set_xlim(middle - half, middle + half)
-    return {key: min(max(PLANE_MARGIN * span / scale, MIN_PLANE), MAX_PLANE)
-            for key, span in spans.items()}
+        if cell.beside:
+            _place_beside(cell, wanted[i // columns])
 
 
 def _place_beside(cell: _Drawn, height: float) -> None:
     """Move labels at the right apart where they would overlap."""
-    if not cell.beside:
-        return
     gap, to_axes = ROW / height, cell.axes.transScale + cell.axes.transLimits
     right = cell.axes.get_xlim()[1]
     ends = np.array([to_axes.transform((right, y))[1] for _, y in cell.beside])

@@ -10,8 +10,7 @@ from __future__ import annotations
 import io
 import math
 import textwrap
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -57,8 +56,7 @@ MANY_MM = 0.5
 """Lengths below this [m] are shown in millimetres."""
 
 
-@dataclass(frozen=True)
-class Shown:
+class Shown(NamedTuple):
     """How a quantity is shown: SI times ``factor``, in ``unit``."""
 
     factor: float
@@ -141,29 +139,27 @@ def plain(text: str) -> str:
     return lines.replace("$", r"\$")
 
 
-def wrapped(text: str, width: float, size: float, letter: float = LETTER) -> str:
-    """Text broken into lines of a width [mm] at a font size [pt]."""
-    letters = int(width / (letter * size * MM_PER_POINT))
-    return "\n".join(part for line in text.split("\n") for part in textwrap.wrap(line, letters))
+def in_lines(text: str, width: float, size: float, letter: float = LETTER) -> str:
+    """A plain text in lines of a width [mm] at a font size [pt]."""
+    letters = int((width - 4.0) / (letter * size * MM_PER_POINT))
+    return "\n".join(part for line in plain(text).split("\n")
+                     for part in textwrap.wrap(line, letters))
 
 
-def columns(names: Sequence[str], width: float, size: float = SMALL) -> int:
-    """Number of columns of a legend of a width [mm]."""
-    wide = LETTER * size * MM_PER_POINT * max(map(len, names)) + SAMPLE
-    return max(1, min(len(names), int(width / wide)))
-
-
-def legend(where: Any, key: Sequence[tuple[str, Any]], **how: Any) -> None:
+def legend(where: Any, key: Sequence[tuple[str, Any]], width: float = 0.0, **how: Any) -> None:
     """A legend without a frame on a figure or axes.
 
     Args:
         where: figure or axes.
         key: names with their artists.
+        width: in which its columns stand side by side [mm]; 0 for one column.
         how: options of matplotlib's ``legend``.
     """
+    wide = LETTER * SMALL * MM_PER_POINT * max((len(name) for name, _ in key), default=0) + SAMPLE
     where.legend([artist for _, artist in key],
                  [plain(name if len(name) <= MAX_NAME else f"…{name[1 - MAX_NAME:]}")
                   for name, _ in key],
+                 ncols=max(1, min(len(key), int(width / wide))),
                  **{"labelcolor": INK, "facecolor": "white", "edgecolor": "none", "borderpad": 0.2,
                     "framealpha": 0.85, "fontsize": SMALL, "handlelength": 1.8,
                     "labelspacing": 0.35, "columnspacing": 1.4, "alignment": "left", **how})
@@ -237,9 +233,8 @@ def take_apart(axes: Any, lines: Sequence[Any]) -> None:
     lines = [line for line in lines if len(line.get_xdata()) > 1]
     to_axes = axes.transScale + axes.transLimits
     every = [max(1, len(line.get_xdata()) // MAX_POINTS) for line in lines]
-    places = [to_axes.transform(line.get_xydata()[::step]).T
-              for line, step in zip(lines, every, strict=True)]
-    found = strands([(x, y) for x, y in places])
+    found = strands([tuple(to_axes.transform(line.get_xydata()[::step]).T)
+                     for line, step in zip(lines, every, strict=True)])
     for line, step, parts in zip(lines, every, found, strict=True):
         points = np.asarray(line.get_xydata())
         for part in (part for part in parts if part.turns > 1):
@@ -260,21 +255,22 @@ def strands(lines: Sequence[tuple[Array, Array]]) -> list[list[Strand]]:
             whose x decreases coincides only with curves of the same x; a curve with values that
             are not finite coincides with none.
     """
-    found, forward = [], [bool((np.diff(x) > 0).all()) for x, _ in lines]
+    found = []
+    forward = [bool((np.diff(x) > 0).all()) for x, _ in lines]
     finite = [bool(np.isfinite(x + y).all()) for x, y in lines]
     for i, (x, y) in enumerate(lines):
         count, rank = np.ones(len(x), dtype=int), np.zeros(len(x), dtype=int)
+        way = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(x)))))
         for j, (other_x, other_y) in enumerate(lines):
-            if j == i or not (finite[i] and finite[j]):
+            same = np.array_equal(x, other_x)
+            if j == i or not (finite[i] and finite[j]) or not (same or (forward[i] and forward[j])):
                 continue
-            if np.array_equal(x, other_x):
-                near = np.asarray(np.abs(other_y - y) < NEAR)
-            elif forward[i] and forward[j]:
-                within = (x >= other_x[0] - SHORT / 4) & (x <= other_x[-1] + SHORT / 4)
-                near = np.asarray(within & (np.abs(np.interp(x, other_x, other_y) - y) < NEAR))
-            else:
-                continue
-            near = _without_crossings(x, near)
+            within = (x >= other_x[0] - SHORT / 4) & (x <= other_x[-1] + SHORT / 4)
+            gap = other_y - y if same else np.where(within, np.interp(x, other_x, other_y) - y, 1.0)
+            near = np.abs(gap) < NEAR
+            for first, last in _runs(near):  # without crossings
+                if way[last] - way[first] < SHORT:
+                    near[first:last + 1] = False
             count += near
             rank += near & (j < i)
         found.append([Strand(first, min(last + 1, len(x) - 1), int(rank[first]), int(count[first]))
@@ -282,15 +278,7 @@ def strands(lines: Sequence[tuple[Array, Array]]) -> list[list[Strand]]:
     return found
 
 
-def _without_crossings(x: Array, near: Flags) -> Flags:
-    kept, way = near.copy(), np.concatenate(([0.0], np.cumsum(np.abs(np.diff(x)))))
-    for first, last in _runs(near):
-        if near[first] and way[last] - way[first] < SHORT:
-            kept[first:last + 1] = False
-    return kept
-
-
-def _runs(values: Array | Flags) -> Iterator[tuple[int, int]]:
+def _runs(values: Array | Flags) -> list[tuple[int, int]]:
     """First and last index of every run of equal values."""
     ends = [*np.flatnonzero(values[1:] != values[:-1]).tolist(), len(values) - 1]
-    yield from zip([0, *(end + 1 for end in ends)], ends, strict=False)
+    return list(zip([0, *(end + 1 for end in ends[:-1])], ends, strict=True))

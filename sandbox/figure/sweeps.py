@@ -1,32 +1,40 @@
-"""Figures of sweeps.
+"""Figures of sweeps and searches.
 
 One varied path: curves over it, or, of random samples, points with a distribution beside them.
 A grid of two paths: a curve for each value of a path with few values, otherwise a map of each
 quantity that differs between runs. Anything else: each quantity over each path. Ticks or crosses
 mark unfinished runs, rings mark runs with a warning of the audit, orange points mark runs that
-fail a condition.
+fail a condition. Searches: sensitivities, fronts of several goals, branches of equilibria.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sandbox.figure import style
-from sandbox.figure.panels import Axis, Band, Curve, Custom, Mark, Panel, Upright, save_panels
+from sandbox.figure.panels import Axis, Curve, Custom, Mark, Panel, Upright, save_panels
 from sandbox.numeric import Array, Flags
 
-MAX_QUANTITIES = 12
-"""Quantities of one figure; a note says how many more there are."""
+MAX_QUANTITIES, MAX_PAIRS, MAX_PATHS = 12, 6, 20
+"""Quantities, and pairs of goals, of one figure; a note says how many more there are. Paths of a
+panel of sensitivities."""
 PANEL, MAP, CELL, MAX_COLUMNS = 34.0, 46.0, 24.0, 6
 """Height of a panel, of a map, of a panel of a matrix [mm]; columns of a matrix."""
-MANY = 60
-"""With more points than this, points are small."""
+ROW, FRONT, BRANCHES = 7.5, 56.0, 60.0
+"""Height of the bars of a path, of a panel of a front, of a panel of branches [mm]."""
+THICK = 0.36
+"""Height of a bar, as a share of the distance of two paths."""
+MAX_LETTERS = 34
+"""Letters of a path at an axis."""
+MANY, CROWD = 60, 3000
+"""With more points than this, points are small; with more than the second, there is a density."""
 MAX_LINES = 3
 """Values of one of two paths that are drawn as curves; with more there is a map."""
 MAX_TICKS, ROOM, DIGITS = 8, 0.06, 4
@@ -34,8 +42,9 @@ MAX_TICKS, ROOM, DIGITS = 8, 0.06, 4
 range, and have no more digits than this."""
 ROUNDING = 1e-9
 """Values whose relative spread is smaller are equal."""
-CROWD = 3000
-"""With more points than this, their density is drawn."""
+UNSTABLE: Any = (0, (3.5, 1.8))
+FOLD: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 5.5,
+                        "markerfacecolor": "white", "markeredgewidth": 1.3}
 
 
 @dataclass(frozen=True)
@@ -72,8 +81,7 @@ class SweepColumn:
         return values, Axis(label, self.log)
 
 
-@dataclass(frozen=True)
-class FoundLine:
+class FoundLine(NamedTuple):
     """The result of a search along a path, SI."""
 
     path: str
@@ -121,8 +129,7 @@ def draw_sweep(path: Path, drawing: SweepDrawing) -> None:
     """
     if not drawing.varied or not drawing.kept:
         raise ValueError("a figure needs varied paths and kept quantities")
-    kept = drawing.kept[:MAX_QUANTITIES]
-    widths = None
+    kept, widths = drawing.kept[:MAX_QUANTITIES], None
     if len(drawing.varied) == 1:
         panels = [_over_one(drawing, column) for column in kept]
         widths = None if drawing.grid else (3.0, 1.0)
@@ -142,24 +149,22 @@ def _notes(drawing: SweepDrawing) -> list[str]:
     shown = {column.name for column in drawing.kept[:MAX_QUANTITIES]}
     meanings = "; ".join(f"{name} = {meaning}" for name, meaning in drawing.meanings.items()
                          if name in shown)
-    notes = []
-    if drawing.found:
-        notes.append(drawing.found.words)
-    if constant := [_value_of(column) for column in _constant(drawing)]:
-        finished = " that came to their end" * bool(drawing.failed.any())
-        notes.append(f"{', '.join(constant)} in all runs{finished}.")
-    count = len(drawing.failed)
-    if missed := int(np.count_nonzero(_missed(drawing))):
-        notes.append(f"{missed} of {count} runs fail {drawing.condition}: orange.")
-    if failed := int(np.count_nonzero(drawing.failed)):
-        notes.append(f"{failed} of {count} runs did not come to their end: red.")
-    if doubtful := int(np.count_nonzero(drawing.doubtful)):
-        notes.append(f"{doubtful} runs have a warning of the audit: rings.")
-    if count > CROWD and drawing.scattered:
-        notes.append("Darker: more runs, on a logarithmic scale.")
-    if (more := len(drawing.kept) - MAX_QUANTITIES) > 0:
-        notes.append(f"{more} further quantities are in the table only.")
-    return [note for note in (meanings, " ".join(notes)) if note]
+    constant = ", ".join(map(_value_of, _constant(drawing)))
+    finished = " that came to their end" * bool(drawing.failed.any())
+    count, more = len(drawing.failed), len(drawing.kept) - MAX_QUANTITIES
+    missed, failed, doubtful = (int(np.count_nonzero(each)) for each in (
+        _missed(drawing), drawing.failed, drawing.doubtful))
+    notes = {
+        drawing.found.words if drawing.found else "": drawing.found,
+        f"{constant} in all runs{finished}.": constant,
+        f"{missed} of {count} runs fail {drawing.condition}: orange.": missed,
+        f"{failed} of {count} runs did not come to their end: red.": failed,
+        f"{doubtful} runs have a warning of the audit: rings.": doubtful,
+        "Darker: more runs, on a logarithmic scale.": count > CROWD and drawing.scattered,
+        f"{more} further quantities are in the table only.": more > 0,
+    }
+    text = " ".join(note for note, said in notes.items() if said)
+    return [note for note in (meanings, text) if note]
 
 
 def _constant(drawing: SweepDrawing) -> list[SweepColumn]:
@@ -170,9 +175,8 @@ def _constant(drawing: SweepDrawing) -> list[SweepColumn]:
     kept = drawing.kept[:MAX_QUANTITIES]
     if drawing.scattered or len(drawing.varied) < 2 or _few(drawing.varied) is not None:
         return []
-    finished = ~drawing.failed
     constant = [column for column in kept if not np.isfinite(column.values).any() or (
-        _equal(column.values) and np.isfinite(column.values[finished]).all())]
+        _equal(column.values) and np.isfinite(column.values[~drawing.failed]).all())]
     return constant[1:] if len(constant) == len(kept) else constant
 
 
@@ -195,9 +199,9 @@ def _over_one(drawing: SweepDrawing, column: SweepColumn) -> list[Panel]:
     """A quantity over the only path, with a distribution beside it for random samples."""
     varied = drawing.varied[0]
     (x, x_axis), (y, unit) = varied.axis(), column.shown()
-    joined = drawing.grid and not varied.texts
     panel = Panel(column.name, x_axis, Axis(f"[{unit}]" if unit else ""), [
-        *_found(drawing, varied), *_points(drawing, x, y, joined=joined)], "", PANEL)
+        *_found(drawing, varied),
+        *_points(drawing, x, y, joined=drawing.grid and not varied.texts)], "", PANEL)
     finite = y[np.isfinite(y)]
     spread = [Custom(lambda axes: axes.hist(
         finite, bins="auto", orientation="horizontal", color=style.BLUE, alpha=0.75))]
@@ -218,13 +222,11 @@ def _lines(drawing: SweepDrawing, column: SweepColumn, few: int) -> Panel:
     (x, x_axis), (values, unit), (y, y_unit) = varied.axis(), other.shown(), column.shown()
     marks: list[Mark] = []
     for k, value in enumerate(np.unique(values)):
-        name = other.texts[int(value)] if other.texts else \
-            f"{style.number(value)} {unit}".strip()
+        name = other.texts[int(value)] if other.texts else f"{style.number(value)} {unit}".strip()
         marks += _points(drawing, x, y, joined=not varied.texts, some=values == value,
                          colour=style.hue(k), label=f"{other.name} = {name}")
-    first = column is drawing.kept[0]
     return Panel(column.name, x_axis, Axis(f"[{y_unit}]" if y_unit else ""), marks,
-                 "inside" if first else "", PANEL)
+                 "inside" if column is drawing.kept[0] else "", PANEL)
 
 
 def _points(
@@ -246,10 +248,9 @@ def _points(
         marks.append(Curve(name, x[order], y[order], "dots", {
             **line, "color": ink, "markersize": size if len(x) <= MANY or not joined else 0}))
     look, lost = here & drawing.doubtful, here & drawing.failed
-    marks.append(Curve("", x[look], y[look], "points", {
+    return [*marks, Curve("", x[look], y[look], "points", {
         "color": style.INK, "markersize": size + 3.5, "markerfacecolor": "none",
-        "markeredgewidth": 1.0}))
-    return [*marks, Curve("", x[lost], y[lost], "rug", {"color": style.RED})]
+        "markeredgewidth": 1.0}), Curve("", x[lost], y[lost], "rug", {"color": style.RED})]
 
 
 def _found(drawing: SweepDrawing, varied: SweepColumn) -> list[Mark]:
@@ -258,7 +259,8 @@ def _found(drawing: SweepDrawing, varied: SweepColumn) -> list[Mark]:
     if found is None or found.path != varied.name:
         return []
     factor = style.shown_as(varied.unit, varied.values).factor
-    return [Band(factor * found.low, factor * found.high),
+    return [Custom(lambda axes: axes.axvspan(factor * found.low, factor * found.high,
+                                             color=style.BAND, linewidth=0, zorder=0)),
             Upright(factor * found.at, look={"color": style.INK, "zorder": 0.8, **style.TARGET})]
 
 
@@ -289,8 +291,7 @@ def _map(drawing: SweepDrawing, column: SweepColumn) -> Panel:
 
 def _cells(axes: Any, *, x: Array, y: Array, z: Array, log: tuple[bool, bool]) -> None:
     """Coloured cells of a grid, and the bar of their colours."""
-    xs, i = np.unique(x, return_inverse=True)
-    ys, j = np.unique(y, return_inverse=True)
+    (xs, i), (ys, j) = (np.unique(each, return_inverse=True) for each in (x, y))
     cells, single = np.full((len(ys), len(xs)), np.nan), _equal(z)
     cells[j, i] = np.where(np.isfinite(z), np.nanmedian(z), np.nan) if single else z
     # perceptually uniform, also with colour vision deficiency (Nuñez et al., 2018)
@@ -321,3 +322,148 @@ def _matrix_cell(
     x, x_axis = one.axis(2 * MAX_TICKS // (1 + len(drawing.varied[:MAX_COLUMNS])))
     return Panel("", x_axis, Axis(y_axis.label if first else ""), [
         *_found(drawing, one), *_points(drawing, x, y, joined=False)], "", CELL)
+
+
+class InfluenceBars(NamedTuple):
+    """Influences of paths on one quantity."""
+
+    name: str
+    paths: Sequence[str]
+    """The most influential first; none for a constant quantity."""
+    values: Mapping[str, Array]
+    """By measure, [paths]."""
+    halves: Mapping[str, Array]
+    """Half widths of 95 % intervals by measure, if it has any, [paths]."""
+    x: str
+    """Label of the axis."""
+
+
+def draw_influences(
+    path: Path, panels: Sequence[InfluenceBars], words: Mapping[str, str], title: str,
+) -> None:
+    """Draw sensitivities as bars with 95 % intervals; no file if all quantities are constant.
+
+    Args:
+        path: the file.
+        panels: one for each quantity.
+        words: names of the measures for the legend.
+        title: of the figure.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    changing = [each for each in panels if each.paths]
+    shown = changing[:MAX_QUANTITIES]
+    if not shown:
+        return
+    notes = [f"{panel.name} never changes." for panel in panels if not panel.paths]
+    if more := len(changing) - len(shown):
+        notes.append(f"{more} further quantities are in search.json.")
+    if any(len(panel.paths) > MAX_PATHS for panel in shown):
+        notes.append(f"The {MAX_PATHS} most influential paths.")
+    inks = dict(zip(words, (style.BLUE, style.GREY), strict=False))
+    save_panels(path, [_bars(panel, inks) for panel in shown], title=title, notes=notes, key=[
+        *((words[word], {"facecolor": ink}) for word, ink in inks.items()),
+        ("95 % interval", {"color": style.INK, "linewidth": 1.0})])
+
+
+def _bars(panel: InfluenceBars, inks: Mapping[str, str]) -> Panel:
+    paths = panel.paths[:MAX_PATHS]
+    places = np.arange(len(paths), dtype=float)
+
+    def draw(axes: Any) -> None:
+        for k, (word, ink) in enumerate(inks.items()):
+            halves = panel.halves.get(word)
+            axes.barh(places + (k - 0.5) * THICK, panel.values[word][:MAX_PATHS], height=THICK,
+                      color=ink, xerr=None if halves is None else halves[:MAX_PATHS], error_kw={
+                          "ecolor": style.INK, "elinewidth": 1.0, "capsize": 2.0})
+            axes.axvline(0.0, color=style.INK, linewidth=0.8)
+        axes.tick_params(axis="y", length=0)
+
+    short = [path if len(path) <= MAX_LETTERS else f"…{path[1 - MAX_LETTERS:]}" for path in paths]
+    return Panel(panel.name, Axis(panel.x), Axis(
+        ticks=places.tolist(), words=short, limits=(len(paths) - 0.5, -0.5)), [Custom(draw)], "",
+        ROW * len(paths), grid="x")
+
+
+def draw_front(
+    path: Path, goals: Sequence[SweepColumn], senses: Mapping[str, str], best: Flags, title: str,
+) -> None:
+    """Draw runs over pairs of goals, with the Pareto front.
+
+    Args:
+        path: the file.
+        goals: two or more, with the values of all runs, [n]; NaN for runs that fail a condition.
+        senses: ``least`` or ``most``, by goal.
+        best: runs on the front, [n].
+        title: of the figure.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    pairs, panels = list(itertools.combinations(goals, 2)), []
+    front, other = ({"color": style.BLUE, "markersize": 4.5},
+                    {"color": style.GREY, "markersize": 3.0})
+    for pair in pairs[:MAX_PAIRS]:
+        (x, x_axis), (y, y_axis) = (column.axis(0, f", {senses[column.name]}") for column in pair)
+        order = np.flatnonzero(best)[np.argsort(x[best], kind="stable")]
+        joined = {"linestyle": "-", "linewidth": 0.8} if len(goals) == 2 else {}
+        panels.append(Panel("", x_axis, y_axis, [
+            Curve("", x[~best], y[~best], "dots", other),
+            Curve("", x[order], y[order], "dots", {**front, **joined})], "", FRONT))
+    more, dot = len(pairs) - MAX_PAIRS, {"linestyle": "", "marker": "o"}
+    save_panels(path, panels, title=title, key=[
+        ("none is better in all", {**dot, **front}), ("other runs that hold", {**dot, **other})],
+        notes=[f"{more} further pairs of goals are in table.csv."] if more > 0 else ())
+
+
+class BranchCurve(NamedTuple):
+    """A branch of equilibria."""
+
+    x: Array
+    """Values of the varied field of the scene, [n]."""
+    y: Array
+    """The quantity at equilibrium, SI, [n]."""
+    stable: Flags
+    """[n]"""
+    fold: Flags
+    """Turning points of x, [n]."""
+
+
+def save_branches(
+    path: Path, branches: Sequence[BranchCurve], *, title: str, along: str, quantity: str,
+    unit: str,
+) -> None:
+    """Draw branches of equilibria: unstable ones dashed, folds as rings.
+
+    Args:
+        path: the file; its suffix is the format.
+        branches: at least one.
+        title: of the figure.
+        along: label of the x axis.
+        quantity: on the y axis.
+        unit: its SI unit.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    shown = style.shown_as(unit, *(branch.y for branch in branches))
+    marks: list[Mark] = []
+    for i, branch in enumerate(branches):
+        y, hue = shown.factor * branch.y, {"color": style.hue(i)}
+        solid = branch.stable | branch.fold
+        changes = (np.flatnonzero(np.diff(solid.astype(int))) + 1).tolist()
+        for low, high in itertools.pairwise([0, *changes, len(solid)]):
+            # unstable stretches reach to the neighbours at both ends
+            first, last = (low, high) if solid[low] else (max(low - 1, 0), high + 1)
+            marks.append(Curve("", branch.x[first:last], y[first:last], "line", {
+                **hue, "linestyle": "solid" if solid[low] else UNSTABLE}))
+        marks.append(Curve("", branch.x[branch.fold], y[branch.fold], "points", {**hue, **FOLD}))
+    dark = {"color": style.INK, "linewidth": style.LINE}
+    key: list[tuple[str, dict[str, Any]]] = [("stable", dark)]
+    if any((~branch.stable & ~branch.fold).any() for branch in branches):
+        key.append(("not stable", {**dark, "linestyle": UNSTABLE}))
+    if any(branch.fold.any() for branch in branches):
+        key.append(("fold", {"color": style.INK, **FOLD}))
+    save_panels(path, [Panel("", Axis(along), Axis(shown.label(quantity)), marks, "", BRANCHES)],
+                title=title, key=key)

@@ -1,19 +1,22 @@
-"""What part of the world a run needs: bodies, cords and forces, over all of its time."""
+"""What part of the world a run needs over all of its time, and the camera that shows it.
+
+The camera maps world [m], y up, to picture [pixels], y down. Equal aspect, nothing else.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sandbox.model.joints import placed
 from sandbox.model.model import NONE
 from sandbox.model.supports import components
-from sandbox.numeric import Array, Flags
-from sandbox.picture.camera import Rectangle
+from sandbox.numeric import Array, Flags, Integers
 from sandbox.picture.elements.bodies import joined_points
-from sandbox.picture.geometry import PointPool, shape_points
+from sandbox.picture.geometry import shape_points
 from sandbox.picture.listing import Listing
 from sandbox.picture.run_data import RunData
 from sandbox.picture.wheels import wheel_pictures
@@ -21,6 +24,10 @@ from sandbox.scene.bodies import Circle
 from sandbox.scene.layers import meant
 from sandbox.scene.settings import View
 
+MARGIN = 0.04
+"""Fraction of the stage left free on every side of a fitted picture."""
+SMALLEST = 1e-9
+"""Extents below this [m] count as a point."""
 MOST_SAMPLES = 200
 """Samples looked at; a motion is smooth enough between them for a margin of 4 %."""
 SCENERY = ("link", "ground")
@@ -28,154 +35,220 @@ SCENERY = ("link", "ground")
 BESIDE = 0.5
 """How far beside the rest, in sizes of it, what is fixed and still larger is shown."""
 GROWN = 2.5
-"""How many times as large a picture may be for the ways of traced points."""
+"""How many times as large a picture may be for the paths of traced points."""
+ROOM = 0.25
+"""How far beside what stays a body may be and still be with it, in sizes of what stays."""
+FLIGHT = 12.0
+"""The same where nothing stays, in sizes of what is there at the start: what flies off alone is
+seen on its way while it is no speck in the picture."""
 
 
-def _samples(run: RunData, moments: Sequence[float] | None) -> NDArray[np.intp]:
+class Rectangle(NamedTuple):
+    """A rectangle of the world [m]: ``x0 <= x1``, ``y0 <= y1``."""
+
+    x0: float
+    y0: float
+    x1: float
+    y1: float
+
+    @classmethod
+    def around(cls, *sets: Array) -> Rectangle:
+        """The smallest box that holds points [..., 2]; non-finite ones are left out."""
+        points = np.concatenate([each.reshape(-1, 2) for each in sets])
+        points = points[np.isfinite(points).all(axis=1)]
+        if not len(points):
+            return cls(0.0, 0.0, 0.0, 0.0)
+        return cls(*points.min(axis=0).tolist(), *points.max(axis=0).tolist())
+
+    @property
+    def corners(self) -> Array:
+        """Its lower left and its upper right corner [2, 2] m."""
+        return np.array(self).reshape(2, 2)
+
+    @property
+    def width(self) -> float:
+        """In metres."""
+        return self.x1 - self.x0
+
+    @property
+    def height(self) -> float:
+        """In metres."""
+        return self.y1 - self.y0
+
+
+class Stage(NamedTuple):
+    """The part of the picture that shows the world [pixels], y down from the top."""
+
+    left: float
+    top: float
+    width: float
+    height: float
+
+
+class Camera(NamedTuple):
+    """``pixel = (px, py) + scale * (x - cx, -(y - cy))``."""
+
+    scale: float
+    """Pixels per metre."""
+    centre: tuple[float, float]
+    """World point [m] that is shown at ``pixel``."""
+    pixel: tuple[float, float]
+
+    def to_pixels(self, points: Array) -> Array:
+        """Pixels of world points; ``points`` [..., 2] in m."""
+        return np.asarray(self.pixel + self.scale * (points - self.centre) * (1.0, -1.0))
+
+    def to_world(self, pixels: Array) -> Array:
+        """World points [m] of ``pixels`` [..., 2]; undoes :meth:`to_pixels`."""
+        return np.asarray(self.centre + (pixels - self.pixel) / self.scale * (1.0, -1.0))
+
+
+def width_shown(box: Rectangle, aspect: float, width: float | None = None) -> float:
+    """How much of ``box`` a picture shows from side to side [m], by which arrows are measured.
+
+    All of it, or the ``width`` that the view asks for, if that is less: what flies off makes no
+    arrow of what is shown longer. ``aspect`` is the picture's width over its height.
+    """
+    whole = max(box.width, box.height * aspect, 1e-3)
+    return min(whole, width) if width else whole
+
+
+def place_camera(
+    box: Rectangle, stage: Stage, *, centre: tuple[float, float] | None = None,
+    width: float | None = None,
+) -> Camera:
+    """The camera that shows ``box`` on ``stage``, or what ``centre`` and ``width`` [m] ask for.
+
+    A width alone keeps the box's centre; a centre alone takes the largest scale
+    that still shows the whole box.
+    """
+    middle = centre or ((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2)
+    pixel = (stage.left + stage.width / 2, stage.top + stage.height / 2)
+    if width is not None:
+        return Camera(stage.width / width, middle, pixel)
+    half_x = max(box.x1 - middle[0], middle[0] - box.x0)
+    half_y = max(box.y1 - middle[1], middle[1] - box.y0)
+    if max(half_x, half_y) < SMALLEST:
+        half_x = half_y = 0.05
+    free = 1 - 2 * MARGIN
+    return Camera(free * min(stage.width / (2 * max(half_x, SMALLEST)),
+                             stage.height / (2 * max(half_y, SMALLEST))), middle, pixel)
+
+
+class _Motion:
+    """Where bodies and traced points are in some samples, less how far the picture goes."""
+
+    def __init__(self, run: RunData, view: View, samples: Integers | slice) -> None:
+        self.run, self.view, self.samples = run, view, samples
+        self.pose, self.gone = run.arrays["body_pose"][samples], drift(run, view)[samples]
+
+    def ways(self, few: Sequence[int] | None = None) -> Array:
+        """Where the points are that the view traces, of all bodies or of a few, [n, k, 2] m."""
+        places = [(self.run.model.names.body[trace.body], trace.at) for trace in self.view.traces]
+        return np.array([placed(self.pose[:, body], np.array(at)) - self.gone
+                         for body, at in places if few is None or body in few]).reshape(
+                             -1, len(self.pose), 2).swapaxes(0, 1)
+
+    def boxes(self, *, scenery: bool = True, outlines: bool = False) -> Array:
+        """Left, bottom, right and top of every body with its anchors and guides, [n, nb, 4] m.
+
+        Without ``scenery`` fixed bodies that are no part of a hand and no object have their
+        anchors, guides and wheels only: a floor may be far larger than what stands on it. By
+        ``outlines`` what has shapes or wheels has these only: a tendon may be held far beside it.
+        """
+        run, drives, tendons = self.run, self.run.model.drives, self.run.model.tendons
+        found: dict[int, list[Array]] = {}
+        radii = {(int(drives.target[k]), int(drives.shape[k])):
+                 float(run.arrays["drive_value"][:, k].max())
+                 for k in drives.giving("radius").tolist()}
+        for i, body in enumerate(run.mechanism.bodies):
+            left = body.motion == "fixed" and body.role in SCENERY and not scenery
+            for k, shape in enumerate(() if left else body.shapes):
+                grow = max(0.0, radii.get((i, k), 0.0) - shape.radius) if isinstance(
+                    shape, Circle) else 0.0
+                found.setdefault(i, []).append(shape_points(shape, grow=grow))
+        for i, wheels in wheel_pictures(run.model).items():
+            found.setdefault(i, []).extend((wheel.outline if wheel.rim is None else wheel.rim)
+                                           + wheel.centre for wheel in wheels)
+        outlined = set(found) if outlines else set[int]()
+        for i, points in joined_points(run.model).items():
+            if i not in outlined:
+                found.setdefault(i, []).append(np.array(points))
+        for i, at, r in zip(tendons.guide_body.tolist(), tendons.guide_at,
+                            np.abs(tendons.guide_radius), strict=True):
+            if i not in outlined:
+                found.setdefault(i, []).append(at + r * np.array([
+                    (-1, 0), (1, 0), (0, -1), (0, 1)]))
+        boxes = np.full((len(self.pose), len(run.mechanism.bodies), 4), np.nan)
+        for i, sets in found.items():
+            world = placed(self.pose[:, i, None], np.concatenate(sets)) - self.gone[:, None]
+            boxes[:, i, :2], boxes[:, i, 2:] = world.min(axis=1), world.max(axis=1)
+        return boxes
+
+    def machine(self) -> Rectangle:
+        """The box [m] of what stays with the mechanism, and of what is near it of large scenery.
+
+        What stays is determined in the world, and shown where the view has it. Of a traced point it
+        is the path that its body makes with the mechanism.
+        """
+        whole, own, stays = self.boxes(), self.boxes(scenery=False), anchored(self.run)
+        home = own if np.isfinite(own[:, stays]).any() else whole
+        near = with_it(home + np.tile(self.gone[:, None], 2), stays)
+        traced = [self.run.model.names.body[trace.body] for trace in self.view.traces]
+        ways = self.ways()[near[:, traced]]
+        core = Rectangle.around(own[near], ways)
+        reach = BESIDE * max(core.width, core.height)
+        if not reach > 0:
+            return Rectangle.around(whole[near], ways)
+        low, high = core.corners
+        fixed = whole[:, self.run.model.bodies.fixed].reshape(-1, 2, 2)
+        wide = np.ptp(fixed, axis=1) > (1 + 2 * BESIDE) * max(core.width, core.height)
+        cut = np.clip(fixed, low - reach, high + reach)
+        return Rectangle.around(core.corners, np.where(wide[:, None], cut, fixed))
+
+
+def _samples(run: RunData, moments: Sequence[float] | None) -> Integers:
     """Those that are looked at: of all of the run, or the nearest to a few moments [s]."""
     n = len(run.time)
-    if moments is not None:
-        return np.unique([np.argmin(np.abs(run.time - t)) for t in moments])
-    return np.unique(np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(np.intp))
-
-
-def extents(run: RunData, *, scenery: bool = True, outlines: bool = False,
-            ) -> dict[int, list[Array]]:
-    """Points between which each body lies, with its anchors and guides, in its frame [m].
-
-    Without ``scenery`` fixed bodies that are no part of a hand and no object have their anchors,
-    guides and wheels only: a floor may be far larger than what stands on it. By ``outlines`` what
-    has shapes or wheels has these only: a cord may be held far beside its body.
-    """
-    drives, tendons = run.model.drives, run.model.tendons
-    found: dict[int, list[Array]] = {}
-
-    def add(body: int, points: Iterable[Iterable[float]]) -> None:
-        found.setdefault(body, []).append(np.asarray(points, dtype=float).reshape(-1, 2))
-
-    radii = {(int(drives.target[k]), int(drives.shape[k])):
-             float(run.arrays["drive_value"][:, k].max()) for k in drives.giving("radius").tolist()}
-    for i, body in enumerate(run.mechanism.bodies):
-        left = body.motion == "fixed" and body.role in SCENERY and not scenery
-        for k, shape in enumerate(() if left else body.shapes):
-            largest = radii.get((i, k), 0.0)
-            grow = max(0.0, largest - shape.radius) if isinstance(shape, Circle) else 0.0
-            add(i, shape_points(shape, grow))
-    for i, wheels in wheel_pictures(run.model).items():
-        for wheel in wheels:
-            add(i, (wheel.outline if wheel.rim is None else wheel.rim) + wheel.centre)
-    outlined = set(found) if outlines else set[int]()
-    for i, points in joined_points(run.model).items():
-        if i not in outlined:
-            add(i, points)
-    for body, (x, y), r in zip(tendons.guide_body.tolist(), tendons.guide_at.tolist(),
-                               np.abs(tendons.guide_radius).tolist(), strict=True):
-        if body not in outlined:
-            add(body, [(x - r, y), (x + r, y), (x, y - r), (x, y + r)])
-    return found
+    return np.unique(np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(np.int64)
+                     if moments is None else [np.argmin(np.abs(run.time - t)) for t in moments])
 
 
 def body_box(run: RunData, view: View | None = None,
              moments: Sequence[float] | None = None) -> Rectangle:
     """The box [m] of what a picture has to show of all bodies, anchors and guides in a run.
 
-    Of what leaves the mechanism, up to its leaving (:mod:`sandbox.picture.bounds`); of fixed
-    floors and frames that are far larger than the rest, what is near it; a traced point counts as
-    its body. With a body that is followed it is the same in a frame that goes with it; what is tied
-    to that body and near it, where it goes far in its machine; what is tied to it alone, where it
-    is free of all that stays. Of the bodies that the view names it is these and their traced points
-    and nothing else, in the ``moments`` [s] that are drawn, or in all of the run.
+    Of what leaves the mechanism, up to its leaving; of fixed floors and frames that are far larger
+    than the rest, what is near it; a traced point counts as its body. With a body that is followed
+    it is the same in a frame that goes with it; what is connected to that body and near it, where
+    it goes far in its machine; what is connected to it alone, where it is free of all that stays.
+    Of the bodies that the view names it is these and their traced points and nothing else, in the
+    ``moments`` [s] that are drawn, or in all of the run.
     """
     view = view or run.mechanism.view
     if (few := chosen(run, view)) is not None:
-        asked = _boxes(run, view, _samples(run, moments), outlines=True)[:, few]
-        return Rectangle.around(np.concatenate([
-            asked.reshape(-1, 2), _ways(run, view, _samples(run, moments), few).reshape(-1, 2)]))
-    samples, tied = _samples(run, None), _tied_to_followed(run, view)
-    ways = _ways(run, view, samples).reshape(-1, 2)
+        motion = _Motion(run, view, _samples(run, moments))
+        return Rectangle.around(motion.boxes(outlines=True)[:, few], motion.ways(few))
+    motion = _Motion(run, view, _samples(run, None))
     if view.bodies:
-        return Rectangle.around(np.concatenate([
-            _boxes(run, view, samples).reshape(-1, 2), ways]))
-    if tied is None:
-        return _machine(run, view, samples)
-    group = Rectangle.around(np.concatenate(
-        [_boxes(run, view, samples)[:, tied].reshape(-1, 2), ways]))
+        return Rectangle.around(motion.boxes(), motion.ways())
+    body = run.model.names.body.get(view.follow or "")
+    if body is None:
+        return motion.machine()
+    groups, boxes = groups_of(run), motion.boxes()
+    tied = [k for k, group in enumerate(groups) if group == groups[body]]
+    group = Rectangle.around(boxes[:, tied], motion.ways())
     if not anchored(run)[tied].any():
         return group
     still = view.model_copy(update={"follow": None})
-    machine = _machine(run, still, samples)
-    gone = np.ptp(drift(run, view)[samples], axis=0).max()
-    if gone <= BESIDE * max(machine.width, machine.height):
-        return _machine(run, view, samples)
-    return _near(run, view, samples, group)
-
-
-def _machine(run: RunData, view: View, samples: NDArray[np.intp]) -> Rectangle:
-    """The box [m] of what stays with the mechanism, and of what is near it of large scenery.
-
-    What stays is told in the world, and shown where the view has it. Of a traced point it is the
-    way that its body makes with the mechanism.
-    """
-    whole, own = _boxes(run, view, samples), _boxes(run, view, samples, scenery=False)
-    stays = anchored(run)
-    gone = np.tile(drift(run, view)[samples, None], 2)
-    home = (own if np.isfinite(own[:, stays]).any() else whole) + gone
-    near = with_it(home, stays)
-    ways = _ways(run, view, samples)[near[:, [body for body, _ in _traced(run, view)]]]
-    core = Rectangle.around(np.concatenate([own[near].reshape(-1, 2), ways]))
-    reach = BESIDE * max(core.width, core.height)
-    if not reach > 0:
-        return Rectangle.around(np.concatenate([whole[near].reshape(-1, 2), ways]))
-    low, high = np.array([core.x0, core.y0]), np.array([core.x1, core.y1])
-    fixed = whole[:, run.model.bodies.fixed].reshape(-1, 2, 2)
-    wide = np.ptp(fixed, axis=1) > (1 + 2 * BESIDE) * max(core.width, core.height)
-    cut = np.clip(fixed, low - reach, high + reach)
-    shown = np.where(wide[:, None], cut, fixed).reshape(-1, 2)
-    return Rectangle.around(np.concatenate([np.array([low, high]), shown]))
-
-
-def _near(run: RunData, view: View, samples: NDArray[np.intp], group: Rectangle) -> Rectangle:
-    """``group`` with as much beside it as is there [m], for a body that goes far in its machine."""
-    boxes = _boxes(run, view, samples).reshape(-1, 2, 2)
-    reach = BESIDE * max(group.width, group.height)
-    low = np.array([group.x0, group.y0]) - reach
-    high = np.array([group.x1, group.y1]) + reach
+    machine = _Motion(run, still, motion.samples).machine()
+    if np.ptp(motion.gone, axis=0).max() <= BESIDE * max(machine.width, machine.height):
+        return motion.machine()
+    # it goes far in its machine: as much beside the group as is there
+    boxes, reach = boxes.reshape(-1, 2, 2), BESIDE * max(group.width, group.height)
+    low, high = group.corners + np.array([[-reach], [reach]])
     meets = ((boxes[:, 0] <= high) & (boxes[:, 1] >= low)).all(axis=1)
-    return Rectangle.around(np.concatenate([
-        np.clip(boxes[meets], low, high).reshape(-1, 2),
-        np.array([[group.x0, group.y0], [group.x1, group.y1]])]))
-
-
-def _boxes(run: RunData, view: View, samples: NDArray[np.intp], *, scenery: bool = True,
-           outlines: bool = False) -> Array:
-    """Left, bottom, right and top of every body's :func:`extents` in samples, [n, nb, 4] m."""
-    pool, where = PointPool(), dict[int, slice]()
-    for i, points in sorted(extents(run, scenery=scenery, outlines=outlines).items()):
-        where[i] = pool.add(i, np.concatenate(points))
-    pool.close()
-    world = pool.world(run.arrays["body_pose"][samples]) - drift(run, view)[samples, None]
-    boxes = np.full((len(samples), len(run.mechanism.bodies), 4), np.nan)
-    for i, of in where.items():
-        boxes[:, i, :2], boxes[:, i, 2:] = world[:, of].min(axis=1), world[:, of].max(axis=1)
-    return boxes
-
-
-def _ways(run: RunData, view: View, samples: NDArray[np.intp],
-          few: Sequence[int] | None = None) -> Array:
-    """Where the points are that the view traces, of all bodies or of a few, [n, k, 2] m."""
-    pool = PointPool()
-    for body, at in _traced(run, view):
-        if few is None or body in few:
-            pool.add(body, [at])
-    pool.close()
-    world = pool.world(run.arrays["body_pose"][samples]) - drift(run, view)[samples, None]
-    return np.asarray(world)
-
-
-def _traced(run: RunData, view: View) -> list[tuple[int, tuple[float, float]]]:
-    """The bodies of the points that the view traces, and where on them."""
-    names = [body.name for body in run.mechanism.bodies]
-    return [(names.index(trace.body), trace.at) for trace in view.traces]
+    return Rectangle.around(np.clip(boxes[meets], low, high), group.corners)
 
 
 def chosen(run: RunData, view: View) -> list[int] | None:
@@ -184,84 +257,46 @@ def chosen(run: RunData, view: View) -> list[int] | None:
     return found if view.bodies and len(found) < len(run.mechanism.bodies) else None
 
 
-def _tied_to_followed(run: RunData, view: View) -> list[int] | None:
-    """The bodies that are tied to the one that the view follows."""
-    names = [body.name for body in run.mechanism.bodies]
-    if view.bodies or view.follow not in names:
-        return None
-    groups = groups_of(run)
-    own = groups[names.index(view.follow)]
-    return [k for k, group in enumerate(groups) if group == own]
-
-
 def drift(run: RunData, view: View) -> Array:
     """How far the picture has gone since t = 0 with the body that it follows, [n, 2] m."""
-    names = [body.name for body in run.mechanism.bodies]
-    if view.follow not in names:
+    body = run.model.names.body.get(view.follow or "")
+    if body is None:
         return np.zeros((len(run.time), 2))
-    body = names.index(view.follow)
-    pool = PointPool()
-    pool.add(body, run.arrays["body_centre"][body])
-    pool.close()
-    way = pool.world(run.arrays["body_pose"])[:, 0]
+    way = placed(run.arrays["body_pose"][:, body], run.arrays["body_centre"][body])
     return np.asarray(way - way[0])
 
 
 def whole_box(out: Listing, run: RunData, bodies: Rectangle, view: View,
               moments: Sequence[float] | None = None) -> Rectangle:
-    """``bodies`` with room for arrows that begin there, and for the ways of traced points [m].
+    """``bodies`` with room for arrows that begin there, and for the paths of traced points [m].
 
-    Ways that would make the picture much larger are not counted. Where the view names bodies, only
+    Paths that would make the picture much larger are not counted. Where the view names bodies, only
     contact forces on these count, in the ``moments`` [s] that are painted.
     """
-    points = [np.array([[bodies.x0, bodies.y0], [bodies.x1, bodies.y1]])]
-    few, gone = chosen(run, view), drift(run, view)
+    points, few = [bodies.corners], chosen(run, view)
     samples = _samples(run, None if few is None else moments)
+    went = drift(run, view)
+    slack = 1e-6 * max(bodies.width, bodies.height)
+    low, high = bodies.corners + np.array([[-slack], [slack]])
     for item in out.items:
-        if item["k"] == "arrows" and item["l"] in ("contacts", "drives", "loads"):
+        if item["k"] == "arrows" and item["l"] in (
+                ("contacts", "drives", "loads") if few is None else ("contacts",)):
             rows = out.tables[item["t"]]
             rows = rows[np.isin(rows[:, 0], samples)]
             if few is not None:
                 pairs = divmod(rows[:, 1], len(run.mechanism.bodies))
                 rows = rows[np.isin(pairs[0], few) | np.isin(pairs[1], few)]
-                if item["l"] != "contacts":
-                    continue
-            went = gone[rows[:, 0].astype(int)]
-            tails, size = rows[:, 2:4] - went, np.hypot(rows[:, 4], rows[:, 5])
+            tails = rows[:, 2:4] - went[rows[:, 0].astype(int)]
+            size = np.hypot(rows[:, 4], rows[:, 5])
             cut = np.minimum(1.0, item["most"] / np.maximum(size, 1e-30)) * item["metres"]
-            points.append((tails + rows[:, 4:6] * cut[:, None])[_inside(tails, bodies)])
-    box = Rectangle.around(np.concatenate(points))
+            inside = ((tails >= low) & (tails <= high)).all(axis=1)
+            points.append((tails + rows[:, 4:6] * cut[:, None])[inside])
+    box = Rectangle.around(*points)
     if few is None and not view.follow:
-        ways = _ways(run, view, np.arange(len(run.time))).reshape(-1, 2)
-        more = Rectangle.around(np.concatenate([*points, ways]))
+        more = Rectangle.around(*points, _Motion(run, view, slice(None)).ways())
         if max(more.width, more.height) <= GROWN * max(box.width, box.height):
             return more
     return box
-
-
-def _inside(points: Array, box: Rectangle) -> Flags:
-    """Which points lie in a box or on its edge, but for rounding."""
-    slack = 1e-6 * max(box.width, box.height)
-    low, high = np.array([box.x0, box.y0]) - slack, np.array([box.x1, box.y1]) + slack
-    return np.asarray(((points >= low) & (points <= high)).all(axis=1))
-
-
-ROOM = 0.25
-"""How far beside what stays a body may be and still be with it, in sizes of what stays."""
-FLIGHT = 12.0
-"""The same where nothing stays, in sizes of what is there at the start: what flies off alone is
-seen on its way while it is no speck in the picture."""
-
-
-def groups_of(run: RunData) -> list[int]:
-    """The number of each body's group: of bodies that move, those tied together at the run's end.
-
-    What does not move freely is a group of its own each and ties nothing together.
-    """
-    still, count = _held(run), len(run.mechanism.bodies)
-    pairs = [pair for bodies in _tied(run)
-             for pair in pairwise(body for body in bodies if not still[body])]
-    return components(count, pairs)
 
 
 def _held(run: RunData) -> Flags:
@@ -269,37 +304,40 @@ def _held(run: RunData) -> Flags:
     return np.array([body.motion != "dynamic" for body in run.mechanism.bodies], dtype=bool)
 
 
+def groups_of(run: RunData) -> list[int]:
+    """The number of each body's group: of bodies that move, those connected at the run's end.
+
+    What does not move freely is a group of its own each and connects nothing.
+    """
+    still = _held(run)
+    return components(len(still), [pair for bodies in _tied(run) for pair in pairwise(
+        body for body in bodies if not still[body])])
+
+
 def _tied(run: RunData) -> Iterable[set[int]]:
     """Sets of connected bodies, without connections that are released at the end."""
     model, held = run.model, run.arrays["held"]
-    joints, springs, tendons, lines = model.joints, model.springs, model.tendons, model.lines
-
-    def holds(tie: int) -> bool:
-        return tie == NONE or not len(held) or bool(held[-1, tie])
-
-    for k, pair in enumerate(joints.bodies.tolist()):
-        if holds(int(model.ties.joint[k])):
-            yield set(pair)
-    for k, pair in enumerate(springs.bodies.tolist()):
-        if holds(int(model.ties.spring[k])):
-            yield set(pair)
-    for k in range(len(model.mechanism.tendons)):
-        if holds(int(model.ties.tendon[k])):
-            yield set(tendons.guide_body[tendons.guides(k)].tolist())
-    for pair in lines.bodies[lines.joint == NONE].tolist():
-        yield set(pair)
+    tendons, lines = model.tendons, model.lines
+    connected: list[tuple[Integers, list[list[int]]]] = [
+        (model.ties.joint, model.joints.bodies.tolist()),
+        (model.ties.spring, model.springs.bodies.tolist()),
+        (model.ties.tendon, [tendons.guide_body[tendons.guides(k)].tolist()
+                             for k in range(len(tendons.name))])]
+    for ties, sets in connected:
+        for tie, bodies in zip(ties.tolist(), sets, strict=True):
+            if tie == NONE or not len(held) or held[-1, tie]:
+                yield set(bodies)
+    yield from map(set, lines.bodies[lines.joint == NONE].tolist())
 
 
 def anchored(run: RunData) -> Flags:
-    """Which bodies stay, [nb]: those that are fixed, and what is tied to what does not move freely.
+    """Which bodies stay, [nb]: fixed ones, and what is connected to what does not move freely.
 
     A scheduled body that holds nothing, such as a shelf that goes away, does not.
     """
     still, groups = _held(run), groups_of(run)
-    stays = run.model.bodies.fixed.copy()
     fast = {groups[b] for bodies in _tied(run) if still[list(bodies)].any() for b in bodies}
-    stays |= np.isin(groups, list(fast))
-    return np.asarray(stays, dtype=bool)
+    return np.asarray(run.model.bodies.fixed | np.isin(groups, list(fast)), dtype=bool)
 
 
 def with_it(boxes: Array, stays: Flags) -> Flags:
@@ -314,8 +352,7 @@ def with_it(boxes: Array, stays: Flags) -> Flags:
             body that has no extent.
         stays: those that stay, [nb].
     """
-    n, count = boxes.shape[:2]
-    found = np.ones((n, count), dtype=bool)
+    found = np.ones(boxes.shape[:2], dtype=bool)
     home = np.concatenate([boxes[:, stays].reshape(-1, 4), boxes[0]])
     home = home[np.isfinite(home).all(axis=1)]
     if not len(home):

@@ -19,33 +19,43 @@ from sandbox.errors import OutputError
 from sandbox.picture.frame import Picture
 from sandbox.picture.frames import Frames
 from sandbox.picture.options import check_run, check_view, paper_of, view_of
-from sandbox.picture.paper import paint_picture, pixels
-from sandbox.picture.run_data import MeteredRun, frame_times
+from sandbox.picture.run_data import MeteredRun, RunData
 from sandbox.picture.stills import ENDINGS as STILLS
-from sandbox.picture.stills import Instants, save_stills
+from sandbox.picture.stills import WHAT, Instants, save_stills
 from sandbox.recording.new_run import FRAME
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.settings import View
 
+T = TypeVar("T")
 Words = NDArray[np.uint32]
-CLEAR = 255
-"""Place in the palette that stands for: as before."""
-UNKNOWN = 255
+Progress = Callable[[float], None]
+Meters = str | Sequence[str | Mapping[str, Any]]
+Show = str | Sequence[str] | Mapping[str, object]
+CLEAR = UNKNOWN = 255
+"""Place in the palette that stands for: as before; and for a colour without a place yet."""
 COVERED = 128
 """Opacity, 0 to 255, from which a pixel counts as covered."""
 KEEP, CLEAN = 1, 2
 """What is done with a frame when its time is over: it stays, or its box is emptied."""
+FILMS = (".gif", ".mp4")
+NO_PAPER = ("a film has pixels, as in 800x600; a size on paper is one of a still "
+            f"({', '.join(STILLS)})")
+MOST_FRAMES = Limits.frames
+"""Of a film, unless more are allowed."""
+HOLD = 1.5
+"""How long a GIF shows its last frame [s], to let it be read."""
+PALETTE_FRAMES = 5
+WAITING = 8
+"""Frames that may wait to be encoded; more would only cost memory."""
 
 
 def shared_palette(
-    frames: list[Words], keep: Sequence[tuple[int, int, int]] = (),
+    frames: Sequence[Words], keep: Sequence[tuple[int, int, int]] = (),
 ) -> NDArray[np.uint8]:
     """At most 255 colours [n, 3] that suit all ``frames``, the most frequent ones exact.
 
-    ``keep`` (at most 100) are always among them.
-
-    Flat fills matter most in drawings: colours that cover more than 1 in 2000
-    pixels are taken as they are, the mixed ones at edges share what remains.
+    ``keep`` (at most 100) are always among them. Flat fills matter most in drawings: colours that
+    cover more than 1 in 2000 pixels are taken as they are, the mixed ones at edges share the rest.
     """
     words, counts = np.unique(np.concatenate([f.ravel() for f in frames]),
                               return_counts=True)
@@ -59,10 +69,9 @@ def shared_palette(
     exact = len(kept) + min(100, int(frequent[others].sum()))
     if len(words) <= CLEAR:
         return colours(words)
-    rare = colours(words[exact:])
     # edges: each mixed colour once or a few times, so that rare hues keep a place
     weight = np.minimum(np.ceil(np.sqrt(counts[exact:])), 40).astype(int)
-    strip = Image.fromarray(np.repeat(rare, weight, axis=0)[None])
+    strip = Image.fromarray(np.repeat(colours(words[exact:]), weight, axis=0)[None])
     mixed = strip.quantize(CLEAR - exact, method=Image.Quantize.MEDIANCUT,
                            dither=Image.Dither.NONE).getpalette() or []
     return np.concatenate((colours(words[:exact]),
@@ -80,18 +89,12 @@ def packed(pixels: NDArray[np.uint8]) -> Words:
     return np.asarray(red | green << 8 | blue << 16, dtype=np.uint32)
 
 
-def covered_words(pixels: NDArray[np.uint8]) -> Words:
-    """The words of the pixels that are covered, in a row."""
-    return packed(pixels[pixels[..., 3] >= COVERED])
-
-
 class GifWriter:
     """Writes frames to an open binary file."""
 
     def __init__(self, file: IO[bytes], size: tuple[int, int],
                  palette: NDArray[np.uint8]) -> None:
-        self._file = file
-        self._palette = palette.astype(np.int32)
+        self._file, self._palette = file, palette.astype(np.int32)
         self._table = np.full(1 << 24, UNKNOWN, dtype=np.uint8)
         self._last: Words | None = None
         filled = np.zeros((256, 3), np.uint8)
@@ -107,26 +110,20 @@ class GifWriter:
             self._write(self._places(frame.ravel()).reshape(frame.shape), (0, 0), hundredths)
         else:
             changed = frame != self._last
-            rows = np.flatnonzero(changed.any(axis=1))
-            top, bottom = (int(rows[0]), int(rows[-1]) + 1) if len(rows) else (0, 1)
-            columns = np.flatnonzero(changed[top:bottom].any(axis=0))
-            left, right = (int(columns[0]), int(columns[-1]) + 1) if len(columns) else (0, 1)
-            new = np.flatnonzero(changed[top:bottom, left:right])
-            cut = np.full((bottom - top, right - left), CLEAR, dtype=np.uint8)
-            cut.ravel()[new] = self._places(frame[top:bottom, left:right].ravel()[new])
-            self._write(cut, (left, top), hundredths)
+            box, corner = _box(changed)
+            new = np.flatnonzero(changed[box])
+            cut = np.full(changed[box].shape, CLEAR, dtype=np.uint8)
+            cut.ravel()[new] = self._places(frame[box].ravel()[new])
+            self._write(cut, corner, hundredths)
         self._last = frame
 
     def add_covered(self, pixels: NDArray[np.uint8], hundredths: int) -> None:
         """Write red, green, blue and opacity [h, w, 4] where it is covered, and nothing else."""
         covered = pixels[..., 3] >= COVERED
-        rows, columns = (np.flatnonzero(covered.any(axis=axis)) for axis in (1, 0))
-        if not len(rows):
-            rows = columns = np.zeros(1, dtype=np.intp)
-        box = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
+        box, corner = _box(covered)
         words = packed(pixels)[box]
         places = np.where(covered[box], self._places(words.ravel()).reshape(words.shape), CLEAR)
-        self._write(places.astype(np.uint8), (int(columns[0]), int(rows[0])), hundredths, CLEAN)
+        self._write(places.astype(np.uint8), corner, hundredths, CLEAN)
 
     def close(self) -> None:
         """Write the trailer; the file itself stays open."""
@@ -151,22 +148,12 @@ class GifWriter:
         return found
 
 
-T = TypeVar("T")
-Progress = Callable[[float], None]
-Meters = str | Sequence[str | Mapping[str, Any]]
-Show = str | Sequence[str] | Mapping[str, object]
-FILMS = (".gif", ".mp4")
-ENDINGS = (*FILMS, *STILLS)
-WHAT = "a picture"
-NO_PAPER = ("a film has pixels, as in 800x600; a size on paper is one of a still "
-            f"({', '.join(STILLS)})")
-MOST_FRAMES = Limits.frames
-"""Of a film, unless more are allowed."""
-HOLD = 1.5
-"""How long a GIF shows its last frame [s], to let it be read."""
-PALETTE_FRAMES = 5
-WAITING = 8
-"""Frames that may wait to be encoded; more would only cost memory."""
+def _box(marked: NDArray[np.bool_]) -> tuple[tuple[slice, slice], tuple[int, int]]:
+    """The smallest box that holds what is marked [h, w], as slices and as its left and top."""
+    rows = np.flatnonzero(marked.any(axis=1)).tolist() or [0]
+    columns = np.flatnonzero(marked[rows[0]:rows[-1] + 1].any(axis=0)).tolist() or [0]
+    return ((slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)),
+            (columns[0], rows[0]))
 
 
 def render(
@@ -220,13 +207,12 @@ def render(
         "size": None if paper else size, "fps": fps, "speed": speed, "centre": centre,
         "width": width, "show": show, "bodies": bodies, "follow": follow, "meters": meters})
     check_view(run, view)
+    worn = {"transparent": transparent, "bare": bare, "scales": scales}
     if is_still(path, at=at is not None, strip=strip is not False, transparent=transparent,
                 size=size):
-        return save_stills(run, path, view=view, at=at, strip=strip, transparent=transparent,
-                           bare=bare, scales=scales, paper=paper,
+        return save_stills(run, path, view=view, at=at, strip=strip, paper=paper, **worn,
                            sized=size is not None and not isinstance(size, str))
-    _animate(run, path, view, progress=progress, most_frames=most_frames,
-             transparent=transparent, bare=bare, scales=scales)
+    _animate(run, path, view, progress=progress, most_frames=most_frames, **worn)
     return [path]
 
 
@@ -238,24 +224,43 @@ def is_still(path: Path, *, at: bool, strip: bool, transparent: bool,
         OutputError: an ending that no picture has, or of a film that has not what is asked for,
             such as a size on paper.
     """
-    ending = "" if path.is_dir() else path.suffix.lower()
+    ending, wrong = "" if path.is_dir() else path.suffix.lower(), ""
     if ending in FILMS:
-        asked = {"at": at, "strip": strip, "transparent": transparent}
-        for word in (word for word, is_asked in asked.items() if is_asked):
-            if word == "transparent" and ending == ".gif":
-                continue
-            what, films = ("a see-through ground", (".gif",)) if word == "transparent" else (
-                "single moments", ())
-            raise OutputError(f"{path}: {word} asks for {what}, which no {ending} has; allowed: "
-                              f"{', '.join((*films, *STILLS))}, or none for a directory",
-                              code="bad-picture")
+        word = "at" if at else "strip" if strip else "transparent" if (
+            transparent and ending != ".gif") else ""
+        what, films = ("a see-through ground", (".gif",)) if word == "transparent" else (
+            "single moments", ())
+        if word:
+            wrong = (f"{word} asks for {what}, which no {ending} has; allowed: "
+                     f"{', '.join((*films, *STILLS))}, or none for a directory")
     elif ending and ending not in STILLS:
-        raise OutputError(f"{path}: no picture can have the ending {path.suffix!r}; allowed: "
-                          f"{', '.join(ENDINGS)}, or none for a directory", code="bad-picture")
+        wrong = (f"no picture can have the ending {path.suffix!r}; allowed: "
+                 f"{', '.join((*FILMS, *STILLS))}, or none for a directory")
     stills = ending in STILLS or at or strip
-    if not stills and paper_of(size):
-        raise OutputError(f"{path}: size={size!r} asks for paper: {NO_PAPER}", code="bad-picture")
+    if not wrong and not stills and paper_of(size):
+        wrong = f"size={size!r} asks for paper: {NO_PAPER}"
+    if wrong:
+        raise OutputError(f"{path}: {wrong}", code="bad-picture")
     return stills
+
+
+def frame_times(run: RunData, *, fps: int, speed: float, start: float = 0.0,
+                most: int = MOST_FRAMES) -> list[float]:
+    """Times of the frames [s]: ``speed / fps`` apart from ``start``, and the run's end.
+
+    Raises:
+        OutputError: more than allowed.
+    """
+    end = float(run.time[-1])
+    frames = (end - start) / speed * fps
+    if not frames <= most:
+        raise OutputError(
+            f"at a speed of {speed:g} the film would have {frames:.3g} frames. Allowed: at "
+            f"most {most} (the limit 'frames', raised by --limit frames=N or most_frames)",
+            code="limit-exceeded")
+    start, step = min(start, end), speed / fps
+    count = max(0, int(np.ceil((end - start) / step - 1e-6)))
+    return [start + k * step for k in range(count)] + [end]
 
 
 def _animate(
@@ -264,11 +269,10 @@ def _animate(
 ) -> None:
     """Write a film, ``.gif`` or ``.mp4``, or a directory of ``frame_00000.png`` and so on."""
     ending = "" if path.is_dir() else path.suffix.lower()
-    times = _times(run, view, most_frames)
-    width, height = view.size
-    if ending == ".mp4":
-        width, height = width // 2 * 2, height // 2 * 2
-    picture = Picture(run, size=(width, height), view=view, bare=bare, scales=scales,
+    times = frame_times(run, fps=view.fps, speed=view.speed, start=view.start, most=most_frames)
+    even = 2 if ending == ".mp4" else 1
+    picture = Picture(run, size=(view.size[0] // even * even, view.size[1] // even * even),
+                      view=view, bare=bare, scales=scales,
                       note="" if view.speed == 1 else f"{view.speed:g}× speed")
     draw: Callable[[float], NDArray[Any]] = (
         partial(see_through, picture) if transparent else Frames(picture).draw_packed)
@@ -286,9 +290,10 @@ def _animate(
         if ending == ".mp4":
             _write_mp4(drawn(), view.fps, aside)
             return
-        some = np.unique(np.linspace(0, len(times) - 1, PALETTE_FRAMES).astype(int))
-        palette = shared_palette([covered_words(draw(times[k])) if transparent else draw(times[k])
-                                  for k in some], picture.subject.carried.colours)
+        some = [draw(times[k]) for k in np.unique(
+            np.linspace(0, len(times) - 1, PALETTE_FRAMES).astype(int))]
+        palette = shared_palette([packed(each[each[..., 3] >= COVERED]) for each in some]
+                                 if transparent else some, picture.subject.carried.colours)
         lasts = [100 // view.fps] * (len(times) - 1) + [round(100 * HOLD)]
         with aside.open("wb") as file:
             writer = GifWriter(file, picture.size, palette)
@@ -297,23 +302,10 @@ def _animate(
             writer.close()
 
 
-def _times(run: MeteredRun, view: View, most_frames: int) -> list[float]:
-    """Times of a film's frames [s].
-
-    Raises:
-        OutputError: more than allowed.
-    """
-    frames = (float(run.time[-1]) - view.start) / view.speed * view.fps
-    if not frames <= most_frames:
-        raise OutputError(
-            f"at a speed of {view.speed:g} the film would have {frames:.3g} frames. Allowed: at "
-            f"most {most_frames} (the limit 'frames', raised by --limit frames=N or most_frames)",
-            code="limit-exceeded")
-    return frame_times(run, fps=view.fps, speed=view.speed, start=view.start)
-
-
 def see_through(picture: Picture, t: float) -> NDArray[np.uint8]:
     """A picture without a ground: red, green, blue and opacity [h, w, 4]."""
+    from sandbox.picture.paper import paint_picture, pixels
+
     return pixels(picture.size, picture.type, lambda paper: paint_picture(picture, paper, t),
                   transparent=True)
 

@@ -3,31 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pygame
 
-from sandbox.numeric import Array, Integers
-from sandbox.picture.bounds import body_box, whole_box
-from sandbox.picture.build import subject_of
-from sandbox.picture.camera import (
+from sandbox.picture.bounds import (
+    MARGIN,
     Camera,
     Stage,
-    needed_height,
+    body_box,
     place_camera,
-    round_length,
+    whole_box,
     width_shown,
 )
+from sandbox.picture.build import subject_of
 from sandbox.picture.elements.notes import grid
 from sandbox.picture.geometry import arrow
 from sandbox.picture.instant import Instant
-from sandbox.picture.labels import SMALL, place_labels
+from sandbox.picture.labels import SMALL, paint_labels, place_labels
 from sandbox.picture.listing import Item
 from sandbox.picture.meters import MeterPanel
-from sandbox.picture.painter import SheetPainter
-from sandbox.picture.palette import FAINT_INK, HAIRLINE, INK
+from sandbox.picture.palette import FAINT_INK, HAIRLINE, INK, Painter
 from sandbox.picture.run_data import MeteredRun
+from sandbox.picture.scales import round_length
 from sandbox.picture.typesetter import HEAD, Headline, Typesetter
 from sandbox.scene.settings import View
 
@@ -37,8 +36,8 @@ LEGEND = 2
 """Rows of the legend, at most; one in a small picture."""
 BAR, ARROW, RAMP = 80.0, 52.0, 64.0
 """Widths of scales in the legend: of lengths, of arrows (at most) and of colours [points]."""
-GAP = 17.0
-"""Between two rows of the legend side by side [points]."""
+GAP, APART = 17.0, 5.0
+"""Between two rows of the legend side by side, and between symbol and words [points]."""
 VALUE = 1.1
 """Size of type of labels, in that of the legend."""
 SHAPES = (0.2, 1.5)
@@ -57,19 +56,13 @@ def type_size(unit: float) -> int:
     return max(LEAST_TYPE, round(TYPE * unit))
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """A row of the legend, set: words, symbol, words; widths in finished pixels."""
 
     row: Item
     before: str
     symbol: float
     after: str
-
-    def width(self, type_: Typesetter, unit: float) -> float:
-        """Of all of it."""
-        words = sum(type_.width(w) + 5 * unit for w in (self.before, self.after) if w)
-        return self.symbol + words
 
 
 def entries(legend: Sequence[Item], scale: float, unit: float, *, scales: bool) -> list[Entry]:
@@ -104,7 +97,8 @@ def arrange(items: Sequence[Entry], type_: Typesetter, unit: float, width: float
     rows: list[list[Entry]] = []
     used = width + 1.0
     for item in items:
-        needs = item.width(type_, unit)
+        needs = item.symbol + sum(type_.width(words) + APART * unit
+                                  for words in (item.before, item.after) if words)
         if used + needs > width:
             if len(rows) == most_rows or needs > width:
                 continue
@@ -115,27 +109,26 @@ def arrange(items: Sequence[Entry], type_: Typesetter, unit: float, width: float
     return rows
 
 
-def draw_legend(painter: SheetPainter, instant: Instant, rows: Sequence[Sequence[Entry]],
+def draw_legend(painter: Painter, instant: Instant, rows: Sequence[Sequence[Entry]],
                 type_: Typesetter, unit: float, left: float, top: float, height: float) -> None:
     """Paint rows of the legend, the first at ``top`` [finished pixels]."""
+    def write(words: str) -> float:
+        painter.write((round(x), round(y - type_.height(type_.size) / 2)), words, type_.size,
+                      FAINT_INK)
+        return type_.width(words)
+
     k = painter.enlarge
     for number, row in enumerate(rows):
         x, y = left, top + (number + 0.5) * height
         for entry in row:
-            for words, gap in ((entry.before, 5 * unit), ("", 0.0)):
-                if words:
-                    x = _write(painter, type_, words, x, y) + gap
+            if entry.before:
+                x += write(entry.before) + APART * unit
             _symbol(painter, instant, entry, x * k, y * k, entry.symbol * k, unit * k)
-            x += entry.symbol + 5 * unit
-            x = _write(painter, type_, entry.after, x, y) + GAP * unit
+            x += entry.symbol + APART * unit
+            x += write(entry.after) + GAP * unit
 
 
-def _write(painter: SheetPainter, type_: Typesetter, words: str, x: float, y: float) -> float:
-    painter.write((round(x), round(y - type_.height(type_.size) / 2)), words, type_.size, FAINT_INK)
-    return x + type_.width(words)
-
-
-def _symbol(painter: SheetPainter, instant: Instant, entry: Entry, x: float, y: float,
+def _symbol(painter: Painter, instant: Instant, entry: Entry, x: float, y: float,
             width: float, u: float) -> None:
     """The symbol of an entry, from x on [pixels of the painter]; ``u`` is pixels per point."""
     row = entry.row
@@ -178,8 +171,7 @@ class Picture:
                  view: View | None = None, note: str = "", unit: float | None = None,
                  bare: bool = False, scales: bool = False, least: int = 0,
                  moments: Sequence[float] | None = None) -> None:
-        self.run = run
-        self.view = view or run.mechanism.view
+        self.run, self.view = run, view or run.mechanism.view
         self.size = size or self.view.size
         self.unit = unit or picture_unit(self.size)
         self.note, self.moments, self.least = note, moments, least
@@ -193,19 +185,22 @@ class Picture:
         self._lay_out()
 
     def _lay_out(self) -> None:
-        run, (width, height) = self.run, self.size
-        self.title = self._headline()
+        run, view, mechanism, (width, height) = self.run, self.view, self.run.mechanism, self.size
+        room = width - 3 * self.pad - self.type.width(self.stamp(float(run.time[-1])))
+        self.title = None if self.bare else Headline.of(
+            mechanism.title or mechanism.name, self.type, room,
+            self.type.scaled(1.0 if self.small else 1.25), height)
         self.head = self.title.high if self.title else 0
-        self.panel = MeterPanel(run, self.view, self.type, self.unit, self.size)
-        keyed = self.scales or not self.bare
-        bodies = body_box(run, self.view, self.moments)
-        across = width_shown(bodies, width / height, self.view.width)
+        self.panel = MeterPanel(run, view, self.type, self.unit, self.size)
+        bodies = body_box(run, view, self.moments)
+        across = width_shown(bodies, width / height, view.width)
         guess = place_camera(bodies, Stage(0, 0, width, max(8, height - self.head - self.row)),
-                             centre=self.view.centre, width=self.view.width)
-        self.subject = subject_of(run, self.view, width=across, point=self.unit / guess.scale,
+                             centre=view.centre, width=view.width)
+        self.subject = subject_of(run, view, width=across, point=self.unit / guess.scale,
                                   moments=self.moments)
         self.out = self.subject.out
-        self.box = whole_box(self.out, run, bodies, self.view, self.moments)
+        self.box = whole_box(self.out, run, bodies, view, self.moments)
+        keyed = self.scales or not self.bare
         most = 0 if not keyed else 1 if self.small else 4 if self.least else LEGEND
         rows = 1 if keyed else 0
         for _ in range(3):
@@ -219,59 +214,50 @@ class Picture:
             rows = len(self.legend)
         self._settle()
         if "coordinates" in self.subject.layers:
-            left, top, wide, high = self.stage
-            lines = grid(self.out, self.camera, Stage(left, top, wide, high), self.unit)
+            lines = grid(self.out, self.camera, self.stage, self.unit)
             self.out.items = [*(i for i in lines if i["k"] == "line"), *self.out.items,
                               *(i for i in lines if i["k"] == "text")]
-
-    def _headline(self) -> Headline | None:
-        """The title beside the time."""
-        if self.bare:
-            return None
-        room = self.size[0] - 3 * self.pad - self.type.width(
-            self.stamp(float(self.run.time[-1])))
-        mechanism = self.run.mechanism
-        return Headline.of(mechanism.title or mechanism.name, self.type, room,
-                           self.type.scaled(1.0 if self.small else 1.25), self.size[1])
 
     def _place_camera(self, foot: int) -> None:
         """Choose the place of the meters where the motion is larger: below it or beside it.
 
         The window of a view is kept whole beside meters as above them.
         """
-        (width, height), panel = self.size, self.panel
+        (width, height), panel, given = self.size, self.panel, self.view.width
+        high = height - self.head - foot
         panel.shrink()
         if self.small:
-            panel.limit((height - self.head - foot) - round(STAGE * height))
-        high = height - self.head - foot
+            panel.limit(high - round(STAGE * height))
 
-        def camera_on(stage: Stage) -> Camera:
-            asked = self.view.width
-            if asked is not None:
-                asked *= max(1.0, max(8, high) * stage.width / (width * stage.height))
-            return place_camera(self.box, stage, centre=self.view.centre, width=asked)
+        def camera_on(wide: float, tall: float) -> Camera:
+            seen = given if given is None else given * max(
+                1.0, max(8, high) * wide / (width * tall))
+            return place_camera(self.box, Stage(0, self.head, wide, tall),
+                                centre=self.view.centre, width=seen)
 
-        below = Stage(0, self.head, width, max(8, high - panel.below))
-        self.camera, self.aside = camera_on(below), False
+        below = max(8, high - panel.below)
+        self.camera, self.aside = camera_on(width, below), False
         if panel and panel.tall <= high and not self.small:
-            beside = camera_on(Stage(0, self.head, max(8, width - panel.beside), high))
+            beside = camera_on(max(8, width - panel.beside), high)
             if beside.scale > self.camera.scale:
                 self.camera, self.aside = beside, True
-        if panel and not self.aside and self.view.width is None and not self.small:
-            panel.grow(below.height - needed_height(self.box, self.camera))
-            self.camera = camera_on(Stage(0, self.head, width, max(8, high - panel.below)))
+        if panel and not self.aside and given is None and not self.small:
+            middle = self.camera.centre[1]
+            half = max(self.box.y1 - middle, middle - self.box.y0)
+            panel.grow(below - 2 * half * self.camera.scale / (1 - 2 * MARGIN))
+            self.camera = camera_on(width, max(8, high - panel.below))
 
     def _settle(self) -> None:
         """The stage, and the places of meters and legend [finished pixels]."""
-        width, height = self.size
+        (width, height), panel = self.size, self.panel
         gap = self.pad // 2 if self.legend or not self.bare else 0
         self.foot = max(height - len(self.legend) * self.row - gap, self.head + 2)
-        bottom, panel = self.foot - gap, self.panel
+        bottom = self.foot - gap
         beside, below = (panel.beside, 0) if self.aside else (0, panel.below)
-        self.stage = (0, self.head, width - beside, max(1, bottom - below - self.head))
-        right, low = self.stage[2], self.stage[1] + self.stage[3]
-        panel.settle(pygame.Rect(right, self.head, beside, bottom - self.head) if self.aside
-                     else pygame.Rect(0, low, width, below), aside=self.aside)
+        self.stage = Stage(0, self.head, width - beside, max(1, bottom - below - self.head))
+        low = self.head + int(self.stage.height)
+        panel.settle(pygame.Rect(width - beside, self.head, beside, bottom - self.head)
+                     if self.aside else pygame.Rect(0, low, width, below), aside=self.aside)
 
     @property
     def needs(self) -> float:
@@ -293,31 +279,29 @@ class Picture:
         """The list for a picture that is painted so many times larger, with its labels placed."""
         if enlarge in self._instants:
             return self._instants[enlarge]
-        width, height = (v * enlarge for v in self.size)
-        made = Instant(self.out, self.camera.magnified(enlarge), self.unit * enlarge,
+        (width, height), (x, y) = self.size, self.camera.pixel
+        camera = Camera(self.camera.scale * enlarge, self.camera.centre, (x * enlarge, y * enlarge))
+        width, height = width * enlarge, height * enlarge
+        made = Instant(self.out, camera, self.unit * enlarge,
                        (-width, -height, 2 * width, 2 * height), factor=1 / enlarge,
                        small=self.small)
         if not self._labelled:
             self._labelled = True
             left, top, wide, high = self.stage
+            few = None if self.moments is None else np.unique(
+                np.abs(self.run.time[:, None] - np.asarray(self.moments)).argmin(axis=0))
             place_labels(made, self.half, (left, top, left + wide, top + high), 1 / enlarge,
-                         speed=self.view.speed, samples=self._few(), width=self.size[0])
+                         speed=self.view.speed, samples=few, width=self.size[0])
             return self.instant(enlarge)  # labels have made columns
         self._instants[enlarge] = made
         return made
-
-    def _few(self) -> Integers | None:
-        if self.moments is None:
-            return None
-        found: Array = np.abs(self.run.time[:, None] - np.asarray(self.moments)).argmin(axis=0)
-        return np.unique(found)
 
     def half(self, words: str) -> tuple[float, float]:
         """Half the size of a label [finished pixels]."""
         face = self.type.render(words, size=self.label_size, halo=True)
         return face.get_width() / 2, face.get_height() / 2
 
-    def surround(self, painter: SheetPainter, instant: Instant) -> None:
+    def surround(self, painter: Painter, instant: Instant) -> None:
         """Paint title, legend and what stays of the meters."""
         k, width = painter.enlarge, self.size[0]
         if self.legend and not self.bare:
@@ -329,16 +313,15 @@ class Picture:
             self.title.write(painter, self.type, self.pad)
         self.panel.draw_still(painter)
 
-    def write_stamp(self, painter: SheetPainter, t: float) -> None:
+    def write_stamp(self, painter: Painter, t: float) -> None:
         """Write the time in the header."""
-        if self.bare:
-            return
-        words, line = self.stamp(t), round(HEAD * self.type.size)
-        painter.write((self.size[0] - self.pad - self.type.width(words),
-                       (line - self.type.height(self.type.size)) // 2 + 1), words,
-                      self.type.size, FAINT_INK)
+        if not self.bare:
+            words, line = self.stamp(t), round(HEAD * self.type.size)
+            painter.write((self.size[0] - self.pad - self.type.width(words),
+                           (line - self.type.height(self.type.size)) // 2 + 1), words,
+                          self.type.size, FAINT_INK)
 
-    def write_grid(self, painter: SheetPainter, instant: Instant) -> None:
+    def write_grid(self, painter: Painter, instant: Instant) -> None:
         """Numbers of the grid, at the left and the bottom edge of the stage."""
         left, top, _, high = self.stage
         for item, at in instant.texts:
@@ -348,3 +331,7 @@ class Picture:
                 middle = (x, top + high - half[1] - 1) if item["edge"] == 0 else (
                     left + half[0] + 3, y)
                 painter.text(middle, item["words"], self.label_size, FAINT_INK, ())
+
+    def write_labels(self, painter: Painter, instant: Instant) -> None:
+        """Write the labels that have a place."""
+        paint_labels(instant, painter, self.label_size, self.half)

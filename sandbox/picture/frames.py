@@ -1,6 +1,12 @@
-"""Frames of a film: only what changed is painted again."""
+"""Frames of a film by pygame, on an enlarged picture that is scaled down: smooth edges, fast.
+
+Only what changed is painted again.
+"""
 
 from __future__ import annotations
+
+import math
+from collections.abc import Sequence
 
 import numpy as np
 import pygame
@@ -8,14 +14,157 @@ from numpy.typing import NDArray
 
 from sandbox.numeric import Array
 from sandbox.picture.frame import Picture
-from sandbox.picture.labels import paint_labels
-from sandbox.picture.palette import BACKGROUND
-from sandbox.picture.pixels import Pixels
+from sandbox.picture.geometry import XY, ribbon
+from sandbox.picture.palette import BACKGROUND, Colour, hatch_lines, lighter
+from sandbox.picture.typesetter import Typesetter
 
+MASKS = (0xFF, 0xFF00, 0xFF0000, 0)
+"""Red, green, blue in this order in memory, the fourth byte unused."""
+COLOUR = np.uint32(0xFFFFFF)
+"""The fourth byte of a word is anything."""
+LONG = 60
+"""Lines with more corners have no mitres, which would take long."""
+HATCHED = 400
+"""Areas whose hatching is kept."""
 CELL = 24
 """Side of a cell [pixels of the finished picture]."""
 MOST_PIXELS = 60_000_000
 """Of the enlarged picture; very large pictures are enlarged less."""
+
+
+def new_surface(width: int, height: int) -> pygame.Surface:
+    """A blank picture in memory; no display is needed."""
+    surface = pygame.Surface((width, height), 0, 32, MASKS)
+    surface.fill(BACKGROUND)
+    return surface
+
+
+class Pixels:
+    """A painter on a surface ``enlarge`` times as large as the finished picture."""
+
+    def __init__(self, size: tuple[int, int], enlarge: int, typesetter: Typesetter) -> None:
+        self.size, self.enlarge, self.type = size, enlarge, typesetter
+        self.large = new_surface(size[0] * enlarge, size[1] * enlarge)
+        self.small = new_surface(*size)
+        self.texts: list[tuple[XY, str, int, Colour, Sequence[XY]]] = []
+        self.plain: list[tuple[XY, str, int, Colour]] = []
+        self._hatched: dict[bytes, tuple[pygame.Surface, pygame.Rect]] = {}
+
+    def area(self, rings: Sequence[Sequence[Sequence[XY]]], fill: Colour | None,
+             edge: Colour | None, width: float, *, union: bool = False, hatch: float = 0.0) -> None:
+        """See :class:`sandbox.picture.palette.Painter`."""
+        polygon, large = pygame.draw.polygon, self.large
+        if fill is not None and (union or len(rings) == 1):
+            for _, outer, _ in rings if width else ():
+                polygon(large, edge or fill, outer)
+            for _, _, inner in rings:
+                polygon(large, fill, inner)
+        else:  # one ring with holes, or an outline
+            if fill is not None:
+                polygon(large, fill, _bridged([ring for ring, _, _ in rings]))
+            for ring, outer, inner in rings:
+                if edge is None or not width or not len(outer) == len(ring) == len(inner):
+                    self.simple(ring, None, edge, width)
+                    continue
+                for k in range(len(ring)):
+                    polygon(large, edge, (outer[k - 1], outer[k], inner[k], inner[k - 1]))
+        if hatch and edge is not None:
+            inside = [inner for _, _, inner in rings]
+            for part in inside if union else [_bridged(inside)]:
+                self._hatch(part, edge, hatch)
+
+    def _hatch(self, corners: Sequence[XY], edge: Colour, pitch: float) -> None:
+        key = np.asarray(corners, dtype=np.float32).round(1).tobytes() + bytes(edge)
+        if key not in self._hatched:
+            if len(self._hatched) >= HATCHED:
+                self._hatched.clear()
+            self._hatched[key] = self._hatching(corners, edge, pitch)
+        self.large.blit(*self._hatched[key])
+
+    def _hatching(self, corners: Sequence[XY], edge: Colour,
+                  pitch: float) -> tuple[pygame.Surface, pygame.Rect]:
+        xs, ys = zip(*corners, strict=True)
+        (x0, y0), (x1, y1) = (min(xs), min(ys)), (max(xs), max(ys))
+        area = pygame.Rect(math.floor(x0), math.floor(y0), math.ceil(x1 - x0) + 2,
+                           math.ceil(y1 - y0) + 2).clip(self.large.get_rect())
+        lines, mask = (pygame.Surface(area.size, pygame.SRCALPHA, 32) for _ in range(2))
+        for (ax, ay), (bx, by) in hatch_lines(corners, round(pitch)):
+            pygame.draw.line(lines, lighter(edge, 0.45), (ax - area.x, ay - area.y),
+                             (bx - area.x, by - area.y), max(1, round(0.13 * pitch)))
+        pygame.draw.polygon(mask, (255,) * 4, [(x - area.x, y - area.y) for x, y in corners])
+        lines.blit(mask, (0, 0), special_flags=pygame.BLEND_RGBA_MULT)
+        return lines, area
+
+    def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
+        """See :class:`sandbox.picture.palette.Painter`."""
+        if width > 2.5 and (len(path) == 2 or (2 < len(path) < LONG and not _turns_back(path))):
+            pygame.draw.polygon(self.large, ink, ribbon(path, width))
+        else:
+            pygame.draw.lines(self.large, ink, False, path, max(1, round(width)))
+
+    def simple(self, corners: Sequence[XY], fill: Colour | None, edge: Colour | None,
+               width: float) -> None:
+        """See :class:`sandbox.picture.palette.Painter`."""
+        if fill is not None:
+            pygame.draw.polygon(self.large, fill, corners)
+        if edge is not None and width:
+            pygame.draw.lines(self.large, edge, True, corners, max(1, round(width)))
+
+    def disc(self, centre: XY, radius: float, fill: Colour | None, edge: Colour | None,
+             width: float, *, hatch: float = 0.0) -> None:
+        """See :class:`sandbox.picture.palette.Painter`."""
+        if edge is not None and width:
+            pygame.draw.circle(self.large, edge, centre, radius + width / 2,
+                               0 if fill is not None else max(1, round(width)))
+        if fill is not None:
+            inside = radius - width / 2 if edge is not None else radius
+            pygame.draw.circle(self.large, fill, centre, max(1.0, inside))
+        if hatch and edge is not None:
+            angle = np.arange(64) * math.tau / 64
+            ring = np.column_stack((np.cos(angle), np.sin(angle)))
+            self._hatch((np.array(centre) + (radius - width / 2) * ring).tolist(), edge, hatch)
+
+    def text(self, middle: XY, words: str, size: int, ink: Colour, leader: Sequence[XY]) -> None:
+        """Keep a text for the finished picture."""
+        self.texts.append((middle, words, size, ink, leader))
+
+    def write(self, corner: XY, words: str, size: int, ink: Colour) -> None:
+        """See :class:`sandbox.picture.palette.Painter`."""
+        self.plain.append((corner, words, size, ink))
+
+    def write_texts(self) -> list[pygame.Rect]:
+        """Write the texts that were kept on the finished picture; returns what they cover."""
+        found = [self.small.blit(self.type.render(words, size=size, colour=ink), corner)
+                 for corner, words, size, ink in self.plain]
+        for (x, y), words, size, ink, leader in self.texts:
+            if leader:
+                drawn = pygame.draw.aaline(self.small, lighter(ink, 0.35), leader[0], leader[1])
+                found.append(drawn.inflate(4, 4).clip(self.small.get_rect()))
+            face = self.type.render(words, size=size, colour=ink, halo=True)
+            found.append(self.small.blit(face, (round(x - face.get_width() / 2),
+                                                round(y - face.get_height() / 2))))
+        self.plain.clear()
+        self.texts.clear()
+        return found
+
+    def scale_down(self, areas: Sequence[pygame.Rect]) -> None:
+        """Scale areas of the enlarged picture down."""
+        for rect in areas:
+            source = self.large.subsurface([v * self.enlarge for v in rect])
+            pygame.transform.smoothscale(source, rect.size, self.small.subsurface(rect))
+
+
+def _bridged(rings: Sequence[Sequence[XY]]) -> Sequence[XY]:
+    """A ring and its holes as one even-odd polygon."""
+    return rings[0] if len(rings) == 1 else [at for ring in rings for at in (*ring, ring[0])]
+
+
+def _turns_back(path: Sequence[XY]) -> bool:
+    """Whether a line may lie on itself, where the polygon around it would have holes."""
+    step = np.diff(np.asarray(path), axis=0)
+    turn = step[:-1, 0] * step[1:, 1] - step[:-1, 1] * step[1:, 0]
+    along = (step[:-1] * step[1:]).sum(axis=1)
+    return bool(np.abs(np.arctan2(turn, along)).sum() > 4.5)
 
 
 def touched(boxes: Array, stage: pygame.Rect) -> list[pygame.Rect]:
@@ -61,34 +210,23 @@ class Frames:
             enlarge //= 2
         self.painter = painter = Pixels(self.size, enlarge, picture.type)
         self.instant = picture.instant(enlarge)
-        self._stage = pygame.Rect(picture.stage)
-        self.instant.go_to_sample(0)
-        self._clip(on=True)
-        self.instant.paint_still(painter)
-        self._clip(on=False)
-        self._blank_surround()
-        picture.surround(painter, self.instant)
-        picture.write_grid(painter, self.instant)
-        panel = pygame.Rect(picture.panel.rect)
-        self._panel_texts = [text for text in painter.plain if panel.collidepoint(text[0])]
-        painter.scale_down()
-        painter.write_texts()
-        self._large_still, self._small_still = painter.large.copy(), painter.small.copy()
-        self._areas: list[pygame.Rect] = []
+        self._stage, self._panel = stage, panel = (
+            pygame.Rect(picture.stage), pygame.Rect(picture.panel.rect))
         self._written: list[pygame.Rect] = []
+        self._areas: list[pygame.Rect] = []
         self._stamped: list[pygame.Rect] = []
         self._key: bytes | None = None
-
-    def _clip(self, *, on: bool) -> None:
-        k = self.painter.enlarge
-        self.painter.large.set_clip([v * k for v in self._stage] if on else None)
-
-    def _blank_surround(self) -> None:
-        """Wipe what was painted outside of the stage."""
-        k, (width, height), stage = self.painter.enlarge, self.size, self._stage
+        self.instant.go_to_sample(0)
+        self.instant.paint_still(painter)
         for zone in ((0, 0, width, stage.top), (0, stage.bottom, width, height),
                      (stage.right, stage.top, width, stage.height)):
-            self.painter.large.fill(BACKGROUND, [v * k for v in zone])
+            painter.large.fill(BACKGROUND, [v * enlarge for v in zone])
+        picture.surround(painter, self.instant)
+        picture.write_grid(painter, self.instant)
+        self._panel_texts = [text for text in painter.plain if panel.collidepoint(text[0])]
+        painter.scale_down([pygame.Rect(0, 0, width, height)])
+        painter.write_texts()
+        self._large_still, self._small_still = painter.large.copy(), painter.small.copy()
 
     def draw(self, t: float) -> NDArray[np.uint8]:
         """The picture at ``t`` [s]: (height, width, 3), red, green, blue.
@@ -99,55 +237,38 @@ class Frames:
 
     def draw_packed(self, t: float) -> NDArray[np.uint32]:
         """The picture at ``t`` [s] as words of red + 256 green + 65536 blue, (height, width)."""
-        painter, instant = self.painter, self.instant
+        painter, instant, picture, stage = self.painter, self.instant, self.picture, self._stage
         instant.go_to(t)
         key = instant.key()
         if key != self._key:
-            self._restore()
-            self._clip(on=True)
+            self._restore(self._areas)
+            painter.small.blits([(self._small_still, rect, rect)
+                                 for rect in self._areas + self._written], doreturn=False)
+            painter.large.set_clip([v * painter.enlarge for v in stage])
             instant.paint(painter)
-            self._clip(on=False)
-            self._areas = touched(self._boxes(), self._stage)
+            painter.large.set_clip(None)
+            boxes = np.array([(stage.left, stage.top, stage.right, stage.bottom)], dtype=float) \
+                if picture.view.follow else instant.boxes() / painter.enlarge
+            self._areas = touched(boxes, stage)
             painter.scale_down(self._areas)
-            paint_labels(instant, painter, self.picture.label_size, self.picture.half)
+            picture.write_labels(painter, instant)
             self._written = painter.write_texts()
             self._key = key
-        self._draw_meters(t)
-        self._write_stamp(t)
-        return painter.packed()
-
-    def _restore(self) -> None:
-        """Put back what the last frame covered."""
-        k, painter = self.painter.enlarge, self.painter
-        areas = [(rect.x * k, rect.y * k, rect.w * k, rect.h * k) for rect in self._areas]
-        painter.large.blits([(self._large_still, area, area) for area in areas], doreturn=False)
-        painter.small.blits([(self._small_still, rect, rect)
-                             for rect in self._areas + self._written], doreturn=False)
-
-    def _boxes(self) -> Array:
-        """What the frame covers: left, top, right, bottom [k, 4] in finished pixels."""
-        if self.picture.view.follow:
-            stage = self._stage
-            return np.array([(stage.left, stage.top, stage.right, stage.bottom)], dtype=float)
-        return np.asarray(self.instant.boxes() / self.painter.enlarge)
-
-    def _write_stamp(self, t: float) -> None:
-        painter = self.painter
+        if picture.panel and self._panel.width and self._panel.height:  # cursors and values
+            self._restore([self._panel])
+            picture.panel.draw(painter, [t])
+            painter.scale_down([self._panel])
+            painter.plain += self._panel_texts
+            painter.write_texts()
         for rect in self._stamped:
             painter.small.blit(self._small_still, rect, rect)
-        self.picture.write_stamp(painter, t)
+        picture.write_stamp(painter, t)
         self._stamped = painter.write_texts()
+        words: NDArray[np.uint32] = pygame.surfarray.pixels2d(painter.small).T & COLOUR
+        return words
 
-    def _draw_meters(self, t: float) -> None:
-        """Cursors and values of meters, which change with time."""
-        panel, painter = self.picture.panel, self.painter
-        area = panel.rect
-        if not panel or not area.width or not area.height:
-            return
-        k = painter.enlarge
-        large = pygame.Rect([v * k for v in area])
-        painter.large.blit(self._large_still, large, large)
-        panel.draw(painter, t)
-        painter.scale_down([area])
-        painter.plain += self._panel_texts
-        painter.write_texts()
+    def _restore(self, areas: Sequence[pygame.Rect]) -> None:
+        """Put back what the last frame covered."""
+        large = [tuple(v * self.painter.enlarge for v in rect) for rect in areas]
+        self.painter.large.blits([(self._large_still, area, area) for area in large],
+                                 doreturn=False)

@@ -7,37 +7,48 @@ of a C int. Coordinates that are not finite are dropped here, for all painters.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.numeric import Array
-from sandbox.scene.bodies import Box, Capsule, Circle, Polyline, Shape, Solid
+from sandbox.scene.bodies import Box, Capsule, Circle, Polygon, Polyline, Shape, Solid
 from sandbox.scene.geometry import solids
 
 XY = tuple[float, float]
+Edges = tuple[float, float, float, float]
+"""Left, top, right, bottom [pixels]."""
+FAR = 1e12
+"""Coordinates beyond this are moved there [pixels]."""
+ARC = 128
+"""Sides of the visible piece of a very large circle."""
+TOUCHING = 1e-7
+"""Shapes that are no farther apart touch [m]."""
 
 
-def arc_steps(radius: float, error: float) -> int:
+def arc_steps(radius: float, error: float, least: int = 4) -> int:
     """Sides that show half a circle no further than ``error`` from its true line."""
-    return max(4, math.ceil(math.pi / (2 * math.acos(max(0.0, 1 - error / radius)))))
+    return max(least, math.ceil(math.pi / (2 * math.acos(max(0.0, 1 - error / radius)))))
 
 
 def capsule_outline(start: XY, end: XY, radius: float, steps: int = 16) -> Array:
     """Corners of a capsule, counter-clockwise, [2 * (steps + 1), 2]."""
     along = math.atan2(end[1] - start[1], end[0] - start[0])
     far = along + np.linspace(-math.pi / 2, math.pi / 2, steps + 1)
-    near = far + math.pi
-    arc = [np.column_stack((np.cos(a), np.sin(a))) * radius for a in (far, near)]
+    arc = [np.column_stack((np.cos(a), np.sin(a))) * radius for a in (far, far + math.pi)]
     return np.concatenate((np.asarray(end) + arc[0], np.asarray(start) + arc[1]))
+
+
+def turned_area(ring: Array) -> float:
+    """Twice the area of a ring [n, 2], negative where it is clockwise."""
+    x, y = ring.T
+    return float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
 def polygon_grown(corners: Array, by: float) -> Array:
     """An outline [n, 2], each side moved outwards ``by`` (inwards when negative)."""
-    x, y = corners.T
-    if np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) < 0:
+    if turned_area(corners) < 0:
         corners = corners[::-1]
     side = np.roll(corners, -1, axis=0) - corners
     normal = np.column_stack((side[:, 1], -side[:, 0])) / np.hypot(*side.T)[:, None]
@@ -46,11 +57,10 @@ def polygon_grown(corners: Array, by: float) -> Array:
     return np.asarray(corners + by * (normal + before) / (1 + cosine)[:, None])
 
 
-def shape_points(shape: Shape, grow: float = 0.0) -> Array:
-    """Points between which a shape lies, in its body's frame [n, 2] m, grown by ``grow``."""
-    if isinstance(shape, Polyline):
-        return np.concatenate([shape_outline(solid, grow) for solid, _ in solids(shape)])
-    return shape_outline(shape, grow)
+def shape_points(*shapes: Shape, grow: float = 0.0) -> Array:
+    """Points between which shapes lie, in their body's frame [n, 2] m, grown by ``grow``."""
+    return np.concatenate([shape_outline(solid, grow) for shape in shapes for solid in (
+        [part for part, _ in solids(shape)] if isinstance(shape, Polyline) else [shape])])
 
 
 def shape_outline(shape: Solid, grow: float = 0.0, error: float = 0.0) -> Array:
@@ -60,8 +70,7 @@ def shape_outline(shape: Solid, grow: float = 0.0, error: float = 0.0) -> Array:
     """
     if isinstance(shape, Capsule | Circle):
         radius = max(shape.radius + grow, 1e-9)
-        ends = ((shape.start, shape.end) if isinstance(shape, Capsule)
-                else (shape.at, shape.at))
+        ends = (shape.start, shape.end) if isinstance(shape, Capsule) else (shape.at, shape.at)
         return capsule_outline(*ends, radius, arc_steps(radius, error) if error else 16)
     if isinstance(shape, Box):
         half = np.array(shape.size) / 2 + grow
@@ -71,11 +80,95 @@ def shape_outline(shape: Solid, grow: float = 0.0, error: float = 0.0) -> Array:
     return polygon_grown(np.array(shape.points), grow)
 
 
-def arrow(tail: XY, tip: XY, shaft: float, head: float) -> list[XY]:
-    """The seven corners of an arrow whose point lies at ``tip``.
+def united(shapes: Sequence[Shape], changing: Container[int]) -> list[int]:
+    """The numbers of those convex shapes of a body that touch others of it and lie in none.
 
-    ``shaft`` is the shaft's width and ``head`` the head's length, which shrinks
-    for an arrow shorter than 1.6 heads.
+    What lies in another, such as a hub, is seen by its own outline, and so are circles that a drive
+    changes and shapes of several pieces.
+    """
+    rings = {k: shape_outline(shape) for k, shape in enumerate(shapes)
+             if k not in changing and not isinstance(shape, Polyline)
+             and (not isinstance(shape, Polygon) or shape.whole)}
+    outer = [k for k in rings if not any(
+        _holds(rings[other], rings[k]) for other in rings
+        if other != k and not (other > k and _holds(rings[k], rings[other])))]
+    return [k for k in outer if any(
+        other != k and _touch(rings[k], rings[other]) for other in outer)]
+
+
+def bare_outlines(shapes: Sequence[Shape], error: float, *, turns: bool) -> list[Array]:
+    """What is drawn of shapes without a fill: lines [n, 2] m.
+
+    Their outlines without the parts that lie in others of them, but all of one that lies whole in
+    another; of circles that turn a radius, which shows it. ``error`` [m] is how far lines may be
+    from round ones.
+    """
+    rings = [shape_outline(solid, 0.0, error) for shape in shapes for solid, _ in solids(shape)]
+    rings = [ring if turned_area(ring) >= 0 else ring[::-1] for ring in rings]
+    found: list[Array] = []
+    for i, ring in enumerate(rings):
+        others = [other for other in rings[:i] + rings[i + 1:] if not _holds(other, ring)]
+        open_end = False
+        for start, end in zip(ring, np.roll(ring, -1, axis=0), strict=True):
+            parts = _outside(start, end, others)
+            for a, b in parts:
+                piece = np.array([start + a * (end - start), start + b * (end - start)])
+                if open_end and a == 0.0:
+                    found[-1] = np.concatenate([found[-1], piece[1:]])
+                else:
+                    found.append(piece)
+            open_end = bool(parts) and parts[-1][1] == 1.0
+    return found + [np.array([shape.at, (shape.at[0] + shape.radius, shape.at[1])])
+                    for shape in shapes if turns and isinstance(shape, Circle)]
+
+
+def _outside(start: Array, end: Array, rings: Sequence[Array]) -> list[XY]:
+    """The parts of a side, from 0 to 1 along it, that lie in no ring and on no seam with one."""
+    free = [(0.0, 1.0)]
+    for ring in rings:
+        at, to = _depths(ring, np.array([start, end]))
+        along = np.roll(ring, -1, axis=0) - ring
+        along = along[np.hypot(*along.T) > 0]
+        on_it = np.maximum(np.abs(at), np.abs(to)) <= TOUCHING
+        least = np.where(on_it, -np.inf, TOUCHING)
+        if (on_it & (along @ (end - start) > 0)).any() or (
+                (np.abs(to - at) < 1e-15) & (at < least)).any():
+            continue  # a side of both, with both on the same hand; or outside of the ring
+        with np.errstate(divide="ignore", invalid="ignore"):
+            cross = (least - at) / (to - at)
+        low = max(0.0, float(np.max(cross[(to > at) & ~on_it], initial=0.0)))
+        high = min(1.0, float(np.min(cross[(to < at) & ~on_it], initial=1.0)))
+        if high > low:
+            free = [part for a, b in free for part in ((a, min(b, low)), (max(a, high), b))
+                    if part[1] - part[0] > 1e-9]
+    return free
+
+
+def _depths(ring: Array, points: Array) -> Array:
+    """How deep points [n, 2] lie behind each side of a convex outline [m], [n, sides]."""
+    side = np.roll(ring, -1, axis=0) - ring
+    length = np.hypot(*side.T)
+    side, start = side[length > 0] / length[length > 0, None], ring[length > 0]
+    way = points[:, None] - start
+    return np.asarray(np.sign(turned_area(ring)) * (
+        side[:, 0] * way[..., 1] - side[:, 1] * way[..., 0]))
+
+
+def _holds(ring: Array, other: Array) -> bool:
+    """Whether one convex outline lies in another."""
+    return bool((_depths(ring, other) >= -TOUCHING).all())
+
+
+def _touch(one: Array, other: Array) -> bool:
+    """Whether two convex outlines meet: no side of either has all of the other before it."""
+    return all(bool((_depths(a, b).max(axis=0) >= -TOUCHING).all())
+               for a, b in ((one, other), (other, one)))
+
+
+def arrow(tail: XY, tip: XY, shaft: float, head: float) -> list[XY]:
+    """The seven corners of an arrow: widths of its shaft and length of its head.
+
+    The head shrinks where the arrow is shorter than 1.6 heads.
     """
     dx, dy = tip[0] - tail[0], tip[1] - tail[1]
     length = math.hypot(dx, dy) or 1e-12
@@ -89,11 +182,10 @@ def arrow(tail: XY, tip: XY, shaft: float, head: float) -> list[XY]:
             (bx - nx * half, by - ny * half), (tail[0] - nx * half, tail[1] - ny * half)]
 
 
-def dashes(path: list[XY], dash: float, gap: float) -> list[tuple[XY, XY]]:
+def dashes(path: Sequence[XY], dash: float, gap: float) -> list[tuple[XY, XY]]:
     """``path`` cut into dashes; the pattern runs on through its corners."""
     pieces: list[tuple[XY, XY]] = []
-    offset = 0.0
-    period = dash + gap
+    offset, period = 0.0, dash + gap
     for (x0, y0), (x1, y1) in pairwise(path):
         length = math.hypot(x1 - x0, y1 - y0)
         if length == 0.0:
@@ -109,25 +201,19 @@ def dashes(path: list[XY], dash: float, gap: float) -> list[tuple[XY, XY]]:
     return pieces
 
 
-def _bar(start: XY, end: XY, width: float) -> list[XY]:
-    """The outline of one straight line."""
-    (x0, y0), (x1, y1) = start, end
-    half = width / 2 / (math.hypot(x1 - x0, y1 - y0) or 1.0)
-    dx, dy = (y1 - y0) * half, (x0 - x1) * half
-    return [(x0 - dx, y0 - dy), (x1 - dx, y1 - dy), (x1 + dx, y1 + dy), (x0 + dx, y0 + dy)]
-
-
 def ribbon(path: Sequence[XY], width: float) -> list[XY]:
     """The outline of a line of even ``width`` along ``path``, mitred at its corners.
 
     Mitres reach at most 1.5 widths; points that repeat are skipped.
     """
-    if len(path) == 2:
-        return _bar(path[0], path[1], width)
-    corners = [p for k, p in enumerate(path) if not k or math.dist(p, path[k - 1]) > 1e-9]
-    if len(corners) < 3:
-        return _bar(path[0], path[-1], width)
+    corners = path if len(path) == 2 else [
+        p for k, p in enumerate(path) if not k or math.dist(p, path[k - 1]) > 1e-9]
     half = width / 2
+    if len(corners) < 3:
+        (x0, y0), (x1, y1) = path[0], path[-1]
+        half /= math.hypot(x1 - x0, y1 - y0) or 1.0
+        dx, dy = (y1 - y0) * half, (x0 - x1) * half
+        return [(x0 - dx, y0 - dy), (x1 - dx, y1 - dy), (x1 + dx, y1 + dy), (x0 + dx, y0 + dy)]
     normals = []
     for (x0, y0), (x1, y1) in pairwise(corners):
         length = math.hypot(x1 - x0, y1 - y0)
@@ -141,14 +227,6 @@ def ribbon(path: Sequence[XY], width: float) -> list[XY]:
         left.append((x + dx, y + dy))
         right.append((x - dx, y - dy))
     return left + right[::-1]
-
-
-Edges = tuple[float, float, float, float]
-"""Left, top, right, bottom [pixels]."""
-FAR = 1e12
-"""Coordinates beyond this are moved there [pixels]."""
-ARC = 128
-"""Sides of the visible piece of a very large circle."""
 
 
 def within(points: Sequence[XY], edges: Edges) -> bool:
@@ -191,16 +269,14 @@ def cut_line(start: XY, end: XY, edges: Edges) -> tuple[XY, XY] | None:
     first, last = 0.0, 1.0
     for step, room in ((-dx, x - edges[0]), (-dy, y - edges[1]), (dx, edges[2] - x),
                        (dy, edges[3] - y)):
-        if step == 0:
-            if room < 0:
-                return None
-        elif step < 0:
+        if step < 0:
             first = max(first, room / step)
-        else:
+        elif step > 0:
             last = min(last, room / step)
-    if first > last:
-        return None
-    return (x + first * dx, y + first * dy), (x + last * dx, y + last * dy)
+        elif room < 0:
+            return None
+    return None if first > last else (
+        (x + first * dx, y + first * dy), (x + last * dx, y + last * dy))
 
 
 def large_circle(centre: XY, radius: float, edges: Edges) -> list[XY]:
@@ -212,10 +288,9 @@ def large_circle(centre: XY, radius: float, edges: Edges) -> list[XY]:
     left, top, right, bottom = edges
     reach = math.hypot(right - left, bottom - top) / 2
     middle = (left + right) / 2, (top + bottom) / 2
-    held = _held([centre])
+    held, radius = _held([centre]), min(radius, FAR)
     if not held or math.isnan(radius):
         return []
-    radius = min(radius, FAR)
     x, y = middle[0] - held[0][0], middle[1] - held[0][1]
     distance = math.hypot(x, y)
     if distance - radius > reach:
@@ -224,64 +299,9 @@ def large_circle(centre: XY, radius: float, edges: Edges) -> list[XY]:
         return [(left, top), (right, top), (right, bottom), (left, bottom)]
     ux, uy = x / distance, y / distance
     half = math.asin(min(1.0, reach / distance))
-    arc = []
-    for k in range(ARC + 1):
-        angle = half * (2 * k / ARC - 1)
-        out = radius - distance - 2 * radius * math.sin(angle / 2) ** 2
-        along = radius * math.sin(angle)
-        arc.append((middle[0] + out * ux - along * uy, middle[1] + out * uy + along * ux))
-    deep = [(px - 4 * reach * ux, py - 4 * reach * uy) for px, py in (arc[-1], arc[0])]
-    return [*arc, *deep]
-
-
-
-
-class PointPool:
-    """Points in body frames; each drawer adds its own and gets back where they are kept."""
-
-    def __init__(self) -> None:
-        self._bodies: list[NDArray[np.intp]] = []
-        self._points: list[Array] = []
-        self._count = 0
-
-    def add(self, body: int, points: Array | list[XY]) -> slice:
-        """Keep ``points`` [n, 2] m of ``body``; the slice finds them in :meth:`world`."""
-        points = np.asarray(points, dtype=float).reshape(-1, 2)
-        self._bodies.append(np.full(len(points), body, dtype=np.intp))
-        self._points.append(points)
-        self._count += len(points)
-        return slice(self._count - len(points), self._count)
-
-    def close(self) -> None:
-        """Join what was added; nothing may be added later."""
-        sizes = [len(points) for points in self._points if len(points)]
-        self._starts = np.cumsum([0, *sizes[:-1]]) if sizes else np.zeros(0, np.intp)
-        self._body = np.concatenate([np.zeros(0, np.intp), *self._bodies])
-        self._local = np.concatenate([np.zeros((0, 2)), *self._points])
-
-    def world(self, pose: Array) -> Array:
-        """All points [n, 2] m for ``pose`` [nb, 3] (x, y, angle), or [s, n, 2] for [s, nb, 3]."""
-        c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
-        at = pose[..., self._body, :]
-        c, s = c[..., self._body], s[..., self._body]
-        x, y = self._local.T
-        return np.stack((at[..., 0] + c * x - s * y, at[..., 1] + s * x + c * y), axis=-1)
-
-    def place(self, number: int) -> tuple[int, XY]:
-        """The body of a pooled point, and the point in its frame [m]."""
-        x, y = self._local[number].tolist()
-        return int(self._body[number]), (x, y)
-
-    def boxes(self, pixels: Array) -> Array:
-        """Left, top, right and bottom [k, 4] of every set of points that was added together."""
-        if not len(self._starts):
-            return np.zeros((0, 4))
-        return np.hstack((np.minimum.reduceat(pixels, self._starts, axis=0),
-                          np.maximum.reduceat(pixels, self._starts, axis=0)))
-
-
-def moved(point: XY, pose: tuple[float, float, float]) -> XY:
-    """A point of a body's frame in the world [m]."""
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    return (float(pose[0] + c * point[0] - s * point[1]),
-            float(pose[1] + s * point[0] + c * point[1]))
+    angle = half * np.linspace(-1.0, 1.0, ARC + 1)
+    out = radius - distance - 2 * radius * np.sin(angle / 2) ** 2
+    along = radius * np.sin(angle)
+    arc = np.column_stack([middle[0] + out * ux - along * uy, middle[1] + out * uy + along * ux])
+    deep = arc[[-1, 0]] - 4 * reach * np.array([ux, uy])
+    return [(px, py) for px, py in np.concatenate([arc, deep]).tolist()]

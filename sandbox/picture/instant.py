@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sandbox.numeric import Array
-from sandbox.picture.camera import Camera
+from sandbox.picture.bounds import Camera
 from sandbox.picture.geometry import (
+    XY,
+    Edges,
+    arc_steps,
     arrow,
     capsule_outline,
     cut_line,
@@ -23,8 +26,7 @@ from sandbox.picture.geometry import (
 )
 from sandbox.picture.listing import Item, Listing
 from sandbox.picture.moment import Moment
-from sandbox.picture.painter import XY, Painter
-from sandbox.picture.palette import Colour
+from sandbox.picture.palette import Colour, Painter
 from sandbox.picture.scales import written
 
 Plan = Callable[[Painter], None]
@@ -32,33 +34,32 @@ REACH = {"mark": 20.0, "span": 13.0, "taut": 6.0}
 """How far beside their points items of a kind reach, 7 points for others."""
 ROUND = 0.15
 """Angle between corners of arcs, at most [rad]."""
-PITCH = 7.0
-"""Of hatching [points]."""
 DETAILS = frozenset(("dot", "eye"))
 """Glyphs that small pictures leave out; they have no hatching, either."""
-FINEST, MARKS_APART = 3.0, 9.0
-"""Least length of the pieces of a trail, and least distance of its marks [points]."""
-MOST_PIECES = 5000
-"""Pieces of a trail, at most: the latest ones."""
+FINEST, MARKS_APART, MOST_PIECES = 3.0, 9.0, 5000
+"""Least length of the pieces of a trail, and least distance of its marks [points]; pieces at most:
+the latest ones."""
 
 
-class Label:
+class Label(NamedTuple):
     """A text of an instant: what it says, its point and where it stands."""
 
-    __slots__ = ("away", "clear", "ink", "item", "key", "point", "side", "words")
-
-    def __init__(self, item: Item, key: int, words: str, point: XY, away: XY, ink: Colour,
-                 side: int, clear: float) -> None:
-        self.item, self.key, self.words, self.point = item, key, words, point
-        self.away, self.ink, self.side, self.clear = away, ink, side, clear
+    item: Item
+    key: int
+    words: str
+    point: XY
+    away: XY
+    ink: Colour
+    side: int
+    """-1 where it has no place."""
+    clear: float
 
 
 class Instant(Moment):
     """What to paint of a display list: for each item a function of the painter."""
 
-    def __init__(self, out: Listing, camera: Camera, point: float,
-                 edges: tuple[float, float, float, float], *, factor: float = 1.0,
-                 small: bool = False) -> None:
+    def __init__(self, out: Listing, camera: Camera, point: float, edges: Edges, *,
+                 factor: float = 1.0, small: bool = False) -> None:
         """See :class:`Moment`."""
         super().__init__(out, camera, point, edges, factor=factor, small=small)
         self.texts: list[tuple[Item, int]] = []
@@ -70,19 +71,18 @@ class Instant(Moment):
 
     def _plan(self, item: Item) -> None:
         first = self._count
-        plan = getattr(self, f"_{item['k']}")(item)
+        plan: Plan | None = getattr(self, f"_{item['k']}")(item)
         if plan is None:
             return
-        if "if" in item:
-            plan = self._where(item["if"], plan)
         if self._count > first:
             self.outlines.append(slice(first, self._count))
-        stays = not self.plans and self._stays(item)
-        (self.still_plans if stays else self.plans).append(plan)
-        if not stays and self._count > first:
-            reach = max([*item.get("r", ()), 0]) + 14 if item["k"] == "spiral" else (
-                REACH.get(item["k"], 7.0))
-            self._extents.append((first, self._count, reach))
+        if not self.plans and self._stays(item):
+            self.still_plans.append(plan)
+            return
+        self.plans.append(self._where(item["if"], plan) if "if" in item else plan)
+        if self._count > first:
+            self._extents.append((first, max(item["r"]) + 14 if item["k"] == "spiral"
+                                  else REACH.get(item["k"], 7.0)))
 
     def _where(self, shown: Any, plan: Plan) -> Plan:
         def paint(painter: Painter) -> None:
@@ -96,46 +96,43 @@ class Instant(Moment):
             return False
         points = item.get("p", [item[key] for key in ("at", "a", "b") if key in item])
         frames = [item["f"]] if "f" in item else [point[0] for point in points]
-        changing = any(isinstance(item.get(key), list) for key in (
-            "if", "by", "state", "wide", "turn"))
-        radii = [d["c"][4] for d in item.get("d", ()) if isinstance(d, dict)]
-        return not (changing or any(isinstance(r, list) for r in radii)
+        numbers = [item.get(key) for key in ("if", "by", "state", "wide", "turn")]
+        numbers += [d["c"][4] for d in item.get("d", ()) if isinstance(d, dict)]
+        return not (any(isinstance(number, list) for number in numbers)
                     or any(self._moves[frame] for frame in frames))
 
     def paint(self, painter: Painter) -> None:
         """Paint what moves."""
-        self.list_points()
+        self._list_points()
         self.touched.clear()
         for plan in self.plans:
             plan(painter)
 
     def paint_still(self, painter: Painter) -> None:
         """Paint what stays, behind all else."""
-        self.list_points()
+        self._list_points()
         for plan in self.still_plans:
             plan(painter)
 
     def _path(self, item: Item) -> Plan:
-        circle = item["d"][0]["c"] if len(item["d"]) == 1 and isinstance(item["d"][0], dict) \
-            else None
-        if circle is not None and circle[0] == circle[2] and circle[1] == circle[3]:
-            return self._circle(item, circle)
-        union, (_, _, width, _, hatched) = bool(item.get("m")), self.out.styles[item["s"]]
+        if len(item["d"]) == 1 and isinstance(item["d"][0], dict):
+            x0, y0, x1, y1, radius = item["d"][0]["c"]
+            if (x0, y0) == (x1, y1):
+                return self._circle(item, self._place([item["f"], x0, y0]), radius)
+        union, width = bool(item.get("m")), self.out.styles[item["s"]][2]
         half = width / 2 * self.point * self.thin / self.scale
-        by = half * (2 if union else 1)
         rings = []
         for ring in self._rings(item["d"]):
-            line = self._pool(item["f"], ring)
-            outer = self._pool(item["f"], polygon_grown(ring, by)) if width else line
-            inner = line if union or not width else self._pool(
-                item["f"], polygon_grown(ring, -half))
+            line = outer = inner = self._pool(item["f"], ring)
+            if width:
+                outer = self._pool(item["f"], polygon_grown(ring, half * (2 if union else 1)))
+                inner = line if union else self._pool(item["f"], polygon_grown(ring, -half))
             rings.append((line, outer, inner))
         if self.out.styles[item["s"]][0] not in ("", "paper", "liquid"):
             self.fills += [line for line, _, _ in rings[:None if union else 1]]
-        hatch = PITCH * self.point if hatched and not self.small else 0.0
 
         def paint(painter: Painter) -> None:
-            fill, edge, now, _, _ = self.look(item)
+            fill, edge, now, _, hatch = self.look(item)
             found: list[list[Sequence[XY]]] = [[self.points[part] for part in ring]
                                                for ring in rings]
             if self.wild:
@@ -148,45 +145,34 @@ class Instant(Moment):
     def _cut(self, corners: Sequence[XY]) -> Sequence[XY]:
         return corners if within(corners, self.edges) else cut_polygon(corners, self.edges)
 
-    def _circle(self, item: Item, circle: Sequence[Any]) -> Plan:
-        x, y, _, _, radius = circle
-        at = self._place([item["f"], x, y])
+    def _circle(self, item: Item, at: int, radius: Any) -> Plan:
         if not isinstance(radius, list):  # its box
+            x, y = item["d"][0]["c"][:2]
             self.fills.append(self._pool(item["f"], _square(x, y, radius)))
 
         def paint(painter: Painter) -> None:
-            fill, edge, width, _, hatched = self.look(item)
-            hatch = PITCH * self.point if hatched and not self.small else 0.0
-            size = self.value(radius) * self.scale
+            fill, edge, width, _, hatch = self.look(item)
+            size, (x, y) = self.value(radius) * self.scale, self.points[at]
             if isinstance(radius, list):
-                self.touch(*_square(*self.points[at], size))
-            self._disc(painter, self.points[at], size, fill, edge, width, hatch)
+                self.touch(*_square(x, y, size))
+            left, top, right, bottom = self.edges
+            if size < 4 * math.hypot(right - left, bottom - top):
+                if math.isfinite(x + y) and (left - size <= x <= right + size
+                                             and top - size <= y <= bottom + size):
+                    painter.disc((x, y), size, fill, edge, width, hatch=hatch)
+            elif len(ring := large_circle((x, y), size, self.edges)) > 2:
+                painter.area([[ring, ring, ring]], fill, edge, width, hatch=hatch)
         return paint
-
-    def _disc(self, painter: Painter, centre: XY, radius: float, fill: Colour | None,
-              edge: Colour | None, width: float, hatch: float = 0.0) -> None:
-        left, top, right, bottom = self.edges
-        if radius < 4 * math.hypot(right - left, bottom - top):
-            if math.isfinite(centre[0] + centre[1]) and (
-                    left - radius <= centre[0] <= right + radius
-                    and top - radius <= centre[1] <= bottom + radius):
-                painter.disc(centre, radius, fill, edge, width, hatch=hatch)
-            return
-        ring = large_circle(centre, radius, self.edges)
-        if len(ring) > 2:
-            painter.area([[ring, ring, ring]], fill, edge, width, hatch=hatch)
 
     def _rings(self, subpaths: Sequence[Any]) -> Iterator[Array]:
         """Corners of closed subpaths, without those that repeat."""
         error = 0.3 / self.scale
         for one in subpaths:
+            ring = np.array([] if isinstance(one, dict) else one).reshape(-1, 2)
             if isinstance(one, dict):
                 x0, y0, x1, y1, r = one["c"]
-                steps = max(6, min(400, math.ceil(math.pi / (2 * math.acos(
-                    max(0.0, 1 - error / max(r, 2 * error)))))))
+                steps = min(400, arc_steps(max(r, 2 * error), error, 6))
                 ring = capsule_outline((x0, y0), (x1, y1), r, steps)
-            else:
-                ring = np.array(one).reshape(-1, 2)
             apart = np.hypot(*(ring - np.roll(ring, 1, axis=0)).T) > 0
             if apart.sum() > 2:
                 yield ring[apart]
@@ -195,12 +181,16 @@ class Instant(Moment):
         at = [self._place(point) for point in item["p"]]
 
         def paint(painter: Painter) -> None:
-            _, edge, width, dash, _ = self.look(item)
-            self._stroke(painter, [self.points[i] for i in at], edge, width, dash)
+            self._stroke(painter, [self.points[i] for i in at], item)
         return paint
 
-    def _stroke(self, painter: Painter, path: Sequence[XY], ink: Colour | None, width: float,
-                dash: float = 0.0) -> None:
+    def _stroke(self, painter: Painter, path: Sequence[XY], item: Item) -> None:
+        """Connected lines in an item's style."""
+        _, edge, width, dash, _ = self.look(item)
+        self._draw_line(painter, path, edge, width, dash)
+
+    def _draw_line(self, painter: Painter, path: Sequence[XY], ink: Colour | None, width: float,
+                   dash: float = 0.0) -> None:
         """Connected lines, cut if they are far outside, in dashes if asked for."""
         if ink is None or len(path) < 2:
             return
@@ -208,7 +198,7 @@ class Instant(Moment):
         if self.wild and not within(path, self.edges):
             pieces = [piece for a, b in pairwise(path) if (piece := cut_line(a, b, self.edges))]
         for one in pieces:
-            for part in dashes(list(one), dash, 0.8 * dash) if dash else (one,):
+            for part in dashes(one, dash, 0.8 * dash) if dash else (one,):
                 painter.line(part, ink, width)
 
     def _mark(self, item: Item) -> Plan | None:
@@ -216,32 +206,30 @@ class Instant(Moment):
         if self.small and DETAILS & set(names):
             return None
         at, made = self._place(item["at"]), [self.glyph(name) for name in names]
-        ends = np.concatenate([points + (sign * radius) for _, points, radius, _ in made[-1]
+        ends = np.concatenate([points + sign * radius for _, points, radius, _ in made[-1]
                                for sign in (-1, 1)])
         self.marks.append((at, np.array([ends.min(axis=0), ends.max(axis=0)])))
 
         def paint(painter: Painter) -> None:
             state = round(self.value(item["state"])) if "state" in item else 0
-            turn = self.value(item["turn"]) if "turn" in item else 0.0
             if not self.wild or within([self.points[at]], self.edges):
-                self.stamp(painter, made[min(len(made) - 1, max(0, state))], self.points[at], turn)
+                self.stamp(painter, made[min(len(made) - 1, max(0, state))], self.points[at],
+                           self.value(item.get("turn", 0.0)))
         return paint
 
     def glyph(self, name: str, point: float | None = None) -> list[Any]:
-        """Parts of a glyph in pixels, y down: kind, points or radius, style."""
+        """Parts of a glyph in pixels, y down: kind, points, radius, style."""
         parts: list[Any] = []
         point = point or self.point
         u = point * (0.85 if self.small else 1.0)
         for number, d in self.out.glyphs[name]:
             fill, edge, width, dash, _ = self.out.styles[number]
-            look = (self.ink(fill, 1.0), self.ink(edge, 1.0), width * point, dash * point)
-            if isinstance(d, dict) and "c" in d:
-                parts.append(("disc", np.array([[d["c"][0] * u, -d["c"][1] * u]]), d["c"][4] * u,
-                              look))
-            else:
-                flat = d["l"] if isinstance(d, dict) else d
-                points = np.array(flat, dtype=float).reshape(-1, 2) * (u, -u)
-                parts.append(("line" if isinstance(d, dict) else "ring", points, 0.0, look))
+            kind, flat, radius = "ring", d, 0.0
+            if isinstance(d, dict):
+                kind, flat, radius = ("line", d["l"], 0.0) if "l" in d else (
+                    "disc", d["c"][:2], d["c"][4] * u)
+            parts.append((kind, np.array(flat, dtype=float).reshape(-1, 2) * (u, -u), radius,
+                          (self.ink(fill, 1.0), self.ink(edge, 1.0), width * point, dash * point)))
         return parts
 
     def stamp(self, painter: Painter, glyph: Sequence[Any], at: XY, turn: float = 0.0) -> None:
@@ -256,34 +244,33 @@ class Instant(Moment):
             elif kind == "ring":
                 painter.simple(here, fill, edge, width)
             else:
-                self._stroke(painter, here, edge, width, dash)
+                self._draw_line(painter, here, edge, width, dash)
 
     def _span(self, item: Item) -> Plan:
         a, b = self._place(item["a"]), self._place(item["b"])
         pattern = np.array(item["t"], dtype=float).reshape(-1, 2)
 
         def paint(painter: Painter) -> None:
-            _, edge, width, dash, _ = self.look(item)
-            piece = (self.points[a], self.points[b])
-            if self.wild and not within(piece, self.edges):
-                cut = cut_line(*piece, self.edges)
-                if cut is None:
-                    return
-                piece = cut
+            piece: tuple[XY, XY] | None = (self.points[a], self.points[b])
+            if self.wild and not within((self.points[a], self.points[b]), self.edges):
+                piece = cut_line(self.points[a], self.points[b], self.edges)
+            if piece is None:
+                return
             start, way = np.array(piece[0]), np.array(piece[1]) - np.array(piece[0])
             length = max(math.hypot(*way), 1e-9)
             along, side = way / length, np.array((way[1], -way[0])) / length  # side: left, y up
             if "every" in item:
                 step = item["every"] * self.point
                 stroke = self.point * (pattern[:, :1] * along + pattern[:, 1:] * side)
+                _, edge, width, _, _ = self.look(item)
                 for k in range(1, math.ceil(length / step)):
-                    self._stroke(painter, (start + k * step * along + stroke).tolist(), edge,
-                                 width)
+                    self._draw_line(painter, (start + k * step * along + stroke).tolist(), edge,
+                                    width)
                 return
             share, low, high = item["w"]
             half = min(max(share * length, low * self.point), high * self.point)
             path = start + pattern[:, :1] * way + half * pattern[:, 1:] * side
-            self._stroke(painter, path.tolist(), edge, width, dash)
+            self._stroke(painter, path.tolist(), item)
         return paint
 
     def _spiral(self, item: Item) -> Plan:
@@ -298,14 +285,13 @@ class Instant(Moment):
             angle = self.value(item["start"]) + sweep * share
             path: list[XY] = (self.px[at] + self.point * radius[:, None] * np.column_stack(
                 (np.cos(angle), -np.sin(angle)))).tolist()
-            head = item.get("head", 0.0) * self.point
-            if not head:
-                self._stroke(painter, path, edge, width)
-                return
-            back = min(0.8 * abs(sweep), head / (radius[-1] * self.point))
-            keep = max(2, round(len(path) * (1 - back / max(abs(sweep), 1e-9))))
-            self._stroke(painter, path[:keep], edge, width)
-            painter.simple(arrow(path[keep - 1], path[-1], width, head), edge, None, 0)
+            keep, head = len(path), item.get("head", 0.0) * self.point
+            if head:
+                back = min(0.8 * abs(sweep), head / (radius[-1] * self.point))
+                keep = max(2, round(len(path) * (1 - back / max(abs(sweep), 1e-9))))
+            self._draw_line(painter, path[:keep], edge, width)
+            if head:
+                painter.simple(arrow(path[keep - 1], path[-1], width, head), edge, None, 0)
         return paint
 
     def _taut(self, item: Item) -> Plan:
@@ -315,7 +301,6 @@ class Instant(Moment):
                 self._pool(frame, _square(x, y, r))
 
         def paint(painter: Painter) -> None:
-            _, edge, width, dash, _ = self.look(item)
             path: list[XY] = []
             for i, (_, _, _, r, _, *turn) in zip(at, item["p"], strict=True):
                 x, y = self.points[i]
@@ -323,28 +308,23 @@ class Instant(Moment):
                     path.append((x, y))
                     continue
                 meets, leaves = self.value(turn[0]), self.value(turn[1])
-                if not math.isfinite(meets + leaves):
-                    continue
-                size = self.value(r) * self.scale
-                count = max(1, math.ceil(abs(leaves - meets) / ROUND)) if size else 0
-                for k in range(count + 1):
-                    angle = meets + (leaves - meets) * k / max(count, 1)
-                    path.append((x + size * math.cos(angle), y - size * math.sin(angle)))
-            if item.get("c"):
-                path.append(path[0])
-            self._stroke(painter, path, edge, width, dash)
+                if math.isfinite(meets + leaves):
+                    size = self.value(r) * self.scale
+                    count = max(1, math.ceil(abs(leaves - meets) / ROUND)) if size else 0
+                    for k in range(count + 1):
+                        angle = meets + (leaves - meets) * k / max(count, 1)
+                        path.append((x + size * math.cos(angle), y - size * math.sin(angle)))
+            self._stroke(painter, [*path, path[0]] if item.get("c") else path, item)
         return paint
 
     def _sag(self, item: Item) -> Plan:
         a, b, share = self._place(item["a"]), self._place(item["b"]), np.linspace(0, 1, 13)
 
         def paint(painter: Painter) -> None:
-            _, edge, width, dash, _ = self.look(item)
-            depth = 4 * self.value(item["depth"]) * self.scale * share * (1 - share)
             path = self.px[a] + share[:, None] * (self.px[b] - self.px[a])
-            path[:, 1] += depth
+            path[:, 1] += 4 * self.value(item["depth"]) * self.scale * share * (1 - share)
             self.touch(*path)
-            self._stroke(painter, path.tolist(), edge, width, dash)
+            self._stroke(painter, path.tolist(), item)
         return paint
 
     def _arrows(self, item: Item) -> Plan:
@@ -357,17 +337,13 @@ class Instant(Moment):
             for a, b, size in zip(tails.tolist(), tips.tolist(), sizes.tolist(), strict=True):
                 self.touched.append((min(a[0], b[0]), min(a[1], b[1]), max(a[0], b[0]),
                                      max(a[1], b[1])))
-                if rim is not None:
-                    self._solid(painter, arrow(a, b, shaft * u + width, head * u + width / 2), rim)
-                self._solid(painter, arrow(a, b, shaft * u, head * u), fill)
+                for ink, more in ((rim, width), (fill, 0.0)):
+                    corners = self._cut(arrow(a, b, shaft * u + more, head * u + more / 2))
+                    if ink is not None and len(corners) > 2:
+                        painter.simple(corners, ink, None, 0)
                 if size > item["most"] and rim is not None:
                     self._cut_bars(painter, a, b, (shaft + 6.5) / 2 * u, rim)
         return paint
-
-    def _solid(self, painter: Painter, corners: Sequence[XY], fill: Colour | None) -> None:
-        corners = self._cut(corners)
-        if len(corners) > 2:
-            painter.simple(corners, fill, None, 0)
 
     def _cut_bars(self, painter: Painter, tail: XY, tip: XY, half: float, ink: Colour) -> None:
         """Two slanted bars across an arrow that would be longer."""
@@ -384,93 +360,80 @@ class Instant(Moment):
     def _strips(self, item: Item) -> Plan:
         def paint(painter: Painter) -> None:
             fill, edge, width, _, _ = self.look(item)
-            for row in self.rows(item):
-                corners: list[XY] = self.to_pixels(row[2:10].reshape(4, 2)).tolist()
-                if within(corners, self.edges):
+            for corners in self.camera.to_pixels(self.rows(item)[:, 2:10].reshape(-1, 4, 2)):
+                if within(corners.tolist(), self.edges):
                     self.touch(*corners)
-                    painter.simple(corners, fill, edge, width)
+                    painter.simple(corners.tolist(), fill, edge, width)
         return paint
 
     def _trail(self, item: Item) -> Plan:
-        at, out = self._place(item["at"]), self.out
-        way = out.place(item["at"])
-        step = FINEST * self.point / self.scale
-        kept = _apart(way, step)
-        every, first = item["every"], float(out.time[0])
-        count = math.floor(first / every * (1 - 1e-9)) + 1
-        times = np.arange(count, math.floor(float(out.time[-1]) / every * (1 + 1e-9)) + 1) * every
-        spots = np.stack([np.interp(times, out.time, way[:, k]) for k in (0, 1)], axis=1)
-        spots_kept = _apart(spots, MARKS_APART * self.point / self.scale)
+        at, time, way = self._place(item["at"]), self.out.time, self.out.place(item["at"])
+        kept, every = _apart(way, FINEST * self.point / self.scale), item["every"]
+        first, last = (math.floor(float(time[k]) / every * (1 + sign * 1e-9))
+                       for k, sign in ((0, -1), (-1, 1)))
+        times = np.arange(first + 1, last + 1) * every
+        spots = np.stack([np.interp(times, time, way[:, k]) for k in (0, 1)], axis=1)
+        some = _apart(spots, MARKS_APART * self.point / self.scale)
+        times, spots = times[some], spots[some]
 
         def paint(painter: Painter) -> None:
             fill, edge, width, _, _ = self.look(item)
             width = max(width, 1.5 / self.factor)
             passed = kept[:int(np.searchsorted(kept, self.sample, side="right"))][-MOST_PIECES:]
-            path: list[XY] = [*self.to_pixels(way[passed]).tolist(), self.points[at]]
-            self._stroke(painter, path, edge, width)
+            path: list[XY] = [*self.camera.to_pixels(way[passed]).tolist(), self.points[at]]
+            self._draw_line(painter, path, edge, width)
             for k in range(0, len(path) - 1, 8):
                 self.touch(*path[k:k + 9])
-            seen = [k for k in spots_kept.tolist() if times[k] <= self.time * (1 + 1e-9)]
-            marks = self.to_pixels(spots[seen]).tolist() if seen else []
-            for centre, radius in (*((mark, item["mark"]) for mark in marks),
-                                   (self.points[at], 1.5 * width / self.point)):
+            marks = self.camera.to_pixels(spots[times <= self.time * (1 + 1e-9)]).tolist()
+            for centre, radius in (*((mark, item["mark"] * self.point) for mark in marks),
+                                   (self.points[at], 1.5 * width)):
                 if within([centre], self.edges):
-                    painter.disc(centre, radius * self.point, fill, None, 0)
+                    painter.disc(centre, radius, fill, None, 0)
         return paint
 
     def _text(self, item: Item) -> None:
-        item_at = self._place(item["at"])
-        self.texts.append((item, item_at))
+        self.texts.append((item, self._place(item["at"])))
 
     def labels(self) -> Iterator[Label]:
         """All texts and values of this instant, also those that have no place."""
-        self.list_points()
+        self._list_points()
         for item, at in self.texts:
             if ("if" in item and self.value(item["if"]) <= 0.5) or "edge" in item:
                 continue
-            words = item["words"]
-            if "value" in item:
-                value = self.value(item["value"])
-                words = f"{words} {self.write(item, value)}".strip()
-            yield self._label(item, 0, words, self.points[at], (0.0, 0.0), item,
-                              item.get("clear", 0.0))
+            place = [item["side"], item["show"]] if "side" in item else None
+            yield self._label(item, 0, item["words"], self.value(item.get("value", 0.0)),
+                              self.points[at], (0.0, 0.0), place)
         for item in self.out.items:
+            places, names = item.get("labels", {}), item.get("names") or {}
             if item["k"] == "arrows":
                 rows, tails, tips, sizes = self.arrows(item)
                 values = rows[:, 6] if rows.shape[1] > 6 else sizes
-                for row, tail, tip, size, value in zip(rows, tails.tolist(), tips.tolist(), sizes,
-                                                       values.tolist(), strict=True):
+                for key, tail, tip, size, value in zip(
+                        rows[:, 1].astype(int).tolist(), tails.tolist(), tips.tolist(), sizes,
+                        values.tolist(), strict=True):
                     if size >= 0.5 * item.get("told", 0.0):
-                        key = int(row[1])
-                        name = (item.get("names") or {}).get(key, "")
                         away = (tip[0] - tail[0], tip[1] - tail[1])
-                        yield self._label(item, key, f"{name} {self.write(item, value)}".strip(),
-                                          tip, away, item.get("labels", {}).get(key))
+                        yield self._label(item, key, names.get(key, ""), value, tip, away,
+                                          places.get(key))
             elif item["k"] == "strips":
                 for row in self.rows(item):
                     if row[10] >= item["least"]:
-                        corners = self.to_pixels(row[2:10].reshape(4, 2))
+                        corners = self.camera.to_pixels(row[2:10].reshape(4, 2))
                         high = np.hypot(*(corners[[2, 3]] - corners[[1, 0]]).T)
-                        tip, foot = (corners[[2, 1]] if high[0] > high[1] else corners[[3, 0]])
-                        yield self._label(item, int(row[1]), self.write(item, float(row[10])),
+                        tip, foot = corners[[2, 1]] if high[0] > high[1] else corners[[3, 0]]
+                        yield self._label(item, int(row[1]), "", float(row[10]),
                                           tuple(tip.tolist()), tuple((tip - foot).tolist()),
-                                          item.get("labels", {}).get(int(row[1])))
+                                          places.get(int(row[1])))
 
-    def _label(self, item: Item, key: int, words: str, point: XY, away: XY, place: Any,
-               clear: float = 0.0) -> Label:
+    def _label(self, item: Item, key: int, words: str, value: float, point: XY, away: XY,
+               place: Any) -> Label:
+        if "factor" in item:
+            number = f"{written(value, item['factor'], item['decimals'])} {item['unit']}"
+            words = f"{words} {number}".strip()
         fill, edge, *_ = self.look(item)
         ink = (edge if item["k"] == "text" else fill) or (0, 0, 0)
-        side = -1
-        if isinstance(place, dict):  # a text has its place in the item itself
-            place = [place["side"], place["show"]] if "side" in place else None
-        if place is not None and self.value(place[1]) > 0.5:
-            side = int(place[0])
-        return Label(item, key, words, point, away, ink, side, clear)
-
-    @staticmethod
-    def write(item: Item, value: float) -> str:
-        """A value with its unit, as the item says."""
-        return f"{written(value, item['factor'], item['decimals'])} {item['unit']}"
+        side = int(place[0]) if place is not None and self.value(place[1]) > 0.5 else -1
+        return Label(item, key, words, point, away, ink, side, item.get("clear", 0.0))
 
 
 def _apart(points: Array, least: float) -> Any:

@@ -7,15 +7,14 @@ least ink and no other label. It comes and goes no more often than every :data:`
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.picture.geometry import within
-from sandbox.picture.instant import Instant
-from sandbox.picture.listing import SIDES, Item
-from sandbox.picture.painter import XY, Painter
+from sandbox.picture.geometry import XY, within
+from sandbox.picture.instant import Instant, Label
+from sandbox.picture.listing import SIDES
+from sandbox.picture.palette import Painter
 
 LOOKED = 48
 """Samples that are looked at."""
@@ -35,18 +34,19 @@ FAR = 20
 Half = Callable[[str], tuple[float, float]]
 
 
-@dataclass
 class _Seen:
     """A label over the samples that are looked at."""
 
-    item: Item
-    key: int
-    words: str
-    rank: float
-    rows: Array
-    """Point x, y, away x, y [samples, 4] pixels of the finished picture; NaN where it is absent."""
-    clear: float
-    size: float
+    def __init__(self, label: Label, samples: int) -> None:
+        self.label, self.words, self.size = label, label.words, 0.0
+        self.number = "value" in label.item or label.item["k"] != "text"
+        self.rows = np.full((samples, 4), np.nan)
+        """Point x, y, away x, y [samples, 4] pixels of the finished picture; NaN where absent."""
+
+    @property
+    def order(self) -> tuple[float, float]:
+        """Those with less are placed first."""
+        return float(self.label.item.get("rank", 1)), -self.size
 
 
 def place_labels(instant: Instant, half: Half, stage: Sequence[float], factor: float, *,
@@ -68,43 +68,35 @@ def place_labels(instant: Instant, half: Half, stage: Sequence[float], factor: f
     seen, covered = _look(instant, some, stage, factor)
     point, placed = instant.point * factor, np.full((0, len(some), 4), np.nan)
     numbers, most = 0, FEW if width < SMALL else MOST
-    for label in sorted(seen.values(), key=lambda one: (one.rank, -one.size)):
-        is_number = "value" in label.item or label.item["k"] != "text"
-        if is_number and numbers >= most:
+    for one in sorted(seen, key=lambda one: one.order):
+        if one.number and numbers >= most:
             continue
-        box = half(label.words)
-        middles = np.array([label.rows[:, :2] + offset(side, box, label.clear, point)
+        box = half(one.words)
+        middles = np.array([one.rows[:, :2] + offset(side, box, one.label.clear, point)
                             for side in range(len(SIDES))])
         boxes = np.concatenate((middles - box, middles + box), axis=2)
-        cost = _costs(label, boxes, placed, covered, stage)
-        best = int(np.argmin(cost))
-        there = np.isfinite(label.rows[:, 0]) & ~_meet(boxes[best][None], placed).any(axis=0)
-        there &= ~_outside(boxes[best], stage)
-        present = np.isfinite(label.rows[:, 0])
+        side = int(np.argmin(_costs(one, boxes, placed, covered, stage)))
+        present = np.isfinite(one.rows[:, 0])
+        there = present & ~_meet(boxes[side][None], placed).any(axis=0)
+        there &= ~_outside(boxes[side], stage)
         if there.sum() < PATIENCE * present.sum():
             continue
         if samples is None:
             there = steady(there, time[some], HOLD * speed)
         if not there.any():
             continue
-        placed = np.concatenate([placed, np.where(there[:, None], boxes[best], np.nan)[None]])
-        numbers += is_number
-        _write(instant, label, best, there, some)
-
-
-def _write(instant: Instant, label: _Seen, side: int, there: Flags, some: Integers) -> None:
-    """Note a label's place in its item."""
-    time = instant.out.time
-    nearest = np.searchsorted((some[:-1] + some[1:]) / 2, np.arange(len(time)))
-    shown = instant.out.varying(there[nearest], steady=True)
-    if label.item["k"] == "text":
-        label.item["side"], label.item["show"] = side, shown
-    else:
-        label.item.setdefault("labels", {})[label.key] = [side, shown]
+        placed = np.concatenate([placed, np.where(there[:, None], boxes[side], np.nan)[None]])
+        numbers += one.number
+        nearest = np.searchsorted((some[:-1] + some[1:]) / 2, np.arange(len(time)))
+        shown, item = instant.out.varying(there[nearest], steady=True), one.label.item
+        if item["k"] == "text":
+            item["side"], item["show"] = side, shown
+        else:
+            item.setdefault("labels", {})[one.label.key] = [side, shown]
 
 
 def _look(instant: Instant, some: Integers, stage: Sequence[float],
-          factor: float) -> tuple[dict[tuple[int, int], _Seen], Array]:
+          factor: float) -> tuple[list[_Seen], Array]:
     """Each label in each sample, and sums of the costs of cells."""
     seen: dict[tuple[int, int], _Seen] = {}
     width, height = (int(v) // CELL + 2 for v in stage[2:4])
@@ -115,12 +107,7 @@ def _look(instant: Instant, some: Integers, stage: Sequence[float],
         instant.go_to_sample(sample)
         starts, ends = [instant.px[first]], [instant.px[first + 1]]
         for label in instant.labels():
-            name = (id(label.item), label.key)
-            if name not in seen:
-                seen[name] = _Seen(label.item, label.key, label.words,
-                                   float(label.item.get("rank", 1)),
-                                   np.full((len(some), 4), np.nan), label.clear, 0.0)
-            one = seen[name]
+            one = seen.setdefault((id(label.item), label.key), _Seen(label, len(some)))
             one.words = max(one.words, label.words, key=len)
             one.size += float(np.hypot(*label.away))
             one.rows[row] = (label.point[0] * factor, label.point[1] * factor, *label.away)
@@ -131,7 +118,7 @@ def _look(instant: Instant, some: Integers, stage: Sequence[float],
         covered[row, 1:, 1:] = _filled(instant, factor / CELL, (width, height))
         x, y = np.clip(points, 0, (width - 1, height - 1)).astype(int).T
         covered[row, y + 1, x + 1] = COVERED
-    return seen, covered.cumsum(axis=1).cumsum(axis=2)
+    return list(seen.values()), covered.cumsum(axis=1).cumsum(axis=2)
 
 
 def _filled(instant: Instant, scale: float, size: tuple[int, int]) -> Array:
@@ -162,40 +149,35 @@ def _along(start: Array, end: Array, step: float = 2 * CELL) -> Array:
                       + share[:, None] * np.repeat(way, count, axis=0))
 
 
-def _costs(label: _Seen, boxes: Array, placed: Array, covered: Array,
+def _costs(one: _Seen, boxes: Array, placed: Array, covered: Array,
            stage: Sequence[float]) -> Array:
     """What each side costs in all samples together."""
-    cost = _inked(covered, boxes)
+    cells = (np.nan_to_num(np.clip(boxes, -1e6, 1e6)) // CELL).astype(int)
+    x0, y0, x1, y1 = np.moveaxis(cells, 2, 0)
+    x0, x1 = (np.clip(v, 0, covered.shape[2] - 1) for v in (x0, x1 + 1))
+    y0, y1 = (np.clip(v, 0, covered.shape[1] - 1) for v in (y0, y1 + 1))
+    rows = np.arange(covered.shape[0])[None]
+    cost = (covered[rows, y1, x1] - covered[rows, y0, x1] - covered[rows, y1, x0]
+            + covered[rows, y0, x0])
     cost += CROSSED * _meet(boxes[:, None], placed[None]).sum(axis=1)
     cost += OUTSIDE * _outside(boxes, stage)
-    away = label.rows[:, 2:4]
+    away = one.rows[:, 2:4]
     size = np.hypot(*away.T)
     unit = away / np.where(size > 0, size, 1.0)[:, None]
     cost += np.array([TURNED * (1 - unit @ (dx, -dy)) + OFF * (far > 0) for dx, dy, far in SIDES])
-    return np.asarray(np.where(np.isfinite(label.rows[:, 0]), cost, 0.0).sum(axis=1))
+    return np.asarray(np.where(np.isfinite(one.rows[:, 0]), cost, 0.0).sum(axis=1))
 
 
 def _outside(boxes: Array, stage: Sequence[float]) -> Flags:
     """Whether boxes reach beyond the stage."""
-    return np.asarray((boxes[..., 0] < stage[0]) | (boxes[..., 1] < stage[1])
-                      | (boxes[..., 2] > stage[2]) | (boxes[..., 3] > stage[3]))
+    return np.asarray((boxes[..., :2] < stage[:2]).any(axis=-1)
+                      | (boxes[..., 2:] > stage[2:]).any(axis=-1))
 
 
 def _meet(a: Array, b: Array) -> Flags:
     """Whether boxes [..., 4] overlap; absent ones (NaN) do not."""
     return np.asarray((a[..., 0] < b[..., 2]) & (b[..., 0] < a[..., 2])
                       & (a[..., 1] < b[..., 3]) & (b[..., 1] < a[..., 3]))
-
-
-def _inked(sums: Array, boxes: Array) -> Array:
-    """The costs of all cells that boxes [sides, samples, 4] cover."""
-    cells = (np.nan_to_num(np.clip(boxes, -1e6, 1e6)) // CELL).astype(int)
-    x0, y0, x1, y1 = np.moveaxis(cells, 2, 0)
-    x0, x1 = (np.clip(v, 0, sums.shape[2] - 1) for v in (x0, x1 + 1))
-    y0, y1 = (np.clip(v, 0, sums.shape[1] - 1) for v in (y0, y1 + 1))
-    rows = np.arange(sums.shape[0])[None]
-    return np.asarray(sums[rows, y1, x1] - sums[rows, y0, x1] - sums[rows, y1, x0]
-                      + sums[rows, y0, x0])
 
 
 def steady(there: Flags, time: Array, least: float) -> Flags:
@@ -219,19 +201,15 @@ def offset(side: int, half: tuple[float, float], clear: float, point: float) -> 
     return dx * (half[0] + reach), -dy * (half[1] + reach)
 
 
-def paint_labels(instant: Instant, painter: Painter, type_size: int,
-                 half: Callable[[str], tuple[float, float]]) -> None:
+def paint_labels(instant: Instant, painter: Painter, type_size: int, half: Half) -> None:
     """Write the labels that have a place."""
-    factor = instant.factor
+    point = instant.point * instant.factor
     for label in instant.labels():
         if label.side < 0 or not within([label.point], instant.edges):
             continue
-        x, y = label.point[0] * factor, label.point[1] * factor
-        point = instant.point * factor
+        x, y = label.point[0] * instant.factor, label.point[1] * instant.factor
         dx, dy = offset(label.side, half(label.words), label.clear * point, point)
-        leader: list[XY] = []
-        if SIDES[label.side][2]:
-            ux, uy, far = SIDES[label.side]
-            reach = (far + 2) * point + label.clear * point
-            leader = [(x + ux * 2 * point, y - uy * 2 * point), (x + ux * reach, y - uy * reach)]
+        ux, uy, far = SIDES[label.side]
+        reach = (far + 2) * point + label.clear * point
+        leader = [(x + ux * away, y - uy * away) for away in (2 * point, reach)] if far else []
         painter.text((x + dx, y + dy), label.words, type_size, label.ink, leader)

@@ -1,107 +1,80 @@
-"""The display list: a picture of a run as data, without pixels.
+"""The display list: a picture of a run as data, without pixels and without elements.
 
-A list describes all samples of a run. Painters (films, paper, the page's script) know its item
-kinds and styles; they know no element of a mechanism.
+Painters (films, paper, the page's script) know item kinds and styles only. A list has all samples.
 
-Frames
-    ``pose`` [n, frames, 3] holds x, y [m] and angle [rad] of each frame in each sample. The bodies
-    come first, in the order of the model. Frame ``world`` stands still at the origin. Elements
-    append frames of their own, for example for a piston that slides.
-Points
-    ``[frame, x, y]`` in metres of that frame, or ``[frame, x, y, dx, dy]`` with an offset in points
-    of the screen (dy points up) that does not turn with the frame.
-Points as a unit
-    Widths, glyphs and offsets are in points. A picture is 800 points wide or 300 points high,
-    whichever gives fewer pixels for each point.
-Columns
-    ``columns`` [k][n] are numbers that change from sample to sample. Where an item has a number, it
-    has a number or ``[k]``, the index of a column. Painters interpolate poses and columns linearly
-    between samples, except columns in ``steady``, which keep the value of the nearest sample.
-Tables
-    ``tables`` hold rows of which each sample has any number, sorted by sample. Column 0 is the
-    sample and column 1 a key that stays with what the row describes. Painters use the rows of the
-    nearest sample.
-Tokens
-    ``inks`` maps a token to a colour by day and a colour by night, ``#rrggbb``. ``ramps`` maps a
-    name to two lists of colours: for -1 to 0 (element 0 is 0) and for 0 to 1. The token ``@name``
-    is the colour of a ramp at the item's ``by``. The empty token paints nothing.
-Styles
-    ``[fill, edge, width, dash, hatched]``: two tokens, a width and the length of a dash in points
-    (0 is a solid line, gaps are 0.8 dashes), and 1 where a fill has hatching in the edge's token.
-Glyphs
-    ``{name: [[style, subpath], ...]}``: symbols of constant size in points, y up.
-Subpaths
-    A closed ring ``[x0, y0, x1, y1, ...]``, a capsule or circle ``{"c": [x0, y0, x1, y1, radius]}``
-    (the radius may be a column), or an open line ``{"l": [x0, y0, ...]}``.
+Frames: ``pose`` [n, frames, 3] is x, y [m] and angle [rad]; first the bodies, then ``world``, which
+stands still at the origin, then what elements append, such as a piston that slides.
+Points: ``[frame, x, y]`` in metres of the frame, or ``[frame, x, y, dx, dy]`` with an offset in
+points of the screen (dy up) that does not turn. A point is a unit of widths, glyphs and offsets: a
+picture is 800 points wide or 300 high, whichever gives fewer pixels for each.
+Columns: ``columns`` [k][n] change from sample to sample; any number of an item may be ``[k]``, the
+index of a column. Painters interpolate poses and columns linearly, except columns in ``steady``,
+which keep the value of the nearest sample, as rows of tables do.
+Tables: any number of rows for each sample, sorted: the sample, a key that stays with what the row
+describes, and more.
+Inks: ``inks`` maps a token to ``#rrggbb`` by day and by night; ``ramps`` a name to the colours for
+-1 to 0 (element 0 is 0) and for 0 to 1. ``@name`` is the colour of a ramp at the item's ``by``; the
+empty token paints nothing.
+Styles: ``[fill, edge, width, dash, hatched]``, with 0 for a solid line; gaps are 0.8 dashes.
+Glyphs: ``{name: [[style, subpath], ...]}``, symbols of constant size in points, y up.
+Subpaths: a closed ring ``[x0, y0, x1, y1, ...]``, a capsule or circle ``{"c": [x0, y0, x1, y1,
+radius]}`` (the radius may be a column), or an open line ``{"l": [x0, y0, ...]}``.
 
-Every item is an object with these fields; they lie back to front:
-
-=========  =====================================================================================
-``k``      kind, see below
-``l``      layer, see :data:`sandbox.kinds.layers.LAYERS`
-``n``      name of the element, if it has one: what picking reports
-``s``      style: a number, or a list of numbers of which ``state`` picks one
-``state``  column that picks an element of ``s`` (of ``g`` in a mark), rounded
-``if``     column; the item is shown where it is not 0
-``by``     column from -1 to 1: where the item lies on the ramp of its tokens
-``wide``   column: factor of the width
-=========  =====================================================================================
-
-Kinds and their fields:
+Items lie back to front. Each has ``k`` kind, ``l`` layer, ``s`` style, and where needed ``n`` the
+element's name, ``state`` (column) that picks one of several styles or glyphs, ``if`` (column) that
+shows it where it is not 0, ``by`` its place on a ramp, ``wide`` (column) a factor of its width:
 
 ``path``    ``f`` frame, ``d`` subpaths. With ``m`` 1 they are one area with one outline; otherwise
             the second and later ones are holes (even-odd).
 ``line``    ``p`` points: a polyline, also through several frames.
-``mark``    ``at`` point, ``g`` glyph or list of glyphs. ``turn``: angle [rad], a number or column.
+``mark``    ``at`` point, ``g`` glyph or list of glyphs, ``turn`` [rad].
 ``span``    ``a``, ``b`` points; ``t`` pattern ``[w, v, ...]`` of fractions w of the way from a to b
             and sides v; ``w`` ``[share, least, most]``: half the width is this share of the length,
             between two limits in points. With ``every`` the pattern is one stroke, repeated every
             so many points; then w and v are in points along and across.
 ``spiral``  ``at`` point, ``r`` radii ``[first, last]`` in points, angle ``start``, ``sweep`` [rad].
             ``head``: length of an arrow head at its end in points.
-``taut``    ``p`` list of ``[frame, x, y, radius, sense, meets, leaves]``: a cord that meets each
+``taut``    ``p`` list of ``[frame, x, y, radius, sense, meets, leaves]``: a tendon that meets each
             circle at one angle [rad, world] and leaves it at another (columns), clockwise for
             sense 1. Of points with radius 0 there are five values. A circle whose angle is NaN in
             a sample is skipped there. ``c`` 1 closes the line.
 ``sag``     ``a``, ``b`` points, ``depth`` [m]: a parabola that hangs down.
 ``arrows``  ``t`` name of a table with columns sample, key, x, y, vx, vy[, value]: arrows at world
-            points [m]. The arrow is ``metres`` long for a vector of size 1; those above ``most``
-            are cut and marked. ``size`` ``[shaft, head]`` in points, ``least``: the shortest that
-            is painted, in points. ``unit``, ``decimals``, ``factor``: how values are written;
-            the value is the size, or the seventh column. ``names``: words before values by key.
-            ``told``: vectors below half of this have no number. ``rank`` as of texts.
-            ``labels`` ``{key: [side, column]}``: where the number stands and whether it is shown.
+            points [m], ``metres`` long for a vector of size 1; those above ``most`` are cut and
+            marked. ``size`` ``[shaft, head]`` and ``least`` (shortest painted) in points. ``unit``,
+            ``decimals``, ``factor``: how values are written; the value is the size, or the seventh
+            column. ``names``: words before values by key. ``told``: vectors below half of this have
+            no number. ``rank`` as of texts. ``labels`` ``{key: [side, column]}``: where the number
+            stands and whether it is shown.
 ``strips``  ``t`` name of a table with columns sample, key, x0, y0, ... x3, y3, value: areas
             of four corners [m]. Values and labels as of arrows, at the fourth point (or the third);
             those below ``least`` have none.
-``trail``   ``at`` point: the way that it has gone up to now. ``every`` [s]: time between marks,
-            ``mark``: their radius in points.
+``trail``   ``at`` point: its path up to now. ``every`` [s]: time between marks, ``mark``: their
+            radius in points.
 ``text``    ``at`` point, ``words``; with ``value`` (column), ``unit``, ``decimals`` and ``factor``
-            a number follows the words. The style's edge is its colour. ``side`` and ``show``
-            (column): as of labels. ``rank``: those with a lower one are placed first. ``clear``:
-            points that are kept free around ``at``. ``edge`` 0 or 1: a number of the grid, at the
-            bottom or left edge of the picture.
+            a number follows. The style's edge is its colour. ``side`` and ``show`` (column): as of
+            labels. ``rank``: those with a lower one are placed first. ``clear``: points that are
+            kept free around ``at``. ``edge`` 0 or 1: a number of the grid, at the bottom or left.
 
-Sides of labels are numbers of :data:`SIDES`. ``legend`` is a list of rows, most important first:
+Sides of labels are numbers of :data:`SIDES`. ``legend`` has rows, most important first, with ``l``:
 
 ``scale``   ``metres`` that 1 ``unit`` takes, ``unit``, ``words``, ``s`` style and ``size`` of the
             arrow; without ``size`` it is a bar for lengths (``metres`` is 1).
 ``ramp``    ``ramp`` name, ``low`` -1 or 0, ``before`` and ``after`` words. It replaces the
             row before it where that belongs to the layer ``instead``.
 ``glyph``   ``g`` glyph, ``width`` in points, ``words``; ``centred`` where its middle is its origin.
-
-All rows have ``l``, the layer that they belong to.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from sandbox.model.joints import placed
 from sandbox.numeric import Array, Flags
 
 Item = dict[str, Any]
@@ -117,6 +90,11 @@ stands off has a thin line to its point."""
 def short(value: float) -> float:
     """A number with six digits, which is enough for a picture."""
     return float(f"{float(value):.6g}")
+
+
+def flat(*points: Any) -> list[float]:
+    """Coordinates of points in one row, shortened."""
+    return [short(v) for at in points for v in at]
 
 
 @dataclass
@@ -146,10 +124,6 @@ class Listing:
     _known: dict[Any, int] = field(default_factory=dict)
     _made: list[Array] = field(default_factory=list)
 
-    def __post_init__(self) -> None:
-        """Work out the directions of the frames, which many points share."""
-        self._turn = np.cos(self.pose[..., 2]), np.sin(self.pose[..., 2])
-
     @property
     def sizes(self) -> tuple[int, int, int]:
         """Number of columns, tables and frames that elements made."""
@@ -163,9 +137,9 @@ class Listing:
     @classmethod
     def of(cls, time: Array, pose: Array, *, fixed_columns: bool = False) -> Listing:
         """An empty list for bodies with these poses [n, nb, 3]."""
-        count = pose.shape[1]
         still = np.zeros((len(time), 1, 3))
-        return cls(np.asarray(time), np.concatenate([pose, still], axis=1), count, fixed_columns)
+        return cls(np.asarray(time), np.concatenate([pose, still], axis=1), pose.shape[1],
+                   fixed_columns)
 
     def style(self, fill: str = "", edge: str = "", width: float = 0.0, dash: float = 0.0,
               hatched: int = 0) -> int:
@@ -211,44 +185,19 @@ class Listing:
             self.pose = np.concatenate([self.pose, np.stack(self._made, axis=1)], axis=1)
             self._made = []
 
-    def add(self, kind: str, layer: str, name: str = "", **fields: Any) -> Item:
-        """Lay an item on top; fields that are None are left out."""
-        item = {"k": kind, "l": layer, **({"n": name} if name else {}),
-                **{key: value for key, value in fields.items() if value is not None}}
-        self.items.append(item)
-        return item
-
     def place(self, point: Sequence[float]) -> Array:
         """Where a point ``[frame, x, y]`` is in each sample [n, 2] m."""
-        frame, x, y = int(point[0]), point[1], point[2]
-        bodies = self._turn[0].shape[1]
-        if frame < bodies:
-            pose, c, s = self.pose[:, frame], self._turn[0][:, frame], self._turn[1][:, frame]
-        else:
-            pose = self._made[frame - bodies] if self._made else self.pose[:, frame]
-            c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-        found = np.empty((len(pose), 2))
-        found[:, 0] = pose[:, 0] + c * x - s * y
-        found[:, 1] = pose[:, 1] + s * x + c * y
-        return found
+        frame, bodies = int(point[0]), self.pose.shape[1]
+        pose = self.pose[:, frame] if frame < bodies else self._made[frame - bodies]
+        return placed(pose, np.array(point[1:3], dtype=float))
 
     def head(self) -> dict[str, Any]:
-        """All but the arrays, as JSON has it."""
+        """All but the arrays, as JSON has it; of the inks those that styles and painters use."""
+        used = {"paper", "ink", "faint_ink", "hairline"}.union(*(s[:2] for s in self.styles))
         return {"world": self.world, "items": self.items, "styles": self.styles,
-                "glyphs": self.glyphs, "inks": self.used_inks(), "ramps": self.ramps,
-                "steady": self.steady, "legend": self.legend, "sides": SIDES}
-
-    def used_inks(self) -> dict[str, list[str]]:
-        """The tokens that occur in styles, and ``paper``, ``ink`` and ``faint_ink``."""
-        used = {token for style in self.styles for token in style[:2]}
-        used |= {"paper", "ink", "faint_ink", "hairline"}
-        return {token: pair for token, pair in self.inks.items() if token in used}
-
-    def arrays(self) -> Mapping[str, Any]:
-        """The arrays: time, pose, columns [k, n], tables and drift, not rounded."""
-        columns = np.array(self.columns) if self.columns else np.zeros((0, len(self.time)))
-        return {"time": self.time, "pose": self.pose, "columns": columns, "tables": self.tables,
-                "drift": self.drift}
+                "glyphs": self.glyphs, "ramps": self.ramps, "steady": self.steady,
+                "legend": self.legend, "sides": SIDES,
+                "inks": {token: pair for token, pair in self.inks.items() if token in used}}
 
 
 class Between:

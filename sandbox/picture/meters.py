@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import pygame
@@ -12,11 +12,18 @@ import pygame
 from sandbox.figure.style import COLOURS, Shown, shown_as
 from sandbox.model.meters import curves, is_expression
 from sandbox.numeric import Array
-from sandbox.picture.camera import round_up
-from sandbox.picture.elements.fluids import pressure_unit
-from sandbox.picture.painter import XY, SheetPainter
-from sandbox.picture.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour, lighter
+from sandbox.picture.palette import (
+    BACKGROUND,
+    FAINT_INK,
+    HAIRLINE,
+    INK,
+    Colour,
+    Painter,
+    from_css,
+    lighter,
+)
 from sandbox.picture.run_data import MeteredRun, read_curve
+from sandbox.picture.scales import pressure_unit, round_up
 from sandbox.picture.typesetter import Typesetter, ellipsis
 from sandbox.scene.settings import ShownMeter, View
 
@@ -30,14 +37,12 @@ TITLE, VALUE, SMALL, TICK = 0.95, 1.4, 0.95, 0.85
 """Sizes of type, in those of the legend."""
 FINEST = 1.5
 """So many finished pixels along time share the least and the largest of a curve."""
-HUES: tuple[Colour, ...] = tuple(
-    (int(hue[1:3], 16), int(hue[3:5], 16), int(hue[5:7], 16)) for hue in COLOURS)
+HUES: tuple[Colour, ...] = tuple(map(from_css, COLOURS))
 PALE = 0.62
 """How much lighter the curve is where the motion has not come to yet."""
 
 
-@dataclass(frozen=True)
-class Dial:
+class Dial(NamedTuple):
     """What one meter shows."""
 
     title: str
@@ -57,16 +62,16 @@ class Dial:
             self.names, self.values[:, list(samples)].tolist(), strict=True)]
 
     def longest(self, count: int) -> list[str]:
-        """The longest that is told of each at so many samples."""
+        """The longest text of each at so many samples."""
         sizes = np.nan_to_num(np.abs(self.values), posinf=0.0).max(axis=1)
         return [self._text(name, count * [-size]) for name, size in zip(
             self.names, sizes.tolist(), strict=True)]
 
     def _text(self, name: str, values: Sequence[float]) -> str:
-        told = ", ".join(_written(value, self.values) if math.isfinite(value) else "none"
-                         for value in values)
-        told += self.shown.sign if any(map(math.isfinite, values)) else ""
-        return f"{name} {told}" if name else told
+        words = ", ".join(_written(value, self.values) if math.isfinite(value) else "none"
+                          for value in values)
+        words += self.shown.sign if any(map(math.isfinite, values)) else ""
+        return f"{name} {words}" if name else words
 
 
 def dials(run: MeteredRun, view: View) -> list[Dial]:
@@ -78,14 +83,12 @@ def _dial(run: MeteredRun, meter: ShownMeter) -> Dial:
     names = curves(meter, run.catalogue)
     rows = np.array([read_curve(run, name) for name in names]).reshape(len(names), len(run.time))
     unit = next((run.unit(name) for name in names if not is_expression(name)), meter.unit)
-    held = [] if meter.range is None else [np.array(meter.range)]
-    shown = _as_drawn(unit, *(held or rows))
+    shown = _as_drawn(unit, *(rows if meter.range is None else [np.array(meter.range)]))
     values = shown.factor * rows
     low, high = _range(values) if meter.range is None else (
         shown.factor * meter.range[0], shown.factor * meter.range[1])
-    own, rest = _apart(names)
-    title = meter.title or (rest if len(names) > 1 else names[0])
-    return Dial(title, own if len(names) > 1 else [""], values, shown, low, high,
+    own, rest = _apart(names) if len(names) > 1 else ([""], names[0])
+    return Dial(meter.title or rest, own, values, shown, low, high,
                 meter.style == "plot" and len(run.time) > 1)
 
 
@@ -96,7 +99,7 @@ def _as_drawn(unit: str, *rows: Array) -> Shown:
         size, name = pressure_unit(round_up(largest) if largest > 0 else 0.0)
         return Shown(1 / size, name, f" {name}")
     shown = shown_as(unit, *rows)
-    return replace(shown, unit=_raised(shown.unit), sign=_raised(shown.sign))
+    return shown._replace(unit=_raised(shown.unit), sign=_raised(shown.sign))
 
 
 def _raised(unit: str) -> str:
@@ -106,9 +109,7 @@ def _raised(unit: str) -> str:
 def _range(values: Array) -> tuple[float, float]:
     """Round limits of a plot about all values, with 0 where that is near."""
     found = values[np.isfinite(values)]
-    if not len(found):
-        return 0.0, 1.0
-    low, high = float(found.min()), float(found.max())
+    low, high = (float(found.min()), float(found.max())) if len(found) else (0.0, 0.0)
     span = high - low
     if 0 < low < span:
         low = 0.0
@@ -163,14 +164,15 @@ class MeterPanel:
     def __init__(self, run: MeteredRun, view: View, type_: Typesetter, unit: float,
                  size: tuple[int, int], moments: int = 1) -> None:
         """``size`` of the finished picture, which shows so many ``moments``."""
-        self._run, self._type, self._unit, self._moments = run, type_, unit, moments
-        self._plot_points = PLOT
-        self._start = min(view.start, float(run.time[-1]))
-        self._dials = dials(run, view)
-        self._rows = self._in_rows(size[0])
-        while self._rows and self.below > SHARE * size[1]:
-            self._rows.pop()
-        self._dials = [dial for row in self._rows for dial in row]
+        self._time, self._type, self._unit, self._moments = run.time, type_, unit, moments
+        self._plot_points, self._gap = PLOT, round(0.9 * type_.size)
+        self._start, self._end = min(view.start, float(run.time[-1])), float(run.time[-1])
+        self._margin = round(5 * unit)
+        found = dials(run, view)
+        most = max(1, int((size[0] - self._gap) / (WIDE * unit + self._gap)))
+        each = -(-len(found) // max(1, -(-len(found) // most)))  # rows as even as can be
+        self._rows = [found[k:k + each] for k in range(0, len(found), max(1, each))]
+        self.limit(SHARE * size[1])
         self._cells: list[pygame.Rect] = []
         self.rect = pygame.Rect(0, 0, 0, 0)
 
@@ -184,36 +186,32 @@ class MeterPanel:
     def _columns(self, dial: Dial) -> tuple[int, int]:
         """How many values stand side by side, and how wide a column is."""
         size = self._value_size(dial)
-        told = dial.longest(self._moments) if self._tells(dial) else dial.names
-        widest = max(self._type.width(text, size) for text in told)
-        count = max(1, int((WIDE * self._unit + self._gap) / (widest + self._gap)))
-        return min(count, len(dial.names)), widest + self._gap
+        words = dial.longest(self._moments) if self._has_values(dial) else dial.names
+        wide = max(self._type.width(text, size) for text in words) + self._gap
+        count = max(1, int((WIDE * self._unit + self._gap) / wide))
+        return min(count, len(dial.names)), wide
 
-    def _tells(self, dial: Dial) -> bool:
-        """Whether values are told: several curves at several moments have the names alone."""
+    def _has_values(self, dial: Dial) -> bool:
+        """Whether values are written: several curves at several moments have the names alone."""
         return not dial.plotted or 1 in (self._moments, len(dial.names))
 
-    def _head(self, dial: Dial) -> tuple[int, int]:
-        """Heights of the title and of all values [finished pixels]."""
+    def _head(self, dial: Dial) -> int:
+        """Height of the title and of all values [finished pixels]."""
         rows = -(-len(dial.names) // self._columns(dial)[0])
-        return (self._type.scaled(TITLE, 1.2),
-                rows * round(0.95 * self._value_size(dial)) + round(5 * self._unit))
+        return (self._type.scaled(TITLE, 1.2) + rows * round(0.95 * self._value_size(dial))
+                + self._margin)
 
     def _height(self, dial: Dial) -> int:
-        return sum(self._head(dial)) + (
+        return self._head(dial) + (
             round(self._plot_points * self._unit) + self._type.scaled(TICK, 1.2)
             if dial.plotted else 0)
-
-    @property
-    def _gap(self) -> int:
-        return round(0.9 * self._type.size)
 
     @property
     def below(self) -> int:
         """Its height below the motion."""
         return sum(max(map(self._height, row)) + self._gap for row in self._rows)
 
-    def limit(self, height: int) -> None:
+    def limit(self, height: float) -> None:
         """Leave out the last rows that do not fit in a height [pixels] below the motion."""
         while self._rows and self.below > height:
             self._rows.pop()
@@ -239,13 +237,6 @@ class MeterPanel:
         """Its height beside the motion."""
         return sum(self._height(dial) + self._gap for dial in self._dials)
 
-    def _in_rows(self, width: int) -> list[list[Dial]]:
-        """Rows as even as can be."""
-        most = max(1, int((width - self._gap) / (WIDE * self._unit + self._gap)))
-        rows = max(1, -(-len(self._dials) // most))
-        each = -(-len(self._dials) // rows)
-        return [self._dials[k:k + each] for k in range(0, len(self._dials), max(1, each))]
-
     def settle(self, rect: pygame.Rect, *, aside: bool) -> None:
         """Take a place on the finished picture."""
         self.rect, gap, y = rect, self._gap, rect.top
@@ -259,7 +250,7 @@ class MeterPanel:
                             for k in range(len(row))]
             y += high + gap
 
-    def draw_still(self, painter: SheetPainter) -> None:
+    def draw_still(self, painter: Painter) -> None:
         """Titles, frames and pale curves."""
         for dial, cell in zip(self._dials, self._cells, strict=True):
             size = self._type.scaled(TITLE)
@@ -271,50 +262,35 @@ class MeterPanel:
                 for k in range(len(dial.values)):
                     self._curve(painter, dial, k, plot, lighter(HUES[k], PALE), 1.2)
 
-    def draw(self, painter: SheetPainter, t: float) -> None:
-        """Curves up to ``t`` [s], the cursor and values."""
-        sample = int(np.argmin(np.abs(self._run.time - t)))
+    def draw(self, painter: Painter, times: Sequence[float]) -> None:
+        """Values, curves up to a time [s] with its cursor, or all of them with several cursors."""
+        samples = [int(np.argmin(np.abs(self._time - t))) for t in times]
         for dial, cell in zip(self._dials, self._cells, strict=True):
-            self._values(painter, dial, cell, [sample])
-            if dial.plotted:
-                self._mark(painter, dial, self._plot(dial, cell), [t], until=sample + 1)
-
-    def draw_moments(self, painter: SheetPainter, times: Sequence[float]) -> None:
-        """Whole curves with a cursor at each of some times [s], for a strip."""
-        samples = [int(np.argmin(np.abs(self._run.time - t))) for t in times]
-        self.draw_still(painter)
-        for dial, cell in zip(self._dials, self._cells, strict=True):
-            if dial.plotted:
-                self._mark(painter, dial, self._plot(dial, cell), times)
             self._values(painter, dial, cell, samples)
-
-    def _mark(self, painter: SheetPainter, dial: Dial, plot: pygame.Rect, times: Sequence[float],
-              until: int | None = None) -> None:
-        """Cursors at times [s], the curves with a dot at each."""
-        k, line = painter.enlarge, self._unit * painter.enlarge
-        across = (self._across(plot, np.asarray(times)) * k).tolist()
-        for x in across:
-            painter.line([(x, plot.top * k), (x, plot.bottom * k)], FAINT_INK, line)
-        for curve in range(len(dial.values)):
-            self._curve(painter, dial, curve, plot, HUES[curve], 1.9, until=until)
-            for x, t in zip(across, times, strict=True):
-                sample = int(np.argmin(np.abs(self._run.time - t)))
-                y = float(self._down(dial, plot, dial.values[curve, sample:sample + 1])[0])
-                if math.isfinite(y):
-                    painter.disc((x, y * k), 3.6 * line, HUES[curve], BACKGROUND, 1.2 * line)
+            if not dial.plotted:
+                continue
+            k, line, plot = painter.enlarge, self._unit * painter.enlarge, self._plot(dial, cell)
+            across = (self._across(plot, np.asarray(times)) * k).tolist()
+            for x in across:
+                painter.line([(x, plot.top * k), (x, plot.bottom * k)], FAINT_INK, line)
+            for curve, hue in zip(range(len(dial.values)), HUES, strict=False):
+                self._curve(painter, dial, curve, plot, hue, 1.9,
+                            until=samples[0] + 1 if len(samples) == 1 else None)
+                heights = self._down(dial, plot, dial.values[curve, samples]).tolist()
+                for x, y in zip(across, heights, strict=True):
+                    if math.isfinite(y):
+                        painter.disc((x, y * k), 3.6 * line, hue, BACKGROUND, 1.2 * line)
 
     def _plot(self, dial: Dial, cell: pygame.Rect) -> pygame.Rect:
         """Where the curves of a meter lie: right of the numbers at its axis."""
-        size = self._type.scaled(TICK)
-        left = max(self._type.width(text, size) for text in _limits(dial)) + round(5 * self._unit)
-        left = min(left, cell.width // 2)
-        right = round(5 * self._unit)
-        return pygame.Rect(cell.left + left, cell.top + sum(self._head(dial)),
+        size, right = self._type.scaled(TICK), self._margin
+        left = min(cell.width // 2, right + max(self._type.width(f"{limit:.6g}", size)
+                                                for limit in (dial.low, dial.high)))
+        return pygame.Rect(cell.left + left, cell.top + self._head(dial),
                            cell.width - left - right, round(self._plot_points * self._unit))
 
     def _across(self, plot: pygame.Rect, time: Array) -> Array:
-        end = float(self._run.time[-1])
-        share = (time - self._start) / max(end - self._start, 1e-12)
+        share = (time - self._start) / max(self._end - self._start, 1e-12)
         return np.asarray(plot.left + plot.width * np.clip(share, 0.0, 1.0))
 
     @staticmethod
@@ -322,65 +298,57 @@ class MeterPanel:
         share = (values - dial.low) / (dial.high - dial.low)
         return np.asarray(plot.bottom - plot.height * np.clip(share, -0.02, 1.02))
 
-    def _frame(self, painter: SheetPainter, dial: Dial, plot: pygame.Rect) -> None:
+    def _frame(self, painter: Painter, dial: Dial, plot: pygame.Rect) -> None:
         """Lines at the lowest value, the highest and 0, with numbers; the ends of time."""
-        k, size = painter.enlarge, self._type.scaled(TICK)
-        for value, text in zip((dial.low, dial.high), _limits(dial), strict=True):
-            y = float(self._down(dial, plot, np.array([value]))[0])
-            painter.write((plot.left - round(5 * self._unit) - self._type.width(text, size),
+        k, size, line = painter.enlarge, self._type.scaled(TICK), self._unit * painter.enlarge
+        for value in (dial.low, dial.high):
+            y, text = float(self._down(dial, plot, np.array(value))), f"{value:.6g}"
+            painter.write((plot.left - self._margin - self._type.width(text, size),
                            round(y - self._type.height(size) / 2)), text, size, FAINT_INK)
         for value in {dial.low, dial.high} | ({0.0} if dial.low < 0 < dial.high else set()):
-            y = float(self._down(dial, plot, np.array([value]))[0]) * k
-            painter.line([(plot.left * k, y), (plot.right * k, y)], HAIRLINE, self._unit * k)
+            y = float(self._down(dial, plot, np.array(value))) * k
+            painter.line([(plot.left * k, y), (plot.right * k, y)], HAIRLINE, line)
         painter.line([(plot.left * k, plot.top * k), (plot.left * k, plot.bottom * k)], FAINT_INK,
-                     self._unit * k)
-        for share, t in ((0.0, self._start), (1.0, float(self._run.time[-1]))):
+                     line)
+        for share, t in ((0.0, self._start), (1.0, self._end)):
             text = f"{t:.3g} s"
             painter.write((round(plot.left + share * (plot.width - self._type.width(text, size))),
                            plot.bottom + round(2 * self._unit)), text, size, FAINT_INK)
 
-    def _curve(self, painter: SheetPainter, dial: Dial, curve: int, plot: pygame.Rect,
+    def _curve(self, painter: Painter, dial: Dial, curve: int, plot: pygame.Rect,
                colour: Colour, points: float, until: int | None = None) -> None:
-        first = int(np.searchsorted(self._run.time, self._start))
-        of = slice(first, until)
-        for x, y in _pieces(self._across(plot, self._run.time[of]),
+        of = slice(int(np.searchsorted(self._time, self._start)), until)
+        for x, y in _pieces(self._across(plot, self._time[of]),
                             self._down(dial, plot, dial.values[curve, of])):
-            path: list[XY] = (painter.enlarge * np.column_stack((x, y))).tolist()
-            if len(path) > 1:
+            if len(x) > 1:
+                path = [(px, py) for px, py in (painter.enlarge * np.column_stack((x, y))).tolist()]
                 painter.line(path, colour, points * self._unit * painter.enlarge)
 
-    def _values(self, painter: SheetPainter, dial: Dial, cell: pygame.Rect,
+    def _values(self, painter: Painter, dial: Dial, cell: pygame.Rect,
                 samples: Sequence[int]) -> None:
         """Values of all curves in columns, each in its colour, or their names."""
         size, (across, wide) = self._value_size(dial), self._columns(dial)
-        title, _ = self._head(dial)
-        several = len(samples) > 1
-        for k, text in enumerate(dial.texts(*samples) if self._tells(dial) else dial.names):
-            size = min(size, self._type.scaled(SMALL)) if several else size
+        if len(samples) > 1:
+            size = min(size, self._type.scaled(SMALL))
+        top = cell.top + self._type.scaled(TITLE, 1.2)
+        for k, text in enumerate(dial.texts(*samples) if self._has_values(dial) else dial.names):
             row, column = divmod(k, across)
-            painter.write((cell.left + column * wide,
-                           cell.top + title + row * round(0.95 * size)),
+            painter.write((cell.left + column * wide, top + row * round(0.95 * size)),
                           ellipsis(self._type, text, cell.width, size), size, HUES[k])
-
-
-def _limits(dial: Dial) -> tuple[str, str]:
-    """The numbers at the ends of the axis."""
-    return f"{dial.low:.6g}", f"{dial.high:.6g}"
 
 
 def _pieces(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
     """A curve without what has no value, of all that shares a column its least and its largest."""
     there = np.isfinite(y)
-    starts = np.flatnonzero(there & ~np.r_[False, there[:-1]])
-    ends = np.flatnonzero(there & ~np.r_[there[1:], False]) + 1
-    for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
+    edges = np.flatnonzero(np.diff(there, prepend=False, append=False)).tolist()
+    for start, end in zip(edges[::2], edges[1::2], strict=True):
         column = np.floor(x[start:end] / FINEST)
-        first = np.flatnonzero(np.r_[True, column[1:] != column[:-1]])
+        first = np.flatnonzero(np.r_[True, column[1:] != column[:-1]]).tolist()
         if end - start <= 4 * len(first):
             yield x[start:end], y[start:end]
             continue
         kept = [start, end - 1]
-        for a, b in zip(first.tolist(), [*first[1:].tolist(), end - start], strict=True):
+        for a, b in zip(first, [*first[1:], end - start], strict=True):
             kept += [start + a + int(np.argmin(y[start + a:start + b])),
                      start + a + int(np.argmax(y[start + a:start + b]))]
         of = np.unique(kept)

@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
 from sandbox.errors import OutputError
-from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import problems_of
-from sandbox.picture.painter import EM
+from sandbox.picture.palette import EM
 from sandbox.picture.run_data import MeteredRun
 from sandbox.scene.layers import BY_ROLE, EVERY, meant, parse_layers, words_for
 from sandbox.scene.settings import View
@@ -33,6 +32,18 @@ OPTIONS = {
     "bodies": 'names and patterns of bodies, names of groups, and roles such as "role:object"',
 }
 """What each is, as a message says it."""
+PRINT_PER_INCH = 300
+"""Pixels; what is printed needs no more."""
+LETTERS = 7.0
+"""No letter is smaller [pt]."""
+UNITS = {"mm": 1.0, "cm": 10.0, "in": 25.4}
+"""Millimetres in each."""
+LEAST, MOST = 25.0, 650.0
+"""Of a width or a height [mm]."""
+FINE = 0.75
+"""Of lines and marks, in what would go with such letters: they are printed as fine as that."""
+_NUMBER, _UNIT = r"\s*([0-9]+\.?[0-9]*|\.[0-9]+)\s*", f"({'|'.join(UNITS)})"
+_FORM = re.compile(f"{_NUMBER}(?:{_UNIT}?\\s*[x×]{_NUMBER})?{_UNIT}\\s*", re.IGNORECASE)
 
 
 def view_of(view: View, given: Mapping[str, Any]) -> View:
@@ -49,7 +60,11 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
     if isinstance(changes.get("size"), str):
         changes["size"] = _times(changes["size"], view.size)
     if "show" in changes:
-        changes["show"] = {**view.show, **_asked(changes["show"])}
+        try:
+            changes["show"] = {**view.show, **parse_layers(changes["show"])}
+        except WrongValueError as error:
+            raise OutputError(f"show={quoted(changes['show'])}: {error}",
+                              code="bad-picture") from None
     if "bodies" in changes or "follow" in changes:  # the scene's window is of another picture
         changes.setdefault("centre", None)
     if "bodies" in changes:
@@ -61,12 +76,12 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
     try:
         return View.model_validate(data)
     except ValidationError as error:
-        told = {}
+        problems = {}
         for problem in explain(error, data, View):
             key = problem.path.removeprefix("$.").partition("[")[0]
-            told[key] = (f"{key}={quoted(given.get(key))}: {problem.message}; "
-                         f"pass {OPTIONS.get(key, 'what a view may have')}")
-        raise OutputError("\n".join(told.values()), code="bad-picture") from None
+            problems[key] = (f"{key}={quoted(given.get(key))}: {problem.message}; "
+                             f"pass {OPTIONS.get(key, 'what a view may have')}")
+        raise OutputError("\n".join(problems.values()), code="bad-picture") from None
 
 
 def _plain(value: Any) -> Any:
@@ -85,13 +100,6 @@ def _times(word: str, size: tuple[int, int]) -> Any:
         return word
 
 
-def _asked(show: Any) -> dict[str, tuple[str, ...]]:
-    try:
-        return parse_layers(show)
-    except WrongValueError as error:
-        raise OutputError(f"show={quoted(show)}: {error}", code="bad-picture") from None
-
-
 def check_view(run: MeteredRun, view: View) -> None:
     """That the bodies and quantities which a view names are there.
 
@@ -103,26 +111,22 @@ def check_view(run: MeteredRun, view: View) -> None:
     named += [("show", pattern) for patterns in view.show.values() for pattern in patterns
               if patterns != EVERY]
     named += [("follow", view.follow)] if view.follow is not None else []
-    told = []
+    problems = []
     for option, name in named:
         grouped = run.mechanism.groups if option == "bodies" else ()
         if not (name in names or (option != "follow" and meant([name], bodies, grouped))):
             by_role = option != "follow" and name.startswith(BY_ROLE)
             words = [word for word in words_for(bodies, grouped)
                      if word.startswith(BY_ROLE) == by_role]
-            what = "role" if by_role else "name"
-            told.append(f"{option}: no body's {what} matches {quoted(name.removeprefix(BY_ROLE))}"
-                        f"{or_near(name, words)} (allowed: {listed(words)})")
-    told += _of_meters(run.catalogue, view)
-    if told:
-        raise OutputError("\n".join(told), code="bad-time")
-
-
-def _of_meters(known: Catalogue, view: View) -> list[str]:
-    if not view.meters:
-        return []
-    return [str(replace(problem, path=problem.path.removeprefix("$.view.")))
-            for problem in problems_of(known, view)]
+            problems.append(
+                f"{option}: no body's {'role' if by_role else 'name'} matches "
+                f"{quoted(name.removeprefix(BY_ROLE))}{or_near(name, words)} "
+                f"(allowed: {listed(words)})")
+    if view.meters:
+        problems += [str(replace(problem, path=problem.path.removeprefix("$.view.")))
+                     for problem in problems_of(run.catalogue, view)]
+    if problems:
+        raise OutputError("\n".join(problems), code="bad-time")
 
 
 def check_run(run: MeteredRun) -> None:
@@ -138,22 +142,7 @@ def check_run(run: MeteredRun) -> None:
         raise OutputError("the recording has no samples: there is nothing to draw", code="bad-time")
 
 
-PRINT_PER_INCH = 300
-"""Pixels; what is printed needs no more."""
-LETTERS = 7.0
-"""No letter is smaller [pt]."""
-UNITS = {"mm": 1.0, "cm": 10.0, "in": 25.4}
-"""Millimetres in each."""
-LEAST, MOST = 25.0, 650.0
-"""Of a width or a height [mm]."""
-FINE = 0.75
-"""Of lines and marks, in what would go with such letters: they are printed as fine as that."""
-_NUMBER, _UNIT = r"\s*([0-9]+\.?[0-9]*|\.[0-9]+)\s*", f"({'|'.join(UNITS)})"
-_FORM = re.compile(f"{_NUMBER}(?:{_UNIT}?\\s*[x×]{_NUMBER})?{_UNIT}\\s*", re.IGNORECASE)
-
-
-@dataclass(frozen=True)
-class PrintSize:
+class PrintSize(NamedTuple):
     """How large a still is printed."""
 
     width: float
@@ -196,8 +185,8 @@ def paper_of(size: Any) -> PrintSize | None:
         return None
     first, own, second, unit = found.groups()
     scale = UNITS[unit.lower()]
-    width = float(first) * (UNITS[own.lower()] if own else scale)
-    paper = PrintSize(width, None if second is None else float(second) * scale)
+    paper = PrintSize(float(first) * (UNITS[own.lower()] if own else scale),
+                      None if second is None else float(second) * scale)
     if any(not LEAST <= side <= MOST for side in (paper.width, paper.height or LEAST)):
         raise OutputError(f"{quoted(size)}: a picture on paper is {LEAST:g} to {MOST:g} mm "
                           "wide and high", code="bad-picture")

@@ -7,15 +7,21 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, cast
 
+import matplotlib
 import numpy as np
 import pygame
+from matplotlib.backends import backend_agg, backend_pdf, backend_svg
+from matplotlib.font_manager import FontProperties
+from matplotlib.path import Path as Outline
+from matplotlib.textpath import TextPath
+from matplotlib.transforms import Affine2D, Bbox, TransformedPath
 from numpy.typing import NDArray
 
 from sandbox.atomic_files import atomic_file
 from sandbox.picture.frame import Picture
-from sandbox.picture.labels import paint_labels
-from sandbox.picture.painter import EM, XY, hatch_ink, hatch_lines
-from sandbox.picture.palette import BACKGROUND, Colour, lighter
+from sandbox.picture.geometry import XY, turned_area
+from sandbox.picture.instant import Instant
+from sandbox.picture.palette import BACKGROUND, EM, Colour, hatch_lines, lighter
 from sandbox.picture.typesetter import Typesetter, letters
 
 SCREEN_PER_INCH = 96
@@ -25,6 +31,7 @@ POINTS = 72
 FAMILIES = ("FreeSans", "Helvetica", "Arial", "Liberation Sans", "sans-serif")
 """The font, and fonts of equal width: what an SVG names."""
 Paint = Callable[["Paper"], None]
+Rings = Sequence[Sequence[XY]]
 
 
 class Paper:
@@ -35,36 +42,27 @@ class Paper:
     def __init__(self, renderer: Any, size: tuple[int, int], typesetter: Typesetter,
                  factor: float, *, paths: bool) -> None:
         """``factor`` is the renderer's units per pixel; with ``paths`` letters are outlines."""
-        from matplotlib.transforms import Affine2D
-
         self.renderer, self.size, self.type, self.factor = renderer, size, typesetter, factor
         self.paths = paths
-        self._flip = Affine2D().scale(1, -1).translate(0, size[1]).scale(factor)
-        self._shift: XY = (0.0, 0.0)
         self._clip: Any = None
         self._kept: list[Any] = []  # Agg knows clip paths by id: they have to live
         self._letters_kept: dict[tuple[str, int], Any] = {}
+        self.move(0.0, 0.0)
 
     @staticmethod
     def _font(size: float) -> Any:
         """The font of the pixels, in units of the renderer."""
-        from matplotlib.font_manager import FontProperties
-
         name = Path(pygame.__file__).parent / pygame.font.get_default_font()
         return FontProperties(family=list(FAMILIES), weight="bold", fname=str(name), size=size)
 
     def move(self, x: float, y: float) -> None:
         """Shift all that follows, for the parts of a strip."""
-        from matplotlib.transforms import Affine2D
-
         self._shift = (x, y)
         self._flip = Affine2D().translate(x, y).scale(1, -1).translate(0, self.size[1]).scale(
             self.factor)
 
     def clip(self, area: Sequence[float] | None) -> None:
         """Cut what follows to left, top, width, height."""
-        from matplotlib.transforms import Bbox
-
         self._clip = None
         if area is not None:
             x, y = area[0] + self._shift[0], area[1] + self._shift[1]
@@ -78,8 +76,6 @@ class Paper:
 
     def _draw(self, path: Any, fill: Colour | None, edge: Colour | None = None,
               width: float = 0.0, inside: Any = None, cap: str = "butt") -> None:
-        from matplotlib.transforms import TransformedPath
-
         gc = self.renderer.new_gc()
         gc.set_linewidth(width * self.factor if edge is not None else 0.0)
         gc.set_foreground(_ink(edge) if edge is not None else (0, 0, 0, 0), isRGBA=True)
@@ -93,9 +89,9 @@ class Paper:
         self.renderer.draw_path(gc, path, self._flip, _ink(fill) if fill is not None else None)
         gc.restore()
 
-    def area(self, rings: Sequence[Sequence[Sequence[XY]]], fill: Colour | None,
-             edge: Colour | None, width: float, *, union: bool = False, hatch: float = 0.0) -> None:
-        """See :class:`sandbox.picture.painter.Painter`."""
+    def area(self, rings: Sequence[Rings], fill: Colour | None, edge: Colour | None, width: float,
+             *, union: bool = False, hatch: float = 0.0) -> None:
+        """See :class:`sandbox.picture.palette.Painter`."""
         lines = [ring for ring, _, _ in rings]
         if union:
             for ring in lines:
@@ -108,100 +104,79 @@ class Paper:
             for part in [[ring] for ring in lines] if union else [lines]:
                 self._hatch(part, edge, hatch)
 
-    def _hatch(self, rings: Sequence[Sequence[XY]], edge: Colour, pitch: float) -> None:
+    def _hatch(self, rings: Rings, edge: Colour, pitch: float) -> None:
         """Slanted lines in the first ring, but not in the others."""
-        from matplotlib.path import Path as Outline
-
         lines = hatch_lines(rings[0], pitch)
         path = Outline(np.array(lines).reshape(-1, 2),
                        np.tile([Outline.MOVETO, Outline.LINETO], len(lines)))
-        self._draw(path, None, hatch_ink(edge), 0.13 * pitch, _closed(_holes(rings)))
+        self._draw(path, None, lighter(edge, 0.45), 0.13 * pitch, _closed(_holes(rings)))
 
     def line(self, path: Sequence[XY], ink: Colour, width: float) -> None:
-        """See :class:`sandbox.picture.painter.Painter`."""
-        from matplotlib.path import Path as Outline
-
+        """See :class:`sandbox.picture.palette.Painter`."""
         self._draw(Outline(np.asarray(path)), None, ink, width)
 
     def simple(self, corners: Sequence[XY], fill: Colour | None, edge: Colour | None,
                width: float) -> None:
-        """See :class:`sandbox.picture.painter.Painter`."""
+        """See :class:`sandbox.picture.palette.Painter`."""
         self._draw(_closed([corners]), fill, edge, width)
 
     def disc(self, centre: XY, radius: float, fill: Colour | None, edge: Colour | None,
              width: float, *, hatch: float = 0.0) -> None:
-        """See :class:`sandbox.picture.painter.Painter`."""
-        from matplotlib.path import Path as Outline
-
-        self._draw(Outline.circle(centre, radius), fill, edge if width else None, width)
+        """See :class:`sandbox.picture.palette.Painter`."""
+        circle = Outline.circle(centre, radius)
+        self._draw(circle, fill, edge if width else None, width)
         if hatch and edge is not None:
-            ring = np.asarray(Outline.circle(centre, radius).to_polygons()[0])
-            self._hatch([ring.tolist()], edge, hatch)
+            self._hatch([np.asarray(circle.to_polygons()[0]).tolist()], edge, hatch)
 
     def text(self, middle: XY, words: str, size: int, ink: Colour, leader: Sequence[XY]) -> None:
-        """See :class:`sandbox.picture.painter.Painter`."""
-        from matplotlib.transforms import Affine2D
-
+        """See :class:`sandbox.picture.palette.Painter`."""
         if leader:
             self.line(leader, lighter(ink, 0.35), 1.0)
-        rim = max(1, round(size / 9))
         x = round(middle[0] - self.type.width(words, size) / 2)
         y = round(middle[1] - self.type.height(size) / 2)
-        path = self._letters(letters(words), size).transformed(
-            Affine2D().scale(1, -1).translate(x, y + self.type.baseline(size)))
-        self._draw(path, None, BACKGROUND, 2 * rim, cap="round")
+        self._draw(self._letters(letters(words), size, x, y), None, BACKGROUND,
+                   2 * max(1, round(size / 9)), cap="round")
         self.write((x, y), words, size, ink)
 
     def write(self, corner: XY, words: str, size: int, ink: Colour) -> None:
-        """See :class:`sandbox.picture.painter.SheetPainter`."""
-        from matplotlib.transforms import Affine2D
-
+        """See :class:`sandbox.picture.palette.Painter`."""
         words = letters(words)
         if not words.strip():
             return
-        x, y = corner[0], corner[1] + self.type.baseline(size)
         if self.paths:
-            self._draw(self._letters(words, size).transformed(
-                Affine2D().scale(1, -1).translate(x, y)), ink)
+            self._draw(self._letters(words, size, *corner), ink)
             return
         gc = self.renderer.new_gc()
         gc.set_foreground(_ink(ink), isRGBA=True)
-        place = (x + self._shift[0], y + self._shift[1])
-        height = self.size[1]
-        at = place[1] if self.renderer.flipy() else height - place[1]
-        self.renderer.draw_text(gc, place[0] * self.factor, at * self.factor, words,
-                                self._font(EM * size * self.factor), 0.0)
+        x = corner[0] + self._shift[0]
+        y = corner[1] + self.type.baseline(size) + self._shift[1]
+        self.renderer.draw_text(
+            gc, x * self.factor, (y if self.renderer.flipy() else self.size[1] - y) * self.factor,
+            words, self._font(EM * size * self.factor), 0.0)
         gc.restore()
 
-    def _letters(self, words: str, size: int) -> Any:
-        """The outlines of words, from their baseline's begin, y up."""
-        from matplotlib.textpath import TextPath
-
+    def _letters(self, words: str, size: int, x: float, y: float) -> Any:
+        """The outlines of words right of and below a corner."""
         key = (words, size)
         if key not in self._letters_kept:
             self._letters_kept[key] = TextPath((0, 0), words, size=EM * size,
                                                prop=self._font(EM * size), usetex=False)
-        return self._letters_kept[key]
+        return self._letters_kept[key].transformed(
+            Affine2D().scale(1, -1).translate(x, y + self.type.baseline(size)))
 
 
-def _holes(rings: Sequence[Sequence[XY]]) -> list[Sequence[XY]]:
+def _holes(rings: Rings) -> list[Sequence[XY]]:
     """Rings of which the first runs counter-clockwise and the others, the holes, clockwise."""
-    found: list[Sequence[XY]] = []
-    for k, ring in enumerate(rings):
-        x, y = np.asarray(ring).T
-        area = np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)
-        found.append(ring if (area > 0) == (k == 0) else ring[::-1])
-    return found
+    return [ring if (turned_area(np.asarray(ring)) > 0) == (k == 0) else ring[::-1]
+            for k, ring in enumerate(rings)]
 
 
 def _ink(ink: Colour) -> tuple[float, float, float, float]:
     return ink[0] / 255, ink[1] / 255, ink[2] / 255, 1.0
 
 
-def _closed(rings: Sequence[Sequence[XY]]) -> Any:
+def _closed(rings: Rings) -> Any:
     """Closed outlines as one path."""
-    from matplotlib.path import Path as Outline
-
     each = [np.concatenate([ring, ring[:1]]) for ring in map(np.asarray, rings)]
     codes = [code for ring in each for code in (
         Outline.MOVETO, *([Outline.LINETO] * (len(ring) - 2)), Outline.CLOSEPOLY)]
@@ -210,35 +185,41 @@ def _closed(rings: Sequence[Sequence[XY]]) -> Any:
 
 def paint_picture(picture: Picture, paper: Paper, t: float) -> None:
     """Paint a picture at a time [s], all of it."""
-    instant = picture.instant(1)
-    instant.go_to(t)
-    paper.clip(picture.stage)
-    instant.paint_still(paper)
-    instant.paint(paper)
+    instant = paint_stage(picture, paper, t, picture.stage)
     paper.clip(None)
     picture.surround(paper, instant)
     picture.write_grid(paper, instant)
-    paint_labels(instant, paper, picture.label_size, picture.half)
-    picture.panel.draw(paper, t)
+    picture.write_labels(paper, instant)
+    picture.panel.draw(paper, [t])
     picture.write_stamp(paper, t)
+
+
+def paint_stage(picture: Picture, paper: Paper, t: float, stage: Sequence[float]) -> Instant:
+    """Paint the mechanism at a time [s] without labels and what stands around it."""
+    instant = picture.instant(1)
+    instant.go_to(t)
+    paper.clip(stage)
+    instant.paint_still(paper)
+    instant.paint(paper)
+    return instant
 
 
 def pixels(size: tuple[int, int], type_: Typesetter, paint: Paint, *,
            transparent: bool = False) -> NDArray[np.uint8]:
     """Red, green, blue of a painting [h, w, 3]; with the opacity if it is transparent."""
-    from matplotlib.backends import backend_agg
-
-    agg: Any = backend_agg
-    renderer = agg.RendererAgg(*size, POINTS)
-    paper = Paper(renderer, size, type_, 1.0, paths=True)
-    if not transparent:
-        paper.fill(BACKGROUND)
-    paint(paper)
+    renderer = cast(Any, backend_agg).RendererAgg(*size, POINTS)
+    _paint(Paper(renderer, size, type_, 1.0, paths=True), paint, transparent)
     found = np.array(renderer.buffer_rgba())
     if not transparent:
         return found[..., :3]
     found[found[..., 3] == 0, :3] = 255
     return found
+
+
+def _paint(paper: Paper, paint: Paint, transparent: bool) -> None:
+    if not transparent:
+        paper.fill(BACKGROUND)
+    paint(paper)
 
 
 def save(path: Path, size: tuple[int, int], type_: Typesetter, paint: Paint, *,
@@ -248,55 +229,29 @@ def save(path: Path, size: tuple[int, int], type_: Typesetter, paint: Paint, *,
     Raises:
         OutputError: it cannot be written.
     """
-    ending = path.suffix.lower()
-    with atomic_file(path) as aside:
+    ending, factor = path.suffix.lower(), POINTS / (per_inch or SCREEN_PER_INCH)
+    wide, high, text = size[0] * factor, size[1] * factor, io.StringIO()
+    with atomic_file(path) as aside, matplotlib.rc_context({
+            "svg.fonttype": "none", "font.sans-serif": [], "svg.hashsalt": "sandbox",
+            "pdf.fonttype": 42}):
         if ending == ".png":
             from PIL import Image
 
             made = Image.fromarray(pixels(size, type_, paint, transparent=transparent))
             made.save(aside, format="PNG", **({"dpi": (per_inch, per_inch)} if per_inch else {}))
+        elif ending == ".svg":
+            renderer = cast(Any, backend_svg).RendererSVG(wide, high, text, image_dpi=POINTS,
+                                                          metadata={"Date": None})
+            _paint(Paper(renderer, size, type_, factor, paths=False), paint, transparent)
+            renderer.finalize()
+            aside.write_text(text.getvalue(), encoding="utf-8")
         else:
-            write = _write_svg if ending == ".svg" else _write_pdf
-            write(aside, size, type_, paint, transparent, POINTS / (per_inch or SCREEN_PER_INCH))
-
-
-def _write_svg(path: Path, size: tuple[int, int], type_: Typesetter, paint: Paint,
-               transparent: bool, factor: float) -> None:
-    import matplotlib
-    from matplotlib.backends import backend_svg
-
-    svg, text = cast(Any, backend_svg), io.StringIO()
-    with matplotlib.rc_context({"svg.fonttype": "none", "font.sans-serif": [],
-                                "svg.hashsalt": "sandbox"}):
-        renderer = svg.RendererSVG(size[0] * factor, size[1] * factor, text,
-                                   image_dpi=POINTS, metadata={"Date": None})
-        _paint(renderer, size, type_, paint, transparent, factor)
-        renderer.finalize()
-    path.write_text(text.getvalue(), encoding="utf-8")
-
-
-def _write_pdf(path: Path, size: tuple[int, int], type_: Typesetter, paint: Paint,
-               transparent: bool, factor: float) -> None:
-    import matplotlib
-    from matplotlib.backends import backend_pdf
-
-    pdf: Any = backend_pdf
-    wide, high = size[0] * factor, size[1] * factor
-    with matplotlib.rc_context({"font.sans-serif": [], "pdf.fonttype": 42}):
-        file = pdf.PdfFile(str(path), metadata={"CreationDate": None, "Producer": None,
-                                                "Creator": None})
-        file.newPage(wide / POINTS, high / POINTS)
-        renderer = pdf.RendererPdf(file, POINTS, high / POINTS, wide / POINTS)
-        _paint(renderer, size, type_, paint, transparent, factor)
-        renderer.finalize()
-        file.finalize()
-        file.close()
-
-
-def _paint(renderer: Any, size: tuple[int, int], type_: Typesetter, paint: Paint,
-           transparent: bool, factor: float) -> None:
-    paper = Paper(renderer, size, type_, factor, paths=False)
-    if not transparent:
-        paper.fill(BACKGROUND)
-    paint(paper)
-
+            pdf = cast(Any, backend_pdf)
+            file = pdf.PdfFile(str(aside), metadata={"CreationDate": None, "Producer": None,
+                                                     "Creator": None})
+            file.newPage(wide / POINTS, high / POINTS)
+            renderer = pdf.RendererPdf(file, POINTS, high / POINTS, wide / POINTS)
+            _paint(Paper(renderer, size, type_, factor, paths=False), paint, transparent)
+            renderer.finalize()
+            file.finalize()
+            file.close()

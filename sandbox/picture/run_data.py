@@ -1,4 +1,4 @@
-"""What pictures are drawn from."""
+"""What pictures need of a recording."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from sandbox.scene.mechanism import Mechanism
 
 
 class RunData(Protocol):
-    """What pictures need of a recording."""
+    """What pictures are drawn from."""
 
     @property
     def mechanism(self) -> Mechanism:
@@ -54,12 +54,3 @@ def read_curve(run: MeteredRun, name: str) -> Array:
         return np.asarray(run[name], dtype=float)
     value = worked_out(name, run.mechanism, lambda each: run.time if each == "t" else run[each])
     return np.broadcast_to(value, run.time.shape)
-
-
-def frame_times(run: RunData, *, fps: int, speed: float, start: float = 0.0) -> list[float]:
-    """Times of the frames [s]: ``speed / fps`` apart from ``start``, and the run's end."""
-    end = float(run.time[-1])
-    start = min(start, end)
-    step = speed / fps
-    count = max(0, int(np.ceil((end - start) / step - 1e-6)))
-    return [start + k * step for k in range(count)] + [end]

@@ -1,4 +1,4 @@
-"""How long arrows are: one rule for forces, loads, drives, velocities. Nothing here draws.
+"""How long arrows are and what colours tensions have; round numbers and units.
 
 A film shows each instant as long as any other, so sizes are weighed by time: an arrow's scale is
 that of the largest arrow of nearly every picture, not of the largest number of the run. A blow
@@ -8,13 +8,17 @@ lasts a sample or a few; measured by it, all that lasts would have no length.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.model.joints import link_tensions
 from sandbox.numeric import Array, Integers
+from sandbox.picture.palette import PUSH, TENSION, Colour
 from sandbox.picture.run_data import RunData
+from sandbox.samples.cords import piece_tensions
 from sandbox.scene.settings import View
 
 OFTEN = 0.95
@@ -23,15 +27,24 @@ larger is seen in one picture of twenty, and cut only beyond :data:`LONGEST` tim
 ENDING = 0.1
 """Share of the run, its end, of which what acts for half of it counts too: an end is looked at
 longest, and a grasp may come as late."""
-REFERENCE = 0.085
-"""Length of the reference force's arrow as a fraction of the picture's width."""
-LONGEST = 1.5
-"""Arrows are cut at this many times the reference and marked with two bars."""
+REFERENCE, LONGEST = 0.085, 1.5
+"""Length of the reference force's arrow as a fraction of the picture's width; arrows are cut at so
+many times the reference and marked with two bars."""
 ROUNDING = 1e-6
 """Acceleration [m/s^2] of all that moves: forces that are no larger than that takes are nothing."""
 MOST_DECIMALS = 9
 NOTHING = 1e-6
 """What is below this fraction of the largest size of a run is what rounding leaves."""
+SAME = 1e-9
+"""Pins of a body that are no farther apart are one [m]."""
+UNLOADED = 1e-3
+"""Of the scale's top: a link that carries no more is drawn as one that carries nothing."""
+USUAL, SPIKE = 0.75, 2.0
+"""The share of the samples that carry anything, above which they are rare; how many times as large
+as the others the scale's top may be for the sake of these."""
+SLACK_FRACTION, UNSEEN = 1e-6, 1e-5
+"""Tensions below the first fraction of the scale count as slack; the second has no colour yet."""
+PRESSURES = ((1e6, "MPa"), (1e5, "bar"), (1e3, "kPa"), (1.0, "Pa"))
 
 
 @dataclass(frozen=True)
@@ -47,6 +60,14 @@ class ForceScale:
     def longest(self) -> float:
         """Arrows of larger sizes are cut."""
         return self.reference * LONGEST
+
+
+NO_SCALE = ForceScale(0.0, 0.0)
+
+
+def scale_of(reference: float, length: float) -> ForceScale:
+    """The scale by which an arrow of the reference size has this length [m]."""
+    return ForceScale(length / reference, reference) if reference > 0 else NO_SCALE
 
 
 def typical(largest: Array, time: Array) -> float:
@@ -94,15 +115,12 @@ def largest_of(samples: Integers, sizes: Array, count: int) -> Array:
 
 def force_scale(run: RunData, width: float, view: View | None = None) -> ForceScale:
     """The scale of contact forces on a picture ``width`` [m] wide, or the one the view asks for."""
-    asked = (view or run.mechanism.view).force_scale
-    arrays = run.arrays
+    given, arrays = (view or run.mechanism.view).force_scale, run.arrays
     sizes = np.hypot(*arrays["contact_force"].T)
     reference = typical(largest_of(arrays["contact_sample"], sizes, len(run.time)), run.time)
     if reference <= rounding(run):
-        return ForceScale(0.0, 0.0)
-    if asked > 0:
-        return ForceScale(asked, reference)
-    return ForceScale(REFERENCE * width / reference, reference)
+        return NO_SCALE
+    return ForceScale(given, reference) if given > 0 else scale_of(reference, REFERENCE * width)
 
 
 def shared(scales: Iterable[ForceScale]) -> ForceScale:
@@ -117,10 +135,9 @@ def decimals(reference: float) -> int:
     return 2 if reference < 10 else 1 if reference < 100 else 0
 
 
-def number(value: float, reference: float) -> str:
-    """A value with as many :func:`decimals` as its scale deserves."""
-    text = f"{value:.{decimals(reference)}f}"
-    return text if float(text) else text.removeprefix("-")  # no negative nothing
+def pressure_unit(largest: float) -> tuple[float, str]:
+    """The unit of pressures up to ``largest`` [Pa]: its size [Pa] and its name."""
+    return next(((f, u) for f, u in PRESSURES if largest >= 0.9995 * f), PRESSURES[-1])
 
 
 def prefixed(reference: float, unit: str) -> tuple[float, str, int]:
@@ -131,7 +148,12 @@ def prefixed(reference: float, unit: str) -> tuple[float, str, int]:
     """
     size = abs(reference)
     factor, prefix = 1.0, ""
-    if 0 < size < 1e-4:
+    if unit == "Pa":
+        pascals, unit = pressure_unit(size)
+        return 1 / pascals, unit, decimals(size / pascals)
+    if unit == "m^3/s":
+        factor, unit = 1e6, "ml/s"
+    elif 0 < size < 1e-4:
         factor, prefix = 1e6, "µ"
     elif 0 < size < (1.0 if unit == "N m" else 0.1):
         factor, prefix = 1e3, "m"
@@ -144,3 +166,145 @@ def written(value: float, factor: float, places: int) -> str:
     """A value times a factor with decimals, without a negative 0."""
     text = f"{factor * value:.{places}f}"
     return text if float(text) else text.removeprefix("-")
+
+
+def round_length(largest: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above ``largest``, which is > 0."""
+    power = 10.0 ** np.floor(np.log10(largest))
+    step = max(s for s in (1.0, 2.0, 5.0) if s * power <= largest * (1 + 1e-9) or s == 1.0)
+    return float(step * power)
+
+
+def round_up(value: float) -> float:
+    """The smallest of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten not below ``value``.
+
+    1 for nothing, and for numbers so small that no power of ten is.
+    """
+    if not value > 1e-300:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(value))
+    steps = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+    return float(power * next(s for s in steps if s * power >= value * (1 - 1e-9)))
+
+
+class PinnedBar(NamedTuple):
+    """A body with pins in two places."""
+
+    body: int
+    ends: list[tuple[float, float]]
+    """In its frame [m], two."""
+    joints: list[list[int]]
+    """Those at either end."""
+
+
+def bars_of(run: RunData, bodies: Sequence[int]) -> list[PinnedBar]:
+    """Those of ``bodies`` that move and that pins hold in exactly two places."""
+    joints, found = run.model.joints, dict[int, PinnedBar]()
+    for k, kind in enumerate(joints.kind):
+        for body, (x, y) in zip(joints.bodies[k].tolist(), joints.anchor[k].tolist(),
+                                strict=True) if kind.keeps == "point" else ():
+            bar = found.setdefault(body, PinnedBar(body, [], []))
+            near = next((own for at, own in zip(bar.ends, bar.joints, strict=True)
+                         if abs(at[0] - x) + abs(at[1] - y) <= SAME), None)
+            if near is None:
+                bar.ends.append((x, y))
+                bar.joints.append([k])
+            else:
+                near.append(k)
+    return [bar for body, bar in sorted(found.items()) if len(bar.ends) == 2
+            and body in bodies and not run.model.bodies.fixed[body]]
+
+
+def bar_tensions(run: RunData, bars: Sequence[PinnedBar]) -> Array:
+    """The pull that each bar carries from pin to pin [N], negative where it pushes, [n, k].
+
+    With the forces F of the pins on the bar and u from one to the other it is (F2 - F1) . u / 2:
+    the tension where nothing else loads the bar, else the mean of that at either end.
+    """
+    force, angle = run.arrays["joint_force"], run.arrays["body_pose"][..., 2]
+    tension = np.zeros((len(angle), len(bars)))
+    for k, bar in enumerate(bars):
+        (x0, y0), (x1, y1) = bar.ends
+        way = angle[:, bar.body] + np.arctan2(y1 - y0, x1 - x0)
+        sides = [np.where(run.model.joints.bodies[own, 1] == bar.body, 1.0, -1.0)
+                 for own in bar.joints]
+        start, end = (np.einsum("nki,k->ni", force[:, own], side)
+                      for own, side in zip(bar.joints, sides, strict=True))
+        carried = end - start
+        tension[:, k] = (carried[:, 0] * np.cos(way) + carried[:, 1] * np.sin(way)) / 2
+    return np.nan_to_num(tension)
+
+
+class Tensions(NamedTuple):
+    """Tensions of a run, negative where a link pushes, and the scale that shows them."""
+
+    pieces: Array
+    """Of all straight pieces of tendons [N], [n, m]."""
+    links: Array
+    """Of all joints along a line [N], [n, nj]; 0 of others."""
+    bars: Array
+    """Of bodies between two pins that are shown as bars [N], [n, k]."""
+    largest: float
+    """Top of the scale [N]; 0 if nothing carries anything."""
+    pushing: frozenset[str]
+    """The layers, ``tensions`` of links and ``bars``, in which something pushes visibly."""
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        """All that may occur."""
+        return TENSION + PUSH if self.pushing else TENSION
+
+    @property
+    def loaded(self) -> Integers:
+        """The joints whose links carry something at some time."""
+        sizes = np.abs(self.links).max(axis=0, initial=0.0)
+        return np.flatnonzero(sizes > UNLOADED * self.largest)
+
+    def beside(self, others: Iterable[Tensions]) -> Tensions:
+        """The same on the scale that has room for those of other runs too."""
+        every = (self, *others)
+        return self._replace(largest=max(each.largest for each in every),
+                             pushing=self.pushing.union(*(each.pushing for each in every)))
+
+    def hidden(self) -> Tensions:
+        """The same where no colours are shown: tendons are grey, slack ones dashed.
+
+        Bars, which are nothing else, keep theirs.
+        """
+        loaded = self.pieces > SLACK_FRACTION * self.largest
+        return self._replace(pieces=np.where(loaded, UNSEEN * self.largest, 0.0),
+                             links=np.zeros_like(self.links))
+
+
+def tensions_of(run: RunData, bars: Sequence[PinnedBar] = ()) -> Tensions:
+    """Those of a run; the ``bars`` are measured by the same scale as tendons, rods and ropes."""
+    pieces = piece_tensions(run.model, run.arrays).T
+    links = np.zeros(run.arrays["joint_reaction"].shape)
+    lines = [k for k, joint in enumerate(run.mechanism.joints)
+             if "tension" in joint.facts.records]
+    links[:, lines] = np.nan_to_num(link_tensions(run.model, run.arrays, np.array(lines, np.intp)))
+    carried = bar_tensions(run, bars)
+    for each in (pieces, links, carried):
+        if np.abs(each).max(initial=0.0) <= rounding(run):
+            each[:] = 0.0
+    largest = largest_tension(np.abs(np.column_stack([pieces, links, carried])))
+    pushing = frozenset(layer for layer, each in (("tensions", links), ("bars", carried))
+                        if (each < -UNLOADED * largest).any())
+    return Tensions(pieces, links, carried, largest, pushing)
+
+
+def largest_tension(tension: Array) -> float:
+    """The top of the scale [N] of tensions [n, m]: a round number above nearly all of the run.
+
+    The sharpest 0.5 % of samples may lie above it, and more where they are so large that what
+    tendons carry else would have no colour.
+    """
+    if not tension.size:
+        return 0.0
+    each = tension.max(axis=1)
+    peak = float(np.quantile(each, 0.995))
+    loaded = each[each > UNLOADED * peak]
+    if not peak > 0 or not loaded.size:
+        return 0.0
+    usual = SPIKE * float(np.quantile(loaded, USUAL))
+    return round_up(max(min(peak, usual), float(each[-1])))

@@ -7,22 +7,18 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from sandbox.model.model import NONE
-from sandbox.numeric import Array
-from sandbox.picture.listing import Item, Listing, Number, short
-from sandbox.picture.palette import TOKENS, Colour, css
+from sandbox.numeric import Array, Flags
+from sandbox.picture.listing import Item, Listing, Number, Point, short
+from sandbox.picture.palette import TOKENS, Colour, css, glyph
 from sandbox.picture.run_data import RunData
-from sandbox.picture.scales import ForceScale
-from sandbox.picture.tensions import Tensions
+from sandbox.picture.scales import NO_SCALE, ForceScale, Tensions, prefixed
 from sandbox.scene.layers import LAYERS, PASSES, Show, meant, shown
 from sandbox.scene.settings import View
 from sandbox.values.planes import depth
 
 BEHIND, ABOVE = -math.inf, math.inf
 """Planes behind all bodies and in front of them."""
-NO_SCALE = ForceScale(0.0, 0.0)
 INKS = {token: [css(day), css(night)] for token, (day, night) in TOKENS.items()}
 ORDER = {name: k for k, name in enumerate(PASSES)}
 
@@ -37,11 +33,6 @@ class VisibleLayers:
 
     def __contains__(self, layer: str) -> bool:
         return layer in self._shown
-
-    @property
-    def names(self) -> list[str]:
-        """Those that are shown."""
-        return list(self._shown)
 
     def of(self, layer: str) -> list[int]:
         """The bodies that a layer is shown of."""
@@ -73,22 +64,21 @@ class Subject:
     moments: Sequence[float] | None = None
     """The times that are painted [s], if they are few."""
     loads: ForceScale = NO_SCALE
-    pressure: ForceScale = NO_SCALE
     vectors: list[tuple[str, str, str, ForceScale]] = field(default_factory=list)
     """Arrows that the view asks for: token, unit, words and scale of each kind."""
     contacts_on: str = ""
     """Words of the legend: on whom contact forces are shown."""
-    trace_inks: list[str] = field(default_factory=list)
+    trace_ink: str = ""
+    """Token of the first trace."""
     signs: set[str] = field(default_factory=set)
     """Rows of the legend that are needed, see :data:`sandbox.picture.build.ROWS`."""
     _keys: list[tuple[float, float, float]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        bodies = self.run.mechanism.bodies
+        bodies, fixed = self.run.mechanism.bodies, self.run.model.bodies.fixed.tolist()
         self.depths = [depth(body.plane) for body in bodies]
-        self.lowest = min((deep for deep, fixed in zip(
-            self.depths, self.run.model.bodies.fixed.tolist(), strict=True) if not fixed),
-            default=0)
+        self.lowest = min((deep for deep, stays in zip(self.depths, fixed, strict=True)
+                           if not stays), default=0)
         """The plane of the lowest body that moves."""
         self.out.inks |= INKS
 
@@ -103,23 +93,36 @@ class Subject:
         return max((self.depths[body] for body in bodies), default=self.lowest)
 
     def add(self, step: str, kind: str, name: str = "", *, plane: float = ABOVE, rank: float = 0,
-            layer: str = "", shown: Number | None = None, **fields: Any) -> Item | None:
-        """Add an item of a pass, see :data:`sandbox.kinds.layers.PASSES`, if its layer is shown.
+            layer: str = "", shown: Number | None = None, **fields: Any) -> None:
+        """Add an item of a pass, see :data:`sandbox.scene.layers.PASSES`, if its layer is shown.
 
-        It is shown where ``shown`` is not 0.
-        Items of one plane lie in the order of the passes, those of one pass in that of ``rank``. In
-        texts and arrows, which lie above all, ``rank`` is the order in which labels take places.
+        It is shown where ``shown`` is not 0; fields that are None are left out. Items of one plane
+        lie in the order of the passes, those of one pass in that of ``rank``. In texts and arrows,
+        which lie above all, ``rank`` is the order in which labels take places.
         """
+        for each in [fields["g"]] if isinstance(fields.get("g"), str) else fields.get("g", ()):
+            glyph(self.out, each)
         layer = layer or PASSES[step]
         if layer not in self.layers:
-            return None
+            return
         if math.isfinite(plane):
             plane = max(plane, self.lowest)
         if kind in ("text", "arrows"):
             fields["rank"], plane = rank, ABOVE
         self._keys.append((plane, ORDER[step], rank))
-        return self.out.add(kind, layer, name, **fields, **({} if shown is None
-                                                            else {"if": shown}))
+        item: Item = {"k": kind, "l": layer, "n": name or None, **fields, "if": shown}
+        self.out.items.append({key: value for key, value in item.items() if value is not None})
+
+    def number(self, step: str, name: str, at: Point, values: Array, largest: float, unit: str, *,
+               steady: bool = False, token: str = "drive", words: str = "",
+               there: Flags | None = None, **fields: Any) -> None:
+        """Add a number beside a point, to the digits that the ``largest`` value deserves."""
+        factor, unit, decimals = prefixed(largest, unit)
+        item = {"value": self.out.column(values, steady=steady), "factor": factor, "unit": unit,
+                "decimals": decimals, "s": self.style("", token), **fields}
+        if there is not None:
+            item["shown"] = self.steady(there)
+        self.add(step, "text", name, at=at, words=words, **item)
 
     def close(self) -> Listing:
         """The list, sorted back to front."""
@@ -130,20 +133,18 @@ class Subject:
         return self.out
 
     def held(self, *ties: int) -> list[int] | None:
-        """A column that is 1 while all of these hold; None if nothing of them is let go."""
+        """A column that is 1 while all of these hold; None if nothing of them can be released."""
         found = [tie for tie in ties if tie != NONE]
-        if not found:
-            return None
-        return self.out.column((self.run.arrays["held"][:, found] != 0).all(axis=1), steady=True)
+        return self.out.column((self.run.arrays["held"][:, found] != 0).all(axis=1),
+                               steady=True) if found else None
 
-    def point_on(self, body: int, at: Iterable[float]) -> list[Any]:
+    def on(self, body: int, at: Iterable[float]) -> Point:
         """A point of a body, or of another frame."""
-        x, y = at
-        return [int(body), short(x), short(y)]
+        return [int(body), *map(short, at)]
 
-    def share(self, values: Array, largest: float) -> Number:
-        """Values as shares of the largest, for the ramp of loads."""
-        return self.out.varying(np.asarray(values) / (largest or 1.0), steady=True)
+    def steady(self, values: Array | Flags) -> Number:
+        """Values that painters do not interpolate, as a column, or as the number that they are."""
+        return self.out.varying(values, steady=True)
 
     def style(self, *args: Any, **kwargs: Any) -> int:
         """The number of a style."""

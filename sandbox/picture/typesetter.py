@@ -1,32 +1,34 @@
-"""Texts as small pictures."""
+"""Texts as small pictures, and titles."""
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_right
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import pygame
 
-from sandbox.picture.painter import SheetPainter
-from sandbox.picture.palette import BACKGROUND, INK, Colour
+from sandbox.picture.palette import BACKGROUND, INK, Colour, Painter
 from sandbox.wording import printable
 
 FINER = 4
 """Letters are drawn this many times larger, then scaled down."""
 MOST_LETTERS = 1000
 """Of a text; no picture is as wide."""
+KEPT = 2000
+"""Texts that are kept: most of them come again in the next frame."""
+MOST, SHARE = 3, 0.25
+"""Lines of a title; what does not find room in them is left out. Of a picture's height that a title
+of several lines takes at most."""
+HEAD, LINE = 2.2, 1.25
+"""Height of a header of one line, in the ordinary type, and from line to line, in the title's."""
 
 
 class Typesetter:
-    """Texts as small pictures, kept: most of them come again in the next frame."""
-
-    MOST = 2000
+    """Texts as small pictures, in a type of ``size``, and at ``least`` so large [pixels]."""
 
     def __init__(self, size: int, least: int = 0) -> None:
-        """``size`` of the ordinary type, and of the ``least`` of all, in pixels."""
         pygame.font.init()
         self.size, self.least = max(size, least), least
         self._fonts: dict[int, pygame.Font] = {}
@@ -37,41 +39,38 @@ class Typesetter:
         return max(round(lines * self.least), round(factor * lines * self.size))
 
     def font(self, size: int) -> pygame.Font:
-        """The font that travels with pygame: the same on every machine."""
+        """The font that travels with pygame, the same on every machine, :data:`FINER` as large."""
         if size not in self._fonts:
-            self._fonts[size] = pygame.font.Font(None, size)
+            self._fonts[size] = pygame.font.Font(None, FINER * size)
         return self._fonts[size]
 
     def width(self, text: str, size: int | None = None) -> int:
         """How long the text is in pixels."""
-        return round(self.font(FINER * (size or self.size)).size(letters(text))[0] / FINER)
+        return round(self.font(size or self.size).size(letters(text))[0] / FINER)
 
     def height(self, size: int) -> int:
         """The height of a line in pixels."""
-        return round(self.font(FINER * size).get_height() / FINER)
+        return round(self.font(size).get_height() / FINER)
 
     def baseline(self, size: int) -> float:
         """The baseline below the top of a line [pixels]."""
-        return self.font(FINER * size).get_ascent() / FINER
+        return self.font(size).get_ascent() / FINER
 
-    def render(
-        self, text: str, *, size: int | None = None, colour: Colour = INK, halo: bool = False
-    ) -> pygame.Surface:
+    def render(self, text: str, *, size: int | None = None, colour: Colour = INK,
+               halo: bool = False) -> pygame.Surface:
         """The text with a see-through ground, and with a white rim where ``halo``."""
-        text = letters(text)
-        size = size or self.size
+        text, size = letters(text), size or self.size
         key = (text, size, colour, halo)
         if key not in self._kept:
-            if len(self._kept) >= self.MOST:
+            if len(self._kept) >= KEPT:
                 self._kept.clear()
-            picture, rim = self._fine(text, size, colour), max(1, round(size / 9)) if halo else 0
-            self._kept[key] = (
-                self._rimmed(text, size, picture, rim) if halo else picture)
+            face = self._fine(text, size, colour)
+            self._kept[key] = self._rimmed(text, size, face) if halo else face
         return self._kept[key]
 
     def _fine(self, text: str, size: int, colour: Colour) -> pygame.Surface:
         """Letters drawn larger and scaled down: small ones keep their shapes and spacing."""
-        font = self.font(FINER * size)
+        font = self.font(size)
         # accents alone take no room, and pygame draws no text without
         large = font.render(text if font.size(text)[0] else " ", True, colour)
         # an even ground of the text's colour, so that scaling mixes the opacity alone
@@ -82,8 +81,8 @@ class Typesetter:
         return pygame.transform.smoothscale(
             even, (max(1, round(width / FINER)), max(1, round(height / FINER))))
 
-    def _rimmed(self, text: str, size: int, face: pygame.Surface, rim: int) -> pygame.Surface:
-        ground = self._fine(text, size, BACKGROUND)
+    def _rimmed(self, text: str, size: int, face: pygame.Surface) -> pygame.Surface:
+        ground, rim = self._fine(text, size, BACKGROUND), max(1, round(size / 9))
         whole = pygame.Surface((face.get_width() + 2 * rim, face.get_height() + 2 * rim),
                                pygame.SRCALPHA, 32)
         for dx in range(-rim, rim + 1):
@@ -110,16 +109,7 @@ def letters(text: str) -> str:
     return printable(text[:MOST_LETTERS])[:MOST_LETTERS]
 
 
-MOST = 3
-"""Lines; what does not find room in them is left out."""
-SHARE = 0.25
-"""Of a picture's height that a title of several lines takes at most."""
-HEAD, LINE = 2.2, 1.25
-"""Height of a header of one line, in the ordinary type, and from line to line, in the title's."""
-
-
-@dataclass(frozen=True)
-class Headline:
+class Headline(NamedTuple):
     """A title, set."""
 
     lines: tuple[str, ...]
@@ -129,8 +119,7 @@ class Headline:
     """The header [finished pixels]."""
 
     @classmethod
-    def of(cls, title: str, type_: Typesetter, room: int, size: int, high: float = math.inf,
-           ) -> Headline:
+    def of(cls, title: str, type_: Typesetter, room: int, size: int, high: float) -> Headline:
         """``title`` in ``room`` pixels of a picture so ``high``, in type of ``size`` if it fits."""
         free = (SHARE * high - HEAD * type_.size) / (LINE * type_.size)
         most = int(min(max(1.0, 1 + free), MOST))
@@ -140,7 +129,7 @@ class Headline:
         size = fits or type_.size
         return cls(lines, size, round(HEAD * type_.size) + (len(lines) - 1) * round(LINE * size))
 
-    def write(self, painter: SheetPainter, type_: Typesetter, left: int) -> None:
+    def write(self, painter: Painter, type_: Typesetter, left: int) -> None:
         """Write the lines, ``left`` pixels from the edge."""
         step = round(LINE * self.size)
         for k, line in enumerate(self.lines):
@@ -151,12 +140,11 @@ class Headline:
 
 def _wrapped(title: str, type_: Typesetter, room: int, most: int) -> Iterator[str]:
     """Lines of whole words."""
-    line, words = "", title.split()
+    words = title.split()
     for count in range(1, most + 1):
-        while words and (count == most
-                         or type_.width(f"{line} {words[0]}".strip(), type_.size) <= room
-                         or not line):
+        line = ""
+        while words and (count == most or not line
+                         or type_.width(f"{line} {words[0]}", type_.size) <= room):
             line = f"{line} {words.pop(0)}".strip()
         if line:
             yield ellipsis(type_, line, room, type_.size)
-        line = ""

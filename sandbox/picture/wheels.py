@@ -8,7 +8,6 @@ nothing to do with them.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -17,14 +16,14 @@ from sandbox.model.joints import meeting
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.picture.geometry import shape_points
+from sandbox.scene.geometry import to_body, to_world
 
-FEW, MANY = 14, 30
-"""Teeth of the smallest of the wheels that mesh."""
-MOST = 400
-"""Teeth of one; a wheel that would have more is drawn without."""
+FEW, MANY, MOST = 14, 30, 400
+"""Teeth of the smallest of the wheels that mesh; a wheel that would have more than the last is
+drawn without."""
 TOP, FOOT = 0.26, 0.3
 """Of a tooth above the pitch circle, of a gap below, as shares of the pitch."""
-FLANKS = ((-0.34, -FOOT), (-0.12, TOP), (0.12, TOP), (0.34, -FOOT))
+ALONG, ACROSS = np.array([(-0.34, -FOOT), (-0.12, TOP), (0.12, TOP), (0.34, -FOOT)]).T
 """A tooth as shares of the pitch: places along the pitch circle, and across."""
 RIM = 0.9
 """Of a ring beyond the feet of its teeth, of a rack below them, as a share of the pitch."""
@@ -42,8 +41,7 @@ class _WheelPlace(NamedTuple):
     radius: float
 
 
-@dataclass(frozen=True)
-class WheelPicture:
+class WheelPicture(NamedTuple):
     """What a body shows of one of its wheels; corners in the body's frame less the centre [m]."""
 
     centre: tuple[float, float]
@@ -70,10 +68,7 @@ def wheel_pictures(model: Model) -> dict[int, list[WheelPicture]]:
     for j in joints.keeping("roll").tolist():
         for end, place in enumerate(_places(model, j)):
             around = bool(joints.inside[j]) and place.radius > joints.radii[j, 1 - end]
-            if place not in found and not around:
-                found[place] = _roller(place.centre, place.radius)
-            elif place not in found:
-                found[place] = _ring(place, _circle(place.radius), 0.1 * place.radius)
+            found.setdefault(place, _plain(place, 0.1 * place.radius if around else 0.0))
     result: dict[int, list[WheelPicture]] = {}
     for place in sorted(found, key=lambda place: -place.radius):
         result.setdefault(place.body, []).append(found[place])
@@ -83,10 +78,8 @@ def wheel_pictures(model: Model) -> dict[int, list[WheelPicture]]:
 def _places(model: Model, j: int) -> tuple[_WheelPlace, _WheelPlace]:
     joints = model.joints
     one, two = (_WheelPlace(int(joints.bodies[j, end]), tuple(joints.anchor[j, end].tolist()),
-                       float(joints.radii[j, end])) for end in (0, 1))
-    if joints.kind[j].keeps == "rack":
-        two = two._replace(radius=math.inf)
-    return one, two
+                            float(joints.radii[j, end])) for end in (0, 1))
+    return one, two._replace(radius=math.inf) if joints.kind[j].keeps == "rack" else two
 
 
 def _meshing(model: Model) -> list[list[int]]:
@@ -103,13 +96,12 @@ def _meshing(model: Model) -> list[list[int]]:
 
 def _pitch(radii: list[float]) -> float:
     """The pitch by which all wheels come nearest to whole numbers of teeth [m]."""
-    least = min(radii)
-    shares = np.array(radii) / least
+    shares = np.array(radii) / min(radii)
 
     def off(count: int) -> float:
         return float(np.abs(shares * count - np.round(shares * count)).max()) + 1e-3 * count
 
-    return 2 * math.pi * least / min(range(FEW, MANY + 1), key=off)
+    return 2 * math.pi * min(radii) / min(range(FEW, MANY + 1), key=off)
 
 
 def _mesh(
@@ -125,11 +117,12 @@ def _mesh(
     if one not in phases:
         phases[one] = _direction(model, one, x, y)
         found[one] = _gear(one, pitch, phases[one], ring=inside and one.radius > two.radius)
-    # how far along its pitch circle, counter-clockwise, a tooth of one is
-    own = 2 * math.pi / _count(one.radius, pitch)
-    ahead = one.radius * _rest(phases[one] - _direction(model, one, x, y), own)
     if two in phases:
         return
+    # how far along its pitch circle, counter-clockwise, a tooth of one is
+    own = 2 * math.pi / _count(one.radius, pitch)
+    turn = (phases[one] - _direction(model, one, x, y) + own / 2) % own - own / 2
+    ahead = one.radius * turn
     if math.isinf(two.radius):
         phases[two] = 0.0
         found[two] = _rack(model, j, two, x, y, pitch, ahead)
@@ -139,53 +132,50 @@ def _mesh(
     found[two] = _gear(two, pitch, phases[two], ring=inside and two.radius > one.radius)
 
 
-def _rest(angle: float, period: float) -> float:
-    return (angle + period / 2) % period - period / 2
-
-
 def _direction(model: Model, wheel: _WheelPlace, x: float, y: float) -> float:
     """Of a place of the world at t = 0, from a wheel's centre, in its body's frame [rad]."""
-    px, py, angle = model.bodies.pose[wheel.body].tolist()
-    c, s = math.cos(angle), math.sin(angle)
-    cx, cy = px + c * wheel.centre[0] - s * wheel.centre[1], (
-        py + s * wheel.centre[0] + c * wheel.centre[1])
-    return math.atan2(y - cy, x - cx) - float(angle)
+    pose = model.bodies.pose[wheel.body].tolist()
+    cx, cy = to_world(pose, wheel.centre)
+    return math.atan2(y - cy, x - cx) - float(pose[2])
 
 
 def _count(radius: float, pitch: float) -> int:
     return max(3, round(2 * math.pi * radius / pitch))
 
 
+def _polar(radius: Array | float, angle: Array) -> Array:
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
+
+
 def _circle(radius: float) -> Array:
-    angle = np.linspace(0.0, 2 * np.pi, SIDES, endpoint=False)
-    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return _polar(radius, np.linspace(0.0, 2 * np.pi, SIDES, endpoint=False))
 
 
-def _roller(centre: tuple[float, float], radius: float) -> WheelPicture:
-    spoke = np.array([[0.0, 0.0], [radius, 0.0]])
-    return WheelPicture(centre, _circle(radius), spoke=spoke)
+def _spoke(length: float) -> Array:
+    """At angle 0 of the body, as of a plain circle, so that all on one shaft show one turn."""
+    return np.array([[0.0, 0.0], [length, 0.0]])
 
 
-def _ring(place: _WheelPlace, outline: Array, rim: float) -> WheelPicture:
-    return WheelPicture(place.centre, outline, rim=_circle(place.radius + rim))
+def _plain(place: _WheelPlace, rim: float) -> WheelPicture:
+    """A wheel without teeth; with a rim a ring."""
+    if rim:
+        return WheelPicture(place.centre, _circle(place.radius), _circle(place.radius + rim))
+    return WheelPicture(place.centre, _circle(place.radius), spoke=_spoke(place.radius))
 
 
 def _gear(place: _WheelPlace, pitch: float, phase: float, *, ring: bool) -> WheelPicture:
     """A wheel with a tooth at angle ``phase``; the teeth of a ring point inwards."""
     count, radius = _count(place.radius, pitch), place.radius
     if count > MOST:
-        return (_ring(place, _circle(radius), RIM * pitch) if ring
-                else _roller(place.centre, radius))
+        return _plain(place, RIM * pitch if ring else 0.0)
     own, up = 2 * math.pi / count, -1.0 if ring else 1.0
-    angle = (phase + own * (np.arange(count)[:, None] + np.array([f[0] for f in FLANKS]))).ravel()
-    r = radius + up * pitch * np.tile([f[1] for f in FLANKS], count)
-    outline = np.stack([r * np.cos(angle), r * np.sin(angle)], axis=1)
+    angle = (phase + own * (np.arange(count)[:, None] + ALONG)).ravel()
+    outline = _polar(radius + up * pitch * np.tile(ACROSS, count), angle)
     if ring:
-        picture = _ring(place, outline, (FOOT + RIM) * pitch)
-        return WheelPicture(picture.centre, outline, picture.rim, _circle(radius))
-    # at angle 0 of the body, as of a plain circle, so that all on one shaft show one turn
-    spoke = np.array([[0.0, 0.0], [radius - FOOT * pitch, 0.0]])
-    return WheelPicture(place.centre, outline, pitch_line=_circle(radius), spoke=spoke)
+        return WheelPicture(place.centre, outline, _circle(radius + (FOOT + RIM) * pitch),
+                            _circle(radius))
+    return WheelPicture(place.centre, outline, pitch_line=_circle(radius),
+                        spoke=_spoke(radius - FOOT * pitch))
 
 
 def _rack(
@@ -193,27 +183,20 @@ def _rack(
 ) -> WheelPicture:
     """Where the shapes of its body reach along the pitch line, a gap where the gear has a tooth."""
     gx, gy = model.joints.along[j].tolist()
-    px, py, angle = model.bodies.pose[place.body].tolist()
-    c, s = math.cos(angle), math.sin(angle)
-    dx = c * (x - px) + s * (y - py) - place.centre[0]
-    dy = c * (y - py) - s * (x - px) - place.centre[1]
-    meets = dx * gx + dy * gy
+    dx, dy = to_body(model.bodies.pose[place.body].tolist(), (x, y))
+    meets = (dx - place.centre[0]) * gx + (dy - place.centre[1]) * gy
     reach = REACH * float(model.joints.radii[j, 0])
     first, last = meets - reach, meets + reach
-    shapes = model.mechanism.bodies[place.body].shapes
-    if shapes:
-        way = (np.concatenate([shape_points(shape) for shape in shapes]) - place.centre) @ (gx, gy)
+    if shapes := model.mechanism.bodies[place.body].shapes:
+        way = (shape_points(*shapes) - place.centre) @ (gx, gy)
         first, last = min(float(way.min()), meets - pitch), max(float(way.max()), meets + pitch)
-    count = min(math.floor((last - first) / pitch), MOST)
+    count = max(1, min(math.floor((last - first) / pitch), MOST))
     gap = meets + ahead + pitch / 2
     start = gap + pitch * math.ceil((max(first, meets - count * pitch) - gap) / pitch + 0.5)
-    along = np.concatenate([start + pitch * (k + np.array([f[0] for f in FLANKS]))
-                            for k in range(max(count, 1))])
-    up = pitch * np.tile([f[1] for f in FLANKS], max(count, 1))
+    along = (start + pitch * (np.arange(count)[:, None] + ALONG)).ravel()
     foot = -(FOOT + RIM) * pitch
-    along = np.concatenate([along, [along[-1], along[0]]])
-    up = np.concatenate([up, [foot, foot]])
-    line = np.array([[along[0], 0.0], [along[-2], 0.0]])
+    outline = np.column_stack([np.append(along, along[[-1, 0]]),
+                               np.append(pitch * np.tile(ACROSS, count), [foot, foot])])
     turn = np.array([[gx, gy], [-gy, gx]])
-    return WheelPicture(place.centre, np.stack([along, up], axis=1) @ turn,
-                        pitch_line=line @ turn)
+    return WheelPicture(place.centre, outline @ turn,
+                        pitch_line=np.array([[along[0], 0.0], [along[-1], 0.0]]) @ turn)

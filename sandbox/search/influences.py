@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from sandbox.errors import SandboxError
-from sandbox.figure.searches import InfluenceBars, draw_influences
 from sandbox.figure.style import shown_as
+from sandbox.figure.sweeps import InfluenceBars, draw_influences
 from sandbox.numeric import Array
 from sandbox.search.session import (
     FOUND,

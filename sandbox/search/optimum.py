@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 
 from sandbox.errors import SandboxError
-from sandbox.figure.searches import draw_front
-from sandbox.figure.sweeps import SweepColumn
+from sandbox.figure.sweeps import SweepColumn, draw_front
 from sandbox.numeric import Array
 from sandbox.search.session import (
     FOUND,

@@ -13,15 +13,14 @@ from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import curves, is_expression
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
-from sandbox.picture.bounds import body_box, whole_box
+from sandbox.picture.bounds import Stage, body_box, place_camera, whole_box, width_shown
 from sandbox.picture.build import ELEMENTS, RAMPS, add_legend, subject_of
-from sandbox.picture.camera import Stage, place_camera, width_shown
 from sandbox.picture.instant import Instant
 from sandbox.picture.labels import place_labels
 from sandbox.picture.listing import Item, Listing, short
 from sandbox.picture.run_data import RunData
+from sandbox.picture.scales import Tensions, bars_of, tensions_of
 from sandbox.picture.subject import Subject, VisibleLayers
-from sandbox.picture.tensions import Tensions, bars_of, tensions_of
 from sandbox.scene.layers import EVERY, LAYERS, shown
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import View

@@ -13,9 +13,10 @@ from sandbox.errors import SceneError
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.joints import meeting
 from sandbox.model.model import Model
-from sandbox.picture.elements.bodies import bare_outlines, beside, far_feet, stalks, styles, united
-from sandbox.picture.elements.forces import FlatSides, spread
-from sandbox.picture.elements.links import cylinder
+from sandbox.picture.elements.bodies import beside, far_feet, stalks, styles
+from sandbox.picture.elements.forces import line_loads, spread
+from sandbox.picture.elements.joints import cylinder
+from sandbox.picture.geometry import bare_outlines, united
 from sandbox.picture.palette import ROLES
 from sandbox.picture.wheels import WheelPicture, wheel_pictures
 from sandbox.scene.bodies import Body
@@ -119,12 +120,12 @@ def box_on_floor(at, merged=2.0):
 def test_a_box_presses_where_it_stands(at, ends, sizes):
     """Evenly below its middle; beyond the middle third a triangle to three times the distance
     from the edge. What is downwards of it is out of the box, on which the force is shown."""
-    patches, _ = FlatSides(box_on_floor(at), [1]).patches(np.zeros(1, int))
-    (one, two, q0, q1, way), = patches
+    loads = line_loads(box_on_floor(at), [1])
+    (one, two), (q0, q1), way = loads.ends[0], loads.load[0], loads.way[0]
     found = sorted([(one[0], q0), (two[0], q1)])
     assert [x for x, _ in found] == pytest.approx(ends)
     assert [q for _, q in found] == pytest.approx(sizes, abs=1e-9)
-    assert (one[1], two[1], way) == (0.0, 0.0, (0.0, -1.0))
+    assert (one[1], two[1], *way) == (0.0, 0.0, 0.0, -1.0)
 
 
 BLOCK = {"type": "box", "size": [0.2, 0.1]}

@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.picture.camera import Rectangle, Stage, place_camera, round_length, round_up
+from sandbox.picture.bounds import Rectangle, Stage, place_camera
+from sandbox.picture.frames import new_surface
 from sandbox.picture.geometry import large_circle
-from sandbox.picture.pixels import new_surface
+from sandbox.picture.scales import round_length, round_up
 from sandbox.picture.typesetter import MOST_LETTERS, Typesetter, ellipsis
 from sandbox.scene.mechanism import Mechanism
 from tests.draw.painted import frames_of

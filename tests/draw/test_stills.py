@@ -14,8 +14,7 @@ from sandbox.picture.frames import Frames
 from sandbox.picture.meters import HUES, dials
 from sandbox.picture.options import LETTERS, PrintSize, paper_of, view_of
 from sandbox.picture.paper import paint_picture, pixels
-from sandbox.picture.stills import instants
-from sandbox.picture.strip import strip_of
+from sandbox.picture.stills import instants, strip_of
 from sandbox.scene.layers import LAYERS
 
 SMALL = (320, 240)

@@ -1,39 +1,35 @@
 """Drives: arrows of forces and pulls, bent arrows of torques, marks of motors, surfaces that run.
 
 A radius shows in its circle, an actuator in its cylinder, a stiffness in the line of its spring or
-cord, pumps and valves beside their lines of fluid.
+tendon, pumps and valves beside their lines of fluid.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from sandbox.model.joints import placed
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.picture.geometry import shape_points
-from sandbox.picture.glyphs import glyph
 from sandbox.picture.listing import Point
 from sandbox.picture.run_data import RunData
-from sandbox.picture.scales import LONGEST, ForceScale, prefixed, typical
+from sandbox.picture.scales import LONGEST, prefixed, typical
 from sandbox.picture.subject import Subject
 from sandbox.scene.bodies import Circle
 
-XY = tuple[float, float]
 LENGTH = 0.07
 """Length of a drive's arrow at its typical large value as a fraction of the picture's width."""
 SLIM, BLOCK = [3.4, 11], [7.0, 17]
 """Shaft's and head's width of arrows that are to scale, and of others [points]."""
 COMPARABLE = 0.2
 """A force that is typically larger than this share of the contact forces has their scale."""
-TELLING = 6
-"""Numbers of motors, brakes, servos and actuators are written of at most so many."""
-NAMED = 4
-"""Arrows of more drives than this have their values only."""
+TELLING, NAMED = 6, 4
+"""Numbers of motors, brakes, servos and actuators are written of at most so many; arrows of more
+drives than the second have their values only."""
 SHORTEST = 0.5
 """Length of the arrow of a drive near 0, as a fraction of its typical length."""
 TURN, WIDER = 15.0, 6.0
@@ -48,27 +44,23 @@ APART = 34.0
 """Distance of the marks of a running surface along its outline, more or less [points]."""
 
 
-@dataclass(frozen=True)
-class Arrow:
-    """An arrow's tail and direction [n, 2] for positive values; ``bent`` about a hinge."""
+class Arrow(NamedTuple):
+    """An arrow's tail and direction [n, 2] for positive values."""
 
     tail: Array
     direction: Array
-    at: Point
-    bent: int = 0
-    """1 where a positive value turns counter-clockwise, else -1; 0 of a straight arrow."""
-    to_scale: bool = False
+    to_scale: bool = True
     """Whether it may have the scale of contact forces."""
 
 
 def _force(s: Subject, drive: int) -> Arrow:
+    """At the point that it acts on."""
     drives = s.run.model.drives
     body, at = int(drives.target[drive]), drives.at[drive]
-    way = np.tile(drives.direction[drive], (len(s.run.time), 1))
-    point = s.point_on(body, at)
+    tail, way = s.out.place([body, *at]), np.tile(drives.direction[drive], (len(s.run.time), 1))
     if drives.turning[drive]:
-        way = s.out.place([body, *(at + drives.direction[drive])]) - s.out.place([body, *at])
-    return Arrow(s.out.place([body, *at]), way, point, to_scale=True)
+        way = s.out.place([body, *(at + drives.direction[drive])]) - tail
+    return Arrow(tail, way)
 
 
 def _pull(s: Subject, drive: int) -> Arrow:
@@ -79,202 +71,140 @@ def _pull(s: Subject, drive: int) -> Arrow:
                   for i in (last, last - 1))
     way, radius = at - before, float(tendons.guide_radius[last - 1])
     size = np.hypot(*way.T)
-    if radius and (size > abs(radius)).all():  # the cord leaves the wheel along a tangent
+    if radius and (size > abs(radius)).all():  # it leaves the wheel along a tangent
         turned = (way[:, 0] + 1j * way[:, 1]) / (np.sqrt(size**2 - radius**2) + 1j * radius)
         way = np.column_stack((turned.real, turned.imag))
-    point = s.point_on(int(tendons.guide_body[last]), tendons.guide_at[last])
-    return Arrow(at, way, point)
+    return Arrow(at, way, to_scale=False)
 
 
 def _push(s: Subject, drive: int) -> Arrow:
     """On its body ``b``, away from ``a``."""
-    joints, joint = s.run.model.joints, int(s.run.model.drives.target[drive])
-    a, b = (s.out.place([int(joints.bodies[joint, k]), *joints.anchor[joint, k]]) for k in (0, 1))
-    return Arrow(b, b - a, _hinge(s.run.model, drive), to_scale=True)
+    a, b = (s.out.place(_hinge(s.run.model, drive, end)) for end in (0, 1))
+    return Arrow(b, b - a)
 
 
-def _torque(s: Subject, drive: int) -> Arrow:
-    at = _hinge(s.run.model, drive)
-    place = s.out.place(at)
-    return Arrow(place, np.zeros_like(place), at, bent=_sense(s.run.model, drive))
+ARROWS = {"force": _force, "tension": _pull, "push": _push}
+"""By what a drive gives; a torque has a bent arrow."""
 
 
-def _hinge(model: Model, drive: int) -> Point:
-    """Point ``b`` of the joint that a drive acts on."""
+def _hinge(model: Model, drive: int, end: int = 1) -> Point:
+    """Point ``b``, or ``a``, of the joint that a drive acts on."""
     joints, joint = model.joints, int(model.drives.target[drive])
-    x, y = joints.anchor[joint, 1].tolist()
-    return [int(joints.bodies[joint, 1]), x, y]
-
-
-def _sense(model: Model, drive: int) -> int:
-    return int(model.joints.sense[model.drives.target[drive]])
-
-
-@dataclass(frozen=True)
-class DriveLook:
-    """How drives of a kind look."""
-
-    arrow: Callable[[Subject, int], Arrow] | None = None
-    mark: str = ""
-    """About its hinge: ``brake``, ``motor`` or ``servo``."""
-    signs: tuple[str, ...] = ()
-    """Its rows of the legend."""
-
-
-DRIVES: Mapping[str, DriveLook] = {
-    "force": DriveLook(_force),
-    "torque": DriveLook(_torque),
-    "pull": DriveLook(_pull),
-    "push": DriveLook(_push),
-    "extend": DriveLook(), "length": DriveLook(),
-    "radius": DriveLook(),
-    "flow": DriveLook(), "pressure": DriveLook(), "opening": DriveLook(),
-    "hold": DriveLook(),
-    "stiffness": DriveLook(signs=("stiffer",)),
-    "brake": DriveLook(mark="brake", signs=("braked", "unbraked")),
-    "motor": DriveLook(mark="motor", signs=("motor",)),
-    "surface": DriveLook(signs=("belt",)),
-    "servo": DriveLook(mark="servo", signs=("servo",)),
-}
-"""By the type of a drive."""
+    return [int(joints.bodies[joint, end]), *joints.anchor[joint, end].tolist()]
 
 
 def signs_of(model: Model) -> set[str]:
     """Rows of the legend for drives and for dry friction."""
-    cords = set(np.flatnonzero([kind.gives == "stiffness" and kind.target.among == "tendons"
-                                for kind in model.drives.kind]).tolist())
-    found = {name for i, drive in enumerate(model.mechanism.drives) if i not in cords
-             for name in DRIVES[drive.type].signs}
-    rubs = model.joints.rubbed.size or model.tendons.grips.size
-    return found | ({"wider"} if cords else set()) | ({"rubs", "slides"} if rubs else set())
+    found = {"rubs", "slides"} if model.joints.rubbed.size or model.tendons.grips.size else set()
+    for kind in model.drives.kind:
+        if kind.limited and not kind.target.line:
+            found |= set(_states(kind)[0]) - {"motor_back", "motor_rest"}
+        elif kind.gives == "surface":
+            found.add("belt")
+        elif kind.gives == "stiffness" and kind.target.among != "tendons":
+            found.add("stiffer")
+    return found
+
+
+def _states(kind: Any) -> tuple[list[str], Any]:
+    """Marks of a drive about a hinge, and which of them shows for a value and the hinge's sense."""
+    if kind.sole == "brake":
+        return ["unbraked", "braked"], lambda value, sense: value > 0
+    if kind.places:
+        return ["servo"], None
+    return ["motor_back", "motor_rest", "motor"], lambda value, sense: np.sign(sense * value) + 1
 
 
 def usual(run: RunData, name: str) -> float:
     """The typical large value of a drive in a run; 0 of a drive that it does not have."""
-    if (k := run.model.names.drive.get(name)) is None:
-        return 0.0
-    return typical(np.abs(run.arrays["drive_value"][:, k]), run.time)
-
-
-def reaches(to_scale: bool, size: float, scale: ForceScale) -> bool:
-    """Whether the arrow of a force of such a size has the scale of the contact forces."""
-    return to_scale and scale.metres > 0 and size >= COMPARABLE * scale.reference
-
-
-def drive_tie(model: Model, drive: int) -> int:
-    """The tie of the joint or cord that a drive acts on, or -1."""
-    numbers = {"joints": model.ties.joint, "tendons": model.ties.tendon}
-    own = numbers.get(model.drives.kind[drive].target.among)
-    return -1 if own is None else int(own[model.drives.target[drive]])
+    k = run.model.names.drive.get(name)
+    return 0.0 if k is None else typical(np.abs(run.arrays["drive_value"][:, k]), run.time)
 
 
 def add_drives(s: Subject) -> None:
     """Arrows with values, and marks about hinges."""
-    model = s.run.model
-    about: list[Point] = []
-    straight = sum(1 for drive in s.run.mechanism.drives
-                   if DRIVES[drive.type].arrow not in (None, _torque))
-    for k, drive in enumerate(s.run.mechanism.drives):
-        look = DRIVES[drive.type]
-        if look.mark:
-            _mark(s, k, look.mark)
-        if look.arrow is None:
+    model, about = s.run.model, list[Point]()
+    named = sum(kind.gives in ARROWS and not kind.limited for kind in model.drives.kind) <= NAMED
+    for k, kind in enumerate(model.drives.kind):
+        name, value = model.drives.name[k], s.run.arrays["drive_value"][:, k]
+        if kind.limited and not kind.target.line:
+            at, (marks, state) = _hinge(model, k), _states(kind)
+            sense = int(model.joints.sense[model.drives.target[k]])
+            s.add("marks", "mark", name, plane=s.plane(at[0]), at=at, g=marks,
+                  state=None if state is None else s.steady(state(value, sense)))
+        if kind.limited or kind.gives not in (*ARROWS, "torque"):
             continue
-        size = max(usual(run, drive.name) for run in (s.run, *s.beside))
-        arrow, value = look.arrow(s, k), s.run.arrays["drive_value"][:, k]
-        tie = drive_tie(model, k)
+        size = max(usual(run, name) for run in (s.run, *s.beside))
+        ties = {"joints": model.ties.joint, "tendons": model.ties.tendon}.get(kind.target.among)
         there = np.abs(value) > NEGLIGIBLE * size
-        if tie >= 0:
+        if ties is not None and (tie := int(ties[model.drives.target[k]])) >= 0:
             there &= s.run.arrays["held"][:, tie] != 0
         if not there.any() and not s.out.fixed_columns:
             continue
-        if arrow.bent:
-            _bent(s, k, arrow, value, size, there, sum(other == arrow.at for other in about))
-            about.append(arrow.at)
+        if kind.gives == "torque":
+            _bent(s, k, size, there, about.count(_hinge(model, k)))
+            about.append(_hinge(model, k))
         else:
-            _straight(s, k, arrow, value, size, there, named=straight <= NAMED)
-    s.signs |= signs_of(model) if "drives" in s.layers else set()
-    _numbers(s)
+            _straight(s, k, ARROWS[kind.gives](s, k), size, there, named=named)
+    if "drives" in s.layers:
+        s.signs |= signs_of(model)
+    _add_efforts(s)
 
 
-def _straight(s: Subject, k: int, arrow: Arrow, value: Array, size: float, there: Array, *,
+def _straight(s: Subject, k: int, arrow: Arrow, size: float, there: Array, *,
               named: bool) -> None:
     """A straight arrow: slim to the scale of contact forces, or a block with its own length."""
-    scaled = reaches(arrow.to_scale, size, s.force)
+    value, name = s.run.arrays["drive_value"][:, k], s.run.model.drives.name[k]
+    scaled = arrow.to_scale and s.force.metres > 0 and size >= COMPARABLE * s.force.reference
     unit_way = arrow.direction / np.maximum(np.hypot(*arrow.direction.T), 1e-12)[:, None]
-    if scaled:
-        metres, most, vector = s.force.metres, s.force.longest, value[:, None] * unit_way
-    else:
-        share = np.abs(value) / (size or 1.0)
+    metres, most, long = s.force.metres, s.force.longest, value
+    if not scaled:
         length = LENGTH * s.width
         metres, most = 1.0, length * (SHORTEST + (1 - SHORTEST) * LONGEST)
-        vector = (np.sign(value) * length * (SHORTEST + (1 - SHORTEST) * share))[:, None] * unit_way
-    name, unit = s.run.model.drives.name[k], s.run.model.drives.kind[k].unit
-    rows = np.flatnonzero(there)
+        long = np.sign(value) * length * (
+            SHORTEST + (1 - SHORTEST) * (np.abs(value) / (size or 1.0)))
+    vector, rows = long[:, None] * unit_way, np.flatnonzero(there)
     s.out.tables[f"drive {name}"] = np.column_stack([
         rows, np.full(len(rows), k), arrow.tail[rows], vector[rows], np.abs(value[rows])])
-    factor, written, decimals = prefixed(size, unit)
+    factor, written, decimals = prefixed(size, s.run.model.drives.kind[k].unit)
     s.add("drives", "arrows", name, t=f"drive {name}", metres=metres, most=most,
           size=SLIM if scaled else BLOCK, least=0, s=s.style("drive", "paper", 2.0),
-          factor=factor, unit=written, decimals=decimals, names={k: name} if named else None,
-          rank=0)
+          factor=factor, unit=written, decimals=decimals, names={k: name} if named else None)
     if "drives" in s.layers:
         s.signs.add("scaled" if scaled else "driven")
 
 
-def _bent(s: Subject, k: int, arrow: Arrow, value: Array, size: float, there: Array,
-          others: int) -> None:
+def _bent(s: Subject, k: int, size: float, there: Array, others: int) -> None:
     """A bent arrow about a hinge, longer for a larger torque."""
+    model, value, at = s.run.model, s.run.arrays["drive_value"][:, k], _hinge(s.run.model, k)
     radius = TURN + WIDER * others
     share = np.minimum(np.abs(value) / (size or 1.0), LONGEST)
-    sweep = arrow.bent * np.sign(value) * (SWEEP[0] + SWEEP[1] * share)
-    name = s.run.model.drives.name[k]
-    shown = None if there.all() else s.out.varying(there, steady=True)
-    s.add("drives", "spiral", name, at=arrow.at, r=[radius, radius], head=12,
-          s=s.style("", "drive", 3.2), sweep=s.out.varying(sweep, steady=True),
-          start=s.out.varying(math.pi / 2 - sweep / 2, steady=True), shown=shown)
-    factor, unit, decimals = prefixed(size, s.run.model.drives.kind[k].unit)
-    s.add("drives", "text", name, at=arrow.at, words=name, value=s.out.column(value),
-          factor=factor, unit=unit, decimals=decimals, s=s.style("", "drive"), rank=0,
-          clear=max(radius, rim(s, arrow.at)), shown=shown)
+    sweep = int(model.joints.sense[model.drives.target[k]]) * np.sign(value) * (
+        SWEEP[0] + SWEEP[1] * share)
+    name, shown = model.drives.name[k], None if there.all() else s.steady(there)
+    s.add("drives", "spiral", name, at=at, r=[radius, radius], head=12, shown=shown,
+          s=s.style("", "drive", 3.2), sweep=s.steady(sweep),
+          start=s.steady(math.pi / 2 - sweep / 2))
+    s.number("drives", name, at, value, size, model.drives.kind[k].unit, words=name,
+             clear=max(radius, rim(s, at)), shown=shown)
     if "drives" in s.layers:
         s.signs.add("torque")
 
 
-def _mark(s: Subject, k: int, mark: str) -> None:
-    """The mark of a brake, motor or servo about its hinge."""
-    at, value = _hinge(s.run.model, k), s.run.arrays["drive_value"][:, k]
-    states: dict[str, tuple[list[str], Any]] = {
-        "brake": (["unbraked", "braked"], value > 0),
-        "motor": (["motor_back", "motor_rest", "motor"],
-                  np.sign(_sense(s.run.model, k) * value) + 1),
-        "servo": (["servo"], None)}
-    names, state = states[mark]
-    s.add("marks", "mark", s.run.model.drives.name[k], plane=s.plane(int(at[0])), at=at,
-          g=[glyph(s.out, name) for name in names],
-          state=None if state is None else s.out.varying(state, steady=True))
-
-
-def _numbers(s: Subject) -> None:
+def _add_efforts(s: Subject) -> None:
     """What a few motors, brakes, servos and actuators give."""
     model = s.run.model
     limited = [k for k, kind in enumerate(model.drives.kind) if kind.limited]
     for k in limited if len(limited) <= TELLING else ():
-        torque = s.run.arrays["drive_torque"][:, k]
+        torque, name = s.run.arrays["drive_torque"][:, k], model.drives.name[k]
         size = float(np.nanmax(np.abs(torque), initial=0.0))
         if not size > 0 and not s.out.fixed_columns:
             continue
-        joint, line = int(model.drives.target[k]), model.drives.kind[k].target.line
-        factor, unit, decimals = prefixed(size, "N" if line else "N m")
-        at = _hinge(model, k)
+        at, line = _hinge(model, k), model.drives.kind[k].target.line
         if line:
-            other = s.out.place([int(model.joints.bodies[joint, 0]),
-                                 *model.joints.anchor[joint, 0]])
-            at = s.out.spot((s.out.place(at) + other) / 2)
-        s.add("drives", "text", model.drives.name[k], at=at, words=model.drives.name[k],
-              value=s.out.column(torque, steady=True), factor=factor, unit=unit,
-              clear=12.0 if line else max(12.0, rim(s, at)), decimals=decimals,
-              s=s.style("", "drive"), rank=2)
+            at = s.out.spot((s.out.place(at) + s.out.place(_hinge(model, k, 0))) / 2)
+        s.number("drives", name, at, torque, size, "N" if line else "N m", steady=True, words=name,
+                 rank=2, clear=12.0 if line else max(12.0, rim(s, at)))
 
 
 def rim(s: Subject, at: Point) -> float:
@@ -282,8 +212,8 @@ def rim(s: Subject, at: Point) -> float:
     model, (body, x, y) = s.run.model, at
     radii = [shape.radius for shape in model.mechanism.bodies[body].shapes
              if isinstance(shape, Circle) and math.dist(shape.at, (x, y)) < 1e-9]
-    wheels = model.joints.keeping("gear", "rack", "roll").tolist()
-    radii += [float(model.joints.radii[k, end]) for k in wheels
+    radii += [float(model.joints.radii[k, end])
+              for k in model.joints.keeping("gear", "rack", "roll").tolist()
               for end in (0, 1) if model.joints.bodies[k, end] == body
               and math.dist(model.joints.anchor[k, end], (x, y)) < 1e-9]
     found = max((r / s.point for r in radii if math.isfinite(r)), default=0.0)
@@ -300,10 +230,8 @@ def add_belts(s: Subject) -> None:
     for drive in drives.giving("surface").tolist():
         speed, gone = float(drives.sense[drive]) * np.stack(
             (arrays["drive_value"][:, drive], travel[:, drive]))
-        body = int(drives.target[drive])
-        back, marks = s.out.varying(speed < 0, steady=True), ["belt", "belt_back"]
+        body, back = int(drives.target[drive]), s.steady(speed < 0)
         pose = arrays["body_pose"][:, body, None]
-        c, sine = np.cos(pose[..., 2]), np.sin(pose[..., 2])
         for shape in s.run.mechanism.bodies[body].shapes:
             points = shape_points(shape)
             corners = np.vstack([points, points[:1]])
@@ -313,10 +241,8 @@ def add_belts(s: Subject) -> None:
             count = max(3, min(200, round(float(along[-1]) / (APART * s.point))))
             at = (gone[:, None] + along[-1] * np.arange(count) / count) % along[-1]
             side = np.clip(np.searchsorted(along, at, side="right") - 1, 0, len(step) - 1)
-            x, y = np.moveaxis(corners[side] + (at - along[side])[..., None] * step[side], -1, 0)
+            place = placed(pose, corners[side] + (at - along[side])[..., None] * step[side])
             turn = np.unwrap(np.arctan2(step[side, 1], step[side, 0]), axis=0) + pose[..., 2]
-            for frame in np.moveaxis(np.stack([
-                    pose[..., 0] + c * x - sine * y, pose[..., 1] + sine * x + c * y, turn]), 2, 0):
-                s.add("belts", "mark", plane=s.plane(body), at=s.out.spot(frame[:2].T, frame[2]),
-                      turn=s.out.varying(frame[2]), g=[glyph(s.out, name) for name in marks],
-                      state=back)
+            for k in range(count):
+                s.add("belts", "mark", plane=s.plane(body), at=s.out.spot(place[:, k], turn[:, k]),
+                      turn=s.out.varying(turn[:, k]), g=["belt", "belt_back"], state=back)

@@ -1,94 +1,93 @@
-"""Joints: pins, grooves, welds, grounds, stops that act, friction and what may be let go."""
+"""Joints: pins, grooves, welds, grounds, stops that act; rods, ropes, actuators, springs, bars."""
 
 from __future__ import annotations
 
 import math
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from sandbox.elements.arrays import largest_size
-from sandbox.elements.joint import JointKind
 from sandbox.model.joints import slot_points
-from sandbox.model.model import NONE, Model
+from sandbox.model.model import NONE
 from sandbox.numeric import Array
 from sandbox.picture.elements.bodies import beside, far_feet, joined_points
-from sandbox.picture.glyphs import glyph
-from sandbox.picture.listing import short
+from sandbox.picture.geometry import XY
+from sandbox.picture.listing import Point, flat, short
+from sandbox.picture.run_data import RunData
+from sandbox.picture.scales import UNLOADED, bars_of
 from sandbox.picture.subject import Subject
 
-XY = tuple[float, float]
 GAUGE = 13.0
 """Distance of the two lines of a groove in the ground [points]."""
-FAR_FOOT = 16.0
-"""Anchors farther than this beside a fixed body's shapes get a ground symbol [points]."""
-PILED = 11.0
-"""Ground symbols nearer than this to another one are left out [points]."""
-
-
-def mark_of(kind: JointKind) -> str:
-    """The mark of a kind of joint: ``pin`` at b, ``weld`` at a, ``end`` at both; or none."""
-    if kind.along_line:
-        return "end"
-    if kind.keeps == "groove" or kind.angle:
-        return "pin"
-    return "weld" if kind.keeps == "point" else ""
-
-
-def is_rail(model: Model, joint: int) -> bool:
-    """Whether a joint's groove begins, ends and has its middle beside its body's shapes."""
-    body, points = int(model.joints.bodies[joint, 0]), slot_points(model, joint)
-    middle = points.mean(axis=0) if len(points) == 2 else points[len(points) // 2]
-    return not model.mechanism.bodies[body].shapes or all(
-        beside(model, body, (float(x), float(y))) for x, y in (points[0], points[-1], middle))
+FAR_FOOT, PILED = 16.0, 11.0
+"""Anchors farther than this beside a fixed body's shapes get a ground symbol [points]; ground
+symbols nearer than the second to another one are left out."""
+TELLING, SHORT, BESIDE = 12, 36.0, 6.0
+"""Numbers beside rods, ropes and bars: of at most so many, of none shorter than this, and so far
+beside it [points]."""
+TUBE, TUBE_WIDTH = 0.85, 13.0
+"""Length of an actuator's cylinder as a share of the actuator's least length; width [points]."""
+STROKE, LONGEST_TUBE = 0.88, 0.96
+"""Shares of an actuator's least length: the longest stroke of one rod, the longest cylinder."""
+TAUT = 0.998
+"""A rope shorter than this fraction of its length is slack."""
+COIL, COIL_WIDTH = 1.1, [0.09, 3.2, 8.0]
+"""Springs: width of the line [points]; half the width of a coil, as a span has it."""
+THICK = (0.5, 6.0)
+"""Fractions of its own stiffness between which the line of a driven spring changes."""
+BAND = 5.4
+"""Width of a loaded bar's band [points]."""
+ZIGZAG = [0, 0, 0.16, 0, *(v for k in range(10) for v in (
+    round(0.16 + 0.68 * (k + 0.5) / 10, 4), 1 - 2 * (k % 2))), 0.84, 0, 1, 0]
+"""A coil as the pattern of a span, with straight ends."""
 
 
 def add_joints(s: Subject) -> None:
-    """Marks and grooves of all joints."""
-    joints, rubbed = s.run.model.joints, set(s.run.model.joints.rubbed.tolist())
-    grooved, sticks = set(joints.grooved.tolist()), s.run.arrays["joint_sticks"]
-    for k in range(len(joints.name)):
+    """Marks and grooves of all joints: a pin or what rubs at b, a weld at a, ends of links."""
+    model, joints = s.run.model, s.run.model.joints
+    for k, kind in enumerate(joints.kind):
         (a, b), (on_a, on_b) = joints.bodies[k].tolist(), joints.anchor[k]
-        name, plane = joints.name[k], s.plane(a, b)
-        shown = s.held(int(s.run.model.ties.joint[k]))
-        if k in grooved:
-            _groove(s, k, plane, shown)
-        if k in rubbed:
-            s.add("pins", "mark", name, plane=plane, rank=-1, at=s.point_on(b, on_b),
-                  g=[glyph(s.out, "slides"), glyph(s.out, "rubs")],
-                  state=s.out.varying(sticks[:, k] == 1.0, steady=True), shown=shown)
-        mark = mark_of(joints.kind[k])
-        places = {"pin": [(b, on_b)], "weld": [(a, on_a)], "end": [(a, on_a), (b, on_b)]}
-        for body, at in places.get(mark, []):
-            s.add("pins", "mark", name, plane=plane, at=s.point_on(body, at),
-                  g=glyph(s.out, mark), shown=shown)
+        where: dict[str, Any] = {"plane": s.plane(a, b), "shown": s.held(int(model.ties.joint[k]))}
+        if k in joints.grooved:
+            _groove(s, k, where)
+        if k in joints.rubbed:
+            s.add("pins", "mark", joints.name[k], rank=-1, at=s.on(b, on_b), g=["slides", "rubs"],
+                  state=s.steady(s.run.arrays["joint_sticks"][:, k] == 1.0), **where)
+        places = [("end", a, on_a), ("end", b, on_b)] if kind.along_line else (
+            [("pin", b, on_b)] if kind.keeps == "groove" or kind.angle else
+            [("weld", a, on_a)] if kind.keeps == "point" else [])
+        for mark, body, at in places:
+            s.add("pins", "mark", joints.name[k], at=s.on(body, at), g=mark, **where)
 
 
-def _groove(s: Subject, k: int, plane: float, shown: list[int] | None) -> None:
+def _groove(s: Subject, k: int, where: dict[str, Any]) -> None:
     """A groove: a slot in its body, or two lines on the ground with a roller or block."""
     model = s.run.model
     (a, b), groove = model.joints.bodies[k].tolist(), slot_points(model, k)
-    name, rail, curved = model.joints.name[k], is_rail(model, k), len(groove) > 2
+    name, curved = model.joints.name[k], len(groove) > 2
+    middle = groove[len(groove) // 2] if curved else groove.mean(axis=0)
+    rail = not model.mechanism.bodies[a].shapes or all(  # begins, ends and has its middle beside
+        beside(model, a, (float(x), float(y))) for x, y in (groove[0], groove[-1], middle))
     if curved or not (rail and model.bodies.fixed[a]):
-        chords = [[short(v) for v in (*one, *two)] for one, two in pairwise(groove.tolist())]
-        s.add("rails" if rail else "grooves", "path", name, plane=plane, f=a, shown=shown,
-              m=1 if curved else None, s=s.style("paper", "pin_ring", 1.1),
-              d=[{"c": [*chord, short(2.0 * s.point)]} for chord in chords])
+        s.add("rails" if rail else "grooves", "path", name, f=a, m=1 if curved else None,
+              s=s.style("paper", "pin_ring", 1.1), **where,
+              d=[{"c": [*flat(one, two), short(2.0 * s.point)]} for one, two in pairwise(groove)])
         return
-    ends_on = [s.point_on(a, at) for at in groove]
-    place = [s.out.place(end)[0].tolist() for end in ends_on]
-    if (place[1][0], place[1][1]) < (place[0][0], place[0][1]):
-        ends_on, place = ends_on[::-1], place[::-1]
-    half = GAUGE / 2
-    s.add("rails", "span", name, plane=plane, a=ends_on[0], b=ends_on[1], shown=shown,
-          s=s.style("", "ink", 1.0), t=[0, 1, 1, 1, 1, -1, 0, -1, 0, 1], w=[0, half, half])
-    s.add("rails", "span", plane=plane, a=ends_on[0], b=ends_on[1], every=8, shown=shown,
-          s=s.style("", "faint_ink", 0.9), t=[0, -half, -5, -half - 5])
-    angle = math.atan2(place[1][1] - place[0][1], place[1][0] - place[0][0])
+    ends = [s.on(a, at) for at in groove]
+    place = [s.out.place(end)[0].tolist() for end in ends]
+    if place[1] < place[0]:
+        ends, place = ends[::-1], place[::-1]
+    half, between = GAUGE / 2, {"a": ends[0], "b": ends[1], **where}
+    s.add("rails", "span", name, s=s.style("", "ink", 1.0), w=[0, half, half], **between,
+          t=[0, 1, 1, 1, 1, -1, 0, -1, 0, 1])
+    s.add("rails", "span", every=8, s=s.style("", "faint_ink", 0.9), **between,
+          t=[0, -half, -5, -half - 5])
     turns = bool(model.joints.turns[k])
-    s.add("links", "mark", name, plane=plane, rank=1, shown=shown,
-          at=s.point_on(b, model.joints.anchor[k, 1]),
-          g=glyph(s.out, "roller" if turns else "block"), turn=None if turns else short(angle))
+    angle = math.atan2(place[1][1] - place[0][1], place[1][0] - place[0][0])
+    s.add("links", "mark", name, rank=1, at=s.on(b, model.joints.anchor[k, 1]), **where,
+          g="roller" if turns else "block", turn=None if turns else short(angle))
 
 
 def add_grounds(s: Subject) -> None:
@@ -103,15 +102,13 @@ def add_grounds(s: Subject) -> None:
             x, y = s.out.place([body, *at])[0].tolist()
             if all(math.dist((x, y), other) > PILED * s.point for other in taken):
                 taken.append((x, y))
-                s.add("grounds", "mark", plane=s.plane(body), at=s.point_on(body, at),
-                      g=glyph(s.out, "ground"))
+                s.add("grounds", "mark", plane=s.plane(body), at=s.on(body, at), g="ground")
 
 
 def stopping(s: Subject) -> Array:
     """Torques of the stops that act, 0 of others, [n, nj]."""
-    torque = s.run.arrays["joint_stop"]
+    torque, stopped = s.run.arrays["joint_stop"], s.run.model.joints.stopped
     result = np.zeros(torque.shape)
-    stopped = s.run.model.joints.stopped
     result[:, stopped] = torque[:, stopped]
     result[np.abs(result) <= 1e-4 * largest_size(torque)] = 0.0
     return result
@@ -119,8 +116,7 @@ def stopping(s: Subject) -> Array:
 
 def add_stops(s: Subject) -> None:
     """A wedge at each hinge whose stop acts, on the side that it pushes."""
-    joints, torque = s.run.model.joints, stopping(s)
-    centre = s.run.arrays["body_centre"]
+    joints, torque, centre = s.run.model.joints, stopping(s), s.run.arrays["body_centre"]
     for k in np.flatnonzero(torque.any(axis=0)).tolist():
         a, b = joints.bodies[k].tolist()
         hinge = s.out.place([b, *joints.anchor[k, 1]])
@@ -128,28 +124,213 @@ def add_stops(s: Subject) -> None:
             s.out.place([body, *centre[body]]) - hinge for body in (a, b)))
         sense = joints.sense[k] * np.sign(torque[:, k])
         middle = to_a + sense * ((sense * (to_b - to_a)) % math.tau) / 2
-        s.add("stops", "mark", joints.name[k], plane=s.plane(a, b),
-              at=s.point_on(b, joints.anchor[k, 1]), g=glyph(s.out, "stop"),
-              turn=s.out.varying(middle, steady=True),
-              shown=s.out.varying(torque[:, k] != 0, steady=True))
+        s.add("stops", "mark", joints.name[k], plane=s.plane(a, b), g="stop",
+              at=s.on(b, joints.anchor[k, 1]), turn=s.steady(middle),
+              shown=s.steady(torque[:, k] != 0))
 
 
 def add_latches(s: Subject) -> None:
-    """A diamond at what may be let go: full while it holds."""
+    """A diamond at what may be released: full while it holds."""
     model, ties = s.run.model, s.run.model.ties
     joints, springs, tendons = model.joints, model.springs, model.tendons
-    places = [(int(ties.joint[k]), int(joints.bodies[k, 0]), joints.anchor[k, 0])
-              for k in np.flatnonzero(ties.joint != NONE).tolist()]
+    places: list[Any] = [(ties.joint[k], joints.bodies[k, 0], joints.anchor[k, 0])
+                         for k in np.flatnonzero(ties.joint != NONE).tolist()]
     for k in np.flatnonzero(ties.spring != NONE).tolist():
-        joint = int(springs.joint[k])
-        body, at = (springs.bodies[k, 0], springs.anchor[k, 0]) if springs.straight[k] else (
-            joints.bodies[joint, 0], joints.anchor[joint, 0])
-        places.append((int(ties.spring[k]), int(body), at))
+        table: Any = springs if springs.straight[k] else joints
+        of = k if springs.straight[k] else springs.joint[k]
+        places.append((ties.spring[k], table.bodies[of, 0], table.anchor[of, 0]))
     for k in np.flatnonzero(ties.tendon != NONE).tolist():
         first = tendons.guides(k).start
-        places.append((int(ties.tendon[k]), int(tendons.guide_body[first]),
-                       tendons.guide_at[first]))
+        places.append((ties.tendon[k], tendons.guide_body[first], tendons.guide_at[first]))
     for tie, body, at in places:
-        s.add("latches", "mark", plane=s.plane(body), at=s.point_on(body, at),
-              g=[glyph(s.out, "gone"), glyph(s.out, "holds")],
-              state=s.out.varying(s.run.arrays["held"][:, tie] != 0, steady=True))
+        s.add("latches", "mark", plane=s.plane(body), at=s.on(body, at), g=["gone", "holds"],
+              state=s.steady(s.run.arrays["held"][:, tie] != 0))
+
+
+def reach_of(run: RunData, joint: int) -> XY:
+    """Least and largest distance of a joint's points [m]; of an actuator those of the run."""
+    low, high = run.model.joints.reach[joint].tolist()
+    if not run.model.joints.kind[joint].line:
+        return low, high
+    length = run.arrays["joint_length"][:, joint]
+    shortest, longest = float(length.min(initial=math.inf)), float(length.max(initial=0.0))
+    return (low or shortest), (high if math.isfinite(high) else longest)
+
+
+def add_links(s: Subject) -> None:
+    """Rods, ropes and actuators, coloured by what they carry, with numbers if they are few."""
+    model, carried = s.run.model, s.carried
+    driven = {int(model.drives.target[i]) for i in model.drives.giving("push")}
+    loaded = carried.loaded.tolist()
+    for k, kind in enumerate(model.joints.kind):
+        if not kind.along_line:
+            continue
+        link = _Link(s, k)
+        level = _level(carried.links[:, k], carried.largest)
+        if kind.keeps == "distance":
+            link.tube(link.ends[0], link.ends[1], level)
+        elif kind.line:
+            link.actuator(reach_of(s.run, k), "drive" if k in driven else "pin_ring")
+        else:
+            link.rope(reach_of(s.run, k), level)
+        if k in loaded and len(loaded) <= TELLING and (
+                float(link.length.max()) > SHORT * s.point):
+            s.number("told", link.name, link.way.at(link.length / 2), carried.links[:, k],
+                     carried.largest, "N", steady=True, token="ink", rank=4, clear=BESIDE,
+                     there=(level != 0) & (link.length > SHORT * s.point) & link.holds)
+
+
+def _level(tension: Array, largest: float) -> Array:
+    """What a link carries as a share of the scale's top, 0 where that is nothing."""
+    level = tension / (largest or 1.0)
+    return np.where(np.abs(level) <= UNLOADED, 0.0, level)
+
+
+class _Link:
+    """Adds the items of one link."""
+
+    def __init__(self, s: Subject, k: int) -> None:
+        joints = s.run.model.joints
+        self.s, self.name, self.plane = s, joints.name[k], s.plane(*joints.bodies[k].tolist())
+        self.ends = [s.on(*end) for end in zip(joints.bodies[k], joints.anchor[k], strict=True)]
+        self.shown = s.held(int(s.run.model.ties.joint[k]))
+        self.holds: Any = True if self.shown is None else s.out.columns[self.shown[0]] != 0
+        self.way = s.out.between(*self.ends)
+        self.length = self.way.length
+
+    def add(self, kind: str, **fields: Any) -> None:
+        self.s.add("links", kind, self.name, plane=self.plane, **{"shown": self.shown, **fields})
+
+    def line(self, points: list[Point], token: str, width: float) -> None:
+        self.add("line", p=points, s=self.s.style("", token, width))
+
+    def loaded(self, points: list[Point], token: str, width: float, level: Array,
+               **fields: Any) -> None:
+        """A line in the colour of what it carries, or of a token where that is nothing."""
+        both = [self.s.style("", each, width) for each in (token, "@load")]
+        self.add("line", p=points, s=both, state=self.s.steady(level != 0),
+                 by=self.s.steady(level), **fields)
+
+    def tube(self, start: Point, end: Point, level: Array) -> None:
+        self.line([start, end], "pin_ring", 4.4)
+        self.loaded([start, end], "paper", 2.6, level)
+
+    def rope(self, reach: XY, level: Array) -> None:
+        """A taut rope with strands, a slack one dashed; with a least length a telescope."""
+        s, (shortest, longest), (a, b) = self.s, reach, self.ends
+        if shortest > 0:
+            middle = self.way.at(self.length / 2)
+            self.tube(a, middle, level)
+            self.line([middle, b], "pin_ring", 1.6)
+            return
+        taut, slack = self.length > TAUT * longest, self.length <= TAUT * longest
+        taut = taut & self.holds
+        if taut.any():
+            shown = s.steady(taut)
+            self.loaded(self.ends, "rope", 4.6, level, shown=shown)
+            self.add("span", a=a, b=b, every=6.5, t=[-2.9, -2.9, 2.9, 2.9],
+                     s=s.style("", "paper", 1.3), shown=shown)
+        if slack.any():
+            depth = np.sqrt(np.maximum(longest - self.length, 0.0) * self.length * 3 / 8)
+            self.add("sag", a=a, b=b, s=s.style("", "rope", 1.3, 5),
+                     depth=s.out.varying(np.minimum(depth, longest / 2)),
+                     shown=s.steady(slack & self.holds))
+
+    def actuator(self, reach: XY, token: str) -> None:
+        """A cylinder with its piston in a colour, and a rod of constant length."""
+        point = self.s.point
+        tube, piston = cylinder(self.length, *reach, 12 * point)
+        inset, half = 1.4 * point, 3.0 * point
+        middle = np.clip(piston, inset + half, np.maximum(tube - inset - half, inset + half))
+        foot, cap, head, block = (self.way.at(far)[0] for far in (0.0, tube, piston, middle))
+        self.line([[head, 0, 0], self.ends[1]], "pin_ring", 4.4)
+        self.line([[foot, 0, 0], [cap, 0, 0]], "pin_ring", TUBE_WIDTH)
+        self.line([[foot, inset, 0], [cap, -inset, 0]], "paper", TUBE_WIDTH - 2.6)
+        self.line([[head, 0, 0], [cap, 0, 0]], "pin_ring", 4.4)
+        self.line([[block, -half, 0], [block, half, 0]], token, TUBE_WIDTH - 2.6)
+
+
+def cylinder(length: Array, low: float, high: float, least: float) -> tuple[Array, Array]:
+    """The length of a cylinder and the place of its piston [n], for an actuator's length [n].
+
+    The cylinder is ``least`` long or more, if there is room; ``low`` and ``high`` are the least and
+    largest length of the actuator. All in one unit.
+    """
+    stroke = high - low
+    if stroke <= STROKE * low and TUBE * low >= least:
+        tube = min(max(TUBE * low, stroke / STROKE * LONGEST_TUBE), LONGEST_TUBE * low)
+        return np.full_like(length, tube), (tube - stroke) / 2 + length - low
+    tubes = np.minimum(max(TUBE * low, 0.2 * high, least), 0.9 * length)
+    share = (length - low) / stroke if stroke > 0 else np.full_like(length, 0.5)
+    return tubes, tubes * (0.14 + 0.72 * np.clip(share, 0.0, 1.0))
+
+
+def made_stiffer(s: Subject, drive: int, own: float) -> tuple[Array, Array]:
+    """How a driven stiffness shows: from -1 to 1, 0 at the element's own; a factor of its width."""
+    low, high = THICK
+    share = np.clip(s.run.arrays["drive_value"][:, drive] / own, low, high)
+    level = np.asarray(np.where(share > 1, np.log(share) / math.log(high),
+                                -np.log(share) / math.log(low)))
+    return level, 1 + np.where(level > 0, 1.2, 0.3) * level
+
+
+def add_springs(s: Subject) -> None:
+    """Coils between two points, spirals about hinges."""
+    model, pose = s.run.model, s.run.arrays["body_pose"]
+    springs, joints = model.springs, model.joints
+    for k, name in enumerate(springs.name):
+        (a, b), joint = springs.bodies[k].tolist(), int(springs.joint[k])
+        law, rest = springs.law[k], float(springs.rest[k])
+        side = 0 if law is None else law.side
+        where: dict[str, Any] = {"plane": s.plane(a, b), "shown": s.held(
+            int(model.ties.spring[k]), int(model.ties.joint[joint]) if joint >= 0 else NONE)}
+        if not springs.straight[k]:
+            sense, wind = int(joints.sense[joint]), pose[:, b, 2] - pose[:, a, 2]
+            now = sense * wind - joints.zero[joint]
+            look = _spring_look(s, k, side * (now - rest) <= 0 if side else None)
+            s.add("springs", "spiral", name, at=s.on(b, joints.anchor[joint, 1]), r=[5, 11],
+                  start=s.out.varying(pose[:, a, 2]),
+                  sweep=s.out.varying(sense * 1.5 * math.tau + wind), **look, **where)
+            continue
+        ends, apart = [s.on(*end) for end in zip((a, b), springs.anchor[k], strict=True)], None
+        if side:
+            start, end = map(s.out.place, ends)
+            size = np.maximum(np.hypot(*(end - start).T), 1e-12)
+            apart = side * (size - rest) <= 0
+            if side < 0 and (size > rest).any():  # it does not follow what leaves it
+                share = np.minimum(1.0, rest / size)[:, None]
+                ends[1] = s.out.spot(start + (end - start) * share)
+        look = _spring_look(s, k, apart)
+        s.add("springs", "span", name, a=ends[0], b=ends[1], t=ZIGZAG, w=COIL_WIDTH, **look,
+              **where)
+        for at in ends:
+            s.add("springs", "mark", at=at, g="dot", **where)
+
+
+def _spring_look(s: Subject, k: int, apart: Array | None) -> dict[str, Any]:
+    """Style of a spring: driven ones by their stiffness, grey where a one-sided one is apart."""
+    springs = s.run.model.springs
+    drive, own = int(springs.drive[k]), float(springs.stiffness[k])
+    look: dict[str, Any] = {"s": s.style("", "spring", COIL)}
+    if drive != NONE and own:
+        level, wide = made_stiffer(s, drive, own)
+        look = {"s": s.style("", "@stiffness", COIL), "by": s.out.varying(level),
+                "wide": s.out.varying(wide)}
+    if apart is not None and apart.any():
+        look |= {"s": [look["s"], s.style("", "slack", COIL)], "state": s.steady(apart)}
+    return look
+
+
+def add_bars(s: Subject) -> None:
+    """Bands from pin to pin of bodies, in the colour of what they carry; numbers of a few."""
+    bars, carried = bars_of(s.run, s.layers.of("bars")), s.carried
+    for k, bar in enumerate(bars):
+        ends, tension = [s.on(bar.body, at) for at in bar.ends], carried.bars[:, k]
+        name, plane = s.run.mechanism.bodies[bar.body].name, s.plane(bar.body)
+        s.add("bars", "line", plane=plane, p=ends, s=s.style("", "pin_ring", BAND))
+        s.add("bars", "line", name, plane=plane, p=ends, s=s.style("", "@load", BAND - 1.8),
+              by=s.steady(_level(tension, carried.largest)))
+        if len(bars) <= TELLING and carried.largest > 0 and (
+                math.dist(*bar.ends) > SHORT * s.point):
+            s.number("bars", "", s.on(bar.body, np.mean(bar.ends, axis=0)), tension,
+                     carried.largest, "N", steady=True, token="ink", rank=4, clear=BESIDE)

@@ -8,18 +8,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from sandbox.model.model import Model
-from sandbox.picture.camera import Camera, Stage, round_length
+from sandbox.picture.bounds import Camera, Stage
 from sandbox.picture.elements.bodies import colour_of
-from sandbox.picture.geometry import shape_points
-from sandbox.picture.glyphs import glyph
-from sandbox.picture.listing import Item, Listing, short
+from sandbox.picture.geometry import XY, shape_points
+from sandbox.picture.listing import Item, Listing, flat
 from sandbox.picture.palette import INK, TRACES, Colour, lighter, mixed
 from sandbox.picture.run_data import RunData
+from sandbox.picture.scales import round_length
 from sandbox.picture.subject import BEHIND, Subject
 from sandbox.scene.layers import EVERY, meant
 from sandbox.scene.settings import View
 from sandbox.values.colours import rgb
 
+Place = tuple[int, XY]
 TRACE, MARK = 1.8, 3.0
 """Width of a trace, radius of its marks of time [points]."""
 PITCH = 70.0
@@ -28,55 +29,58 @@ MOST_LINES, FAR = 200, 1e9
 """Lines of the grid along an axis, at most; none are so many steps from the origin."""
 WIDE = 1e4
 """Half the width of a liquid, in widths of the picture."""
+DARKER = 0.3
+"""How much darker a trace is than its body."""
+MOST_NAMED = 6
+"""Of no more than so many traces the bodies' names stand at their ends."""
+PIECES = 12
+"""Between marks of time, at most."""
 
 
 def add_traces(s: Subject) -> None:
-    """The ways of points up to now, with marks of time; of several with names."""
+    """The paths of points up to now, with marks of time; of several with names."""
     places = traced(s.run, s.view, s.layers.patterns("traces"))
     if not places or "traces" not in s.layers:
         return
     bodies = [body for body, _ in places]
-    named = s.layers.of("body_names")
+    named = 1 < len(set(bodies)) == len(bodies) <= MOST_NAMED
     every = round_interval(float(s.run.time[-1] - s.run.time[0]))
-    for (body, at), colour, name in zip(places, trace_colours(s.run.model, bodies),
-                                        trace_names(s.run.model, bodies), strict=True):
-        token = s.ink(colour, lighter(colour, 0.5))
-        s.trace_inks.append(token)
-        point = s.point_on(body, at)
-        s.add("traces", "trail", s.run.mechanism.bodies[body].name, at=point, every=every,
-              s=s.style(token, token, TRACE), mark=MARK)
-        if name and body not in named:
-            s.add("traces", "text", name, at=point, words=name, s=s.style("", token), rank=3)
-    s.signs.add("trace")
+    for (body, at), colour in zip(places, trace_colours(s.run.model, bodies), strict=True):
+        token, name = s.ink(colour, lighter(colour, 0.5)), s.run.mechanism.bodies[body].name
+        s.trace_ink = s.trace_ink or token
+        s.add("traces", "trail", name, at=s.on(body, at), every=every, mark=MARK,
+              s=s.style(token, token, TRACE))
+        if named and body not in s.layers.of("body_names"):
+            s.add("traces", "text", name, at=s.on(body, at), words=name, s=s.style("", token),
+                  rank=3)
 
 
 def add_names(s: Subject) -> None:
     """Names of fingers beside their first hinges, and names of bodies."""
-    if "names" in s.layers:
-        for name, body in finger_names(s.run.model):
-            s.add("body_names", "text", name, layer="names", at=[body, 0, 0], words=name,
-                  s=s.style("", "faint_ink"), rank=5, clear=12.0)
+    mechanism, index = s.run.mechanism, s.run.model.names.body
+    for group in mechanism.groups:
+        if group.kind == "finger" and group.bodies and group.bodies[0] in index:
+            s.add("body_names", "text", group.name, layer="names", words=group.name, clear=12.0,
+                  at=[index[group.bodies[0]], 0, 0], s=s.style("", "faint_ink"), rank=5)
     for body in s.layers.of("body_names"):
-        name = s.run.mechanism.bodies[body].name
-        s.add("body_names", "text", name, at=s.point_on(body, s.run.arrays["body_centre"][body]),
+        name = mechanism.bodies[body].name
+        s.add("body_names", "text", name, at=s.on(body, s.run.arrays["body_centre"][body]),
               words=name, s=s.style("", "faint_ink"), rank=3)
 
 
 def add_axes(s: Subject) -> None:
     """The axes x and y of bodies' frames."""
     for body in s.layers.of("axes"):
-        s.add("axes", "mark", at=[body, 0, 0], g=glyph(s.out, "axes"),
+        s.add("axes", "mark", at=[body, 0, 0], g="axes",
               turn=s.out.varying(s.run.arrays["body_pose"][:, body, 2]))
 
 
 def add_liquids(s: Subject) -> None:
     """The area below the level of each liquid."""
-    levels = s.run.model.loads.level
+    levels, far = s.run.model.loads.level, WIDE * s.width
     for level in sorted(set(levels[np.isfinite(levels)].tolist()), reverse=True):
-        far = WIDE * s.width
         s.add("loads", "path", plane=BEHIND, f=s.out.world, s=s.style("liquid", "liquid_edge", 1.4),
-              d=[[short(v) for v in (-far, level, far, level, far, level - far,
-                                     -far, level - far)]])
+              d=[flat((-far, level), (far, level), (far, level - far), (-far, level - far))])
 
 
 def grid(out: Listing, camera: Camera, stage: Stage, point: float) -> list[Item]:
@@ -96,25 +100,14 @@ def grid(out: Listing, camera: Camera, stage: Stage, point: float) -> list[Item]
         first, last = math.ceil(low / step), math.floor(high / step)
         for n in range(first, min(last, first + MOST_LINES) + 1):
             at = n * step
-            ends = [[at, y0], [at, y1]] if axis == 0 else [[x0, at], [x1, at]]
-            style = out.style("", "hairline", 1.8 if n == 0 else 0.9)
-            items.append({"k": "line", "l": "coordinates", "s": style,
-                          "p": [[out.world, *map(short, end)] for end in ends]})
+            ends = [[out.world, *flat(end)] for end in (
+                [(at, y0), (at, y1)] if axis == 0 else [(x0, at), (x1, at)])]
+            items.append({"k": "line", "l": "coordinates", "p": ends,
+                          "s": out.style("", "hairline", 1.8 if n == 0 else 0.9)})
             word = f"{n * step * factor:.6g}{' ' + unit if n == last else ''}"
             items.append({"k": "text", "l": "coordinates", "words": word, "rank": 6,
-                          "at": [out.world, *map(short, ends[0])], "edge": axis,
-                          "s": out.style("", "faint_ink")})
+                          "at": ends[0], "edge": axis, "s": out.style("", "faint_ink")})
     return items
-
-
-XY = tuple[float, float]
-Place = tuple[int, XY]
-DARKER = 0.3
-"""How much darker a way is than the body that goes it."""
-MOST_NAMED = 6
-"""Of no more than so many ways the bodies' names stand at their ends."""
-PIECES = 12
-"""Between marks of time, at most."""
 
 
 def fingertip(run: RunData, body: int) -> XY:
@@ -127,42 +120,55 @@ def fingertip(run: RunData, body: int) -> XY:
     shapes = run.mechanism.bodies[body].shapes
     if not shapes or not hinges:
         return 0.0, 0.0
-    points = np.concatenate([shape_points(shape) for shape in shapes])
+    points = shape_points(*shapes)
     # the outline's corners beside the tip are as far from the hinge on either side of it
-    far = points[np.hypot(*(points - hinges[0]).T).argmax()]
-    return float(far[0]), float(far[1])
+    x, y = points[np.hypot(*(points - hinges[0]).T).argmax()].tolist()
+    return x, y
 
 
-def _centre(run: RunData, body: int) -> Place:
-    x, y = run.arrays["body_centre"][body].tolist()
-    return body, (x, y)
+def _given(run: RunData, view: View, chosen: Sequence[int]) -> list[Place]:
+    """The points of ``view.traces`` on some bodies."""
+    index = run.model.names.body
+    return [(index[trace.body], trace.at) for trace in view.traces if index[trace.body] in chosen]
+
+
+def _centres(run: RunData, bodies: Sequence[int], given: Sequence[Place]) -> list[Place]:
+    """Centres of mass of those bodies that move and have no point yet."""
+    x, y = run.arrays["body_centre"].T.tolist()
+    known = {body for body, _ in given}
+    return [(body, (x[body], y[body])) for body in bodies
+            if body not in known and not run.model.bodies.fixed[body]]
 
 
 def traced(run: RunData, view: View, patterns: Sequence[str]) -> list[Place]:
-    """The points whose ways are drawn of the bodies that the patterns fit.
+    """The points whose paths are drawn of the bodies that the patterns fit.
 
     Those of ``view.traces``. Of bodies without one the fingertip or the centre of mass, where they
     are named, or where nothing at all is traced; of all bodies, the tips if there are fingers.
     """
-    names = [body.name for body in run.mechanism.bodies]
-    chosen = set(meant(patterns, run.mechanism.bodies))
-    named = [(names.index(trace.body), trace.at) for trace in view.traces]
-    found = [place for place in named if place[0] in chosen]
+    chosen, index = meant(patterns, run.mechanism.bodies), run.model.names.body
+    found = _given(run, view, chosen)
     if tuple(patterns) == EVERY and found:
         return found
-    tips = [names.index(group.bodies[-1]) for group in run.mechanism.groups
-            if group.kind == "finger" and group.bodies and group.bodies[-1] in names]
-    tips = [body for body in tips if body in chosen]
+    tips = [index[group.bodies[-1]] for group in run.mechanism.groups
+            if group.kind == "finger" and group.bodies and group.bodies[-1] in index]
     given = {body for body, _ in found}
-    found += [(body, fingertip(run, body)) for body in tips if body not in given]
+    found += [(body, fingertip(run, body)) for body in tips if body in chosen and body not in given]
     if tuple(patterns) == EVERY and found:
         return found
-    given |= set(tips)
-    return found + [_centre(run, body) for body in sorted(chosen - given) if _moves(run, body)]
+    return found + _centres(run, chosen, found)
+
+
+def marked(run: RunData, view: View, patterns: Sequence[str]) -> list[Place]:
+    """The points whose velocity is shown: of each body that moves those traced, else its centre."""
+    chosen = [body for body in meant(patterns, run.mechanism.bodies)
+              if not run.model.bodies.fixed[body]]
+    given = _given(run, view, chosen)
+    return given + _centres(run, chosen, given)
 
 
 def trace_colours(model: Model, bodies: Sequence[int]) -> list[Colour]:
-    """What tells the ways of points of some bodies apart.
+    """What tells the paths of points of some bodies apart.
 
     The bodies' own colours, darker, where the scene gives each another one; else :data:`TRACES`.
     """
@@ -171,26 +177,6 @@ def trace_colours(model: Model, bodies: Sequence[int]) -> list[Colour]:
     if len(own) > 1 and len(set(given)) == len(own):
         return given
     return [TRACES[k % len(TRACES)] for k in range(len(own))]
-
-
-def trace_names(model: Model, bodies: Sequence[int]) -> list[str]:
-    """What stands at the ends of ways: names of bodies, of a few different ones; else nothing."""
-    alone = len(bodies) < 2 or len(bodies) > MOST_NAMED or len(set(bodies)) < len(bodies)
-    return ["" if alone else model.mechanism.bodies[body].name for body in bodies]
-
-
-def marked(run: RunData, view: View, patterns: Sequence[str]) -> list[Place]:
-    """The points whose velocity is shown: of each body that moves those traced, else its centre."""
-    names = [body.name for body in run.mechanism.bodies]
-    chosen = [body for body in meant(patterns, run.mechanism.bodies) if _moves(run, body)]
-    named = [(names.index(trace.body), trace.at) for trace in view.traces]
-    given = {body for body, _ in named}
-    return [place for place in named if place[0] in chosen] + [
-        _centre(run, body) for body in chosen if body not in given]
-
-
-def _moves(run: RunData, body: int) -> bool:
-    return not bool(run.model.bodies.fixed[body])
 
 
 def round_interval(duration: float) -> float:
@@ -205,10 +191,3 @@ def round_interval(duration: float) -> float:
     power = 10.0 ** math.floor(math.log10(least))
     return float(next((step * power for step in (1.0, 2.0, 5.0)
                        if step * power >= least * (1 - 1e-9)), 10.0 * power))
-
-
-def finger_names(model: Model) -> list[tuple[str, int]]:
-    """Names of the finger groups with the body each begins with."""
-    index = model.names.body
-    return [(group.name, index[group.bodies[0]]) for group in model.mechanism.groups
-            if group.kind == "finger" and group.bodies and group.bodies[0] in index]

@@ -1,0 +1,320 @@
+"""Tendons through eyes and over wheels, dashed where slack; chambers, hoses, valves and pumps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from sandbox.model.model import NONE
+from sandbox.model.ties import held_one
+from sandbox.numeric import Array, Flags, Integers
+from sandbox.picture.elements.joints import made_stiffer
+from sandbox.picture.listing import Between, Number, Point, flat, short
+from sandbox.picture.run_data import RunData
+from sandbox.picture.scales import SLACK_FRACTION, round_up
+from sandbox.picture.subject import Subject
+from sandbox.samples.cords import off_wheels
+
+CORD = 2.4
+"""Width of a tendon [points]."""
+WOUND = 1.5
+"""Length of a tendon that is shown on the wheel on which it ends [rad]."""
+CREEP, LEAST_SLIP = 1e-3, 1e-6
+"""A tendon that slides less from sample to sample than this share of its largest slide, or than
+this length [m], does not slip."""
+NEAR_TURN = 0.02
+"""Arcs that are so close to a whole turn are arcs of the other sign [rad]."""
+TUBE, TUBE_SHARE = (4.5, 9.0), 0.13
+"""Least and largest half width of a cylinder [points], and half its width as a share of its tube's
+length."""
+HOSE, VANE = 1.6, 10.0
+"""Width of a hose and radius of a chamber on a hinge [points]."""
+PUMP, TANK, BESIDE = (-24.0, 26.0), (40.0, 14.0), (-78.0, 12.0)
+"""From a line's first chamber to its pump, to the tank of a valve, and to a line without chambers
+at the other end of a valve [points, y up]."""
+SPARE = 0.04
+"""Room before and behind a piston, as a share of the cylinder's largest length."""
+LEAST_TUBE, MOST_TUBE = 0.55, 0.95
+"""Least and largest length of a tube, as shares of the cylinder's least length."""
+
+
+def slipping(slip: Array) -> Flags:
+    """In which samples a tendon slides over each guide with friction, [n, nf].
+
+    ``slip`` is the length that has slid over it since t = 0 [m], [n, nf].
+    """
+    slid = np.abs(np.diff(slip, axis=0, prepend=slip[:1]))
+    least = CREEP * np.maximum(slid.max(axis=0, initial=0.0), LEAST_SLIP)
+    return np.asarray(slid > least, dtype=bool)
+
+
+def arcs(places: Sequence[Array], radii: Sequence[float], senses: Sequence[int], on: Flags, *,
+         closed: bool) -> tuple[Array, Array]:
+    """The angles at which a tendon meets and leaves each guide [n, g] rad; NaN where it is off it.
+
+    Args:
+        places: centres of the guides, each [n, 2] m.
+        radii: of the wheels [m]; 0 for an eye.
+        senses: 1 where the centre lies right of the tendon, else -1.
+        on: whether the tendon lies on each guide, [n, g].
+        closed: whether the last guide is the first again.
+    """
+    meets, leaves = (np.full(on.shape, np.nan) for _ in range(2))
+    for pattern in on[:1] if on.all() else np.unique(on, axis=0):
+        rows = (on == pattern).all(axis=1)
+        guides = np.flatnonzero(pattern).tolist()
+        for i, j in pairwise(guides):
+            way = places[j][rows] - places[i][rows]
+            length = np.maximum(np.hypot(*way.T), 1e-12)
+            m = np.clip((senses[i] * radii[i] - senses[j] * radii[j]) / length, -1, 1)
+            e, k = way / length[:, None], np.sqrt(1 - m * m)
+            normal = np.arctan2(m * e[:, 1] + k * e[:, 0], m * e[:, 0] - k * e[:, 1])
+            leaves[rows, i] = normal if senses[i] > 0 else normal + np.pi
+            meets[rows, j] = normal if senses[j] > 0 else normal + np.pi
+        first, last = guides[0], guides[-1]
+        if closed:
+            meets[rows, first], leaves[rows, last] = meets[rows, last], leaves[rows, first]
+        else:
+            meets[rows, first] = leaves[rows, first] + senses[first] * WOUND
+            leaves[rows, last] = meets[rows, last] - senses[last] * WOUND
+    for g, sense in enumerate(senses):
+        there = np.isfinite(meets[:, g])
+        start = np.unwrap(meets[there, g])
+        sweep = (sense * (meets[there, g] - leaves[there, g])) % math.tau
+        sweep = np.where(sweep > math.tau - NEAR_TURN, sweep - math.tau, sweep)
+        meets[there, g], leaves[there, g] = start, start - sense * sweep
+    return meets, leaves
+
+
+def add_cords(s: Subject) -> None:
+    """Every tendon with its eyes, and collars where guides have friction."""
+    off, slips = off_wheels(s.run.arrays), slipping(s.run.arrays["guide_slip"])
+    for k, spec in enumerate(s.run.mechanism.tendons):
+        cord = _Cord(s, k, off[:, s.run.model.tendons.loose(k)])
+        gripped = s.run.model.tendons.gripped(k).tolist()
+        own = np.flatnonzero(s.run.model.tendons.stretch_tendon == k)
+        last = len(cord.points) - spec.closed
+        if not gripped:
+            cord.line([cord.guide(g, cord.meets[:, g], cord.leaves[:, g]) for g in range(last)],
+                      own[-1], 1 if spec.closed else None)
+        else:
+            cord.pieces(own)
+            for guide, grip in zip(spec.gripping, gripped, strict=True):
+                cord.collar(guide, slips[:, grip])
+        for g in range(last):
+            if not cord.radii[g]:
+                s.add("cords", "mark", plane=cord.plane, rank=2, at=cord.points[g], g="eye",
+                      **cord.shown)
+
+
+class _Cord:
+    """Adds the items of one tendon."""
+
+    def __init__(self, s: Subject, k: int, off: Flags) -> None:
+        tendons, spec = s.run.model.tendons, s.run.mechanism.tendons[k]
+        where, path = tendons.guides(k), spec.path
+        self.s, self.closed, self.name = s, spec.closed, tendons.name[k]
+        bodies = tendons.guide_body[where].tolist()
+        self.radii = [short(guide.radius) for guide in path]
+        self.senses = [1 if guide.side == "right" else -1 for guide in path]
+        self.points = [s.on(*at) for at in zip(bodies, tendons.guide_at[where], strict=True)]
+        self.plane = s.plane(*bodies)
+        self.hold = held_one(int(s.run.model.ties.tendon[k]), s.run.arrays["held"])
+        self.shown: dict[str, Any] = {} if self.hold.all() else {"shown": s.steady(self.hold)}
+        self.on = np.ones((len(s.run.time), len(path)), dtype=bool)
+        self.on[:, list(spec.lifting)] = ~off
+        self.wide: dict[str, Any] = {}
+        if (drive := int(tendons.stiffener[k])) != NONE:
+            _, wide = made_stiffer(s, drive, float(tendons.stiffness[k]))
+            self.wide = {"wide": s.out.varying(wide)}
+        self.places: list[Array] = []
+        self.meets = self.leaves = np.zeros(self.on.shape)
+        if tendons.gripped(k).size or any(self.radii) or not self.on.all():
+            self.places = [s.out.place(point) for point in self.points]
+            self.meets, leaves = arcs(self.places, self.radii, self.senses, self.on,
+                                      closed=self.closed)
+            self.leaves = leaves - np.array(self.senses) * math.tau * (
+                tendons.guide_turns[where] > 0)
+        self.middle = (self.meets + self.leaves) / 2
+
+    def guide(self, g: int, meets: Array, leaves: Array, at: Point | None = None) -> list[Any]:
+        """A guide as a taut item has it."""
+        base = [*(at or self.points[g]), self.radii[g], self.senses[g]]
+        if at is None and not self.radii[g] and self.on[:, g].all():
+            return base
+        return [*base, self.s.out.varying(meets), self.s.out.varying(leaves)]
+
+    def line(self, guides: list[Any], stretch: int, closed: int | None = None,
+             there: Flags | None = None) -> None:
+        """One line in the colour of the tension of a stretch."""
+        s = self.s
+        share = s.carried.pieces[:, stretch] / (s.carried.largest or 1.0)
+        slack, shown = share <= SLACK_FRACTION, self.shown
+        if there is not None and not there.all():
+            shown = {"shown": s.steady(there & self.hold)}
+        s.add("cords", "taut", self.name, plane=self.plane, rank=float(np.mean(share)) - 1,
+              p=guides, c=closed, s=[s.style("", "@load", CORD), s.style("", "slack", 1.8, 5)],
+              state=s.steady(slack), by=s.steady(np.where(slack, 0.0, share)), **self.wide, **shown)
+
+    def pieces(self, stretches: Integers) -> None:
+        """Each straight piece with half of the arcs at its ends, in the colour of its tension."""
+        count, rows, middle = len(self.points), np.arange(len(self.on)), self.middle
+        for g in range(count - 1):
+            begins, ends = g == 0 and not self.closed, g + 2 == count and not self.closed
+            following = g + 1 + np.argmax(self.on[:, g + 1:], axis=1)
+            start = self.guide(g, self.meets[:, g] if begins and self.radii[g] else
+                               self.leaves[:, g] if begins else middle[:, g], self.leaves[:, g])
+            if (following == g + 1).all():
+                end = self.guide(g + 1, self.meets[:, g + 1],
+                                 (self.leaves if ends else middle)[:, g + 1])
+            else:  # it skips guides that the tendon has left
+                centre = np.stack(self.places, axis=1)[rows, following]
+                end = self.guide(int(following[0]), self.meets[rows, following],
+                                 middle[rows, following], self.s.out.spot(centre))
+            self.line([start, end], stretches[g], there=self.on[:, g])
+
+    def collar(self, guide: int, slips: Flags) -> None:
+        """A ring at a guide with friction: full while that holds."""
+        s, at, there = self.s, self.points[guide], self.on[:, guide] & self.hold
+        if radius := self.radii[guide]:
+            angle = self.middle[:, guide]
+            at = s.out.spot(self.places[guide] + radius * np.column_stack(
+                (np.cos(angle), np.sin(angle))))
+        s.add("cords", "mark", plane=self.plane, rank=1, at=at, state=s.steady(~slips),
+              g=["slides", "rubs"], shown=None if there.all() else s.steady(there))
+
+
+def largest_pressure(run: RunData) -> float:
+    """The top of the pressure scale [Pa]: a round number above nearly all of the run."""
+    pressure = np.abs(run.arrays["line_pressure"])
+    if not pressure.size or np.isnan(pressure).all():
+        return 0.0
+    peak = float(np.nanquantile(pressure.max(axis=1), 0.995))
+    return round_up(max(peak, float(pressure[-1].max()))) if peak > 0 else 0.0
+
+
+def add_fluids(s: Subject) -> None:
+    """Hoses, chambers, valves and pumps."""
+    fluids = _Fluids(s)
+    for chamber in range(len(fluids.lines.of)):
+        fluids.chamber(chamber)
+    for line, ports in enumerate(fluids.ports):
+        if len(ports) > 1:
+            fluids.line(ports, "@load", HOSE, by=fluids.level(line))
+    if "tendons" in s.layers and fluids.lines.name and fluids.largest > 0:
+        s.signs.add("pressure")
+    fluids.valves()
+    fluids.pumps()
+
+
+class _Fluids:
+    """Adds the items of all lines of fluid."""
+
+    def __init__(self, s: Subject) -> None:
+        self.s, self.largest = s, max(map(largest_pressure, (s.run, *s.beside)))
+        self.lines, self.pressure = s.run.model.lines, s.run.arrays["line_pressure"]
+        self.plane = s.plane(*self.lines.bodies.ravel().tolist())
+        self.ports: list[list[Point]] = [[] for _ in self.lines.name]
+
+    def level(self, line: int) -> Number:
+        """A line's pressure on the scale of colours."""
+        return self.s.steady(np.abs(self.pressure[:, line]) / (self.largest or 1.0))
+
+    def put(self, kind: str, name: str = "", rank: float = 0, **fields: Any) -> None:
+        self.s.add("fluids", kind, name, plane=self.plane, rank=rank, **fields)
+
+    def line(self, points: list[Point], token: str, width: float, **fields: Any) -> None:
+        self.put("line", p=points, s=self.s.style("", token, width), **fields)
+
+    def chamber(self, n: int) -> None:
+        """A vane about a hinge, or a cylinder with its piston, as long as the run allows."""
+        s, lines = self.s, self.lines
+        line, joint, bodies = int(lines.of[n]), int(lines.joint[n]), lines.bodies[n].tolist()
+        if joint != NONE:
+            at = s.on(bodies[1], s.run.model.joints.anchor[joint, 1])
+            self.put("path", rank=1, f=at[0], s=s.style("@load", "pin_ring", 1.2),
+                     d=[{"c": [*at[1:], *at[1:], short(VANE * s.point)]}], by=self.level(line))
+            self.ports[line].append(at)
+            return
+        name, pulls, ends = lines.name[line], bool(lines.gain[n] < 0), [
+            s.on(*end) for end in zip(bodies, lines.anchor[n], strict=True)]
+        way = s.out.between(*ends)
+        gap = np.hypot(*(s.out.place(ends[1]) - s.out.place(ends[0])).T)
+        least, most = float(gap.min()), float(gap.max())
+        spare = SPARE * most
+        tube = min(max(most - least + 2 * spare, LEAST_TUBE * least), MOST_TUBE * least)
+        stroke = min(most - least, max(tube - 2 * spare, 0.0))
+        slope = stroke / (most - least) if most > least else 1.0
+        foot, head = (way.at(far)[0] for far in (0.0, tube - spare - slope * (most - way.length)))
+        half = min(max(TUBE_SHARE * tube, TUBE[0] * s.point), TUBE[1] * s.point)
+        level, box = self.level(line), [flat((0, -half), (tube, -half), (tube, half), (0, half))]
+        self.put("path", name, 1, f=foot, d=box, s=s.style("paper"))
+        fluid = [[head, 0, 0], [foot, tube, 0]] if pulls else [[foot, 0, 0], [head, 0, 0]]
+        self.line(fluid, "@load", half / s.point * 2, by=level, rank=1)
+        self.line([[head, 0, 0], ends[1]], "spring", 3.2, rank=1)
+        self.line([[head, 0, -half], [head, 0, half]], "pin_ring", 2.4, rank=1)
+        self.put("path", name, 1, f=foot, d=box, s=s.style("", "spring", 1.2))
+        for end in ends:
+            self.put("mark", rank=2, at=end, g="end")
+        if not self.ports[line] and self.largest > 0:
+            s.number("fluids", "", [foot, short(0.35 * tube), 0], self.pressure[:, line],
+                     self.largest, "Pa", steady=True, token="spring", rank=3, clear=10.0)
+        inset = 3 * s.point
+        self.ports[line].append([foot, short(tube - inset if pulls else inset), 0])
+
+    def port(self, line: int) -> Point | None:
+        """Where a valve or pump meets a line; one without chambers is beside its neighbour."""
+        if line == NONE or self.ports[line]:
+            return None if line == NONE else self.ports[line][0]
+        for pair in self.s.run.model.valves.lines.tolist():
+            other = sum(pair) - line if line in pair else NONE
+            if other != NONE and self.ports[other]:
+                return [*self.ports[other][0][:3], *BESIDE]
+        return None
+
+    def valves(self) -> None:
+        """Two wings along a hose: full while something flows through."""
+        s, flow, valves = self.s, self.s.run.arrays["valve_flow"], self.s.run.model.valves
+        for valve, pair in enumerate(valves.lines.tolist()):
+            ends = [self.port(line) for line in pair]
+            known = ends[0] or ends[1]
+            if known is None:
+                continue
+            tank = _moved(known, TANK)
+            if None in ends:
+                self.put("mark", rank=2, at=tank, g="tank")
+            one, two = (end or tank for end in ends)
+            self.line([one, two], "spring", 1.2, rank=2)
+            way = Between(s.out, *(s.out.place(end) + s.point * np.array(
+                end[3:] or (0.0, 0.0)) for end in (one, two)))
+            self.put("mark", valves.name[valve], 2, at=way.at(way.length / 2),
+                     turn=s.out.varying(way.angle), g=["shut", "open"],
+                     state=s.steady(flow[:, valve] != 0.0))
+            if "tendons" in s.layers:
+                s.signs |= {"open", "shut"}
+
+    def pumps(self) -> None:
+        """Sources of flow or pressure beside their lines, with their values."""
+        s, drives, beside = self.s, self.s.run.model.drives, dict[int, int]()
+        for k in drives.giving("flow", "pressure").tolist():
+            line, name, value = (int(drives.target[k]), drives.name[k],
+                                 s.run.arrays["drive_value"][:, k])
+            port = self.port(line)
+            if port is None:
+                continue
+            beside[line] = beside.get(line, -1) + 1
+            at = _moved(port, (PUMP[0] * (1 + 1.6 * beside[line]), PUMP[1]))
+            self.line([port, at], "spring", 1.2, rank=2)
+            self.put("mark", name, 2, at=at, g="pump")
+            s.number("fluids", name, at, value, float(np.abs(value).max(initial=0.0)),
+                     drives.kind[k].unit, words=name, clear=8.0)
+
+
+def _moved(point: Point, more: tuple[float, float]) -> Point:
+    """A point with an offset [points] added to its own."""
+    x, y = point[3:] or (0.0, 0.0)
+    return [*point[:3], x + more[0], y + more[1]]
