@@ -18,7 +18,7 @@ from sandbox.engine.world import World
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.numeric import Array
 from sandbox.samples.contacts import Contacts
-from sandbox.values.closures import Read, closure
+from sandbox.values.expressions import Read, closure
 
 FORCE = {"reaction_x": "fx", "reaction_y": "fy"}
 """Where the last step keeps these quantities of a joint."""

@@ -59,7 +59,7 @@ from sandbox.samples.outcome import (
     status_of,
     unordered,
 )
-from sandbox.values.closures import Read
+from sandbox.values.expressions import Read
 from sandbox.wording import WrongValueError, listed, near, quoted
 
 BLOCK = 256

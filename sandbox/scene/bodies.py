@@ -26,7 +26,7 @@ from sandbox.scene.outlines.drawings import curves_of, own_file
 from sandbox.scene.outlines.pieces import MOST_CORNERS as PIECE_CORNERS
 from sandbox.scene.outlines.pieces import CutError, pieces_of
 from sandbox.scene.outlines.rings import Ring, hole_fault, is_convex, ring_fault
-from sandbox.values.colours import FillColour
+from sandbox.values.appearance import FillColour, Planes
 from sandbox.values.numbers import (
     Angle,
     AngularSpeed,
@@ -47,7 +47,6 @@ from sandbox.values.numbers import (
     Speed,
     Stiffness,
 )
-from sandbox.values.planes import Planes
 from sandbox.values.signals import Path
 from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError

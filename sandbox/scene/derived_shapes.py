@@ -14,7 +14,7 @@ from sandbox.scene.outlines.cams import CamCurve, tried_turns
 from sandbox.scene.outlines.curves import through
 from sandbox.values.numbers import Angle, Coordinate, Distance, Flag, Items, Length, Point
 from sandbox.values.spec import TYPE, Spec
-from sandbox.values.spline import PeriodicSpline, check_distinct
+from sandbox.values.tables import PeriodicSpline, check_distinct
 from sandbox.wording import WrongValueError
 
 

@@ -24,7 +24,7 @@ from sandbox.scene.document import Assembly, Scene
 from sandbox.scene.parts import expansion as lists
 from sandbox.scene.parts import finger, section, trees
 from sandbox.scene.schema import descriptions
-from sandbox.values import colours, numbers, planes, signals, tables
+from sandbox.values import appearance, numbers, signals, tables
 from sandbox.values.spec import Spec
 from sandbox.values.units import units_of
 
@@ -76,9 +76,9 @@ def field_type(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
         if schema in metadata:
             unit = f" [{units_of(schema.dimension)[0]}]" if schema.dimension else ""
             return f"value over time{unit}"
-    if planes.SCHEMA in metadata:
-        return planes.WORDS.replace("\"all\"", "`\"all\"`")
-    if colours.SCHEMA in metadata:
+    if appearance.SCHEMA in metadata:
+        return appearance.WORDS.replace("\"all\"", "`\"all\"`")
+    if appearance.COLOUR_SCHEMA in metadata:
         return "colour"
     if layers.SCHEMA in metadata:
         return layers.WORDS

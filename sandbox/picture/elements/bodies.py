@@ -29,8 +29,7 @@ from sandbox.picture.subject import BEHIND, Subject
 from sandbox.picture.wheels import WheelPicture, wheel_pictures
 from sandbox.scene.bodies import Body, Capsule, Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import solids
-from sandbox.values.colours import rgb
-from sandbox.values.planes import ALL, depth
+from sandbox.values.appearance import ALL, depth, rgb
 
 XY = tuple[float, float]
 EDGE, HAIR = 1.3, 0.5

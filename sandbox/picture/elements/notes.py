@@ -18,7 +18,7 @@ from sandbox.picture.run_data import RunData
 from sandbox.picture.subject import BEHIND, Subject
 from sandbox.scene.layers import EVERY, meant
 from sandbox.scene.settings import View
-from sandbox.values.colours import rgb
+from sandbox.values.appearance import rgb
 
 TRACE, MARK = 1.8, 3.0
 """Width of a trace, radius of its marks of time [points]."""

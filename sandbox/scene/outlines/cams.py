@@ -24,7 +24,7 @@ import numpy as np
 
 from sandbox.numeric import Array
 from sandbox.scene.outlines.curves import nodes_along
-from sandbox.values.spline import PeriodicSpline
+from sandbox.values.tables import PeriodicSpline
 from sandbox.wording import WrongValueError
 
 TRIED = 3600

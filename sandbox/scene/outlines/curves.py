@@ -21,7 +21,7 @@ import numpy as np
 
 from sandbox.numeric import Array, Flags
 from sandbox.scene.outlines.rings import Ring
-from sandbox.values.spline import PeriodicSpline, natural
+from sandbox.values.tables import PeriodicSpline, natural
 
 Node = tuple[float, float, float, float]
 """x, y [m], direction [rad], curvature [1/m], positive where the curve turns to the left."""

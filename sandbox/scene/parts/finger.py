@@ -39,6 +39,7 @@ from sandbox.scene.parts.expansion import (
     each,
 )
 from sandbox.scene.settings import ContactRule, Group
+from sandbox.values.appearance import Planes
 from sandbox.values.numbers import (
     Angle,
     Damping,
@@ -51,7 +52,6 @@ from sandbox.values.numbers import (
     Ratio,
     Stiffness,
 )
-from sandbox.values.planes import Planes
 from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError
 

@@ -14,6 +14,7 @@ from sandbox.scene.bodies import Body, Box, Circle
 from sandbox.scene.geometry import pose_of, to_world
 from sandbox.scene.parts.expansion import Elements, Known, PartSpec
 from sandbox.scene.settings import Group
+from sandbox.values.appearance import Planes
 from sandbox.values.numbers import (
     Angle,
     Damping,
@@ -25,7 +26,6 @@ from sandbox.values.numbers import (
     Stiffness,
     Written,
 )
-from sandbox.values.planes import Planes
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
