@@ -46,7 +46,7 @@ from sandbox.scene.check.units import check_units
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_values
 from sandbox.scene.read.positions import half_character
-from sandbox.scene.read.scopes import check_tables
+from sandbox.scene.read.scopes import resolved_tables
 from sandbox.scene.read.source import parse_source
 from sandbox.values.numbers import message_of
 from sandbox.wording import quoted
@@ -238,11 +238,12 @@ class _Reading:
                 raise SceneError([Problem("wrong-type", "it is no object", "$")])
             if problems := [*check_lists(data, LIMITS), *check_values(data, LIMITS)]:
                 raise SceneError(problems)
-            mechanism = Mechanism.model_validate(data)
+            mechanism = Mechanism.model_validate(data, context={
+                "parameters": resolved_tables(data.get("tables"), {})})
             if problems := check_limits(mechanism, LIMITS):
                 raise SceneError(problems)
             problems = [*check_units(mechanism), *check_references(mechanism),
-                        *check_tables(mechanism), *check_ranges(mechanism)]
+                        *check_ranges(mechanism)]
         except SceneError as error:
             problems = error.problems
         except ValidationError as error:

@@ -126,7 +126,8 @@ def _unknown_key(
 def _unknown_type(
     error: ErrorDetails, place: str, model: type[BaseModel], near: NearMisses,
 ) -> Problem:
-    value, choices = error["input"], list(_members(type_at(model, error["loc"])))
+    value = error["input"]
+    choices = [str(tag) for tag in _members(type_at(model, error["loc"]))]
     if not isinstance(value, dict):
         return Problem("wrong-type", f"expected an object {{…}}, got {kind_of(value)}", place)
     if (given := value.get("type")) is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import re
 import stat
@@ -10,14 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.errors import Problem, SceneError
-from sandbox.scene.library import shipped_scenes
+from sandbox.scene.library import scenes_beside, shipped_scenes
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.source import SceneSource, read_source
 from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_. -]{0,99}")
-_MOST_LISTED = 1000
-"""Files of a folder that are looked at for a near miss."""
 
 
 @dataclass
@@ -52,7 +51,7 @@ class Library:
             raise WrongValueError("bad-include", f"{quoted(name)} is not the name of a scene in "
                                   "this scene's own folder", allowed="a plain name, without a "
                                   "path: files elsewhere are not read",
-                                  hint=near(re.split(r"[/\\]", stem)[-1], _beside(folder)))
+                                  hint=near(re.split(r"[/\\]", stem)[-1], self.others()))
         path = folder / f"{stem}.json"
         try:
             real = path.resolve(strict=True)
@@ -64,17 +63,21 @@ class Library:
                 raise WrongValueError("bad-include",
                                       f"{quoted(path.name)} is no file that holds a scene")
         except (OSError, RuntimeError):
-            others = _beside(folder)
+            names = self.others()
             copied = (f"; 'sandbox new {stem}' copies the shipped one"
                       if stem in shipped_scenes() else "")
             raise WrongValueError(
                 "bad-include", f"there is no scene {quoted(stem)} beside this one{copied}",
-                hint=near(stem, others),
-                allowed=listed(others) or "none: no other scene is in the folder") from None
+                hint=near(stem, names),
+                allowed=listed(names) or "none: no other scene is in the folder") from None
         return real
 
-    def open(self, path: Path, name: str) -> SceneSource:
-        """A scene's file; ``name`` is what messages call it.
+    def others(self) -> list[str]:
+        """Names of the scenes in the folder of the scene's file."""
+        return [each.stem for each in scenes_beside(self.main.path)] if self.main.path else []
+
+    def open(self, path: Path) -> SceneSource:
+        """A scene's file.
 
         Raises:
             WrongValueError: too large together with all that was read before.
@@ -82,39 +85,21 @@ class Library:
         """
         if path in self.read:
             return self.read[path]
-        try:
-            size = path.stat().st_size
-        except OSError:
-            size = 0  # reading it reports why
-        if self.size + size > self.limits.file_bytes:
+        name = str(Path(self.main.name).parent / path.name) if self.main.name else path.name
+        with contextlib.suppress(OSError):  # reading it reports why
+            self.size += path.stat().st_size
+        if self.size > self.limits.file_bytes:
             raise WrongValueError("limit-exceeded", f"with {quoted(path.name)} the files of this "
                                   "scene are larger than the limit 'file_bytes' of "
                                   f"{self.limits.file_bytes} bytes", allowed="larger ones when the "
                                   "limit is raised")
         try:
-            found = read_source(path, limits=self.limits)
+            found = dataclasses.replace(read_source(path, limits=self.limits), name=name)
+            if not isinstance(found.data, dict):
+                raise SceneError([Problem("wrong-type", "a scene is an object {…}, not "
+                                          f"{kind_of(found.data)}", "$", *found.where(()))])
         except SceneError as error:
             raise SceneError([dataclasses.replace(problem, file=name)
                               for problem in error.problems], name) from None
-        found = dataclasses.replace(found, name=name)
-        if not isinstance(found.data, dict):
-            raise SceneError([Problem("wrong-type",
-                                      f"a scene is an object {{…}}, not {kind_of(found.data)}", "$",
-                                      *found.where(()), file=name)], name)
-        self.size += size
         self.read[path] = found
         return found
-
-
-def _beside(folder: Path) -> list[str]:
-    """Names of the scenes in a folder."""
-    names: list[str] = []
-    try:
-        for entry in folder.iterdir():
-            if entry.suffix == ".json" and not entry.name.endswith(".schema.json"):
-                names.append(entry.stem)
-            if len(names) >= _MOST_LISTED:
-                break
-    except OSError:
-        return []
-    return sorted(names)

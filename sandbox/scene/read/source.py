@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import re
 import stat
-from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -18,10 +17,10 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.errors import Problem, SceneError
-from sandbox.scene.library import shipped_scenes
+from sandbox.scene.library import scenes_beside, shipped_scenes
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.positions import Place, Scan, scan
-from sandbox.values.paths import JsonPath, shown_path
+from sandbox.scene.read.positions import Lines, Place, scan
+from sandbox.values.paths import JsonPath
 from sandbox.wording import near
 
 MOST_NAME = 400
@@ -49,8 +48,8 @@ class SceneSource:
         return scan(self.text, self.limits.nesting, self.limits.values).places if self.text else {}
 
     @cached_property
-    def _lines(self) -> list[int]:
-        return line_starts(self.text)
+    def _lines(self) -> Lines:
+        return Lines(self.text)
 
     def where(self, path: JsonPath, *, key: bool = False) -> tuple[int, int]:
         """Line and column, from 1, of the value (or key) at ``path``; (0, 0) if there is none.
@@ -62,18 +61,7 @@ class SceneSource:
         place = self._places.get(path)
         if place is None:
             return 0, 0
-        return line_and_column(self._lines, place.key if key and place.key >= 0 else place.value)
-
-
-def line_starts(text: str) -> list[int]:
-    """Offsets at which the lines of a text begin."""
-    return [0, *(match.end() for match in re.finditer("\n", text))]
-
-
-def line_and_column(starts: list[int], offset: int) -> tuple[int, int]:
-    """Line and column, both from 1, of an offset."""
-    line = bisect_right(starts, offset)
-    return line, offset - starts[line - 1] + 1
+        return self._lines.at(place.key if key and place.key >= 0 else place.value)
 
 
 def read_source(path: str | Path, *, limits: Limits | None = None) -> SceneSource:
@@ -107,7 +95,7 @@ def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> 
             pass  # the scanner reports what and where
     found = scan(text, limits.nesting, limits.values)
     if found.faults:
-        raise SceneError(first_problems(_problems(found, text), limits.problems), name)
+        raise SceneError(first_problems(found.faults, limits.problems), name)
     return SceneSource(found.data, name, text, limits)
 
 
@@ -139,19 +127,6 @@ def first_problems(problems: Sequence[Problem], most: int) -> list[Problem]:
                                       f"and {len(problems) - most} more problems")]
 
 
-def _problems(found: Scan, text: str) -> list[Problem]:
-    starts = line_starts(text)
-    problems = []
-    for fault in found.faults:
-        message = fault.message
-        if fault.other is not None:
-            line, column = line_and_column(starts, fault.other)
-            message = message.replace("{place}", f"line {line}, column {column}")
-        line, column = line_and_column(starts, fault.offset)
-        problems.append(Problem(fault.code, message, shown_path(fault.path), line, column))
-    return problems
-
-
 def _read(path: Path, limits: Limits, name: str) -> bytes:
     try:
         status = path.stat()
@@ -178,12 +153,8 @@ def _read(path: Path, limits: Limits, name: str) -> bytes:
 
 
 def _neighbour(path: Path) -> str:
-    """A JSON file in the same folder, or a shipped scene, with a similar name."""
-    try:
-        beside = {entry.name: str(entry) for entry in path.parent.iterdir()
-                  if entry.suffix == ".json"}
-    except (OSError, ValueError):
-        beside = {}
+    """A scene in the same folder, or a shipped one, with a similar name."""
+    beside = {each.name: str(each) for each in scenes_beside(path)}
     if found := near(path.name, beside):
         return repr(beside[found.strip("'\"")])
     return near(path.stem, shipped_scenes())
@@ -194,8 +165,8 @@ def _decode(content: bytes, name: str) -> str:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = content[: error.start].decode("utf-8-sig", errors="replace")
-        line, column = line_and_column(line_starts(before), len(before))
         what = f"the file is not UTF-8 text (byte 0x{content[error.start]:02x})"
         if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
             what = "the file is UTF-16 text; save it as UTF-8"
-        raise SceneError([Problem("invalid-json", what, "$", line, column)], name) from None
+        raise SceneError([Problem("invalid-json", what, "$", *Lines(before).at(len(before)))],
+                         name) from None
