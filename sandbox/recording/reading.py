@@ -40,9 +40,9 @@ from sandbox.elements.arrays import (
 from sandbox.errors import OutputError, Problem, SceneError
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.outcome import Outcome, read_outcome
+from sandbox.scene.check.control import check_units
 from sandbox.scene.check.ranges import check_ranges
 from sandbox.scene.check.references import check_references
-from sandbox.scene.check.units import check_units
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_values
 from sandbox.scene.read.positions import half_character

@@ -18,9 +18,9 @@ from pydantic import ValidationError
 
 from sandbox.elements.element import LISTS as MECHANISM_LISTS
 from sandbox.errors import Problem, SceneError
+from sandbox.scene.check.control import check_units
 from sandbox.scene.check.ranges import check_ranges
 from sandbox.scene.check.references import check_references, check_unread
-from sandbox.scene.check.units import check_units
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.library import shipped_scenes
