@@ -21,8 +21,7 @@ from sandbox.elements.registry import KINDS, Controller, Drive, Joint, members
 from sandbox.elements.tendons import NUMBERED
 from sandbox.scene import bodies, events, layers, settings
 from sandbox.scene.document import Assembly, Scene
-from sandbox.scene.parts import expansion as lists
-from sandbox.scene.parts import finger, section, trees
+from sandbox.scene.parts import expansion, finger, section, trees
 from sandbox.scene.schema import descriptions
 from sandbox.values import appearance, numbers, signals, tables
 from sandbox.values.spec import Spec
@@ -50,7 +49,7 @@ ELEMENTS: Mapping[str, Sequence[type[Spec]]] = {
 """The models of a scene by topic."""
 PARTS: Mapping[str, list[type[Spec]]] = {
     "Finger": [finger.Finger, finger.FingerSprings, finger.FingerTendon],
-    "Trees": [trees.RockerTree, trees.PulleyTree, lists.Leaf],
+    "Trees": [trees.RockerTree, trees.PulleyTree, expansion.Leaf],
     "Section": [section.Section],
     "Assembly": [Assembly],
 }
@@ -58,9 +57,6 @@ PARTS: Mapping[str, list[type[Spec]]] = {
 SIGNALS = (signals.ForceSignal, signals.TorqueSignal, signals.LengthSignal, signals.AngleSignal,
            signals.SpeedSignal, signals.FlowSignal, signals.PressureSignal, signals.ShareSignal,
            signals.StiffnessSignal, signals.Signal)
-ONE_FOR_ALL = (lists.Stiffnesses, lists.Dampings, lists.RotaryDampings, lists.Coordinates,
-               lists.Angles, lists.Points, lists.Limits)
-"""Lists that accept one value for all entries."""
 CHOICES = {
     bodies.BodyShape: "[shape](elements.md#bodies)", Joint: "[joint](elements.md#joints)",
     springs.Spring: "[spring](elements.md#springs)", Drive: "[drive](elements.md#drives)",
@@ -82,7 +78,7 @@ def field_type(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
         return "colour"
     if layers.SCHEMA in metadata:
         return layers.WORDS
-    if metadata and any(set(get_args(alias)[1:]) <= set(metadata) for alias in ONE_FOR_ALL):
+    if any(isinstance(each, finger.OneForAll) for each in metadata):
         return f"one for all, or {field_type(annotation)}"
     if get_origin(annotation) is Annotated:
         inner, *more = get_args(annotation)

@@ -7,7 +7,6 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import (
     BeforeValidator,
     Field,
-    GetJsonSchemaHandler,
     ModelWrapValidatorHandler,
     PrivateAttr,
     ValidationInfo,
@@ -16,8 +15,6 @@ from pydantic import (
     field_validator,
     model_validator,
 )
-from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema
 
 from sandbox.elements.element import BODY, BodyName
 from sandbox.scene.bodies import STATIC_OF_NOTHING
@@ -41,7 +38,7 @@ from sandbox.values.numbers import (
     number_from,
     parameters_of,
 )
-from sandbox.values.spec import Spec
+from sandbox.values.spec import Spec, TextFor
 from sandbox.wording import WrongValueError
 
 RETIRED = ("iterations", "slop")
@@ -333,19 +330,6 @@ class ShownMeter(Spec):
         return self
 
 
-def _lift(value: object) -> object:
-    return {"of": value} if isinstance(value, str) else value
-
-
-class _TextToo:
-    """Adds to the JSON Schema what :func:`_lift` accepts."""
-
-    def __get_pydantic_json_schema__(
-        self, core_schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        return {"anyOf": [{"type": "string"}, handler(core_schema)]}
-
-
 class View(Spec):
     """The picture: visible region, size and speed.
 
@@ -371,7 +355,7 @@ class View(Spec):
     """Time of the run at which the film begins [s]."""
     traces: Items[Trace] = Field(default=(), max_length=64)
     """Points whose ways are drawn, such as that of a coupler's point or of a projectile."""
-    meters: Items[Annotated[ShownMeter, BeforeValidator(_lift), _TextToo()]] = Field(
+    meters: Items[Annotated[ShownMeter, TextFor("of")]] = Field(
         default=(), max_length=12)
     """Meters beside or below the motion, wherever the motion is larger: quantities, patterns,
     expressions, or objects with details."""

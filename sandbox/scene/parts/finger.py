@@ -12,9 +12,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self, TypeVar
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+from pydantic_core import CoreSchema, core_schema
 
 from sandbox.elements.element import Turn
 from sandbox.elements.points import Pin
@@ -24,24 +33,12 @@ from sandbox.elements.tendons import RIGID, Guide, Tendon
 from sandbox.errors import Problem
 from sandbox.scene.bodies import Body, Box, Capsule
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_world
-from sandbox.scene.parts.expansion import (
-    Angles,
-    Coordinates,
-    Dampings,
-    Elements,
-    Known,
-    Limits,
-    PartError,
-    PartSpec,
-    Points,
-    RotaryDampings,
-    Stiffnesses,
-    each,
-)
+from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec
 from sandbox.scene.settings import ContactRule, Group
 from sandbox.values.appearance import Planes
 from sandbox.values.numbers import (
     Angle,
+    Coordinate,
     Damping,
     Density,
     Items,
@@ -50,6 +47,7 @@ from sandbox.values.numbers import (
     Name,
     Point,
     Ratio,
+    RotaryDamping,
     Stiffness,
 )
 from sandbox.values.spec import TYPE, Spec
@@ -59,20 +57,55 @@ ANCHOR_DISTANCE = 0.015  # from V_0 back to where a finger's tendon ends by defa
 PALM_MARGIN = 0.003  # of the palm's block around the finger [m]
 
 Entries = TypeVar("Entries", bound=Sequence[object] | None)
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class OneForAll:
+    """Marks a list of which one entry may be given for all; one number is the limit [0, number]."""
+
+    entry: Literal["number", "point", "limit"] = "number"
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler,
+    ) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(self._listed, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler,
+    ) -> dict[str, Any]:
+        number: list[dict[str, Any]] = [{"type": "number"}, {"type": "string"}]
+        pair = {"type": "array", "items": {"anyOf": number}, "minItems": 2, "maxItems": 2}
+        item = pair if self.entry == "point" else {
+            "anyOf": [*number, pair] if self.entry == "limit" else number}
+        return {"anyOf": [item, {"type": "array", "items": item, "minItems": 1}]}
+
+    def _listed(self, value: Any) -> Any:
+        entries = value if isinstance(value, (list, tuple)) else [value]
+        if self.entry == "point" and not (entries and isinstance(entries[0], (list, tuple))):
+            return [value]
+        if self.entry != "limit":
+            return entries
+        return [limit if isinstance(limit, (list, tuple)) else [0.0, limit] for limit in entries]
+
+
+def each(given: Sequence[T], count: int) -> tuple[T, ...]:
+    """``given`` for ``count`` joints: as it is, or its one entry for all of them."""
+    return tuple(given) * count if len(given) == 1 else tuple(given)
 
 
 class FingerSprings(Spec):
     """A linear spring over the back of each hinge; one value applies to all hinges."""
 
-    stiffness: Stiffnesses
+    stiffness: Annotated[Items[Stiffness], OneForAll()]
     """Stiffness of each spring [N/m], 0 or more."""
-    on_previous: Annotated[Points, Field(alias="from")]
+    on_previous: Annotated[Items[Point], OneForAll("point"), Field(alias="from")]
     """M'', its attachment on the body before the hinge, relative to the hinge at rotation 0 [m]."""
-    on_phalanx: Annotated[Points, Field(alias="to")]
+    on_phalanx: Annotated[Items[Point], OneForAll("point"), Field(alias="to")]
     """M', its attachment on the phalanx, in the phalanx's frame [m]."""
-    damping: Dampings = (0.0,)
+    damping: Annotated[Items[Damping], OneForAll()] = (0.0,)
     """Damping of each spring [N s/m]."""
-    rest: Coordinates | None = None
+    rest: Annotated[Items[Coordinate], OneForAll()] | None = None
     """Lengths without force [m]; by default the lengths at rotation 0."""
 
 
@@ -121,12 +154,12 @@ class Finger(PartSpec):
     """V_0 in the palm's frame, then V_1 ... V_n, each in its phalanx's frame [m]."""
     springs: FingerSprings | None = None
     """Extensor springs over the backs of the hinges; none by default."""
-    damping: RotaryDampings = (0.0,)
+    damping: Annotated[Items[RotaryDamping], OneForAll()] = (0.0,)
     """Viscous friction of the hinges [N m s/rad]; one for all or one each."""
-    limits: Limits | None = None
+    limits: Annotated[Items[tuple[Angle, Angle]], OneForAll("limit")] | None = None
     """Maximum rotation, or [minimum, maximum], of each hinge [rad], positive in closing; one value
     means [0, value]. None by default."""
-    start: Angles = (0.0,)
+    start: Annotated[Items[Angle], OneForAll()] = (0.0,)
     """Rotations at t = 0 [rad], closing counted positive; one for all or one each."""
     tendon: FingerTendon = FingerTendon()
     """Stiffness and friction of the finger's tendon."""
@@ -196,25 +229,6 @@ def _check_count(given: Sequence[object], counts: tuple[int, ...], what: str) ->
         raise WrongValueError("wrong-type", f"{what}: expected {wanted} entries, got {len(given)}")
 
 
-@dataclass(frozen=True)
-class _Frame:
-    """The palm as the finger sees it: origin at the first hinge, x along the straight finger."""
-
-    body: str
-    on_body: Pose
-    """Of this frame in the frame of the palm's body."""
-    world: Pose
-    side: float
-    """-1 mirrors the finger, so that it closes the other way."""
-
-    def mirrored(self, point: Vec) -> Vec:
-        return point[0], self.side * point[1]
-
-    def on_palm(self, point: Vec) -> Vec:
-        """A point of the palm, given as the author gives it, in its body's frame."""
-        return to_world(self.on_body, self.mirrored(point))
-
-
 def phalanx_names(count: int) -> tuple[str, ...]:
     """``proximal``, ``middle``, ``distal`` for up to three, else ``phalanx1``, ..."""
     known = {1: ("proximal",), 2: ("proximal", "distal"), 3: ("proximal", "middle", "distal")}
@@ -233,133 +247,119 @@ def expand_finger(finger: Finger, *, palm: Body | None = None, pulled: bool = Fa
     ``palm`` is the body that ``finger.on`` names; ``pulled`` means that a tree
     takes over the tendon behind V_0, so that no anchor is needed.
     """
-    frame = _frame(finger, palm)
-    own_palm = () if palm is not None else (_palm(finger),)
-    phalanges = _phalanges(finger, frame)
-    names = tuple(body.name for body in phalanges)
-    everything = f"{finger.name}.*"
-    contacts = [ContactRule(between=(everything, everything), collide=False)]
-    if palm is not None:
-        contacts.append(ContactRule(between=(everything, palm.name), collide=False))
-    return Elements(
-        bodies=own_palm + phalanges,
-        joints=_hinges(finger, frame, names),
-        springs=_springs(finger, frame, names),
-        tendons=(_tendon(finger, frame, names, pulled=pulled),),
-        contacts=tuple(contacts),
-        groups=(Group(name=finger.name, kind="finger", bodies=names),),
-    )
+    return _Builder(finger, palm).build(pulled=pulled)
 
 
-def _frame(finger: Finger, palm: Body | None) -> _Frame:
-    side = 1.0 if finger.palm == "below" else -1.0
-    given = (*finger.at, finger.angle)
-    if palm is None:
-        return _Frame(f"{finger.name}.palm", (0.0, 0.0, 0.0), given, side)
-    return _Frame(palm.name, given, (*to_world(pose_of(palm), finger.at),
-                                     palm.angle + finger.angle), side)
+class _Builder:
+    """Turns a finger into elements; all parts share the palm's frame and the names."""
 
+    def __init__(self, finger: Finger, palm: Body | None) -> None:
+        self.finger, self.given_palm = finger, palm
+        n = len(finger.lengths)
+        self.names = tuple(f"{finger.name}.{name}" for name in phalanx_names(n))
+        self.hinges = tuple(f"{finger.name}.{name}" for name in hinge_names(n))
+        self.palm = palm.name if palm is not None else f"{finger.name}.palm"
+        # the palm as the finger sees it: origin at the first hinge, x along the straight finger
+        frame = (*finger.at, finger.angle)
+        self.on_body: Pose = (0.0, 0.0, 0.0) if palm is None else frame
+        self.world: Pose = frame if palm is None else (
+            *to_world(pose_of(palm), finger.at), palm.angle + finger.angle)
+        self.side = 1.0 if finger.palm == "below" else -1.0
+        """-1 mirrors the finger, so that it closes the other way."""
 
-def _anchor(finger: Finger) -> Vec:
-    if finger.anchor is not None:
-        return finger.anchor
-    x, y = finger.guides[0]
-    return x - ANCHOR_DISTANCE, y
+    def build(self, *, pulled: bool) -> Elements:
+        """All elements of the finger."""
+        everything = f"{self.finger.name}.*"
+        free = (everything, *([] if self.given_palm is None else [self.palm]))
+        return Elements(
+            bodies=(*([self._own_palm()] if self.given_palm is None else []), *self._phalanges()),
+            joints=self._hinges(), springs=self._springs(), tendons=(self._tendon(pulled),),
+            contacts=tuple(ContactRule(between=(everything, other), collide=False)
+                           for other in free),
+            groups=(Group(name=self.finger.name, kind="finger", bodies=self.names),))
 
+    def _mirrored(self, point: Vec) -> Vec:
+        return point[0], self.side * point[1]
 
-def _palm(finger: Finger) -> Body:
-    """A fixed block behind the first hinge that carries V_0 and M''."""
-    points = [finger.guides[0], (0.0, finger.radii[0]), (0.0, -finger.radii[0])]
-    if finger.springs is not None:
-        points.append(finger.springs.on_previous[0])
-    left = min(x for x, _ in points) - PALM_MARGIN
-    low = min(y for _, y in points) - PALM_MARGIN
-    high = max(y for _, y in points) + PALM_MARGIN
-    side = 1.0 if finger.palm == "below" else -1.0
-    return Body(
-        name=f"{finger.name}.palm", at=finger.at, angle=finger.angle, motion="fixed", role="palm",
-        material=finger.material, plane=finger.plane,
-        shapes=(Box(type="box", size=(-left, high - low), at=(left / 2, side * (low + high) / 2)),),
-    )
+    def _on_palm(self, point: Vec) -> Vec:
+        """A point of the palm, given as the author gives it, in its body's frame."""
+        return to_world(self.on_body, self._mirrored(point))
 
+    def _own_palm(self) -> Body:
+        """A fixed block behind the first hinge that carries V_0 and M''."""
+        finger = self.finger
+        points = [finger.guides[0], (0.0, finger.radii[0]), (0.0, -finger.radii[0])]
+        if finger.springs is not None:
+            points.append(finger.springs.on_previous[0])
+        left = min(x for x, _ in points) - PALM_MARGIN
+        low = min(y for _, y in points) - PALM_MARGIN
+        high = max(y for _, y in points) + PALM_MARGIN
+        return Body(
+            name=self.palm, at=finger.at, angle=finger.angle, motion="fixed", role="palm",
+            material=finger.material, plane=finger.plane, shapes=(Box(
+                size=(-left, high - low), at=(left / 2, self.side * (low + high) / 2)),))
 
-def _phalanges(finger: Finger, frame: _Frame) -> tuple[Body, ...]:
-    x, y, angle = frame.world
-    n = len(finger.lengths)
-    bodies = []
-    for i, (name, start) in enumerate(
-        zip(phalanx_names(n), each(finger.start, n), strict=True)
-    ):
-        length, radius = finger.lengths[i], finger.radii[i]
-        angle -= frame.side * start
-        weight: dict[str, Any] = {"density": finger.density, "thickness": finger.thickness}
-        if finger.masses is not None:
-            mass = finger.masses[i]
-            weight = {"mass": mass, "inertia": mass * (length**2 / 12 + radius**2 / 4)}
-        bodies.append(Body(
-            name=f"{finger.name}.{name}", at=(x, y), angle=angle, role="phalanx",
-            shapes=(Capsule(type="capsule", end=(length, 0.0), radius=radius),),
-            centre=(length / 2, 0.0), material=finger.material, plane=finger.plane, **weight,
-        ))
-        x, y = to_world((x, y, angle), (length, 0.0))
-    return tuple(bodies)
+    def _phalanges(self) -> list[Body]:
+        finger, (x, y, angle) = self.finger, self.world
+        bodies = []
+        for i, (name, start) in enumerate(zip(
+                self.names, each(finger.start, len(self.names)), strict=True)):
+            length, radius = finger.lengths[i], finger.radii[i]
+            angle -= self.side * start
+            weight: dict[str, Any] = {"density": finger.density, "thickness": finger.thickness}
+            if finger.masses is not None:
+                mass = finger.masses[i]
+                weight = {"mass": mass, "inertia": mass * (length**2 / 12 + radius**2 / 4)}
+            bodies.append(Body(
+                name=name, at=(x, y), angle=angle, role="phalanx",
+                shapes=(Capsule(end=(length, 0.0), radius=radius),),
+                centre=(length / 2, 0.0), material=finger.material, plane=finger.plane, **weight))
+            x, y = to_world((x, y, angle), (length, 0.0))
+        return bodies
 
+    def _hinges(self) -> tuple[Joint, ...]:
+        finger, n = self.finger, len(self.names)
+        damping = each(finger.damping, n)
+        limits = each(finger.limits, n) if finger.limits is not None else (None,) * n
+        positive: Turn = "clockwise" if self.side > 0 else "counterclockwise"
+        return tuple(
+            Pin(name=hinge, positive=positive, a=a, b=b,
+                zero=0.0 if i else -self.side * self.on_body[2],
+                on_a=(finger.lengths[i - 1], 0.0) if i else self._on_palm((0.0, 0.0)),
+                on_b=(0.0, 0.0), limits=limits[i], damping=damping[i])
+            for i, (hinge, (a, b)) in enumerate(zip(
+                self.hinges, pairwise((self.palm, *self.names)), strict=True)))
 
-def _hinges(finger: Finger, frame: _Frame, names: tuple[str, ...]) -> tuple[Joint, ...]:
-    n = len(names)
-    damping = each(finger.damping, n)
-    limits = each(finger.limits, n) if finger.limits is not None else (None,) * n
-    positive: Turn = "clockwise" if frame.side > 0 else "counterclockwise"
-    zero = -frame.side * frame.on_body[2]
-    return tuple(
-        Pin(
-            type="pin", name=f"{finger.name}.{hinge}", positive=positive,
-            a=names[i - 1] if i else frame.body, b=names[i], zero=0.0 if i else zero,
-            on_a=(finger.lengths[i - 1], 0.0) if i else frame.on_palm((0.0, 0.0)),
-            on_b=(0.0, 0.0), limits=limits[i], damping=damping[i],
-        )
-        for i, hinge in enumerate(hinge_names(n))
-    )
+    def _springs(self) -> tuple[Spring, ...]:
+        """Over each hinge, from M'' to M'; equations (20) and (21) place the two ends."""
+        given, n = self.finger.springs, len(self.names)
+        if given is None:
+            return ()
+        before, after = each(given.on_previous, n), each(given.on_phalanx, n)
+        stiffness, damping = each(given.stiffness, n), each(given.damping, n)
+        rest = each(given.rest, n) if given.rest is not None else tuple(map(
+            math.dist, before, after))
+        springs: list[Spring] = []
+        for i, (a, b) in enumerate(pairwise((self.palm, *self.names))):
+            x, y = self._mirrored(before[i])
+            on_a = (self.finger.lengths[i - 1] + x, y) if i else self._on_palm(before[0])
+            springs.append(LinearSpring(
+                name=f"{self.hinges[i]}_spring", a=a, b=b, on_a=on_a,
+                on_b=self._mirrored(after[i]), stiffness=stiffness[i], damping=damping[i],
+                rest_length=rest[i]))
+        return tuple(springs)
 
-
-def _springs(finger: Finger, frame: _Frame, names: tuple[str, ...]) -> tuple[Spring, ...]:
-    """Over each hinge, from M'' to M'; equations (20) and (21) place the two ends."""
-    given, n = finger.springs, len(names)
-    if given is None:
-        return ()
-    before, after = each(given.on_previous, n), each(given.on_phalanx, n)
-    stiffness, damping = each(given.stiffness, n), each(given.damping, n)
-    rest = each(given.rest, n) if given.rest is not None else tuple(
-        math.dist(p, q) for p, q in zip(before, after, strict=True))
-    springs: list[Spring] = []
-    for i, hinge in enumerate(hinge_names(n)):
-        if i:
-            x, y = frame.mirrored(before[i])
-            on_a = (finger.lengths[i - 1] + x, y)
-        else:
-            on_a = frame.on_palm(before[0])
-        springs.append(LinearSpring(
-            type="linear", name=f"{finger.name}.{hinge}_spring",
-            a=names[i - 1] if i else frame.body, b=names[i],
-            on_a=on_a, on_b=frame.mirrored(after[i]),
-            stiffness=stiffness[i], damping=damping[i], rest_length=rest[i],
-        ))
-    return tuple(springs)
-
-
-def _tendon(finger: Finger, frame: _Frame, names: tuple[str, ...], *, pulled: bool) -> Tendon:
-    """From V_n, where it is tied, by V_1 and V_0 to whatever pulls it."""
-    friction = finger.tendon.friction
-    guides = [
-        Guide(body=name, at=frame.mirrored(point), friction=friction)
-        for name, point in zip(names[:-1], finger.guides[1:-1], strict=True)
-    ][::-1]
-    guides.insert(0, Guide(body=names[-1], at=frame.mirrored(finger.guides[-1])))
-    guides.append(Guide(body=frame.body, at=frame.on_palm(finger.guides[0]), friction=friction))
-    guides.extend(finger.tendon_to)
-    if not pulled and not finger.tendon_to:
-        guides.append(Guide(body=frame.body, at=frame.on_palm(_anchor(finger))))
-    return Tendon(
-        name=f"{finger.name}.tendon", guides=tuple(guides),
-        stiffness=finger.tendon.stiffness, damping=finger.tendon.damping,
-    )
+    def _tendon(self, pulled: bool) -> Tendon:
+        """From V_n, where it is attached, by V_1 and V_0 to whatever pulls it."""
+        finger, friction = self.finger, self.finger.tendon.friction
+        guides = [Guide(body=self.names[-1], at=self._mirrored(finger.guides[-1]))]
+        guides += [Guide(body=name, at=self._mirrored(point), friction=friction)
+                   for name, point in zip(self.names[-2::-1], finger.guides[-2:0:-1], strict=True)]
+        guides.append(Guide(body=self.palm, at=self._on_palm(finger.guides[0]), friction=friction))
+        guides.extend(finger.tendon_to)
+        if not pulled and not finger.tendon_to:
+            x, y = finger.guides[0]
+            anchor = finger.anchor or (x - ANCHOR_DISTANCE, y)
+            guides.append(Guide(body=self.palm, at=self._on_palm(anchor)))
+        return Tendon(name=f"{finger.name}.tendon", guides=tuple(guides),
+                      stiffness=finger.tendon.stiffness, damping=finger.tendon.damping)
