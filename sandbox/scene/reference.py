@@ -10,7 +10,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
-from pydantic import WithJsonSchema
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
@@ -54,9 +53,6 @@ PARTS: Mapping[str, list[type[Spec]]] = {
     "Assembly": [Assembly],
 }
 """The models of parts by topic."""
-SIGNALS = (signals.ForceSignal, signals.TorqueSignal, signals.LengthSignal, signals.AngleSignal,
-           signals.SpeedSignal, signals.FlowSignal, signals.PressureSignal, signals.ShareSignal,
-           signals.StiffnessSignal, signals.Signal)
 CHOICES = {
     bodies.BodyShape: "[shape](elements.md#bodies)", Joint: "[joint](elements.md#joints)",
     springs.Spring: "[spring](elements.md#springs)", Drive: "[drive](elements.md#drives)",
@@ -67,19 +63,17 @@ CHOICES = {
 
 def field_type(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
     """The values that a field accepts, as Markdown: ``length [m], > 0``."""
-    for signal in SIGNALS:
-        schema = get_args(signal)[-1]
-        if schema in metadata:
-            unit = f" [{units_of(schema.dimension)[0]}]" if schema.dimension else ""
-            return f"value over time{unit}"
+    for mark in metadata:
+        if isinstance(mark, signals.OverTime):
+            return f"value over time{mark.unit}"
+        if isinstance(mark, finger.OneForAll):
+            return f"one for all, or {field_type(annotation)}"
     if appearance.SCHEMA in metadata:
         return appearance.WORDS.replace("\"all\"", "`\"all\"`")
     if appearance.COLOUR_SCHEMA in metadata:
         return "colour"
     if layers.SCHEMA in metadata:
         return layers.WORDS
-    if any(isinstance(each, finger.OneForAll) for each in metadata):
-        return f"one for all, or {field_type(annotation)}"
     if get_origin(annotation) is Annotated:
         inner, *more = get_args(annotation)
         return next((name for union, name in CHOICES.items() if union == annotation),
@@ -120,17 +114,15 @@ def _collection(annotation: Any) -> str:
 
 
 def _number(metadata: tuple[Any, ...]) -> str:
-    word = "number"
-    for entry in metadata:
-        if isinstance(entry, WithJsonSchema):
-            text = (entry.json_schema or {}).get("description", "")
-            if match := re.match(r"A (.+?) in (.+?);", text):
-                word = f"{match[1]} [{match[2]}]"
-    if numbers.POSITIVE in metadata or any(getattr(each, "gt", None) == 0 for each in metadata):
+    mark = next((each for each in metadata if isinstance(each, numbers.Dimension)),
+                numbers.Dimension())
+    word = "number" if mark.name in (None, "ratio") else f"{mark.name} [{units_of(mark.name)[0]}]"
+    if mark.sign == "> 0" or numbers.POSITIVE in metadata or any(
+            getattr(each, "gt", None) == 0 for each in metadata):
         return f"{word}, > 0"
     if numbers.AT_MOST_ONE in metadata:
         return f"{word}, 0 to 1"
-    return f"{word}, ≥ 0" if numbers.NOT_NEGATIVE in metadata else word
+    return f"{word}, ≥ 0" if mark.sign or numbers.NOT_NEGATIVE in metadata else word
 
 
 def _text(metadata: tuple[Any, ...]) -> str:
