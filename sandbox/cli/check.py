@@ -44,7 +44,7 @@ def check(
     """
     console = Console(as_json=as_json)
     if schema:
-        from sandbox.scene.schema import scene_schema
+        from sandbox.scene.reference import scene_schema
         from sandbox.sweeps.spec import study_schema
 
         found = study_schema() if schema == "study" else scene_schema()

@@ -219,7 +219,7 @@ def _example(each: _Element) -> str:
 
 def _limit_lines() -> list[str]:
     from sandbox.scene.read.limits import Limits
-    from sandbox.scene.schema import docstrings
+    from sandbox.scene.reference import docstrings
 
     described = docstrings(Limits)
     return ["Limits of a scene; --limit NAME=VALUE changes one.", "", *_definitions([

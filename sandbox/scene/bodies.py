@@ -19,13 +19,18 @@ from pydantic import (
 from sandbox.elements.element import Placed
 from sandbox.errors import SceneError
 from sandbox.numeric import Array
-from sandbox.scene.derived_shapes import DiscCam, Drawing, SmoothCurve
-from sandbox.scene.outlines.cams import cam_nodes
-from sandbox.scene.outlines.curves import flattened, is_straight, turned
-from sandbox.scene.outlines.drawings import curves_of, own_file
-from sandbox.scene.outlines.pieces import MOST_CORNERS as PIECE_CORNERS
-from sandbox.scene.outlines.pieces import CutError, pieces_of
-from sandbox.scene.outlines.rings import Ring, hole_fault, is_convex, ring_fault
+from sandbox.scene.outlines.cams import DiscCam, cam_nodes
+from sandbox.scene.outlines.curves import SmoothCurve, flattened, is_straight, turned
+from sandbox.scene.outlines.drawings import Drawing, curves_of, own_file
+from sandbox.scene.outlines.rings import (
+    PIECE_CORNERS,
+    CutError,
+    Ring,
+    hole_fault,
+    is_convex,
+    pieces_of,
+    ring_fault,
+)
 from sandbox.values.appearance import FillColour, Planes
 from sandbox.values.numbers import (
     Angle,

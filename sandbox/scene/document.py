@@ -13,7 +13,6 @@ from sandbox.elements.registry import Controller, Drive, Joint
 from sandbox.elements.springs import Spring
 from sandbox.elements.tendons import Tendon
 from sandbox.scene.bodies import Body, Material
-from sandbox.scene.events import Event
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts.assembly import expand_parts, placed
 from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec
@@ -21,7 +20,7 @@ from sandbox.scene.parts.finger import Finger
 from sandbox.scene.parts.placement import Mirror, Placement
 from sandbox.scene.parts.section import Section
 from sandbox.scene.parts.trees import PulleyTree, RockerTree
-from sandbox.scene.settings import ContactRule, Group, Meter
+from sandbox.scene.settings import ContactRule, Event, Group, Meter
 from sandbox.values.numbers import POSITIVE, Angle, Items, Name, Number, Point, Quantity
 from sandbox.values.spec import TYPE
 

@@ -14,8 +14,7 @@ from sandbox.elements.registry import Joint
 from sandbox.numeric import Array
 from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Polyline, Shape, Solid
 from sandbox.scene.outlines.curves import reversed_nodes
-from sandbox.scene.outlines.pieces import chain_faces, pieces_of
-from sandbox.scene.outlines.rings import signed_area, wound
+from sandbox.scene.outlines.rings import chain_faces, pieces_of, signed_area, wound
 
 Vec = tuple[float, float]
 Pose = tuple[float, float, float]
@@ -65,7 +64,7 @@ def corners(shape: Box | Polygon) -> list[Vec]:
 def solids(shape: Shape) -> tuple[tuple[Solid, Array | None], ...]:
     """The convex shapes that make up a shape, each with the arcs of normals that are its surface.
 
-    Arcs are those of :class:`sandbox.scene.outlines.pieces.Piece`; None where all of it is surface.
+    Arcs are those of :class:`sandbox.scene.outlines.rings.Piece`; None where all of it is surface.
     """
     if isinstance(shape, Polyline):
         return tuple(

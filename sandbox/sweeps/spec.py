@@ -397,7 +397,7 @@ class SweepSpec(Spec):
 
 def study_schema() -> dict[str, Any]:
     """The JSON Schema of study files (draft 2020-12), with the short texts that they may hold."""
-    from sandbox.scene.schema import DRAFT, described
+    from sandbox.scene.reference import DRAFT, described
 
     schema = described(SweepSpec)
     own = schema["properties"]

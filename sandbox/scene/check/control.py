@@ -17,8 +17,8 @@ import numpy as np
 from sandbox.elements.controllers.controller import every
 from sandbox.elements.quantities import QUANTITIES
 from sandbox.errors import Problem
-from sandbox.scene.events import Event, first_step
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.settings import Event, first_step
 from sandbox.values.expressions import parse_expression
 from sandbox.values.numbers import NAME
 from sandbox.values.paths import path_text

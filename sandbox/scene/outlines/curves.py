@@ -15,13 +15,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
+from pydantic import Field, model_validator
 
 from sandbox.numeric import Array, Flags
 from sandbox.scene.outlines.rings import Ring
-from sandbox.values.tables import PeriodicSpline, natural
+from sandbox.values.numbers import Angle, Distance, Flag, Items, Length, Point
+from sandbox.values.spec import TYPE, Spec
+from sandbox.values.tables import PeriodicSpline, check_distinct, natural
+from sandbox.wording import WrongValueError
 
 Node = tuple[float, float, float, float]
 """x, y [m], direction [rad], curvature [1/m], positive where the curve turns to the left."""
@@ -206,3 +210,53 @@ def flattened(nodes: Array, tolerance: float, *, closed: bool) -> Ring:
     if not closed:
         found.append((float(nodes[-1, 0]), float(nodes[-1, 1])))
     return tuple(found)
+
+
+class SmoothCurve(Spec):
+    """A smooth curve through points: a closed outline, or an open line such as a track.
+
+    Bodies touch the curve itself: its normal and curvature, not chords. A closed one is a solid. An
+    open one belongs to a body that does not move freely, and both of its sides can be touched.
+    Between the points lies a cubic spline.
+    """
+
+    type: Literal["curve"] = TYPE
+    points: Annotated[Items[Point], Field(min_length=3, max_length=1000)]
+    """Points that it passes through, in order [m]; the last of a closed one is not the first."""
+    closed: Flag = True
+    """Whether it continues from the last point to the first and bounds a solid."""
+    corners: Items[Annotated[int, Field(ge=0)]] = ()
+    """Indices of the points with a corner, from 0; the curve is smooth elsewhere."""
+    radius: Distance = 0.0
+    """Of an open curve: distance of its surface from the curve."""
+    tolerance: Length = 1e-5
+    """Maximum deviation of its chords in pictures and in its area; contacts do not depend on it."""
+    at: Point = (0.0, 0.0)
+    """Position of the points' origin in the body's frame."""
+    angle: Angle = 0.0
+    """Rotation about that origin in the body's frame."""
+
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        if self.closed and self.radius:
+            raise WrongValueError("conflicting-keys", "'radius' belongs to an open curve",
+                                  allowed="'\"closed\": false', or no 'radius'")
+        if self.corners and max(self.corners) >= len(self.points):
+            raise WrongValueError("out-of-range", f"there is no point {max(self.corners)}",
+                                  allowed=f"0 to {len(self.points) - 1}")
+        check_distinct(self.points, closed=self.closed)
+        return self
+
+    def curve(self) -> Array:
+        """Its nodes, [n, 4].
+
+        Raises:
+            WrongValueError: it turns back on itself, because its points lie in one line.
+        """
+        with np.errstate(invalid="ignore", divide="ignore"):
+            nodes = through(np.array(self.points), closed=self.closed,
+                            corners=tuple(sorted(set(self.corners))))
+        if not np.isfinite(nodes).all():
+            raise WrongValueError("bad-outline", "this curve turns back on itself at a point",
+                                  allowed="points round an area, or a corner where it turns back")
+        return nodes

@@ -13,9 +13,10 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import Field
 
 from sandbox.numeric import Array
 from sandbox.scene.outlines.curves import (
@@ -27,6 +28,8 @@ from sandbox.scene.outlines.curves import (
     reversed_nodes,
 )
 from sandbox.scene.outlines.rings import inside, signed_area
+from sandbox.values.numbers import Angle, Length, Point
+from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError, listed, near, quoted
 
 MOST_BYTES = 1_000_000
@@ -45,6 +48,31 @@ CURVES = frozenset({"LINE", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ARC", "ELLIPSE"
 """Of a DXF file; all else, such as dimensions and texts, is no outline."""
 PIXEL = 0.0254 / 96
 """Of an SVG file without a unit of its own [m]."""
+
+
+class Drawing(Spec):
+    """A shape from an SVG or DXF file: its largest outline, with the outlines inside as holes.
+
+    It is read into a polygon; a saved scene no longer needs the file.
+    """
+
+    type: Literal["drawing"] = TYPE
+    file: Annotated[str, Field(min_length=1, max_length=200)]
+    """Name of a `.svg` or `.dxf` file in the scene's own folder or below it."""
+    unit: Length | None = None
+    """Length of one unit of the drawing (of an SVG file's view box); by default as in the file.
+
+    An SVG file without units uses pixels of 1/96 inch.
+    """
+    layer: Annotated[str, Field(max_length=200)] | None = None
+    """Reads only this layer of a DXF file, or the element with this id in an SVG file."""
+    tolerance: Length = 5e-5
+    """Maximum gap between connected ends, and maximum deviation of chords in pictures and in the
+    area."""
+    at: Point = (0.0, 0.0)
+    """Position of the drawing's origin in the body's frame; the drawing's y is up."""
+    angle: Angle = 0.0
+    """Rotation of the drawing about its origin, in the body's frame."""
 
 
 class DrawingError(WrongValueError):

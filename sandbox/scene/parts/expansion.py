@@ -13,8 +13,7 @@ from sandbox.elements.springs import Spring
 from sandbox.elements.tendons import Guide, Tendon
 from sandbox.errors import Problem
 from sandbox.scene.bodies import Body, Material
-from sandbox.scene.events import Event
-from sandbox.scene.settings import ContactRule, Group, Meter
+from sandbox.scene.settings import ContactRule, Event, Group, Meter
 from sandbox.values.numbers import Name, Point
 from sandbox.values.spec import Spec
 from sandbox.wording import NearMisses

@@ -16,7 +16,6 @@ from typing import Any
 from sandbox.elements.element import LISTS
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import ASSEMBLED, KEYS
-from sandbox.scene.read.includes import Library
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.origins import Composed, Origin, OriginMap, RefusedError
 from sandbox.scene.read.repeat import Copies, read_repeat
@@ -28,7 +27,7 @@ from sandbox.scene.read.scopes import (
     resolved_tables,
     unknown_key,
 )
-from sandbox.scene.read.source import SceneSource
+from sandbox.scene.read.source import Library, SceneSource
 from sandbox.values.numbers import number_from
 from sandbox.values.paths import JsonPath, parse_path
 from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
