@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -230,7 +230,11 @@ WrittenShape = Annotated[
 
 
 def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -> Shape:
-    """The polygon or polyline of what is one once it is worked out; any other shape as it is."""
+    """The polygon or polyline of a shape that is derived; any other shape as it is.
+
+    Raises:
+        WrongValueError: it is not sound.
+    """
     if not isinstance(shape, DiscCam | Drawing | SmoothCurve):
         return shape
     if isinstance(shape, DiscCam):
@@ -238,7 +242,9 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
     elif isinstance(shape, SmoothCurve):
         rings, turn = [shape.curve()], shape.angle
     else:
-        rings, turn = _drawn(shape, info.context or {}), shape.angle
+        text = own_file((info.context or {}).get("folder"), shape.file)
+        rings, turn = curves_of(shape.file, text, unit=shape.unit, layer=shape.layer,
+                                tolerance=shape.tolerance), shape.angle
     rings = [turned(nodes, turn, shape.at) for nodes in rings]
     closed = not isinstance(shape, SmoothCurve) or shape.closed
     flat = _flat(rings, shape.tolerance, closed=closed)
@@ -246,17 +252,17 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
     if not all(map(is_straight, rings)):
         nodes = tuple(tuple((x, y, way, bend) for x, y, way, bend in each.tolist())
                       for each in rings)
-    found = _worked_out(flat, nodes, closed=closed, radius=getattr(shape, "radius", 0.0))
-    if isinstance(shape, DiscCam) and isinstance(found, Polygon):
+    try:
+        if isinstance(shape, SmoothCurve) and not closed:
+            return Polyline(points=flat[0], radius=shape.radius, nodes=nodes)
+        found = Polygon(points=flat[0], holes=tuple(flat[1:]), nodes=nodes)
+    except SceneError as error:
+        # corners of chords are not those that the author wrote: the place is enough
+        raise WrongValueError("bad-outline", error.problems[0].message.partition(", where")[0],
+                              allowed=SOUND) from None
+    if isinstance(shape, DiscCam):
         found._swing = shape.curve().swing()
     return found
-
-
-def _drawn(shape: Drawing, context: Mapping[str, Any]) -> list[Array]:
-    """Nodes of the outline and holes of a drawing, of the files that a scene was given with."""
-    text = own_file(context.get("folder"), shape.file)
-    return curves_of(shape.file, text, unit=shape.unit, layer=shape.layer,
-                     tolerance=shape.tolerance)
 
 
 def _flat(curves: list[Array], tolerance: float, *, closed: bool) -> list[Ring]:
@@ -277,22 +283,6 @@ def _flat(curves: list[Array], tolerance: float, *, closed: bool) -> list[Ring]:
     raise WrongValueError("bad-outline", f"the tolerance of {tolerance:.3g} m needs {corners} "
                           f"corners, more than {MOST_CORNERS}", allowed="a tolerance of "
                           f"{wider:.3g} m")
-
-
-def _worked_out(rings: list[Ring], nodes: Nodes, *, closed: bool, radius: float) -> Shape:
-    """A polygon or polyline that was worked out, if it is sound.
-
-    Raises:
-        WrongValueError: it is not.
-    """
-    try:
-        if not closed:
-            return Polyline(points=rings[0], radius=radius, nodes=nodes)
-        return Polygon(points=rings[0], holes=tuple(rings[1:]), nodes=nodes)
-    except SceneError as error:
-        # corners of chords are not those that the author wrote: the place is enough
-        raise WrongValueError("bad-outline", error.problems[0].message.partition(", where")[0],
-                              allowed=SOUND) from None
 
 
 if TYPE_CHECKING:

@@ -10,12 +10,16 @@ import fnmatch
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Protocol
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, WithJsonSchema
 
 from sandbox.values.numbers import Written
 from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
+
+if TYPE_CHECKING:
+    from sandbox.scene.bodies import Body
+    from sandbox.scene.settings import Group
 
 
 @dataclass(frozen=True)
@@ -119,18 +123,16 @@ FORMS = 'a list of layers such as ["traces", "-contacts"], or an object such as 
 
 def _layers(word: Any) -> list[str]:
     """The layers that a word means."""
+    known = [*LAYERS, WHOLE]
+    allowed = listed(known, most=len(known))
     if word == WHOLE:
         return list(LAYERS)
     if word in LAYERS:
         return [word]
     if not isinstance(word, str):
-        raise WrongValueError("wrong-type", f"{kind_of(word)} is no layer", allowed=_all())
-    raise WrongValueError("not-allowed", f"there is no layer named {quoted(word)}", allowed=_all(),
-                          hint=near(word, [*LAYERS, WHOLE], cutoff=0.5))
-
-
-def _all() -> str:
-    return listed([*LAYERS, WHOLE], most=len(LAYERS) + 1)
+        raise WrongValueError("wrong-type", f"{kind_of(word)} is no layer", allowed=allowed)
+    raise WrongValueError("not-allowed", f"there is no layer named {quoted(word)}",
+                          allowed=allowed, hint=near(word, known, cutoff=0.5))
 
 
 def _patterns(layer: str, of: Any) -> tuple[str, ...]:
@@ -181,32 +183,8 @@ ShownLayers = Annotated[Written[dict[str, tuple[str, ...]]], BeforeValidator(_re
 """Of each layer that is named the patterns of bodies that it is shown of; none hides it."""
 
 
-class NamedBody(Protocol):
-    """What a pattern of bodies looks at."""
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-
-    @property
-    def role(self) -> str:
-        """What it is to a reader."""
-
-
-class NamedGroup(Protocol):
-    """Bodies that a pattern may name together."""
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-
-    @property
-    def bodies(self) -> tuple[str, ...]:
-        """Their names."""
-
-
-def meant(patterns: Iterable[str], bodies: Iterable[NamedBody],
-          groups: Iterable[NamedGroup] = ()) -> list[int]:
+def meant(patterns: Iterable[str], bodies: Iterable[Body],
+          groups: Iterable[Group] = ()) -> list[int]:
     """The numbers of the bodies that one of the patterns fits, in order.
 
     A pattern is held against names, of bodies and of ``groups``, one that begins with
@@ -221,7 +199,7 @@ def meant(patterns: Iterable[str], bodies: Iterable[NamedBody],
             or any(test(body.role if by_role else body.name) for by_role, test in tests)]
 
 
-def words_for(bodies: Sequence[NamedBody], groups: Iterable[NamedGroup] = ()) -> list[str]:
+def words_for(bodies: Sequence[Body], groups: Iterable[Group] = ()) -> list[str]:
     """Every name, and every role as a pattern has it: what a pattern may be a slip of."""
     return [*(body.name for body in bodies), *(group.name for group in groups),
             *dict.fromkeys(BY_ROLE + body.role for body in bodies)]

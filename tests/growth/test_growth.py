@@ -55,7 +55,7 @@ def low_caps(monkeypatch: pytest.MonkeyPatch) -> None:
     """Caps that small scenes reach, too."""
     monkeypatch.setattr(wording.NearMisses.__init__, "__defaults__", (3,))
     monkeypatch.setattr(inspect_overlaps, "MOST_LOOKED", 30)
-    monkeypatch.setattr("sandbox.scene.read.templates.MAX_DEPTH", 3)
+    monkeypatch.setattr("sandbox.scene.read.compose.MOST_LIKE", 3)
     monkeypatch.setattr("sandbox.model.meters.MOST_HINTED", 3)
     monkeypatch.setattr("sandbox.engine.inspect_control.MOST_HINTED", 3)
 

@@ -86,7 +86,10 @@ class _References:
     def __init__(self, mechanism: Mechanism, assumed: Collection[str]) -> None:
         self.mechanism, self.assumed = mechanism, assumed
         self.bodies = dict.fromkeys(body.name for body in mechanism.bodies)
-        self.free = [body.name for body in mechanism.bodies if body.motion == "dynamic"]
+        self.free = dict.fromkeys(
+            body.name for body in mechanism.bodies if body.motion == "dynamic")
+        self.holding = dict.fromkeys(each.name for each in mechanism.holding)
+        self.wheels = {joint.name for joint in mechanism.joints if joint.facts.wheels}
         self.near = NearMisses()
         self.known = {kind: dict.fromkeys(each.name for each in getattr(mechanism, kind))
                       for kind in NAMED}
@@ -215,7 +218,7 @@ class _References:
         self, name: str, path: str, lasting: str, *, again: bool, lasts: bool,
     ) -> Iterator[Problem]:
         """An element that an event cannot release or engage."""
-        known = dict.fromkeys(each.name for each in self.mechanism.holding)
+        known = self.holding
         kind = next((kind for kind in NAMED if kind not in RELEASABLE and name in self.known[kind]),
                     None)
         if kind is not None:
@@ -224,8 +227,7 @@ class _References:
                           allowed=listed(known) or self._none("nothing holds anything"))
         elif name not in known:
             yield from self._unknown(name, known, "joint, spring or tendon", path)
-        elif (again or lasts) and any(joint.name == name and joint.facts.wheels
-                                      for joint in self.mechanism.joints):
+        elif (again or lasts) and name in self.wheels:
             yield no_mesh(name, path if again else lasting)
 
     def view(self) -> Iterator[Problem]:

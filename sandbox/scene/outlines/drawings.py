@@ -10,8 +10,7 @@ from __future__ import annotations
 import io
 import math
 import re
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Any, Literal
 
@@ -82,16 +81,6 @@ class DrawingError(WrongValueError):
         super().__init__("bad-drawing", message, allowed=allowed, hint=hint)
 
 
-@dataclass(frozen=True)
-class Curves:
-    """What a drawing has: its curves as nodes, x to the right and y up, and its unit."""
-
-    nodes: list[Array]
-    """Of each, [k, 4], in the drawing's units."""
-    unit: float | None
-    """Length of one unit [m]; None if the drawing does not define it."""
-
-
 def own_file(folder: Path | None, name: str) -> bytes:
     """What is in a file of a scene's own folder.
 
@@ -157,18 +146,18 @@ def curves_of(
     if ending not in READERS:
         raise DrawingError(f"{quoted(name)} is neither an SVG nor a DXF file", ".svg, .dxf")
     try:
-        curves = READERS[ending](text, layer)
+        curves, own = READERS[ending](text, layer)
     except DrawingError as error:
         raise DrawingError(f"{quoted(name)}: {error.message}", error.allowed, error.hint) from None
     except Exception as error:  # parsers raise many types of errors
         reason = " ".join(str(error).split())[:100] or type(error).__name__
         raise DrawingError(f"{quoted(name)} cannot be read as {ending[1:].upper()}: {reason}",
                            "a sound file, such as a drawing program writes it") from None
-    scale = curves.unit if unit is None else unit
+    scale = own if unit is None else unit
     if scale is None:
         raise DrawingError(f"{quoted(name)}: it has no unit",
                            "'unit', such as \"unit\": \"1 mm\"")
-    scaled = [nodes * [scale, scale, 1.0, 1 / scale] for nodes in curves.nodes]
+    scaled = [nodes * [scale, scale, 1.0, 1 / scale] for nodes in curves]
     return _sorted_out([_closed(nodes, tolerance, name)
                         for nodes in _chained(scaled, tolerance)], name)
 
@@ -258,12 +247,17 @@ def _bezier(points: Array) -> Callable[[Array], Array]:
     return nodes
 
 
-def _counted(curves: list[Array]) -> None:
-    if sum(map(len, curves)) > MOST_NODES:
-        raise DrawingError(f"its curves have more than {MOST_NODES} nodes", "fewer curves")
+def _nodes_of(drawn: Iterable[list[Array]]) -> list[Array]:
+    """Nodes of curves of pieces that follow each other, [k, 4] each, without curves of no size."""
+    curves: list[Array] = []
+    for pieces in drawn:
+        curves.append(_beziers(pieces))
+        if sum(map(len, curves)) > MOST_NODES:
+            raise DrawingError(f"its curves have more than {MOST_NODES} nodes", "fewer curves")
+    return [nodes for nodes in curves if len(nodes)]
 
 
-def _svg(text: bytes, layer: str | None) -> Curves:
+def _svg(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
     import svgelements
 
     if found := re.search(rb"<!ENTITY|<use[\s/>]", text):
@@ -272,30 +266,23 @@ def _svg(text: bytes, layer: str | None) -> Curves:
                            "copies and clones made paths of their own")
     # a drawing's own unit is what its view box counts in, else pixels
     drawn = svgelements.SVG.parse(io.BytesIO(text), reify=True, ppi=96.0)
-    box = _svg_box(drawn)
+    view = svgelements.Matrix(drawn.viewbox_transform or "")
+    box = abs(float(view.a)) or 1.0, float(view.e), float(view.f)
     chosen = drawn if layer is None else drawn.get_element_by_id(layer)
     if chosen is None:
         raise DrawingError(f"it has no id {quoted(layer)}", listed(sorted(drawn.objects)[:20]))
     shapes = ([chosen] if isinstance(chosen, svgelements.Shape) else
               [each for each in chosen.select() if isinstance(each, svgelements.Shape)])
-    curves: list[Array] = []
-    for shape in shapes:
-        for part in svgelements.Path(shape).as_subpaths():
-            curves.append(_beziers(_svg_path(svgelements.Path(part), box)))
-            _counted(curves)
-    return Curves([nodes for nodes in curves if len(nodes)], PIXEL * box[0])
-
-
-def _svg_box(drawn: Any) -> tuple[float, float, float]:
-    """Pixels of one unit of an SVG drawing's view box, and where the box has its origin [px]."""
-    import svgelements
-
-    box = svgelements.Matrix(drawn.viewbox_transform or "")
-    return abs(float(box.a)) or 1.0, float(box.e), float(box.f)
+    paths = (svgelements.Path(part) for shape in shapes
+             for part in svgelements.Path(shape).as_subpaths())
+    return _nodes_of(_svg_path(path, box) for path in paths), PIXEL * box[0]
 
 
 def _svg_path(path: Any, box: tuple[float, float, float]) -> list[Array]:
-    """Control points of a path without gaps, in units of the view box, y up."""
+    """Control points of a path without gaps, in units of the view box, y up.
+
+    The box has the pixels of a unit, and its origin [px].
+    """
     import svgelements
 
     found: list[Array] = []
@@ -315,40 +302,44 @@ def _svg_path(path: Any, box: tuple[float, float, float]) -> list[Array]:
     return found
 
 
-def _dxf(text: bytes, layer: str | None) -> Curves:
-    from ezdxf import path, recover, units
+def _dxf(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
+    from ezdxf import recover, units
     from ezdxf.enums import InsertUnits
 
     document, _ = recover.read(io.BytesIO(text))
     own = None
     if document.units:
-        own = units.conversion_factor(
-            InsertUnits(document.units), InsertUnits.Meters)
+        own = units.conversion_factor(InsertUnits(document.units), InsertUnits.Meters)
     space = list(document.modelspace())
     layers = sorted({entity.dxf.layer for entity in space})
     if layer is not None and layer not in layers:
         raise DrawingError(f"it has no layer {quoted(layer)}", listed(layers), near(layer, layers))
-    curves: list[Array] = []
-    for entity in space:
-        if layer is not None and entity.dxf.layer != layer:
-            continue
+    chosen = [entity for entity in space if layer is None or entity.dxf.layer == layer]
+    for entity in chosen:
         if entity.dxftype() == "INSERT":
             raise DrawingError(f"it holds the block {quoted(entity.dxf.name)}, which is not "
                                "followed", "blocks exploded into lines and curves")
-        if entity.dxftype() not in CURVES:
-            continue
-        drawn = path.make_path(entity, segments=ARCS)
-        pieces, at = [], drawn.start
-        for command in drawn.commands():
-            control = [getattr(command, name) for name in ("ctrl", "ctrl1", "ctrl2")
-                       if hasattr(command, name)]
-            pieces.append(np.array([(p.x, p.y) for p in (at, *control, command.end)]))
-            at = command.end
-        curves.append(_beziers(pieces))
-        _counted(curves)
-    return Curves([nodes for nodes in curves if len(nodes)], own)
+    return _nodes_of(_dxf_path(entity) for entity in chosen if entity.dxftype() in CURVES), own
 
 
-READERS: dict[str, Callable[[bytes, str | None], Curves]] = {
+def _dxf_path(entity: Any) -> list[Array]:
+    """Control points of a curve."""
+    from ezdxf import path
+
+    drawn = path.make_path(entity, segments=ARCS)
+    pieces, at = [], drawn.start
+    for command in drawn.commands():
+        control = [getattr(command, name) for name in ("ctrl", "ctrl1", "ctrl2")
+                   if hasattr(command, name)]
+        pieces.append(np.array([(p.x, p.y) for p in (at, *control, command.end)]))
+        at = command.end
+    return pieces
+
+
+READERS: dict[str, Callable[[bytes, str | None], tuple[list[Array], float | None]]] = {
     ".svg": _svg, ".dxf": _dxf}
-"""What reads a drawing, by the ending of its name."""
+"""What reads a drawing, by the ending of its name.
+
+They give the nodes of its curves [k, 4], x to the right and y up, in the drawing's units, and the
+length of one unit [m], None if the drawing does not define it.
+"""
