@@ -58,9 +58,6 @@ def test_the_pieces_are_convex_and_cover_the_outline_and_no_more(name):
     assert {corner for piece in pieces for corner in piece.ring} <= corners
 
 
-# --- mass
-
-
 # --- what is wrong
 
 
@@ -232,12 +229,6 @@ def cam_refused(lift, **keys) -> str:
     with pytest.raises(SceneError) as raised:
         cam(lift, **keys)
     return str(raised.value)
-
-
-# --- the envelope
-
-
-# --- what cannot be
 
 
 def test_a_flat_follower_needs_a_base_above_what_bends_the_lift_most():
