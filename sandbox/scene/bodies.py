@@ -31,27 +31,8 @@ from sandbox.scene.outlines.rings import (
     pieces_of,
     ring_fault,
 )
+from sandbox.values import numbers as of
 from sandbox.values.appearance import FillColour, Planes
-from sandbox.values.numbers import (
-    Angle,
-    AngularSpeed,
-    Coordinate,
-    Damping,
-    Density,
-    Distance,
-    Flag,
-    Inertia,
-    Items,
-    Length,
-    Mass,
-    Name,
-    Pair,
-    Point,
-    Ratio,
-    Share,
-    Speed,
-    Stiffness,
-)
 from sandbox.values.signals import Path
 from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError
@@ -61,9 +42,9 @@ class Circle(Spec):
     """A disc."""
 
     type: Literal["circle"] = TYPE
-    radius: Length
+    radius: of.Length
     """Its radius [m]."""
-    at: Point = (0.0, 0.0)
+    at: of.Point = (0.0, 0.0)
     """Its centre in the body's frame [m]."""
 
 
@@ -71,11 +52,11 @@ class Box(Spec):
     """A rectangle about ``at``, turned by ``angle`` in the body's frame."""
 
     type: Literal["box"] = TYPE
-    size: Pair[Length]
+    size: of.Pair[of.Length]
     """[width, height] along its own x and y [m]."""
-    at: Point = (0.0, 0.0)
+    at: of.Point = (0.0, 0.0)
     """Its centre in the body's frame [m]."""
-    angle: Annotated[Angle, Placed("sign")] = 0.0
+    angle: Annotated[of.Angle, Placed("sign")] = 0.0
     """Its turn against the body's frame [rad], counter-clockwise."""
 
 
@@ -83,10 +64,10 @@ SHAPES = ("shapes", "displaces")
 """Of a body the fields that hold outlines."""
 MOST_CORNERS = 2000
 """Of a polygon, those of its holes among them; of a polyline."""
-Outline = Annotated[Items[Point], Field(min_length=3, max_length=MOST_CORNERS)]
+Outline = Annotated[of.Items[of.Point], Field(min_length=3, max_length=MOST_CORNERS)]
 
 
-Nodes = tuple[tuple[tuple[Coordinate, Coordinate, float, float], ...], ...]
+Nodes = tuple[tuple[tuple[of.Coordinate, of.Coordinate, float, float], ...], ...]
 AT_CORNER = 1e-6
 """How far a node may be from a corner of its outline, as a share of the outline's size."""
 
@@ -122,7 +103,7 @@ class Polygon(Spec):
     points: Outline
     """Its corners in the body's frame [m], one after the other, clockwise or counter-clockwise; the
     outline may not touch or cross itself."""
-    holes: Annotated[Items[Outline], Field(max_length=MOST_CORNERS)] = ()
+    holes: Annotated[of.Items[Outline], Field(max_length=MOST_CORNERS)] = ()
     """Outlines of its holes, separate and inside the outline; corners as in ``points``."""
     nodes: Annotated[Nodes, Placed("nodes")] = ()
     """The true curves of the outline and of each hole, if it was worked out from a curve, a cam or
@@ -186,16 +167,16 @@ class Polyline(Spec):
     """
 
     type: Literal["polyline"] = TYPE
-    points: Annotated[Items[Point], Field(min_length=2, max_length=MOST_CORNERS)]
+    points: Annotated[of.Items[of.Point], Field(min_length=2, max_length=MOST_CORNERS)]
     """Its corners and ends; closed if the last point equals the first."""
-    radius: Distance = 0.0
+    radius: of.Distance = 0.0
     """Distance of its surface from the line through its points."""
     nodes: Annotated[Nodes, Placed("nodes")] = ()
     """The true curve, if the polyline was worked out from one; as of a polygon."""
 
     @field_validator("points")
     @classmethod
-    def _apart(cls, points: tuple[Point, ...]) -> tuple[Point, ...]:
+    def _apart(cls, points: tuple[of.Point, ...]) -> tuple[of.Point, ...]:
         for i, (one, two) in enumerate(pairwise(points)):
             if one == two:
                 raise WrongValueError("bad-outline", f"points {i} and {i + 1} are the same point")
@@ -211,11 +192,11 @@ class Capsule(Spec):
     """A segment from ``start`` to ``end`` with a radius: a phalanx."""
 
     type: Literal["capsule"] = TYPE
-    start: Point = (0.0, 0.0)
+    start: of.Point = (0.0, 0.0)
     """Centre of one round end, in the body's frame [m]."""
-    end: Point
+    end: of.Point
     """Centre of the other round end, in the body's frame [m]."""
-    radius: Length
+    radius: of.Length
     """Half its thickness, and the radius of its ends [m]."""
 
 
@@ -299,39 +280,39 @@ class Body(Spec):
     and inertia follow from the shapes (uniform mass over their area) unless given.
     """
 
-    name: Name
+    name: of.Name
     """Its name; quantities are ``<name>.x``, ``<name>.angle`` and so on."""
-    at: Annotated[Point, Placed("place")] = (0.0, 0.0)
+    at: Annotated[of.Point, Placed("place")] = (0.0, 0.0)
     """Origin of the body's frame in the world at t = 0 [m]."""
-    angle: Annotated[Angle, Placed("turn")] = 0.0
+    angle: Annotated[of.Angle, Placed("turn")] = 0.0
     """Turn of the body's frame against the world at t = 0 [rad], counter-clockwise."""
     motion: Literal["dynamic", "fixed", "scheduled"] = "dynamic"
     """``dynamic`` moves by forces, ``fixed`` does not move, ``scheduled`` follows its ``path``
     regardless of forces."""
     path: Annotated[Path | None, Placed("kept")] = None
     """Pose over time; required for ``"motion": "scheduled"``, and only allowed there."""
-    shapes: Items[BodyShape] = ()
+    shapes: of.Items[BodyShape] = ()
     """Its shapes in its frame: outlines for contacts and pictures and, by default, mass
     distribution. A body without shapes touches nothing."""
-    displaces: Items[BodyShape] = ()
+    displaces: of.Items[BodyShape] = ()
     """Shapes that displace liquid (load ``buoyancy``), in its frame; by default its ``shapes``. A
     bin of three walls floats by one polygon around it. They touch and weigh nothing."""
-    mass: Mass | None = None
+    mass: of.Mass | None = None
     """Mass [kg]; a dynamic body has either this or ``density``."""
-    density: Density | None = None
+    density: of.Density | None = None
     """Mass per volume [kg/m^3]; with the shapes' areas and ``thickness`` it gives the mass."""
-    thickness: Annotated[Length, Placed("kept")] = 0.01
+    thickness: Annotated[of.Length, Placed("kept")] = 0.01
     """Depth across the plane [m]; used with ``density`` and in a liquid only."""
-    centre: Point | None = None
+    centre: of.Point | None = None
     """Centre of mass in the body's frame [m]; by default that of the shapes' area."""
-    inertia: Inertia | None = None
+    inertia: of.Inertia | None = None
     """Moment of inertia about the centre of mass [kg m^2]; by default the mass spread evenly over
     the shapes' area."""
-    velocity: Annotated[Pair[Speed], Placed("vector")] = (0.0, 0.0)
+    velocity: Annotated[of.Pair[of.Speed], Placed("vector")] = (0.0, 0.0)
     """Velocity [x, y] of the centre of mass at t = 0, in the world [m/s]."""
-    angular_velocity: Annotated[AngularSpeed, Placed("sign")] = 0.0
+    angular_velocity: Annotated[of.AngularSpeed, Placed("sign")] = 0.0
     """Angular velocity at t = 0 [rad/s], counter-clockwise."""
-    material: Name | None = None
+    material: of.Name | None = None
     """Name of one of the scene's ``materials``; without one, friction is 0.5 and restitution 0."""
     plane: Planes = (0,)
     """Plane number: bodies of different planes do not touch, whatever contact rules say; higher
@@ -343,7 +324,7 @@ class Body(Spec):
     colour: FillColour | None = None
     """Its fill in pictures: white, grey, black, blue, teal, green, yellow, orange, red, pink,
     purple, brown, or ``"#f5c542"``; by default that of its material, else that of its role."""
-    fill: Flag = True
+    fill: of.Flag = True
     """False draws only the outline; a circle whose radius a drive changes stays filled."""
 
     @model_validator(mode="after")
@@ -379,11 +360,11 @@ class Skin(Spec):
     contact that sticks gives way by two thirds of both. Two skins act in series.
     """
 
-    stiffness: Stiffness = Field(gt=0)
+    stiffness: of.Stiffness = Field(gt=0)
     """Normal force per depth of each contact point [N/m]."""
-    damping: Damping = 0.0
+    damping: of.Damping = 0.0
     """Force per rate of the depth [N s/m]; 0 by default."""
-    thickness: Length | None = None
+    thickness: of.Length | None = None
     """Depth at which the layer is squeezed to nothing [m]; the audit warns beyond it."""
 
 
@@ -393,11 +374,11 @@ class Material(Spec):
     Friction, static and restitution of a pair are the geometric means of the two.
     """
 
-    friction: Ratio = 0.5
+    friction: of.Ratio = 0.5
     """Coulomb coefficient, 0 or more, of two surfaces of this material."""
-    static: Ratio = Field(default=1.0, ge=1)
+    static: of.Ratio = Field(default=1.0, ge=1)
     """Ratio of static to sliding friction, 1 or more; 1 by default."""
-    restitution: Share = 0.0
+    restitution: of.Share = 0.0
     """Rebound speed over approach speed of two surfaces of this material: 0 does not bounce, 1
     loses nothing."""
     skin: Skin | None = None

@@ -153,9 +153,7 @@ def _patterns(layer: str, of: Any) -> tuple[str, ...]:
 def shown(show: Show, *, traced: bool) -> dict[str, tuple[str, ...]]:
     """The layers of a picture, each with patterns of the bodies that it is shown of.
 
-    Args:
-        show: the selection, from :func:`parse_layers`.
-        traced: whether the scene names points whose ways are drawn.
+    ``show`` is from :func:`parse_layers`; ``traced`` means that the scene names points to trace.
     """
     default = {name: EVERY for name, layer in LAYERS.items()
                if layer.default or (name == "traces" and traced)}

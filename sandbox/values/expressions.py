@@ -234,10 +234,8 @@ def names_in(text: str) -> frozenset[str]:
 def closure(text: str, read: Callable[[str], Read], tables: Mapping[str, Any]) -> Read:
     """A function of floats that computes an expression; nan where it has no finite value.
 
-    Args:
-        text: an expression; a leading ``=`` is dropped.
-        read: gives a function for each name that the expression reads.
-        tables: the scene's, by their calls.
+    ``read`` gives a function for each name that it reads; ``tables`` are those of
+    :attr:`sandbox.scene.mechanism.Mechanism.functions`.
 
     Raises:
         WrongValueError: ``text`` is not an expression.

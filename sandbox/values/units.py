@@ -107,10 +107,7 @@ def dimension_of(unit: str) -> str:
 
 
 def unfit(value: float, unit: str) -> str:
-    """What is wrong with the unit of a number of what ``unit`` measures; empty if nothing is.
-
-    Nothing is known of a number without a unit, nor of an SI unit that nobody writes
-    (``rad/s^2``).
+    """The fault of a number that has a unit of another dimension than ``unit``, or nothing.
 
     >>> unfit(Measured(1e-3, "mm"), "N")
     "'mm' is a unit of length"

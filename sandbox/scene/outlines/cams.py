@@ -142,27 +142,14 @@ def _undercut(curve: CamCurve) -> WrongValueError:
     while high - low > SPARE * low:
         middle = math.sqrt(low * high)
         low, high = ((low, middle) if replace(curve, base=middle).fits() else (middle, high))
-    allowed = f"a base radius of at least {_up(high):.6g} m"
-    what = "a flat follower bridges it"
-    if curve.roller:
-        low, most = 0.0, curve.roller
-        while most - low > SPARE * most:
-            middle = (low + most) / 2
-            low, most = (middle, most) if replace(curve, roller=middle).fits() else (low, middle)
-            if most < SPARE * curve.roller:
-                break
-        what = f"a roller of {curve.roller:.6g} m cannot reach it"
-        if low > 0:
-            allowed += f", or a roller of at most {low:.3g} m"
+    digit = 10.0 ** (math.floor(math.log10(high)) - 2)  # rounded up to three
+    what = f"a roller of {curve.roller:.6g} m cannot reach it" if curve.roller else \
+        "a flat follower bridges it"
     turn = math.degrees(float(curve.tried[worst]))
-    return WrongValueError("bad-outline", f"this cam is undercut at a turn of {turn:.4g} deg: "
-                           f"{what}", allowed=allowed)
-
-
-def _up(value: float) -> float:
-    """The next number of three digits."""
-    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
-    return math.ceil(value / unit) * unit
+    return WrongValueError(
+        "bad-outline", f"this cam is undercut at a turn of {turn:.4g} deg: {what}",
+        allowed=f"a base radius of at least {math.ceil(high / digit) * digit:.6g} m"
+        + (", or a smaller roller" if curve.roller else ""))
 
 
 def tried_turns(angles: Array) -> Array:

@@ -82,11 +82,7 @@ class DrawingError(WrongValueError):
 
 
 def own_file(folder: Path | None, name: str) -> bytes:
-    """What is in a file of a scene's own folder.
-
-    Args:
-        folder: the scene's; None for a scene that is no file.
-        name: the file's, below that folder, with / between its parts.
+    """The content of a file in a scene's own folder, or below it.
 
     Raises:
         DrawingError: another place, no file there, or a larger one.
@@ -132,12 +128,8 @@ def curves_of(
 ) -> list[Array]:
     """Nodes of the outline of a drawing, then of its holes, [k, 4] each.
 
-    Args:
-        name: of the file; its extension is its format.
-        text: what is in it.
-        unit: length of one of its units [m]; None for the unit of the file.
-        layer: of a DXF file the layer, of an SVG file the id, of what is meant; None for all.
-        tolerance: how far ends that meet may be from each other [m].
+    The extension of ``name`` is the format of ``text``; ends that meet may be ``tolerance`` [m]
+    from each other. See :class:`Drawing` for the rest.
 
     Raises:
         DrawingError: no outline, more than one, or what cannot be read.

@@ -23,14 +23,10 @@ SAMPLES = 16
 
 @dataclass(frozen=True)
 class Path:
-    """A smooth curve in the frame of a body.
-
-    Args:
-        nodes: x, y, direction, curvature, [n, 4]; not finite where the curve turns back on itself.
-        closed: whether it continues from the last node to the first.
-    """
+    """A smooth curve in the frame of a body."""
 
     nodes: Array
+    """x, y, direction, curvature, [n, 4]; not finite where the curve turns back on itself."""
     closed: bool
 
     @cached_property

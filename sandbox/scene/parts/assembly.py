@@ -38,11 +38,8 @@ def expand_parts(
 ) -> tuple[Elements, list[Problem]]:
     """All elements of a scene or an assembly, not placed yet, and its problems.
 
-    Args:
-        scene: the scene or assembly.
-        pulled: parts and tendons that trees outside pull, by their names in it.
-        outside: finds a body around an assembly, in the frame of its surroundings.
-        near: finds similar names.
+    ``pulled`` are the parts and tendons that trees outside pull, by their names in it; ``outside``
+    finds a body around an assembly, in the frame of its surroundings.
     """
     elements = Elements(materials=tuple(scene.materials.items()),
                         **{kind: getattr(scene, kind) for kind in OWN})
@@ -90,13 +87,7 @@ def _pulled_twice(scene: Scene | Assembly) -> list[Problem]:
 def placed(
     name: str, inner: Elements, placement: Placement, outside: Callable[[str], Body | None],
 ) -> Elements:
-    """The elements of the assembly ``name`` as the scene has them.
-
-    Args:
-        name: the assembly's.
-        inner: its elements as they are written, its parts expanded.
-        placement: where it is.
-        outside: finds a body of the scene by its name.
+    """The elements of the assembly ``name`` as the scene has them; ``inner`` as it has them.
 
     Raises:
         PartError: elements on bodies that are not there; all of them.

@@ -35,21 +35,8 @@ from sandbox.scene.bodies import Body, Box, Capsule
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_world
 from sandbox.scene.parts.expansion import Elements, Known, PartError, PartSpec
 from sandbox.scene.settings import ContactRule, Group
+from sandbox.values import numbers as of
 from sandbox.values.appearance import Planes
-from sandbox.values.numbers import (
-    Angle,
-    Coordinate,
-    Damping,
-    Density,
-    Items,
-    Length,
-    Mass,
-    Name,
-    Point,
-    Ratio,
-    RotaryDamping,
-    Stiffness,
-)
 from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError
 
@@ -97,26 +84,26 @@ def each(given: Sequence[T], count: int) -> tuple[T, ...]:
 class FingerSprings(Spec):
     """A linear spring over the back of each hinge; one value applies to all hinges."""
 
-    stiffness: Annotated[Items[Stiffness], OneForAll()]
+    stiffness: Annotated[of.Items[of.Stiffness], OneForAll()]
     """Stiffness of each spring [N/m], 0 or more."""
-    on_previous: Annotated[Items[Point], OneForAll("point"), Field(alias="from")]
+    on_previous: Annotated[of.Items[of.Point], OneForAll("point"), Field(alias="from")]
     """M'', its attachment on the body before the hinge, relative to the hinge at rotation 0 [m]."""
-    on_phalanx: Annotated[Items[Point], OneForAll("point"), Field(alias="to")]
+    on_phalanx: Annotated[of.Items[of.Point], OneForAll("point"), Field(alias="to")]
     """M', its attachment on the phalanx, in the phalanx's frame [m]."""
-    damping: Annotated[Items[Damping], OneForAll()] = (0.0,)
+    damping: Annotated[of.Items[of.Damping], OneForAll()] = (0.0,)
     """Damping of each spring [N s/m]."""
-    rest: Annotated[Items[Coordinate], OneForAll()] | None = None
+    rest: Annotated[of.Items[of.Coordinate], OneForAll()] | None = None
     """Lengths without force [m]; by default the lengths at rotation 0."""
 
 
 class FingerTendon(Spec):
     """The finger's tendon."""
 
-    stiffness: Stiffness = Field(default=RIGID, gt=0)
+    stiffness: of.Stiffness = Field(default=RIGID, gt=0)
     """Tension per stretch [N/m]; the default counts as inextensible."""
-    damping: Damping = 0.0
+    damping: of.Damping = 0.0
     """Tension per rate of stretch [N s/m]."""
-    friction: Ratio = 0.0
+    friction: of.Ratio = 0.0
     """Coefficient of friction between the tendon and the guides V_0 to V_(n-1), as that of a
     [Guide](elements.md#guide): each reduces the tension. The tendon is tied at V_n; further guides,
     ``tendon_to``, have their own friction. None by default."""
@@ -126,49 +113,49 @@ class Finger(PartSpec):
     """A finger of ``n = len(lengths)`` phalanges, from the palm to the tip."""
 
     type: Literal["finger"] = TYPE
-    name: Name
+    name: of.Name
     """Its name, with which those of its elements begin: ``<name>.proximal``, ``<name>.mcp``,
     ``<name>.tendon``."""
-    at: Point = (0.0, 0.0)
+    at: of.Point = (0.0, 0.0)
     """The first hinge, in the world or in the frame of ``on`` [m]."""
-    angle: Angle = 0.0
+    angle: of.Angle = 0.0
     """Turn of the straight finger against the world, or against ``on`` [rad], counter-clockwise; 0
     points along +x."""
     palm: Literal["below", "above"] = "below"
     """Side to which the finger closes, seen along the straight finger: with ``below`` its palm side
     is -y, with ``above`` the whole finger is mirrored."""
-    on: Name | None = None
+    on: of.Name | None = None
     """A body that serves as the palm; by default the finger has its own fixed one."""
-    lengths: Items[Length] = Field(min_length=1, max_length=32)
+    lengths: of.Items[of.Length] = Field(min_length=1, max_length=32)
     """Lengths of the phalanges [m], the proximal one first; the last reaches to the middle of the
     round tip."""
-    radii: Items[Length]
+    radii: of.Items[of.Length]
     """Half the thickness of each phalanx [m]."""
-    masses: Items[Mass] | None = None
+    masses: of.Items[of.Mass] | None = None
     """Mass of each phalanx [kg]; either these or ``density``."""
-    density: Density | None = None
+    density: of.Density | None = None
     """Mass per volume of all phalanges [kg/m^3], instead of ``masses``."""
-    thickness: Length = 0.01
+    thickness: of.Length = 0.01
     """Depth across the plane [m], used with ``density`` only."""
-    guides: Items[Point]
+    guides: of.Items[of.Point]
     """V_0 in the palm's frame, then V_1 ... V_n, each in its phalanx's frame [m]."""
     springs: FingerSprings | None = None
     """Extensor springs over the backs of the hinges; none by default."""
-    damping: Annotated[Items[RotaryDamping], OneForAll()] = (0.0,)
+    damping: Annotated[of.Items[of.RotaryDamping], OneForAll()] = (0.0,)
     """Viscous friction of the hinges [N m s/rad]; one for all or one each."""
-    limits: Annotated[Items[tuple[Angle, Angle]], OneForAll("limit")] | None = None
+    limits: Annotated[of.Items[tuple[of.Angle, of.Angle]], OneForAll("limit")] | None = None
     """Maximum rotation, or [minimum, maximum], of each hinge [rad], positive in closing; one value
     means [0, value]. None by default."""
-    start: Annotated[Items[Angle], OneForAll()] = (0.0,)
+    start: Annotated[of.Items[of.Angle], OneForAll()] = (0.0,)
     """Rotations at t = 0 [rad], closing counted positive; one for all or one each."""
     tendon: FingerTendon = FingerTendon()
     """Stiffness and friction of the finger's tendon."""
-    tendon_to: Items[Guide] = ()
+    tendon_to: of.Items[Guide] = ()
     """Further guides of the tendon after V_0, towards its drive."""
-    anchor: Point | None = None
+    anchor: of.Point | None = None
     """Where the tendon ends when nothing else pulls it, in the palm's frame [m]; by default 15 mm
     behind V_0."""
-    material: Name | None = None
+    material: of.Name | None = None
     """Name of the phalanges' material, one of the scene's ``materials``."""
     plane: Planes = (0,)
     """Layer in which its bodies lie, as a body's ``plane``: fingers of different planes pass each

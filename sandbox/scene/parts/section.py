@@ -14,18 +14,8 @@ from sandbox.scene.bodies import Body, Box, Circle
 from sandbox.scene.geometry import pose_of, to_world
 from sandbox.scene.parts.expansion import Elements, Known, PartSpec
 from sandbox.scene.settings import Group
+from sandbox.values import numbers as of
 from sandbox.values.appearance import Planes
-from sandbox.values.numbers import (
-    Angle,
-    Damping,
-    Distance,
-    Length,
-    Mass,
-    Name,
-    Point,
-    Stiffness,
-    Written,
-)
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
@@ -38,7 +28,7 @@ def _lift(value: Any) -> Any:
 
 _NUMBER: dict[str, Any] = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 RodLengths = Annotated[
-    Written[tuple[Distance, Length]], BeforeValidator(_lift),
+    of.Written[tuple[of.Distance, of.Length]], BeforeValidator(_lift),
     WithJsonSchema({"anyOf": [*_NUMBER["anyOf"], {
         "type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2}]}),
 ]
@@ -48,28 +38,28 @@ class Section(PartSpec):
     """A fixed circle; with ``square``, also a square held out from its centre by a rod."""
 
     type: Literal["section"] = TYPE
-    name: Name
+    name: of.Name
     """Its name, with which those of its elements begin: ``<name>.circle``, ``<name>.square``."""
-    at: Point = (0.0, 0.0)
+    at: of.Point = (0.0, 0.0)
     """Centre of the circle in the world [m]."""
-    circle: Length
+    circle: of.Length
     """Radius of the circle [m]."""
-    square: Length | None = None
+    square: of.Length | None = None
     """Side of the square [m]; without it the section is the circle alone."""
     rod: RodLengths | None = None
     """From the circle's centre to the square's [m]: a length, or [shortest, longest] of a
     telescope."""
-    angle: Angle = 0.0
+    angle: of.Angle = 0.0
     """Direction in which the square starts, seen from the circle's centre [rad], counter-clockwise
     from +x."""
-    mass: Mass = 0.005
+    mass: of.Mass = 0.005
     """Mass of the square [kg]."""
-    hold: Stiffness = 5.0
+    hold: of.Stiffness = 5.0
     """Stiffness of the weak springs that hold the square in place, along the rod and across it
     [N/m]."""
-    damping: Damping = 1.0
+    damping: of.Damping = 1.0
     """Damping of the same springs [N s/m]."""
-    material: Name | None = None
+    material: of.Name | None = None
     """Name of both bodies' material, one of the scene's ``materials``."""
     plane: Planes = (0,)
     """Layer in which its bodies lie, as a body's ``plane``."""

@@ -110,8 +110,7 @@ def expand_tree(tree: RockerTree | PulleyTree, known: Known) -> Elements:
     between the levels, and an actuator tendon from the root to the frame.
 
     Raises:
-        PartError: leaves that do not exist; without problems where they are those of parts that
-            could not be built.
+        PartError: leaves that do not exist; without problems if they belong to failed parts.
     """
     return _Builder(tree, known).build(known.elements)
 
