@@ -97,12 +97,9 @@ def count_solids(body: Body) -> int:
 
 def outline(shape: Shape) -> list[Vec]:
     """Points whose bounds hold the shape, in the body's frame [m]."""
-    if isinstance(shape, (Box, Polygon)):
-        return corners(shape)
-    centres = ([shape.at] if isinstance(shape, Circle) else
-               shape.points if isinstance(shape, Polyline) else [shape.start, shape.end])
-    r = shape.radius
-    return [(x + dx, y + dy) for x, y in centres for dx in (-r, r) for dy in (-r, r)]
+    points, r = (shape.points, shape.radius) if isinstance(shape, Polyline) else core(shape)
+    return [(x + dx, y + dy) for x, y in points for dx in (-r, r) for dy in (-r, r)] if r else \
+        list(points)
 
 
 def _edges(points: list[Vec]) -> Iterable[tuple[Vec, Vec]]:

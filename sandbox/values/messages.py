@@ -32,20 +32,15 @@ def explain(
     """
     near, found = NearMisses(), []
     for each in error.errors(include_url=False)[:most]:
+        least, value = each.get("ctx", {}).get("min_length", 0), each["input"]
+        if each["type"] == "too_short" and isinstance(value, list) and len(value) >= least:
+            continue  # only because of wrong entries, which have their own messages
         path = locate(data, each["loc"], each["input"], each["type"])
         found.append((each, path, _problem(each, path, model, near)))
     misspelt = {(path[:-1], problem.hint.strip("'")) for _, path, problem in found
                 if problem.key and problem.hint}
     return [problem for each, path, problem in found
-            if not (each["type"] == "missing" and (path, each["loc"][-1]) in misspelt)
-            and not _short_of_right_ones(each)]
-
-
-def _short_of_right_ones(error: ErrorDetails) -> bool:
-    """Whether a list is too short only because of wrong entries, which have their own messages."""
-    least = error.get("ctx", {}).get("min_length", 0)
-    return (error["type"] == "too_short" and isinstance(error["input"], list)
-            and len(error["input"]) >= least)
+            if not (each["type"] == "missing" and (path, each["loc"][-1]) in misspelt)]
 
 
 def _problem(
@@ -151,11 +146,6 @@ def _length(error: ErrorDetails, context: Mapping[str, Any]) -> str:
     return f"expected {wanted} entries, got {actual}"
 
 
-def _pattern(error: ErrorDetails, context: Mapping[str, Any]) -> str:
-    return (f"{quoted(error['input'])} is not a name: letters, digits and _, "
-            "parts joined by dots, none beginning with a digit")
-
-
 def _expected(what: str) -> Callable[[ErrorDetails, Mapping[str, Any]], str]:
     return lambda error, context: f"expected {what}, got {kind_of(error['input'])}"
 
@@ -184,7 +174,9 @@ _WORDS: dict[str, Callable[[ErrorDetails, Mapping[str, Any]], str]] = {
     "int_parsing_size": _WHOLE, "finite_number": _WHOLE,
     "too_long": _length, "too_short": _length,
     "string_too_long": lambda error, context: f"at most {context['max_length']} characters",
-    "string_pattern_mismatch": _pattern,
+    "string_pattern_mismatch": lambda error, context: (
+        f"{quoted(error['input'])} is not a name: letters, digits and _, parts joined by dots, "
+        "none beginning with a digit"),
     "string_unicode": lambda error, context: "the text has characters that are not Unicode",
     "greater_than": _bound("greater than", "gt"),
     "greater_than_equal": _bound("at least", "ge"),

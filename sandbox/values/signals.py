@@ -221,7 +221,9 @@ def values(signal: AnySignal, t: Array, tables: Tables = NONE) -> Array:
     if isinstance(signal, Constant):
         return np.full(len(t), signal.constant)
     if isinstance(signal, Ramp):
-        fraction = _fraction(signal, t)
+        with np.errstate(over="ignore"):  # a ramp of next to no length is a step
+            fraction = np.clip((t - signal.start) / signal.over, 0.0, 1.0) if signal.over else (
+                np.where(t >= signal.start, 1.0, 0.0))
         return signal.start_value * (1 - fraction) + signal.to * fraction
     if isinstance(signal, Table):
         at, value = np.array(signal.table).T
@@ -231,15 +233,6 @@ def values(signal: AnySignal, t: Array, tables: Tables = NONE) -> Array:
         return row
     result = parse_expression(signal.expression).evaluate({**tables, "t": t})
     return np.broadcast_to(np.asarray(result, dtype=float), t.shape).copy()
-
-
-def _fraction(ramp: Ramp, t: Array) -> Array:
-    """How much of a ramp is done, 0 to 1."""
-    if ramp.over == 0:
-        return np.where(t >= ramp.start, 1.0, 0.0)
-    with np.errstate(over="ignore"):  # a ramp of next to no length is a step
-        fraction: Array = np.clip((t - ramp.start) / ramp.over, 0.0, 1.0)
-    return fraction
 
 
 class Path(Spec):

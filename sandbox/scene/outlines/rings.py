@@ -17,6 +17,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import mapbox_earcut
 import numpy as np
@@ -47,20 +48,12 @@ def wound(ring: Ring, sense: int = 1) -> Ring:
     return ring if sense * signed_area(ring) > 0 else ring[::-1]
 
 
-def bends(ring: Ring) -> Array:
-    """At each corner the cross product of the sides before and after it [m^2], [n]."""
-    points = np.array(ring)
-    after = np.roll(points, -1, axis=0) - points
-    before = np.roll(after, 1, axis=0)
-    return np.asarray(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0])
-
-
 def is_convex(ring: Ring) -> bool:
     """Whether every corner bends the same way and all of them together go round once."""
     points = np.array(ring)
     after = np.roll(points, -1, axis=0) - points
     before = np.roll(after, 1, axis=0)
-    cross = bends(ring)
+    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     if not ((cross > 0).all() or (cross < 0).all()):
         return False
     turned = np.arctan2(cross, np.sum(before * after, axis=1)).sum()
@@ -91,18 +84,12 @@ def without_straight(ring: Ring) -> Ring:
         points = np.delete(points, straight[::2], axis=0)
 
 
-@dataclass(frozen=True)
-class Meeting:
-    """Two sides that should not meet: which ring and corner each starts from, and where."""
+class Meeting(NamedTuple):
+    """Two sides that should not meet: the corners that they start from, and the place in words."""
 
-    one: tuple[int, int]
-    other: tuple[int, int]
-    at: Corner
-
-    @property
-    def place(self) -> str:
-        """Where it is, in words [m]."""
-        return f"at [{self.at[0]:.6g}, {self.at[1]:.6g}]"
+    one: int
+    other: int
+    place: str
 
 
 def first_meeting(rings: Sequence[Ring]) -> Meeting | None:
@@ -112,7 +99,7 @@ def first_meeting(rings: Sequence[Ring]) -> Meeting | None:
     """
     starts = np.concatenate([np.array(ring) for ring in rings])
     ends = np.concatenate([np.roll(np.array(ring), -1, axis=0) for ring in rings])
-    names = [(k, i) for k, ring in enumerate(rings) for i in range(len(ring))]
+    names = [i for ring in rings for i in range(len(ring))]
     after = np.concatenate([np.roll(np.arange(len(ring)), -1) + offset for ring, offset in zip(
         rings, np.cumsum([0, *map(len, rings[:-1])]), strict=True)])
     left, right = np.minimum(starts, ends), np.maximum(starts, ends)
@@ -126,7 +113,8 @@ def first_meeting(rings: Sequence[Ring]) -> Meeting | None:
     if not found:
         return None
     i, j = min(found)
-    return Meeting(names[i], names[j], _place(starts[i], ends[i], starts[j], ends[j]))
+    x, y = _place(starts[i], ends[i], starts[j], ends[j])
+    return Meeting(names[i], names[j], f"at [{x:.6g}, {y:.6g}]")
 
 
 def _meeting(
@@ -172,7 +160,7 @@ def ring_fault(ring: Ring) -> str:
         return f"the outline has no area: its corners lie in one line through [{x:.6g}, {y:.6g}]"
     if meeting := (None if is_convex(ring) else first_meeting([ring])):
         return (f"the outline crosses or touches itself {meeting.place}, where the side from "
-                f"corner {meeting.one[1]} meets that from corner {meeting.other[1]}")
+                f"corner {meeting.one} meets that from corner {meeting.other}")
     return ""
 
 
@@ -183,7 +171,7 @@ def hole_fault(outer: Ring, holes: Sequence[Ring]) -> tuple[int, str] | None:
                            *((f"hole {m}", holes[m]) for m in range(k))):
             if meeting := first_meeting([ring, hole]):
                 return k, (f"this hole meets {what} {meeting.place}, at the side from corner "
-                           f"{meeting.other[1]}")
+                           f"{meeting.other}")
         if not inside(hole[0], outer):
             x, y = hole[0]
             return k, f"this hole lies outside of the outline at [{x:.6g}, {y:.6g}]"

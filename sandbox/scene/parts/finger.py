@@ -216,18 +216,6 @@ def _check_count(given: Sequence[object], counts: tuple[int, ...], what: str) ->
         raise WrongValueError("wrong-type", f"{what}: expected {wanted} entries, got {len(given)}")
 
 
-def phalanx_names(count: int) -> tuple[str, ...]:
-    """``proximal``, ``middle``, ``distal`` for up to three, else ``phalanx1``, ..."""
-    known = {1: ("proximal",), 2: ("proximal", "distal"), 3: ("proximal", "middle", "distal")}
-    return known.get(count) or tuple(f"phalanx{i + 1}" for i in range(count))
-
-
-def hinge_names(count: int) -> tuple[str, ...]:
-    """``mcp``, ``pip``, ``dip`` for up to three, else ``hinge1``, ..."""
-    known = ("mcp", "pip", "dip")
-    return known[:count] if count <= 3 else tuple(f"hinge{i + 1}" for i in range(count))
-
-
 def expand_finger(finger: Finger, *, palm: Body | None = None, pulled: bool = False) -> Elements:
     """The finger's bodies, hinges, springs, tendon, contact rules and group.
 
@@ -243,8 +231,11 @@ class _Builder:
     def __init__(self, finger: Finger, palm: Body | None) -> None:
         self.finger, self.given_palm = finger, palm
         n = len(finger.lengths)
-        self.names = tuple(f"{finger.name}.{name}" for name in phalanx_names(n))
-        self.hinges = tuple(f"{finger.name}.{name}" for name in hinge_names(n))
+        few = {1: ("proximal",), 2: ("proximal", "distal"), 3: ("proximal", "middle", "distal")}
+        phalanges = few.get(n) or [f"phalanx{i + 1}" for i in range(n)]
+        hinges = ("mcp", "pip", "dip")[:n] if n <= 3 else [f"hinge{i + 1}" for i in range(n)]
+        self.names = tuple(f"{finger.name}.{name}" for name in phalanges)
+        self.hinges = tuple(f"{finger.name}.{name}" for name in hinges)
         self.palm = palm.name if palm is not None else f"{finger.name}.palm"
         # the palm as the finger sees it: origin at the first hinge, x along the straight finger
         frame = (*finger.at, finger.angle)
