@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     )
     from sandbox.picture.film import render
     from sandbox.recording.recording import Recording
-    from sandbox.scene.composite import Composite, register
+    from sandbox.scene.document import Composite, register
     from sandbox.scene.expand import expand
     from sandbox.scene.read.load import load_scene
     from sandbox.sweeps.sweep import sweep
@@ -65,7 +65,7 @@ __all__ = [
 ]
 
 _HOMES = {
-    "Composite": "sandbox.scene.composite",
+    "Composite": "sandbox.scene.document",
     "ControllerFailed": "sandbox.errors",
     "Custom": "sandbox.elements.controllers.custom",
     "Interrupted": "sandbox.errors",
@@ -80,7 +80,7 @@ _HOMES = {
     "StopRun": "sandbox.elements.controllers.custom",
     "expand": "sandbox.scene.expand",
     "load_scene": "sandbox.scene.read.load",
-    "register": "sandbox.scene.composite",
+    "register": "sandbox.scene.document",
     "render": "sandbox.picture.film",
     "rest": "sandbox.equilibria.rest",
     "rest_along": "sandbox.equilibria.branches",

@@ -114,7 +114,7 @@ def _overview() -> list[str]:
 def _elements() -> list[_Element]:
     """All elements, in the order of the reference."""
     from sandbox.elements.element import tag_of
-    from sandbox.scene.composite import registered
+    from sandbox.scene.document import registered
     from sandbox.scene.reference import ELEMENTS, PARTS, VALUES
 
     places = _places()

@@ -133,7 +133,7 @@ def read_elements(ctx: click.Context, param: click.Parameter, paths: Sequence[Pa
         SandboxError: a file cannot be read or run, or registers nothing.
     """
     if paths:
-        from sandbox.scene.composite import load_elements
+        from sandbox.scene.document import load_elements
 
         for path in paths:
             ctx.call_on_close(load_elements(path))

@@ -17,9 +17,9 @@ from sandbox.engine.world import span_table
 from sandbox.model.joints import place_in_slot
 from sandbox.model.model import Model
 from sandbox.numeric import Records
-from sandbox.scene.outlines import paths
+from sandbox.scene.outlines import curves
 
-ABSCISSAE, WEIGHTS = tuple(paths.ABSCISSAE.tolist()), tuple(paths.WEIGHTS.tolist())
+ABSCISSAE, WEIGHTS = tuple(curves.ABSCISSAE.tolist()), tuple(curves.WEIGHTS.tolist())
 """Quadrature of the arc lengths of spans."""
 
 

@@ -29,7 +29,7 @@ from sandbox.model.model import (
 from sandbox.model.ties import compile_ties
 from sandbox.scene.geometry import anchors, mass_properties, pose_of, to_body, to_world
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.outlines.paths import path_through
+from sandbox.scene.outlines.curves import path_through
 
 NAN = math.nan
 JOINT_COLUMNS: Mapping[str, Any] = {

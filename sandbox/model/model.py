@@ -23,7 +23,7 @@ from sandbox.model.laws import LoadLaw, SpringLaw
 from sandbox.model.ties import Ties
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.outlines.paths import Path
+from sandbox.scene.outlines.curves import Path
 
 NONE = -1
 """Stands for no element where the number of one is expected."""

@@ -14,7 +14,7 @@ import pytest
 import sandbox
 from sandbox.audit.audit import audit
 from sandbox.cli.entry import invoke
-from sandbox.scene.composite import load_elements, registered
+from sandbox.scene.document import load_elements, registered
 from sandbox.scene.reference import scene_schema
 
 PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "own_joint.md").read_text(encoding="utf-8")

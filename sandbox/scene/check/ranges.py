@@ -19,7 +19,7 @@ from sandbox.numeric import Array
 from sandbox.scene.bodies import SHAPES, Body, Polygon, Polyline
 from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.outlines.paths import path_through
+from sandbox.scene.outlines.curves import path_through
 from sandbox.scene.outlines.rings import Corner
 from sandbox.values.signals import AnySignal, Formula, Table, values
 from sandbox.values.tables import Tables

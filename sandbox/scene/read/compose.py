@@ -18,11 +18,12 @@ from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import ASSEMBLED, KEYS
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.origins import Composed, Origin, OriginMap, RefusedError
-from sandbox.scene.read.repeat import Copies, read_repeat
 from sandbox.scene.read.scopes import (
+    Copies,
     Parameters,
     Scope,
     plain_tables,
+    read_repeat,
     resolve_parameters,
     resolved_tables,
     unknown_key,
