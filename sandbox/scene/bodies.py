@@ -129,7 +129,7 @@ class Polygon(Spec):
         cls, holes: tuple[Ring, ...], info: ValidationInfo,
     ) -> tuple[Ring, ...]:
         outer = info.data.get("points")
-        if not holes or outer is None:  # what is wrong with the points was said
+        if not holes or outer is None:  # the points have a message of their own
             return holes
         found = next(((k, fault) for k, ring in enumerate(holes) if (fault := ring_fault(ring))),
                      None) or hole_fault(outer, holes)
@@ -202,12 +202,12 @@ class Capsule(Spec):
 
 SOUND = "an outline with an area that does not touch or cross itself"
 Solid = Circle | Box | Polygon | Capsule
-"""What is convex, of polygons those that are."""
+"""Convex shapes; a polygon may not be."""
 Shape = Circle | Box | Polygon | Capsule | Polyline
 WrittenShape = Annotated[
     Circle | Box | Polygon | Capsule | Polyline | SmoothCurve | DiscCam | Drawing,
     Field(discriminator="type")]
-"""What an author may write."""
+"""Shapes as an author writes them."""
 
 
 def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -> Shape:
@@ -387,7 +387,7 @@ class Material(Spec):
     """Fill in pictures of the bodies of this material, as a body's ``colour``."""
 
     @model_validator(mode="after")
-    def _rubs(self) -> Self:
+    def _consistent(self) -> Self:
         if self.static > 1 and not self.friction:
             raise WrongValueError("conflicting-keys", STATIC_OF_NOTHING)
         if self.skin and self.restitution:

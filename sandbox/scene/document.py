@@ -1,6 +1,6 @@
 """The Scene: a mechanism as its author wrote it, with parameters, templates and parts.
 
-Parts may be of types of one's own: classes that combine existing elements.
+Users may register further types of parts: classes that combine existing elements.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Plain geometry of elements: where things are at t = 0, and what a body weighs."""
+"""Plain geometry of elements: positions at t = 0, and masses of bodies."""
 
 from __future__ import annotations
 

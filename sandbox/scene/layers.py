@@ -1,7 +1,7 @@
 """The layers of a picture, one row each: what it shows, and whether it is on by default.
 
 Films, pages and the live view read them here. A scene's ``view.show`` and ``--show`` select them
-by :func:`parse_layers`; what is shown in the end is :func:`shown`.
+by :func:`parse_layers`; the result is :func:`shown`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Layer:
     """One kind of thing that a picture may show."""
 
     words: str
-    """What a switch for it is called."""
+    """The label of its switch."""
     about: str
     """What it shows."""
     default: bool = True
@@ -77,7 +77,7 @@ PASSES: Mapping[str, str] = {
     "told": "joints", "loads": "loads", "velocity": "velocity", "acceleration": "acceleration",
     "reactions": "reactions", "drives": "drives", "body_names": "body_names",
 }
-"""What is drawn of a run, back to front, each with its layer. Films and pages keep this order."""
+"""The drawing passes of a run, back to front, each with its layer, for films and pages."""
 EVERY = ("*",)
 """Patterns that mean all bodies."""
 BY_ROLE = "role:"
@@ -97,7 +97,7 @@ def parse_layers(value: Any) -> dict[str, tuple[str, ...]]:
             is shown, or a list of names and patterns of bodies. Of two words the later one counts.
 
     Raises:
-        WrongValueError: what is none of these, and unknown layers.
+        WrongValueError: another form, or unknown layers.
     """
     found: dict[str, tuple[str, ...]] = {}
     if isinstance(value, Mapping):
@@ -198,6 +198,6 @@ def meant(patterns: Iterable[str], bodies: Iterable[Body],
 
 
 def words_for(bodies: Sequence[Body], groups: Iterable[Group] = ()) -> list[str]:
-    """Every name, and every role as a pattern has it: what a pattern may be a slip of."""
+    """Every name, and every role as a pattern has it: candidates for near misses."""
     return [*(body.name for body in bodies), *(group.name for group in groups),
             *dict.fromkeys(BY_ROLE + body.role for body in bodies)]

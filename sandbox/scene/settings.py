@@ -112,7 +112,7 @@ class ContactRule(Spec):
     materials' ratios."""
 
     @model_validator(mode="after")
-    def _rubs(self) -> Self:
+    def _static_needs_friction(self) -> Self:
         if self.friction == 0 and (self.static or 1) > 1:
             raise WrongValueError("conflicting-keys", STATIC_OF_NOTHING)
         return self
@@ -157,7 +157,7 @@ STATISTICS = ("mean", "min", "max", "std", "final")
 ROUNDING = 1e-9
 """Two instants closer than this [s] are one."""
 WITHIN = "0.1 %"
-"""By how much an expectation's value may be off where nothing is said."""
+"""Default tolerance of an expectation."""
 
 
 class Looked(Spec):
@@ -197,7 +197,7 @@ class Looked(Spec):
         return str(getattr(self, self.key) if self.of is None else self.of)
 
     def past_end(self, duration: float) -> str:
-        """Why no run of a duration [s] has what is looked at; empty if it may have it."""
+        """Why no run of a duration [s] has this value; empty if it may have it."""
         start, end = self.over
         if self.at is not None and self.at > duration + ROUNDING:
             return f"the instant is {self.at:g} s, the run ends at {duration:g} s"

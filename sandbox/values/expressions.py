@@ -364,7 +364,7 @@ def _words(node: ast.expr) -> str:
 
 
 def _check_call(name: str, count: int, names: set[str]) -> None:
-    """Check a call's number of arguments; what is no function is a table's, of one."""
+    """Check a call's number of arguments; an unknown function is a table, of one argument."""
     if name not in FUNCTIONS:
         if count != 1 or name in RESERVED or "__" in name:
             raise _unknown_function(name, {})

@@ -102,7 +102,7 @@ def _computed(text: str, parameters: Mapping[str, float]) -> float:
 
 
 def wanted(dimension: str | None) -> str:
-    """What a number field takes, in words: ``"a number, or a string such as "12 mm""``."""
+    """Accepted values of a number field: ``"a number, or a string such as "12 mm""``."""
     units = units_of(dimension) if dimension else []
     return f'a number or a string with a unit such as "12 {units[0]}"' if units else "a number"
 
@@ -115,7 +115,7 @@ def parameters_of(info: ValidationInfo) -> Mapping[str, float]:
 def checked_expression(text: str, info: ValidationInfo) -> Expression:
     """The expression of a text, if all tables that it calls are the scene's.
 
-    Of what is validated by itself, without its scene, the tables are checked with the whole.
+    Without a validation context, tables are not checked.
 
     Raises:
         WrongValueError: not an expression, or a function that is not known.

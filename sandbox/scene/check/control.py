@@ -42,7 +42,7 @@ WHOLE = 1e-6
 def check_control(
     mechanism: Mechanism, assumed: Callable[[str], bool],
 ) -> Iterator[Problem]:
-    """Drives that nobody has or two write, rates that no step divides, events that cannot be.
+    """Unknown drives, drives of two controllers, rates that no step divides, impossible events.
 
     ``assumed`` are names that count as known although they were not read.
     """

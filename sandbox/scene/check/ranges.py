@@ -1,7 +1,7 @@
 """What follows from a mechanism's numbers must be a number that can be computed with, too.
 
 The range of a field is checked where it is read (:mod:`sandbox.values.units`). Here are the
-numbers that nobody wrote: masses of shapes, distances of corners, values of signals over time.
+derived numbers: masses of shapes, distances of corners, values of signals over time.
 """
 
 from __future__ import annotations

@@ -35,7 +35,7 @@ from sandbox.wording import NearMisses, is_pattern, listed, quoted
 def check_references(
     mechanism: Mechanism, *, assumed: Collection[str] = ()
 ) -> list[Problem]:
-    """Every name that leads nowhere, stands twice or means two things.
+    """Every name that is unknown, duplicate or ambiguous.
 
     Paths are those of the mechanism (``$.joints[3].a``). Names in ``assumed``,
     and what begins with one of them and a dot, count as known: they belong to
@@ -49,7 +49,7 @@ def check_references(
 def check_unread(
     unread: Mapping[str, Mapping[int, Any]], mechanism: Mechanism, assumed: Collection[str],
 ) -> Iterator[Problem]:
-    """Names that stand twice or lead nowhere in the data of elements that could not be read.
+    """Unknown and duplicate names in the data of elements that could not be read.
 
     ``unread`` has, for each kind, the data by its place in the list, of which the paths of problems
     are; ``mechanism`` lacks them. ``assumed`` is as in :func:`check_references`.
@@ -153,7 +153,7 @@ class _References:
             for end in (*(dot.start() for dot in re.finditer(r"\.", name)), len(name))))
 
     def names(self) -> Iterator[Problem]:
-        """Names that stand twice, or that read like another element's quantity."""
+        """Duplicate names, and names that are also another element's quantity."""
         first: dict[str, tuple[str, str]] = {}
         for kind in NAMED:
             for i, element in enumerate(getattr(self.mechanism, kind)):
@@ -174,7 +174,7 @@ class _References:
                                   allowed="another name")
 
     def elements(self) -> Iterator[Problem]:
-        """Elements that name what is not there, or that their own kind finds a fault in."""
+        """References to unknown elements, and problems of each kind of element."""
         owners: dict[tuple[object, ...], str] = {}
         for kind in KINDS:
             for i, element in enumerate(getattr(self.mechanism, kind)):

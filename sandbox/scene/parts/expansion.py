@@ -1,4 +1,4 @@
-"""What a part becomes: plain elements by kind, in order."""
+"""The expansion of a part: plain elements by kind, in order."""
 
 from __future__ import annotations
 
@@ -57,14 +57,14 @@ class Elements:
 
 @dataclass
 class PartError(Exception):
-    """What is wrong with one part; ``path`` of each problem starts at the part itself."""
+    """Problems of one part; their paths start at the part itself."""
 
     problems: list[Problem]
 
 
 @dataclass(frozen=True)
 class Known:
-    """What a part may refer to while it is expanded."""
+    """Elements and names that a part may refer to while it is expanded."""
 
     elements: Elements
     """All elements so far."""

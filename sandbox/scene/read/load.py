@@ -48,7 +48,7 @@ from sandbox.wording import kind_of, quoted
 FORMAT = 1
 """The version of the scene format that is read."""
 MOST_WRONG = 5_000
-"""Values that are explained one by one; nobody reads of more."""
+"""Values that are explained one by one."""
 LISTS = (*MECHANISM_LISTS, "parts")
 NAMED_OBJECTS = ("materials", "tables")
 """Objects of a scene whose entries are read one by one."""
@@ -256,7 +256,7 @@ class _Loading:
                                      f"{MOST_WRONG} are shown"), *problems])
                 return None
             self.report(each for each in problems if self._worth_reporting(each, data))
-            if not self.problems:  # what is left out must have been reported
+            if not self.problems:  # a problem left out must have been reported
                 self.report(problems)
             paths, unread = {parse_path(problem.path) for problem in problems}, True
             readable = _Readable(data, {path[:2] for path in paths} | self.ignored)
@@ -299,7 +299,7 @@ class _Loading:
         relocate = Relocation(mechanism, scene)
         too_large = check_limits(mechanism, self.limits)
         self.report(readable.located(relocate(problem)) for problem in too_large)
-        if too_large:  # what follows takes time and memory that grow with what is too large
+        if too_large:  # further checks would take too much time and memory
             return mechanism
         for problem in check_units(mechanism):  # without steps that an author may leave out
             found = readable.located(relocate(problem))

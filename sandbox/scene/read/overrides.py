@@ -25,7 +25,7 @@ _NOWHERE = Origin(SceneSource({}))
 def apply_overrides(
     data: dict[str, Any], overrides: Mapping[str, Any], *, nesting: int = 32
 ) -> tuple[dict[str, Any], set[JsonPath], list[Problem]]:
-    """A copy of ``data`` with the overrides, the paths they set, and what is wrong with them.
+    """A copy of ``data`` with the overrides, the paths they set, and their problems.
 
     A list's item is chosen by its index or its name: ``bodies[disc].mass``. A
     value given as text is JSON if it parses, else the text itself.

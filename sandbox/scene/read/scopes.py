@@ -1,4 +1,4 @@
-"""Names that hold in a piece of a scene: parameters, tables, the index of a ``repeat``; its copies."""
+"""Names in a piece of a scene: parameters, tables, the index of a ``repeat`` and its copies."""
 
 from __future__ import annotations
 
