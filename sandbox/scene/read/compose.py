@@ -17,7 +17,7 @@ from sandbox.elements.element import LISTS
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import ASSEMBLED, KEYS
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.origins import Composed, Origin, OriginMap, RefusedError
+from sandbox.scene.read.origins import Composed, Origin, RefusedError
 from sandbox.scene.read.scopes import (
     Copies,
     Parameters,
@@ -80,7 +80,7 @@ def compose(
 ) -> Composed:
     """Compose a scene's data, which may differ from its file's by overrides."""
     root = Origin(source)
-    made = Composed(data, OriginMap(root))
+    made = Composed(data, root)
     if any(_has_words(data.get(key)) for key in COMPOSED_LISTS):
         tables = data.get("tables")
         scope = Scope(parameters.values, tables=resolved_tables(tables, parameters.values))
@@ -107,7 +107,7 @@ def _has_words(value: Any) -> bool:
 
 
 def merged(
-    entry: Any, place: Origin, context: Context, places: OriginMap, near: NearMisses,
+    entry: Any, place: Origin, context: Context, places: Composed, near: NearMisses,
 ) -> Any:
     """An entry with the keys of the templates that it is like.
 
@@ -146,7 +146,7 @@ def merged(
 
 def _over(
     above: Mapping[str, Any], place: Origin, below: Mapping[str, Any], home: Origin,
-    places: OriginMap,
+    places: Composed,
 ) -> dict[str, Any]:
     """The keys of an object over those of another one, each with its place."""
     made: dict[str, Any] = {}
@@ -181,9 +181,6 @@ class _Composer:
     size: int = 0
     """Characters of the result, approximately."""
 
-    def __post_init__(self) -> None:
-        self.places = self.made.places
-
     # -- values -----------------------------------------------------------------------
 
     def scene(self, data: Mapping[str, Any], context: Context) -> None:
@@ -192,7 +189,7 @@ class _Composer:
         try:
             for key in COMPOSED_LISTS:
                 if isinstance(data.get(key), (list, dict)):
-                    self.put(out, key, data[key], self.places.root.to(key), context, (key,))
+                    self.put(out, key, data[key], self.made.root.to(key), context, (key,))
         except TooLargeError as error:
             self.made.failed = True
             self.made.problems.append(error.problem or self.top.problem(
@@ -200,7 +197,7 @@ class _Composer:
                 f"of {self.limits.file_bytes} bytes",
                 allowed="a larger one when the limit is raised"))
         if self.shared:
-            self.places.put(root, "tables", self.places.root.to("tables"))
+            self.made.put(root, "tables", self.made.root.to("tables"))
             root["tables"] = self.tables
 
     def put(
@@ -208,7 +205,7 @@ class _Composer:
         trail: JsonPath,
     ) -> None:
         """Compose a value into a container."""
-        self.places.put(container, step, place)
+        self.made.put(container, step, place)
         container[step] = self.value(value, place, context, trail)
 
     def value(self, value: Any, place: Origin, context: Context, trail: JsonPath) -> Any:
@@ -242,13 +239,13 @@ class _Composer:
             if key in left_out:
                 continue
             self.size += len(key)
-            at, name = self.places.at(value, key, place), key
+            at, name = self.made.at(value, key, place), key
             if context.scope.braces and "{" in key:
                 name = self.text(key, at, context, key=True)
             below = *trail, name
             try:
                 if materials:
-                    entry = merged(entry, at, context, self.places, self.near)
+                    entry = merged(entry, at, context, self.made, self.near)
                 self.put(out, name, entry, at, context, below)
             except RefusedError as error:
                 if not materials:
@@ -271,11 +268,11 @@ class _Composer:
             try:
                 if isinstance(item, dict):
                     inner = context.at(here)
-                    entry = merged(item, here, inner, self.places, self.near)
+                    entry = merged(item, here, inner, self.made, self.near)
                     self.copies(out, entry, here, inner, trail)
                 else:
                     if len(out) != number:
-                        self.places.put(out, len(out), here)
+                        self.made.put(out, len(out), here)
                     out.append(self.value(item, here, context, (*trail, len(out))))
             except RefusedError as error:
                 self.refuse(error, (*trail, len(out)))
@@ -290,7 +287,7 @@ class _Composer:
         if "repeat" not in item:
             self.append(out, self.entry(item, here, context, (*trail, len(out))), here)
             return
-        place = self.places.at(item, "repeat", here)
+        place = self.made.at(item, "repeat", here)
         repeat = read_repeat(item["repeat"], context.scope, self.limits, place)
         among = next((str(step) for step in reversed(trail) if isinstance(step, str)), "")
         self.check_length(len(out) + len(repeat.rows), among, place)
@@ -311,13 +308,13 @@ class _Composer:
         if not isinstance(entry, dict):
             return entry
         moved = repeat.moved(entry, number, among)
-        self.places.copy(entry, moved)
+        self.made.copy(entry, moved)
         return moved
 
     def entry(self, item: dict[str, Any], here: Origin, context: Context, trail: JsonPath) -> Any:
         """One copy of an entry."""
         if "each" in item and "repeat" in item:
-            return self.value(item["each"], self.places.at(item, "each", here), context, trail)
+            return self.value(item["each"], self.made.at(item, "each", here), context, trail)
         part = trail[-2:-1] == ("parts",)
         if part and "include" in item:
             out = self.included(item, here, context, trail)
@@ -330,7 +327,7 @@ class _Composer:
 
     def append(self, out: list[Any], value: Any, place: Origin) -> None:
         """Append an entry to a list whose indices may differ from those of the text."""
-        self.places.put(out, len(out), place)
+        self.made.put(out, len(out), place)
         out.append(value)
 
     def check_length(self, count: int, among: str, place: Origin) -> None:
@@ -344,7 +341,7 @@ class _Composer:
     def refuse(self, error: RefusedError, trail: JsonPath) -> None:
         """Report an entry that cannot be composed, once for all its copies."""
         self.made.broken.add(trail[:2])
-        if self.places.first(error.place):
+        if self.made.first(error.place):
             self.made.problems += error.problems
 
     # -- assemblies -------------------------------------------------------------------
@@ -357,11 +354,11 @@ class _Composer:
 
         ``included`` are the place of that scene, its own parameters, and its tables.
         """
-        given, at = item.get("parameters", {}), self.places.at(item, "parameters", here)
+        given, at = item.get("parameters", {}), self.made.at(item, "parameters", here)
         _check_object(given, at)
         root, defaults, tables = included or (here, {}, None)
         known = {} if included else context.scope.known
-        place = {name: self.places.at(given, name, at) for name in given}
+        place = {name: self.made.at(given, name, at) for name in given}
         for name in given:
             with place[name].refusing(key=True):
                 if included and name not in defaults:
@@ -400,7 +397,7 @@ class _Composer:
         self, item: dict[str, Any], here: Origin, context: Context, trail: JsonPath,
     ) -> dict[str, Any]:
         """An assembly with the content of a file."""
-        place, name = self.places.at(item, "include", here), item["include"]
+        place, name = self.made.at(item, "include", here), item["include"]
         with place.refusing():
             if item.get("type", "assembly") != "assembly":
                 raise WrongValueError("bad-include", "only an assembly includes a scene",
@@ -431,7 +428,7 @@ class _Composer:
                 tables, root, str(item.get("name", "")), replace(context, scope=scope)))
         inner = Context(scope, data.get("templates"), root.to("templates"), (*context.files, path))
         out: dict[str, Any] = {"type": "assembly"}
-        self.places.put(out, "type", here)
+        self.made.put(out, "type", here)
         for key in ASSEMBLED:
             if key in data and key not in item:
                 self.put(out, key, data[key], root.to(key), inner, (*trail, key))
@@ -456,7 +453,7 @@ class _Composer:
                 while new in self.tables:
                     new = f"{first}_{len(self.tables)}"
                 self.shared[key] = new
-                self.places.put(self.tables, new, place)
+                self.made.put(self.tables, new, place)
                 self.tables[new] = value
             found[table] = self.shared[key]
         return found

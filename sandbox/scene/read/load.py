@@ -27,7 +27,7 @@ from sandbox.scene.library import shipped_scenes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.compose import compose
 from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_parts, check_values
-from sandbox.scene.read.origins import Composed, Origin, OriginMap, Relocation
+from sandbox.scene.read.origins import Composed, Origin, Relocation
 from sandbox.scene.read.overrides import apply_overrides
 from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.scopes import (
@@ -213,7 +213,7 @@ class _Loading:
         data, self.overridden, problems = apply_overrides(
             data, overrides, nesting=self.limits.nesting)
         self.problems = dict.fromkeys(problems)
-        self.composed = Composed(data, OriginMap(Origin(self.source)))
+        self.composed = Composed(data, Origin(self.source))
         if self._too_large(data):
             return None
         self.parameters = resolve_parameters(
@@ -316,7 +316,7 @@ class _Loading:
         """Add problems of the data with their places in the file, of copies the first one's."""
         for found in problems:
             place = self.composed.place(parse_path(found.path))
-            if self.composed.places.first(place):
+            if self.composed.first(place):
                 self.add([place.located(found)])
 
     def add(self, problems: Iterable[Problem]) -> None:

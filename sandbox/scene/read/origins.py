@@ -87,44 +87,11 @@ class RefusedError(Exception):
 
 
 @dataclass
-class OriginMap:
-    """The children of containers that were written elsewhere than their container."""
-
-    root: Origin
-    moved: dict[tuple[int, str | int], Origin] = field(default_factory=dict)
-    """By the container's identity and the key or index in it."""
-    kept: dict[int, Any] = field(default_factory=dict)
-    """The containers, so that no other object takes the identity of one that is gone."""
-    reported: dict[tuple[str, JsonPath], Origin] = field(default_factory=dict)
-    """The copy of a place of which a problem was reported first."""
-
-    def first(self, place: Origin) -> bool:
-        """Whether no problem of another copy of a place was reported yet."""
-        return self.reported.setdefault((place.source.name, place.path), place) == place
-
-    def put(self, container: Any, step: str | int, place: Origin) -> None:
-        """Note where a child of a container was written."""
-        self.moved[id(container), step] = place
-        self.kept[id(container)] = container
-
-    def copy(self, container: Any, other: Any) -> None:
-        """Note the same places for another container with the same keys."""
-        for key in other if other is not container else ():
-            if (id(container), key) in self.moved:
-                self.put(other, key, self.moved[id(container), key])
-
-    def at(self, container: Any, step: str | int, place: Origin) -> Origin:
-        """Where a child of a container at a place was written, in the copy of that place."""
-        moved = self.moved.get((id(container), step))
-        return moved.copied(place) if moved else place.to(step)
-
-
-@dataclass
 class Composed:
-    """Composed data of a scene."""
+    """Composed data of a scene, and where its pieces were written."""
 
     data: dict[str, Any]
-    places: OriginMap
+    root: Origin
     problems: list[Problem] = field(default_factory=list)
     """Each with its place."""
     broken: set[JsonPath] = field(default_factory=set)
@@ -133,23 +100,50 @@ class Composed:
     """Whether the data is not worth validating."""
     files: tuple[Path, ...] = ()
     """Included files."""
+    moved: dict[int, tuple[Any, dict[str | int, Origin]]] = field(default_factory=dict)
+    """The children of containers that were written elsewhere than their container.
+
+    By its identity; the container is kept, so that no other object takes that.
+    """
+    reported: dict[tuple[str, JsonPath], Origin] = field(default_factory=dict)
+    """The copy of a place of which a problem was reported first."""
 
     @property
     def source(self) -> SceneSource:
         """The scene's own file."""
-        return self.places.root.source
+        return self.root.source
+
+    def first(self, place: Origin) -> bool:
+        """Whether no problem of another copy of a place was reported yet."""
+        return self.reported.setdefault((place.source.name, place.path), place) == place
+
+    def put(self, container: Any, step: str | int, place: Origin) -> None:
+        """Note where a child of a container was written."""
+        self.moved.setdefault(id(container), (container, {}))[1][step] = place
+
+    def copy(self, container: Any, other: Any) -> None:
+        """Note the same places for a copy of a container."""
+        self.moved[id(other)] = other, dict(self._of(container))
+
+    def at(self, container: Any, step: str | int, place: Origin) -> Origin:
+        """Where a child of a container at a place was written, in the copy of that place."""
+        moved = self._of(container).get(step)
+        return moved.copied(place) if moved else place.to(step)
 
     def place(self, path: JsonPath) -> Origin:
         """Where the value at a path of the data was written."""
-        place, value = self.places.root, cast(Any, self.data)
+        place, value = self.root, cast(Any, self.data)
         for step in path:
-            place = self.places.moved.get((id(value), step)) or place.to(step)
+            place = self._of(value).get(step) or place.to(step)
             value = value[step] if holds(value, step) else None
         return place
 
     def located(self, problem: Problem) -> Problem:
         """A problem of the data with its path, line and column in the file."""
         return self.place(parse_path(problem.path)).located(problem)
+
+    def _of(self, container: Any) -> dict[str | int, Origin]:
+        return self.moved[id(container)][1] if id(container) in self.moved else {}
 
 
 class Relocation:

@@ -9,7 +9,7 @@ from typing import Any
 
 from sandbox.errors import Problem
 from sandbox.scene.read.compose import Context, merged
-from sandbox.scene.read.origins import Origin, OriginMap, RefusedError
+from sandbox.scene.read.origins import Composed, Origin, RefusedError
 from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.scopes import Scope
 from sandbox.scene.read.source import SceneSource
@@ -112,7 +112,7 @@ def _inherited(data: dict[str, Any], taken: list[str | int]) -> Any:
         if depth == 1 and isinstance(value, dict):
             context = Context(Scope(), data.get("templates"), _NOWHERE)
             with contextlib.suppress(RefusedError):  # reading the scene reports it
-                value = merged(value, _NOWHERE, context, OriginMap(_NOWHERE), NearMisses())
+                value = merged(value, _NOWHERE, context, Composed({}, _NOWHERE), NearMisses())
     if not isinstance(value, list):
         raise WrongValueError("bad-override", f"there is no list {quoted(taken[-1])} there")
     return _copy(value)
