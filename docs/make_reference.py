@@ -34,9 +34,9 @@ from sandbox.scene.reference import (
     markdown,
     owners,
     quantity_rows,
+    scene_schema,
     summary,
 )
-from sandbox.scene.schema import scene_schema
 from sandbox.values.spec import Spec
 from sandbox.values.units import ANY, RANGES, units_of
 

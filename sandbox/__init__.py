@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     )
     from sandbox.picture.film import render
     from sandbox.recording.recording import Recording
-    from sandbox.scene.composite import Composite, register
+    from sandbox.scene.document import Composite, register
     from sandbox.scene.expand import expand
     from sandbox.scene.read.load import load_scene
     from sandbox.sweeps.sweep import sweep
@@ -42,7 +42,7 @@ __all__ = [
     "rest_along", "search", "simulate", "sweep", "to_pymunk",
 ]
 _HOMES = {
-    "sandbox.scene.composite": "Composite register",
+    "sandbox.scene.document": "Composite register",
     "sandbox.errors": "ControllerFailed Interrupted OutputError RecordingFull "
                       "SandboxError SceneError SimulationDiverged",
     "sandbox.elements.controllers.custom": "Custom StopRun",

@@ -54,15 +54,17 @@ from sandbox.scene.bodies import (
     Polyline,
     Skin,
 )
-from sandbox.scene.derived_shapes import DiscCam, Drawing, SmoothCurve
 from sandbox.scene.document import Assembly, Scene
-from sandbox.scene.events import Event
+from sandbox.scene.outlines.cams import DiscCam
+from sandbox.scene.outlines.curves import SmoothCurve
+from sandbox.scene.outlines.drawings import Drawing
 from sandbox.scene.parts.expansion import Leaf
 from sandbox.scene.parts.finger import Finger, FingerSprings, FingerTendon
 from sandbox.scene.parts.section import Section
 from sandbox.scene.parts.trees import PulleyTree, RockerTree
 from sandbox.scene.settings import (
     ContactRule,
+    Event,
     Expect,
     Group,
     Meter,

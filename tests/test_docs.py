@@ -28,7 +28,7 @@ from sandbox.cli.console import Exit
 from sandbox.cli.entry import invoke
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.schema import descriptions, scene_schema
+from sandbox.scene.reference import descriptions, scene_schema
 from sandbox.values.messages import fields_page
 
 from .golden.scenes import WHOLE

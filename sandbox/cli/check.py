@@ -48,7 +48,7 @@ def check(
     with --strict on warnings, too.
     """
     if schema:
-        from sandbox.scene.schema import scene_schema
+        from sandbox.scene.reference import scene_schema
         from sandbox.sweeps.spec import study_schema
 
         found = study_schema() if schema == "study" else scene_schema()

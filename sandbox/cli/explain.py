@@ -101,8 +101,7 @@ def _overview() -> list[str]:
 def elements() -> Iterator[_Element]:
     """All elements, in the order of the reference."""
     from sandbox.elements.element import tag_of
-    from sandbox.scene.composite import registered
-    from sandbox.scene.document import Scene
+    from sandbox.scene.document import Scene, registered
     from sandbox.scene.reference import ELEMENTS, PARTS, VALUES
 
     places: dict[type[Spec], tuple[str, str]] = {Scene: ("scene", "")}
@@ -199,7 +198,7 @@ def _table(word: str) -> list[str]:
     """The limits of scenes, or the layers of pictures."""
     from sandbox.scene.layers import LAYERS
     from sandbox.scene.read.limits import Limits
-    from sandbox.scene.schema import docstrings
+    from sandbox.scene.reference import docstrings
 
     if word == "limits":
         described = docstrings(Limits)

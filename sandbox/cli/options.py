@@ -126,7 +126,7 @@ def read_quantity(dimension: str | None) -> Callable[..., float | None]:
 def _read_elements(ctx: click.Context, param: click.Parameter, paths: Sequence[Path]) -> None:
     """Register the elements of files while the command runs."""
     if paths:
-        from sandbox.scene.composite import load_elements
+        from sandbox.scene.document import load_elements
 
         for path in paths:
             ctx.call_on_close(load_elements(path))

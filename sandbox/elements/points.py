@@ -31,7 +31,7 @@ from sandbox.values.numbers import (
     Torque,
 )
 from sandbox.values.spec import TYPE
-from sandbox.values.spline import check_distinct
+from sandbox.values.tables import check_distinct
 from sandbox.wording import WrongValueError, listed
 
 if TYPE_CHECKING:

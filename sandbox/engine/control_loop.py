@@ -16,7 +16,7 @@ from sandbox.elements.controllers.controller import Law
 from sandbox.engine.readings import Readings
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.numeric import Array
-from sandbox.values.closures import Read
+from sandbox.values.expressions import Read
 from sandbox.values.signals import AnySignal, Constant, Ramp, values
 from sandbox.values.tables import NONE, Tables
 

@@ -25,9 +25,9 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.narrow_phase import descend, on_span
 from sandbox.engine.records import GEAR, GROOVE, POINT, RACK
 from sandbox.numeric import Array, Records
-from sandbox.scene.outlines import paths
+from sandbox.scene.outlines import curves
 
-ABSCISSAE, WEIGHTS = tuple(paths.ABSCISSAE.tolist()), tuple(paths.WEIGHTS.tolist())
+ABSCISSAE, WEIGHTS = tuple(curves.ABSCISSAE.tolist()), tuple(curves.WEIGHTS.tolist())
 """Quadrature of the arc lengths of spans."""
 
 

@@ -20,8 +20,7 @@ from sandbox.scene.check.control import rate_problems
 from sandbox.scene.check.ranges import nothing_to_run
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.load import read_scene
-from sandbox.scene.read.sound import sound
+from sandbox.scene.read.load import read_scene, sound
 from sandbox.values.expressions import dotted, names_in, parse_expression
 from sandbox.values.signals import Constant, Ramp, Table
 from sandbox.wording import MOST_NAMED, NearMisses, listed, quoted

@@ -24,9 +24,9 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Outcome
 from sandbox.scene.check.control import check_control
 from sandbox.scene.document import Scene
-from sandbox.scene.events import Event
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.played import PLAYED, Input, Nudge, Setting, played, pushing_drives
+from sandbox.scene.settings import Event
 from sandbox.values.paths import parse_path
 from sandbox.values.units import in_range
 from sandbox.wording import WrongValueError, listed, near, quoted

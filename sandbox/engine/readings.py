@@ -18,7 +18,7 @@ from sandbox.engine.world import World
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.numeric import Array
 from sandbox.samples.contacts import Contacts
-from sandbox.values.closures import Read, closure
+from sandbox.values.expressions import Read, closure
 
 RESULTS: dict[tuple[str, str], tuple[str, str]] = {
     ("joint", "reaction_x"): ("joints", "fx"), ("joint", "reaction_y"): ("joints", "fy"),

@@ -55,7 +55,7 @@ from sandbox.samples.outcome import (
     Stop,
     step_notes,
 )
-from sandbox.values.closures import Read
+from sandbox.values.expressions import Read
 from sandbox.wording import WrongValueError, listed, near, quoted
 
 BLOCK = 256

@@ -23,8 +23,8 @@ from sandbox.errors import SimulationDiverged
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.samples.outcome import Happened, Stop
-from sandbox.scene.events import Event, first_step
-from sandbox.values.closures import Read
+from sandbox.scene.settings import Event, first_step
+from sandbox.values.expressions import Read
 
 NEVER = 1 << 62
 """A step that no run comes to."""

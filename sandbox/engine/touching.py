@@ -5,7 +5,7 @@ positive, and the step may close it and no more. What it was in the last step, i
 whether it slid, is found again by the two shapes and pymunk's number of the feature.
 
 Outlines that are not convex are several shapes to pymunk, whose seams are no surface: what it
-finds there is left out, by the normal (:mod:`sandbox.scene.outlines.pieces`). Of a curve the
+finds there is left out, by the normal (:mod:`sandbox.scene.outlines.rings`). Of a curve the
 pieces are polygons of chords; the contact itself is on the curve
 (:mod:`sandbox.engine.narrow_phase`).
 """

@@ -31,7 +31,7 @@ from sandbox.model.ties import compile_ties
 from sandbox.numeric import Integers
 from sandbox.scene.geometry import anchors, mass_properties, pose_of, to_body, to_world
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.outlines.paths import path_through
+from sandbox.scene.outlines.curves import path_through
 
 
 def compile_mechanism(mechanism: Mechanism) -> Model:

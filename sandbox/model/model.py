@@ -25,7 +25,7 @@ from sandbox.model.ties import Ties
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.geometry import Vec, to_world
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.outlines.paths import Path
+from sandbox.scene.outlines.curves import Path
 
 NONE = -1
 """Stands for no element where the number of one is expected."""

@@ -15,7 +15,7 @@ from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.bodies import Material
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import ContactRule
-from sandbox.values.planes import ALL
+from sandbox.values.appearance import ALL
 
 LARGE = 16
 """Share of all pairs, as 1 in so many, from which a rule is written by a mask of them all."""

@@ -15,7 +15,7 @@ from sandbox.picture.run_data import RunData
 from sandbox.picture.scales import NO_SCALE, ForceScale, Tensions, prefixed
 from sandbox.scene.layers import LAYERS, PASSES, Show, meant, shown
 from sandbox.scene.settings import View
-from sandbox.values.planes import depth
+from sandbox.values.appearance import depth
 
 BEHIND, ABOVE = -math.inf, math.inf
 """Planes behind all bodies and in front of them."""

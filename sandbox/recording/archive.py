@@ -42,13 +42,12 @@ from sandbox.errors import OutputError, SceneError
 from sandbox.numeric import Flags
 from sandbox.samples.outcome import Outcome, outcome_data, read_outcome
 from sandbox.samples.samples import Samples
+from sandbox.scene.check.control import check_units
 from sandbox.scene.check.ranges import check_ranges
 from sandbox.scene.check.references import check_references
-from sandbox.scene.check.units import check_units
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_values
 from sandbox.scene.read.positions import half_character
-from sandbox.scene.read.scopes import check_tables
 from sandbox.scene.read.source import parse_source
 from sandbox.values.messages import explain
 from sandbox.wording import quoted
@@ -277,10 +276,11 @@ class _Reading:
             data = parse_source(text, limits=LIMITS).data
             problems = [*check_lists(data, LIMITS), *check_values(data, LIMITS)]
             if not problems:
-                mechanism = Mechanism.model_validate(data)
+                mechanism = Mechanism.model_validate(data, context={
+                    "parameters": resolved_tables(data.get("tables"), {})})
                 problems = check_limits(mechanism, LIMITS) or [
                     *check_units(mechanism), *check_references(mechanism),
-                    *check_tables(mechanism), *check_ranges(mechanism)]
+                    *check_ranges(mechanism)]
         except SceneError as error:
             problems = error.problems
         except ValidationError as error:

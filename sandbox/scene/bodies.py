@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -19,35 +19,20 @@ from pydantic import (
 from sandbox.elements.element import Placed
 from sandbox.errors import SceneError
 from sandbox.numeric import Array
-from sandbox.scene.derived_shapes import DiscCam, Drawing, SmoothCurve
-from sandbox.scene.outlines.cams import cam_nodes
-from sandbox.scene.outlines.curves import flattened, is_straight, turned
-from sandbox.scene.outlines.drawings import curves_of, own_file
-from sandbox.scene.outlines.pieces import MOST_CORNERS as PIECE_CORNERS
-from sandbox.scene.outlines.pieces import CutError, pieces_of
-from sandbox.scene.outlines.rings import Ring, hole_fault, is_convex, ring_fault
-from sandbox.values.colours import FillColour
-from sandbox.values.numbers import (
-    Angle,
-    AngularSpeed,
-    Coordinate,
-    Damping,
-    Density,
-    Distance,
-    Flag,
-    Inertia,
-    Items,
-    Length,
-    Mass,
-    Name,
-    Pair,
-    Point,
-    Ratio,
-    Share,
-    Speed,
-    Stiffness,
+from sandbox.scene.outlines.cams import DiscCam, cam_nodes
+from sandbox.scene.outlines.curves import SmoothCurve, flattened, is_straight, turned
+from sandbox.scene.outlines.drawings import Drawing, curves_of, own_file
+from sandbox.scene.outlines.rings import (
+    PIECE_CORNERS,
+    CutError,
+    Ring,
+    hole_fault,
+    is_convex,
+    pieces_of,
+    ring_fault,
 )
-from sandbox.values.planes import Planes
+from sandbox.values import numbers as of
+from sandbox.values.appearance import FillColour, Planes
 from sandbox.values.signals import Path
 from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError
@@ -57,9 +42,9 @@ class Circle(Spec):
     """A disc."""
 
     type: Literal["circle"] = TYPE
-    radius: Length
+    radius: of.Length
     """Its radius [m]."""
-    at: Point = (0.0, 0.0)
+    at: of.Point = (0.0, 0.0)
     """Its centre in the body's frame [m]."""
 
 
@@ -67,11 +52,11 @@ class Box(Spec):
     """A rectangle about ``at``, turned by ``angle`` in the body's frame."""
 
     type: Literal["box"] = TYPE
-    size: Pair[Length]
+    size: of.Pair[of.Length]
     """[width, height] along its own x and y [m]."""
-    at: Point = (0.0, 0.0)
+    at: of.Point = (0.0, 0.0)
     """Its centre in the body's frame [m]."""
-    angle: Annotated[Angle, Placed("sign")] = 0.0
+    angle: Annotated[of.Angle, Placed("sign")] = 0.0
     """Its turn against the body's frame [rad], counter-clockwise."""
 
 
@@ -79,10 +64,10 @@ SHAPES = ("shapes", "displaces")
 """Of a body the fields that hold outlines."""
 MOST_CORNERS = 2000
 """Of a polygon, those of its holes among them; of a polyline."""
-Outline = Annotated[Items[Point], Field(min_length=3, max_length=MOST_CORNERS)]
+Outline = Annotated[of.Items[of.Point], Field(min_length=3, max_length=MOST_CORNERS)]
 
 
-Nodes = tuple[tuple[tuple[Coordinate, Coordinate, float, float], ...], ...]
+Nodes = tuple[tuple[tuple[of.Coordinate, of.Coordinate, float, float], ...], ...]
 AT_CORNER = 1e-6
 """How far a node may be from a corner of its outline, as a share of the outline's size."""
 
@@ -118,7 +103,7 @@ class Polygon(Spec):
     points: Outline
     """Its corners in the body's frame [m], one after the other, clockwise or counter-clockwise; the
     outline may not touch or cross itself."""
-    holes: Annotated[Items[Outline], Field(max_length=MOST_CORNERS)] = ()
+    holes: Annotated[of.Items[Outline], Field(max_length=MOST_CORNERS)] = ()
     """Outlines of its holes, separate and inside the outline; corners as in ``points``."""
     nodes: Annotated[Nodes, Placed("nodes")] = ()
     """The true curves of the outline and of each hole, if it was worked out from a curve, a cam or
@@ -144,7 +129,7 @@ class Polygon(Spec):
         cls, holes: tuple[Ring, ...], info: ValidationInfo,
     ) -> tuple[Ring, ...]:
         outer = info.data.get("points")
-        if not holes or outer is None:  # what is wrong with the points was said
+        if not holes or outer is None:  # the points have a message of their own
             return holes
         found = next(((k, fault) for k, ring in enumerate(holes) if (fault := ring_fault(ring))),
                      None) or hole_fault(outer, holes)
@@ -182,16 +167,16 @@ class Polyline(Spec):
     """
 
     type: Literal["polyline"] = TYPE
-    points: Annotated[Items[Point], Field(min_length=2, max_length=MOST_CORNERS)]
+    points: Annotated[of.Items[of.Point], Field(min_length=2, max_length=MOST_CORNERS)]
     """Its corners and ends; closed if the last point equals the first."""
-    radius: Distance = 0.0
+    radius: of.Distance = 0.0
     """Distance of its surface from the line through its points."""
     nodes: Annotated[Nodes, Placed("nodes")] = ()
     """The true curve, if the polyline was worked out from one; as of a polygon."""
 
     @field_validator("points")
     @classmethod
-    def _apart(cls, points: tuple[Point, ...]) -> tuple[Point, ...]:
+    def _apart(cls, points: tuple[of.Point, ...]) -> tuple[of.Point, ...]:
         for i, (one, two) in enumerate(pairwise(points)):
             if one == two:
                 raise WrongValueError("bad-outline", f"points {i} and {i + 1} are the same point")
@@ -207,26 +192,30 @@ class Capsule(Spec):
     """A segment from ``start`` to ``end`` with a radius: a phalanx."""
 
     type: Literal["capsule"] = TYPE
-    start: Point = (0.0, 0.0)
+    start: of.Point = (0.0, 0.0)
     """Centre of one round end, in the body's frame [m]."""
-    end: Point
+    end: of.Point
     """Centre of the other round end, in the body's frame [m]."""
-    radius: Length
+    radius: of.Length
     """Half its thickness, and the radius of its ends [m]."""
 
 
 SOUND = "an outline with an area that does not touch or cross itself"
 Solid = Circle | Box | Polygon | Capsule
-"""What is convex, of polygons those that are."""
+"""Convex shapes; a polygon may not be."""
 Shape = Circle | Box | Polygon | Capsule | Polyline
 WrittenShape = Annotated[
     Circle | Box | Polygon | Capsule | Polyline | SmoothCurve | DiscCam | Drawing,
     Field(discriminator="type")]
-"""What an author may write."""
+"""Shapes as an author writes them."""
 
 
 def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -> Shape:
-    """The polygon or polyline of what is one once it is worked out; any other shape as it is."""
+    """The polygon or polyline of a shape that is derived; any other shape as it is.
+
+    Raises:
+        WrongValueError: it is not sound.
+    """
     if not isinstance(shape, DiscCam | Drawing | SmoothCurve):
         return shape
     if isinstance(shape, DiscCam):
@@ -234,7 +223,9 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
     elif isinstance(shape, SmoothCurve):
         rings, turn = [shape.curve()], shape.angle
     else:
-        rings, turn = _drawn(shape, info.context or {}), shape.angle
+        text = own_file((info.context or {}).get("folder"), shape.file)
+        rings, turn = curves_of(shape.file, text, unit=shape.unit, layer=shape.layer,
+                                tolerance=shape.tolerance), shape.angle
     rings = [turned(nodes, turn, shape.at) for nodes in rings]
     closed = not isinstance(shape, SmoothCurve) or shape.closed
     flat = _flat(rings, shape.tolerance, closed=closed)
@@ -242,17 +233,17 @@ def made(shape: Shape | DiscCam | Drawing | SmoothCurve, info: ValidationInfo) -
     if not all(map(is_straight, rings)):
         nodes = tuple(tuple((x, y, way, bend) for x, y, way, bend in each.tolist())
                       for each in rings)
-    found = _worked_out(flat, nodes, closed=closed, radius=getattr(shape, "radius", 0.0))
-    if isinstance(shape, DiscCam) and isinstance(found, Polygon):
+    try:
+        if isinstance(shape, SmoothCurve) and not closed:
+            return Polyline(points=flat[0], radius=shape.radius, nodes=nodes)
+        found = Polygon(points=flat[0], holes=tuple(flat[1:]), nodes=nodes)
+    except SceneError as error:
+        # corners of chords are not those that the author wrote: the place is enough
+        raise WrongValueError("bad-outline", error.problems[0].message.partition(", where")[0],
+                              allowed=SOUND) from None
+    if isinstance(shape, DiscCam):
         found._swing = shape.curve().swing()
     return found
-
-
-def _drawn(shape: Drawing, context: Mapping[str, Any]) -> list[Array]:
-    """Nodes of the outline and holes of a drawing, of the files that a scene was given with."""
-    text = own_file(context.get("folder"), shape.file)
-    return curves_of(shape.file, text, unit=shape.unit, layer=shape.layer,
-                     tolerance=shape.tolerance)
 
 
 def _flat(curves: list[Array], tolerance: float, *, closed: bool) -> list[Ring]:
@@ -275,22 +266,6 @@ def _flat(curves: list[Array], tolerance: float, *, closed: bool) -> list[Ring]:
                           f"{wider:.3g} m")
 
 
-def _worked_out(rings: list[Ring], nodes: Nodes, *, closed: bool, radius: float) -> Shape:
-    """A polygon or polyline that was worked out, if it is sound.
-
-    Raises:
-        WrongValueError: it is not.
-    """
-    try:
-        if not closed:
-            return Polyline(points=rings[0], radius=radius, nodes=nodes)
-        return Polygon(points=rings[0], holes=tuple(rings[1:]), nodes=nodes)
-    except SceneError as error:
-        # corners of chords are not those that the author wrote: the place is enough
-        raise WrongValueError("bad-outline", error.problems[0].message.partition(", where")[0],
-                              allowed=SOUND) from None
-
-
 if TYPE_CHECKING:
     BodyShape = Shape
 else:
@@ -305,39 +280,39 @@ class Body(Spec):
     and inertia follow from the shapes (uniform mass over their area) unless given.
     """
 
-    name: Name
+    name: of.Name
     """Its name; quantities are ``<name>.x``, ``<name>.angle`` and so on."""
-    at: Annotated[Point, Placed("place")] = (0.0, 0.0)
+    at: Annotated[of.Point, Placed("place")] = (0.0, 0.0)
     """Origin of the body's frame in the world at t = 0 [m]."""
-    angle: Annotated[Angle, Placed("turn")] = 0.0
+    angle: Annotated[of.Angle, Placed("turn")] = 0.0
     """Turn of the body's frame against the world at t = 0 [rad], counter-clockwise."""
     motion: Literal["dynamic", "fixed", "scheduled"] = "dynamic"
     """``dynamic`` moves by forces, ``fixed`` does not move, ``scheduled`` follows its ``path``
     regardless of forces."""
     path: Annotated[Path | None, Placed("kept")] = None
     """Pose over time; required for ``"motion": "scheduled"``, and only allowed there."""
-    shapes: Items[BodyShape] = ()
+    shapes: of.Items[BodyShape] = ()
     """Its shapes in its frame: outlines for contacts and pictures and, by default, mass
     distribution. A body without shapes touches nothing."""
-    displaces: Items[BodyShape] = ()
+    displaces: of.Items[BodyShape] = ()
     """Shapes that displace liquid (load ``buoyancy``), in its frame; by default its ``shapes``. A
     bin of three walls floats by one polygon around it. They touch and weigh nothing."""
-    mass: Mass | None = None
+    mass: of.Mass | None = None
     """Mass [kg]; a dynamic body has either this or ``density``."""
-    density: Density | None = None
+    density: of.Density | None = None
     """Mass per volume [kg/m^3]; with the shapes' areas and ``thickness`` it gives the mass."""
-    thickness: Annotated[Length, Placed("kept")] = 0.01
+    thickness: Annotated[of.Length, Placed("kept")] = 0.01
     """Depth across the plane [m]; used with ``density`` and in a liquid only."""
-    centre: Point | None = None
+    centre: of.Point | None = None
     """Centre of mass in the body's frame [m]; by default that of the shapes' area."""
-    inertia: Inertia | None = None
+    inertia: of.Inertia | None = None
     """Moment of inertia about the centre of mass [kg m^2]; by default the mass spread evenly over
     the shapes' area."""
-    velocity: Annotated[Pair[Speed], Placed("vector")] = (0.0, 0.0)
+    velocity: Annotated[of.Pair[of.Speed], Placed("vector")] = (0.0, 0.0)
     """Velocity [x, y] of the centre of mass at t = 0, in the world [m/s]."""
-    angular_velocity: Annotated[AngularSpeed, Placed("sign")] = 0.0
+    angular_velocity: Annotated[of.AngularSpeed, Placed("sign")] = 0.0
     """Angular velocity at t = 0 [rad/s], counter-clockwise."""
-    material: Name | None = None
+    material: of.Name | None = None
     """Name of one of the scene's ``materials``; without one, friction is 0.5 and restitution 0."""
     plane: Planes = (0,)
     """Plane number: bodies of different planes do not touch, whatever contact rules say; higher
@@ -349,7 +324,7 @@ class Body(Spec):
     colour: FillColour | None = None
     """Its fill in pictures: white, grey, black, blue, teal, green, yellow, orange, red, pink,
     purple, brown, or ``"#f5c542"``; by default that of its material, else that of its role."""
-    fill: Flag = True
+    fill: of.Flag = True
     """False draws only the outline; a circle whose radius a drive changes stays filled."""
 
     @model_validator(mode="after")
@@ -385,11 +360,11 @@ class Skin(Spec):
     contact that sticks gives way by two thirds of both. Two skins act in series.
     """
 
-    stiffness: Stiffness = Field(gt=0)
+    stiffness: of.Stiffness = Field(gt=0)
     """Normal force per depth of each contact point [N/m]."""
-    damping: Damping = 0.0
+    damping: of.Damping = 0.0
     """Force per rate of the depth [N s/m]; 0 by default."""
-    thickness: Length | None = None
+    thickness: of.Length | None = None
     """Depth at which the layer is squeezed to nothing [m]; the audit warns beyond it."""
 
 
@@ -399,11 +374,11 @@ class Material(Spec):
     Friction, static and restitution of a pair are the geometric means of the two.
     """
 
-    friction: Ratio = 0.5
+    friction: of.Ratio = 0.5
     """Coulomb coefficient, 0 or more, of two surfaces of this material."""
-    static: Ratio = Field(default=1.0, ge=1)
+    static: of.Ratio = Field(default=1.0, ge=1)
     """Ratio of static to sliding friction, 1 or more; 1 by default."""
-    restitution: Share = 0.0
+    restitution: of.Share = 0.0
     """Rebound speed over approach speed of two surfaces of this material: 0 does not bounce, 1
     loses nothing."""
     skin: Skin | None = None
@@ -412,7 +387,7 @@ class Material(Spec):
     """Fill in pictures of the bodies of this material, as a body's ``colour``."""
 
     @model_validator(mode="after")
-    def _rubs(self) -> Self:
+    def _consistent(self) -> Self:
         if self.static > 1 and not self.friction:
             raise WrongValueError("conflicting-keys", STATIC_OF_NOTHING)
         if self.skin and self.restitution:

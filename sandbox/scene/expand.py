@@ -24,7 +24,7 @@ def expand(scene: Scene) -> Mechanism:
 
     Raises:
         SceneError: a part that names something unknown, or that cannot be built;
-            every such problem, with the part's path. What is no scene.
+            every such problem, with the part's path; or not a scene.
     """
     if not isinstance(scene, Scene):
         raise SceneError([Problem("bad-argument", f"{quoted(scene)} is no scene", "scene",

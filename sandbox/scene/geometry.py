@@ -1,4 +1,4 @@
-"""Plain geometry of elements: where things are at t = 0, and what a body weighs."""
+"""Plain geometry of elements: positions at t = 0, and masses of bodies."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ from sandbox.elements.registry import Joint
 from sandbox.numeric import Array
 from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Polyline, Shape, Solid
 from sandbox.scene.outlines.curves import reversed_nodes
-from sandbox.scene.outlines.pieces import chain_faces, pieces_of
-from sandbox.scene.outlines.rings import signed_area, wound
+from sandbox.scene.outlines.rings import chain_faces, pieces_of, signed_area, wound
 
 Vec = tuple[float, float]
 Pose = tuple[float, float, float]
@@ -65,7 +64,7 @@ def corners(shape: Box | Polygon) -> list[Vec]:
 def solids(shape: Shape) -> tuple[tuple[Solid, Array | None], ...]:
     """The convex shapes that make up a shape, each with the arcs of normals that are its surface.
 
-    Arcs are those of :class:`sandbox.scene.outlines.pieces.Piece`; None where all of it is surface.
+    Arcs are those of :class:`sandbox.scene.outlines.rings.Piece`; None where all of it is surface.
     """
     if isinstance(shape, Polyline):
         return tuple(
@@ -98,12 +97,9 @@ def count_solids(body: Body) -> int:
 
 def outline(shape: Shape) -> list[Vec]:
     """Points whose bounds hold the shape, in the body's frame [m]."""
-    if isinstance(shape, (Box, Polygon)):
-        return corners(shape)
-    centres = ([shape.at] if isinstance(shape, Circle) else
-               shape.points if isinstance(shape, Polyline) else [shape.start, shape.end])
-    r = shape.radius
-    return [(x + dx, y + dy) for x, y in centres for dx in (-r, r) for dy in (-r, r)]
+    points, r = (shape.points, shape.radius) if isinstance(shape, Polyline) else core(shape)
+    return [(x + dx, y + dy) for x, y in points for dx in (-r, r) for dy in (-r, r)] if r else \
+        list(points)
 
 
 def _edges(points: list[Vec]) -> Iterable[tuple[Vec, Vec]]:

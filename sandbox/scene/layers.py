@@ -1,7 +1,7 @@
 """The layers of a picture, one row each: what it shows, and whether it is on by default.
 
 Films, pages and the live view read them here. A scene's ``view.show`` and ``--show`` select them
-by :func:`parse_layers`; what is shown in the end is :func:`shown`.
+by :func:`parse_layers`; the result is :func:`shown`.
 """
 
 from __future__ import annotations
@@ -10,12 +10,16 @@ import fnmatch
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Protocol
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, WithJsonSchema
 
 from sandbox.values.numbers import Written
 from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
+
+if TYPE_CHECKING:
+    from sandbox.scene.bodies import Body
+    from sandbox.scene.settings import Group
 
 
 @dataclass(frozen=True)
@@ -23,7 +27,7 @@ class Layer:
     """One kind of thing that a picture may show."""
 
     words: str
-    """What a switch for it is called."""
+    """The label of its switch."""
     about: str
     """What it shows."""
     default: bool = True
@@ -73,7 +77,7 @@ PASSES: Mapping[str, str] = {
     "told": "joints", "loads": "loads", "velocity": "velocity", "acceleration": "acceleration",
     "reactions": "reactions", "drives": "drives", "body_names": "body_names",
 }
-"""What is drawn of a run, back to front, each with its layer. Films and pages keep this order."""
+"""The drawing passes of a run, back to front, each with its layer, for films and pages."""
 EVERY = ("*",)
 """Patterns that mean all bodies."""
 BY_ROLE = "role:"
@@ -93,7 +97,7 @@ def parse_layers(value: Any) -> dict[str, tuple[str, ...]]:
             is shown, or a list of names and patterns of bodies. Of two words the later one counts.
 
     Raises:
-        WrongValueError: what is none of these, and unknown layers.
+        WrongValueError: another form, or unknown layers.
     """
     found: dict[str, tuple[str, ...]] = {}
     if isinstance(value, Mapping):
@@ -119,18 +123,16 @@ FORMS = 'a list of layers such as ["traces", "-contacts"], or an object such as 
 
 def _layers(word: Any) -> list[str]:
     """The layers that a word means."""
+    known = [*LAYERS, WHOLE]
+    allowed = listed(known, most=len(known))
     if word == WHOLE:
         return list(LAYERS)
     if word in LAYERS:
         return [word]
     if not isinstance(word, str):
-        raise WrongValueError("wrong-type", f"{kind_of(word)} is no layer", allowed=_all())
-    raise WrongValueError("not-allowed", f"there is no layer named {quoted(word)}", allowed=_all(),
-                          hint=near(word, [*LAYERS, WHOLE], cutoff=0.5))
-
-
-def _all() -> str:
-    return listed([*LAYERS, WHOLE], most=len(LAYERS) + 1)
+        raise WrongValueError("wrong-type", f"{kind_of(word)} is no layer", allowed=allowed)
+    raise WrongValueError("not-allowed", f"there is no layer named {quoted(word)}",
+                          allowed=allowed, hint=near(word, known, cutoff=0.5))
 
 
 def _patterns(layer: str, of: Any) -> tuple[str, ...]:
@@ -151,9 +153,7 @@ def _patterns(layer: str, of: Any) -> tuple[str, ...]:
 def shown(show: Show, *, traced: bool) -> dict[str, tuple[str, ...]]:
     """The layers of a picture, each with patterns of the bodies that it is shown of.
 
-    Args:
-        show: the selection, from :func:`parse_layers`.
-        traced: whether the scene names points whose ways are drawn.
+    ``show`` is from :func:`parse_layers`; ``traced`` means that the scene names points to trace.
     """
     default = {name: EVERY for name, layer in LAYERS.items()
                if layer.default or (name == "traces" and traced)}
@@ -181,32 +181,8 @@ ShownLayers = Annotated[Written[dict[str, tuple[str, ...]]], BeforeValidator(_re
 """Of each layer that is named the patterns of bodies that it is shown of; none hides it."""
 
 
-class NamedBody(Protocol):
-    """What a pattern of bodies looks at."""
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-
-    @property
-    def role(self) -> str:
-        """What it is to a reader."""
-
-
-class NamedGroup(Protocol):
-    """Bodies that a pattern may name together."""
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-
-    @property
-    def bodies(self) -> tuple[str, ...]:
-        """Their names."""
-
-
-def meant(patterns: Iterable[str], bodies: Iterable[NamedBody],
-          groups: Iterable[NamedGroup] = ()) -> list[int]:
+def meant(patterns: Iterable[str], bodies: Iterable[Body],
+          groups: Iterable[Group] = ()) -> list[int]:
     """The numbers of the bodies that one of the patterns fits, in order.
 
     A pattern is held against names, of bodies and of ``groups``, one that begins with
@@ -221,7 +197,7 @@ def meant(patterns: Iterable[str], bodies: Iterable[NamedBody],
             or any(test(body.role if by_role else body.name) for by_role, test in tests)]
 
 
-def words_for(bodies: Sequence[NamedBody], groups: Iterable[NamedGroup] = ()) -> list[str]:
-    """Every name, and every role as a pattern has it: what a pattern may be a slip of."""
+def words_for(bodies: Sequence[Body], groups: Iterable[Group] = ()) -> list[str]:
+    """Every name, and every role as a pattern has it: candidates for near misses."""
     return [*(body.name for body in bodies), *(group.name for group in groups),
             *dict.fromkeys(BY_ROLE + body.role for body in bodies)]

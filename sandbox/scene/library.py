@@ -85,12 +85,14 @@ def find_scene(name_or_path: str | Path) -> Path:
         f"there is no file {quoted(text)} and no shipped scene of that name"
     raise SceneError([Problem(
         "file-not-found", wrong, path="", allowed=f"a path, or one of {listed(scenes)}",
-        hint=near(path.name, _beside(path)) or near(path.stem, scenes))])
+        hint=near(path.name, [each.name for each in scenes_beside(path)])
+        or near(path.stem, scenes))])
 
 
-def _beside(path: Path) -> list[str]:
-    """Names of the scenes' files in the folder of a path."""
+def scenes_beside(path: Path) -> list[Path]:
+    """The scenes' files in the folder of a path."""
     try:
-        return sorted(each.name for each in path.parent.glob("*.json"))
-    except OSError:
+        return sorted(each for each in path.parent.glob("*.json")
+                      if not each.name.endswith(".schema.json"))
+    except (OSError, ValueError):
         return []

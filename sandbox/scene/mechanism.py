@@ -11,9 +11,8 @@ from sandbox.elements.registry import Controller, Drive, Joint
 from sandbox.elements.springs import Spring
 from sandbox.elements.tendons import Tendon
 from sandbox.scene.bodies import Body, Material
-from sandbox.scene.events import Event
 from sandbox.scene.geometry import anchors, pose_of, to_world
-from sandbox.scene.settings import ContactRule, Expect, Group, Meter, Run, View
+from sandbox.scene.settings import ContactRule, Event, Expect, Group, Meter, Run, View
 from sandbox.values.numbers import Acceleration, Items, Name, Pair
 from sandbox.values.spec import Spec
 from sandbox.values.tables import NamedTable, TableName, Tables, tables_of

@@ -14,8 +14,8 @@ from sandbox.elements.element import NAMED
 from sandbox.elements.element_drives import ForceDrive
 from sandbox.elements.registry import Drive
 from sandbox.scene.check.control import check_control
-from sandbox.scene.events import Event
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.settings import Event
 from sandbox.values.paths import parse_path
 
 HAND = "hand"

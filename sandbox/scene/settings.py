@@ -1,13 +1,13 @@
-"""What is not a part of the machine: run, contact rules, meters, expectations, view, groups."""
+"""Models beside the machine: run, contact rules, meters, expectations, events, view, groups."""
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     BeforeValidator,
     Field,
-    GetJsonSchemaHandler,
     ModelWrapValidatorHandler,
     PrivateAttr,
     ValidationInfo,
@@ -16,9 +16,8 @@ from pydantic import (
     field_validator,
     model_validator,
 )
-from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema
 
+from sandbox.elements.controllers.controller import bound
 from sandbox.elements.element import BODY, BodyName
 from sandbox.scene.bodies import STATIC_OF_NOTHING
 from sandbox.scene.layers import ShownLayers
@@ -41,7 +40,7 @@ from sandbox.values.numbers import (
     number_from,
     parameters_of,
 )
-from sandbox.values.spec import Spec
+from sandbox.values.spec import Spec, TextFor
 from sandbox.wording import WrongValueError
 
 RETIRED = ("iterations", "slop")
@@ -113,7 +112,7 @@ class ContactRule(Spec):
     materials' ratios."""
 
     @model_validator(mode="after")
-    def _rubs(self) -> Self:
+    def _static_needs_friction(self) -> Self:
         if self.friction == 0 and (self.static or 1) > 1:
             raise WrongValueError("conflicting-keys", STATIC_OF_NOTHING)
         return self
@@ -158,7 +157,7 @@ STATISTICS = ("mean", "min", "max", "std", "final")
 ROUNDING = 1e-9
 """Two instants closer than this [s] are one."""
 WITHIN = "0.1 %"
-"""By how much an expectation's value may be off where nothing is said."""
+"""Default tolerance of an expectation."""
 
 
 class Looked(Spec):
@@ -198,7 +197,7 @@ class Looked(Spec):
         return str(getattr(self, self.key) if self.of is None else self.of)
 
     def past_end(self, duration: float) -> str:
-        """Why no run of a duration [s] has what is looked at; empty if it may have it."""
+        """Why no run of a duration [s] has this value; empty if it may have it."""
         start, end = self.over
         if self.at is not None and self.at > duration + ROUNDING:
             return f"the instant is {self.at:g} s, the run ends at {duration:g} s"
@@ -282,6 +281,74 @@ class Expect(Looked):
         return low, high
 
 
+def _listed(value: object) -> object:
+    return [value] if isinstance(value, str) else value
+
+
+Names = Annotated[Items[Name], BeforeValidator(_listed, json_schema_input_type=(
+    Name | tuple[Name, ...]))]
+"""One name or several."""
+
+
+class Event(Spec):
+    """Sets drives, switches controllers, releases or engages elements, or stops the run.
+
+    It happens at most once. An event without actions marks an instant in plots and pages. For a
+    push, set a force drive of value 0 for a while; to lock and free a joint, set its brake.
+    """
+
+    name: Name
+    """Its name in the result."""
+    at: Instant | None = None
+    """When it happens [s]: before the first step whose forces act at or after it."""
+    when: str | None = None
+    """A condition of quantities, such as ``"=finger.mcp.angle > 0.5"``; instead of ``at``."""
+    after: Instant = 0.0
+    """Earliest time for ``when`` [s]."""
+    rate: Frequency | None = None
+    """How often ``when`` is looked at [Hz]; by default 1 kHz as a controller's rate."""
+    set: dict[str, Quantity] = Field(default_factory=dict)
+    """Drive, ``<controller>.target`` or ``<controller>.active`` (0 or 1) to its new value, in the
+    unit of each."""
+    release: Names = ()
+    """Joints, springs and tendons to release: they carry no load and are not drawn. With a pin its
+    stops, damping, springs and drives are released."""
+    take_up: Names = ()
+    """Joints, springs and tendons to engage again, after they were released or broke."""
+    lasts: Duration | None = None
+    """Time after which the event is reversed: values, releases and engagements [s]; by default
+    never."""
+    stop: Literal["pass", "fail"] | None = None
+    """Stops the run with this result; by default the run continues."""
+    because: str = ""
+    """Reason, shown in the result."""
+
+    @field_validator("when")
+    @classmethod
+    def _bind(cls, text: str | None, info: ValidationInfo) -> str | None:
+        return None if text is None else bound(text, info)
+
+    @model_validator(mode="after")
+    def _one_cause(self) -> Self:
+        if (self.at is None) == (self.when is None):
+            raise WrongValueError("conflicting-keys", "give either 'at' or 'when'")
+        for key in ("after", "rate"):
+            if self.at is not None and getattr(self, key):
+                raise WrongValueError("conflicting-keys", f"'{key}' needs 'when', not 'at'")
+        if both := sorted(set(self.release) & set(self.take_up)):
+            raise WrongValueError("conflicting-keys", "one event cannot release and engage "
+                                                      f"'{both[0]}'")
+        return self
+
+
+def first_step(event: Event, step: float) -> int:
+    """How many steps of ``step`` [s] are made before an event may happen."""
+    if event.at is not None:
+        # the forces of step k act at (k - 1/2) h: before the first such step
+        return max(0, math.ceil(event.at / step - 0.5 - 1e-9))
+    return math.ceil(event.after / step - 1e-9)
+
+
 class Trace(Spec):
     """The path of a point up to the current time."""
 
@@ -333,19 +400,6 @@ class ShownMeter(Spec):
         return self
 
 
-def _lift(value: object) -> object:
-    return {"of": value} if isinstance(value, str) else value
-
-
-class _TextToo:
-    """Adds to the JSON Schema what :func:`_lift` accepts."""
-
-    def __get_pydantic_json_schema__(
-        self, core_schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        return {"anyOf": [{"type": "string"}, handler(core_schema)]}
-
-
 class View(Spec):
     """The picture: visible region, size and speed.
 
@@ -371,7 +425,7 @@ class View(Spec):
     """Time of the run at which the film begins [s]."""
     traces: Items[Trace] = Field(default=(), max_length=64)
     """Points whose ways are drawn, such as that of a coupler's point or of a projectile."""
-    meters: Items[Annotated[ShownMeter, BeforeValidator(_lift), _TextToo()]] = Field(
+    meters: Items[Annotated[ShownMeter, TextFor("of")]] = Field(
         default=(), max_length=12)
     """Meters beside or below the motion, wherever the motion is larger: quantities, patterns,
     expressions, or objects with details."""

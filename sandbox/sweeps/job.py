@@ -28,7 +28,7 @@ from sandbox.errors import (
     SceneError,
     SimulationDiverged,
 )
-from sandbox.scene.composite import element_files
+from sandbox.scene.document import element_files
 from sandbox.scene.outlines.drawings import own_file
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene

@@ -18,7 +18,7 @@ from sandbox.errors import SandboxError, SceneError
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import measured, verdicts, window
-from sandbox.scene.composite import load_elements
+from sandbox.scene.document import load_elements
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.sweeps.job import DONE, ENDED, Keep, Point, ReadAt, SweepJob, SweepRow
 from sandbox.values.expressions import parse_expression

@@ -377,6 +377,6 @@ class SweepSpec(Spec):
 
 def study_schema() -> dict[str, Any]:
     """The JSON Schema of study files (draft 2020-12), with the short texts that they may hold."""
-    from sandbox.scene.schema import DRAFT, described
+    from sandbox.scene.reference import DRAFT, described
 
     return {"$schema": DRAFT, **described(SweepSpec), "title": "A study of sandbox"}

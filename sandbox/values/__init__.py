@@ -1,1 +1,1 @@
-"""What stands in a field: numbers with units, signals over time, expressions."""
+"""Values of fields: numbers with units, signals over time, expressions."""

@@ -1,11 +1,10 @@
 """Arithmetic of named values: ``"=pull / 4"``. Never Python's ``eval``.
 
-A text of plain characters is parsed by :mod:`ast`, and only numbers, names
-(dotted ones too), arithmetic, comparison, ``and``, ``or``, ``not``, ``a if c else b``,
-the functions below and the scene's tables are accepted. What is compared, and what
-``and``, ``or`` and ``not`` make of it, is 1 or 0, to be counted and weighted with; all
-but 0 is true. Expressions work on floats and on
-arrays alike. Among the named values a table stands under its :func:`call`.
+A text of plain characters is parsed by :mod:`ast`; only numbers, names (also with dots),
+arithmetic, comparison, ``and``, ``or``, ``not``, ``a if c else b``, the functions below and the
+scene's tables are accepted. Comparison and logic give 1 or 0; all but 0 is true. A tree is computed
+on arrays (:meth:`Expression.evaluate`, tens of microseconds) or, in every step of a run, by nested
+functions on floats (:func:`closure`, one microsecond).
 """
 
 from __future__ import annotations
@@ -14,12 +13,13 @@ import ast
 import itertools
 import keyword
 import math
+import operator
 import re
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, reduce
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -29,31 +29,84 @@ from sandbox.wording import NearMisses, WrongValueError, listed, near, quoted
 MAX_LENGTH = 1000
 MAX_DEPTH = 60
 MAX_EXPONENT = 64.0
+Read = Callable[[], float]
 
 CONSTANTS: dict[str, float] = {"pi": math.pi, "tau": math.tau, "e": math.e, "deg": math.pi / 180}
-FUNCTIONS: dict[str, tuple[Callable[..., Any], int | None]] = {
-    "sin": (np.sin, 1), "cos": (np.cos, 1), "tan": (np.tan, 1), "asin": (np.arcsin, 1),
-    "acos": (np.arccos, 1), "atan": (np.arctan, 1), "atan2": (np.arctan2, 2),
-    "sqrt": (np.sqrt, 1), "exp": (np.exp, 1), "log": (np.log, 1), "abs": (np.abs, 1),
-    "hypot": (np.hypot, 2), "sign": (np.sign, 1), "floor": (np.floor, 1), "ceil": (np.ceil, 1),
-    "tanh": (np.tanh, 1),
-    "min": (np.minimum, None), "max": (np.maximum, None), "clip": (np.clip, 3),
+
+
+def _of_numbers(choose: Callable[..., float], values: tuple[float, ...]) -> float:
+    """The least or largest of several; nan if one is nan, wherever it is."""
+    return math.nan if any(value != value for value in values) else choose(values)
+
+
+class Function(NamedTuple):
+    """A function of expressions, for arrays and for floats."""
+
+    arrays: Callable[..., Any]
+    floats: Callable[..., float]
+    arguments: int | None = 1
+    """Their number; None is two or more."""
+
+
+FUNCTIONS: dict[str, Function] = {
+    "sin": Function(np.sin, math.sin), "cos": Function(np.cos, math.cos),
+    "tan": Function(np.tan, math.tan), "asin": Function(np.arcsin, math.asin),
+    "acos": Function(np.arccos, math.acos), "atan": Function(np.arctan, math.atan),
+    "atan2": Function(np.arctan2, math.atan2, 2), "sqrt": Function(np.sqrt, math.sqrt),
+    "exp": Function(np.exp, math.exp), "log": Function(np.log, math.log),
+    "abs": Function(np.abs, abs), "hypot": Function(np.hypot, math.hypot, 2),
+    "sign": Function(np.sign, lambda x: float((x > 0) - (x < 0))),
+    "floor": Function(np.floor, lambda x: float(math.floor(x))),
+    "ceil": Function(np.ceil, lambda x: float(math.ceil(x))),
+    "tanh": Function(np.tanh, math.tanh),
+    "min": Function(lambda *x: reduce(np.minimum, x), lambda *x: _of_numbers(min, x), None),
+    "max": Function(lambda *x: reduce(np.maximum, x), lambda *x: _of_numbers(max, x), None),
+    "clip": Function(np.clip, lambda x, low, high: _of_numbers(
+        min, (_of_numbers(max, (x, low)), high)), 3),
 }
-"""Name -> (function, number of arguments; None is two or more)."""
 KEYWORDS = frozenset({"if", "else", "and", "or", "not"})
 RESERVED = frozenset({*CONSTANTS, *FUNCTIONS, *KEYWORDS, *keyword.kwlist, "t"})
 """Names that mean something already and cannot be a parameter's, words of :mod:`ast` among them."""
 
-_BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
+
+def _power(base: Any, exponent: Any) -> Any:
+    if np.any(np.abs(exponent) > MAX_EXPONENT):
+        raise WrongValueError("limit-exceeded", f"an exponent is at most {MAX_EXPONENT:g}")
+    return np.power(base, exponent)
+
+
+def _float_power(base: float, exponent: float) -> float:
+    result = base**exponent if abs(exponent) <= MAX_EXPONENT else math.nan
+    return result if isinstance(result, float) else math.nan  # a negative base: complex
+
+
+def _one_or_zero(true: Any) -> Any:
+    return np.asarray(true, dtype=float)
+
+
+Operators = Mapping[type[ast.AST], Callable[..., Any]]
+"""What computes each operator; ``and``, ``or`` and ``if`` get functions that give the operands."""
+_ARRAYS: Operators = {
     ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide,
-    ast.Mod: np.mod, ast.Pow: np.power,
-}
-_COMPARE: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
+    ast.Mod: np.mod, ast.Pow: _power, ast.USub: np.negative, ast.UAdd: lambda x: x,
+    ast.Not: lambda x: _one_or_zero(np.logical_not(x)),
     ast.Lt: np.less, ast.LtE: np.less_equal, ast.Gt: np.greater, ast.GtE: np.greater_equal,
     ast.Eq: np.equal, ast.NotEq: np.not_equal,
+    ast.Compare: lambda found: _one_or_zero(reduce(np.logical_and, found)),
+    ast.And: lambda *parts: _one_or_zero(reduce(np.logical_and, [part() for part in parts])),
+    ast.Or: lambda *parts: _one_or_zero(reduce(np.logical_or, [part() for part in parts])),
+    ast.IfExp: lambda test, body, other: np.where(test(), body(), other()),
 }
-_LOGIC: dict[type[ast.boolop], Callable[[Any, Any], Any]] = {
-    ast.And: np.logical_and, ast.Or: np.logical_or,
+_FLOATS: Operators = {
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul,
+    ast.Div: operator.truediv, ast.Mod: operator.mod, ast.Pow: _float_power,
+    ast.USub: operator.neg, ast.UAdd: lambda x: x, ast.Not: lambda x: float(not x),
+    ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge,
+    ast.Eq: operator.eq, ast.NotEq: operator.ne,
+    ast.Compare: lambda found: float(all(found)),
+    ast.And: lambda *parts: float(all(part() for part in parts)),
+    ast.Or: lambda *parts: float(any(part() for part in parts)),
+    ast.IfExp: lambda test, body, other: body() if test() else other(),
 }
 _STRANGE = re.compile(r"[^A-Za-z0-9_.+\-*/%()<>=!, \t]")
 _UNIT_INSIDE = re.compile(
@@ -75,15 +128,22 @@ class Expression:
     def evaluate(self, values: Mapping[str, Any], *, finite: bool = True) -> Any:
         """The value, float or array, for the given names.
 
-        With ``finite`` False a result may hold NaN and infinity, where the
-        named values do (a quantity that is not defined at every sample).
+        A table is among them under its :func:`call`. With ``finite`` False a result may hold NaN
+        and infinity, where the named values do (a quantity that is not defined at every sample).
 
         Raises:
             WrongValueError: a name without a value, or a result that is not finite.
         """
+        def read(name: str) -> Callable[[], Any]:
+            if name not in values and name not in CONSTANTS:
+                raise unknown_name(name, values)
+            return lambda: values[name] if name in values else CONSTANTS[name]
+
         try:
             with np.errstate(all="ignore"):
-                result = np.asarray(_evaluate(self.tree, values), dtype=float)
+                self.check_tables(values)
+                computed = _compiled(self.tree, _ARRAYS, read, values)
+                result = np.asarray(computed(), dtype=float)
         except WrongValueError:
             raise
         except (TypeError, ValueError, OverflowError) as error:
@@ -101,7 +161,7 @@ class Expression:
         return _expression(ast.unparse(bound), bound)
 
     def check_tables(self, values: Mapping[str, Any]) -> None:
-        """See that every table that it calls is among ``values``.
+        """Check that every table that it calls is among ``values``.
 
         Raises:
             WrongValueError: the first one that is not.
@@ -115,7 +175,7 @@ class Expression:
 
 
 class _Binder(ast.NodeTransformer):
-    """Puts numbers for names; a dotted name is one name and not touched by its head's."""
+    """Replaces names by numbers; a dotted name is one name and not touched by its head's."""
 
     def __init__(self, values: Mapping[str, float], tables: Mapping[str, str]) -> None:
         self.values, self.tables = values, tables
@@ -138,7 +198,7 @@ class _Binder(ast.NodeTransformer):
 
 
 def call(table: str) -> str:
-    """What a table stands under among named values; no name can be that."""
+    """The name of a table among named values; no other name can be that."""
     return f"{table}()"
 
 
@@ -171,12 +231,42 @@ def names_in(text: str) -> frozenset[str]:
     return parse_expression(text).names
 
 
+def closure(text: str, read: Callable[[str], Read], tables: Mapping[str, Any]) -> Read:
+    """A function of floats that computes an expression; nan where it has no finite value.
+
+    ``read`` gives a function for each name that it reads; ``tables`` are those of
+    :attr:`sandbox.scene.mechanism.Mechanism.functions`.
+
+    Raises:
+        WrongValueError: ``text`` is not an expression.
+    """
+    def named(name: str) -> Read:
+        if name not in CONSTANTS:
+            return read(name)
+        constant = CONSTANTS[name]
+        return lambda: constant
+
+    expression = parse_expression(text)
+    expression.check_tables(tables)
+    inner = _compiled(expression.tree, _FLOATS, named,
+                      {name: table.at for name, table in tables.items()})
+
+    def value() -> float:
+        try:
+            result = float(inner())
+        except (ZeroDivisionError, ValueError, OverflowError):
+            return math.nan
+        return result if math.isfinite(result) else math.nan
+
+    return value
+
+
 def _expression(body: str, tree: ast.expr) -> Expression:
     names: set[str] = set()
     _check(tree, names, 0)
-    read = frozenset(name for name in names if not name.endswith("()"))
-    return Expression(body, read - set(CONSTANTS), tree,
-                      frozenset(name[:-2] for name in names - read))
+    calls = {name for name in names if name.endswith("()")}
+    return Expression(body, frozenset(names - calls - set(CONSTANTS)), tree,
+                      frozenset(name[:-2] for name in calls))
 
 
 def _tree_of(body: str) -> ast.expr:
@@ -187,19 +277,14 @@ def _tree_of(body: str) -> ast.expr:
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         pass
     if unit := _UNIT_INSIDE.search(body):
+        try:
+            in_si = f"{parse_quantity(unit.group(), None):.10g}"
+        except WrongValueError:
+            in_si = ""
         raise WrongValueError("bad-expression", f"{quoted(unit.group())} is not a number: inside "
-                              "an expression all is SI, without units",
-                              allowed=_in_si(unit.group()))
+                              "an expression all is SI, without units", allowed=in_si)
     raise WrongValueError("bad-expression",
                           f"{quoted(body)} is not an expression", allowed=_GRAMMAR)
-
-
-def _in_si(text: str) -> str:
-    """The number that a quantity is without its unit; nothing of a unit that there is not."""
-    try:
-        return f"{parse_quantity(text, None):.10g}"
-    except WrongValueError:
-        return ""
 
 
 def dotted(node: ast.expr) -> str | None:
@@ -213,39 +298,47 @@ def dotted(node: ast.expr) -> str | None:
     return ".".join([node.id, *reversed(attributes)])
 
 
+def _apart(node: ast.expr) -> tuple[Sequence[ast.expr], Sequence[ast.AST]] | None:
+    """The operands and operators of a node; None of one that no expression may have."""
+    parts: Sequence[ast.expr]
+    ops: Sequence[ast.AST] = ()
+    match node:
+        case ast.BinOp():
+            parts, ops = (node.left, node.right), (node.op,)
+        case ast.UnaryOp():
+            parts, ops = (node.operand,), (node.op,)
+        case ast.BoolOp():
+            parts, ops = node.values, (node.op,)
+        case ast.Compare():
+            parts, ops = (node.left, *node.comparators), node.ops
+        case ast.IfExp():
+            parts, ops = (node.test, node.body, node.orelse), (node,)
+        case ast.Call(ast.Name(), parts, []):
+            pass
+        case _:
+            return None
+    return (parts, ops) if all(type(op) in _ARRAYS for op in ops) else None
+
+
 def _check(node: ast.expr, names: set[str], depth: int) -> None:
+    """Check a node and all below it; ``names`` collects what they read and call."""
     if depth > MAX_DEPTH:
         raise WrongValueError("limit-exceeded", f"an expression may nest at most {MAX_DEPTH} deep")
-    children: Iterable[ast.expr]
-    name = dotted(node)
-    if name is not None:
+    if (name := dotted(node)) is not None:
         if "__" in name:
             raise WrongValueError("invalid-name",
                                   f"{quoted(name)} is not a name that a scene can use")
         names.add(name)
-        children = ()
     elif isinstance(node, ast.Constant):
         _check_constant(node.value)
-        children = ()
-    elif isinstance(node, ast.BinOp) and type(node.op) in _BINARY:
-        children = (node.left, node.right)
-    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd, ast.Not)):
-        children = (node.operand,)
-    elif isinstance(node, ast.IfExp):
-        children = (node.test, node.body, node.orelse)
-    elif isinstance(node, ast.BoolOp):
-        children = node.values
-    elif isinstance(node, ast.Compare) and all(type(op) in _COMPARE for op in node.ops):
-        children = (node.left, *node.comparators)
-    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
-        if _check_call(node.func.id, len(node.args)):
-            names.add(call(node.func.id))
-        children = node.args
+    elif (found := _apart(node)) is not None:
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            _check_call(node.func.id, len(node.args), names)
+        for part in found[0]:
+            _check(part, names, depth + 1)
     else:
         raise WrongValueError("bad-expression",
                               f"{_words(node)} has no place in an expression", allowed=_GRAMMAR)
-    for child in children:
-        _check(child, names, depth + 1)
 
 
 def _check_constant(value: object) -> None:
@@ -260,7 +353,7 @@ def _check_constant(value: object) -> None:
 
 
 def _words(node: ast.expr) -> str:
-    """What a refused piece of Python is, for a person."""
+    """The name of a refused piece of Python, for a person."""
     if isinstance(node, ast.Compare):
         return "'is' or 'in'"
     if isinstance(node, ast.BinOp):
@@ -270,17 +363,17 @@ def _words(node: ast.expr) -> str:
     return f"{type(node).__name__.lower()} of Python"
 
 
-def _check_call(name: str, count: int) -> bool:
-    """Hold a call to the function's number of arguments; whether it is one of a table."""
+def _check_call(name: str, count: int, names: set[str]) -> None:
+    """Check a call's number of arguments; an unknown function is a table, of one argument."""
     if name not in FUNCTIONS:
-        if count != 1 or name in RESERVED or "__" in name:  # no table either
+        if count != 1 or name in RESERVED or "__" in name:
             raise _unknown_function(name, {})
-        return True
-    wanted = FUNCTIONS[name][1]
+        names.add(call(name))
+        return
+    wanted = FUNCTIONS[name].arguments
     if (wanted is None and count < 2) or (wanted is not None and count != wanted):
         many = {None: "two or more arguments", 1: "one argument"}.get(wanted, f"{wanted} arguments")
         raise WrongValueError("bad-expression", f"the function {name} takes {many}, not {count}")
-    return False
 
 
 def _unknown_function(name: str, values: Mapping[str, Any]) -> WrongValueError:
@@ -290,58 +383,41 @@ def _unknown_function(name: str, values: Mapping[str, Any]) -> WrongValueError:
                            allowed=", ".join(known), hint=near(name, known))
 
 
-def _evaluate(node: ast.expr, values: Mapping[str, Any]) -> Any:
-    name = dotted(node)
-    if name is not None:
-        if name in values:
-            return values[name]
-        if name in CONSTANTS:
-            return CONSTANTS[name]
-        raise unknown_name(name, values)
-    if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
-        return float(node.value)
-    if isinstance(node, ast.BinOp):
-        left, right = _evaluate(node.left, values), _evaluate(node.right, values)
-        if isinstance(node.op, ast.Pow) and np.any(np.abs(right) > MAX_EXPONENT):
-            raise WrongValueError("limit-exceeded", f"an exponent is at most {MAX_EXPONENT:g}")
-        return _BINARY[type(node.op)](left, right)
-    if isinstance(node, ast.UnaryOp):
-        operand = _evaluate(node.operand, values)
-        if isinstance(node.op, ast.Not):
-            return _one_or_zero(np.logical_not(operand))
-        return np.negative(operand) if isinstance(node.op, ast.USub) else operand
-    if isinstance(node, ast.BoolOp):
-        parts = [_evaluate(part, values) for part in node.values]
-        return _one_or_zero(reduce(_LOGIC[type(node.op)], parts))
-    if isinstance(node, ast.IfExp):
-        return np.where(*(_evaluate(part, values) for part in (node.test, node.body, node.orelse)))
+def _compiled(
+    node: ast.expr, on: Operators, read: Callable[[str], Callable[[], Any]],
+    tables: Mapping[str, Callable[..., Any]],
+) -> Callable[[], Any]:
+    """A function that computes a checked node, of functions that compute its operands."""
+    if (name := dotted(node)) is not None:
+        return read(name)
+    if isinstance(node, ast.Constant):
+        number = float(node.value)  # type: ignore[arg-type]
+        return lambda: number
+    operands, ops = _apart(node) or ((), ())
+    parts = [_compiled(operand, on, read, tables) for operand in operands]
+    if isinstance(node, ast.Call):
+        name = node.func.id  # type: ignore[attr-defined]
+        known = FUNCTIONS.get(name)
+        function = tables[call(name)] if known is None else \
+            known.floats if on is _FLOATS else known.arrays
+        return lambda: function(*[part() for part in parts])
     if isinstance(node, ast.Compare):
-        operands = [_evaluate(part, values) for part in (node.left, *node.comparators)]
-        pairs = zip(node.ops, operands, operands[1:], strict=False)
-        return _one_or_zero(
-            reduce(np.logical_and, [_COMPARE[type(op)](a, b) for op, a, b in pairs]))
-    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-        arguments = [_evaluate(arg, values) for arg in node.args]
-        if node.func.id not in FUNCTIONS:
-            if call(node.func.id) not in values:
-                raise _unknown_function(node.func.id, values)
-            return values[call(node.func.id)](*arguments)
-        return _call(node.func.id, arguments)
-    raise WrongValueError("bad-expression", f"{_words(node)} has no place in an expression")
+        tests, every = [on[type(op)] for op in ops], on[ast.Compare]
 
+        def compared() -> Any:
+            values = [part() for part in parts]
+            return every([test(a, b) for test, a, b in zip(
+                tests, values, values[1:], strict=False)])
 
-def _one_or_zero(true: Any) -> Any:
-    return np.asarray(true, dtype=float)
-
-
-def _call(name: str, arguments: list[Any]) -> Any:
-    function, arity = FUNCTIONS[name]
-    if arity is not None:
-        return function(*arguments)
-    result = arguments[0]
-    for argument in arguments[1:]:
-        result = function(result, argument)
-    return result
+        return compared
+    compute = on[type(ops[0])]
+    if isinstance(node, ast.BinOp):
+        left, right = parts
+        return lambda: compute(left(), right())
+    if isinstance(node, ast.UnaryOp):
+        operand, = parts
+        return lambda: compute(operand())
+    return lambda: compute(*parts)
 
 
 class NamedValues(dict[str, Any]):
@@ -353,14 +429,14 @@ class NamedValues(dict[str, Any]):
 
     @cached_property
     def listed(self) -> str:
-        """The values of names, cached at their first use."""
+        """The names, cached at their first use."""
         return listed(sorted(self))
 
 
 def unknown_name(
     name: str, known: Mapping[str, Any], *, but: str = "", also: str = "",
 ) -> WrongValueError:
-    """The refusal of a name that an expression reads but nobody gave a value.
+    """The refusal of a name that an expression reads but that has no value.
 
     ``but`` is the name of what reads it, which is not meant; ``also`` one that has a value later.
     """

@@ -28,44 +28,41 @@ def explain(
 ) -> list[Problem]:
     """Every complaint of a validation of ``data`` by ``model``, with its path in the data.
 
-    The first ``most`` of them, if that is said.
+    Only the first ``most`` of them, if given.
     """
-    errors = error.errors(include_url=False)[:most]
-    paths = [locate(data, each["loc"], each["input"], each["type"]) for each in errors]
-    near = NearMisses()
-    problems = [_problem(*each, model, near) for each in zip(errors, paths, strict=True)]
-    misspelt = {(path[:-1], problem.hint.strip("'"))
-                for problem, path in zip(problems, paths, strict=True)
+    near, found = NearMisses(), []
+    for each in error.errors(include_url=False)[:most]:
+        least, value = each.get("ctx", {}).get("min_length", 0), each["input"]
+        if each["type"] == "too_short" and isinstance(value, list) and len(value) >= least:
+            continue  # only because of wrong entries, which have their own messages
+        path = locate(data, each["loc"], each["input"], each["type"])
+        found.append((each, path, _problem(each, path, model, near)))
+    misspelt = {(path[:-1], problem.hint.strip("'")) for _, path, problem in found
                 if problem.key and problem.hint}
-    return [
-        problem for problem, path, each in zip(problems, paths, errors, strict=True)
-        if not (each["type"] == "missing" and (path, each["loc"][-1]) in misspelt)
-        and not _short_of_right_ones(each)
-    ]
-
-
-def _short_of_right_ones(error: ErrorDetails) -> bool:
-    """Whether a list is too short only because of wrong entries, which have their own messages."""
-    least = error.get("ctx", {}).get("min_length", 0)
-    return (error["type"] == "too_short" and isinstance(error["input"], list)
-            and len(error["input"]) >= least)
+    return [problem for each, path, problem in found
+            if not (each["type"] == "missing" and (path, each["loc"][-1]) in misspelt)]
 
 
 def _problem(
     error: ErrorDetails, path: JsonPath, model: type[BaseModel], near: NearMisses,
 ) -> Problem:
-    if error["type"] == "extra_forbidden":
+    kind, place, on_key = error["type"], path_text(path), error["loc"][-1:] == ("[key]",)
+    if kind == "extra_forbidden":
         return _unknown_key(error, path, model, near)
-    if error["type"] in ("union_tag_invalid", "union_tag_not_found", "literal_error"):
-        return _choice(error, path, model, near)
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        return _unknown_type(error, place, model, near)
     context: Mapping[str, Any] = error.get("ctx", {})
-    kind, on_key = error["type"], error["loc"][-1:] == ("[key]",)
     if isinstance(wrong := context.get("error"), WrongValueError):
-        return Problem.of(wrong, path_text(path), key=on_key)
-    translate = _WORDS.get(kind)
-    message = translate(error, context) if translate else _tidy(message_of(error))
+        return Problem.of(wrong, place, key=on_key)
+    if kind == "literal_error":
+        given, choices = error["input"], _QUOTED.findall(str(context["expected"]))
+        return Problem("not-allowed", f"{quoted(given)} is not allowed here", place,
+                       allowed=listed(choices) if choices else str(context["expected"]),
+                       hint=near(given, choices) if isinstance(given, str) else "")
+    message = message_of(error)
+    message = _WORDS[kind](error, context) if kind in _WORDS else message[:1].lower() + message[1:]
     code = kind if kind in CODES else _CODES.get(kind, "wrong-type")
-    return Problem(code, message, path_text(path), allowed=str(context.get("allowed", "")),
+    return Problem(code, message, place, allowed=str(context.get("allowed", "")),
                    hint=str(context.get("hint", "")), key=on_key)
 
 
@@ -110,63 +107,29 @@ def _at(data: Any, path: JsonPath) -> Any:
 def _unknown_key(
     error: ErrorDetails, path: JsonPath, model: type[BaseModel], near: NearMisses,
 ) -> Problem:
-    key = str(error["loc"][-1])
-    kind = type_at(model, error["loc"][:-1])
-    known = isinstance(kind, type) and issubclass(kind, BaseModel)
-    keys = _keys(kind) if known else []
+    key, kind = str(error["loc"][-1]), type_at(model, error["loc"][:-1])
+    keys = [field.alias or name for name, field in kind.model_fields.items()] \
+        if _is_model(kind) else []
+    allowed, more = ", ".join(keys[:MOST_NAMED]), len(keys) - MOST_NAMED
+    if more > 0:
+        allowed += f" and {more} more ({fields_page(kind)})"
     words = COMPOSING if len(path) > 1 and isinstance(path[-2], int) else ()
     return Problem("unknown-key", f"unknown key {quoted(key)}", path_text(path),
-                   allowed=_few(kind) if known else "", hint=near(key, [*keys, *words]), key=True)
+                   allowed=allowed, hint=near(key, [*keys, *words]), key=True)
 
 
-def _few(kind: type[BaseModel]) -> str:
-    """Keys without quotes, and where all of them stand if they are many."""
-    keys = _keys(kind)
-    more = len(keys) - MOST_NAMED
-    return ", ".join(keys[:MOST_NAMED]) + (
-        f" and {more} more ({fields_page(kind)})" if more > 0 else "")
-
-
-def _keys(model: type[BaseModel]) -> list[str]:
-    return [field.alias or name for name, field in model.model_fields.items()]
-
-
-def _choice(
-    error: ErrorDetails, path: JsonPath, model: type[BaseModel], near: NearMisses,
+def _unknown_type(
+    error: ErrorDetails, place: str, model: type[BaseModel], near: NearMisses,
 ) -> Problem:
-    place = path_text(path)
-    context: Mapping[str, Any] = error.get("ctx", {})
-    if error["type"] == "literal_error":
-        given, choices = error["input"], _QUOTED.findall(str(context["expected"]))
-        if not choices:
-            return Problem("not-allowed", f"{quoted(given)} is not allowed here", place,
-                           allowed=str(context["expected"]))
-        hint = near(given, choices) if isinstance(given, str) else ""
-        return Problem("not-allowed", f"{quoted(given)} is not allowed here", place,
-                       allowed=listed(choices), hint=hint)
-    given = error["input"].get("type") if isinstance(error["input"], dict) else None
-    choices = _tags(model, error["loc"])
-    if error["type"] == "union_tag_not_found" or given is None:
-        if not isinstance(error["input"], dict):
-            return Problem("wrong-type",
-                           f"expected an object {{…}}, got {kind_of(error['input'])}", place)
+    value = error["input"]
+    choices = [str(tag) for tag in _members(type_at(model, error["loc"]))]
+    if not isinstance(value, dict):
+        return Problem("wrong-type", f"expected an object {{…}}, got {kind_of(value)}", place)
+    if (given := value.get("type")) is None:
         return Problem("missing-key", "'type' is missing", place, allowed=listed(choices))
-    hint = near(given, choices) if isinstance(given, str) else ""
-    own = OWN if "assembly" in choices else ""
     return Problem("unknown-type", f"unknown type {quoted(given)}", f"{place}.type",
-                   allowed=f"{listed(choices)}{own}", hint=hint)
-
-
-def _tags(model: type[BaseModel], loc: tuple[int | str, ...]) -> list[str]:
-    """The types that an object at ``loc`` may be of."""
-    members = [bare(member)[0] for member in get_args(type_at(model, loc))]
-    fields = [member.model_fields.get("type") for member in members]
-    return [str(tag) for field in fields if field for tag in get_args(field.annotation)]
-
-
-def _tidy(message: str) -> str:
-    """A message that needs no translation, without its leading capital."""
-    return message[:1].lower() + message[1:]
+                   allowed=f"{listed(choices)}{OWN if 'assembly' in choices else ''}",
+                   hint=near(given, choices) if isinstance(given, str) else "")
 
 
 def _missing(error: ErrorDetails, context: Mapping[str, Any]) -> str:
@@ -181,11 +144,6 @@ def _length(error: ErrorDetails, context: Mapping[str, Any]) -> str:
     actual = len(error["input"]) if actual is None and isinstance(error["input"], list) else actual
     wanted = f"at most {most}" if most is not None else f"at least {least}"
     return f"expected {wanted} entries, got {actual}"
-
-
-def _pattern(error: ErrorDetails, context: Mapping[str, Any]) -> str:
-    return (f"{quoted(error['input'])} is not a name: letters, digits and _, "
-            "parts joined by dots, none beginning with a digit")
 
 
 def _expected(what: str) -> Callable[[ErrorDetails, Mapping[str, Any]], str]:
@@ -216,7 +174,9 @@ _WORDS: dict[str, Callable[[ErrorDetails, Mapping[str, Any]], str]] = {
     "int_parsing_size": _WHOLE, "finite_number": _WHOLE,
     "too_long": _length, "too_short": _length,
     "string_too_long": lambda error, context: f"at most {context['max_length']} characters",
-    "string_pattern_mismatch": _pattern,
+    "string_pattern_mismatch": lambda error, context: (
+        f"{quoted(error['input'])} is not a name: letters, digits and _, parts joined by dots, "
+        "none beginning with a digit"),
     "string_unicode": lambda error, context: "the text has characters that are not Unicode",
     "greater_than": _bound("greater than", "gt"),
     "greater_than_equal": _bound("at least", "ge"),
@@ -272,17 +232,19 @@ def _is_model(kind: Any) -> bool:
 
 def type_at(kind: Any, loc: tuple[int | str, ...]) -> Any:
     """The model, or union of models, at a pydantic location; None if there is none."""
-    kind = bare(kind)[0]
+    kind, _ = _bare(kind)
     origin, arguments = get_origin(kind), get_args(kind)
     if origin in (Union, UnionType):
         arguments = tuple(member for member in arguments if member is not NoneType)
         if len(arguments) == 1:
             return type_at(arguments[0], loc)
-        chosen = [member for member in arguments if loc and _tagged(member, loc[0])]
-        return type_at(chosen[0], loc[1:]) if chosen else None if loc else kind
+        if not loc:
+            return kind
+        chosen = _members(kind).get(loc[0])
+        return None if chosen is None else type_at(chosen, loc[1:])
     if not loc:
         return kind
-    if isinstance(kind, type) and issubclass(kind, BaseModel):
+    if _is_model(kind):
         for name, field in kind.model_fields.items():
             if loc[0] in (name, field.alias):
                 return type_at(field.annotation, loc[1:])
@@ -291,7 +253,7 @@ def type_at(kind: Any, loc: tuple[int | str, ...]) -> Any:
     return None
 
 
-def bare(kind: Any) -> tuple[Any, list[str]]:
+def _bare(kind: Any) -> tuple[Any, list[str]]:
     """A type without its annotations, and the union tags among them."""
     tags: list[str] = []
     while get_origin(kind) is Annotated:
@@ -300,12 +262,13 @@ def bare(kind: Any) -> tuple[Any, list[str]]:
     return kind, tags
 
 
-def _tagged(member: Any, tag: int | str) -> bool:
-    member, tags = bare(member)
-    if tag in tags:
-        return True
-    if not (isinstance(member, type) and issubclass(member, BaseModel)):
-        return False
-    field = member.model_fields.get("type")
-    return (field is not None and get_origin(field.annotation) is Literal
-            and tag in get_args(field.annotation))
+def _members(union: Any) -> dict[int | str, Any]:
+    """The members of a union by their tags: its own, or the values of their ``type``."""
+    found: dict[int | str, Any] = {}
+    for member in get_args(union):
+        model, tags = _bare(member)
+        field = model.model_fields.get("type") if _is_model(model) else None
+        if field is not None and get_origin(field.annotation) is Literal:
+            tags = [*tags, *get_args(field.annotation)]
+        found |= dict.fromkeys(tags, model)
+    return found

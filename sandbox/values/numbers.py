@@ -1,7 +1,6 @@
-"""The number types of scene fields: what an author may write, SI floats inside.
+"""The number types of scene fields: SI floats inside.
 
-Every field of a model below is one of these types. A JSON number is SI; a
-string is a quantity (``"12 mm"``) or an expression of the scene's parameters
+A JSON number is SI; a string is a quantity (``"12 mm"``) or an expression of the scene's parameters
 (``"=pitch / 2"``). The parameters arrive as pydantic's validation context,
 ``{"parameters": {name: value}}``.
 """
@@ -12,19 +11,19 @@ import math
 import numbers
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar
 
 from pydantic import (
     AfterValidator,
-    BeforeValidator,
     Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
     StrictBool,
     ValidationInfo,
     ValidatorFunctionWrapHandler,
-    WithJsonSchema,
-    WrapValidator,
 )
-from pydantic_core import ErrorDetails, PydanticCustomError
+from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
 
 from sandbox.values.expressions import Expression, parse_expression, unknown_name
 from sandbox.values.units import Measured, in_range, parse_quantity, range_of, units_of, with_unit
@@ -103,7 +102,7 @@ def _computed(text: str, parameters: Mapping[str, float]) -> float:
 
 
 def wanted(dimension: str | None) -> str:
-    """What a number field takes, in words: ``"a number, or a string such as "12 mm""``."""
+    """Accepted values of a number field: ``"a number, or a string such as "12 mm""``."""
     units = units_of(dimension) if dimension else []
     return f'a number or a string with a unit such as "12 {units[0]}"' if units else "a number"
 
@@ -116,7 +115,7 @@ def parameters_of(info: ValidationInfo) -> Mapping[str, float]:
 def checked_expression(text: str, info: ValidationInfo) -> Expression:
     """The expression of a text, if all tables that it calls are the scene's.
 
-    Of what is validated by itself, without its scene, the tables are checked with the whole.
+    Without a validation context, tables are not checked.
 
     Raises:
         WrongValueError: not an expression, or a function that is not known.
@@ -161,95 +160,104 @@ def message_of(error: ErrorDetails) -> str:
     return wrong.message if isinstance(wrong, WrongValueError) else str(wrong or error["msg"])
 
 
-_DIMENSIONS: dict[BeforeValidator, str] = {}
+@dataclass(frozen=True)
+class Dimension:
+    """Marks a number of one dimension: how it is read, and its JSON Schema.
 
+    One of no dimension takes any unit and keeps it; the required one is known when all elements
+    are read.
+    """
 
-def _reader(dimension: str) -> BeforeValidator:
-    reader = BeforeValidator(
-        lambda value, info: number_from(value, dimension, parameters_of(info)))
-    _DIMENSIONS[reader] = dimension
-    return reader
+    name: str | None = None
+    sign: Literal["", "> 0", "≥ 0"] = ""
+    """Of a size (``> 0``), which may not be so small that what follows from it leaves all range."""
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler,
+    ) -> CoreSchema:
+        if self.name is None:  # pydantic's own check of a float would take the unit away
+            return core_schema.with_info_wrap_validator_function(self._read_any, handler(source))
+        return core_schema.with_info_before_validator_function(self._read, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler,
+    ) -> dict[str, Any]:
+        units = units_of(self.name) if self.name else []
+        what = f"A {self.name} in {units[0]}" if self.name not in (None, "ratio") else "A number"
+        return {
+            "anyOf": [{"type": "number"}, {"type": "string"}],
+            "description": f"{what}; or a string with a unit"
+            + (f" ({', '.join(units)})" if units else "") + ', or an expression such as "=a / 2".'}
+
+    def _read(self, value: Any, info: ValidationInfo) -> float:
+        number = number_from(value, self.name, parameters_of(info))
+        if self.sign == "≥ 0" and number < 0:
+            raise _out_of_bounds("0 or more", number)
+        if self.sign == "> 0" and number < (least := range_of(self.name).least):
+            raise _out_of_bounds("greater than 0" if number <= 0 else
+                                 f"at least {with_unit(least, self.name)}", number)
+        return number
+
+    def _read_any(
+        self, value: Any, check: ValidatorFunctionWrapHandler, info: ValidationInfo,
+    ) -> float:
+        number = number_from(value, None, parameters_of(info))
+        plain: float = check(number)
+        return number if isinstance(number, Measured) else plain
 
 
 def dimension_read(metadata: Iterable[Any]) -> str:
     """The dimension of a number from the annotations of its type; empty if there is none."""
-    return next((_DIMENSIONS[each] for each in metadata
-                 if isinstance(each, BeforeValidator) and each in _DIMENSIONS), "")
+    return next((each.name or "" for each in metadata if isinstance(each, Dimension)), "")
 
 
-def _read_any(value: Any, check: ValidatorFunctionWrapHandler, info: ValidationInfo) -> float:
-    """A number of any dimension; pydantic's own check of a float would take its unit away."""
-    number = number_from(value, None, parameters_of(info))
-    plain: float = check(number)
-    return number if isinstance(number, Measured) else plain
+def _out_of_bounds(wanted: str, value: float) -> WrongValueError:
+    return WrongValueError("out-of-range", f"must be {wanted}, got {value:.6g}")
 
 
-def _schema(dimension: str | None) -> WithJsonSchema:
-    units = units_of(dimension) if dimension else []
-    what = f"A {dimension} in {units[0]}" if dimension not in (None, "ratio") else "A number"
-    return WithJsonSchema({
-        "anyOf": [{"type": "number"}, {"type": "string"}],
-        "description": f"{what}; or a string with a unit"
-        + (f" ({', '.join(units)})" if units else "") + ', or an expression such as "=a / 2".',
-    })
-
-
-def _bound(test: Callable[[float], bool], message: str) -> AfterValidator:
+def _bound(test: Callable[[float], bool], wanted: str) -> AfterValidator:
     def check(value: float) -> float:
         if not test(value):
-            raise WrongValueError("out-of-range", f"must be {message}, got {value:.6g}")
+            raise _out_of_bounds(wanted, value)
         return value
 
     return AfterValidator(check)
-
-
-def _size(dimension: str) -> AfterValidator:
-    """Not so small that what follows from it leaves all range."""
-    least = range_of(dimension).least
-    return _bound(lambda v: v >= least, f"at least {with_unit(least, dimension)}")
 
 
 POSITIVE = _bound(lambda v: v > 0, "greater than 0")
 NOT_NEGATIVE = _bound(lambda v: v >= 0, "0 or more")
 AT_MOST_ONE = _bound(lambda v: v <= 1, "at most 1")
 
-Quantity = Annotated[Float, WrapValidator(_read_any), _schema(None)]
+Quantity = Annotated[Float, Dimension()]
 """Of any dimension; the required one is known when all elements are read."""
-Number = Annotated[Float, _reader("ratio"), _schema("ratio")]
-Ratio = Annotated[Number, NOT_NEGATIVE]
+Number = Annotated[Float, Dimension("ratio")]
+Ratio = Annotated[Float, Dimension("ratio", "≥ 0")]
 Share = Annotated[Ratio, AT_MOST_ONE]
-Coordinate = Annotated[Float, _reader("length"), _schema("length")]
-Length = Annotated[Coordinate, POSITIVE, _size("length")]
-Distance = Annotated[Coordinate, NOT_NEGATIVE]
-Angle = Annotated[Float, _reader("angle"), _schema("angle")]
-Mass = Annotated[Float, _reader("mass"), _schema("mass"), POSITIVE, _size("mass")]
-Inertia = Annotated[Float, _reader("inertia"), _schema("inertia"), POSITIVE, _size("inertia")]
-Density = Annotated[Float, _reader("density"), _schema("density"), POSITIVE, _size("density")]
-Instant = Annotated[Float, _reader("time"), _schema("time"), NOT_NEGATIVE]
-Duration = Annotated[Float, _reader("time"), _schema("time"), POSITIVE, _size("time")]
-Frequency = Annotated[
-    Float, _reader("frequency"), _schema("frequency"), POSITIVE, _size("frequency")
-]
-Force = Annotated[Float, _reader("force"), _schema("force")]
-Torque = Annotated[Float, _reader("torque"), _schema("torque")]
-Stiffness = Annotated[Float, _reader("stiffness"), _schema("stiffness"), NOT_NEGATIVE]
-RotaryStiffness = Annotated[
-    Float, _reader("rotary stiffness"), _schema("rotary stiffness"), NOT_NEGATIVE
-]
-Damping = Annotated[Float, _reader("damping"), _schema("damping"), NOT_NEGATIVE]
-RotaryDamping = Annotated[Float, _reader("rotary damping"), _schema("rotary damping"), NOT_NEGATIVE]
-Speed = Annotated[Float, _reader("speed"), _schema("speed")]
-AngularSpeed = Annotated[Float, _reader("angular speed"), _schema("angular speed")]
-Acceleration = Annotated[Float, _reader("acceleration"), _schema("acceleration")]
-
-Area = Annotated[Float, _reader("area"), _schema("area"), POSITIVE, _size("area")]
-Volume = Annotated[Float, _reader("volume"), _schema("volume"), POSITIVE, _size("volume")]
-Displacement = Annotated[Float, _reader("displacement"), _schema("displacement")]
-Pressure = Annotated[Float, _reader("pressure"), _schema("pressure")]
-Modulus = Annotated[Pressure, POSITIVE, _size("pressure")]
-FlowResistance = Annotated[
-    Float, _reader("flow resistance"), _schema("flow resistance"), NOT_NEGATIVE
-]
+Coordinate = Annotated[Float, Dimension("length")]
+Length = Annotated[Float, Dimension("length", "> 0")]
+Distance = Annotated[Float, Dimension("length", "≥ 0")]
+Angle = Annotated[Float, Dimension("angle")]
+Mass = Annotated[Float, Dimension("mass", "> 0")]
+Inertia = Annotated[Float, Dimension("inertia", "> 0")]
+Density = Annotated[Float, Dimension("density", "> 0")]
+Instant = Annotated[Float, Dimension("time", "≥ 0")]
+Duration = Annotated[Float, Dimension("time", "> 0")]
+Frequency = Annotated[Float, Dimension("frequency", "> 0")]
+Force = Annotated[Float, Dimension("force")]
+Torque = Annotated[Float, Dimension("torque")]
+Stiffness = Annotated[Float, Dimension("stiffness", "≥ 0")]
+RotaryStiffness = Annotated[Float, Dimension("rotary stiffness", "≥ 0")]
+Damping = Annotated[Float, Dimension("damping", "≥ 0")]
+RotaryDamping = Annotated[Float, Dimension("rotary damping", "≥ 0")]
+Speed = Annotated[Float, Dimension("speed")]
+AngularSpeed = Annotated[Float, Dimension("angular speed")]
+Acceleration = Annotated[Float, Dimension("acceleration")]
+Area = Annotated[Float, Dimension("area", "> 0")]
+Volume = Annotated[Float, Dimension("volume", "> 0")]
+Displacement = Annotated[Float, Dimension("displacement")]
+Pressure = Annotated[Float, Dimension("pressure")]
+Modulus = Annotated[Float, Dimension("pressure", "> 0")]
+FlowResistance = Annotated[Float, Dimension("flow resistance", "≥ 0")]
 
 Flag = StrictBool
 """True or false and nothing else: ``"no"`` is a text, not a refusal."""

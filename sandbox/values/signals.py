@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import numbers
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
-    BeforeValidator,
     Discriminator,
     Field,
+    GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     Tag,
     ValidationError,
@@ -24,8 +25,7 @@ from pydantic import (
     field_validator,
     model_validator,
 )
-from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema, InitErrorDetails
+from pydantic_core import CoreSchema, InitErrorDetails, core_schema
 
 from sandbox.numeric import Array
 from sandbox.values.expressions import parse_expression, unknown_name
@@ -137,13 +137,40 @@ def _quantities(value: dict[str, Any]) -> Iterator[tuple[tuple[str | int, ...], 
             yield ("table", i, 1), row, 1, row[1]
 
 
-def _reader(dimension: str | None) -> BeforeValidator:
-    """Lifts a signal and turns its quantities into SI, refusing units of another dimension."""
+@dataclass(frozen=True)
+class OverTime:
+    """Marks a value over time, lifted, of a dimension; one of none takes any unit."""
 
-    def read(value: Any, info: ValidationInfo) -> Any:
+    dimension: str | None = None
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler,
+    ) -> CoreSchema:
+        return core_schema.with_info_before_validator_function(self._read, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler,
+    ) -> dict[str, Any]:
+        objects = handler(schema)["oneOf"]
+        ramp = {"type": "object", "required": ["ramp"], "additionalProperties": False,
+                "properties": {"ramp": objects[0]}}
+        return {
+            "anyOf": [{"type": "number"}, {"type": "string"}, *objects, ramp],
+            "description": f"A value over time{self.unit}: a number, a string with a unit, an "
+            'expression such as "=pull * sin(t)", a ramp, or a table.',
+        }
+
+    @property
+    def unit(self) -> str:
+        """The SI unit as `` [N]``; empty if there is none."""
+        shown = self.dimension not in (None, "ratio")
+        return f" [{units_of(str(self.dimension))[0]}]" if shown else ""
+
+    def _read(self, value: Any, info: ValidationInfo) -> Any:
+        """The signal with its quantities in SI; units of another dimension are refused."""
         written, value = value, _lift(value)
         inside = ("ramp",) if isinstance(written, dict) and value is not written else ()
-        if not isinstance(value, dict) or dimension is None:
+        if not isinstance(value, dict) or self.dimension is None:
             return value
         value = {key: [list(row) if isinstance(row, (list, tuple)) else row for row in entry]
                  if isinstance(entry, (list, tuple)) else entry for key, entry in value.items()}
@@ -152,39 +179,17 @@ def _reader(dimension: str | None) -> BeforeValidator:
             if not isinstance(quantity, str) or quantity.lstrip().startswith("="):
                 continue
             try:
-                holder[key] = number_from(quantity, dimension, parameters_of(info))
+                holder[key] = number_from(quantity, self.dimension, parameters_of(info))
             except ValueError as error:
                 wrong.append({"type": refusal(error), "loc": (*inside, *place), "input": quantity})
         if wrong:
             raise ValidationError.from_exception_data("signal", wrong)
         return value
 
-    return BeforeValidator(read)
-
-
-class _Schema:
-    """Adds to the JSON Schema what :func:`_lift` accepts."""
-
-    def __init__(self, dimension: str | None) -> None:
-        self.dimension = dimension
-
-    def __get_pydantic_json_schema__(
-        self, core_schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        objects = handler(core_schema)["oneOf"]
-        ramp = {"type": "object", "required": ["ramp"], "additionalProperties": False,
-                "properties": {"ramp": objects[0]}}
-        unit = f" [{units_of(self.dimension)[0]}]" if self.dimension else ""
-        return {
-            "anyOf": [{"type": "number"}, {"type": "string"}, *objects, ramp],
-            "description": f"A value over time{unit}: a number, a string with a unit, an "
-            'expression such as "=pull * sin(t)", a ramp, or a table.',
-        }
-
 
 def dimension_over_time(metadata: Iterable[Any]) -> str | None:
-    """What a value over time measures, by its type's annotations; None if it is no such value."""
-    return next((each.dimension or "" for each in metadata if isinstance(each, _Schema)), None)
+    """The dimension of a value over time by its type's annotations; None if it is no such value."""
+    return next((each.dimension or "" for each in metadata if isinstance(each, OverTime)), None)
 
 
 _WANTED = "expected a number, a ramp {…}, a table {…} or an expression"
@@ -193,17 +198,17 @@ _Union = Written[Annotated[
     | Annotated[Formula, Tag("formula")] | Annotated[Constant, Tag("constant")],
     Discriminator(_kind, custom_error_type="signal", custom_error_message=_WANTED),
 ]]
-Signal = Annotated[_Union, _reader(None), _Schema(None)]
-ForceSignal = Annotated[_Union, _reader("force"), _Schema("force")]
-TorqueSignal = Annotated[_Union, _reader("torque"), _Schema("torque")]
-LengthSignal = Annotated[_Union, _reader("length"), _Schema("length")]
-AngleSignal = Annotated[_Union, _reader("angle"), _Schema("angle")]
-SpeedSignal = Annotated[_Union, _reader("angular speed"), _Schema("angular speed")]
-RateSignal = Annotated[_Union, _reader("speed"), _Schema("speed")]
-FlowSignal = Annotated[_Union, _reader("flow"), _Schema("flow")]
-PressureSignal = Annotated[_Union, _reader("pressure"), _Schema("pressure")]
-ShareSignal = Annotated[_Union, _reader("ratio"), _Schema(None)]
-StiffnessSignal = Annotated[_Union, _reader(None), _Schema(None)]
+Signal = Annotated[_Union, OverTime()]
+ForceSignal = Annotated[_Union, OverTime("force")]
+TorqueSignal = Annotated[_Union, OverTime("torque")]
+LengthSignal = Annotated[_Union, OverTime("length")]
+AngleSignal = Annotated[_Union, OverTime("angle")]
+SpeedSignal = Annotated[_Union, OverTime("angular speed")]
+RateSignal = Annotated[_Union, OverTime("speed")]
+FlowSignal = Annotated[_Union, OverTime("flow")]
+PressureSignal = Annotated[_Union, OverTime("pressure")]
+ShareSignal = Annotated[_Union, OverTime("ratio")]
+StiffnessSignal = Annotated[_Union, OverTime()]
 """Its dimension depends on the spring, linear or rotary."""
 
 
@@ -216,7 +221,9 @@ def values(signal: AnySignal, t: Array, tables: Tables = NONE) -> Array:
     if isinstance(signal, Constant):
         return np.full(len(t), signal.constant)
     if isinstance(signal, Ramp):
-        fraction = _fraction(signal, t)
+        with np.errstate(over="ignore"):  # a ramp of next to no length is a step
+            fraction = np.clip((t - signal.start) / signal.over, 0.0, 1.0) if signal.over else (
+                np.where(t >= signal.start, 1.0, 0.0))
         return signal.start_value * (1 - fraction) + signal.to * fraction
     if isinstance(signal, Table):
         at, value = np.array(signal.table).T
@@ -226,15 +233,6 @@ def values(signal: AnySignal, t: Array, tables: Tables = NONE) -> Array:
         return row
     result = parse_expression(signal.expression).evaluate({**tables, "t": t})
     return np.broadcast_to(np.asarray(result, dtype=float), t.shape).copy()
-
-
-def _fraction(ramp: Ramp, t: Array) -> Array:
-    """How much of a ramp is done, 0 to 1."""
-    if ramp.over == 0:
-        return np.where(t >= ramp.start, 1.0, 0.0)
-    with np.errstate(over="ignore"):  # a ramp of next to no length is a step
-        fraction: Array = np.clip((t - ramp.start) / ramp.over, 0.0, 1.0)
-    return fraction
 
 
 class Path(Spec):

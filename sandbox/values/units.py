@@ -80,7 +80,7 @@ class Measured(float):
     """A number in SI with the unit in which it was written.
 
     So is every quantity whose field takes any unit, until it is known which one is
-    right. What is computed from it is a plain float.
+    right. Results of arithmetic are plain floats.
     """
 
     unit: str
@@ -102,15 +102,12 @@ def units_of(dimension: str) -> list[str]:
 
 
 def dimension_of(unit: str) -> str:
-    """What a unit of :data:`UNITS` measures: a key such as ``"length"``."""
+    """The dimension of a unit of :data:`UNITS`, such as ``"length"``."""
     return UNITS[unit][1]
 
 
 def unfit(value: float, unit: str) -> str:
-    """What is wrong with the unit of a number of what ``unit`` measures; empty if nothing is.
-
-    Nothing is known of a number without a unit, nor of an SI unit that nobody writes
-    (``rad/s^2``).
+    """The fault of a number that has a unit of another dimension than ``unit``, or nothing.
 
     >>> unfit(Measured(1e-3, "mm"), "N")
     "'mm' is a unit of length"
@@ -132,7 +129,7 @@ def normal_unit(text: str) -> str:
 def parse_quantity(text: str, dimension: str | None) -> float:
     """The SI value of ``"<number> <unit>"``.
 
-    ``dimension`` is what is expected (a key such as ``"length"``), or None for
+    ``dimension`` is the expected one (such as ``"length"``), or None for
     any: then the value is :class:`Measured`. A bare number is taken as SI.
 
     Raises:
@@ -167,7 +164,7 @@ def scaled(value: float, factor: float) -> float:
 
 
 def factor_of(unit: str, dimension: str | None) -> float:
-    """What a value in ``unit`` is multiplied by to be SI.
+    """The factor from ``unit`` to SI.
 
     Raises:
         WrongValueError: an unknown unit (with a near miss), or one of another dimension.
@@ -272,7 +269,7 @@ def in_range(value: float, dimension: str | None) -> float:
     A :class:`Measured` number whose field takes any unit has the range of its own unit.
 
     Raises:
-        WrongValueError: it is; with what is allowed.
+        WrongValueError: it is; with the allowed range.
     """
     dimension = dimension or (dimension_of(value.unit) if isinstance(value, Measured) else None)
     most = range_of(dimension).most

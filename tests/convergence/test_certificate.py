@@ -18,8 +18,8 @@ from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import SimulationDiverged
 from sandbox.recording.recording import Recording
-from sandbox.scene.events import Event
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.settings import Event
 from tests.support.mechanisms import G, fixed, mass, mechanism
 
 STIFF, LOAD, START = 200.0, 0.05, 0.01

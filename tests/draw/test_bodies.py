@@ -21,7 +21,7 @@ from sandbox.picture.palette import ROLES
 from sandbox.picture.wheels import WheelPicture, wheel_pictures
 from sandbox.scene.bodies import Body
 from sandbox.scene.mechanism import Mechanism
-from sandbox.values.colours import COLOURS, rgb
+from sandbox.values.appearance import COLOURS, rgb
 
 from .conftest import recording
 

@@ -17,9 +17,11 @@ from sandbox.elements.tendons import Tendon
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SceneError
 from sandbox.scene.bodies import Body
-from sandbox.scene.derived_shapes import DiscCam, Drawing, SmoothCurve
 from sandbox.scene.expand import expand, to_json
 from sandbox.scene.geometry import pose_of, to_world
+from sandbox.scene.outlines.cams import DiscCam
+from sandbox.scene.outlines.curves import SmoothCurve
+from sandbox.scene.outlines.drawings import Drawing
 from sandbox.scene.parts.placement import Placement
 from sandbox.scene.read.load import load_scene
 from sandbox.values.numbers import dimension_read

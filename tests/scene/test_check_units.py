@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 import sandbox
+from sandbox.values.units import UNITS
 
 FINGER = {"type": "finger", "name": "finger", "lengths": ["45 mm", "26 mm", "21 mm"],
           "radii": ["9 mm", "8 mm", "7.5 mm"], "masses": ["12 g", "6 g", "4 g"],
@@ -52,11 +53,7 @@ UNIT = {"push": "N", "tug": "N", "twist": "N m", "lock": "N mm", "swell": "mm", 
         "turn": "deg", "shove": "N", "feed": "mm/s", "reach": "mm",
         "pump": "ml/s", "source": "bar", "belt": "mm/s",
         "k_band": "N/m", "k_coil": "N m/rad", "k_mcp": "N/mm"}
-KIND = {"turn": "an angle", "shove": "a force", "feed": "a speed", "reach": "a length",
-        "push": "a force", "tug": "a force", "twist": "a torque", "lock": "a torque",
-        "swell": "a length", "spin": "an angular speed", "pump": "a flow",
-        "source": "a pressure", "belt": "a speed", "k_band": "stiffness",
-        "k_coil": "rotary stiffness", "k_mcp": "stiffness"}
+KIND = {drive: UNITS[unit][1] for drive, unit in UNIT.items()}
 PID = {"type": "pid", "name": "law", "reads": "axle.angle", "writes": "push", "target": 0}
 RELAY = {"type": "relay", "name": "law", "reads": "axle.angle", "writes": "push", "target": 0,
          "amplitude": 1}
@@ -100,7 +97,7 @@ def test_every_drive_takes_its_own_unit_from_an_event_and_a_schedule(drive: str)
                              "$.controllers[0].value")):
             found = problems(scene)
             assert [at for at, _ in found] == ([] if wanted else [path])
-            assert all(message.endswith(f"but this is {KIND[drive]}") for _, message in found)
+            assert all(message.endswith(KIND[drive]) for _, message in found)
 
 
 @pytest.mark.parametrize(("controller", "key", "right", "wrong", "places"), [

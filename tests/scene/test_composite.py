@@ -14,8 +14,8 @@ import pytest
 import sandbox
 from sandbox.audit.audit import audit
 from sandbox.cli.entry import invoke
-from sandbox.scene.composite import load_elements, registered
-from sandbox.scene.schema import scene_schema
+from sandbox.scene.document import load_elements, registered
+from sandbox.scene.reference import scene_schema
 
 PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "own_joint.md").read_text(encoding="utf-8")
 BLOCKS: dict[str, str] = dict(re.findall(r"^```python (\w+)\.py\n(.*?)^```$", PAGE, re.M | re.S))

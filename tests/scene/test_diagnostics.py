@@ -65,7 +65,7 @@ parts[2].name = "finger1" | duplicate-name | is taken by $.parts[0]
 parts[2].material = "ruber" | name-not-found | no material named 'ruber' ? 'rubber' @ parts[2]
 templates.digit.rads = 1 | unknown-key | unknown key ? 'radii'
 parameters.pull = "=each" | circular-definition | each → pull → each @ parameters.each
-parameters["a.b"] = 1 | invalid-name | is not a parameter's name
+parameters["a.b"] = 1 | invalid-name | is not the name of a parameter
 title = "a\ud800" | invalid-json | half a character
 parameters = 3 | wrong-type | expected an object {…}, got the number 3
 run.duration = 31500000.0 | limit-exceeded | 63 000 000 000 steps

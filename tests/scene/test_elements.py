@@ -63,9 +63,6 @@ def test_patterns_match_bodies_that_move_freely(bodies: Any, found: list[int]) -
     assert [body for _, body in _mechanism(load).loaded] == found
 
 
-# --- fluids
-
-
 # --- planes
 
 

@@ -8,11 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from sandbox.values.closures import closure
-from sandbox.values.expressions import (
-    FUNCTIONS,
-    parse_expression,
-)
+from sandbox.values.expressions import FUNCTIONS, closure, parse_expression
 from sandbox.wording import WrongValueError
 
 NAMES = {"a": 0.75, "b": -2.0, "hand.pull": 3.5}
@@ -132,7 +128,7 @@ def texts() -> st.SearchStrategy[str]:
                                  "or"])
         binary = st.tuples(inner, signs, inner)
         calls = st.sampled_from(sorted(FUNCTIONS)).flatmap(lambda name: st.lists(
-            inner, min_size=FUNCTIONS[name][1] or 2, max_size=FUNCTIONS[name][1] or 3,
+            inner, min_size=FUNCTIONS[name].arguments or 2, max_size=FUNCTIONS[name].arguments or 3,
         ).map(lambda given: f"{name}({', '.join(given)})"))
         return st.one_of(
             binary.map(lambda x: f"({x[0]} {x[1]} {x[2]})"), inner.map(lambda x: f"(-{x})"), calls,
@@ -145,7 +141,7 @@ def texts() -> st.SearchStrategy[str]:
 @given(text=texts(), values=st.tuples(NUMBERS, NUMBERS, NUMBERS))
 def test_the_same_number(text, values):
     known = dict(zip(NAMED, values, strict=True))
-    got = closure(text, lambda name: lambda: known[name])()
+    got = closure(text, lambda name: lambda: known[name], {})()
     try:
         wanted = parse_expression(text).evaluate(known)
     except ValueError:
@@ -161,4 +157,4 @@ def test_the_same_number(text, values):
 @pytest.mark.parametrize("text", ["1 / a", "sqrt(-1 - a)", "log(a)", "(-8.0) ** 0.5", "exp(1e6)",
                                   "2 ** 65", "min(a / a, 1)", "asin(2)"])
 def test_without_a_finite_value_it_is_nan(text):
-    assert math.isnan(closure(text, lambda name: lambda: 0.0)())
+    assert math.isnan(closure(text, lambda name: lambda: 0.0, {})())

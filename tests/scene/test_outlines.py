@@ -16,8 +16,7 @@ from sandbox.errors import SceneError
 from sandbox.scene.bodies import Polygon
 from sandbox.scene.expand import expand
 from sandbox.scene.geometry import area_properties, solids
-from sandbox.scene.outlines.pieces import MOST_CORNERS, pieces_of
-from sandbox.scene.outlines.rings import inside, is_convex, signed_area
+from sandbox.scene.outlines.rings import PIECE_CORNERS, inside, is_convex, pieces_of, signed_area
 from sandbox.scene.read.load import load_scene
 
 ELL = ((0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (1.0, 1.0), (1.0, 4.0), (0.0, 4.0))
@@ -54,12 +53,9 @@ def test_the_pieces_are_convex_and_cover_the_outline_and_no_more(name):
     pieces = pieces_of(outer, holes)
     area = abs(signed_area(outer)) - sum(abs(signed_area(hole)) for hole in holes)
     assert sum(signed_area(piece.ring) for piece in pieces) == pytest.approx(area, rel=1e-9)
-    assert all(is_convex(piece.ring) and len(piece.ring) <= MOST_CORNERS for piece in pieces)
+    assert all(is_convex(piece.ring) and len(piece.ring) <= PIECE_CORNERS for piece in pieces)
     corners = {corner for ring in (outer, *holes) for corner in ring}
     assert {corner for piece in pieces for corner in piece.ring} <= corners
-
-
-# --- mass
 
 
 # --- what is wrong
@@ -233,12 +229,6 @@ def cam_refused(lift, **keys) -> str:
     with pytest.raises(SceneError) as raised:
         cam(lift, **keys)
     return str(raised.value)
-
-
-# --- the envelope
-
-
-# --- what cannot be
 
 
 def test_a_flat_follower_needs_a_base_above_what_bends_the_lift_most():

@@ -11,7 +11,7 @@ import jsonschema
 import pytest
 
 from sandbox.scene.library import shipped_scenes
-from sandbox.scene.schema import scene_schema
+from sandbox.scene.reference import scene_schema
 from tests.scene.hand import hand
 
 VALIDATOR = jsonschema.Draft202012Validator(scene_schema())

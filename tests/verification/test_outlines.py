@@ -10,7 +10,7 @@ import numpy as np
 from sandbox.engine.simulate import simulate
 from sandbox.numeric import Array
 from sandbox.scene.read.load import load_scene
-from sandbox.values.spline import PeriodicSpline
+from sandbox.values.tables import PeriodicSpline
 from tests.support.mechanisms import G, Json, fixed, simulated
 
 from .case import Check, case

@@ -27,8 +27,7 @@ from sandbox.picture.subject import BEHIND, Subject
 from sandbox.picture.wheels import wheel_pictures
 from sandbox.scene.bodies import Body, Capsule, Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import solids
-from sandbox.values.colours import rgb
-from sandbox.values.planes import ALL, depth
+from sandbox.values.appearance import ALL, depth, rgb
 
 EDGE, HAIR = 1.3, 0.5
 """Widths of an outline and of a pitch circle [points]."""

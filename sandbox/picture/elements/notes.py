@@ -18,7 +18,7 @@ from sandbox.picture.scales import round_length
 from sandbox.picture.subject import BEHIND, Subject
 from sandbox.scene.layers import EVERY, meant
 from sandbox.scene.settings import View
-from sandbox.values.colours import rgb
+from sandbox.values.appearance import rgb
 
 Place = tuple[int, XY]
 TRACE, MARK = 1.8, 3.0

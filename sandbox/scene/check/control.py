@@ -1,24 +1,40 @@
-"""Names and times of controllers and events that must lead somewhere."""
+"""Control: names that must lead somewhere, times that must come, units that must fit.
+
+The fields of controllers and events take any unit, since only the drive that they write, or the
+quantity that they read, says which one is right. Their numbers keep the unit that they were
+written in (:class:`sandbox.values.units.Measured`), and here every element is known.
+"""
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
 from sandbox.elements.controllers.controller import every
-from sandbox.elements.registry import Controller
+from sandbox.elements.quantities import QUANTITIES
 from sandbox.errors import Problem
-from sandbox.scene.events import Event, first_step
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.settings import Event, first_step
 from sandbox.values.expressions import parse_expression
+from sandbox.values.numbers import NAME
 from sandbox.values.paths import path_text
-from sandbox.values.units import size_fault
-from sandbox.wording import NearMisses, listed, quoted
+from sandbox.values.signals import AnySignal, Constant, Ramp, Table
+from sandbox.values.units import UNITS, Measured, factor_of, size_fault
+from sandbox.wording import NearMisses, WrongValueError, listed, quoted
 
 MOST_LOOKS = 500_000
-"""At conditions of the time, of all events: what is tried before a run."""
+"""Evaluations of conditions of the time, for all events, before a run."""
+READINGS = {name.rpartition(".")[2]: UNITS[quantity.unit][1]
+            for rows in QUANTITIES.values() for name, quantity in rows.items()
+            if quantity.live and quantity.unit in UNITS}
+"""Dimensions of the quantities that can be read, by the last word of their names."""
+_PLAIN = re.compile(rf"{NAME[1:-1]}(/{NAME[1:-1]})?")
+Place = tuple[str, float | None, str | None]
+"""A path, the number there, and the dimension that it should have; None if unknown."""
 WHOLE = 1e-6
 """How far from a whole number the steps between two acts may be, for a rate given as decimals."""
 
@@ -26,7 +42,7 @@ WHOLE = 1e-6
 def check_control(
     mechanism: Mechanism, assumed: Callable[[str], bool],
 ) -> Iterator[Problem]:
-    """Drives that nobody has or two write, rates that no step divides, events that cannot be.
+    """Unknown drives, drives of two controllers, rates that no step divides, impossible events.
 
     ``assumed`` are names that count as known although they were not read.
     """
@@ -47,7 +63,9 @@ def check_control(
                 yield Problem("set-twice", f"the drive {quoted(name)} is written already, by "
                               f"{owners[name]}", place, allowed="one controller for each drive")
             owners.setdefault(name, f"the controller {quoted(controller.name)}")
-    settable = dict.fromkeys(_settable(mechanism.controllers))
+    settable = dict.fromkeys(
+        f"{law.name}.{word}" for law in mechanism.controllers
+        for word in ("active", *(["target"] if len(law.signals) == 1 else [])))
     known = {**drives, **settable}
     for i, event in enumerate(mechanism.events):
         yield from _times(event, mechanism, f"$.events[{i}]")
@@ -63,16 +81,6 @@ def check_control(
                               hint=near(name, known))
             elif name.endswith(".active") and name in settable and value not in (0.0, 1.0):
                 yield Problem("out-of-range", f"{quoted(name)} is 0 or 1, not {value:g}", path)
-
-
-def _settable(controllers: tuple[Controller, ...]) -> list[str]:
-    """What events may set of controllers."""
-    names = []
-    for controller in controllers:
-        names.append(f"{controller.name}.active")
-        if len(controller.signals) == 1:
-            names.append(f"{controller.name}.target")
-    return names
 
 
 def rate_problems(rate: float | None, step: float, path: str) -> Iterator[Problem]:
@@ -97,47 +105,124 @@ def _times(event: Event, mechanism: Mechanism, path: str) -> Iterator[Problem]:
     """An event that cannot happen during the run, or that lasts without anything to undo."""
     duration, step = mechanism.run.duration, mechanism.run.step
     yield from rate_problems(event.rate, step, f"{path}.rate")
-    key = "at" if event.at is not None else "after"
-    start = event.at if event.at is not None else event.after
-    first = first_step(event, step)
+    key, start = ("at", event.at) if event.at is not None else ("after", event.after)
+    first, last = first_step(event, step), math.ceil(duration / step - 1e-9)
     if event.when is not None:
         first += -first % every(event.rate, step)
     if start >= duration:
         yield Problem("event-never-happens", "this event can never happen: the run ends at "
                       f"{duration:g} s", f"{path}.{key}", allowed=f"less than {duration:g} s")
-    elif first > 0 and first >= math.ceil(duration / step - 1e-9):
+    elif first > 0 and first >= last:
         yield Problem("event-never-happens",
                       f"this event can never happen: it would be due at {first * step:g} s, after "
                       "the run's last step has begun", f"{path}.{key}", allowed="an earlier time")
-    if event.when is not None and not parse_expression(event.when).names:
-        yield Problem("event-never-happens",
-                      f"the condition {quoted(event.when)} reads nothing, so it never changes",
-                      f"{path}.when", allowed="a condition of quantities or of the time t, such "
-                      'as "=finger.mcp.angle > 0.5"')
-    elif event.when is not None and _never(event.when, first, every(event.rate, step), mechanism):
-        yield Problem("event-never-happens", f"this event can never happen: {quoted(event.when)} "
-                      f"is true at no time of the run, which ends at {duration:g} s",
-                      f"{path}.when", allowed="a condition that becomes true")
+    if event.when is not None:
+        names = parse_expression(event.when).names
+        steps = range(first, last, every(event.rate, step))
+        if not names:
+            yield Problem("event-never-happens", f"the condition {quoted(event.when)} reads "
+                          "nothing, so it never changes", f"{path}.when", allowed="a condition of "
+                          'quantities or of the time t, such as "=finger.mcp.angle > 0.5"')
+        elif names == {"t"} and _never(event.when, steps, mechanism):
+            yield Problem("event-never-happens", "this event can never happen: "
+                          f"{quoted(event.when)} is true at no time of the run, which ends at "
+                          f"{duration:g} s", f"{path}.when",
+                          allowed="a condition that becomes true")
     if event.lasts is not None and not (event.set or event.release or event.take_up):
         yield Problem("conflicting-keys", "'lasts' needs 'set', 'release' or 'take_up'",
                       f"{path}.lasts")
 
 
-def _never(when: str, first: int, every_steps: int, mechanism: Mechanism) -> bool:
-    """Whether a condition of nothing but the time is false whenever it is looked at.
-
-    If that is more than :data:`MOST_LOOKS` times, nothing is said of it.
-    """
-    condition = parse_expression(when)
-    if condition.names != {"t"}:
+def _never(when: str, steps: range, mechanism: Mechanism) -> bool:
+    """Whether a condition of the time is false at all steps; False if there are too many."""
+    if not 0 < len(steps) * len(mechanism.events) <= MOST_LOOKS:
         return False
-    step = mechanism.run.step
-    last = math.ceil(mechanism.run.duration / step - 1e-9)
-    if (last - first) / every_steps * len(mechanism.events) > MOST_LOOKS:
-        return False
-    looks = step * np.arange(first, last, every_steps)
     try:
-        return len(looks) > 0 and not np.any(np.asarray(condition.evaluate(
-            {**mechanism.functions, "t": looks})) > 0)
+        found = parse_expression(when).evaluate(
+            {**mechanism.functions, "t": mechanism.run.step * np.asarray(steps)})
     except ValueError:  # no number somewhere, and perhaps true elsewhere
         return False
+    return not np.any(np.asarray(found) > 0)
+
+
+def check_units(mechanism: Mechanism) -> Iterator[Problem]:
+    """Quantities around control that have a unit of another dimension than is set or read.
+
+    Of a value over time the path names its kind, ``$.drives[0].value.ramp.to``, also
+    where the scene's author left that out.
+    """
+    for path, value, dimension in _measured(mechanism):
+        if dimension is not None and isinstance(value, Measured):
+            try:
+                factor_of(value.unit, dimension)
+            except WrongValueError as error:
+                yield Problem.of(error, path)
+
+
+def _measured(mechanism: Mechanism) -> Iterator[Place]:
+    """The values of drives, and what controllers and events set or compare with a reading."""
+    drives = {each.name: each.dimension(mechanism) for each in reversed(mechanism.drives)}
+    meters = {meter.name for meter in mechanism.meters}
+    targets: dict[str, list[str | None]] = {}
+    for i, drive in enumerate(mechanism.drives):
+        if drive.value is not None:  # only those of stiffnesses are not checked by their models
+            yield from _signal(f"$.drives[{i}].value", drive.value, drive.dimension(mechanism))
+    for i, law in enumerate(mechanism.controllers):
+        wanted = [drives.get(name) for name in law.written] if law.sets_target else [
+            _of_reading(text, meters) for text in law.readings]
+        path, alone = f"$.controllers[{i}]", isinstance(law.writes, str)
+        targets.setdefault(law.name, wanted)
+        for key in ("limits", *law.of_drive):  # one entry for each drive
+            given = getattr(law, key)
+            for j, (name, entry) in enumerate(zip(
+                    law.written, (given,) if alone else given or (), strict=False)):
+                yield from _numbers(f"{path}.{key}" if alone else f"{path}.{key}[{j}]", entry,
+                                    drives.get(name))
+        for key in law.of_reading:
+            yield f"{path}.{key}", getattr(law, key), wanted[0]
+        for key in law.of_force:
+            yield f"{path}.{key}", getattr(law, key), "force"
+        for j, (target, dimension) in enumerate(zip(law.signals, wanted, strict=False)):
+            index = f"[{j}]" if law.target_key == "targets" else ""
+            yield from _signal(f"{path}.{law.target_key}{index}", target, dimension)
+    for i, event in enumerate(mechanism.events):
+        for name, value in event.set.items():
+            controller, _, key = name.rpartition(".")
+            dimension = drives.get(name)
+            if name not in drives and key == "target":
+                dimension = next(iter(targets.get(controller, ())), None)
+            yield path_text(("events", i, "set", name)), value, dimension
+
+
+def _of_reading(text: str, meters: set[str]) -> str | None:
+    """The dimension of a plain quantity; of an expression or a meter it is not known."""
+    if _PLAIN.fullmatch(text) is None or text in meters:
+        return None
+    element, _, last = text.rpartition(".")
+    first, divided, _ = element.partition("/")
+    if divided and (last != "normal" or first in meters
+                    or first.rpartition(".")[2] in (*READINGS, "value", "t")):
+        return None  # not a pair of bodies but a quotient
+    return READINGS.get(last) if element else None
+
+
+def _numbers(path: str, value: Any, dimension: str | None) -> Iterator[Place]:
+    """A number, or every number of a range."""
+    if not isinstance(value, tuple):
+        yield path, value, dimension
+        return
+    for i, number in enumerate(value):
+        yield f"{path}[{i}]", number, dimension
+
+
+def _signal(path: str, signal: AnySignal, dimension: str | None) -> Iterator[Place]:
+    """Every quantity of a value over time."""
+    match signal:
+        case Constant():
+            yield f"{path}.constant", signal.constant, dimension
+        case Ramp():
+            yield f"{path}.ramp.from", signal.start_value, dimension
+            yield f"{path}.ramp.to", signal.to, dimension
+        case Table():
+            for i, (_, value) in enumerate(signal.table):
+                yield f"{path}.table[{i}][1]", value, dimension

@@ -24,9 +24,7 @@ from sandbox.elements.joint import JointSpec
 from sandbox.elements.quantities import GRASP, reserved
 from sandbox.elements.registry import KINDS, kind_of
 from sandbox.errors import Problem
-from sandbox.scene.bodies import Body
 from sandbox.scene.check.control import check_control
-from sandbox.scene.check.ranges import check_signals
 from sandbox.scene.layers import BY_ROLE, EVERY, meant
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.settings import Group, View
@@ -37,22 +35,21 @@ from sandbox.wording import NearMisses, is_pattern, listed, quoted
 def check_references(
     mechanism: Mechanism, *, assumed: Collection[str] = ()
 ) -> list[Problem]:
-    """Every name that leads nowhere, stands twice or means two things; signals without a value.
+    """Every name that is unknown, duplicate or ambiguous.
 
     Paths are those of the mechanism (``$.joints[3].a``). Names in ``assumed``,
     and what begins with one of them and a dot, count as known: they belong to
     elements that could not be read. ``"*"`` matches any name.
     """
     names = _References(mechanism, assumed)
-    return [*names.names(), *names.elements(), *names.materials(), *names.patterns(),
-            *names.view(), *check_signals(mechanism), *check_control(mechanism, names._assumed),
-            *names.releases()]
+    return [*names.names(), *names.elements(), *names.others(), *names.view(),
+            *check_control(mechanism, names._assumed)]
 
 
 def check_unread(
     unread: Mapping[str, Mapping[int, Any]], mechanism: Mechanism, assumed: Collection[str],
 ) -> Iterator[Problem]:
-    """Names that stand twice or lead nowhere in the data of elements that could not be read.
+    """Unknown and duplicate names in the data of elements that could not be read.
 
     ``unread`` has, for each kind, the data by its place in the list, of which the paths of problems
     are; ``mechanism`` lacks them. ``assumed`` is as in :func:`check_references`.
@@ -88,10 +85,11 @@ def _taken(name: str, kind: str, first: str, path: str) -> Problem:
 class _References:
     def __init__(self, mechanism: Mechanism, assumed: Collection[str]) -> None:
         self.mechanism, self.assumed = mechanism, assumed
-        first: dict[str, Body] = {}
-        for body in mechanism.bodies:
-            first.setdefault(body.name, body)
-        self.bodies = first
+        self.bodies = dict.fromkeys(body.name for body in mechanism.bodies)
+        self.free = dict.fromkeys(
+            body.name for body in mechanism.bodies if body.motion == "dynamic")
+        self.holding = dict.fromkeys(each.name for each in mechanism.holding)
+        self.wheels = {joint.name for joint in mechanism.joints if joint.facts.wheels}
         self.near = NearMisses()
         self.known = {kind: dict.fromkeys(each.name for each in getattr(mechanism, kind))
                       for kind in NAMED}
@@ -118,8 +116,7 @@ class _References:
         self, model: type[Spec] | None, reference: Reference, name: str, path: str,
     ) -> Iterator[Problem]:
         """An element that a field names; a pull may name the group that its tendon is of."""
-        twin = self._twin(model, reference, name, path)
-        if twin is not None:
+        if (twin := self._twin(model, reference, name, path)) is not None:
             yield twin
             return
         if reference.among == RELEASABLES:
@@ -156,7 +153,7 @@ class _References:
             for end in (*(dot.start() for dot in re.finditer(r"\.", name)), len(name))))
 
     def names(self) -> Iterator[Problem]:
-        """Names that stand twice, or that read like another element's quantity."""
+        """Duplicate names, and names that are also another element's quantity."""
         first: dict[str, tuple[str, str]] = {}
         for kind in NAMED:
             for i, element in enumerate(getattr(self.mechanism, kind)):
@@ -177,7 +174,7 @@ class _References:
                                   allowed="another name")
 
     def elements(self) -> Iterator[Problem]:
-        """Elements that name what is not there, or that their own kind finds a fault in."""
+        """References to unknown elements, and problems of each kind of element."""
         owners: dict[tuple[object, ...], str] = {}
         for kind in KINDS:
             for i, element in enumerate(getattr(self.mechanism, kind)):
@@ -187,7 +184,7 @@ class _References:
                     yield from self._target(type(element), reference, name, place)
                 if kind == "loads":
                     for j, pattern in enumerate(element.bodies):
-                        yield from self._borne(pattern, f"{path}.bodies[{j}]")
+                        yield from self._fitting(pattern, f"{path}.bodies[{j}]", load=True)
                 yield from element.problems(self.mechanism, path)
                 if kind == "drives" and element.kind.sole:
                     owned = element.owned
@@ -198,45 +195,49 @@ class _References:
                             named[0][0] if len(owned) == 2 else path, allowed="one drive for each")
                     owners.setdefault(owned, quoted(element.name))
 
-    def _borne(self, pattern: str, path: str) -> Iterator[Problem]:
-        """What is wrong with one of a load's patterns of bodies."""
-        if self._maybe(pattern):
-            return
-        free = [body.name for body in self.mechanism.bodies if body.motion == "dynamic"]
-        if not self._fits(pattern):
-            hint = "'*', every body that moves freely" if pattern == "all" else (
-                self.near(pattern, self.bodies))
-            yield Problem("name-not-found", f"no body's name matches {quoted(pattern)}", path,
-                          allowed=listed(free), hint=hint)
-        elif not any(map(re.compile(fnmatch.translate(pattern)).match, free)):
-            yield Problem("name-not-found", f"{quoted(pattern)} matches no body that moves freely",
-                          path, allowed=listed(free) or "none: no body moves freely")
-
-    def materials(self) -> Iterator[Problem]:
+    def others(self) -> Iterator[Problem]:
+        """Materials of bodies, bodies of contact rules and groups, elements of events."""
         for i, body in enumerate(self.mechanism.bodies):
             if body.material is not None:
                 yield from self._unknown(body.material, self.mechanism.materials, "material",
                                          f"$.bodies[{i}].material")
-
-    def patterns(self) -> Iterator[Problem]:
-        """Contact rules and groups that name no body."""
         for i, rule in enumerate(self.mechanism.contacts):
             for j, pattern in enumerate(rule.between):
                 yield from self._fitting(pattern, f"$.contacts[{i}].between[{j}]")
         for i, group in enumerate(self.mechanism.groups):
             for path, reference, name in references(Group, group, f"$.groups[{i}]"):
                 yield from self._target(None, reference, name, path)
+        for i, event in enumerate(self.mechanism.events):
+            for field in ("release", "take_up"):
+                for j, name in enumerate(getattr(event, field)):
+                    yield from self._released(
+                        name, f"$.events[{i}].{field}[{j}]", f"$.events[{i}].lasts",
+                        again=field == "take_up", lasts=event.lasts is not None)
+
+    def _released(
+        self, name: str, path: str, lasting: str, *, again: bool, lasts: bool,
+    ) -> Iterator[Problem]:
+        """An element that an event cannot release or engage."""
+        known = self.holding
+        kind = next((kind for kind in NAMED if kind not in RELEASABLE and name in self.known[kind]),
+                    None)
+        if kind is not None:
+            yield Problem("not-releasable", f"{quoted(name)} is a {NAMED[kind].one}, which events "
+                          "cannot release", path,
+                          allowed=listed(known) or self._none("nothing holds anything"))
+        elif name not in known:
+            yield from self._unknown(name, known, "joint, spring or tendon", path)
+        elif (again or lasts) and name in self.wheels:
+            yield no_mesh(name, path if again else lasting)
 
     def view(self) -> Iterator[Problem]:
         """Unknown bodies in the view."""
         view = self.mechanism.view
         for path, reference, name in references(View, view, "$.view"):
             yield from self._target(None, reference, name, path)
-        groups = [group.name for group in self.mechanism.groups]
         for i, pattern in enumerate(view.bodies):
-            if any(fnmatch.fnmatchcase(name, pattern) for name in groups):
-                continue
-            yield from self._seen(pattern, f"$.view.bodies[{i}]")
+            if not any(fnmatch.fnmatchcase(group.name, pattern) for group in self.mechanism.groups):
+                yield from self._seen(pattern, f"$.view.bodies[{i}]")
         for layer, patterns in view.show.items():
             for pattern in patterns if patterns != EVERY else ():
                 yield from self._seen(pattern, f"$.view.show.{layer}")
@@ -251,43 +252,23 @@ class _References:
                           f"no body has the role {quoted(pattern.removeprefix(BY_ROLE))}", path,
                           allowed=listed(roles), hint=self.near(pattern, roles))
 
-    def _fitting(self, pattern: str, path: str) -> Iterator[Problem]:
-        """A pattern of bodies that fits none."""
-        if not self._maybe(pattern) and not self._fits(pattern):
+    def _fitting(self, pattern: str, path: str, *, load: bool = False) -> Iterator[Problem]:
+        """A pattern of bodies that fits none; that of a load none that moves freely."""
+        if self._assumed(pattern) or (self.assumed and "*" in pattern):
+            return  # a body that could not be read may fit
+        known = self.free if load else self.bodies
+        if not _fits(pattern, self.bodies):
             grouped = any(group.name == pattern for group in self.mechanism.groups)
+            hint = "'*', every body that moves freely" if load and pattern == "all" else (
+                f"'{pattern}.*'" if grouped else self.near(pattern, self.bodies))
             yield Problem("name-not-found", f"no body's name matches {quoted(pattern)}", path,
-                          allowed=listed(self.bodies),
-                          hint=f"'{pattern}.*'" if grouped else self.near(pattern, self.bodies))
+                          allowed=listed(known), hint=hint)
+        elif not _fits(pattern, known):
+            yield Problem("name-not-found", f"{quoted(pattern)} matches no body that moves freely",
+                          path, allowed=listed(known) or "none: no body moves freely")
 
-    def _maybe(self, pattern: str) -> bool:
-        """Whether a body that could not be read may fit."""
-        return self._assumed(pattern) or (bool(self.assumed) and "*" in pattern)
 
-    def _fits(self, pattern: str) -> bool:
-        """Whether a body's name fits."""
-        return pattern in self.bodies or (is_pattern(pattern) and any(
-            map(re.compile(fnmatch.translate(pattern)).match, self.bodies)))
-
-    def releases(self) -> Iterator[Problem]:
-        """Elements that events cannot release or engage."""
-        known = dict.fromkeys(each.name for each in self.mechanism.holding)
-        others = {each.name: kind for kind in NAMED if kind not in RELEASABLE
-                  for each in getattr(self.mechanism, kind)}
-        wheels = {joint.name for joint in self.mechanism.joints if joint.facts.wheels}
-        for i, event in enumerate(self.mechanism.events):
-            for field in ("release", "take_up"):
-                for j, name in enumerate(getattr(event, field)):
-                    path = f"$.events[{i}].{field}[{j}]"
-                    if name in others:
-                        yield Problem("not-releasable", f"{quoted(name)} is a "
-                                      f"{NAMED[others[name]].one}, which events cannot release",
-                                      path, allowed=listed(known) or self._none(
-                                          "nothing holds anything"))
-                    elif name not in known and not self._assumed(name):
-                        yield Problem("name-not-found", "there is no joint, spring or tendon named "
-                                      f"{quoted(name)}", path, allowed=listed(known)
-                                      or self._none("nothing holds anything"),
-                                      hint=self.near(name, known))
-                    elif name in wheels and (field == "take_up" or event.lasts is not None):
-                        yield no_mesh(name, path if field == "take_up"
-                                      else f"$.events[{i}].lasts")
+def _fits(pattern: str, names: Collection[str]) -> bool:
+    """Whether a name or pattern fits one of some names."""
+    return pattern in names or (is_pattern(pattern) and any(
+        map(re.compile(fnmatch.translate(pattern)).match, names)))

@@ -1,1 +1,1 @@
-"""Outlines: what is wrong with one, its convex pieces, which way it faces, where it comes from."""
+"""Outlines: their faults, convex pieces and normals; curves, cams and drawings."""

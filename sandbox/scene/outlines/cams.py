@@ -19,12 +19,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Annotated, Literal, Self
 
 import numpy as np
+from pydantic import Field, model_validator
 
 from sandbox.numeric import Array
 from sandbox.scene.outlines.curves import nodes_along
-from sandbox.values.spline import PeriodicSpline
+from sandbox.values.numbers import Angle, Coordinate, Items, Length, Point
+from sandbox.values.spec import TYPE, Spec
+from sandbox.values.tables import PeriodicSpline
 from sandbox.wording import WrongValueError
 
 TRIED = 3600
@@ -137,27 +142,14 @@ def _undercut(curve: CamCurve) -> WrongValueError:
     while high - low > SPARE * low:
         middle = math.sqrt(low * high)
         low, high = ((low, middle) if replace(curve, base=middle).fits() else (middle, high))
-    allowed = f"a base radius of at least {_up(high):.6g} m"
-    what = "a flat follower bridges it"
-    if curve.roller:
-        low, most = 0.0, curve.roller
-        while most - low > SPARE * most:
-            middle = (low + most) / 2
-            low, most = (middle, most) if replace(curve, roller=middle).fits() else (low, middle)
-            if most < SPARE * curve.roller:
-                break
-        what = f"a roller of {curve.roller:.6g} m cannot reach it"
-        if low > 0:
-            allowed += f", or a roller of at most {low:.3g} m"
+    digit = 10.0 ** (math.floor(math.log10(high)) - 2)  # rounded up to three
+    what = f"a roller of {curve.roller:.6g} m cannot reach it" if curve.roller else \
+        "a flat follower bridges it"
     turn = math.degrees(float(curve.tried[worst]))
-    return WrongValueError("bad-outline", f"this cam is undercut at a turn of {turn:.4g} deg: "
-                           f"{what}", allowed=allowed)
-
-
-def _up(value: float) -> float:
-    """The next number of three digits."""
-    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
-    return math.ceil(value / unit) * unit
+    return WrongValueError(
+        "bad-outline", f"this cam is undercut at a turn of {turn:.4g} deg: {what}",
+        allowed=f"a base radius of at least {math.ceil(high / digit) * digit:.6g} m"
+        + (", or a smaller roller" if curve.roller else ""))
 
 
 def tried_turns(angles: Array) -> Array:
@@ -165,3 +157,61 @@ def tried_turns(angles: Array) -> Array:
     ends = np.append(angles, angles[0] + math.tau)
     between = (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(8) / 8).ravel()
     return np.unique(np.concatenate([between, angles[0] + math.tau * np.arange(TRIED) / TRIED]))
+
+
+class DiscCam(Spec):
+    """A disc cam whose outline gives its follower the lift of a table.
+
+    The lift between the table's angles is a smooth curve, a periodic cubic spline. The follower
+    moves along a line through the cam's centre. Contacts follow the true outline. Once read, a cam
+    is a polygon with nodes.
+    """
+
+    type: Literal["cam"] = TYPE
+    base: Length
+    """Radius of the outline where the lift is 0."""
+    lift: Annotated[Items[tuple[Angle, Coordinate]], Field(min_length=3, max_length=720)]
+    """How far the follower is raised, by how far the cam has turned: `[angle, lift]`.
+
+    Angles rise over less than a whole turn; the curve continues from the last to the first.
+    """
+    follower: Literal["roller", "flat"] = "roller"
+    """Type of follower: a roller, or a flat face across its path."""
+    roller: Length | None = None
+    """Radius of the roller; for a roller only."""
+    towards: Angle = math.pi / 2
+    """Direction from the cam's centre to the follower, in the body's frame at its angle 0."""
+    turns: Literal["counterclockwise", "clockwise"] = "counterclockwise"
+    """Sense in which the table's angles count the cam's rotation."""
+    at: Point = (0.0, 0.0)
+    """Centre of rotation, in the body's frame."""
+    tolerance: Length = 1e-5
+    """Maximum deviation of chords in pictures and in its area; contacts do not depend on it."""
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        if self.follower == "roller" and self.roller is None:
+            raise WrongValueError("missing-key", "'roller' is missing (its radius)",
+                                  allowed="a 'roller', or '\"follower\": \"flat\"'")
+        if self.follower == "flat" and self.roller is not None:
+            raise WrongValueError("conflicting-keys", "a flat follower has no 'roller'",
+                                  allowed="no 'roller', or '\"follower\": \"roller\"'")
+        angles = [angle for angle, _ in self.lift]
+        for i, (one, two) in enumerate(pairwise(angles)):
+            if two - one < 1e-6:
+                raise WrongValueError("bad-outline", "the angles of 'lift' must increase: entry "
+                                      f"{i + 1} has {math.degrees(two):.6g} deg after "
+                                      f"{math.degrees(one):.6g} deg")
+        if angles[-1] - angles[0] > math.tau - 1e-6:
+            raise WrongValueError("bad-outline", "the angles of 'lift' cover "
+                                  f"{math.degrees(angles[-1] - angles[0]):.6g} deg; plain numbers "
+                                  "are radians", allowed="less than a whole turn, without the "
+                                  "first entry again at its end; '15 deg' for degrees")
+        return self
+
+    def curve(self) -> CamCurve:
+        """The outline about the cam's centre."""
+        angles, lifts = np.array(self.lift).T
+        return CamCurve(
+            PeriodicSpline(angles, lifts), tried_turns(angles), self.base, self.roller or 0.0,
+            self.towards, 1 if self.turns == "counterclockwise" else -1)

@@ -10,12 +10,12 @@ from __future__ import annotations
 import io
 import math
 import re
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import Field
 
 from sandbox.numeric import Array
 from sandbox.scene.outlines.curves import (
@@ -27,6 +27,8 @@ from sandbox.scene.outlines.curves import (
     reversed_nodes,
 )
 from sandbox.scene.outlines.rings import inside, signed_area
+from sandbox.values.numbers import Angle, Length, Point
+from sandbox.values.spec import TYPE, Spec
 from sandbox.wording import WrongValueError, listed, near, quoted
 
 MOST_BYTES = 1_000_000
@@ -47,6 +49,31 @@ PIXEL = 0.0254 / 96
 """Of an SVG file without a unit of its own [m]."""
 
 
+class Drawing(Spec):
+    """A shape from an SVG or DXF file: its largest outline, with the outlines inside as holes.
+
+    It is read into a polygon; a saved scene no longer needs the file.
+    """
+
+    type: Literal["drawing"] = TYPE
+    file: Annotated[str, Field(min_length=1, max_length=200)]
+    """Name of a `.svg` or `.dxf` file in the scene's own folder or below it."""
+    unit: Length | None = None
+    """Length of one unit of the drawing (of an SVG file's view box); by default as in the file.
+
+    An SVG file without units uses pixels of 1/96 inch.
+    """
+    layer: Annotated[str, Field(max_length=200)] | None = None
+    """Reads only this layer of a DXF file, or the element with this id in an SVG file."""
+    tolerance: Length = 5e-5
+    """Maximum gap between connected ends, and maximum deviation of chords in pictures and in the
+    area."""
+    at: Point = (0.0, 0.0)
+    """Position of the drawing's origin in the body's frame; the drawing's y is up."""
+    angle: Angle = 0.0
+    """Rotation of the drawing about its origin, in the body's frame."""
+
+
 class DrawingError(WrongValueError):
     """A drawing without a usable outline: message, allowed values, a similar name."""
 
@@ -54,22 +81,8 @@ class DrawingError(WrongValueError):
         super().__init__("bad-drawing", message, allowed=allowed, hint=hint)
 
 
-@dataclass(frozen=True)
-class Curves:
-    """What a drawing has: its curves as nodes, x to the right and y up, and its unit."""
-
-    nodes: list[Array]
-    """Of each, [k, 4], in the drawing's units."""
-    unit: float | None
-    """Length of one unit [m]; None if the drawing does not define it."""
-
-
 def own_file(folder: Path | None, name: str) -> bytes:
-    """What is in a file of a scene's own folder.
-
-    Args:
-        folder: the scene's; None for a scene that is no file.
-        name: the file's, below that folder, with / between its parts.
+    """The content of a file in a scene's own folder, or below it.
 
     Raises:
         DrawingError: another place, no file there, or a larger one.
@@ -115,12 +128,8 @@ def curves_of(
 ) -> list[Array]:
     """Nodes of the outline of a drawing, then of its holes, [k, 4] each.
 
-    Args:
-        name: of the file; its extension is its format.
-        text: what is in it.
-        unit: length of one of its units [m]; None for the unit of the file.
-        layer: of a DXF file the layer, of an SVG file the id, of what is meant; None for all.
-        tolerance: how far ends that meet may be from each other [m].
+    The extension of ``name`` is the format of ``text``; ends that meet may be ``tolerance`` [m]
+    from each other. See :class:`Drawing` for the rest.
 
     Raises:
         DrawingError: no outline, more than one, or what cannot be read.
@@ -129,18 +138,18 @@ def curves_of(
     if ending not in READERS:
         raise DrawingError(f"{quoted(name)} is neither an SVG nor a DXF file", ".svg, .dxf")
     try:
-        curves = READERS[ending](text, layer)
+        curves, own = READERS[ending](text, layer)
     except DrawingError as error:
         raise DrawingError(f"{quoted(name)}: {error.message}", error.allowed, error.hint) from None
     except Exception as error:  # parsers raise many types of errors
         reason = " ".join(str(error).split())[:100] or type(error).__name__
         raise DrawingError(f"{quoted(name)} cannot be read as {ending[1:].upper()}: {reason}",
                            "a sound file, such as a drawing program writes it") from None
-    scale = curves.unit if unit is None else unit
+    scale = own if unit is None else unit
     if scale is None:
         raise DrawingError(f"{quoted(name)}: it has no unit",
                            "'unit', such as \"unit\": \"1 mm\"")
-    scaled = [nodes * [scale, scale, 1.0, 1 / scale] for nodes in curves.nodes]
+    scaled = [nodes * [scale, scale, 1.0, 1 / scale] for nodes in curves]
     return _sorted_out([_closed(nodes, tolerance, name)
                         for nodes in _chained(scaled, tolerance)], name)
 
@@ -230,12 +239,17 @@ def _bezier(points: Array) -> Callable[[Array], Array]:
     return nodes
 
 
-def _counted(curves: list[Array]) -> None:
-    if sum(map(len, curves)) > MOST_NODES:
-        raise DrawingError(f"its curves have more than {MOST_NODES} nodes", "fewer curves")
+def _nodes_of(drawn: Iterable[list[Array]]) -> list[Array]:
+    """Nodes of curves of pieces that follow each other, [k, 4] each, without curves of no size."""
+    curves: list[Array] = []
+    for pieces in drawn:
+        curves.append(_beziers(pieces))
+        if sum(map(len, curves)) > MOST_NODES:
+            raise DrawingError(f"its curves have more than {MOST_NODES} nodes", "fewer curves")
+    return [nodes for nodes in curves if len(nodes)]
 
 
-def _svg(text: bytes, layer: str | None) -> Curves:
+def _svg(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
     import svgelements
 
     if found := re.search(rb"<!ENTITY|<use[\s/>]", text):
@@ -244,30 +258,23 @@ def _svg(text: bytes, layer: str | None) -> Curves:
                            "copies and clones made paths of their own")
     # a drawing's own unit is what its view box counts in, else pixels
     drawn = svgelements.SVG.parse(io.BytesIO(text), reify=True, ppi=96.0)
-    box = _svg_box(drawn)
+    view = svgelements.Matrix(drawn.viewbox_transform or "")
+    box = abs(float(view.a)) or 1.0, float(view.e), float(view.f)
     chosen = drawn if layer is None else drawn.get_element_by_id(layer)
     if chosen is None:
         raise DrawingError(f"it has no id {quoted(layer)}", listed(sorted(drawn.objects)[:20]))
     shapes = ([chosen] if isinstance(chosen, svgelements.Shape) else
               [each for each in chosen.select() if isinstance(each, svgelements.Shape)])
-    curves: list[Array] = []
-    for shape in shapes:
-        for part in svgelements.Path(shape).as_subpaths():
-            curves.append(_beziers(_svg_path(svgelements.Path(part), box)))
-            _counted(curves)
-    return Curves([nodes for nodes in curves if len(nodes)], PIXEL * box[0])
-
-
-def _svg_box(drawn: Any) -> tuple[float, float, float]:
-    """Pixels of one unit of an SVG drawing's view box, and where the box has its origin [px]."""
-    import svgelements
-
-    box = svgelements.Matrix(drawn.viewbox_transform or "")
-    return abs(float(box.a)) or 1.0, float(box.e), float(box.f)
+    paths = (svgelements.Path(part) for shape in shapes
+             for part in svgelements.Path(shape).as_subpaths())
+    return _nodes_of(_svg_path(path, box) for path in paths), PIXEL * box[0]
 
 
 def _svg_path(path: Any, box: tuple[float, float, float]) -> list[Array]:
-    """Control points of a path without gaps, in units of the view box, y up."""
+    """Control points of a path without gaps, in units of the view box, y up.
+
+    The box has the pixels of a unit, and its origin [px].
+    """
     import svgelements
 
     found: list[Array] = []
@@ -287,40 +294,44 @@ def _svg_path(path: Any, box: tuple[float, float, float]) -> list[Array]:
     return found
 
 
-def _dxf(text: bytes, layer: str | None) -> Curves:
-    from ezdxf import path, recover, units
+def _dxf(text: bytes, layer: str | None) -> tuple[list[Array], float | None]:
+    from ezdxf import recover, units
     from ezdxf.enums import InsertUnits
 
     document, _ = recover.read(io.BytesIO(text))
     own = None
     if document.units:
-        own = units.conversion_factor(
-            InsertUnits(document.units), InsertUnits.Meters)
+        own = units.conversion_factor(InsertUnits(document.units), InsertUnits.Meters)
     space = list(document.modelspace())
     layers = sorted({entity.dxf.layer for entity in space})
     if layer is not None and layer not in layers:
         raise DrawingError(f"it has no layer {quoted(layer)}", listed(layers), near(layer, layers))
-    curves: list[Array] = []
-    for entity in space:
-        if layer is not None and entity.dxf.layer != layer:
-            continue
+    chosen = [entity for entity in space if layer is None or entity.dxf.layer == layer]
+    for entity in chosen:
         if entity.dxftype() == "INSERT":
             raise DrawingError(f"it holds the block {quoted(entity.dxf.name)}, which is not "
                                "followed", "blocks exploded into lines and curves")
-        if entity.dxftype() not in CURVES:
-            continue
-        drawn = path.make_path(entity, segments=ARCS)
-        pieces, at = [], drawn.start
-        for command in drawn.commands():
-            control = [getattr(command, name) for name in ("ctrl", "ctrl1", "ctrl2")
-                       if hasattr(command, name)]
-            pieces.append(np.array([(p.x, p.y) for p in (at, *control, command.end)]))
-            at = command.end
-        curves.append(_beziers(pieces))
-        _counted(curves)
-    return Curves([nodes for nodes in curves if len(nodes)], own)
+    return _nodes_of(_dxf_path(entity) for entity in chosen if entity.dxftype() in CURVES), own
 
 
-READERS: dict[str, Callable[[bytes, str | None], Curves]] = {
+def _dxf_path(entity: Any) -> list[Array]:
+    """Control points of a curve."""
+    from ezdxf import path
+
+    drawn = path.make_path(entity, segments=ARCS)
+    pieces, at = [], drawn.start
+    for command in drawn.commands():
+        control = [getattr(command, name) for name in ("ctrl", "ctrl1", "ctrl2")
+                   if hasattr(command, name)]
+        pieces.append(np.array([(p.x, p.y) for p in (at, *control, command.end)]))
+        at = command.end
+    return pieces
+
+
+READERS: dict[str, Callable[[bytes, str | None], tuple[list[Array], float | None]]] = {
     ".svg": _svg, ".dxf": _dxf}
-"""What reads a drawing, by the ending of its name."""
+"""What reads a drawing, by the ending of its name.
+
+They give the nodes of its curves [k, 4], x to the right and y up, in the drawing's units, and the
+length of one unit [m], None if the drawing does not define it.
+"""

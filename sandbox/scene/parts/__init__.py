@@ -1,1 +1,1 @@
-"""Assemblies: what a scene writes in one part and a mechanism spells out in many elements."""
+"""Parts: one entry of a scene, many elements of a mechanism."""

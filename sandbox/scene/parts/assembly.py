@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from fnmatch import fnmatchcase
 from functools import cache
+from itertools import accumulate
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_args, get_origin
 
-from sandbox.elements.registry import Drive
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.bodies import Body
 from sandbox.scene.parts.expansion import Elements, Known, PartError
@@ -17,12 +17,18 @@ from sandbox.scene.parts.placement import Mover, Placement
 from sandbox.scene.settings import Group
 from sandbox.values.expressions import RESERVED
 from sandbox.values.spec import Spec
-from sandbox.wording import NearMisses
+from sandbox.wording import NearMisses, is_pattern
 
 if TYPE_CHECKING:
     from sandbox.scene.document import Assembly, Scene
 
 PLACED = ("bodies", "joints", "springs", "tendons", "lines", "loads", "drives")
+KINDS = tuple(kind.name for kind in dataclasses.fields(Elements) if kind.name != "materials")
+OWN = tuple(kind for kind in KINDS if kind not in ("drives", "contacts", "groups"))
+"""Lists whose elements come before those of parts; a scene's contact rules come after."""
+TEXTS = ("because", "unit", "title", "about")
+"""Fields that hold words for people."""
+_DOTTED = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*(?!\w|\s*\()")
 SpecType = TypeVar("SpecType", bound=Spec)
 
 
@@ -32,17 +38,11 @@ def expand_parts(
 ) -> tuple[Elements, list[Problem]]:
     """All elements of a scene or an assembly, not placed yet, and its problems.
 
-    Args:
-        scene: the scene or assembly.
-        pulled: parts and tendons that trees outside pull, by their names in it.
-        outside: finds a body around an assembly, in the frame of its surroundings.
-        near: finds similar names.
+    ``pulled`` are the parts and tendons that trees outside pull, by their names in it; ``outside``
+    finds a body around an assembly, in the frame of its surroundings.
     """
-    elements = Elements(
-        bodies=scene.bodies, joints=scene.joints, springs=scene.springs, tendons=scene.tendons,
-        lines=scene.lines, valves=scene.valves, loads=scene.loads,
-        controllers=scene.controllers, events=scene.events, meters=scene.meters,
-        materials=tuple(scene.materials.items()))
+    elements = Elements(materials=tuple(scene.materials.items()),
+                        **{kind: getattr(scene, kind) for kind in OWN})
     tendon_of = {name: tendon for part in scene.parts for name, tendon in part.tendon_names.items()}
     pulled |= {leaf.name for part in scene.parts for leaf in part.leaves}
     problems = _pulled_twice(scene)
@@ -54,26 +54,20 @@ def expand_parts(
                 elements, tendon_of, frozenset(failed), pulled, outside, near))
         except PartError as error:
             failed.add(part.name)
-            problems += [
-                dataclasses.replace(problem, path=f"$.parts[{i}]{problem.path}")
-                for problem in error.problems
-            ]
+            problems += [dataclasses.replace(problem, path=f"$.parts[{i}]{problem.path}")
+                         for problem in error.problems]
         except (SceneError, ArithmeticError) as error:
             failed.add(part.name)
-            problems += [Problem("bad-part",
-                                 f"this part cannot be built: {why}", path=f"$.parts[{i}]")
-                         for why in _reasons(error)]
-    own = tuple(_resolved(drive, tendon_of) for drive in scene.drives)
+            reasons = [each.message for each in error.problems] if isinstance(error, SceneError) \
+                else ["its numbers are too large or too small"]
+            problems += [Problem("bad-part", f"this part cannot be built: {why}", f"$.parts[{i}]")
+                         for why in reasons]
+    drives = [drive.model_copy(update={"tendon": tendon_of[drive.target[1]]})
+              if drive.target[0].among == "tendons" and drive.target[1] in tendon_of else drive
+              for drive in scene.drives]
     return dataclasses.replace(
-        elements, drives=own + elements.drives, contacts=elements.contacts + scene.contacts,
+        elements, drives=(*drives, *elements.drives), contacts=elements.contacts + scene.contacts,
         groups=elements.groups + scene.groups), problems
-
-
-def _reasons(error: SceneError | ArithmeticError) -> list[str]:
-    """Why an element of a part is invalid."""
-    if isinstance(error, ArithmeticError):
-        return ["its numbers are too large or too small"]
-    return [problem.message for problem in error.problems]
 
 
 def _pulled_twice(scene: Scene | Assembly) -> list[Problem]:
@@ -90,107 +84,66 @@ def _pulled_twice(scene: Scene | Assembly) -> list[Problem]:
     return problems
 
 
-def _resolved(drive: Drive, tendon_of: dict[str, str]) -> Drive:
-    reference, name = drive.target
-    if reference.among == "tendons" and name in tendon_of:
-        return drive.model_copy(update={"tendon": tendon_of[name]})
-    return drive
-
-
 def placed(
     name: str, inner: Elements, placement: Placement, outside: Callable[[str], Body | None],
 ) -> Elements:
-    """The elements of the assembly ``name`` as the scene has them.
-
-    Args:
-        name: the assembly's.
-        inner: its elements as they are written, its parts spelled out.
-        placement: where it is.
-        outside: finds a body of the scene by its name.
+    """The elements of the assembly ``name`` as the scene has them; ``inner`` as it has them.
 
     Raises:
         PartError: elements on bodies that are not there; all of them.
     """
-    moved = _moved(inner, placement, outside)
-    naming = Naming(name, _names(inner))
-    found = Elements(**{
-        kind.name: tuple(naming.spec(each) for each in getattr(moved, kind.name))
-        for kind in dataclasses.fields(Elements) if kind.name != "materials"
-    }, materials=tuple((f"{name}.{key}", material) for key, material in inner.materials))
-    whole = Group(name=name, bodies=tuple(body.name for body in found.bodies))
-    return found + Elements(groups=(whole,))
-
-
-def _moved(
-    inner: Elements, placement: Placement, outside: Callable[[str], Body | None],
-) -> Elements:
-    """The elements, placed; references of joints to the scene are kept."""
     own = {body.name: body for body in inner.bodies}
     place = Mover(placement, own, outside)
     resized = Mover(Placement(scale=placement.scale), own, outside)
+    naming = _Naming(name, inner)
     problems: list[Problem] = []
-    changed: dict[str, Any] = {
-        "controllers": tuple(resized.spec(each) for each in inner.controllers),
-    }
-    for kind in PLACED:
-        elements = []
-        for i, element in enumerate(getattr(inner, kind)):
+    found: dict[str, Any] = {}
+    for kind in KINDS:
+        elements: list[Any] = list(getattr(inner, kind))
+        for i, element in enumerate(elements):
             try:
-                elements.append(place.body(element, f".bodies[{i}]") if kind == "bodies"
-                                else place.element(element, f".{kind}[{i}]"))
+                if kind in PLACED:
+                    move = place.body if kind == "bodies" else place.element
+                    element = move(element, f".{kind}[{i}]")
+                elif kind == "controllers":
+                    element = resized.spec(element)
+                elements[i] = naming.spec(element)
             except PartError as error:
                 problems += error.problems
-        changed[kind] = tuple(elements)
+        found[kind] = tuple(elements)
     if problems:
         raise PartError(problems)
-    return dataclasses.replace(inner, **changed)
+    whole = Group(name=name, bodies=tuple(body.name for body in found["bodies"]))
+    materials = tuple((f"{name}.{key}", material) for key, material in inner.materials)
+    return Elements(**found, materials=materials) + Elements(groups=(whole,))
 
 
-def _names(inner: Elements) -> Iterable[str]:
-    """All names that are the assembly's own."""
-    for kind in dataclasses.fields(Elements):
-        if kind.name == "materials":
-            yield from (name for name, _ in inner.materials)
-        elif kind.name != "contacts":
-            yield from (each.name for each in getattr(inner, kind.name))
-
-
-TEXTS = ("because", "unit", "title", "about")
-"""Fields that hold words for people."""
-_DOTTED = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*(?!\w|\s*\()")
-
-
-
-class Naming:
+class _Naming:
     """From names inside an assembly to names of the scene."""
 
-    def __init__(self, prefix: str, names: Iterable[str]) -> None:
+    def __init__(self, prefix: str, inner: Elements) -> None:
         self.prefix = prefix
-        self.names = frozenset(names)
-
-    def has(self, name: str) -> bool:
-        """Whether a name, or its first part up to a dot, belongs to the assembly."""
-        words = name.split(".")
-        return any(".".join(words[:count]) in self.names for count in range(1, len(words) + 1))
+        self.names = frozenset(
+            [name for name, _ in inner.materials]
+            + [each.name for kind in KINDS if kind != "contacts" for each in getattr(inner, kind)])
 
     def of(self, name: str) -> str:
-        """A name as the scene has it."""
-        return f"{self.prefix}.{name}" if self.has(name) else name
+        """A name as the scene has it: it, or its first part up to a dot, may be the assembly's."""
+        own = any(begin in self.names for begin in accumulate(name.split("."), "{}.{}".format))
+        return f"{self.prefix}.{name}" if own else name
 
     def text(self, text: str) -> str:
         """A field's text: a name, a pattern of names, a pair, a quantity, an expression."""
         if text.lstrip().startswith("="):
-            return _DOTTED.sub(lambda match: self._read(match.group()), text)
+            return _DOTTED.sub(lambda match: match.group() if match.group() in RESERVED else
+                               self.of(match.group()), text)
         if "/" in text:
             return "/".join(self.text(side) for side in text.split("/"))
-        if any(char in text for char in "*?["):
+        if is_pattern(text):
             fits = any(fnmatchcase(name, text) or fnmatchcase(f"{name}.x", text)
                        for name in self.names)
             return f"{self.prefix}.{text}" if fits else text
         return self.of(text)
-
-    def _read(self, name: str) -> str:
-        return name if name in RESERVED else self.of(name)
 
     def spec(self, spec: SpecType) -> SpecType:
         """An element under its name in the scene."""
@@ -219,11 +172,7 @@ class Naming:
 @cache
 def _is_choice(model: type[Spec], field: str) -> bool:
     """Whether a field is one of a few words and names nothing."""
-    return _has_literal(model.model_fields[field].annotation)
-
-
-def _has_literal(annotation: Any) -> bool:
+    annotation = model.model_fields[field].annotation
     if get_origin(annotation) is Annotated:
         annotation = get_args(annotation)[0]
-    return get_origin(annotation) is Literal or any(
-        get_origin(each) is Literal for each in get_args(annotation))
+    return any(get_origin(each) is Literal for each in (annotation, *get_args(annotation)))

@@ -1,13 +1,10 @@
-"""What a part becomes: plain elements by kind, in order."""
+"""The expansion of a part: plain elements by kind, in order."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any, TypeVar
-
-from pydantic import BeforeValidator, WithJsonSchema
 
 from sandbox.elements.fluids import Line, Valve
 from sandbox.elements.loads import Load
@@ -16,18 +13,8 @@ from sandbox.elements.springs import Spring
 from sandbox.elements.tendons import Guide, Tendon
 from sandbox.errors import Problem
 from sandbox.scene.bodies import Body, Material
-from sandbox.scene.events import Event
-from sandbox.scene.settings import ContactRule, Group, Meter
-from sandbox.values.numbers import (
-    Angle,
-    Coordinate,
-    Damping,
-    Items,
-    Name,
-    Point,
-    RotaryDamping,
-    Stiffness,
-)
+from sandbox.scene.settings import ContactRule, Event, Group, Meter
+from sandbox.values.numbers import Name, Point
 from sandbox.values.spec import Spec
 from sandbox.wording import NearMisses
 
@@ -61,30 +48,23 @@ class Elements:
         """The body of that name."""
         return next((body for body in self.bodies if body.name == name), None)
 
-    def tendon(self, name: str) -> Tendon | None:
-        """The tendon of that name."""
-        return next((tendon for tendon in self.tendons if tendon.name == name), None)
-
     def with_tendon_led_to(self, name: str, *guides: Guide) -> Elements:
         """The same elements with more guides at the end of tendon ``name``."""
-        tendons = tuple(
+        return dataclasses.replace(self, tendons=tuple(
             tendon.model_copy(update={"guides": (*tendon.guides, *guides)})
-            if tendon.name == name else tendon
-            for tendon in self.tendons
-        )
-        return dataclasses.replace(self, tendons=tendons)
+            if tendon.name == name else tendon for tendon in self.tendons))
 
 
 @dataclass
 class PartError(Exception):
-    """What is wrong with one part; ``path`` of each problem starts at the part itself."""
+    """Problems of one part; their paths start at the part itself."""
 
     problems: list[Problem]
 
 
 @dataclass(frozen=True)
 class Known:
-    """What a part may refer to while it is expanded."""
+    """Elements and names that a part may refer to while it is expanded."""
 
     elements: Elements
     """All elements so far."""
@@ -136,46 +116,3 @@ class PartSpec(Spec):
             PartError: it refers to something unknown.
         """
         raise NotImplementedError
-
-
-_NUMBER: dict[str, Any] = {"anyOf": [{"type": "number"}, {"type": "string"}]}
-_PAIR: dict[str, Any] = {"type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2}
-
-T = TypeVar("T")
-
-
-def each(given: Sequence[T], count: int) -> tuple[T, ...]:
-    """``given`` for ``count`` joints: as it is, or its one entry for all of them."""
-    return tuple(given) * count if len(given) == 1 else tuple(given)
-
-
-def _lift(value: Any) -> Any:
-    return value if isinstance(value, (list, tuple)) else [value]
-
-
-def _lift_point(value: Any) -> Any:
-    listed = isinstance(value, (list, tuple))
-    return value if listed and value and isinstance(value[0], (list, tuple)) else [value]
-
-
-def _lift_limit(value: Any) -> Any:
-    if not isinstance(value, (list, tuple)):
-        value = [value]
-    return [limit if isinstance(limit, (list, tuple)) else [0.0, limit] for limit in value]
-
-
-def _schema(item: dict[str, Any], *, single: bool = True) -> WithJsonSchema:
-    several = {"type": "array", "items": item, "minItems": 1}
-    return WithJsonSchema({"anyOf": [item, several]} if single else several)
-
-
-Stiffnesses = Annotated[Items[Stiffness], BeforeValidator(_lift), _schema(_NUMBER)]
-Dampings = Annotated[Items[Damping], BeforeValidator(_lift), _schema(_NUMBER)]
-RotaryDampings = Annotated[Items[RotaryDamping], BeforeValidator(_lift), _schema(_NUMBER)]
-Coordinates = Annotated[Items[Coordinate], BeforeValidator(_lift), _schema(_NUMBER)]
-Angles = Annotated[Items[Angle], BeforeValidator(_lift), _schema(_NUMBER)]
-Points = Annotated[Items[Point], BeforeValidator(_lift_point), _schema(_PAIR)]
-Limits = Annotated[
-    Items[tuple[Angle, Angle]], BeforeValidator(_lift_limit),
-    _schema({"anyOf": [*_NUMBER["anyOf"], _PAIR]}),
-]

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
@@ -45,7 +45,7 @@ from sandbox.values.signals import (
     values,
 )
 from sandbox.values.spec import Spec
-from sandbox.wording import near
+from sandbox.wording import WrongValueError, near
 
 Mirror = Literal["left-right", "up-down"]
 OTHER = {"left": "right", "right": "left",
@@ -123,13 +123,10 @@ class Mover:
             PartError: it follows a path that cannot be turned.
         """
         moved = self.spec(body)
-        if body.path is None:
-            return moved
         try:
-            return moved.model_copy(update={"path": self._path(body)})
-        except PartError as error:
-            raise PartError([replace(each, path=f"{path}.path") for each in error.problems]) \
-                from None
+            return moved.model_copy(update={"path": self._path(body)}) if body.path else moved
+        except WrongValueError as error:
+            raise PartError([Problem.of(error, f"{path}.path")]) from None
 
     def element(self, element: ElementType, path: str) -> ElementType:
         """A joint, spring, tendon or drive; ``path`` is its place in the assembly.
@@ -266,28 +263,24 @@ def added(one: AnySignal, other: AnySignal) -> AnySignal:
     """The sum of two signals.
 
     Raises:
-        PartError: of a table and an expression, and of tables with steps at times of their own.
+        WrongValueError: of a table and an expression, and of tables of different kinds.
     """
     if isinstance(one, Constant):
         return scaled(other, 1.0, one.constant)
     if isinstance(other, Constant):
         return scaled(one, 1.0, other.constant)
     if isinstance(one, Table) and isinstance(other, Table) and one.between == other.between:
-        return _tables(one, other)
+        # at the times of both: between two of them both are linear, or both constant
+        times = np.array(sorted({t for t, _ in (*one.table, *other.table)}))
+        total = values(one, times) + values(other, times)
+        return one.model_copy(update={"table": tuple(zip(
+            times.tolist(), total.tolist(), strict=True))})
     if isinstance(one, Table) or isinstance(other, Table):
-        raise PartError([Problem(
+        raise WrongValueError(
             "bad-part",
             "a path with a table for one of x and y and something else for the other cannot be "
-            "turned", path="", allowed="tables for both, expressions for both, or a quarter turn")])
+            "turned", allowed="tables for both, expressions for both, or a quarter turn")
     return Formula(expression=f"={_text(one)} + {_text(other)}")
-
-
-def _tables(one: Table, other: Table) -> Table:
-    """At the times of both: between two of them both are linear, or both constant."""
-    times = np.array(sorted({t for t, _ in (*one.table, *other.table)}))
-    total = values(one, times) + values(other, times)
-    return one.model_copy(update={"table": tuple(
-        (float(t), float(value)) for t, value in zip(times, total, strict=True))})
 
 
 def _text(signal: AnySignal) -> str:

@@ -8,23 +8,13 @@ from pydantic import BeforeValidator, WithJsonSchema, model_validator
 
 from sandbox.elements.points import Pin, Rod, Rope, Slot
 from sandbox.elements.registry import Joint
-from sandbox.elements.springs import LinearSpring, RotarySpring, Spring
+from sandbox.elements.springs import LinearSpring, RotarySpring
 from sandbox.scene.bodies import Body, Box, Circle
 from sandbox.scene.geometry import pose_of, to_world
 from sandbox.scene.parts.expansion import Elements, Known, PartSpec
 from sandbox.scene.settings import Group
-from sandbox.values.numbers import (
-    Angle,
-    Damping,
-    Distance,
-    Length,
-    Mass,
-    Name,
-    Point,
-    Stiffness,
-    Written,
-)
-from sandbox.values.planes import Planes
+from sandbox.values import numbers as of
+from sandbox.values.appearance import Planes
 from sandbox.values.spec import TYPE
 from sandbox.wording import WrongValueError
 
@@ -37,7 +27,7 @@ def _lift(value: Any) -> Any:
 
 _NUMBER: dict[str, Any] = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 RodLengths = Annotated[
-    Written[tuple[Distance, Length]], BeforeValidator(_lift),
+    of.Written[tuple[of.Distance, of.Length]], BeforeValidator(_lift),
     WithJsonSchema({"anyOf": [*_NUMBER["anyOf"], {
         "type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2}]}),
 ]
@@ -47,28 +37,28 @@ class Section(PartSpec):
     """A fixed circle; with ``square``, also a square held out from its centre by a rod."""
 
     type: Literal["section"] = TYPE
-    name: Name
+    name: of.Name
     """Its name, with which those of its elements begin: ``<name>.circle``, ``<name>.square``."""
-    at: Point = (0.0, 0.0)
+    at: of.Point = (0.0, 0.0)
     """Centre of the circle in the world [m]."""
-    circle: Length
+    circle: of.Length
     """Radius of the circle [m]."""
-    square: Length | None = None
+    square: of.Length | None = None
     """Side of the square [m]; without it the section is the circle alone."""
     rod: RodLengths | None = None
     """From the circle's centre to the square's [m]: a length, or [shortest, longest] of a
     telescope."""
-    angle: Angle = 0.0
+    angle: of.Angle = 0.0
     """Direction in which the square starts, seen from the circle's centre [rad], counter-clockwise
     from +x."""
-    mass: Mass = 0.005
+    mass: of.Mass = 0.005
     """Mass of the square [kg]."""
-    hold: Stiffness = 5.0
+    hold: of.Stiffness = 5.0
     """Stiffness of the weak springs that hold the square in place, along the rod and across it
     [N/m]."""
-    damping: Damping = 1.0
+    damping: of.Damping = 1.0
     """Damping of the same springs [N s/m]."""
-    material: Name | None = None
+    material: of.Name | None = None
     """Name of both bodies' material, one of the scene's ``materials``."""
     plane: Planes = (0,)
     """Layer in which its bodies lie, as a body's ``plane``."""
@@ -87,65 +77,38 @@ class Section(PartSpec):
 
 
 def expand_section(section: Section) -> Elements:
-    """The circle and, if wanted, the square on its rod.
+    """The circle and, if there is one, the square on its rod.
 
     The circle's frame has x towards the square. The square yields
     against a weak spring and damper of its own: the rod's length, along which
     the square slides without turning on it, and the rod's angle. The rod's
     angle is that of ``arm``, a body without shapes that is pinned to the circle.
+    The square is held as stiffly across the rod as along it: k_rot = k reach^2.
     """
-    circle = Body(
-        name=f"{section.name}.circle", at=section.at, angle=section.angle, motion="fixed",
-        role="object", material=section.material, plane=section.plane,
-        shapes=(Circle(type="circle", radius=section.circle),),
-    )
-    if section.square is None or section.rod is None:
-        group = Group(name=section.name, kind="section", bodies=(circle.name,))
-        return Elements(bodies=(circle,), groups=(group,))
-    side, reach = section.square, section.rod[1]
-    arm_mass = ARM_FRACTION * section.mass
-    arm = Body(
-        name=f"{section.name}.arm", at=section.at, angle=section.angle, mass=arm_mass,
-        inertia=arm_mass * reach**2 / 12, centre=(reach / 2, 0.0),
-    )
-    square = Body(
-        name=f"{section.name}.square", at=to_world(pose_of(circle), (reach, 0.0)),
-        angle=section.angle, mass=section.mass, role="object", material=section.material,
-        plane=section.plane,
-        shapes=(Box(type="box", size=(side, side)),),
-    )
-    group = Group(name=section.name, kind="section", bodies=(circle.name, square.name))
-    return Elements(
-        bodies=(circle, arm, square), joints=_joints(section, section.rod),
-        springs=_holds(section, reach), groups=(group,),
-    )
-
-
-def _joints(section: Section, rod: tuple[float, float]) -> tuple[Joint, ...]:
-    name, (shortest, longest) = section.name, rod
+    name, look = section.name, {"material": section.material, "plane": section.plane}
     circle, arm, square = (f"{name}.{body}" for body in ("circle", "arm", "square"))
-    pivot = Pin(
-        type="pin", name=f"{name}.pivot", a=circle, b=arm, on_a=(0.0, 0.0), on_b=(0.0, 0.0),
-        damping=section.damping * longest**2)
-    slide = Slot(
-        type="slot", name=f"{name}.slide", a=arm, b=square, start=(0.0, 0.0),
-        end=(longest, 0.0), turns=False)
-    if shortest == longest:
-        return pivot, slide, Rod(
-            type="rod", name=f"{name}.rod", a=circle, b=square, length=longest, collide=True)
-    return pivot, slide, Rope(
-        type="rope", name=f"{name}.rod", a=circle, b=square, shortest=shortest, longest=longest,
-        collide=True)
-
-
-def _holds(section: Section, reach: float) -> tuple[Spring, ...]:
-    """As stiff across the rod, at the square, as along it: k_rot = k reach^2."""
-    name = section.name
-    return (
-        LinearSpring(
-            type="linear", name=f"{name}.push", a=f"{name}.circle", b=f"{name}.square",
-            stiffness=section.hold, damping=section.damping, rest_length=reach),
-        RotarySpring(
-            type="rotary", name=f"{name}.hold", joint=f"{name}.pivot",
-            stiffness=section.hold * reach**2),
-    )
+    bodies = [Body(name=circle, at=section.at, angle=section.angle, motion="fixed", role="object",
+                   shapes=(Circle(radius=section.circle),), **look)]
+    if section.square is None or section.rod is None:
+        return Elements(bodies=tuple(bodies),
+                        groups=(Group(name=name, kind="section", bodies=(circle,)),))
+    side, (shortest, reach) = section.square, section.rod
+    mass = ARM_FRACTION * section.mass
+    bodies += [
+        Body(name=arm, at=section.at, angle=section.angle, mass=mass,
+             inertia=mass * reach**2 / 12, centre=(reach / 2, 0.0)),
+        Body(name=square, at=to_world(pose_of(bodies[0]), (reach, 0.0)), angle=section.angle,
+             mass=section.mass, role="object", shapes=(Box(size=(side, side)),), **look)]
+    rod: Joint = Rod(name=f"{name}.rod", a=circle, b=square, length=reach, collide=True) \
+        if shortest == reach else Rope(name=f"{name}.rod", a=circle, b=square, shortest=shortest,
+                                       longest=reach, collide=True)
+    return Elements(
+        bodies=tuple(bodies), groups=(Group(name=name, kind="section", bodies=(circle, square)),),
+        joints=(Pin(name=f"{name}.pivot", a=circle, b=arm, on_a=(0.0, 0.0), on_b=(0.0, 0.0),
+                    damping=section.damping * reach**2),
+                Slot(name=f"{name}.slide", a=arm, b=square, start=(0.0, 0.0), end=(reach, 0.0),
+                     turns=False), rod),
+        springs=(LinearSpring(name=f"{name}.push", a=circle, b=square, stiffness=section.hold,
+                              damping=section.damping, rest_length=reach),
+                 RotarySpring(name=f"{name}.hold", joint=f"{name}.pivot",
+                              stiffness=section.hold * reach**2)))

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import accumulate, groupby, pairwise
+from typing import Annotated, Literal, Self
 
-from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, model_validator
-from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema
+from pydantic import Field, model_validator
 
 from sandbox.elements.points import Rope, Slot
 from sandbox.elements.tendons import RIGID, Guide, Tendon
@@ -20,34 +18,18 @@ from sandbox.scene.geometry import Vec, pose_of, to_world
 from sandbox.scene.parts.expansion import Elements, Known, Leaf, PartError, PartSpec
 from sandbox.scene.settings import ContactRule, Group
 from sandbox.values.numbers import Angle, Damping, Items, Length, Mass, Name, Ratio, Stiffness
-from sandbox.values.spec import TYPE
+from sandbox.values.spec import TYPE, TextFor
 from sandbox.wording import NearMisses, WrongValueError
 
 LEAST_DISTANCE = 1e-6  # between the strings of two leaves that need no eyes [m]
 ACTUATOR_DISTANCE = 0.02  # from the root at the end of its travel to the actuator [m]
 
 
-def _lift(value: Any) -> Any:
-    return {"name": value} if isinstance(value, str) else value
-
-
-class _NameToo:
-    """Adds to the JSON Schema what :func:`_lift` accepts."""
-
-    def __get_pydantic_json_schema__(
-        self, core_schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        return {"anyOf": [{"type": "string"}, handler(core_schema)]}
-
-
-LeafOrName = Annotated[Leaf, BeforeValidator(_lift), _NameToo()]
-
-
 class _TreeSpec(PartSpec):
     name: Name
     """Its name, with which those of its elements begin; a pull drive that names it pulls
     ``<name>.tendon``."""
-    pulls: Items[LeafOrName] = Field(min_length=2, max_length=4096)
+    pulls: Items[Annotated[Leaf, TextFor("name")]] = Field(min_length=2, max_length=4096)
     """Names of fingers, tendons or bodies, in the order in which they lie side by side."""
     shares: Items[Ratio] | None = None
     """Of the pull, one for each leaf in any measure; by default all equal."""
@@ -127,8 +109,7 @@ def expand_tree(tree: RockerTree | PulleyTree, known: Known) -> Elements:
     between the levels, and an actuator tendon from the root to the frame.
 
     Raises:
-        PartError: leaves that do not exist; without problems where they are those of parts that
-            could not be built.
+        PartError: leaves that do not exist; without problems if they belong to failed parts.
     """
     return _Builder(tree, known).build(known.elements)
 
@@ -146,37 +127,23 @@ class _End:
 def _leaf_ends(tree: _TreeSpec, known: Known) -> list[_End]:
     tendons = {tendon.name: tendon for tendon in reversed(known.elements.tendons)}
     bodies = {body.name: body for body in reversed(known.elements.bodies)}
-    found = [_leaf_end(leaf, known.tendon_of, tendons, bodies) for leaf in tree.pulls]
     names, near = [*known.tendon_of, *tendons, *bodies], NearMisses()
-    problems = []
-    for i, (leaf, end) in enumerate(zip(tree.pulls, found, strict=True)):
-        if end is None and not _begins(leaf.name, known.failed):
+    found, problems = [], []
+    for i, leaf in enumerate(tree.pulls):
+        tendon = tendons.get(known.tendon_of.get(leaf.name) or leaf.name)
+        body = bodies.get(leaf.name if tendon is None else tendon.guides[-1].body)
+        if body is not None:
+            at = leaf.at if tendon is None else tendon.guides[-1].at
+            place = to_world(pose_of(body), at)
+            found.append(_End(place, body=body.name, on_body=at) if tendon is None else
+                         _End(place, tendon=tendon.name))
+        elif known.failed.isdisjoint(accumulate(leaf.name.split("."), "{}.{}".format)):
             problems.append(Problem("name-not-found", "no finger, tendon or body is named "
                                     f"{leaf.name!r}", path=f".pulls[{i}]",
                                     hint=near(leaf.name, names)))
-    if problems or None in found:
+    if len(found) < len(tree.pulls):
         raise PartError(problems)
-    return [end for end in found if end is not None]
-
-
-def _begins(name: str, parts: Collection[str]) -> bool:
-    """Whether a name is that of one of the parts, or of something in it."""
-    words = name.split(".")
-    return any(".".join(words[:n]) in parts for n in range(1, len(words) + 1))
-
-
-def _leaf_end(
-    leaf: Leaf, tendon_of: Mapping[str, str], tendons: Mapping[str, Tendon],
-    bodies: Mapping[str, Body],
-) -> _End | None:
-    tendon = tendons.get(tendon_of.get(leaf.name) or leaf.name)
-    if tendon is not None:
-        last = tendon.guides[-1]
-        if (holder := bodies.get(last.body)) is not None:
-            return _End(to_world(pose_of(holder), last.at), tendon=tendon.name)
-    elif (body := bodies.get(leaf.name)) is not None:
-        return _End(to_world(pose_of(body), leaf.at), body=body.name, on_body=leaf.at)
-    return None
+    return found
 
 
 class _Builder:
@@ -201,7 +168,7 @@ class _Builder:
 
     def build(self, elements: Elements) -> Elements:
         """The elements so far, with the leaves' tendons led on, and the tree's own."""
-        nodes = nodes_of(self.root)
+        nodes = self.root.rows
         for node in nodes:
             for child in node.below:
                 if not child.below and (tendon := self.ends[child.number].tendon):
@@ -321,7 +288,7 @@ def _dot(p: Vec, q: Vec) -> float:
     return p[0] * q[0] + p[1] * q[1]
 
 
-@dataclass(frozen=True)
+@dataclass
 class Node:
     """A leaf, or a rocker (wheel) with the two strings that it pulls.
 
@@ -342,6 +309,12 @@ class Node:
         """The longer distance from its pivot to one of its strings [m]; 0 for a leaf."""
         return max((abs(node.across - self.across) for node in self.below), default=0.0)
 
+    @property
+    def rows(self) -> list[Node]:
+        """Every rocker or wheel below and itself, lowest level first, in the order of leaves."""
+        found = [node for child in self.below for node in child.rows] + [self] * bool(self.below)
+        return sorted(found, key=lambda node: node.height)
+
 
 def plan_tree(
     places: Sequence[tuple[float, float]], shares: Sequence[float], *,
@@ -353,23 +326,21 @@ def plan_tree(
     ``level`` behind the one before; wheels keep these distances between their rims.
     """
     total = sum(shares)
-    leaves = [
-        Node(across=across, along=along, share=share / total, number=i)
-        for i, ((along, across), share) in enumerate(zip(places, shares, strict=True))
-    ]
+    leaves = [Node(across, along, share / total, number)
+              for number, ((along, across), share) in enumerate(zip(places, shares, strict=True))]
     leaves.sort(key=lambda node: node.across, reverse=places[0][1] > places[-1][1])
     root = _halved(leaves)
-    rows = nodes_of(root)
-    numbers = {id(node): i + 1 for i, node in enumerate(rows)}
-    along = _levels(rows, max(s for s, _ in places), gap, level, wheels=wheels)
-
-    def placed(node: Node) -> Node:
-        if not node.below:
-            return node
-        return replace(node, along=along[node.height], number=numbers[id(node)],
-                       below=tuple(placed(child) for child in node.below))
-
-    return placed(root)
+    along, rim = max(s for s, _ in places), 0.0
+    for height, row in groupby(root.rows, key=lambda node: node.height):
+        nodes = list(row)
+        widest = max(node.arm for node in nodes) if wheels else 0.0
+        along = along + rim + (gap if height == 1 else level) + widest
+        rim = widest
+        for node in nodes:
+            node.along = along
+    for number, node in enumerate(root.rows):
+        node.number = number + 1
+    return root
 
 
 def _halved(nodes: list[Node]) -> Node:
@@ -378,31 +349,5 @@ def _halved(nodes: list[Node]) -> Node:
     middle = (len(nodes) + 1) // 2
     below = (_halved(nodes[:middle]), _halved(nodes[middle:]))
     share = sum(node.share for node in below)
-    return Node(
-        across=sum(node.across * node.share for node in below) / share, along=0.0, share=share,
-        number=0, height=1 + max(node.height for node in below), below=below,
-    )
-
-
-def _levels(
-    rows: list[Node], rearmost: float, gap: float, level: float, *, wheels: bool
-) -> dict[int, float]:
-    """Where each level lies along the pull [m], by height."""
-    radius: dict[int, float] = {0: 0.0}
-    for node in rows:
-        radius[node.height] = max(radius.get(node.height, 0.0), node.arm if wheels else 0.0)
-    along = {0: rearmost}
-    for height in range(1, max(radius) + 1):
-        distance = gap if height == 1 else level
-        along[height] = along[height - 1] + radius[height - 1] + distance + radius[height]
-    return along
-
-
-def nodes_of(root: Node) -> list[Node]:
-    """Every rocker or wheel of the tree, lowest level first, in the order of the leaves."""
-    return sorted(_in_order(root), key=lambda node: node.height)
-
-
-def _in_order(node: Node) -> list[Node]:
-    below = [found for child in node.below for found in _in_order(child)]
-    return [*below, node] if node.below else below
+    return Node(sum(node.across * node.share for node in below) / share, 0.0, share, 0,
+                1 + max(node.height for node in below), below)

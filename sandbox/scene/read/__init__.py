@@ -1,1 +1,1 @@
-"""From a file to data, and what is reported when it cannot be read."""
+"""From a file to a scene, or to diagnostics with their places."""

@@ -1,7 +1,7 @@
 """Composition of a scene: ``like``, ``repeat`` and ``include`` are expanded.
 
 Composition comes before validation. Its result is plain data as a file could hold it, with the
-place where each piece was written. Limits of elements, nesting and a file's size apply on the way.
+place where each piece was written. Nesting and size of the result are limited on the way.
 """
 
 from __future__ import annotations
@@ -11,26 +11,24 @@ import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from sandbox.elements.element import LISTS
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import ASSEMBLED, KEYS
-from sandbox.scene.read.includes import Library
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.origins import Composed, Origin, OriginMap
-from sandbox.scene.read.repeat import Copies, RepeatError, read_repeat
+from sandbox.scene.read.origins import Composed, Origin, RefusedError
 from sandbox.scene.read.scopes import (
+    Copies,
     Parameters,
     Scope,
-    others_of,
     plain_tables,
+    read_repeat,
     resolve_parameters,
     resolved_tables,
     unknown_key,
 )
-from sandbox.scene.read.source import SceneSource
-from sandbox.scene.read.templates import Context, LikeError, inside_template, merge_templates
+from sandbox.scene.read.source import Library, SceneSource
 from sandbox.values.numbers import number_from
 from sandbox.values.paths import JsonPath, parse_path
 from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
@@ -43,10 +41,38 @@ ASSEMBLY_WORDS = (*ENTRY_WORDS, "include", "parameters")
 COMPOSED_LISTS = (*LISTS, "parts", "materials")
 CONTAINER_SIZE = 40
 """Characters that an object or a list counts for in the size of the result."""
+MOST_LIKE = 32
+"""Templates that are like one another."""
 
 
 class TooLargeError(Exception):
-    """The result exceeds a limit; the reason is among the problems."""
+    """The result exceeds a limit: its problem, or None for its size."""
+
+    def __init__(self, problem: Problem | None = None) -> None:
+        super().__init__()
+        self.problem = problem
+
+
+@dataclass(frozen=True)
+class Context:
+    """Names, templates and files that apply to a piece of data."""
+
+    scope: Scope
+    templates: Any
+    home: Origin
+    """Of the templates."""
+    files: tuple[Path, ...] = ()
+    """Files that include one another, down to the file of this piece."""
+    inside: tuple[str, ...] = ()
+    """Templates that contain this piece."""
+
+    def at(self, place: Origin) -> Context:
+        """The context of an entry, which may be written inside a template."""
+        base = self.home.path
+        within = place.source is self.home.source and place.path[:len(base)] == base
+        name = str(place.path[len(base)]) if within and len(place.path) > len(base) else ""
+        return replace(self, inside=(*self.inside, name)) if name and name not in self.inside \
+            else self
 
 
 def compose(
@@ -54,18 +80,16 @@ def compose(
 ) -> Composed:
     """Compose a scene's data, which may differ from its file's by overrides."""
     root = Origin(source)
-    places = OriginMap(root)
-    if not any(_has_words(data.get(key)) for key in COMPOSED_LISTS):
-        return Composed(data, places)
-    composer = _Composer(Library(source, limits), limits, places)
-    home = (source.path.resolve(),) if source.path is not None else ()
-    tables = data.get("tables")
-    scope = Scope(parameters.values, tables=resolved_tables(tables, parameters.values))
-    composer.tables = dict(tables) if isinstance(tables, dict) else {}
-    context = Context(scope, data.get("templates"), root.to("templates"), home)
-    out = composer.scene(data, root, context)
-    return Composed(out, places, composer.problems, composer.broken, composer.failed,
-                    tuple(composer.library.read))
+    made = Composed(data, root)
+    if any(_has_words(data.get(key)) for key in COMPOSED_LISTS):
+        tables = data.get("tables")
+        scope = Scope(parameters.values, tables=resolved_tables(tables, parameters.values))
+        home = (source.path.resolve(),) if source.path is not None else ()
+        composer = _Composer(made, Library(source, limits), limits, root,
+                             dict(tables) if isinstance(tables, dict) else {})
+        composer.scene(data, Context(scope, data.get("templates"), root.to("templates"), home))
+        made.files = tuple(composer.library.read)
+    return made
 
 
 def _has_words(value: Any) -> bool:
@@ -82,121 +106,153 @@ def _has_words(value: Any) -> bool:
     return False
 
 
+def merged(
+    entry: Any, place: Origin, context: Context, places: Composed, near: NearMisses,
+) -> Any:
+    """An entry with the keys of the templates that it is like.
+
+    Objects are merged key by key; lists and numbers are replaced as a whole. A template may itself
+    be like another one. ``places`` notes where each key was written.
+
+    Raises:
+        RefusedError: the first name that leads nowhere.
+    """
+    if not isinstance(entry, dict) or "like" not in entry:
+        return entry
+    known = context.templates if isinstance(context.templates, dict) else {}
+    name, inside = entry["like"], context.inside
+    with place.to("like").refusing():
+        if not isinstance(name, str):
+            raise WrongValueError("bad-template",
+                                  f"'like' is the name of a template, not {kind_of(name)}")
+        if name in inside:
+            raise WrongValueError("circular-definition", "templates are like one another: "
+                                  f"{' → '.join([*inside, name])}")
+        if len(inside) >= MOST_LIKE:
+            raise WrongValueError("circular-definition", "templates are like one another more than "
+                                  f"{MOST_LIKE} deep")
+        if name not in known:
+            raise WrongValueError(
+                "bad-template", f"there is no template {quoted(name)}", hint=near(name, known),
+                allowed=listed(known) or "none: the scene has no templates")
+    home = context.home.to(name).copied(place)
+    with home.refusing():
+        if not isinstance(known[name], dict):
+            raise WrongValueError("bad-template", f"the template {quoted(name)} is "
+                                  f"{kind_of(known[name])}, not an object {{…}}")
+    below = merged(known[name], home, replace(context, inside=(*inside, name)), places, near)
+    return _over(entry, place, below, home, places)
+
+
+def _over(
+    above: Mapping[str, Any], place: Origin, below: Mapping[str, Any], home: Origin,
+    places: Composed,
+) -> dict[str, Any]:
+    """The keys of an object over those of another one, each with its place."""
+    made: dict[str, Any] = {}
+    for key in {**below, **above}:
+        here, there = places.at(above, key, place), places.at(below, key, home)
+        if key == "like":
+            continue
+        if key not in above:
+            made[key], here = below[key], there
+        elif isinstance(above[key], dict) and isinstance(below.get(key), dict):
+            made[key] = _over(above[key], here, below[key], there, places)
+        else:
+            made[key] = above[key]
+        places.put(made, key, here)
+    return made
+
+
 @dataclass
 class _Composer:
     """Composes lists and their entries. ``trail`` is the path of a value in the result."""
 
+    made: Composed
     library: Library
     limits: Limits
-    places: OriginMap
-    problems: list[Problem] = field(default_factory=list)
-    broken: set[JsonPath] = field(default_factory=set)
-    failed: bool = False
-    near: NearMisses = field(default_factory=NearMisses)
-    size: int = 0
-    """Characters of the result, approximately."""
-    copies_made: int = 0
-    """Entries that repeat, like and include have led to."""
-    tables: dict[str, Any] = field(default_factory=dict)
+    top: Origin
+    """The entry of the scene's own lists that is composed."""
+    tables: dict[str, Any]
     """Tables of the scene, and of included files under names of their own."""
     shared: dict[str, str] = field(default_factory=dict)
     """Names of included tables by their content."""
+    near: NearMisses = field(default_factory=NearMisses)
+    size: int = 0
+    """Characters of the result, approximately."""
 
     # -- values -----------------------------------------------------------------------
 
-    def scene(self, data: Mapping[str, Any], place: Origin, context: Context) -> dict[str, Any]:
+    def scene(self, data: Mapping[str, Any], context: Context) -> None:
         """All lists of a scene; other keys are left as they are."""
-        out = dict(data)
+        root = out = self.made.data = dict(data)
         try:
             for key in COMPOSED_LISTS:
                 if isinstance(data.get(key), (list, dict)):
-                    self.put(out, key, data[key], place.to(key), context, (key,))
-        except TooLargeError:
-            self.failed = True
-            if not self.problems:
-                self.too_large(place)
+                    self.put(out, key, data[key], self.made.root.to(key), context, (key,))
+        except TooLargeError as error:
+            self.made.failed = True
+            self.made.problems.append(error.problem or self.top.problem(
+                "limit-exceeded", "spelled out, the scene is larger than the limit 'file_bytes' "
+                f"of {self.limits.file_bytes} bytes",
+                allowed="a larger one when the limit is raised"))
         if self.shared:
-            self.places.put(out, "tables", place.to("tables"))
-            out["tables"] = self.tables
-        return out
+            self.made.put(root, "tables", self.made.root.to("tables"))
+            root["tables"] = self.tables
 
     def put(
         self, container: Any, step: str | int, value: Any, place: Origin, context: Context,
         trail: JsonPath,
     ) -> None:
         """Compose a value into a container."""
-        self.places.put(container, step, place)
+        self.made.put(container, step, place)
         container[step] = self.value(value, place, context, trail)
 
     def value(self, value: Any, place: Origin, context: Context, trail: JsonPath) -> Any:
         """A value with the scope's names replaced."""
-        self.grow(CONTAINER_SIZE if isinstance(value, (dict, list)) else 2)
+        holds = isinstance(value, (dict, list))
+        self.size += len(value) if isinstance(value, str) else CONTAINER_SIZE if holds else 2
+        if self.size > self.limits.file_bytes:
+            raise TooLargeError
         if len(trail) > self.limits.nesting:
-            self.problems.append(place.problem(
+            raise TooLargeError(place.problem(
                 "limit-exceeded", f"spelled out, this is nested deeper than the limit 'nesting' of "
                 f"{self.limits.nesting}"))
-            raise TooLargeError
         if isinstance(value, str):
-            return self.text(value, place, context, trail)
+            return self.text(value, place, context)
         if isinstance(value, dict):
-            make = self.materials if trail[-1] == "materials" else self.object
-            return make(value, place, context, trail)
-        if isinstance(value, list):
-            return self.entries(value, place, context, trail)
-        return value
+            return self.object({}, value, place, context, trail)
+        return self.entries(value, place, context, trail) if holds else value
 
-    def text(
-        self, text: str, place: Origin, context: Context, trail: JsonPath = (),
-    ) -> str | None:
-        """A text with the scope's names replaced; None, and a broken entry, if that fails."""
-        self.grow(len(text))
-        try:
+    def text(self, text: str, place: Origin, context: Context, *, key: bool = False) -> str:
+        """A text with the scope's names replaced."""
+        with place.refusing(key=key):
             return context.scope.text(text)
-        except WrongValueError as error:
-            self.report(place, error)
-            if trail:
-                self.broken.add(trail[:2])
-            return None
 
     def object(
-        self, value: Mapping[str, Any], place: Origin, context: Context, trail: JsonPath,
-        left_out: Collection[str] = (),
+        self, out: dict[str, Any], value: Mapping[str, Any], place: Origin, context: Context,
+        trail: JsonPath, left_out: Collection[str] = (),
     ) -> dict[str, Any]:
-        """An object without some keys."""
-        out: dict[str, Any] = {}
+        """Compose an object, without some keys, into another one; its materials like templates."""
+        materials = trail[-1] == "materials"
         for key, entry in value.items():
             if key in left_out:
                 continue
-            self.grow(len(key))
-            at, name = self.places.at(value, key, place), key
+            self.size += len(key)
+            at, name = self.made.at(value, key, place), key
             if context.scope.braces and "{" in key:
-                name = str(self.text(key, at, context, trail))
-            self.put(out, name, entry, at, context, (*trail, name))
-        return out
-
-    def materials(
-        self, value: Mapping[str, Any], place: Origin, context: Context, trail: JsonPath,
-    ) -> dict[str, Any]:
-        """Materials by their names, each perhaps like a template."""
-        out: dict[str, Any] = {}
-        for name, entry in value.items():
-            at, below = self.places.at(value, name, place), (*trail, name)
+                name = self.text(key, at, context, key=True)
+            below = *trail, name
             try:
-                merged = self.merged(entry, at, context)
-            except LikeError as error:
-                self.problems.append(error.problem)
-                self.broken.add(below)
+                if materials:
+                    entry = merged(entry, at, context, self.made, self.near)
+                self.put(out, name, entry, at, context, below)
+            except RefusedError as error:
+                if not materials:
+                    raise
+                self.refuse(error, below)
                 out[name] = {}
-                continue
-            self.put(out, name, merged, at, context, below)
         return out
-
-    def merged(self, entry: Any, place: Origin, context: Context) -> Any:
-        """An entry with the keys of the templates that it is like."""
-        if not isinstance(entry, dict) or "like" not in entry:
-            return entry
-        return merge_templates(entry, place, context.templates, context.home, self.places,
-                               self.near, context.inside)
 
     # -- entries of lists -------------------------------------------------------------
 
@@ -207,24 +263,20 @@ class _Composer:
         out: list[Any] = []
         for number, item in enumerate(items):
             here = place.to(number)
-            if not isinstance(item, dict):
-                if len(out) != number:
-                    self.places.put(out, len(out), here)
-                out.append(self.value(item, here, context, (*trail, len(out))))
-                continue
-            inner = inside_template(here, context)
-            known, grows = len(self.problems), any(word in item for word in WORDS)
+            if len(trail) == 1:
+                self.top = here
             try:
-                if grows:
-                    self.count(here)
-                self.copies(out, self.merged(item, here, inner), here, inner, trail)
-            except LikeError as error:
-                self.problems.append(error.problem)
-                self.leave_out(out, item, here, trail)
-            except TooLargeError:
-                if grows and len(self.problems) == known:
-                    self.too_large(here)
-                raise
+                if isinstance(item, dict):
+                    inner = context.at(here)
+                    entry = merged(item, here, inner, self.made, self.near)
+                    self.copies(out, entry, here, inner, trail)
+                else:
+                    if len(out) != number:
+                        self.made.put(out, len(out), here)
+                    out.append(self.value(item, here, context, (*trail, len(out))))
+            except RefusedError as error:
+                self.refuse(error, (*trail, len(out)))
+                self.append(out, _stand_in(item), here)
         return out
 
     def copies(
@@ -235,29 +287,20 @@ class _Composer:
         if "repeat" not in item:
             self.append(out, self.entry(item, here, context, (*trail, len(out))), here)
             return
-        place = self.places.at(item, "repeat", here)
-        try:
-            repeat = read_repeat(item["repeat"], context.scope, self.limits)
-        except RepeatError as error:
-            self.report(place.to(*error.path), error.error, key=error.key)
-            self.leave_out(out, item, here, trail)
-            return
+        place = self.made.at(item, "repeat", here)
+        repeat = read_repeat(item["repeat"], context.scope, self.limits, place)
         among = next((str(step) for step in reversed(trail) if isinstance(step, str)), "")
         self.check_length(len(out) + len(repeat.rows), among, place)
-        known = len(self.problems)
+        known = len(self.made.problems)
         for number, names in enumerate(repeat.rows):
-            self.count(place)
             label = repeat.label(number)
             at = replace(here, copy=f"{here.copy}, {label}" if here.copy else label)
             scope = context.scope.naming(names, braces=True)
             entry = self.entry(item, at, replace(context, scope=scope), (*trail, len(out)))
-            try:
+            if len(self.made.problems) > known:  # the other copies would have the same
+                raise RefusedError(here, [])
+            with place.refusing():
                 moved = self.moved(entry, replace(repeat, scope=scope), number, among)
-            except WrongValueError as error:
-                self.report(place, error)
-            if len(self.problems) > known:  # the other copies would have the same
-                self.leave_out(out, {}, here, trail)
-                return
             self.append(out, moved, at)
 
     def moved(self, entry: Any, repeat: Copies, number: int, among: str) -> Any:
@@ -265,68 +308,75 @@ class _Composer:
         if not isinstance(entry, dict):
             return entry
         moved = repeat.moved(entry, number, among)
-        self.places.copy(entry, moved)
+        self.made.copy(entry, moved)
         return moved
 
     def entry(self, item: dict[str, Any], here: Origin, context: Context, trail: JsonPath) -> Any:
         """One copy of an entry."""
         if "each" in item and "repeat" in item:
-            return self.value(item["each"], self.places.at(item, "each", here), context, trail)
-        part = len(trail) > 1 and trail[-2] == "parts"
+            return self.value(item["each"], self.made.at(item, "each", here), context, trail)
+        part = trail[-2:-1] == ("parts",)
         if part and "include" in item:
-            return self.included(item, here, context, trail)
+            out = self.included(item, here, context, trail)
+            return self.object(out, item, here, context, trail, (*ASSEMBLY_WORDS, "type"))
         if part and "parameters" in item and item.get("type") == "assembly":
-            given = self.parameters(item, here, context, {})
-            if given is None:
-                self.broken.add(trail)
-                return {"name": item["name"]} if "name" in item else {}
+            given = self.parameters(item, here, context)
             scope = context.scope.naming(given, braces=False)
-            return self.object(item, here, replace(context, scope=scope), trail, ASSEMBLY_WORDS)
-        return self.object(item, here, context, trail, ENTRY_WORDS)
+            return self.object({}, item, here, replace(context, scope=scope), trail, ASSEMBLY_WORDS)
+        return self.object({}, item, here, context, trail, ENTRY_WORDS)
+
+    def append(self, out: list[Any], value: Any, place: Origin) -> None:
+        """Append an entry to a list whose indices may differ from those of the text."""
+        self.made.put(out, len(out), place)
+        out.append(value)
+
+    def check_length(self, count: int, among: str, place: Origin) -> None:
+        """Check the length of a list of copies."""
+        limit = "bodies" if among in ("bodies", "parts") else "elements"
+        if count > (most := getattr(self.limits, limit)):
+            raise TooLargeError(place.problem(
+                "limit-exceeded", f"with these copies there are {count} {among or 'entries'}",
+                allowed=f"at most {most} (the limit '{limit}', raised by --limit {limit}=N)"))
+
+    def refuse(self, error: RefusedError, trail: JsonPath) -> None:
+        """Report an entry that cannot be composed, once for all its copies."""
+        self.made.broken.add(trail[:2])
+        if self.made.first(error.place):
+            self.made.problems += error.problems
 
     # -- assemblies -------------------------------------------------------------------
 
     def parameters(
-        self, item: dict[str, Any], here: Origin, context: Context, defaults: Mapping[str, Any],
-        tables: Any = None,
-    ) -> dict[str, float] | None:
+        self, item: dict[str, Any], here: Origin, context: Context,
+        included: tuple[Origin, Mapping[str, Any], Any] | None = None,
+    ) -> dict[str, float]:
         """Values of an assembly's parameters, which replace those of the scene that it includes.
 
-        Args:
-            item: the assembly.
-            here: where it was written.
-            context: around it.
-            defaults: parameters of the included scene.
-            tables: of the included scene, as they are written.
-
-        Returns:
-            None if there is a problem.
+        ``included`` are the place of that scene, its own parameters, and its tables.
         """
-        given, at = item.get("parameters", {}), self.places.at(item, "parameters", here)
-        if not isinstance(given, dict):
-            self.problems.append(at.problem(
-                "wrong-type", f"expected an object {{…}}, got {kind_of(given)}"))
-            return None
-        place = {name: self.places.at(given, name, at) for name in given}
-        includes, before = "include" in item, len(self.problems)
-        values: dict[str, Any] = {} if includes else dict(context.scope.known)
-        if includes:
-            for name in [name for name in given if name not in defaults]:
-                self.problems.append(place[name].problem(
-                    "name-not-found", f"the included scene has no parameter {quoted(name)}",
-                    key=True, allowed=listed(defaults) or "none", hint=near(name, defaults)))
-            given = {name: value for name, value in given.items() if name in defaults}
-        for name, value in given.items():
-            values[name] = (self.parameter(name, value, place[name], context, given)
-                            if isinstance(value, str) else value)
-        plain = plain_tables(tables) if includes else context.scope.tables
-        resolved = resolve_parameters({**defaults, **values}, plain, others_of(tables, plain))
+        given, at = item.get("parameters", {}), self.made.at(item, "parameters", here)
+        _check_object(given, at)
+        root, defaults, tables = included or (here, {}, None)
+        known = {} if included else context.scope.known
+        place = {name: self.made.at(given, name, at) for name in given}
+        for name in given:
+            with place[name].refusing(key=True):
+                if included and name not in defaults:
+                    raise WrongValueError(
+                        "name-not-found", f"the included scene has no parameter {quoted(name)}",
+                        allowed=listed(defaults) or "none", hint=near(name, defaults))
+        values = {name: self.parameter(name, value, place[name], context, given)
+                  if isinstance(value, str) else value for name, value in given.items()}
+        resolved = resolve_parameters(
+            {**defaults, **known, **values},
+            plain_tables(tables) if included else context.scope.tables)
+        wrong = []
         for problem in resolved.problems:
-            name = str(parse_path(problem.path)[1])
-            if name in given:
-                self.problems.append(place[name].located(problem))
-        if len(self.problems) > before:
-            return None
+            path = parse_path(problem.path)
+            if included or path[1] in given:
+                wrong.append(place.get(str(path[1]), root.to(*path)).located(problem))
+        if wrong:
+            raise RefusedError(at, wrong)
         return {name: float(value) for name, value in resolved.values.items()
                 if name in defaults or name in given}
 
@@ -346,150 +396,76 @@ class _Composer:
     def included(
         self, item: dict[str, Any], here: Origin, context: Context, trail: JsonPath,
     ) -> dict[str, Any]:
-        """An assembly with the content of a file, under the entry's own keys."""
-        place, known = self.places.at(item, "include", here), len(self.problems)
-        out: dict[str, Any] = {"type": "assembly"}
-        self.places.put(out, "type", here)
-        try:
+        """An assembly with the content of a file."""
+        place, name = self.made.at(item, "include", here), item["include"]
+        with place.refusing():
             if item.get("type", "assembly") != "assembly":
                 raise WrongValueError("bad-include", "only an assembly includes a scene",
                                       allowed='"type": "assembly", or no type')
-            name = item["include"]
             path = self.library.find(
                 self.text(name, place, context) if isinstance(name, str) else name)
             if path in context.files:
                 raise WrongValueError("bad-include", "a scene that includes itself has no end: "
                                       + " → ".join(each.name for each in (*context.files, path)))
-            main = self.library.main
-            source = self.library.open(
-                path, str(Path(main.name).parent / path.name) if main.name else path.name)
-            root = Origin(source, included=place.including, copy=here.copy)
-            self.content(out, root, path, item, here, context, trail)
-        except WrongValueError as error:
-            self.report(place, error)
-        except SceneError as error:
-            note = place.including
-            self.problems.extend(replace(each, message=f"{each.message} ({note})")
-                                 for each in error.problems)
-        if len(self.problems) > known:
-            self.broken.add(trail)
-            return {"name": item["name"]} if item.get("name") is not None else {}
-        mine = self.object(item, here, context, trail, (*ASSEMBLY_WORDS, "type"))
-        for key, entry in mine.items():
-            self.places.put(out, key, self.places.moved[id(mine), key])
-            out[key] = entry
-        return out
-
-    def content(
-        self, out: dict[str, Any], root: Origin, path: Path, item: dict[str, Any], here: Origin,
-        context: Context, trail: JsonPath,
-    ) -> None:
-        """Compose what an assembly has of a file."""
-        data = root.source.data
+            try:
+                source = self.library.open(path)
+            except SceneError as error:
+                raise RefusedError(place, [
+                    replace(each, message=f"{each.message} ({place.including})")
+                    for each in error.problems]) from None
+        root, data = Origin(source, included=place.including, copy=here.copy), source.data
         for key in data:
             if key not in KEYS:
-                self.report(root.to(key), unknown_key(key, KEYS), key=True)
-        defaults = data.get("parameters", {})
-        if not isinstance(defaults, dict):
-            self.problems.append(root.to("parameters").problem(
-                "wrong-type", f"expected an object {{…}}, got {kind_of(defaults)}"))
-            return
-        tables = data.get("tables")
-        plain = plain_tables(tables)
-        own = resolve_parameters(defaults, plain, others_of(tables, plain))
-        self.problems.extend(root.to(*parse_path(each.path)).located(each)
-                             for each in own.problems)
-        before = len(self.problems)
-        given = self.parameters(item, here, context, defaults, tables)
-        if given is None or own.problems or len(self.problems) > before:
-            return
-        scope = Scope(tables=resolved_tables(tables, given), renamed={}).naming(
-            given, braces=False)
-        scope = self.with_tables(scope, tables, root, item.get("name"), context)
+                with root.to(key).refusing(key=True):
+                    raise unknown_key(key, KEYS)
+        tables, defaults = data.get("tables"), data.get("parameters", {})
+        _check_object(defaults, root.to("parameters"))
+        given = self.parameters(item, here, context, (root, defaults, tables))
+        scope = Scope(tables=resolved_tables(tables, given), renamed={}).naming(given, braces=False)
+        if tables is not None:
+            _check_object(tables, root.to("tables"))
+            scope = replace(scope, renamed=self.renamed(
+                tables, root, str(item.get("name", "")), replace(context, scope=scope)))
         inner = Context(scope, data.get("templates"), root.to("templates"), (*context.files, path))
+        out: dict[str, Any] = {"type": "assembly"}
+        self.made.put(out, "type", here)
         for key in ASSEMBLED:
             if key in data and key not in item:
                 self.put(out, key, data[key], root.to(key), inner, (*trail, key))
+        return out
 
-    def with_tables(
-        self, scope: Scope, tables: Any, root: Origin, name: Any, context: Context,
-    ) -> Scope:
-        """The scope of a file with its tables, which are added to the scene's under new names.
+    def renamed(
+        self, tables: Mapping[str, Any], root: Origin, assembly: str, context: Context,
+    ) -> dict[str, str]:
+        """Add the tables of a file to the scene's; their new names by their own.
 
         Equal tables of several copies become one.
         """
-        if tables is None:
-            return scope
-        if not isinstance(tables, dict):
-            self.problems.append(root.to("tables").problem(
-                "wrong-type", f"expected an object {{…}}, got {kind_of(tables)}"))
-            return scope
-        words = re.findall("[A-Za-z0-9]+", name)[:8] if isinstance(name, str) else []
+        words = re.findall("[A-Za-z0-9]+", assembly)[:8]
         prefix = "_".join(words if words and not words[0][0].isdigit() else ["included", *words])
-        renamed: dict[str, str] = {}
+        found: dict[str, str] = {}
         for table, entry in tables.items():
             place = root.to("tables", table)
-            value = self.value(entry, place, replace(context, scope=scope), ("tables", table))
+            value = self.value(entry, place, context, ("tables", table))
             key = f"{root.source.name} {table} {json.dumps(value)}"
             if key not in self.shared:
                 new = first = f"{prefix[:40]}_{table}"[:90]
                 while new in self.tables:
                     new = f"{first}_{len(self.tables)}"
                 self.shared[key] = new
-                self.places.put(self.tables, new, place)
+                self.made.put(self.tables, new, place)
                 self.tables[new] = value
-            renamed[table] = self.shared[key]
-        return replace(scope, renamed=renamed)
+            found[table] = self.shared[key]
+        return found
 
-    # -- size and problems ------------------------------------------------------------
 
-    def grow(self, characters: int) -> None:
-        """Count characters for the limit of a file's bytes."""
-        self.size += characters
-        if self.size > self.limits.file_bytes:
-            raise TooLargeError
+def _check_object(value: Any, place: Origin) -> None:
+    with place.refusing():
+        if not isinstance(value, dict):
+            raise WrongValueError("wrong-type", f"expected an object {{…}}, got {kind_of(value)}")
 
-    def check_length(self, count: int, among: str, place: Origin) -> None:
-        """Check the length of a list before its copies are made."""
-        limit = "bodies" if among in ("bodies", "parts") else "elements"
-        if count > getattr(self.limits, limit):
-            self.exceed(place, f"with these copies there are {count} {among or 'entries'}", limit)
 
-    def exceed(self, place: Origin, message: str, limit: str) -> NoReturn:
-        """Report that the number of elements exceeds a limit, and end the composition."""
-        most = getattr(self.limits, limit)
-        self.problems.append(place.problem("limit-exceeded", message, allowed=(
-            f"at most {most} (the limit '{limit}', raised by --limit {limit}=N)")))
-        raise TooLargeError
-
-    def too_large(self, place: Origin) -> None:
-        """Report that the result, from a place on, is larger than a file may be."""
-        self.problems.append(place.problem(
-            "limit-exceeded", "spelled out, the scene is larger than the limit 'file_bytes' of "
-            f"{self.limits.file_bytes} bytes", allowed="a larger one when the limit is raised"))
-
-    def count(self, place: Origin) -> None:
-        """Count one more entry that a repeat or a template has led to."""
-        self.copies_made += 1
-        if self.copies_made > self.limits.elements:
-            self.exceed(place, f"repeats and templates make more than {self.limits.elements} "
-                        "copies here", "elements")
-
-    def report(self, place: Origin, error: WrongValueError, *, key: bool = False) -> None:
-        """Add a problem at a place, once for all copies of it."""
-        if self.places.first(place):
-            self.problems.append(place.located(Problem.of(error, "$", key=key)))
-
-    def append(self, out: list[Any], value: Any, place: Origin) -> None:
-        """Append an entry to a list whose indices may differ from those of the text."""
-        self.places.put(out, len(out), place)
-        out.append(value)
-
-    def leave_out(
-        self, out: list[Any], item: Mapping[str, Any], place: Origin, trail: JsonPath,
-    ) -> None:
-        """Append an entry in place of one that cannot be composed."""
-        self.broken.add((*trail, len(out)))
-        name = item.get("name")
-        plainly = isinstance(name, str) and "{" not in name and "repeat" not in item
-        self.append(out, {"name": name} if plainly else {}, place)
+def _stand_in(item: Any) -> dict[str, Any]:
+    """An entry in place of one that cannot be composed: its name if it is plain, else nothing."""
+    name = item.get("name") if isinstance(item, dict) and "repeat" not in item else None
+    return {"name": name} if isinstance(name, str) and "{" not in name else {}

@@ -97,56 +97,46 @@ def check_lists(data: Any, limits: Limits) -> list[Problem]:
                              f"the scene has {{count}} {key}")
     if problems:
         return problems
-    for name, what in (("bodies", "bodies and parts"), ("elements", "elements")):
-        problems += over(limits, name, sum(_entries(data, name)), "$.parts",
-                         f"with those of its assemblies the scene has {{count}} {what}")
-    corners = sum(map(_corners, _shapes(data)))
-    problems += over(limits, "corners", corners, "$.bodies", "outlines have {count} corners")
-    return problems
+    bodies = elements = corners = 0
+    for holder in _holders(data):
+        for key in (*LISTS, "parts") if holder is not data else ():
+            count = len(_list(holder, key))
+            elements += count
+            bodies += count if _limit_of(key) == "bodies" else 0
+        corners += sum(_corners(shape) for body in _list(holder, "bodies") for key in SHAPES
+                       for shape in _list(body, key) if isinstance(shape, dict))
+    return [*over(limits, "bodies", bodies, "$.parts",
+                  "with those of its assemblies the scene has {count} bodies and parts"),
+            *over(limits, "elements", elements, "$.parts",
+                  "with those of its assemblies the scene has {count} elements"),
+            *over(limits, "corners", corners, "$.bodies", "outlines have {count} corners")]
 
 
-def _shapes(data: Any) -> Iterator[dict[Any, Any]]:
-    """Shapes as they are written, as far as they are, those of assemblies too."""
-    waiting = [data] if isinstance(data, dict) else []
+def _holders(data: Any) -> Iterator[Any]:
+    """A scene as it is written, its assemblies, and those in them."""
+    waiting = [data]
     while waiting:
         holder = waiting.pop()
-        waiting += [part for part in _parts(holder) if isinstance(part, dict)]
-        bodies = holder.get("bodies")
-        for body in bodies if isinstance(bodies, list) else ():
-            for key in SHAPES if isinstance(body, dict) else ():
-                shapes = body.get(key)
-                yield from (each for each in (shapes if isinstance(shapes, list) else ())
-                            if isinstance(each, dict))
+        yield holder
+        waiting += [part for part in _list(holder, "parts")
+                    if isinstance(part, dict) and part.get("type") == "assembly"]
+
+
+def _list(holder: Any, key: str) -> list[Any]:
+    """A list of an object, empty if there is none."""
+    value = holder.get(key) if isinstance(holder, dict) else None
+    return value if isinstance(value, list) else []
 
 
 def _corners(shape: dict[Any, Any]) -> int:
     if shape.get("type") in ("cam", "drawing"):
         return MOST_CORNERS
-    holes = shape.get("holes")
-    rings = [shape.get("points"), *(holes if isinstance(holes, list) else ())]
+    rings = [_list(shape, "points"), *_list(shape, "holes")]
     return sum(len(ring) for ring in rings if isinstance(ring, list))
 
 
 def _limit_of(key: str) -> str:
     return "bodies" if key in ("bodies", "parts") else "elements"
-
-
-def _entries(data: Any, limit: str) -> Iterator[int]:
-    """How long each list of assemblies is that counts for a limit."""
-    waiting = [each for each in _parts(data) if isinstance(each, dict)]
-    while waiting:
-        part = waiting.pop()
-        if part.get("type") != "assembly":
-            continue
-        yield sum(len(value) for key, value in part.items()
-                  if isinstance(value, list) and key in (*LISTS, "parts")
-                  and limit in (_limit_of(key), "elements"))
-        waiting += [each for each in _parts(part) if isinstance(each, dict)]
-
-
-def _parts(data: Any) -> list[Any]:
-    parts = data.get("parts") if isinstance(data, dict) else None
-    return parts if isinstance(parts, list) else []
 
 
 def check_values(data: Any, limits: Limits) -> list[Problem]:
@@ -170,25 +160,22 @@ def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:
     """Exceeded limits of a mechanism: elements, steps, samples, memory, pictures."""
     run, view = mechanism.run, mechanism.view
     samples = run.duration * run.sample_rate
-    machine: list[tuple[str, float, str, str]] = [
-        ("bodies", len(mechanism.bodies), "$.bodies", "the mechanism has {count} bodies"),
-        ("elements", sum(len(getattr(mechanism, kind)) for kind in LISTS), "$",
-         "the mechanism has {count} elements"),
-        ("matches", _matches(mechanism), "$",
-         "patterns of contact rules, loads and expectations have to be held against {count} names"),
-        ("pixels", view.size[0] * view.size[1], "$.view.size", "a picture has {count} pixels"),
-    ]
-    time: list[tuple[str, float, str, str]] = [
-        ("steps", run.duration / run.step, "$.run.duration",
-         f"a duration of {run.duration:g} s in steps of {run.step:g} s is {{count}} steps"),
-        ("samples", samples, "$.run.sample_rate",
-         f"{run.sample_rate:g} samples a second for {run.duration:g} s are {{count}} samples"),
-        ("recorded_bytes", samples * row_bytes(mechanism, PER_SAMPLE), "$.run.sample_rate",
-         "the recording would take {count} bytes"),
-        ("frames", run.duration / view.speed * view.fps, "$.view", "the film has {count} frames"),
-    ]
-    problems = [problem for check in machine for problem in over(limits, *check)]
-    for check in time:  # the first is enough: the others follow from the same numbers
-        if too_long := list(over(limits, *check)):
-            return problems + too_long
-    return problems
+    problems = [
+        *over(limits, "bodies", len(mechanism.bodies), "$.bodies",
+              "the mechanism has {count} bodies"),
+        *over(limits, "elements", sum(len(getattr(mechanism, kind)) for kind in LISTS), "$",
+              "the mechanism has {count} elements"),
+        *over(limits, "matches", _matches(mechanism), "$", "patterns of contact rules, loads and "
+              "expectations have to be held against {count} names"),
+        *over(limits, "pixels", view.size[0] * view.size[1], "$.view.size",
+              "a picture has {count} pixels")]
+    time = [
+        *over(limits, "steps", run.duration / run.step, "$.run.duration",
+              f"a duration of {run.duration:g} s in steps of {run.step:g} s is {{count}} steps"),
+        *over(limits, "samples", samples, "$.run.sample_rate",
+              f"{run.sample_rate:g} samples a second for {run.duration:g} s are {{count}} samples"),
+        *over(limits, "recorded_bytes", samples * row_bytes(mechanism, PER_SAMPLE),
+              "$.run.sample_rate", "the recording would take {count} bytes"),
+        *over(limits, "frames", run.duration / view.speed * view.fps, "$.view",
+              "the film has {count} frames")]
+    return problems + time[:1]  # the others follow from the same numbers

@@ -1,10 +1,8 @@
 """From a file to a Scene that can be used, or to every problem that it has.
 
-The order: read the text, apply ``--set`` overrides, resolve parameters, write out what is
-repeated, included or like a template, validate by the models, spell out the parts, follow
-every name.
-A step that fails does not hide what later steps would find: what could not be
-read is left out, and what is left is checked.
+The order: read the text, apply ``--set`` overrides, resolve parameters, compose, validate by the
+models, expand the parts, check what only shows in the whole mechanism. A step that fails does not
+hide what later steps would find: what could not be read is left out, and what is left is checked.
 """
 
 from __future__ import annotations
@@ -20,23 +18,22 @@ from pydantic import ValidationError
 
 from sandbox.elements.element import LISTS as MECHANISM_LISTS
 from sandbox.errors import Problem, SceneError
+from sandbox.scene.check.control import check_units
 from sandbox.scene.check.ranges import check_ranges
 from sandbox.scene.check.references import check_references, check_unread
-from sandbox.scene.check.units import check_units
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.compose import compose
 from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_parts, check_values
-from sandbox.scene.read.origins import Composed, Origin, OriginMap, Origins, Relocation
+from sandbox.scene.read.origins import Composed, Origin, Relocation
 from sandbox.scene.read.overrides import apply_overrides
 from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.scopes import (
     STAND_IN,
     Parameters,
     can_name,
-    others_of,
     plain_tables,
     resolve_parameters,
     resolved_tables,
@@ -51,8 +48,10 @@ from sandbox.wording import kind_of, quoted
 FORMAT = 1
 """The version of the scene format that is read."""
 MOST_WRONG = 5_000
-"""Values that are explained one by one; nobody reads of more."""
+"""Values that are explained one by one."""
 LISTS = (*MECHANISM_LISTS, "parts")
+NAMED_OBJECTS = ("materials", "tables")
+"""Objects of a scene whose entries are read one by one."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,7 @@ class Loaded:
 
     scene: Scene
     mechanism: Mechanism
-    origins: Origins
+    origins: Composed
 
     @property
     def name(self) -> str:
@@ -71,19 +70,19 @@ class Loaded:
     @property
     def files(self) -> tuple[Path, ...]:
         """The files that the scene includes, those that these include, too."""
-        return self.origins.composed.files
+        return self.origins.files
 
     @property
     def derived(self) -> tuple[str, ...]:
         """The parameters that follow from others: what stands there is an expression."""
-        written = self.origins.composed.data.get("parameters") or {}
+        written = self.origins.data.get("parameters") or {}
         return tuple(name for name in self.scene.parameters
                      if isinstance(text := written.get(name), str) and text.lstrip()[:1] == "=")
 
     def placed(self, problems: Iterable[Problem]) -> list[Problem]:
         """Problems of the mechanism, each with its path, line and column in the file."""
         relocate = Relocation(self.mechanism, self.scene)
-        return [self.origins(relocate(problem)) for problem in problems]
+        return [self.origins.located(relocate(problem)) for problem in problems]
 
 
 def load_scene(
@@ -126,59 +125,46 @@ def read_scene(
         raise SceneError([Problem("bad-argument",
                                   f"{quoted(overrides)} names no values to replace", "overrides",
                                   allowed='values by their paths, such as {"run.step": "1 ms"}')])
-    found = _source(source, limits)
+    if isinstance(source, Mapping):
+        problems: list[Problem] = []
+        found = SceneSource(_plain(source, (), limits.nesting, problems))
+        if problems:
+            raise SceneError(first_problems(problems, limits.problems))
+    else:
+        found = _from_file(source, limits)
     if not isinstance(found.data, dict):
         raise SceneError([Problem("wrong-type", f"a scene is an object {{…}}, not "
                                   f"{kind_of(found.data)}", "$", *found.where(()))], found.name)
-    loading = _Loading(found, limits, folder=_folder(source))
+    loading = _Loading(found, limits)
     loaded = loading.scene(found.data, overrides or {})
     if loading.problems or loaded is None:
         raise SceneError(loading.reported(), found.name)
     return loaded
 
 
-def _source(source: str | os.PathLike[str] | Mapping[str, Any], limits: Limits) -> SceneSource:
-    if isinstance(source, Mapping):
-        problems: list[Problem] = []
-        data = _plain(source, (), limits.nesting, problems)
-        if problems:
-            raise SceneError(first_problems(problems, limits.problems))
-        return SceneSource(data)
-    text = os.fspath(source) if isinstance(source, os.PathLike) else source
-    if not isinstance(text, str):
-        raise SceneError([Problem("bad-argument",
-                                  f"{quoted(source)} is no scene", "source", allowed="a path, the "
-                                                                                     "name of a "
-                                                                                     "shipped "
-                                                                                     "scene, or a "
-                                                                                     "mapping with "
-                                                                                     "the content "
-                                                                                     "of a file")])
-    path = _path(Path(text))
-    found = read_source(path, limits=limits)
-    if isinstance(found.data, dict):
-        # a file's name is bytes, which need not be text
-        found.data.setdefault("name", os.fsencode(path.stem).decode("utf-8", "replace"))
-    return found
-
-
-def _folder(source: str | os.PathLike[str] | Mapping[str, Any]) -> Path | None:
-    """Where a scene's drawings are; None for a scene that is no file."""
-    return None if isinstance(source, Mapping) else _path(Path(source)).parent
-
-
-def _path(path: Path) -> Path:
-    """The file that is meant: one that is there, or else a shipped scene.
+def _from_file(source: str | os.PathLike[str], limits: Limits) -> SceneSource:
+    """The text of a file, or else of a shipped scene.
 
     A directory is none: one with a scene's name holds its runs.
     """
+    text = os.fspath(source) if isinstance(source, os.PathLike) else source
+    if not isinstance(text, str):
+        raise SceneError([Problem(
+            "bad-argument", f"{quoted(source)} is no scene", "source",
+            allowed="a path, the name of a shipped scene, or a mapping with the content of a "
+            "file")])
+    path = Path(text)
     if path.suffix != ".json" and len(path.parts) == 1:
         try:
             there = path.exists() and not path.is_dir()
         except (OSError, ValueError):  # no file can have this name; reading it reports that
             there = True
         path = path if there else shipped_scenes().get(path.name, path)
-    return path
+    found = read_source(path, limits=limits)
+    if isinstance(found.data, dict):
+        # a file's name is bytes, which need not be text
+        found.data.setdefault("name", os.fsencode(path.stem).decode("utf-8", "replace"))
+    return found
 
 
 def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) -> Any:
@@ -210,95 +196,92 @@ def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) ->
 
 @dataclass
 class _Loading:
-    """The state of reading one file: its problems so far, and their positions."""
+    """The state of reading one scene: its problems so far, and their positions."""
 
     source: SceneSource
     limits: Limits
-    folder: Path | None = None
-    """The scene's own; None for a scene that is no file."""
     problems: dict[Problem, None] = field(default_factory=dict)
     """In the order in which they were found, each once."""
     overridden: set[JsonPath] = field(default_factory=set)
     composed: Composed = field(init=False)
     parameters: Parameters = field(default_factory=Parameters)
     ignored: set[JsonPath] = field(default_factory=set)
-    """What is not complained about, since the complaint is made elsewhere."""
+    """Entries that are not complained about, since the complaint is made elsewhere."""
 
     def scene(self, data: dict[str, Any], overrides: Mapping[str, Any]) -> Loaded | None:
         """The scene, or what could be read of it; None when nothing could."""
         data, self.overridden, problems = apply_overrides(
             data, overrides, nesting=self.limits.nesting)
         self.problems = dict.fromkeys(problems)
-        self.composed = Composed(data, OriginMap(Origin(self.source)))
-        if too_long := [*check_lists(data, self.limits), *check_values(data, self.limits)]:
-            self.report(too_long)
+        self.composed = Composed(data, Origin(self.source))
+        if self._too_large(data):
             return None
-        plain = plain_tables(data.get("tables"))
         self.parameters = resolve_parameters(
-            data.get("parameters"), plain, others_of(data.get("tables"), plain))
+            data.get("parameters"), plain_tables(data.get("tables")))
         self.report(self.parameters.problems)
         self.composed = compose(self.source, data, self.parameters, self.limits)
         self.add(self.composed.problems)
         data = self.composed.data
-        if self.composed.failed:
+        if self.composed.failed or self._too_large(data):
             return None
-        if too_long := [*check_lists(data, self.limits), *check_values(data, self.limits)]:
-            self.report(too_long)
-            return None
-        self.ignored = {path[:2] for path in self.composed.broken}
+        self.ignored = set(self.composed.broken)
         if isinstance(data.get("parameters"), dict):
             data = {**data, "parameters": dict(self.parameters.values)}
         return self._validated(data)
+
+    def _too_large(self, data: dict[str, Any]) -> bool:
+        found = [*check_lists(data, self.limits), *check_values(data, self.limits)]
+        self.report(found)
+        return bool(found)
 
     def _validated(self, data: dict[str, Any]) -> Loaded | None:
         tables = resolved_tables(data.get("tables"), self.parameters.values)
         known = NamedValues({**self.parameters.values, **tables}) if tables else \
             self.parameters.values
-        context = {"parameters": known, "folder": self.folder}
-        if newer := list(_newer_format(data)):
-            self.report(newer)
+        folder = None if self.source.path is None else self.source.path.parent
+        context = {"parameters": known, "folder": folder}
+        given = data.get("format")
+        if isinstance(given, int) and not isinstance(given, bool) and given > FORMAT:
+            self.report([Problem("unsupported-format", f"this scene has format {given}; this "
+                                 f"version of sandbox reads format {FORMAT}", "$.format")])
             self.ignored.add(("format",))
+        paths: set[JsonPath] = set()
+        readable, unread = _Readable(data, self.ignored), False
         try:
             scene = Scene.model_validate(data, context=context)
         except ValidationError as error:
+            problems = explain(error, data, Scene, MOST_WRONG)
             if (count := error.error_count()) > MOST_WRONG:
-                self.report([Problem("limit-exceeded",
-                                     f"{count} values are wrong; only {MOST_WRONG} are "
-                                     "shown"), *explain(error, data, Scene, MOST_WRONG)])
+                self.report([Problem("limit-exceeded", f"{count} values are wrong; only "
+                                     f"{MOST_WRONG} are shown"), *problems])
                 return None
-            problems = explain(error, data, Scene)
-            self.report(self._worth_reporting(problems, data))
-            if not self.problems:  # what is left out must have been reported
+            self.report(each for each in problems if self._worth_reporting(each, data))
+            if not self.problems:  # a problem left out must have been reported
                 self.report(problems)
-            paths = {parse_path(problem.path) for problem in problems}
+            paths, unread = {parse_path(problem.path) for problem in problems}, True
             readable = _Readable(data, {path[:2] for path in paths} | self.ignored)
             try:
                 scene = Scene.model_validate(readable.data, context=context)
             except ValidationError:
                 return None
-            mechanism = self._checked_whole(scene, readable)
-            unread = {key: {i: entry for i, entry in enumerate(data[key])
-                            if i not in kept and (key, i) not in self.ignored}
-                      for key, kept in readable.kept.items()}
-            found = check_unread(unread, mechanism, readable.assumed)
+        mechanism = self._checked_whole(scene, readable)
+        if unread:
+            left_out = {key: {i: entry for i, entry in enumerate(data[key])
+                              if i not in kept and (key, i) not in self.ignored}
+                        for key, kept in readable.kept.items()}
+            found = check_unread(left_out, mechanism, readable.assumed)
             self.report(each for each in found if parse_path(each.path) not in paths)
-            return Loaded(scene, mechanism, self.origins)
-        readable = _Readable(data, self.ignored)
-        return Loaded(scene, self._checked_whole(scene, readable), self.origins)
+        return Loaded(scene, mechanism, self.composed)
 
-    def _worth_reporting(self, problems: Iterable[Problem], data: Any) -> Iterable[Problem]:
-        for problem in problems:
-            path = parse_path(problem.path)
-            if path[:2] in self.ignored:
-                continue
-            if path == ("parameters",):  # the cause, whatever else reads them
-                yield problem
-                continue
-            value = data
-            for step in path:
-                value = value[step]
-            if not self.parameters.reads_failed(value):
-                yield problem
+    def _worth_reporting(self, problem: Problem, data: Any) -> bool:
+        """Whether a problem has no other problem as its cause."""
+        path = parse_path(problem.path)
+        if path[:2] in self.ignored or path == ("parameters",):
+            return path[:2] not in self.ignored
+        value = data
+        for step in path:
+            value = value[step]
+        return not self.parameters.reads_failed(value)
 
     def _checked_whole(self, scene: Scene, readable: _Readable) -> Mechanism:
         """Check what only shows when all elements are there: parts, units, names, sizes."""
@@ -306,20 +289,22 @@ class _Loading:
         if too_large := check_parts(scene, self.limits):
             self.report(too_large)
             return scene
+        mechanism: Mechanism = scene
         try:
             mechanism = expand(scene)
         except SceneError as error:
             if not readable.assumed:
                 self.report(readable.located(problem) for problem in error.problems)
             readable.assumed |= {part.name for part in scene.parts}
-            mechanism = scene
         relocate = Relocation(mechanism, scene)
         too_large = check_limits(mechanism, self.limits)
         self.report(readable.located(relocate(problem)) for problem in too_large)
-        if too_large:  # what follows takes time and memory that grow with what is too large
+        if too_large:  # further checks would take too much time and memory
             return mechanism
-        self.report(self._as_written(readable.located(relocate(problem)))
-                  for problem in check_units(mechanism))
+        for problem in check_units(mechanism):  # without steps that an author may leave out
+            found = readable.located(relocate(problem))
+            path = written(self.composed.data, parse_path(found.path))
+            self.report([replace(found, path=path_text(path))])
         for problem in [*check_references(mechanism, assumed=readable.assumed),
                         *check_ranges(mechanism)]:
             found = relocate(problem)
@@ -327,21 +312,11 @@ class _Loading:
                 self.report([readable.located(found)])
         return mechanism
 
-    def _as_written(self, problem: Problem) -> Problem:
-        """The problem without the steps of its path that an author may leave out."""
-        path = written(self.composed.data, parse_path(problem.path))
-        return replace(problem, path=path_text(path))
-
-    @property
-    def origins(self) -> Origins:
-        """Where the data that is read now was written."""
-        return Origins(self.composed)
-
     def report(self, problems: Iterable[Problem]) -> None:
         """Add problems of the data with their places in the file, of copies the first one's."""
         for found in problems:
             place = self.composed.place(parse_path(found.path))
-            if self.composed.places.first(place):
+            if self.composed.first(place):
                 self.add([place.located(found)])
 
     def add(self, problems: Iterable[Problem]) -> None:
@@ -369,35 +344,28 @@ class _Readable:
         """Names of what is left out."""
         self.kept: dict[str, list[int]] = {}
         self.data = dict(data)
-        whole = {path[0] for path in broken
-                 if path and (len(path) == 1 or path[0] not in (*LISTS, "materials", "tables"))}
-        for key in whole:
-            self.data.pop(str(key), None)
-            if key in (*LISTS, "materials"):
-                self.assumed.add("*")
-        if isinstance(materials := self.data.get("materials"), dict):
-            out = {str(path[1]) for path in broken if len(path) == 2 and path[0] == "materials"}
-            self.data["materials"] = {name: each for name, each in materials.items()
-                                      if name not in out}
-            self.assumed |= out
-        if isinstance(tables := self.data.get("tables"), dict):
-            out = {str(path[1]) for path in broken if len(path) == 2 and path[0] == "tables"}
-            self.data["tables"] = {name: STAND_IN if name in out else each
-                                   for name, each in tables.items()
-                                   if name not in out or can_name(name)}
+        bad: dict[str | int, set[str | int]] = {}
+        for path in broken:
+            if len(path) == 2 and path[0] in (*LISTS, *NAMED_OBJECTS):
+                bad.setdefault(path[0], set()).add(path[1])
+            elif path:
+                self.data.pop(str(path[0]), None)
+                if path[0] in (*LISTS, "materials"):
+                    self.assumed.add("*")
         for key in LISTS:
-            entries = self.data.get(key)
-            if not isinstance(entries, list):
-                continue
-            bad = {path[1] for path in broken if len(path) == 2 and path[0] == key}
-            self.kept[key] = [i for i in range(len(entries)) if i not in bad]
-            self.data[key] = [entries[i] for i in self.kept[key]]
-            self._assume([entry for i, entry in enumerate(entries) if i in bad])
-
-    def _assume(self, entries: list[Any]) -> None:
-        for entry in entries:
-            name = entry.get("name") if isinstance(entry, dict) else None
-            self.assumed.add(name if isinstance(name, str) else "*")
+            if isinstance(entries := self.data.get(key), list):
+                out = bad.get(key, set())
+                self.kept[key] = [i for i in range(len(entries)) if i not in out]
+                self.data[key] = [entries[i] for i in self.kept[key]]
+                self.assumed |= {_name(entry) for i, entry in enumerate(entries) if i in out}
+        for key in NAMED_OBJECTS:
+            if isinstance(entries := self.data.get(key), dict):
+                out = bad.get(key, set())
+                tables = key == "tables"
+                self.data[key] = {name: STAND_IN if name in out else entry
+                                  for name, entry in entries.items()
+                                  if name not in out or (tables and can_name(name))}
+                self.assumed |= set() if tables else {str(name) for name in out}
 
     def located(self, problem: Problem) -> Problem:
         """The same problem with its path in the whole data."""
@@ -405,6 +373,12 @@ class _Readable:
         if len(path) > 1 and path[0] in self.kept and isinstance(path[1], int):
             path = (path[0], self.kept[str(path[0])][path[1]], *path[2:])
         return replace(problem, path=path_text(path))
+
+
+def _name(entry: Any) -> str:
+    """The name of an entry that could not be read; any name if it has none."""
+    name = entry.get("name") if isinstance(entry, dict) else None
+    return name if isinstance(name, str) else "*"
 
 
 def _twice(scene: Scene, readable: _Readable) -> Iterable[Problem]:
@@ -419,8 +393,34 @@ def _twice(scene: Scene, readable: _Readable) -> Iterable[Problem]:
         first.setdefault(part.name, i)
 
 
-def _newer_format(data: dict[str, Any]) -> Iterable[Problem]:
-    given = data.get("format")
-    if isinstance(given, int) and not isinstance(given, bool) and given > FORMAT:
-        yield Problem("unsupported-format", f"this scene has format {given}; this version of "
-                      f"sandbox reads format {FORMAT}", "$.format")
+def sound(scene: Scene | Mechanism) -> Mechanism:
+    """The mechanism of a scene in Python, if all about it is right but its size.
+
+    Its values are validated again, since ``model_copy`` and ``model_construct`` validate nothing;
+    its names, units and ranges are checked as those of a file. Limits are for files only.
+
+    Raises:
+        SceneError: every problem, by its place in the scene or the mechanism; or no scene at all.
+    """
+    if not isinstance(scene, Mechanism):
+        raise SceneError([Problem(
+            "bad-argument", f"{quoted(scene)} is no scene", "scene", allowed="a scene from "
+            "sandbox.load_scene, a path, the name of a shipped scene, or a mapping")])
+    kind, data = type(scene), _as_read(scene.model_dump(by_alias=True, warnings=False))
+    try:
+        kind.model_validate(data, context={
+            "parameters": resolved_tables(data.get("tables"), {})})
+    except ValidationError as error:
+        raise SceneError(explain(error, data, kind)) from None
+    mechanism = expand(scene) if isinstance(scene, Scene) else scene
+    if problems := [*check_units(mechanism), *check_references(mechanism),
+                    *check_ranges(mechanism)]:
+        raise SceneError(problems)
+    return mechanism
+
+
+def _as_read(value: Any) -> Any:
+    """Data as a file would hold it, with lists in place of tuples."""
+    if isinstance(value, dict):
+        return {key: _as_read(entry) for key, entry in value.items()}
+    return [_as_read(entry) for entry in value] if isinstance(value, (list, tuple)) else value

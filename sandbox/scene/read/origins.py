@@ -7,20 +7,22 @@ that reading finds and problems that an inspection finds later.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from sandbox.elements.element import LISTS
 from sandbox.errors import Problem
-from sandbox.scene.document import Assembly, Part, Scene
+from sandbox.scene.document import Assembly, Scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.source import SceneSource
 from sandbox.scene.settings import ContactRule
 from sandbox.values.messages import fields_at
-from sandbox.values.paths import JsonPath, parse_path, path_text
-from sandbox.wording import quoted
+from sandbox.values.paths import JsonPath, holds, parse_path, path_text
+from sandbox.wording import WrongValueError, quoted
 
 
 @dataclass(frozen=True)
@@ -63,56 +65,33 @@ class Origin:
                        fields=fields)
 
 
-@dataclass
-class OriginMap:
-    """The children of containers that were written elsewhere than their container."""
+    @contextmanager
+    def refusing(self, *, key: bool = False) -> Iterator[None]:
+        """Give a wrong value this place.
 
-    root: Origin
-    moved: dict[tuple[int, str | int], Origin] = field(default_factory=dict)
-    """By the container's identity and the key or index in it."""
-    kept: dict[int, Any] = field(default_factory=dict)
-    """The containers, so that no other object takes the identity of one that is gone."""
-    reported: dict[tuple[str, JsonPath], Origin] = field(default_factory=dict)
-    """The copy of a place of which a problem was reported first."""
+        Raises:
+            RefusedError: in place of a ``WrongValueError``.
+        """
+        try:
+            yield
+        except WrongValueError as error:
+            raise RefusedError(self, [self.located(Problem.of(error, "$", key=key))]) from None
 
-    def first(self, place: Origin) -> bool:
-        """Whether no problem of another copy of a place was reported yet."""
-        return self.reported.setdefault((place.source.name, place.path), place) == place
 
-    def put(self, container: Any, step: str | int, place: Origin) -> None:
-        """Note where a child of a container was written."""
-        self.moved[id(container), step] = place
-        self.kept[id(container)] = container
+class RefusedError(Exception):
+    """A piece that cannot be composed: its place, and problems with places of their own."""
 
-    def copy(self, container: Any, other: Any) -> None:
-        """Note the same places for another container with the same keys."""
-        for key in other if other is not container else ():
-            if (id(container), key) in self.moved:
-                self.put(other, key, self.moved[id(container), key])
-
-    def at(self, container: Any, step: str | int, place: Origin) -> Origin:
-        """Where a child of a container at a place was written, in the copy of that place."""
-        moved = self.moved.get((id(container), step))
-        return moved.copied(place) if moved else place.to(step)
-
-    def find(self, data: Any, path: JsonPath) -> Origin:
-        """Where the value at a path of the composed data was written."""
-        place, value = self.root, data
-        for step in path:
-            place = self.moved.get((id(value), step)) or place.to(step)
-            try:
-                value = value[step]
-            except (LookupError, TypeError):
-                value = None
-        return place
+    def __init__(self, place: Origin, problems: list[Problem]) -> None:
+        super().__init__()
+        self.place, self.problems = place, problems
 
 
 @dataclass
 class Composed:
-    """Composed data of a scene."""
+    """Composed data of a scene, and where its pieces were written."""
 
     data: dict[str, Any]
-    places: OriginMap
+    root: Origin
     problems: list[Problem] = field(default_factory=list)
     """Each with its place."""
     broken: set[JsonPath] = field(default_factory=set)
@@ -121,10 +100,50 @@ class Composed:
     """Whether the data is not worth validating."""
     files: tuple[Path, ...] = ()
     """Included files."""
+    moved: dict[int, tuple[Any, dict[str | int, Origin]]] = field(default_factory=dict)
+    """The children of containers that were written elsewhere than their container.
+
+    By its identity; the container is kept, so that no other object takes that.
+    """
+    reported: dict[tuple[str, JsonPath], Origin] = field(default_factory=dict)
+    """The copy of a place of which a problem was reported first."""
+
+    @property
+    def source(self) -> SceneSource:
+        """The scene's own file."""
+        return self.root.source
+
+    def first(self, place: Origin) -> bool:
+        """Whether no problem of another copy of a place was reported yet."""
+        return self.reported.setdefault((place.source.name, place.path), place) == place
+
+    def put(self, container: Any, step: str | int, place: Origin) -> None:
+        """Note where a child of a container was written."""
+        self.moved.setdefault(id(container), (container, {}))[1][step] = place
+
+    def copy(self, container: Any, other: Any) -> None:
+        """Note the same places for a copy of a container."""
+        self.moved[id(other)] = other, dict(self._of(container))
+
+    def at(self, container: Any, step: str | int, place: Origin) -> Origin:
+        """Where a child of a container at a place was written, in the copy of that place."""
+        moved = self._of(container).get(step)
+        return moved.copied(place) if moved else place.to(step)
 
     def place(self, path: JsonPath) -> Origin:
         """Where the value at a path of the data was written."""
-        return self.places.find(self.data, path)
+        place, value = self.root, cast(Any, self.data)
+        for step in path:
+            place = self._of(value).get(step) or place.to(step)
+            value = value[step] if holds(value, step) else None
+        return place
+
+    def located(self, problem: Problem) -> Problem:
+        """A problem of the data with its path, line and column in the file."""
+        return self.place(parse_path(problem.path)).located(problem)
+
+    def _of(self, container: Any) -> dict[str | int, Origin]:
+        return self.moved[id(container)][1] if id(container) in self.moved else {}
 
 
 class Relocation:
@@ -132,12 +151,12 @@ class Relocation:
 
     def __init__(self, mechanism: Mechanism, scene: Scene) -> None:
         self.mechanism, self.scene = mechanism, scene
-        self.own = {id(element): (kind, i) for kind in LISTS
-                    for i, element in enumerate(getattr(scene, kind))}
-        self.named = {(kind, element.name): i for kind in LISTS
-                      for i, element in enumerate(getattr(scene, kind))
-                      if hasattr(element, "name")}
-        self.parts = {part.name: i for i, part in enumerate(scene.parts)}
+
+    @cached_property
+    def _written(self) -> _Written:
+        found = _Written()
+        found.add(self.scene, "", ())
+        return found
 
     def __call__(self, problem: Problem) -> Problem:
         """The problem with its path in the scene; of a part, the part's path."""
@@ -147,72 +166,44 @@ class Relocation:
             return problem
         element = getattr(self.mechanism, str(kind))[index]
         name = getattr(element, "name", "")
-        if id(element) in self.own:
-            return replace(problem, path=path_text((*self.own[id(element)], *path[2:])))
-        if (where := self._part(name)) is not None:
-            inner = _inside(self.scene.parts[where], str(kind), name, ("parts", where))
-            if len(inner) > 2 and inner[-2] == kind:
-                return replace(problem, path=path_text((*inner, *path[2:])))
-            message = problem.message if problem.element else f"{quoted(name)}: {problem.message}"
-            return replace(problem, message=message, path=path_text(inner))
-        if (kind, name) in self.named:
-            return replace(
-                problem, path=path_text((kind, self.named[str(kind), name], *path[2:])))
-        return replace(problem, path=path_text(self._rule(element) or ("parts",)))
-
-    def _part(self, name: str) -> int | None:
-        """The part that an element's name begins with; the longest one."""
-        while name and name not in self.parts:
+        own = self._written.own.get(id(element)) or self._written.named.get((str(kind), name))
+        if own is not None:
+            return replace(problem, path=path_text((*own, *path[2:])))
+        message = problem.message if problem.element else f"{quoted(name)}: {problem.message}"
+        while name:
+            if (part := self._written.named.get(("parts", name))) is not None:
+                return replace(problem, message=message, path=path_text(part))
             name = name.rpartition(".")[0]
-        return self.parts.get(name)
-
-    def _rule(self, element: object) -> JsonPath:
-        """Where an assembly has a contact rule, whose element has no name; () if it is not one."""
-        if not isinstance(element, ContactRule):
-            return ()
-        return next(_rules(self.scene.parts, "", element, ("parts",)), ())
+        return replace(problem, path=path_text(self._written.rule(element)))
 
 
-def _inside(part: Part, kind: str, name: str, path: JsonPath) -> JsonPath:
-    """The path of an assembly's element, or of the part in it that the element comes from."""
-    if not isinstance(part, Assembly):
-        return path
-    own = name.removeprefix(f"{part.name}.")
-    for i, element in enumerate(getattr(part, kind, ())):
-        if getattr(element, "name", "") == own:
-            return (*path, kind, i)
-    for i, inner in enumerate(part.parts):
-        if own == inner.name or own.startswith(f"{inner.name}."):
-            return _inside(inner, kind, own, (*path, "parts", i))
-    return path
+@dataclass
+class _Written:
+    """Paths of a scene's elements and parts."""
 
+    own: dict[int, JsonPath] = field(default_factory=dict)
+    """Of the scene's own elements, by their identity."""
+    named: dict[tuple[str, str], JsonPath] = field(default_factory=dict)
+    """By the list and the name in the mechanism."""
+    rules: list[tuple[str, ContactRule, JsonPath]] = field(default_factory=list)
+    """Contact rules of assemblies, which have no names, and the prefix of names there."""
 
-def _rules(
-    parts: Sequence[Part], prefix: str, rule: ContactRule, path: JsonPath,
-) -> Iterator[JsonPath]:
-    """Paths of the rules of assemblies that may have become a rule."""
-    for i, part in enumerate(parts):
-        if not isinstance(part, Assembly):
-            continue
-        begin = f"{prefix}{part.name}."
-        for j, own in enumerate(part.contacts):
-            if all(there in (here, f"{begin}{here}") for here, there in
-                   zip(own.between, rule.between, strict=True)):
-                yield (*path, i, "contacts", j)
-        yield from _rules(part.parts, begin, rule, (*path, i, "parts"))
+    def add(self, holder: Scene | Assembly, prefix: str, path: JsonPath) -> None:
+        """Add the elements and parts of a scene or an assembly."""
+        for kind in (*LISTS, "parts"):
+            for i, element in enumerate(getattr(holder, kind, ())):
+                here = (*path, kind, i)
+                if not path:
+                    self.own[id(element)] = here
+                elif isinstance(element, ContactRule):
+                    self.rules.append((prefix, element, here))
+                name = f"{prefix}{getattr(element, 'name', '')}"
+                self.named.setdefault((kind, name), here)
+                if isinstance(element, Assembly):
+                    self.add(element, f"{name}.", here)
 
-
-@dataclass(frozen=True)
-class Origins:
-    """The places of a scene's data: its text, its templates, the files that it includes."""
-
-    composed: Composed
-
-    @property
-    def source(self) -> SceneSource:
-        """The scene file itself."""
-        return self.composed.places.root.source
-
-    def __call__(self, problem: Problem) -> Problem:
-        """The problem with the path in the file, and the line and column there."""
-        return self.composed.place(parse_path(problem.path)).located(problem)
+    def rule(self, rule: object) -> JsonPath:
+        """The path of the rule that may have become a rule of the mechanism."""
+        return next((path for prefix, own, path in self.rules if isinstance(rule, ContactRule)
+                     and all(there in (here, f"{prefix}{here}") for here, there in
+                             zip(own.between, rule.between, strict=True))), ("parts",))

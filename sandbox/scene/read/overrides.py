@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from sandbox.errors import Problem
-from sandbox.scene.read.origins import Origin, OriginMap
+from sandbox.scene.read.compose import Context, merged
+from sandbox.scene.read.origins import Composed, Origin, RefusedError
 from sandbox.scene.read.positions import half_character
+from sandbox.scene.read.scopes import Scope
 from sandbox.scene.read.source import SceneSource
-from sandbox.scene.read.templates import LikeError, merge_templates
 from sandbox.values.paths import JsonPath, holds, parse_path
 from sandbox.values.units import dimension_of, unit_in, units_of
 from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
@@ -24,7 +25,7 @@ _NOWHERE = Origin(SceneSource({}))
 def apply_overrides(
     data: dict[str, Any], overrides: Mapping[str, Any], *, nesting: int = 32
 ) -> tuple[dict[str, Any], set[JsonPath], list[Problem]]:
-    """A copy of ``data`` with the overrides, the paths they set, and what is wrong with them.
+    """A copy of ``data`` with the overrides, the paths they set, and their problems.
 
     A list's item is chosen by its index or its name: ``bodies[disc].mass``. A
     value given as text is JSON if it parses, else the text itself.
@@ -39,7 +40,8 @@ def apply_overrides(
             steps, new = parse_path(text), _value(value, nesting)
             if steps[:1] == ("parameters",):
                 _same_dimension(result, steps, new)
-            if half := next(filter(None, map(half_character, _texts([*steps, new]))), ""):
+            written = json.dumps([*steps, new], default=str, skipkeys=True, ensure_ascii=False)
+            if half := half_character(written):
                 raise WrongValueError("invalid-json", half)
             paths.add(_set(result, steps, new))
         except WrongValueError as wrong:
@@ -52,19 +54,6 @@ def _copy(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _copy(entry) for key, entry in value.items()}
     return [_copy(entry) for entry in value] if isinstance(value, list) else value
-
-
-def _texts(value: Any) -> Iterator[str]:
-    """Every text in plain data, keys too."""
-    if isinstance(value, str):
-        yield value
-    elif isinstance(value, Mapping):
-        for key, entry in value.items():
-            yield from _texts(key)
-            yield from _texts(entry)
-    elif isinstance(value, (list, tuple)):
-        for entry in value:
-            yield from _texts(entry)
 
 
 def _value(value: Any, nesting: int) -> Any:
@@ -121,9 +110,9 @@ def _inherited(data: dict[str, Any], taken: list[str | int]) -> Any:
     for depth, step in enumerate(taken):
         value = value[step] if holds(value, step) else None
         if depth == 1 and isinstance(value, dict):
-            with contextlib.suppress(LikeError):  # reading the scene reports it
-                value = merge_templates(value, _NOWHERE, data.get("templates"), _NOWHERE,
-                                        OriginMap(_NOWHERE), NearMisses())
+            context = Context(Scope(), data.get("templates"), _NOWHERE)
+            with contextlib.suppress(RefusedError):  # reading the scene reports it
+                value = merged(value, _NOWHERE, context, Composed({}, _NOWHERE), NearMisses())
     if not isinstance(value, list):
         raise WrongValueError("bad-override", f"there is no list {quoted(taken[-1])} there")
     return _copy(value)

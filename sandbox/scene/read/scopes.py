@@ -1,10 +1,11 @@
-"""Names that hold in a piece of a scene: the index of a ``repeat``, parameters of an assembly."""
+"""Names in a piece of a scene: parameters, tables, the index of a ``repeat`` and its copies."""
 
 from __future__ import annotations
 
+import math
 import re
 from collections import ChainMap
-from collections.abc import Collection, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -12,7 +13,9 @@ import numpy as np
 from pydantic import ValidationError
 
 from sandbox.errors import Problem
-from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.bodies import SHAPES
+from sandbox.scene.read.limits import Limits
+from sandbox.scene.read.origins import Origin
 from sandbox.values.expressions import (
     RESERVED,
     Expression,
@@ -23,17 +26,22 @@ from sandbox.values.expressions import (
 )
 from sandbox.values.numbers import number_from
 from sandbox.values.paths import path_text
-from sandbox.values.spec import Spec
 from sandbox.values.tables import NamedTable, function_of
-from sandbox.wording import WrongValueError, near, quoted
+from sandbox.wording import WrongValueError, kind_of, listed, near, number_text, quoted
 
 _BRACES = re.compile(r"\{\{|\}\}|\{([^{}]*)\}")
-_NAME = re.compile(r"[A-Za-z]\w*")
+_IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+MOST_DEEP = 100
+"""Parameters that depend on one another."""
+PLACEHOLDER = 1.0
+"""Stands for a parameter without a value, so that what else is in the scene can be checked."""
+STAND_IN = {"points": [[0, 1], [1, 1]]}
+"""For a table that is wrong, so that what else is in the scene can be checked."""
 
 
 @dataclass(frozen=True)
 class Scope:
-    """What texts of a piece may name."""
+    """The names that texts of a piece may use."""
 
     parameters: Mapping[str, float] = field(default_factory=dict)
     """The file's own, SI: they stay in expressions, but can be read here."""
@@ -77,9 +85,7 @@ class Scope:
             expression = parse_expression(text)
         except WrongValueError:
             return text  # validation reports it
-        for name in sorted(expression.names & set(self.words)):
-            raise WrongValueError("bad-expression", f"{quoted(name)} is text; an expression needs "
-                                  "numbers", allowed=f"{{{name}}} inside of a name")
+        self._check_numbers(expression)
         if self.renamed is not None:
             expression.check_tables(self.tables)
         if not (expression.names & set(self.numbers) or
@@ -87,48 +93,48 @@ class Scope:
             return text
         return f"={expression.bind(self.numbers, self.renamed).text}"
 
+    def _check_numbers(self, expression: Expression) -> None:
+        for name in sorted(expression.names & set(self.words)):
+            raise WrongValueError("bad-expression", f"{quoted(name)} is text; an expression needs "
+                                  "numbers", allowed=f"{{{name}}} inside of a name")
+
     def _filled(self, match: re.Match[str]) -> str:
         inner = match.group(1)
         if inner is None:
             return match.group()[0]  # two braces are one
         if inner.strip() in self.words:
             return self.words[inner.strip()]
-        known = self.known
-        expression = parse_expression(inner)
-        for name in sorted(expression.names):
-            if name in self.words:
-                raise WrongValueError("bad-expression",
-                                      f"{quoted(name)} is text; an expression needs numbers")
-            if name not in known:
-                raise unknown_name(name, {**known, **self.words})
+        known, expression = self.known, parse_expression(inner)
+        self._check_numbers(expression)
+        for name in sorted(expression.names.difference(known)):
+            raise unknown_name(name, {**known, **self.words})
         value = float(expression.evaluate({**self.tables, **known}))
         return str(int(value)) if value == int(value) and abs(value) < 1e15 else f"{value:g}"
 
 
-def wrong_index(name: Any, scope: Scope, reserved: frozenset[str]) -> WrongValueError | None:
-    """Why a name cannot be that of an index, or None."""
-    if not isinstance(name, str) or not _NAME.fullmatch(name) or "__" in name or len(name) > 100:
-        return WrongValueError("invalid-name", f"{quoted(name)} is not the name of an index",
-                               allowed="a letter, then letters, digits and single _")
-    if name in reserved:
+def check_name(name: Any, what: str, parameters: Mapping[str, float]) -> None:
+    """Check a name that expressions are to read.
+
+    Raises:
+        WrongValueError: it is no name, or has another meaning already.
+    """
+    if isinstance(name, str) and name in RESERVED:
         means = "the time" if name == "t" else "a constant, a function or a word of expressions"
-        return WrongValueError("invalid-name",
-                               f"{quoted(name)} cannot be an index: it already means {means}")
-    if name in scope.parameters:
-        return WrongValueError("duplicate-name", f"the name {quoted(name)} is that of a parameter "
-                               "already", allowed='another one for the index: "index": "j"')
-    return None
+        raise WrongValueError("invalid-name", f"{quoted(name)} cannot be the name of {what}: it "
+                              f"already means {means}")
+    if not isinstance(name, str) or not _IDENTIFIER.fullmatch(name) or "__" in name or (
+            len(name) > 100):
+        raise WrongValueError("invalid-name", f"{quoted(name)} is not the name of {what}",
+                              allowed="a letter, then letters, digits and single _")
+    if name in parameters:
+        raise WrongValueError("duplicate-name", f"the name {quoted(name)} is that of a parameter "
+                              "already", allowed='another one for the index: "index": "j"')
 
 
 def unknown_key(key: str, known: tuple[str, ...]) -> WrongValueError:
     """The refusal of a key that is none of those known."""
     return WrongValueError("unknown-key", f"unknown key {quoted(key)}", allowed=", ".join(known),
                            hint=near(key, known))
-
-
-PLACEHOLDER = 1.0
-"""Stands for a parameter without a value, so that what else is in the scene can be checked."""
-_IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
 @dataclass
@@ -138,10 +144,6 @@ class Parameters:
     values: dict[str, float] = field(default_factory=NamedValues)
     failed: set[str] = field(default_factory=set)
     problems: list[Problem] = field(default_factory=list)
-    tables: Mapping[str, Any] = field(default_factory=dict)
-    """Those that parameters may call, by their calls."""
-    others: Collection[str] = ()
-    """Names of those that they may not."""
     unreadable: bool = False
     """Whether the scene's ``parameters`` are not even an object."""
 
@@ -160,122 +162,87 @@ class Parameters:
         return bool(names if self.unreadable else words & self.failed)
 
 
-def resolve_parameters(
-    raw: Any, tables: Mapping[str, Any] | None = None, others: Collection[str] = (),
-) -> Parameters:
+def resolve_parameters(raw: Any, tables: Mapping[str, Any]) -> Parameters:
     """The values of ``{"pull": "15 N", "each": "=pull / 4"}``; a cycle is named.
 
-    They may call ``tables``; ``others`` are the names of tables that read parameters themselves.
-
+    They may call ``tables``, except those that read parameters themselves, which are None there.
     What is not an object gives nothing: the models refuse it.
     """
-    parameters = Parameters(tables=tables or {}, others=others)
-    if not isinstance(raw, dict):
-        parameters.unreadable = raw is not None
-        return parameters
-    known = NamedValues({name: raw[name] for name in raw if _named(name, parameters)})
+    found = Parameters(unreadable=raw is not None and not isinstance(raw, dict))
+    known = NamedValues()
+    for name, value in raw.items() if isinstance(raw, dict) else ():
+        try:
+            check_name(name, "a parameter", {})
+            known[name] = value
+        except WrongValueError as error:
+            found.problems.append(Problem.of(error, path_text(("parameters", name)), key=True))
+            found.failed.add(name)
     for name in known:
-        _resolve(name, known, parameters, [])
-    return parameters
-
-
-def _named(name: str, parameters: Parameters) -> bool:
-    if name in RESERVED:
-        means = "the time" if name == "t" else "a constant, a function or a word of expressions"
-        parameters.problems.append(Problem("invalid-name", f"{quoted(name)} cannot be a "
-                                           f"parameter's name: it already means {means}",
-                                           path_text(("parameters", name)), key=True))
-    elif not _IDENTIFIER.fullmatch(name) or "__" in name or len(name) > 100:
-        parameters.problems.append(Problem(
-            "invalid-name",
-            f"{quoted(name)} is not a parameter's name", path_text(("parameters", name)),
-            allowed="a letter, then letters, digits and single _", key=True))
-    else:
-        return True
-    parameters.failed.add(name)
-    return False
-
-
-def _callable(expression: Expression, parameters: Parameters) -> Mapping[str, Any]:
-    """What an expression of a parameter may read: the values so far, tables if it calls one."""
-    if not expression.tables:
-        return parameters.values
-    for name in sorted(expression.tables.intersection(parameters.others)):
-        raise WrongValueError("invalid-name", f"the table {quoted(name)} reads parameters itself, "
-                              "so no parameter can use it", allowed="a table of plain numbers")
-    return ChainMap(parameters.values, dict(parameters.tables))
+        _resolve(name, known, found, [], tables)
+    return found
 
 
 def _resolve(
-    name: str, raw: Mapping[str, Any], parameters: Parameters, chain: list[str]
+    name: str, raw: Mapping[str, Any], found: Parameters, chain: list[str],
+    tables: Mapping[str, Any],
 ) -> None:
     """Find one value, after those that it reads; ``chain`` leads from the first one to it."""
-    if name in parameters.values:
+    if name in found.values:
         return
     value, failed = raw[name], True
-    known: Mapping[str, Any] = parameters.values
+    known: Mapping[str, Any] = found.values
     try:
         if name in chain:
             cycle = " → ".join([*chain[chain.index(name):], name])
             raise WrongValueError("circular-definition",
                                   f"parameters that depend on each other: {cycle}")
-        if len(chain) > 100:
-            raise WrongValueError("circular-definition",
-                                  "parameters depend on each other more than 100 deep")
+        if len(chain) > MOST_DEEP:
+            raise WrongValueError("circular-definition", "parameters depend on each other more "
+                                  f"than {MOST_DEEP} deep")
         if isinstance(value, str) and value.lstrip().startswith("="):
             expression = parse_expression(value)
-            known = _callable(expression, parameters)
+            for table in sorted(expression.tables):
+                known = ChainMap(found.values, dict(tables))
+                if tables.get(call(table), table) is None:
+                    raise WrongValueError(
+                        "invalid-name", f"the table {quoted(table)} reads parameters itself, so "
+                        "no parameter can use it", allowed="a table of plain numbers")
             for needed in sorted(expression.names):
                 if needed in raw:
-                    _resolve(needed, raw, parameters, [*chain, name])
-                elif needed not in parameters.failed:
+                    _resolve(needed, raw, found, [*chain, name], tables)
+                elif needed not in found.failed:
                     raise unknown_name(needed, raw, but=name)
-        if name in parameters.values:
+        if name in found.values:
             return  # it was part of a cycle, reported where the cycle closed
         number = number_from(value, None, known)
-        failed = parameters.reads_failed(value)
+        failed = found.reads_failed(value)
     except WrongValueError as error:
         number = PLACEHOLDER
-        if not parameters.reads_failed(value):
-            parameters.problems.append(Problem.of(error, path_text(("parameters", name))))
-    parameters.values[name] = number
+        if not found.reads_failed(value):
+            found.problems.append(Problem.of(error, path_text(("parameters", name))))
+    found.values[name] = number
     if failed:
-        parameters.failed.add(name)
-
-
-STAND_IN = {"points": [[0, 1], [1, 1]]}
-"""For a table that is wrong, so that what else is in the scene can be checked."""
-
-
-def plain_tables(raw: Any) -> dict[str, Any]:
-    """The tables that read no parameters, by their calls: parameters may call these.
-
-    A wrong table is replaced by a constant; validation reports it.
-    """
-    return {call(name): _function(entry, {}) for name, entry in _entries(raw)
-            if not _reads(entry)}
+        found.failed.add(name)
 
 
 def can_name(name: str) -> bool:
     """Whether a table may have a name."""
-    return re.fullmatch("[A-Za-z][A-Za-z0-9_]{,99}", name) is not None and (
-        name not in RESERVED and "__" not in name)
+    try:
+        check_name(name, "a table", {})
+    except WrongValueError:
+        return False
+    return True
 
 
-def others_of(raw: Any, plain: Mapping[str, Any]) -> list[str]:
-    """Names of the tables that are not among the plain ones."""
-    return [name for name, _ in _entries(raw) if call(name) not in plain]
+def plain_tables(raw: Any) -> dict[str, Any]:
+    """The tables by their calls that parameters may call; None for those that read parameters."""
+    return {call(name): None if _reads(entry) else _function(entry, {})
+            for name, entry in _entries(raw)}
 
 
 def resolved_tables(raw: Any, parameters: Mapping[str, float]) -> dict[str, Any]:
-    """All tables by their calls, a constant for each that is wrong."""
+    """All tables by their calls, a constant for each that is wrong; validation reports it."""
     return {call(name): _function(entry, parameters) for name, entry in _entries(raw)}
-
-
-def check_tables(mechanism: Mechanism) -> list[Problem]:
-    """Expressions that call what is no table, of a mechanism that was not read from a file."""
-    return [problem for kind in type(mechanism).model_fields
-            for problem in _called(getattr(mechanism, kind), mechanism.functions, f"$.{kind}")]
 
 
 def _entries(raw: Any) -> list[tuple[str, Any]]:
@@ -283,10 +250,8 @@ def _entries(raw: Any) -> list[tuple[str, Any]]:
 
 
 def _reads(value: Any) -> bool:
-    if isinstance(value, dict):
-        return any(map(_reads, value.values()))
-    if isinstance(value, list):
-        return any(map(_reads, value))
+    if isinstance(value, (dict, list)):
+        return any(map(_reads, value.values() if isinstance(value, dict) else value))
     return isinstance(value, str) and value.lstrip().startswith("=")
 
 
@@ -297,19 +262,196 @@ def _function(entry: Any, parameters: Mapping[str, float]) -> Any:
         return np.ones_like
 
 
-def _called(value: Any, known: Mapping[str, Any], path: str) -> list[Problem]:
-    if isinstance(value, str):
-        if not value.startswith("=") or "(" not in value:
-            return []
+REPEAT_KEYS = ("count", "list", "index", "line", "circle")
+LYING = ("bodies", "parts", *SHAPES, "guides")
+"""Lists whose entries lie somewhere, so that a line or circle can move them."""
+Names = dict[str, float | str]
+Vec = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Copies:
+    """A ``repeat`` that was read."""
+
+    rows: list[Names]
+    """Of each copy the names and values that hold in it."""
+    scope: Scope
+    line: Vec | None = None
+    """From one copy to the next [m]."""
+    circle: Vec | None = None
+    """Centre of a full turn [m]."""
+
+    def label(self, number: int) -> str:
+        """The label of a copy in messages."""
+        name, value = next(iter(self.rows[number].items()))
+        return f"{name} = {value if isinstance(value, str) else format(value, 'g')}"
+
+    def moved(self, entry: dict[str, Any], number: int, among: str) -> dict[str, Any]:
+        """A copy of an entry, moved along the line or round the circle.
+
+        Raises:
+            WrongValueError: it lies nowhere, or follows a path of its own.
+        """
+        if self.line is None and self.circle is None:
+            return entry
+        if among not in LYING:
+            raise WrongValueError("bad-repeat", f"an entry of {quoted(among)} has no position, so "
+                                  "it cannot have 'line' or 'circle'",
+                                  allowed=f"entries of {listed(LYING)}; others use the index in "
+                                  "their names")
+        if "path" in entry:
+            raise WrongValueError("bad-repeat", "a body with a path is not moved by a line or "
+                                  "circle", allowed="the body in an assembly, and that repeated")
+        turn = math.tau * number / len(self.rows) if self.circle is not None else 0.0
+        result = dict(entry)
+        for key in _points(entry, among):
+            result[key] = self._each(entry.get(key, [0, 0]), number, turn)
+        if turn and (among in ("bodies", "parts") or entry.get("type") == "box"):
+            angle = entry.get("angle", 0.0)
+            numbers = self._read([angle], "angle")
+            result["angle"] = numbers[0] + turn if numbers else angle
+        return result
+
+    def _each(self, value: Any, number: int, turn: float) -> Any:
+        """A point or a list of points; what is neither is left for the models to refuse."""
+        if not isinstance(value, list) or not value:
+            return value
+        if isinstance(value[0], list):
+            return [self._each(point, number, turn) for point in value]
+        if len(numbers := self._read(value, "length")) != 2:
+            return value
+        x, y = numbers
+        if self.circle is not None:
+            cx, cy = self.circle
+            c, s = math.cos(turn), math.sin(turn)
+            x, y = cx + c * (x - cx) - s * (y - cy), cy + s * (x - cx) + c * (y - cy)
+        if self.line is not None:
+            x, y = x + number * self.line[0], y + number * self.line[1]
+        return [x, y]
+
+    def _read(self, values: list[Any], dimension: str) -> list[float]:
+        """The numbers of some values; none if one is wrong."""
         try:
-            parse_expression(value).check_tables(known)
-        except WrongValueError as error:
-            return [Problem.of(error, path)]
-        return []
-    if isinstance(value, Spec):
-        return [problem for name in type(value).model_fields
-                for problem in _called(getattr(value, name), known, f"{path}.{name}")]
-    if isinstance(value, tuple) and not (value and isinstance(value[0], float)):
-        return [problem for i, entry in enumerate(value)
-                for problem in _called(entry, known, f"{path}[{i}]")]
-    return []
+            return [number_from(each, dimension, self.scope.known) for each in values]
+        except ValueError:
+            return []
+
+
+def _points(entry: Mapping[str, Any], among: str) -> tuple[str, ...]:
+    """The keys of an entry for its position."""
+    if among in SHAPES and "points" in entry:
+        return ("points",)
+    return ("start", "end") if among in SHAPES and "end" in entry else ("at",)
+
+
+def read_repeat(value: Any, scope: Scope, limits: Limits, place: Origin) -> Copies:
+    """Read the value of a ``repeat``, which is at a place.
+
+    A whole number is that of the copies, counted by ``i`` from 0.
+
+    Raises:
+        RefusedError: it is wrong.
+    """
+    given = value if isinstance(value, dict) else {"count": value}
+    for key in given:
+        with place.to(key).refusing(key=True):
+            if key not in REPEAT_KEYS:
+                raise unknown_key(key, REPEAT_KEYS)
+    index = given.get("index", "i")
+    with (place.to("index") if "index" in given else place).refusing():
+        check_name(index, "an index", scope.parameters)
+    with place.refusing():
+        if ("count" in given) == ("list" in given):
+            raise WrongValueError("bad-repeat", "a repeat needs either 'count' or 'list'")
+    with place.to("circle").refusing():
+        if "line" in given and "circle" in given:
+            raise WrongValueError("bad-repeat", "'line' and 'circle' exclude each other")
+    line, circle = (_vector(given, key, what, scope, place.to(key)) for key, what in (
+        ("line", "the step from one copy to the next"), ("circle", "the centre")))
+    if "list" in given:
+        rows = list(_listed(given["list"], index, scope, limits, place.to("list")))
+    else:
+        with (place.to("count") if given is value else place).refusing():
+            rows = [{index: float(i)} for i in range(_count(given["count"], scope, limits))]
+    return Copies(rows, scope, line, circle)
+
+
+def _count(value: Any, scope: Scope, limits: Limits) -> int:
+    wanted = (f"a whole number from 1 to {limits.elements}, an expression of parameters that gives "
+              "one, or an object with 'count' or 'list'")
+    try:
+        count = number_from(value, "ratio", scope.known)
+    except WrongValueError:
+        if isinstance(value, str) and value.lstrip().startswith("="):
+            raise
+        raise WrongValueError("bad-repeat", f"{kind_of(value)} is not a number of copies",
+                              allowed=wanted) from None
+    if not (count == int(count) and count >= 1):
+        raise WrongValueError("bad-repeat", f"{number_text(count)} is not a number of copies",
+                              allowed=wanted)
+    _check_few(count, limits)
+    return int(count)
+
+
+def _check_few(count: float, limits: Limits) -> None:
+    if count > limits.elements:
+        raise WrongValueError(
+            "limit-exceeded",
+            f"{number_text(count)} copies are more than a scene may have elements",
+            allowed=f"at most {limits.elements} (the limit 'elements', raised by "
+            "--limit elements=N)")
+
+
+def _listed(
+    value: Any, index: str, scope: Scope, limits: Limits, place: Origin,
+) -> Iterator[Names]:
+    """The names and values of each entry of a list."""
+    with place.refusing():
+        if not isinstance(value, list) or not value:
+            raise WrongValueError(
+                "wrong-type", f"expected a list with an entry for each copy, got {kind_of(value)}"
+                + (" without entries" if value == [] else ""))
+        _check_few(len(value), limits)
+    for number, entry in enumerate(value):
+        here = place.to(number)
+        if not isinstance(entry, dict):
+            yield {index: _value(entry, scope, here)}
+            continue
+        row: Names = {index: float(number)}
+        for name, given in entry.items():
+            with here.to(name).refusing(key=True):
+                if name == index:
+                    raise WrongValueError(
+                        "duplicate-name", f"the name {quoted(name)} is that of the index, which "
+                        "counts the entries", allowed="another name, or another \"index\"")
+                check_name(name, "an index", scope.parameters)
+            row[name] = _value(given, scope, here.to(name))
+        yield row
+
+
+def _value(given: Any, scope: Scope, place: Origin) -> float | str:
+    """A number, or else a word."""
+    with place.refusing():
+        try:
+            return float(number_from(given, None, scope.known))
+        except WrongValueError:
+            if isinstance(given, str) and given.isidentifier():
+                return given
+            raise
+
+
+def _vector(
+    given: Mapping[str, Any], key: str, what: str, scope: Scope, place: Origin,
+) -> Vec | None:
+    if key not in given:
+        return None
+    with place.refusing():
+        if not (isinstance(given[key], list) and len(given[key]) == 2):
+            raise WrongValueError(
+                "wrong-type", f"{what} is expected here, got {kind_of(given[key])}",
+                allowed="two lengths [x, y]")
+    found = []
+    for i, each in enumerate(given[key]):
+        with place.to(i).refusing():
+            found.append(number_from(each, "length", scope.known))
+    return found[0], found[1]

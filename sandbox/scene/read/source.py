@@ -2,15 +2,15 @@
 
 A valid file is read by :mod:`json`. Only for errors a slower scanner reads the same
 text. It finds the line and column of every key and value, and describes what is
-not JSON (RFC 8259).
+not JSON (RFC 8259). Included scenes are found by their names in the folder of the scene.
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
 import stat
-from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -18,17 +18,18 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.errors import Problem, SceneError
-from sandbox.scene.library import shipped_scenes
+from sandbox.scene.library import scenes_beside, shipped_scenes
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.positions import Place, Scan, scan
-from sandbox.values.paths import JsonPath, shown_path
-from sandbox.wording import near
+from sandbox.scene.read.positions import Lines, Place, scan
+from sandbox.values.paths import JsonPath
+from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
 
 MOST_NAME = 400
 """Characters of a path that messages show."""
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
 _BRACKETS = re.compile(r"[\[\]{}]")
 _HALF = re.compile(r"\\u[dD][89A-Fa-f]")
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_. -]{0,99}")
 _HUGE = re.compile(r"[0-9][eE]\+?[0-9]{3}|[0-9]{300}")
 
 
@@ -49,8 +50,8 @@ class SceneSource:
         return scan(self.text, self.limits.nesting, self.limits.values).places if self.text else {}
 
     @cached_property
-    def _lines(self) -> list[int]:
-        return line_starts(self.text)
+    def _lines(self) -> Lines:
+        return Lines(self.text)
 
     def where(self, path: JsonPath, *, key: bool = False) -> tuple[int, int]:
         """Line and column, from 1, of the value (or key) at ``path``; (0, 0) if there is none.
@@ -62,18 +63,7 @@ class SceneSource:
         place = self._places.get(path)
         if place is None:
             return 0, 0
-        return line_and_column(self._lines, place.key if key and place.key >= 0 else place.value)
-
-
-def line_starts(text: str) -> list[int]:
-    """Offsets at which the lines of a text begin."""
-    return [0, *(match.end() for match in re.finditer("\n", text))]
-
-
-def line_and_column(starts: list[int], offset: int) -> tuple[int, int]:
-    """Line and column, both from 1, of an offset."""
-    line = bisect_right(starts, offset)
-    return line, offset - starts[line - 1] + 1
+        return self._lines.at(place.key if key and place.key >= 0 else place.value)
 
 
 def read_source(path: str | Path, *, limits: Limits | None = None) -> SceneSource:
@@ -107,7 +97,7 @@ def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> 
             pass  # the scanner reports what and where
     found = scan(text, limits.nesting, limits.values)
     if found.faults:
-        raise SceneError(first_problems(_problems(found, text), limits.problems), name)
+        raise SceneError(first_problems(found.faults, limits.problems), name)
     return SceneSource(found.data, name, text, limits)
 
 
@@ -139,19 +129,6 @@ def first_problems(problems: Sequence[Problem], most: int) -> list[Problem]:
                                       f"and {len(problems) - most} more problems")]
 
 
-def _problems(found: Scan, text: str) -> list[Problem]:
-    starts = line_starts(text)
-    problems = []
-    for fault in found.faults:
-        message = fault.message
-        if fault.other is not None:
-            line, column = line_and_column(starts, fault.other)
-            message = message.replace("{place}", f"line {line}, column {column}")
-        line, column = line_and_column(starts, fault.offset)
-        problems.append(Problem(fault.code, message, shown_path(fault.path), line, column))
-    return problems
-
-
 def _read(path: Path, limits: Limits, name: str) -> bytes:
     try:
         status = path.stat()
@@ -178,12 +155,8 @@ def _read(path: Path, limits: Limits, name: str) -> bytes:
 
 
 def _neighbour(path: Path) -> str:
-    """A JSON file in the same folder, or a shipped scene, with a similar name."""
-    try:
-        beside = {entry.name: str(entry) for entry in path.parent.iterdir()
-                  if entry.suffix == ".json"}
-    except (OSError, ValueError):
-        beside = {}
+    """A scene in the same folder, or a shipped one, with a similar name."""
+    beside = {each.name: str(each) for each in scenes_beside(path)}
     if found := near(path.name, beside):
         return repr(beside[found.strip("'\"")])
     return near(path.stem, shipped_scenes())
@@ -194,8 +167,94 @@ def _decode(content: bytes, name: str) -> str:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = content[: error.start].decode("utf-8-sig", errors="replace")
-        line, column = line_and_column(line_starts(before), len(before))
         what = f"the file is not UTF-8 text (byte 0x{content[error.start]:02x})"
         if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
             what = "the file is UTF-16 text; save it as UTF-8"
-        raise SceneError([Problem("invalid-json", what, "$", line, column)], name) from None
+        raise SceneError([Problem("invalid-json", what, "$", *Lines(before).at(len(before)))],
+                         name) from None
+
+
+@dataclass
+class Library:
+    """The scenes beside a scene's file that it has read so far."""
+
+    main: SceneSource
+    limits: Limits
+    read: dict[Path, SceneSource] = field(default_factory=dict)
+    size: int = 0
+    """Of all files together [bytes]."""
+
+    def __post_init__(self) -> None:
+        self.size = len(self.main.text.encode("utf-8", "surrogatepass"))
+
+    def find(self, name: Any) -> Path:
+        """The file that an ``include`` names.
+
+        Raises:
+            WrongValueError: no name of a scene in the folder of the scene's file.
+        """
+        if not isinstance(name, str):
+            raise WrongValueError("bad-include",
+                                  f"'include' is the name of a scene, not {kind_of(name)}")
+        if self.main.path is None:
+            raise WrongValueError("bad-include",
+                                  "a scene that comes from no file has no folder to include from",
+                                  allowed="the path of a scene's file in place of its data")
+        folder = self.main.path.parent
+        stem = name.removesuffix(".json")
+        if not _NAME.fullmatch(stem) or set(stem) == {"."}:
+            raise WrongValueError("bad-include", f"{quoted(name)} is not the name of a scene in "
+                                  "this scene's own folder", allowed="a plain name, without a "
+                                  "path: files elsewhere are not read",
+                                  hint=near(re.split(r"[/\\]", stem)[-1], self.others()))
+        path = folder / f"{stem}.json"
+        try:
+            real = path.resolve(strict=True)
+            if real.parent != folder.resolve(strict=True):
+                raise WrongValueError("bad-include",
+                                      f"{quoted(path.name)} is a link that leads out of this "
+                                      "scene's folder", allowed="a file of the folder itself")
+            if not stat.S_ISREG(real.stat().st_mode):
+                raise WrongValueError("bad-include",
+                                      f"{quoted(path.name)} is no file that holds a scene")
+        except (OSError, RuntimeError):
+            names = self.others()
+            copied = (f"; 'sandbox new {stem}' copies the shipped one"
+                      if stem in shipped_scenes() else "")
+            raise WrongValueError(
+                "bad-include", f"there is no scene {quoted(stem)} beside this one{copied}",
+                hint=near(stem, names),
+                allowed=listed(names) or "none: no other scene is in the folder") from None
+        return real
+
+    def others(self) -> list[str]:
+        """Names of the scenes in the folder of the scene's file."""
+        return [each.stem for each in scenes_beside(self.main.path)] if self.main.path else []
+
+    def open(self, path: Path) -> SceneSource:
+        """A scene's file.
+
+        Raises:
+            WrongValueError: too large together with all that was read before.
+            SceneError: it cannot be read; each problem names the file.
+        """
+        if path in self.read:
+            return self.read[path]
+        name = str(Path(self.main.name).parent / path.name) if self.main.name else path.name
+        with contextlib.suppress(OSError):  # reading it reports why
+            self.size += path.stat().st_size
+        if self.size > self.limits.file_bytes:
+            raise WrongValueError("limit-exceeded", f"with {quoted(path.name)} the files of this "
+                                  "scene are larger than the limit 'file_bytes' of "
+                                  f"{self.limits.file_bytes} bytes", allowed="larger ones when the "
+                                  "limit is raised")
+        try:
+            found = replace(read_source(path, limits=self.limits), name=name)
+            if not isinstance(found.data, dict):
+                raise SceneError([Problem("wrong-type", "a scene is an object {…}, not "
+                                          f"{kind_of(found.data)}", "$", *found.where(()))])
+        except SceneError as error:
+            raise SceneError([replace(problem, file=name)
+                              for problem in error.problems], name) from None
+        self.read[path] = found
+        return found
