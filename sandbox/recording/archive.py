@@ -48,6 +48,7 @@ from sandbox.scene.check.references import check_references
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_values
 from sandbox.scene.read.positions import half_character
+from sandbox.scene.read.scopes import resolved_tables
 from sandbox.scene.read.source import parse_source
 from sandbox.values.messages import explain
 from sandbox.wording import quoted
