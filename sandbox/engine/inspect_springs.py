@@ -36,6 +36,7 @@ from sandbox.engine.stiffness import (
     responses,
     stiff_cords,
     too_stiff,
+    turning,
 )
 from sandbox.errors import Problem
 from sandbox.model.laws import STRETCH
@@ -66,13 +67,13 @@ def against_step(model: Model) -> Iterator[Problem]:
         joint = int(springs.joint[i])
         if springs.straight[i]:
             joint = hinges.get(frozenset(springs.bodies[i].tolist()), NONE)
-        softness = _softness(model, _spring(model, i), joint)
         if np.isfinite(stiffness[i] * bounds[i]):  # else its law has no value there
             yield from _against(model, f"$.springs[{i}]", name, float(stiffness[i]),
-                                float(springs.damping[i]), softness, float(bounds[i]))
+                                float(springs.damping[i]), _spring(model, i), joint,
+                                float(bounds[i]))
     for j in joints.hinges.tolist():
         yield from _against(model, f"$.joints[{j}]", joints.name[j], 0.0, float(joints.damping[j]),
-                            _softness(model, _about(model, j), j), 0.0)
+                            _about(model, j), j, turning(model, j))
     for i, law in enumerate(springs.law):
         if law is not None:
             tried = range_of_stretch(model, i)
@@ -86,9 +87,13 @@ def against_step(model: Model) -> Iterator[Problem]:
 
 
 def _against(
-    model: Model, path: str, name: str, k: float, c: float, softness: float, bound: float,
+    model: Model, path: str, name: str, k: float, c: float, parts: Parts, hinge: int, bound: float,
 ) -> Iterator[Problem]:
-    h, pace, rate = model.mechanism.run.step, math.sqrt(k * softness), c * softness
+    h = model.mechanism.run.step
+    if 1.01 * bound * h * max(k * h / COARSE**2, c / OVERDAMPED) < 1:
+        return  # its response is no larger than the bound
+    softness = _softness(model, parts, hinge)
+    pace, rate = math.sqrt(k * softness), c * softness
     if h * h * k * bound > SOFT:
         fine = min(COARSE / pace if pace else math.inf, math.sqrt(SOFT / (k * bound)))
         left = 1 / math.hypot(1, h * pace)
@@ -277,7 +282,8 @@ def _motions(
 ) -> Array:
     """A basis of the motions that joints allow, times the roots of the masses, [3 n, freedoms]."""
     pose = model.bodies.pose
-    found = [row_of(place, [(body, about_centre(model, pose, body, each)) for body, each in row])
+    found = [row_of(place, [(body, about_centre(model, pose, body, each))
+                            for body, each in row if body in place])
              for joint in joints for row in joint_rows(
                  model, pose, joint, flank=int(model.joints.play[joint] == 0))]
     if not found:

@@ -37,7 +37,7 @@ def stiff_servos(model: Model, h: float) -> Flags:
     found = np.zeros(len(drives.name), dtype=bool)
     for i in np.flatnonzero(np.isfinite(drives.stiffness)).tolist():
         j = int(drives.target[i])
-        response = _turning(model, j) if joints.angle[j] else _response(
+        response = turning(model, j) if joints.angle[j] else _response(
             model, _at_points(model, joints.bodies[j], joints.anchor[j]))
         found[i] = h * h * drives.stiffness[i] * response > SOFT
     return found
@@ -58,7 +58,7 @@ def responses(model: Model) -> Array:
     found = []
     for i, straight in enumerate(springs.straight):
         if not straight:
-            found.append(_turning(model, int(springs.joint[i])))
+            found.append(turning(model, int(springs.joint[i])))
             continue
         bodies, anchor = springs.bodies[i], springs.anchor[i]
         bound = _response(model, _at_points(model, bodies, anchor))
@@ -66,7 +66,7 @@ def responses(model: Model) -> Array:
             centre = dict(zip(joints.bodies[hinge].tolist(), joints.anchor[hinge], strict=True))
             arm = min(float(np.hypot(*(point - centre[body])))
                       for body, point in zip(bodies.tolist(), anchor, strict=True))
-            bound = min(bound, arm**2 * _turning(model, hinge))
+            bound = min(bound, arm**2 * turning(model, hinge))
         found.append(bound)
     return np.array(found, dtype=float)
 
@@ -119,7 +119,7 @@ def _lever(model: Model, body: int, point: Array) -> float:
     return float(np.hypot(*(point - model.bodies.centre[body])))
 
 
-def _turning(model: Model, hinge: int) -> float:
+def turning(model: Model, hinge: int) -> float:
     """1/I of both bodies; of one that turns on a still one 1/I about the hinge."""
     bodies, ends = model.bodies, model.joints.bodies[hinge]
     moving = [(body, point) for body, point in zip(ends, model.joints.anchor[hinge], strict=True)
