@@ -1,6 +1,6 @@
-"""Recordings written by hand, in which nothing moves and nothing pulls but what a test says.
+"""Recordings written by hand, in which nothing moves or acts but what a test sets.
 
-What an audit has to find in them follows from a few numbers; no engine is asked.
+What an audit has to find in them follows from a few numbers; no engine runs.
 """
 
 from __future__ import annotations
