@@ -106,9 +106,8 @@ def _is_study(scene: Source, defined: Collection[str]) -> bool:
     for param in context.command.params:
         if param.name in defined and context.get_parameter_source(param.name or "") is \
                 click.core.ParameterSource.COMMANDLINE:
-            raise click.BadParameter(
-                f"{scene.word} is a study file and already defines this; change it there.",
-                param_hint=param.opts[0])
+            raise click.BadParameter(f"{scene.word} already defines this; change it there.",
+                                     param_hint=param.opts[0])
     return True
 
 
