@@ -105,14 +105,13 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
         OutputError: too few samples, too many curves in a panel, or too many panels.
         UnknownQuantityError: a name that no recording has.
     """
-    window = window or Window()
-    _check_samples(runs, window)
+    window, wide = window or Window(), style.WIDTH if width is None else 1e3 * width
+    _check(runs, window, wide)
     groups = _groups(runs, list(dict.fromkeys(quantities)), x)
-    wide = _width(width)
     drawing = _drawing(runs, groups, x, window, wide)
     several, mechanism = len(runs) > 1, runs[0].run.mechanism
     events, notes = ([], _notes_of_ends(runs, window)) if x else _events(runs, window)
-    if not x and any(name in one.targets for one in runs for name in quantities):
+    if not x and any(set(one.targets) & set(quantities) for one in runs):
         notes.insert(0, "Dashed: targets.")
     panels = [_panel(drawing, names, events if names is groups[0] else [
         Upright(event.x, look=event.look) for event in events]) for names in groups]
@@ -123,16 +122,11 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
         notes=[" ".join(notes)] if notes else (), width=wide, shared=True)
 
 
-def _width(width: float | None) -> float:
-    """Width of a figure [mm]."""
-    wide = style.WIDTH if width is None else 1e3 * width
+def _check(runs: Sequence[Plotted], window: Window, wide: float) -> None:
+    """That the figure can have its width [mm], and that each run has samples."""
     if not WIDTHS[0] <= wide <= WIDTHS[1]:
         raise OutputError(f"a figure cannot be {wide:g} mm wide; allowed: {WIDTHS[0]:g} to "
                           f"{WIDTHS[1]:g} mm", code="bad-picture")
-    return wide
-
-
-def _check_samples(runs: Sequence[Plotted], window: Window) -> None:
     for one in runs:
         time = one.run.time
         if len(time[window.of(time)]) < 2:
@@ -244,12 +238,12 @@ def _events(runs: Sequence[Plotted], window: Window) -> tuple[list[Upright], lis
               for one in runs]
     lines = []
     for i, events in enumerate(inside):
+        look = {"color": style.hue(i), "linewidth": 0.8, "alpha": 0.5, "zorder": 1.5}
         for event in events if len(events) <= MAX_EVENTS else ():
             name = event.event if len(event.event) <= MAX_LETTERS \
                 else f"{event.event[:MAX_LETTERS - 1]}…"
-            lines.append(Upright(event.time, name) if len(runs) == 1 else Upright(
-                event.time, look={"color": style.hue(i), "linewidth": 0.8, "alpha": 0.5,
-                                  "zorder": 1.5}))
+            lines.append(Upright(event.time, name) if len(runs) == 1
+                         else Upright(event.time, look=look))
     if (most := max(map(len, inside))) > MAX_EVENTS:
         return lines, [f"{most} events are not marked: up to {MAX_EVENTS} are, in a window of "
                        "time."]

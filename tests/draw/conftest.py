@@ -7,6 +7,8 @@ import pytest
 
 from sandbox.elements.arrays import CONTACT, PER_SAMPLE, STATIC, dtype_of, shape_of, sizes
 from sandbox.engine.simulate import simulate
+from sandbox.picture.frame import Picture
+from sandbox.picture.frames import Frames
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import planned
 from sandbox.scene.mechanism import Mechanism
@@ -30,6 +32,10 @@ def arrays_for(mechanism, time, pose, **given):
 def recording(mechanism, time, pose, **given):
     return Recording(mechanism, arrays_for(mechanism, time, pose, **given),
                      planned(mechanism.run))
+
+
+def frames_of(run, *, enlarge=2, **options):
+    return Frames(Picture(run, **options), enlarge)
 
 
 @cache

@@ -14,9 +14,8 @@ from sandbox.picture.geometry import large_circle
 from sandbox.picture.scales import round_length, round_up
 from sandbox.picture.typesetter import MOST_LETTERS, Typesetter, ellipsis
 from sandbox.scene.mechanism import Mechanism
-from tests.draw.painted import frames_of
 
-from .conftest import recording
+from .conftest import frames_of, recording
 
 SIZE = (160, 120)
 RED = (255, 0, 0)

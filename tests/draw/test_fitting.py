@@ -8,9 +8,8 @@ from sandbox.picture.bounds import ROOM, anchored, body_box
 from sandbox.picture.options import view_of
 from sandbox.picture.palette import TRACE
 from sandbox.scene.mechanism import Mechanism
-from tests.draw.painted import frames_of
 
-from .conftest import recording
+from .conftest import frames_of, recording
 
 N = 101
 TIME = np.linspace(0, 1, N)

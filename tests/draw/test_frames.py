@@ -17,9 +17,8 @@ from sandbox.picture.frames import Frames
 from sandbox.picture.palette import FORCE
 from sandbox.picture.paper import paint_picture, pixels
 from sandbox.scene.mechanism import Mechanism
-from tests.draw.painted import frames_of
 
-from .conftest import recording, zoo_mechanism
+from .conftest import frames_of, recording, zoo_mechanism
 
 GOLDEN = Path(__file__).parent / "golden"
 SMALL = (320, 240)

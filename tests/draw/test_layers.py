@@ -14,9 +14,8 @@ from sandbox.picture.palette import (
 )
 from sandbox.scene.layers import LAYERS
 from sandbox.scene.mechanism import Mechanism
-from tests.draw.painted import frames_of
 
-from .conftest import recording
+from .conftest import frames_of, recording
 
 N = 21
 
